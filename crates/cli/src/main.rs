@@ -1,0 +1,2 @@
+//! The trolley binary.
+fn main() {}

@@ -1,0 +1,95 @@
+//! Axis-aligned boxes: [`Aabb`] as stored with a tree (f32), [`Bounds`] as walked with (f64).
+
+use crate::{Corners, DVec3};
+use bytemuck::{Pod, Zeroable};
+
+/// A closed axis-aligned box in a body's own frame, in metres.
+///
+/// It is the exact minima and maxima of stored f32 coordinates, so nothing was rounded. The empty
+/// box is inverted and infinite: it overlaps nothing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Aabb {
+    /// Least x, y, z.
+    pub min: [f32; 3],
+    /// Greatest x, y, z.
+    pub max: [f32; 3],
+}
+
+impl Aabb {
+    /// The box of nothing: the neutral element of [`Aabb::union`].
+    pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+
+    /// The box of one triangle.
+    #[must_use]
+    pub fn of(corners: &Corners) -> Self {
+        corners.iter().fold(Self::EMPTY, |mut box_, corner| {
+            box_.grow(*corner);
+            box_
+        })
+    }
+
+    /// Includes one point.
+    pub fn grow(&mut self, point: [f32; 3]) {
+        for axis in 0..3 {
+            self.min[axis] = self.min[axis].min(point[axis]);
+            self.max[axis] = self.max[axis].max(point[axis]);
+        }
+    }
+
+    /// The least box that holds both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        sum.grow(other.min);
+        sum.grow(other.max);
+        sum
+    }
+
+    /// Length along an axis (0, 1, 2), in metres; negative infinity for the empty box.
+    #[must_use]
+    pub fn extent(&self, axis: usize) -> f32 {
+        self.max[axis] - self.min[axis]
+    }
+
+    /// Half the surface area [m²], 0 for the empty box.
+    #[must_use]
+    pub fn half_area(&self) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.extent(axis));
+        if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
+    }
+
+    /// The same box in f64.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        Bounds {
+            min: DVec3::from_array(self.min.map(f64::from)),
+            max: DVec3::from_array(self.max.map(f64::from)),
+        }
+    }
+}
+
+/// A closed axis-aligned box in f64, in the frame of the walk, in metres; rounded outward where it
+/// was computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Least x, y, z.
+    pub min: DVec3,
+    /// Greatest x, y, z.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// Whether the two closed boxes share a point: touching counts.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Half the surface area [m²].
+    #[must_use]
+    pub fn half_area(&self) -> f64 {
+        let e = self.max - self.min;
+        e.x * e.y + e.y * e.z + e.z * e.x
+    }
+}

@@ -1,0 +1,26 @@
+//! Vectors, boxes, poses and the exact triangle–triangle test.
+//!
+//! Everything is in metres and radians unless a name says otherwise; frames are right-handed, x
+//! forward, y left, z up. This crate knows nothing of bodies, trees or harm, and does no I/O.
+//!
+//! # Invariants
+//!
+//! - A vertex of B in A's frame is `((R₀x + R₁y) + R₂z) + t` in f64 from the stored f32, sums left
+//!   to right, never fused, never rounded again ([`RelativePose::point`]). That defines the input.
+//! - On that input [`triangle::intersect`] is exact: closed triangles, touching counts, coplanar
+//!   overlap counts, a degenerate triangle is the segment or point that it is.
+//! - Boxes only ever grow when rounded: no intersecting pair lies outside of them.
+
+pub mod aabb;
+pub mod pose;
+pub mod support;
+pub mod triangle;
+
+pub use aabb::{Aabb, Bounds};
+pub use glam::{DMat3, DVec3};
+pub use pose::{Pose, RelativePose};
+pub use support::{Directions, Supports};
+pub use triangle::Triangle;
+
+/// A stored triangle: three corners of three coordinates [m], in its body's own frame.
+pub type Corners = [[f32; 3]; 3];

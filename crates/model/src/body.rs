@@ -1,0 +1,114 @@
+//! What a body is made of: a mesh in source order, and a body in leaf order with its tree.
+
+use crate::meta::Meta;
+use bytemuck::{Pod, Zeroable};
+use geometry::{Aabb, Corners};
+
+/// A node of the binary tree, 32 bytes, stored in depth-first preorder.
+///
+/// The left child of the interior node `i` is `i + 1`, the right one is `link`; so the nodes of a
+/// subtree are one contiguous range, and so are its triangles, which are stored in leaf order.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Node {
+    /// Exact box of all triangles below, body frame.
+    pub bounds: Aabb,
+    /// Leaf: number of its first triangle. Interior: number of its right child.
+    pub link: u32,
+    /// Leaf: how many triangles, at least 1. Interior: 0.
+    pub count: u32,
+}
+
+const _: () = assert!(size_of::<Node>() == 32);
+
+impl Node {
+    /// Whether this node holds triangles itself.
+    #[must_use]
+    pub fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+}
+
+/// Zones of a body that a triangle belongs to: a set of bits.
+///
+/// Bits 0 to 6: front, middle, rear third; left, right side; upper, lower half. Bits 8 to 15: beside
+/// the seat whose [`crate::Seat`] number is the bit minus 8.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Zones(pub u16);
+
+/// A triangulated body in source order, before it has a tree.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Triangles, metres, x forward, y left, z up; every coordinate finite.
+    pub corners: Vec<Corners>,
+    /// Per triangle: its number in the source file after triangulation.
+    pub source_ids: Vec<u32>,
+    /// Per triangle: index into `parts`.
+    pub part_of: Vec<u16>,
+    /// Names of parts, groups or materials.
+    pub parts: Vec<String>,
+    /// Duplicates left out, as (source id dropped, source id kept), ascending.
+    pub dropped: Vec<(u32, u32)>,
+    /// How many triangles have zero area. They are kept: they are the segment or point they are.
+    pub degenerate: u32,
+}
+
+/// A body with its tree: owned. All arrays below are in leaf order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// What is known of it beside its triangles.
+    pub meta: Meta,
+    /// The tree, preorder; the root is node 0.
+    pub nodes: Vec<Node>,
+    /// Triangles in leaf order.
+    pub corners: Vec<Corners>,
+    /// Per triangle: source id.
+    pub source_ids: Vec<u32>,
+    /// Per triangle: part.
+    pub part_of: Vec<u16>,
+    /// Per triangle: zones.
+    pub zones: Vec<Zones>,
+    /// Duplicates left out on import, as (source id dropped, source id kept).
+    pub dropped: Vec<[u32; 2]>,
+}
+
+/// A body as it lies in a model file or in the sealed model store: borrowed, nothing copied.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyView<'a> {
+    /// The tree, preorder; the root is node 0.
+    pub nodes: &'a [Node],
+    /// Triangles in leaf order.
+    pub corners: &'a [Corners],
+    /// Per triangle: source id.
+    pub source_ids: &'a [u32],
+    /// Per triangle: part.
+    pub part_of: &'a [u16],
+    /// Per triangle: zones.
+    pub zones: &'a [Zones],
+    /// Duplicates left out on import, as (source id dropped, source id kept).
+    pub dropped: &'a [[u32; 2]],
+}
+
+impl Body {
+    /// The same body, borrowed.
+    #[must_use]
+    pub fn view(&self) -> BodyView<'_> {
+        BodyView {
+            nodes: &self.nodes,
+            corners: &self.corners,
+            source_ids: &self.source_ids,
+            part_of: &self.part_of,
+            zones: &self.zones,
+            dropped: &self.dropped,
+        }
+    }
+}
+
+impl BodyView<'_> {
+    /// The box of the whole body, body frame.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds)
+    }
+}

@@ -1,0 +1,15 @@
+//! Triangulated bodies: importing, checking, storing and generating them.
+//!
+//! ```text
+//! bytes of a mesh file --import--> Mesh --(bvh builds a tree)--> Body --file::encode--> model file
+//! generate(kind, count) ----------> Mesh                           BodyView <--file::view-- bytes
+//! ```
+//!
+//! This crate takes bytes and a resolver for side files; it never opens a file. It knows nothing of
+//! poses, contact or harm. Lengths are metres, x forward, y left, z up.
+
+pub mod body;
+pub mod meta;
+
+pub use body::{Body, BodyView, Mesh, Node, Zones};
+pub use meta::{Build, Kind, Meta, Seat};
