@@ -1,1 +1,30 @@
-//! protocol
+//! Plain-data messages between the processes, and the names of things in them.
+//!
+//! Every message is a slice of 64-bit words behind a 64-byte [`Head`]; what the words mean is said
+//! by [`job`] (coordinator to worker) and [`result`] (worker to coordinator). The [`status`] page is
+//! the one thing that both sides may look at while it changes.
+//!
+//! # Invariants
+//!
+//! - Every bit pattern of a message is a value: no padding, no `bool`, no `enum`, no pointer. What a
+//!   peer scribbled is a wrong value at worst, and [`Head::accept`] turns it away.
+//! - Layouts are pinned by assertions beside the types; [`LAYOUT`] names them all.
+//! - This crate does no I/O and reads no clock. It does not know what a triangle is.
+
+pub mod head;
+pub mod id;
+pub mod job;
+pub mod result;
+pub mod status;
+
+pub use head::{Head, Kind, Reject, seal, verify};
+pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
+pub use job::{Job, Question, Task};
+pub use result::{Side, Summary};
+pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
+
+/// Version of all layouts of this crate: part of every header and of every service's attributes.
+pub const LAYOUT: u32 = 1;
+
+/// How many workers the status page has room for.
+pub const WORKERS_MAX: usize = 16;

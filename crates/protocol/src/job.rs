@@ -1,0 +1,109 @@
+//! What a worker is asked: a batch of jobs, with the tasks that they belong to.
+//!
+//! A *task* is one question about one pose of one pair of bodies; a *job* is one pair of nodes of
+//! it. A batch carries every task that its jobs name, so a worker keeps no state between batches,
+//! and a new incarnation needs no history.
+//!
+//! ```text
+//! words: [tasks | jobs << 32] [Task; tasks] [Job; jobs]
+//! ```
+
+use bytemuck::{Pod, Zeroable};
+
+/// What is asked about a pair of bodies at one pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Question {
+    /// Is there any hit? The first one ends the job.
+    Touches = 1,
+    /// Which triangles are hit?
+    Sets = 2,
+    /// All intersecting pairs: count, hash, and supports of the contact.
+    Pairs = 3,
+}
+
+impl Question {
+    /// The question with this number.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        [Self::Touches, Self::Sets, Self::Pairs].into_iter().find(|q| *q as u32 == number)
+    }
+}
+
+/// A task as it travels: 160 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Task {
+    /// Number of body A in the model store.
+    pub model_a: u32,
+    /// Number of body B.
+    pub model_b: u32,
+    /// A [`Question`].
+    pub question: u32,
+    /// Number of the task within the request.
+    pub task: u32,
+    /// R of x_A = R x_B + t, row-major.
+    pub rotation: [[f64; 3]; 3],
+    /// t [m].
+    pub translation: [f64; 3],
+    /// Unit vector of the relative velocity, A's frame.
+    pub u: [f64; 3],
+    /// Unit vector upwards, A's frame.
+    pub z: [f64; 3],
+}
+
+/// A job as it travels: 32 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Job {
+    /// Slot in the request's job table.
+    pub job: u32,
+    /// Index of its task within this batch.
+    pub task: u32,
+    /// Node of body A's tree.
+    pub node_a: u32,
+    /// Node of body B's tree.
+    pub node_b: u32,
+    /// Most box and triangle tests it may take.
+    pub budget: u64,
+    /// Attempt, from 0.
+    pub attempt: u32,
+    /// 0.
+    pub spare: u32,
+}
+
+const TASK_WORDS: usize = size_of::<Task>() / 8;
+const JOB_WORDS: usize = size_of::<Job>() / 8;
+const _: () = assert!(size_of::<Task>() == 160 && size_of::<Job>() == 32);
+
+/// Words that a batch of so many tasks and jobs takes.
+#[must_use]
+pub const fn batch_words(tasks: usize, jobs: usize) -> usize {
+    1 + tasks * TASK_WORDS + jobs * JOB_WORDS
+}
+
+/// Lays a batch out in `words`, which is cleared first.
+pub fn write_batch(words: &mut Vec<u64>, tasks: &[Task], jobs: &[Job]) {
+    words.clear();
+    words.push(tasks.len() as u64 | (jobs.len() as u64) << 32);
+    words.extend_from_slice(bytemuck::cast_slice(tasks));
+    words.extend_from_slice(bytemuck::cast_slice(jobs));
+}
+
+/// Reads a batch; `None` if the counts do not fit the words, or a job names a task that is not here.
+#[must_use]
+pub fn read_batch(words: &[u64]) -> Option<(&[Task], &[Job])> {
+    let (counts, rest) = words.split_first()?;
+    let (tasks, jobs) = ((counts & 0xffff_ffff) as usize, (counts >> 32) as usize);
+    let split = tasks.checked_mul(TASK_WORDS)?;
+    if rest.len() != split.checked_add(jobs.checked_mul(JOB_WORDS)?)? {
+        return None;
+    }
+    let (head, tail) = rest.split_at(split);
+    let batch: (&[Task], &[Job]) =
+        (bytemuck::try_cast_slice(head).ok()?, bytemuck::try_cast_slice(tail).ok()?);
+    batch.1.iter().all(|job| (job.task as usize) < tasks).then_some(batch)
+}
+
+#[cfg(test)]
+mod tests;

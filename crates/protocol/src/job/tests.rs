@@ -1,0 +1,35 @@
+//! Laws of the batch: it is read as it was written, and hostile counts are refused.
+
+use super::*;
+use proptest::prelude::*;
+
+fn a_task(number: u32) -> Task {
+    Task { task: number, question: Question::Pairs as u32, ..Task::zeroed() }
+}
+
+proptest! {
+    #[test]
+    fn reads_what_was_written(jobs in prop::collection::vec(0_u32..3, 0..30)) {
+        let tasks = [a_task(4), a_task(5), a_task(6)];
+        let jobs: Vec<Job> =
+            jobs.iter().map(|&task| Job { task, job: 70 + task, ..Job::zeroed() }).collect();
+        let mut words = vec![9; 3];
+        write_batch(&mut words, &tasks, &jobs);
+        prop_assert_eq!(words.len(), batch_words(3, jobs.len()));
+        prop_assert_eq!(read_batch(&words), Some((&tasks[..], &jobs[..])));
+    }
+
+    #[test]
+    fn no_words_make_it_panic(words in prop::collection::vec(any::<u64>(), 0..60)) {
+        let _ = read_batch(&words);
+    }
+}
+
+#[test]
+fn a_job_of_a_task_that_is_not_there_is_refused() {
+    let mut words = Vec::new();
+    write_batch(&mut words, &[a_task(0)], &[Job { task: 1, ..Job::zeroed() }]);
+    assert_eq!(read_batch(&words), None);
+    assert_eq!(read_batch(&[]), None);
+    assert_eq!(read_batch(&[u64::MAX]), None);
+}

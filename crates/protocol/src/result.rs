@@ -1,0 +1,171 @@
+//! What a worker answers: the hits of one job, in one or several parts.
+//!
+//! A part is hits alone; the last part begins with the job's [`Summary`] and, if pairs were asked
+//! for, its supports. A hit is a triangle in leaf order with its body in the top bit, each at most
+//! once per job; two of them share a word.
+//!
+//! ```text
+//! words of a part:      [hit | hit << 32]...
+//! words of the last:    [Summary] ([f64; SUPPORTS] if pairs were asked for) [hit | hit << 32]...
+//! ```
+
+use bytemuck::{Pod, Zeroable};
+
+/// How many supports a job on pairs returns: one per direction of measurement.
+pub const SUPPORTS: usize = 74;
+
+/// Words of a [`Summary`].
+pub const SUMMARY_WORDS: usize = size_of::<Summary>() / 8;
+
+/// Which body a hit triangle belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The ego.
+    A,
+    /// The opposing body.
+    B,
+}
+
+/// What a finished job says of itself: 64 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Summary {
+    /// Box-pair tests.
+    pub nb: u64,
+    /// Triangle-pair tests.
+    pub np: u64,
+    /// Intersecting pairs (one at most if only contact was asked for).
+    pub pairs: u64,
+    /// Wrapping sum of splitmix64(source id in A << 32 | source id in B) over them.
+    pub hash: u64,
+    /// Time from start to end of the job [ns], monotonic.
+    pub wall_ns: u64,
+    /// Zones of A's hit triangles.
+    pub zones_a: u16,
+    /// Zones of B's hit triangles.
+    pub zones_b: u16,
+    /// How it ended: an [`End`].
+    pub end: u32,
+    /// Supports that follow: 0 or [`SUPPORTS`].
+    pub supports: u32,
+    /// Hits in all parts together.
+    pub hits: u32,
+    /// 0.
+    pub spare: u64,
+}
+
+const _: () = assert!(size_of::<Summary>() == 64);
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum End {
+    /// All was tested that the question asks for.
+    Complete = 1,
+    /// The budget was spent; what is left is open.
+    OutOfBudget = 2,
+}
+
+impl End {
+    /// The end with this number.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        [Self::Complete, Self::OutOfBudget].into_iter().find(|end| *end as u32 == number)
+    }
+}
+
+/// A hit triangle as it travels. `triangle` is below 2³¹.
+#[must_use]
+pub const fn hit(side: Side, triangle: u32) -> u32 {
+    match side {
+        Side::A => triangle,
+        Side::B => triangle | 1 << 31,
+    }
+}
+
+/// The triangle that a hit names.
+#[must_use]
+pub const fn read_hit(hit: u32) -> (Side, u32) {
+    (if hit >> 31 == 0 { Side::A } else { Side::B }, hit & 0x7fff_ffff)
+}
+
+/// The last part of a result, taken apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Last<'a> {
+    /// What the job says of itself.
+    pub summary: Summary,
+    /// Supports, if pairs were asked for.
+    pub supports: Option<&'a [f64; SUPPORTS]>,
+    /// Hits of this part.
+    pub hits: &'a [u32],
+}
+
+/// Takes the last part of a result apart; `None` if counts and words do not fit.
+#[must_use]
+pub fn read_last(words: &[u64], hits: u32) -> Option<Last<'_>> {
+    let (summary, rest) = words.split_at_checked(SUMMARY_WORDS)?;
+    let summary: Summary = bytemuck::pod_read_unaligned(bytemuck::cast_slice(summary));
+    End::from_number(summary.end)?;
+    let (supports, rest) = match summary.supports as usize {
+        0 => (None, rest),
+        SUPPORTS => {
+            let (supports, rest) = rest.split_at_checked(SUPPORTS)?;
+            let supports: &[f64] = bytemuck::try_cast_slice(supports).ok()?;
+            (Some(supports.try_into().ok()?), rest)
+        }
+        _ => return None,
+    };
+    Some(Last { summary, supports, hits: read_hits(rest, hits)? })
+}
+
+/// The hits of a part; `None` if there are not that many words.
+#[must_use]
+pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
+    let halves: &[u32] = bytemuck::try_cast_slice(words).ok()?;
+    let hits = hits as usize;
+    (words.len() == hits.div_ceil(2)).then(|| halves.get(..hits)).flatten()
+}
+
+/// Writes hits into a part, two to a word.
+///
+/// One is made per part over the words that are left of it; it knows how many fit.
+#[derive(Debug)]
+pub struct HitWriter<'a> {
+    words: &'a mut [u64],
+    hits: usize,
+}
+
+impl<'a> HitWriter<'a> {
+    /// Starts with no hits.
+    #[must_use]
+    pub fn new(words: &'a mut [u64]) -> Self {
+        Self { words, hits: 0 }
+    }
+
+    /// Adds one; `false` if there is no room, and then nothing was written.
+    pub fn push(&mut self, hit: u32) -> bool {
+        let Some(word) = self.words.get_mut(self.hits / 2) else { return false };
+        if self.hits.is_multiple_of(2) {
+            *word = u64::from(hit);
+        } else {
+            *word |= u64::from(hit) << 32;
+        }
+        self.hits += 1;
+        true
+    }
+
+    /// How many were written.
+    #[must_use]
+    pub fn hits(&self) -> u32 {
+        u32::try_from(self.hits).unwrap_or(u32::MAX)
+    }
+
+    /// How many words they take.
+    #[must_use]
+    pub fn words(&self) -> usize {
+        self.hits.div_ceil(2)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,125 @@
+//! The status page: what liveness and flow control need, in one memory page shared by all.
+//!
+//! Each worker has one line that it alone writes, and one that the coordinator alone writes for it;
+//! 128 bytes each, so that two cores never fight for a line (adjacent-line prefetch included).
+//! Everything is an atomic: a reader sees a value or the next one, never half of one. All zeros is a
+//! valid page.
+
+use crate::WORKERS_MAX;
+use crate::id::{Incarnation, JobId};
+use core::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+/// The whole page.
+#[repr(C, align(128))]
+#[derive(Debug, Default)]
+pub struct StatusPage {
+    /// Written by the worker of that number.
+    pub workers: [WorkerLine; WORKERS_MAX],
+    /// Written by the coordinator for the worker of that number.
+    pub coordinator: [CoordinatorLine; WORKERS_MAX],
+}
+
+/// What a worker says of itself.
+#[repr(C, align(128))]
+#[derive(Debug, Default)]
+pub struct WorkerLine {
+    /// Moves at least every thousand tests while it works, and at every wake-up.
+    pub beat: AtomicU64,
+    /// The job it is working on, see [`started`]; 0: none.
+    pub started: AtomicU64,
+    /// Result messages sent by this incarnation: with `consumed`, its credits.
+    pub sent: AtomicU64,
+    /// Payload and header bytes of these.
+    pub bytes: AtomicU64,
+    /// Box and triangle tests done.
+    pub tests: AtomicU64,
+    /// Jobs finished.
+    pub jobs: AtomicU64,
+    /// A [`State`].
+    pub state: AtomicU32,
+    /// 1 while it sleeps on [`CoordinatorLine::wake`].
+    pub sleeping: AtomicU32,
+    /// The CPU it last ran on, plus one; 0: not said.
+    pub cpu: AtomicU32,
+    /// Its incarnation.
+    pub inc: AtomicU32,
+}
+
+/// What the coordinator says to one worker.
+#[repr(C, align(128))]
+#[derive(Debug, Default)]
+pub struct CoordinatorLine {
+    /// Result messages taken from this incarnation.
+    pub consumed: AtomicU64,
+    /// Futex word: changes when there may be something to do.
+    pub wake: AtomicU32,
+    /// 1: finish the job at hand, then end.
+    pub stop: AtomicU32,
+    /// 1 while the coordinator sleeps, so that a worker has to ring its eventfd.
+    pub sleeping: AtomicU32,
+}
+
+const _: () = {
+    assert!(size_of::<WorkerLine>() == 128 && size_of::<CoordinatorLine>() == 128);
+    assert!(size_of::<StatusPage>() == 256 * WORKERS_MAX);
+};
+
+/// How far a worker has come: it only ever counts up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum State {
+    /// Nothing was heard yet.
+    Silent = 0,
+    /// Its channels are open and its greeting is sent.
+    Hello = 1,
+    /// It takes jobs.
+    Ready = 2,
+    /// It has said goodbye.
+    Bye = 3,
+}
+
+impl State {
+    /// The state with this number.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        [Self::Silent, Self::Hello, Self::Ready, Self::Bye]
+            .into_iter()
+            .find(|state| *state as u32 == number)
+    }
+}
+
+/// Packs who works on what into one word, so that a reader never sees half of it: a flag, the low
+/// 23 bits of the incarnation, the attempt, the job.
+#[must_use]
+pub fn started(from: Incarnation, job: JobId, attempt: u8) -> u64 {
+    1 << 63 | u64::from(from.inc & 0x7f_ffff) << 40 | u64::from(attempt) << 32 | u64::from(job.0)
+}
+
+/// The job and attempt that a worker of this incarnation has started; `None` if none.
+#[must_use]
+pub fn read_started(word: u64, from: Incarnation) -> Option<(JobId, u8)> {
+    let inc = (word >> 40 & 0x7f_ffff) as u32;
+    let job = JobId((word & 0xffff_ffff) as u32);
+    (word >> 63 == 1 && inc == from.inc & 0x7f_ffff).then_some((job, (word >> 32 & 0xff) as u8))
+}
+
+impl WorkerLine {
+    /// The state, if it is one.
+    #[must_use]
+    pub fn state(&self) -> Option<State> {
+        State::from_number(self.state.load(Ordering::Acquire))
+    }
+
+    /// Blanks the line for the next incarnation. Only while no process writes it.
+    pub fn reset(&self) {
+        for word in [&self.beat, &self.started, &self.sent, &self.bytes, &self.tests, &self.jobs] {
+            word.store(0, Ordering::Release);
+        }
+        for word in [&self.state, &self.sleeping, &self.cpu, &self.inc] {
+            word.store(0, Ordering::Release);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
