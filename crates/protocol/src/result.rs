@@ -1,12 +1,13 @@
 //! What a worker answers: the hits of one job, in one or several parts.
 //!
-//! A part is hits alone; the last part begins with the job's [`Summary`] and, if pairs were asked
-//! for, its supports. A hit is a triangle in leaf order with its body in the top bit, each at most
-//! once per job; two of them share a word.
+//! A part is hits alone; the last part ends with the job's [`Summary`] and, if pairs were asked for,
+//! its supports: a worker writes hits straight into shared memory before it knows which part will
+//! be the last. A hit is a triangle in leaf order with its body in the top bit, each at most once
+//! per job; two of them share a word.
 //!
 //! ```text
 //! words of a part:      [hit | hit << 32]...
-//! words of the last:    [Summary] ([f64; SUPPORTS] if pairs were asked for) [hit | hit << 32]...
+//! words of the last:    [hit | hit << 32]... [Summary] ([f64; SUPPORTS] if pairs were asked for)
 //! ```
 
 use bytemuck::{Pod, Zeroable};
@@ -16,6 +17,9 @@ pub const SUPPORTS: usize = 74;
 
 /// Words of a [`Summary`].
 pub const SUMMARY_WORDS: usize = size_of::<Summary>() / 8;
+
+/// Words that must be left free behind the hits of a part, so that it can become the last.
+pub const TAIL_WORDS: usize = SUMMARY_WORDS + SUPPORTS;
 
 /// Which body a hit triangle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,22 +107,22 @@ pub struct Last<'a> {
 /// Takes the last part of a result apart; `None` if counts and words do not fit.
 #[must_use]
 pub fn read_last(words: &[u64], hits: u32) -> Option<Last<'_>> {
-    let (summary, rest) = words.split_at_checked(SUMMARY_WORDS)?;
+    let (hit_words, rest) = words.split_at_checked((hits as usize).div_ceil(2))?;
+    let (summary, rest) = rest.split_at_checked(SUMMARY_WORDS)?;
     let summary: Summary = bytemuck::pod_read_unaligned(bytemuck::cast_slice(summary));
     End::from_number(summary.end)?;
-    let (supports, rest) = match summary.supports as usize {
-        0 => (None, rest),
-        SUPPORTS => {
-            let (supports, rest) = rest.split_at_checked(SUPPORTS)?;
-            let supports: &[f64] = bytemuck::try_cast_slice(supports).ok()?;
-            (Some(supports.try_into().ok()?), rest)
+    let supports = match (summary.supports as usize, rest.len()) {
+        (0, 0) => None,
+        (SUPPORTS, SUPPORTS) => {
+            let supports: &[f64] = bytemuck::try_cast_slice(rest).ok()?;
+            Some(supports.try_into().ok()?)
         }
         _ => return None,
     };
-    Some(Last { summary, supports, hits: read_hits(rest, hits)? })
+    Some(Last { summary, supports, hits: read_hits(hit_words, hits)? })
 }
 
-/// The hits of a part; `None` if there are not that many words.
+/// The hits of a part; `None` if they would take another number of words.
 #[must_use]
 pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
     let halves: &[u32] = bytemuck::try_cast_slice(words).ok()?;
@@ -126,45 +130,40 @@ pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
     (words.len() == hits.div_ceil(2)).then(|| halves.get(..hits)).flatten()
 }
 
-/// Writes hits into a part, two to a word.
+/// Writes the hit number `at` of a part, counted from 0; hits are written in order.
 ///
-/// One is made per part over the words that are left of it; it knows how many fit.
-#[derive(Debug)]
-pub struct HitWriter<'a> {
-    words: &'a mut [u64],
-    hits: usize,
+/// `false` if there is no room for it with [`TAIL_WORDS`] left behind, and then nothing was written.
+pub fn write_hit(words: &mut [u64], at: usize, hit: u32) -> bool {
+    if at / 2 + 1 + TAIL_WORDS > words.len() {
+        return false;
+    }
+    if at.is_multiple_of(2) {
+        words[at / 2] = u64::from(hit);
+    } else {
+        words[at / 2] |= u64::from(hit) << 32;
+    }
+    true
 }
 
-impl<'a> HitWriter<'a> {
-    /// Starts with no hits.
-    #[must_use]
-    pub fn new(words: &'a mut [u64]) -> Self {
-        Self { words, hits: 0 }
-    }
-
-    /// Adds one; `false` if there is no room, and then nothing was written.
-    pub fn push(&mut self, hit: u32) -> bool {
-        let Some(word) = self.words.get_mut(self.hits / 2) else { return false };
-        if self.hits.is_multiple_of(2) {
-            *word = u64::from(hit);
-        } else {
-            *word |= u64::from(hit) << 32;
-        }
-        self.hits += 1;
-        true
-    }
-
-    /// How many were written.
-    #[must_use]
-    pub fn hits(&self) -> u32 {
-        u32::try_from(self.hits).unwrap_or(u32::MAX)
-    }
-
-    /// How many words they take.
-    #[must_use]
-    pub fn words(&self) -> usize {
-        self.hits.div_ceil(2)
-    }
+/// Turns a part of `hits` hits into the last one; says how many words it takes in all.
+///
+/// # Panics
+///
+/// If [`TAIL_WORDS`] were not left free: [`write_hit`] sees to it.
+pub fn write_last(
+    words: &mut [u64],
+    hits: usize,
+    summary: &Summary,
+    supports: Option<&[f64; SUPPORTS]>,
+) -> usize {
+    let at = hits.div_ceil(2);
+    let summary =
+        Summary { supports: supports.map_or(0, |supports| supports.len() as u32), ..*summary };
+    words[at..at + SUMMARY_WORDS].copy_from_slice(bytemuck::cast_slice(&[summary]));
+    let at = at + SUMMARY_WORDS;
+    let Some(supports) = supports else { return at };
+    words[at..at + SUPPORTS].copy_from_slice(bytemuck::cast_slice(supports));
+    at + SUPPORTS
 }
 
 #[cfg(test)]

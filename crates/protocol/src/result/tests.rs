@@ -5,13 +5,31 @@ use proptest::prelude::*;
 
 proptest! {
     #[test]
-    fn hits_come_back(hits in prop::collection::vec(any::<u32>(), 0..50), room in 0_usize..30) {
+    fn a_part_comes_back_as_it_was_written(
+        hits in prop::collection::vec(any::<u32>(), 0..50),
+        room in TAIL_WORDS..TAIL_WORDS + 30,
+        pairs in any::<bool>(),
+    ) {
         let mut words = vec![u64::MAX; room];
-        let mut writer = HitWriter::new(&mut words);
-        let written = hits.iter().take_while(|hit| writer.push(**hit)).count();
-        prop_assert_eq!(written, hits.len().min(2 * room));
-        let (n, used) = (writer.hits(), writer.words());
-        prop_assert_eq!(read_hits(&words[..used], n), Some(&hits[..written]));
+        let mut n = 0;
+        while n < hits.len() && write_hit(&mut words, n, hits[n]) {
+            n += 1;
+        }
+        prop_assert_eq!(n, hits.len().min(2 * (room - TAIL_WORDS)));
+        prop_assert_eq!(read_hits(&words[..n.div_ceil(2)], n as u32), Some(&hits[..n]));
+
+        let supports = [0.5; SUPPORTS];
+        let supports = pairs.then_some(&supports);
+        let summary = Summary {
+            np: 3,
+            end: End::Complete as u32,
+            supports: if pairs { 74 } else { 0 },
+            ..Summary::zeroed()
+        };
+        let used = write_last(&mut words, n, &summary, supports);
+        let last = read_last(&words[..used], n as u32);
+        prop_assert_eq!(last, Some(Last { summary, supports, hits: &hits[..n] }));
+        prop_assert_eq!(read_last(&words[..used - 1], n as u32), None);
     }
 
     #[test]
@@ -27,18 +45,4 @@ proptest! {
     ) {
         let _ = (read_last(&words, hits), read_hits(&words, hits));
     }
-}
-
-#[test]
-fn the_last_part_is_taken_apart() {
-    let summary =
-        Summary { np: 3, end: End::Complete as u32, supports: 74, hits: 1, ..Summary::zeroed() };
-    let mut words: Vec<u64> = bytemuck::cast_slice(bytemuck::bytes_of(&summary)).to_vec();
-    words.extend((0..74_u32).map(|i| f64::from(i).to_bits()));
-    words.push(u64::from(hit(Side::B, 8)));
-    let last = read_last(&words, 1).unwrap();
-    assert_eq!((last.summary, last.supports.unwrap()[73]), (summary, 73.0));
-    assert_eq!(last.hits, [1 << 31 | 8]);
-    assert_eq!(read_last(&words, 3), None);
-    assert_eq!(read_last(&words[..70], 0), None);
 }
