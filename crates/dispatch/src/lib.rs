@@ -1,1 +1,25 @@
-//! dispatch
+//! Who works on what: schemes, leases, the transfer ledger and supervision.
+//!
+//! A state machine: events in (time, result, death, silence), effects out (send, kill). It owns no
+//! clock, no thread and no channel, so the live coordinator and a simulator drive the same code. It
+//! asks a small trait, [`Work`], for jobs and hands it what they found; it does not know what a
+//! triangle or a harm is.
+//!
+//! # Invariants
+//!
+//! - A job is executed at least once and closed exactly once, whatever is lost, late or repeated:
+//!   `dispatcher/tests.rs`.
+//! - Only eligible cores get jobs, so no queue ever overflows: same tests.
+//! - Nothing here depends on a hash order or on time, so equal events give equal effects.
+
+mod dispatcher;
+mod ledger;
+mod scheme;
+mod supervise;
+
+pub use dispatcher::{
+    Closed, Counts, Dispatcher, Effect, Event, Fence, Progress, Queues, Spec, Work,
+};
+pub use ledger::{Ledger, Transfer};
+pub use scheme::{BestMatchLoad, CoreView, Scheme};
+pub use supervise::{Patience, Pulse, Verdict, Watch};

@@ -1,0 +1,54 @@
+//! Laws of supervision: who moves, rests or only waits lives; who stands still is found in time.
+
+use super::*;
+use proptest::prelude::*;
+
+const MS: u64 = 1_000_000;
+
+proptest! {
+    #[test]
+    fn a_worker_that_beats_or_has_nothing_to_do_is_never_killed(
+        looks in prop::collection::vec((1_u64..10_000, any::<bool>(), any::<bool>()), 1..60),
+    ) {
+        let (mut watch, mut now, mut beat) = (Watch::default(), 0, 0);
+        for (gap, stopped, busy) in looks {
+            now += gap * MS;
+            beat += u64::from(busy);
+            let pulse = Pulse { beat, cpu_ns: now, stopped, busy };
+            prop_assert_eq!(watch.look(pulse, now, &Patience::default()), Verdict::Alive);
+        }
+    }
+
+    #[test]
+    fn a_busy_worker_that_stands_still_is_found_within_the_bound(
+        every in 1_u64..50, stopped in any::<bool>(), share in 0_u64..=100,
+    ) {
+        let (mut watch, patience) = (Watch::default(), Patience::default());
+        let mut now = 0;
+        let verdict = loop {
+            let pulse = Pulse { beat: 7, cpu_ns: now * share / 100, stopped, busy: true };
+            match watch.look(pulse, now, &patience) {
+                Verdict::Alive => now += every * MS,
+                verdict => break verdict,
+            }
+        };
+        prop_assert!(now <= patience.silent_ns + every * MS);
+        let expected = if stopped {
+            Verdict::Stopped
+        } else if share >= 26 {
+            Verdict::Hung
+        } else {
+            Verdict::Silent
+        };
+        prop_assert!(verdict == expected || share < 28, "{verdict:?} at {share} %");
+    }
+}
+
+#[test]
+fn a_worker_that_waits_for_its_core_is_given_time() {
+    let mut watch = Watch::default();
+    for now in [0, 300 * MS, 900 * MS, 1_900 * MS] {
+        let pulse = Pulse { beat: 1, cpu_ns: 5, stopped: false, busy: true };
+        assert_eq!(watch.look(pulse, now, &Patience::default()), Verdict::Alive);
+    }
+}
