@@ -9,7 +9,11 @@
 //! poses, contact or harm. Lengths are metres, x forward, y left, z up.
 
 pub mod body;
+pub mod codec;
+pub mod file;
 pub mod meta;
+#[cfg(test)]
+mod testing;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones};
 pub use meta::{Build, Kind, Meta, Seat};

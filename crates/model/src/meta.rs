@@ -100,3 +100,161 @@ pub struct Meta {
     /// Depth of the tree: nodes on the longest way from the root, 1 for a single leaf.
     pub depth: u32,
 }
+
+/// Greatest mass of a body that moves, in kilograms.
+pub const MASS_MAX_KG: f64 = 1.0e6;
+
+/// Greatest yaw radius of gyration, and distance of the centre of mass from the origin, in metres.
+pub const LENGTH_MAX_M: f64 = 1.0e6;
+
+impl Kind {
+    /// Every kind, in the order of the declaration.
+    pub const ALL: [Self; 10] = [
+        Self::Sedan,
+        Self::Suv,
+        Self::Truck,
+        Self::Bus,
+        Self::Motorcycle,
+        Self::Cyclist,
+        Self::Pedestrian,
+        Self::Wall,
+        Self::Pole,
+        Self::Building,
+    ];
+
+    /// The name as it stands in files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sedan => "sedan",
+            Self::Suv => "suv",
+            Self::Truck => "truck",
+            Self::Bus => "bus",
+            Self::Motorcycle => "motorcycle",
+            Self::Cyclist => "cyclist",
+            Self::Pedestrian => "pedestrian",
+            Self::Wall => "wall",
+            Self::Pole => "pole",
+            Self::Building => "building",
+        }
+    }
+
+    /// Whether the body is fixed to the ground: it has no mass, and nobody in it.
+    #[must_use]
+    pub fn is_fixed(self) -> bool {
+        matches!(self, Self::Wall | Self::Pole | Self::Building)
+    }
+
+    /// Seats that a body of this kind may have.
+    #[must_use]
+    pub fn seats(self) -> &'static [Seat] {
+        match self {
+            Self::Sedan | Self::Suv | Self::Bus => &[
+                Seat::FrontLeft,
+                Seat::FrontRight,
+                Seat::RearLeft,
+                Seat::RearMiddle,
+                Seat::RearRight,
+            ],
+            Self::Truck => &[Seat::FrontLeft, Seat::FrontRight],
+            Self::Motorcycle | Self::Cyclist => &[Seat::Rider],
+            Self::Pedestrian | Self::Wall | Self::Pole | Self::Building => &[],
+        }
+    }
+}
+
+impl core::fmt::Display for Kind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that is no [`Kind`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{0}\" is no kind: one of sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, \
+         pole, building"
+)]
+pub struct UnknownKind(pub String);
+
+impl core::str::FromStr for Kind {
+    type Err = UnknownKind;
+
+    fn from_str(text: &str) -> Result<Self, UnknownKind> {
+        let found = Self::ALL.into_iter().find(|kind| kind.name() == text);
+        found.ok_or_else(|| UnknownKind(text.to_owned()))
+    }
+}
+
+impl Seat {
+    /// The bit of [`crate::Zones`] that stands for "beside this seat".
+    #[must_use]
+    pub fn zone_bit(self) -> u16 {
+        1 << (8 + self as u16)
+    }
+
+    /// The name as it stands in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FrontLeft => "front-left",
+            Self::FrontRight => "front-right",
+            Self::RearLeft => "rear-left",
+            Self::RearMiddle => "rear-middle",
+            Self::RearRight => "rear-right",
+            Self::Rider => "rider",
+        }
+    }
+}
+
+impl Meta {
+    /// Checks what every consumer divides by or indexes with.
+    ///
+    /// # Errors
+    ///
+    /// Says in words which figure is not finite, out of range or contradicts the kind.
+    pub fn check(&self) -> Result<(), String> {
+        match self.mass_kg {
+            Some(_) if self.kind.is_fixed() => {
+                return Err(format!("a {} is fixed to the ground and has no mass", self.kind));
+            }
+            None if !self.kind.is_fixed() => return Err(format!("a {} needs a mass", self.kind)),
+            Some(mass) if !(mass > 0.0 && mass <= MASS_MAX_KG) => {
+                return Err(format!("mass {mass} kg is not in (0, {MASS_MAX_KG}]"));
+            }
+            _ => {}
+        }
+        if !(self.gyration_m > 0.0 && self.gyration_m <= LENGTH_MAX_M) {
+            return Err(format!("radius of gyration {} m is not positive", self.gyration_m));
+        }
+        if self.centre_m.iter().any(|x| !(x.abs() <= LENGTH_MAX_M)) {
+            return Err(format!("centre of mass {:?} m is not finite", self.centre_m));
+        }
+        if self.parts.len() > usize::from(u16::MAX) + 1 {
+            return Err(format!("{} parts are too many", self.parts.len()));
+        }
+        for (at, occupant) in self.occupants.iter().flatten().enumerate() {
+            let earlier = self.occupants.iter().flatten().take(at);
+            check_occupant(self.kind, *occupant, earlier)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_occupant<'a>(
+    kind: Kind,
+    occupant: Occupant,
+    mut earlier: impl Iterator<Item = &'a Occupant>,
+) -> Result<(), String> {
+    match occupant.seat {
+        Some(seat) if !kind.seats().contains(&seat) => {
+            Err(format!("a {kind} has no seat {}", seat.name()))
+        }
+        None if kind != Kind::Pedestrian => Err(format!("an occupant of a {kind} needs a seat")),
+        Some(seat) if earlier.any(|other| *other == occupant) => {
+            Err(format!("two occupants on seat {}", seat.name()))
+        }
+        None if earlier.next().is_some() => Err("a pedestrian is one person".to_owned()),
+        _ => Ok(()),
+    }
+}
