@@ -14,12 +14,14 @@
 pub mod head;
 pub mod id;
 pub mod job;
+pub mod launch;
 pub mod result;
 pub mod status;
 
 pub use head::{Head, Kind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{Job, Question, Task};
+pub use launch::Launch;
 pub use result::{Side, Summary};
 pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
 

@@ -1,0 +1,86 @@
+//! What a coordinator tells a worker on its command line: one word, written and read here.
+
+use crate::id::{Boot, Incarnation};
+
+/// Descriptor of the model store in a worker.
+pub const STORE_FD: i32 = 10;
+/// Descriptor of the status page in a worker.
+pub const STATUS_FD: i32 = 11;
+/// Descriptor of the eventfd that wakes the coordinator.
+pub const EVENT_FD: i32 = 12;
+
+/// How a worker is started.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Launch {
+    /// Which worker this is.
+    pub who: Incarnation,
+    /// Whose worker it is.
+    pub boot: Boot,
+    /// Most jobs in a batch.
+    pub batch: u32,
+    /// Most jobs that it holds.
+    pub queue: u32,
+    /// Where its channels are: text made and read by the transport.
+    pub domain: String,
+}
+
+impl Launch {
+    /// The word.
+    #[must_use]
+    pub fn to_word(&self) -> String {
+        let Self { who, boot, batch, queue, domain } = self;
+        format!("{}.{}:{:x}:{batch}:{queue}:{domain}", who.worker, who.inc, boot.0)
+    }
+
+    /// Reads the word; `None` if it was not written by [`Launch::to_word`].
+    #[must_use]
+    pub fn from_word(word: &str) -> Option<Self> {
+        let mut fields = word.splitn(5, ':');
+        let (worker, inc) = fields.next()?.split_once('.')?;
+        Some(Self {
+            who: Incarnation { worker: worker.parse().ok()?, inc: inc.parse().ok()? },
+            boot: Boot(u64::from_str_radix(fields.next()?, 16).ok()?),
+            batch: fields.next()?.parse().ok()?,
+            queue: fields.next()?.parse().ok()?,
+            domain: fields.next()?.to_owned(),
+        })
+    }
+
+    /// Words that a batch message must have room for: every job may bring a task of its own.
+    #[must_use]
+    pub fn batch_words(&self) -> usize {
+        crate::job::batch_words(self.batch as usize, self.batch as usize)
+    }
+
+    /// Batches that may lie in a job channel at once: one per job in the worst case.
+    #[must_use]
+    pub fn batches(&self) -> usize {
+        self.queue as usize
+    }
+}
+
+/// Words of a result message: 16 KiB, room for about 3,900 hits; more go in further parts.
+pub const RESULT_WORDS: usize = 2048;
+
+/// Results that may lie in a result channel at once: a worker's credits.
+pub const RESULTS: usize = 32;
+
+#[cfg(test)]
+mod tests {
+    //! The word is read as it was written.
+    use super::*;
+
+    #[test]
+    fn the_word_comes_back() {
+        let launch = Launch {
+            who: Incarnation { worker: 3, inc: 17 },
+            boot: Boot(0xfeed_beef_0123),
+            batch: 16,
+            queue: 64,
+            domain: "/dev/shm/trolley.demo:with:colons".to_owned(),
+        };
+        assert_eq!(Launch::from_word(&launch.to_word()), Some(launch));
+        assert_eq!(Launch::from_word(""), None);
+        assert_eq!(Launch::from_word("1:2:3:4:5"), None);
+    }
+}
