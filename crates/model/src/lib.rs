@@ -11,7 +11,10 @@
 pub mod body;
 pub mod codec;
 pub mod file;
+pub mod generate;
+pub mod import;
 pub mod meta;
+pub mod store;
 #[cfg(test)]
 mod testing;
 

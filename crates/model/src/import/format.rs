@@ -1,0 +1,145 @@
+//! Which format a file has: by its name, checked against its content.
+
+use super::{Fault, ImportError, Place};
+use core::fmt;
+
+/// A mesh format that can be imported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// STL, binary or ASCII.
+    Stl,
+    /// PLY, ASCII or binary.
+    Ply,
+    /// glTF 2.0 as JSON with side files.
+    Gltf,
+    /// glTF 2.0 as one binary file.
+    Glb,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 5] = [Self::Obj, Self::Stl, Self::Ply, Self::Gltf, Self::Glb];
+
+    /// Name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "OBJ",
+            Self::Stl => "STL",
+            Self::Ply => "PLY",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
+        }
+    }
+
+    /// Extension, lower case, without the dot.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+            Self::Ply => "ply",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
+        }
+    }
+
+    /// The format that a file's name says and its content does not contradict.
+    ///
+    /// # Errors
+    ///
+    /// If the extension is unknown, or the content is plainly something else.
+    pub fn detect(file: &str, bytes: &[u8]) -> Result<Self, ImportError> {
+        let refuse = |fault| Err(ImportError::new(file, Place::Whole, fault));
+        let looks = look(bytes);
+        let extension = file.rsplit_once('.').map_or("", |(_, end)| end).to_ascii_lowercase();
+        let Some(named) = Self::ALL.into_iter().find(|format| format.extension() == extension)
+        else {
+            let what = match looks {
+                Some(looks) => format!("a file named .{extension} that looks like {looks}"),
+                None => format!("a file named .{extension}"),
+            };
+            return refuse(Fault::Unsupported { what });
+        };
+        match looks {
+            Some(looks) if looks != named.name() => {
+                refuse(Fault::Misnamed { named, looks: looks.to_owned() })
+            }
+            _ => Ok(named),
+        }
+    }
+}
+
+/// How much of a text is looked at.
+const LOOK_MAX: usize = 64 << 10;
+
+/// What the content is, where it says so plainly: a format's name, or words.
+fn look(bytes: &[u8]) -> Option<&'static str> {
+    const SIGNS: [(&[u8], &str); 9] = [
+        (b"glTF", "GLB"),
+        (b"ply\n", "PLY"),
+        (b"ply\r", "PLY"),
+        (b"\xFE\xFF", "UTF-16 text"),
+        (b"\xFF\xFE", "UTF-16 text"),
+        (b"TROLLEY\n", "a model file, which needs no import"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"\x1F\x8B", "a gzip archive"),
+        (b"Kaydara FBX Binary", "FBX"),
+    ];
+    if let Some((_, name)) = SIGNS.iter().find(|(sign, _)| bytes.starts_with(sign)) {
+        return Some(name);
+    }
+    if is_binary_stl(bytes) {
+        return Some("STL");
+    }
+    let start = &bytes[..bytes.len().min(LOOK_MAX)];
+    if start.contains(&0) {
+        return None;
+    }
+    let text = String::from_utf8_lossy(start);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let has_line =
+        |begins: &dyn Fn(&str) -> bool| text.lines().any(|line| begins(line.trim_start()));
+    if text.starts_with("<?xml") || text.starts_with('<') {
+        return Some(if text.contains("<COLLADA") { "COLLADA" } else { "XML" });
+    }
+    if text.starts_with('{') {
+        return text.contains("\"asset\"").then_some("glTF");
+    }
+    if text.starts_with("*KEYWORD") {
+        return Some("an LS-DYNA deck");
+    }
+    if text.starts_with("solid") && has_line(&|line| is_stl_line(line)) {
+        return Some("STL");
+    }
+    has_line(&|line| is_obj_vertex(line)).then_some("OBJ")
+}
+
+fn is_stl_line(line: &str) -> bool {
+    line.starts_with("facet") || line.starts_with("endsolid")
+}
+
+fn is_obj_vertex(line: &str) -> bool {
+    let mut words = line.split_ascii_whitespace();
+    words.next() == Some("v") && words.next().is_some_and(|word| word.parse::<f64>().is_ok())
+}
+
+/// Whether the length is that of a binary STL with as many triangles as it states. Some begin with
+/// "solid" like the ASCII form, so the length decides.
+pub(super) fn is_binary_stl(bytes: &[u8]) -> bool {
+    stated_triangles(bytes).is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
+}
+
+/// The count that a binary STL states.
+pub(super) fn stated_triangles(bytes: &[u8]) -> Option<u32> {
+    let count: [u8; 4] = bytes.get(80..84)?.try_into().ok()?;
+    Some(u32::from_le_bytes(count))
+}

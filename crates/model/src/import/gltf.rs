@@ -1,0 +1,268 @@
+//! glTF 2.0, as JSON with side files or as one GLB file.
+//!
+//! Crate `gltf` parses the container and the JSON; its own validation panics on hostile files and
+//! passes indices out of range, so it is not run. Every number that is used here is checked here:
+//! each index, each view's range, each accessor's type, the depth of the hierarchy, and that no
+//! node is visited twice. Node transforms are applied in f64. Skins, morph targets and animations are
+//! not: the mesh is taken as it lies.
+
+mod accessor;
+mod buffers;
+
+use super::collect::Collector;
+use super::{Fault, ImportError, Place, Resolver};
+use ::gltf::json;
+use accessor::Source;
+use json::mesh::{Mode, Primitive, Semantic};
+use json::validation::Checked;
+
+/// Greatest depth of the node hierarchy.
+const DEPTH_MAX: usize = 256;
+
+/// A column-major 4 × 4 matrix, as glTF has them.
+type Matrix = [[f64; 4]; 4];
+
+const IDENTITY: Matrix =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+pub(super) fn read(
+    bytes: &[u8],
+    resolve: Resolver<'_>,
+    into: &mut Collector<'_>,
+) -> Result<(), ImportError> {
+    let (root, blob) = buffers::parse(bytes, into)?;
+    check_extensions(&root, into)?;
+    let buffers = buffers::load(&root, blob, resolve, into)?;
+    let source = Source { root: &root, buffers: &buffers };
+    let (mut stack, mut visited) = (start(&root, into)?, vec![false; root.nodes.len()]);
+    // Depth first, children in the order in which they stand.
+    while let Some(step) = stack.pop() {
+        let place = || Place::Element(format!("node {}", step.node));
+        let Some(node) = root.nodes.get(step.node) else {
+            let range = format!("the file has {} nodes", root.nodes.len());
+            return Err(into.fail(place(), Fault::Index { index: step.node as i64, range }));
+        };
+        if core::mem::replace(&mut visited[step.node], true) {
+            let fault = "the node has two parents or is its own ancestor".to_owned();
+            return Err(into.fail(place(), Fault::Syntax(fault)));
+        }
+        if step.depth > DEPTH_MAX {
+            let (count, max) = (step.depth as u64, DEPTH_MAX as u64);
+            return Err(into.fail(place(), Fault::TooMany { what: "nested nodes", count, max }));
+        }
+        let matrix = product(&step.matrix, &local(node));
+        let mut names = step.names;
+        names.extend(node.name.clone());
+        if let Some(mesh) = node.mesh {
+            add_mesh(&source, step.node, mesh.value(), &matrix, &names, into)?;
+        }
+        for child in node.children.iter().flatten().rev() {
+            let (names, depth) = (names.clone(), step.depth + 1);
+            stack.push(Step { node: child.value(), matrix, names, depth });
+        }
+    }
+    if into.corners.is_empty() {
+        let (nodes, meshes) = (root.nodes.len(), root.meshes.len());
+        let fault = Fault::Empty(format!(": {nodes} nodes, {meshes} meshes"));
+        return Err(into.fail(Place::Whole, fault));
+    }
+    Ok(())
+}
+
+/// A node that waits to be visited.
+struct Step {
+    node: usize,
+    /// Of its parent.
+    matrix: Matrix,
+    /// Of its ancestors.
+    names: Vec<String>,
+    depth: usize,
+}
+
+/// The nodes of the default scene, else of the first one, else all that are nobody's child.
+fn start(root: &json::Root, into: &Collector<'_>) -> Result<Vec<Step>, ImportError> {
+    let number = root.scene.map_or(0, |scene| scene.value());
+    let mut nodes: Vec<usize> = match root.scenes.get(number) {
+        Some(scene) => scene.nodes.iter().map(json::Index::value).collect(),
+        None if root.scene.is_some() => {
+            let range = format!("the file has {} scenes", root.scenes.len());
+            let fault = Fault::Index { index: number as i64, range };
+            return Err(into.fail(Place::Element("scene".to_owned()), fault));
+        }
+        None => {
+            let mut is_child = vec![false; root.nodes.len()];
+            for child in root.nodes.iter().filter_map(|node| node.children.as_ref()).flatten() {
+                if let Some(mark) = is_child.get_mut(child.value()) {
+                    *mark = true;
+                }
+            }
+            (0..root.nodes.len()).filter(|node| !is_child[*node]).collect()
+        }
+    };
+    nodes.reverse();
+    let step = |node| Step { node, matrix: IDENTITY, names: Vec::new(), depth: 1 };
+    Ok(nodes.into_iter().map(step).collect())
+}
+
+/// Required extensions that change no position are fine; any other is refused by name.
+fn check_extensions(root: &json::Root, into: &Collector<'_>) -> Result<(), ImportError> {
+    const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "KHR_lights_"];
+    let bad = root
+        .extensions_required
+        .iter()
+        .find(|name| !HARMLESS.iter().any(|start| name.starts_with(start)));
+    match bad {
+        Some(name) => {
+            Err(into.fail(Place::Whole, Fault::Feature(format!("required extension {name}"))))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The node's own transform: its matrix, else translation · rotation · scale.
+fn local(node: &json::Node) -> Matrix {
+    if let Some(m) = node.matrix {
+        return [0, 1, 2, 3].map(|column| [0, 1, 2, 3].map(|row| f64::from(m[4 * column + row])));
+    }
+    let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+    let s = node.scale.unwrap_or([1.0; 3]).map(f64::from);
+    let t = node.translation.unwrap_or([0.0; 3]).map(f64::from);
+    let rotation = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
+        [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
+        [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ];
+    let column =
+        |i: usize| [rotation[i][0] * s[i], rotation[i][1] * s[i], rotation[i][2] * s[i], 0.0];
+    [column(0), column(1), column(2), [t[0], t[1], t[2], 1.0]]
+}
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    b.map(|column| [0, 1, 2, 3].map(|row| (0..4).fold(0.0, |sum, i| sum + a[i][row] * column[i])))
+}
+
+fn apply(m: &Matrix, p: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|row| m[0][row] * p[0] + m[1][row] * p[1] + m[2][row] * p[2] + m[3][row])
+}
+
+fn determinant(m: &Matrix) -> f64 {
+    let [a, b, c, _] = m;
+    a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1])
+        + c[0] * (a[1] * b[2] - a[2] * b[1])
+}
+
+fn add_mesh(
+    source: &Source<'_>,
+    node: usize,
+    number: usize,
+    matrix: &Matrix,
+    names: &[String],
+    into: &mut Collector<'_>,
+) -> Result<(), ImportError> {
+    let place = Place::Element(format!("node {node}"));
+    let Some(mesh) = source.root.meshes.get(number) else {
+        let range = format!("the file has {} meshes", source.root.meshes.len());
+        return Err(into.fail(place, Fault::Index { index: number as i64, range }));
+    };
+    let flat = determinant(matrix);
+    if !(flat.abs() > 1e-18) {
+        return Err(into.fail(place, Fault::Singular(flat)));
+    }
+    let own = names.last().or(mesh.name.as_ref()).cloned();
+    let own = own.unwrap_or_else(|| format!("node {node}"));
+    let several = mesh.primitives.len() > 1;
+    for (at, primitive) in mesh.primitives.iter().enumerate() {
+        let place = || Place::Element(format!("mesh {number}, primitive {at}"));
+        let material = primitive
+            .material
+            .and_then(|material| source.root.materials.get(material.value()))
+            .and_then(|material| material.name.clone());
+        let name = match &material {
+            Some(material) if several && *material != own => format!("{own}:{material}"),
+            _ => own.clone(),
+        };
+        let mut aliases: Vec<String> = names.to_vec();
+        aliases.extend(mesh.name.clone());
+        aliases.extend(material);
+        aliases.retain(|alias| *alias != name);
+        let part = into.part(&name, aliases)?;
+        add_primitive(source, primitive, matrix, part, &place, into)?;
+    }
+    Ok(())
+}
+
+fn add_primitive(
+    source: &Source<'_>,
+    primitive: &Primitive,
+    matrix: &Matrix,
+    part: u16,
+    place: &dyn Fn() -> Place,
+    into: &mut Collector<'_>,
+) -> Result<(), ImportError> {
+    let fail = |into: &Collector<'_>, fault| into.fail(place(), fault);
+    let mode = match primitive.mode {
+        Checked::Valid(mode) => mode,
+        Checked::Invalid => {
+            return Err(fail(into, Fault::Syntax("its mode is unknown".to_owned())));
+        }
+    };
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        into.notes.push(format!("{}points or lines left out: they have no surface", place()));
+        return Ok(());
+    }
+    let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+    let Some(positions) = positions else {
+        into.notes.push(format!("{}left out: it has no positions", place()));
+        return Ok(());
+    };
+    let points = source.positions(positions.value()).map_err(|fault| fail(into, fault))?;
+    let points: Vec<[f32; 3]> = (0..)
+        .zip(points)
+        .map(|(number, point)| {
+            let vertex = || match place() {
+                Place::Element(name) => Place::Element(format!("{name}, vertex {number}")),
+                other => other,
+            };
+            let point = point.map(f64::from);
+            // Zero times infinity would hide what the file says.
+            let finite = point.iter().all(|x| x.is_finite());
+            into.point(if finite { apply(matrix, point) } else { point }, vertex)
+        })
+        .collect::<Result<_, _>>()?;
+    let indices: Vec<u32> = match primitive.indices {
+        Some(indices) => source.indices(indices.value()).map_err(|fault| fail(into, fault))?,
+        None => (0..points.len() as u32).collect(),
+    };
+    if let Some(bad) = indices.iter().find(|index| **index as usize >= points.len()) {
+        let range = format!("the primitive has {} vertices, from 0", points.len());
+        return Err(fail(into, Fault::Index { index: i64::from(*bad), range }));
+    }
+    for [a, b, c] in triangles(mode, &indices).map_err(|fault| fail(into, fault))? {
+        into.triangle([points[a as usize], points[b as usize], points[c as usize]], part)?;
+    }
+    Ok(())
+}
+
+/// Triangles of a list, strip or fan, wound as the specification says (section 3.7.2.1).
+fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, Fault> {
+    match mode {
+        Mode::Triangles => match indices.as_chunks::<3>() {
+            (triangles, []) => Ok(triangles.to_vec()),
+            _ => Err(Fault::Syntax(format!("{} indices are not whole triangles", indices.len()))),
+        },
+        Mode::TriangleStrip => Ok(indices
+            .windows(3)
+            .enumerate()
+            .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
+            .collect()),
+        Mode::TriangleFan => {
+            let hub = indices.first().copied().unwrap_or(0);
+            let rim = indices.get(1..).unwrap_or(&[]);
+            Ok(rim.windows(2).map(|w| [w[0], w[1], hub]).collect())
+        }
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Ok(Vec::new()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

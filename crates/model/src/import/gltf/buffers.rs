@@ -1,0 +1,155 @@
+//! Container and buffers of a glTF file: the GLB blob, data URIs, and side files by the resolver.
+
+use super::super::collect::Collector;
+use super::super::{BYTES_MAX, Fault, ImportError, Place, Resolver};
+use ::gltf::{Glb, json};
+
+/// The JSON tree and the GLB's binary blob.
+pub(super) fn parse<'b>(
+    bytes: &'b [u8],
+    into: &Collector<'_>,
+) -> Result<(json::Root, Option<Vec<u8>>), ImportError> {
+    let fail = |fault: Fault| into.fail(Place::Whole, fault);
+    let syntax = |fault: &dyn core::fmt::Display| fail(Fault::Syntax(fault.to_string()));
+    if bytes.is_empty() {
+        return Err(fail(Fault::Empty(": the file is empty".to_owned())));
+    }
+    if !bytes.starts_with(b"glTF") {
+        let root = json::Root::from_slice(bytes).map_err(|fault| json_fault(&fault, into))?;
+        return Ok((root, None));
+    }
+    // The crate subtracts 12 from this length without looking.
+    let stated = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    match stated {
+        Some(stated) if stated >= 20 && stated as usize <= bytes.len() => {}
+        Some(stated) => {
+            let fault = format!("its header states {stated} bytes, it has {}", bytes.len());
+            return Err(fail(Fault::Truncated(fault)));
+        }
+        None => return Err(fail(Fault::Truncated("its header is cut".to_owned()))),
+    }
+    let glb: Glb<'b> = Glb::from_slice(bytes).map_err(|fault| syntax(&fault))?;
+    let root = json::Root::from_slice(&glb.json).map_err(|fault| json_fault(&fault, into))?;
+    Ok((root, glb.bin.map(std::borrow::Cow::into_owned)))
+}
+
+fn json_fault(fault: &json::Error, into: &Collector<'_>) -> ImportError {
+    into.fail(Place::Line(fault.line().max(1)), Fault::Syntax(format!("JSON: {fault}")))
+}
+
+/// The content of every buffer, at least as long as it is stated.
+pub(super) fn load(
+    root: &json::Root,
+    mut blob: Option<Vec<u8>>,
+    resolve: Resolver<'_>,
+    into: &mut Collector<'_>,
+) -> Result<Vec<Vec<u8>>, ImportError> {
+    let mut buffers: Vec<Vec<u8>> = Vec::new();
+    let mut total = 0_usize;
+    for (number, buffer) in root.buffers.iter().enumerate() {
+        let place = || Place::Element(format!("buffer {number}"));
+        let content = match &buffer.uri {
+            Some(uri) => match uri.strip_prefix("data:") {
+                Some(data) => from_data_uri(data).map_err(|fault| into.fail(place(), fault))?,
+                None => {
+                    let content =
+                        from_side_file(uri, resolve).map_err(|fault| into.fail(place(), fault))?;
+                    into.hasher.update(&content);
+                    content
+                }
+            },
+            None if number == 0 && blob.is_some() => blob.take().unwrap_or_default(),
+            None => {
+                let fault = Fault::Syntax("it has neither a URI nor a GLB blob".to_owned());
+                return Err(into.fail(place(), fault));
+            }
+        };
+        if (content.len() as u64) < buffer.byte_length.0 {
+            let (stated, found) = (buffer.byte_length.0, content.len());
+            let fault = format!("it states {stated} bytes, its source has {found}");
+            return Err(into.fail(place(), Fault::Truncated(fault)));
+        }
+        total = total.saturating_add(content.len());
+        if total > BYTES_MAX {
+            let (count, max) = (total as u64, BYTES_MAX as u64);
+            return Err(into.fail(place(), Fault::TooMany { what: "bytes", count, max }));
+        }
+        buffers.push(content);
+    }
+    Ok(buffers)
+}
+
+fn from_side_file(
+    uri: &str,
+    resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
+) -> Result<Vec<u8>, Fault> {
+    let refuse =
+        |reason: &str| Err(Fault::SideFile { name: uri.to_owned(), reason: reason.to_owned() });
+    let Some(name) = percent_decoded(uri) else {
+        return refuse("its name is malformed");
+    };
+    let leads_out = name.split(['/', '\\']).any(|step| step == "..");
+    if leads_out || name.starts_with(['/', '\\']) || name.contains(':') || name.contains('\0') {
+        return refuse("only files beside the mesh or below it are read");
+    }
+    resolve(&name).map_err(|reason| Fault::SideFile { name, reason })
+}
+
+/// `%20` and the like, as URIs have them.
+fn percent_decoded(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((first, after)) = rest.split_first() {
+        if *first == b'%' {
+            let digits = core::str::from_utf8(after.get(..2)?).ok()?;
+            bytes.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = &after[2..];
+        } else {
+            bytes.push(*first);
+            rest = after;
+        }
+    }
+    String::from_utf8(bytes).ok()
+}
+
+/// The part after `data:`: a media type, `;base64,`, then the content.
+fn from_data_uri(data: &str) -> Result<Vec<u8>, Fault> {
+    let Some((kind, content)) = data.split_once(',') else {
+        return Err(Fault::Syntax("its data URI has no comma".to_owned()));
+    };
+    if !kind.ends_with(";base64") {
+        return Err(Fault::Feature("a data URI that is not base64".to_owned()));
+    }
+    from_base64(content).ok_or_else(|| Fault::Syntax("its data URI is no base64".to_owned()))
+}
+
+/// RFC 4648, section 4; padding may be missing, anything else is refused.
+fn from_base64(text: &str) -> Option<Vec<u8>> {
+    let digits = text.trim_end_matches('=').as_bytes();
+    let value = |digit: u8| {
+        Some(match digit {
+            b'A'..=b'Z' => digit - b'A',
+            b'a'..=b'z' => digit - b'a' + 26,
+            b'0'..=b'9' => digit - b'0' + 52,
+            b'+' | b'-' => 62,
+            b'/' | b'_' => 63,
+            _ => return None,
+        })
+    };
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for group in digits.chunks(4) {
+        if group.len() == 1 {
+            return None;
+        }
+        let mut bits = 0_u32;
+        for digit in group {
+            bits = bits << 6 | u32::from(value(*digit)?);
+        }
+        bits <<= 6 * (4 - group.len());
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..group.len()]);
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,309 @@
+//! Wavefront OBJ: a scan for names, lines and faults, then crate `tobj` for the values.
+//!
+//! `tobj` reports no line, starts a new model at every `o` or `g`, forgets materials whose library
+//! it has not seen, and overflows on bad texture indices. So the scan walks the lines first: it
+//! keeps group, object and material of each face, refuses what is out of range with its line, and
+//! hands on positions and position indices alone.
+
+use super::collect::Collector;
+use super::{Fault, ImportError, Place};
+use std::fmt::Write as _;
+use std::io::Read as _;
+
+/// Faces to be read, in file order.
+struct Face {
+    line: usize,
+    part: u16,
+}
+
+/// What the scan found.
+#[derive(Default)]
+struct Scan {
+    /// Lines for `tobj`: every `v`, then every `f` with absolute position indices alone.
+    vertex_text: String,
+    face_text: String,
+    vertex_lines: Vec<usize>,
+    faces: Vec<Face>,
+    /// Greatest vertex number that a face uses (counted from 1), its line.
+    greatest: (usize, usize),
+    lines: usize,
+    points: usize,
+    free_form: usize,
+}
+
+pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
+    let text =
+        core::str::from_utf8(bytes).map_or_else(|_| String::from_utf8_lossy(bytes), Into::into);
+    if text.contains('\0') {
+        return Err(
+            into.fail(Place::Whole, Fault::Syntax("it is no text: it has zero bytes".into()))
+        );
+    }
+    let scan = scan(text.trim_start_matches('\u{feff}'), into)?;
+    for (count, what) in
+        [(scan.lines, "lines"), (scan.points, "points"), (scan.free_form, "free-form elements")]
+    {
+        if count > 0 {
+            into.notes.push(format!("{count} {what} left out: they have no surface"));
+        }
+    }
+    if scan.faces.is_empty() {
+        let vertices = scan.vertex_lines.len();
+        let what = match (vertices, scan.lines) {
+            (0, _) => ": the file is empty".to_owned(),
+            (_, 0) => format!(": a point cloud of {vertices} vertices without faces"),
+            (_, lines) => format!(": {lines} lines without faces"),
+        };
+        return Err(into.fail(Place::Whole, Fault::Empty(what)));
+    }
+    let (positions, arities, indices) = parse(&scan, into)?;
+    let points = points(&positions, &scan.vertex_lines, into)?;
+    let mut rest = indices.as_slice();
+    let mut polygon = Vec::new();
+    for (face, arity) in scan.faces.iter().zip(arities) {
+        let Some((own, after)) = rest.split_at_checked(arity) else {
+            return Err(into.fail(Place::Line(face.line), lost()));
+        };
+        rest = after;
+        polygon.clear();
+        for index in own {
+            polygon.push(
+                *points.get(*index).ok_or_else(|| into.fail(Place::Line(face.line), lost()))?,
+            );
+        }
+        into.polygon(&polygon, face.part, || Place::Line(face.line))?;
+    }
+    Ok(())
+}
+
+fn lost() -> Fault {
+    Fault::Syntax("the reader lost this face".to_owned())
+}
+
+/// The names that are in force at a line.
+#[derive(Default)]
+struct Names {
+    object: String,
+    group: String,
+    material: String,
+    part: Option<u16>,
+}
+
+impl Names {
+    /// Group if there is one, else object, then the material if it says something else; any of the
+    /// names, and each word of a group that has several, selects it.
+    fn part(&mut self, into: &mut Collector<'_>) -> Result<u16, ImportError> {
+        if let Some(part) = self.part {
+            return Ok(part);
+        }
+        let head = if self.group.is_empty() { &self.object } else { &self.group };
+        let name = match (head.as_str(), self.material.as_str()) {
+            (head, "") => head.to_owned(),
+            ("", material) => material.to_owned(),
+            (head, material) if head == material => head.to_owned(),
+            (head, material) => format!("{head}:{material}"),
+        };
+        let words = self.group.split_whitespace();
+        let mut aliases: Vec<String> = [&self.group, &self.object, &self.material]
+            .into_iter()
+            .map(String::as_str)
+            .chain(words)
+            .filter(|alias| !alias.is_empty() && **alias != name)
+            .map(str::to_owned)
+            .collect();
+        aliases.dedup();
+        let part = into.part(&name, aliases)?;
+        self.part = Some(part);
+        Ok(part)
+    }
+}
+
+fn scan(text: &str, into: &mut Collector<'_>) -> Result<Scan, ImportError> {
+    let mut scan = Scan::default();
+    let mut names = Names::default();
+    let mut joined = String::new();
+    let mut first_of_joined = 0;
+    for (number, line) in (1..).zip(text.lines()) {
+        // A backslash at the end joins lines.
+        if let Some(head) = line.strip_suffix('\\') {
+            if joined.is_empty() {
+                first_of_joined = number;
+            }
+            joined.push_str(head);
+            joined.push(' ');
+            continue;
+        }
+        if joined.is_empty() {
+            scan.line(number, line, &mut names, into)?;
+        } else {
+            joined.push_str(line);
+            let whole = core::mem::take(&mut joined);
+            scan.line(first_of_joined, &whole, &mut names, into)?;
+        }
+    }
+    let (index, line) = scan.greatest;
+    if index > scan.vertex_lines.len() {
+        let range = format!("the file has {} vertices", scan.vertex_lines.len());
+        let fault = Fault::Index { index: i64::try_from(index).unwrap_or(i64::MAX), range };
+        return Err(into.fail(Place::Line(line), fault));
+    }
+    Ok(scan)
+}
+
+impl Scan {
+    fn line(
+        &mut self,
+        number: usize,
+        line: &str,
+        names: &mut Names,
+        into: &mut Collector<'_>,
+    ) -> Result<(), ImportError> {
+        let line = line.trim();
+        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        match word {
+            "v" => return self.vertex(number, rest, into),
+            "f" | "fo" => {
+                let part = names.part(into)?;
+                self.faces.push(Face { line: number, part });
+                return self.face(number, rest, into);
+            }
+            "o" => {
+                rest.clone_into(&mut names.object);
+                names.group.clear();
+                names.part = None;
+            }
+            "g" => {
+                rest.clone_into(&mut names.group);
+                names.part = None;
+            }
+            "usemtl" => {
+                rest.clone_into(&mut names.material);
+                names.part = None;
+            }
+            "l" => self.lines += 1,
+            "p" => self.points += 1,
+            "curv" | "curv2" | "surf" => self.free_form += 1,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn vertex(
+        &mut self,
+        number: usize,
+        rest: &str,
+        into: &Collector<'_>,
+    ) -> Result<(), ImportError> {
+        let fail = |fault: String| Err(into.fail(Place::Line(number), Fault::Syntax(fault)));
+        let rest = rest.split('#').next().unwrap_or(rest);
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        if words.len() < 3 {
+            return fail(format!("a vertex has 3 coordinates, this one {}", words.len()));
+        }
+        // Three coordinates, a weight in a fourth place; colours follow three coordinates.
+        let used = if words.len() == 4 { &words[..] } else { &words[..3] };
+        self.vertex_text.push('v');
+        for word in used {
+            match word.parse::<f32>() {
+                Ok(_) => {
+                    self.vertex_text.push(' ');
+                    self.vertex_text.push_str(word);
+                }
+                Err(_) => return fail(format!("\"{word}\" is no number")),
+            }
+        }
+        if used.len() == 4 && used[3].parse() == Ok(0.0_f32) {
+            return fail("the vertex has weight 0".to_owned());
+        }
+        self.vertex_text.push('\n');
+        self.vertex_lines.push(number);
+        Ok(())
+    }
+
+    /// Writes the face with its indices made absolute, after checking each.
+    fn face(&mut self, number: usize, rest: &str, into: &Collector<'_>) -> Result<(), ImportError> {
+        let fail = |fault: Fault| Err(into.fail(Place::Line(number), fault));
+        self.face_text.push('f');
+        let mut corners = 0;
+        for word in rest.split('#').next().unwrap_or(rest).split_whitespace() {
+            let own = word.split('/').next().unwrap_or(word);
+            let Ok(index) = own.parse::<i64>() else {
+                return fail(Fault::Syntax(format!("\"{word}\" is no vertex index")));
+            };
+            let so_far = self.vertex_lines.len();
+            let absolute = if index < 0 {
+                so_far.checked_add_signed(index as isize).map(|before| before + 1)
+            } else {
+                usize::try_from(index).ok().filter(|index| *index > 0)
+            };
+            let Some(absolute) = absolute else {
+                let range = match index {
+                    0 => "OBJ counts vertices from 1".to_owned(),
+                    _ => format!("there are {so_far} vertices before this line"),
+                };
+                return fail(Fault::Index { index, range });
+            };
+            if absolute > self.greatest.0 {
+                self.greatest = (absolute, number);
+            }
+            corners += 1;
+            // Writing to a string cannot fail.
+            let _written = write!(self.face_text, " {absolute}");
+        }
+        self.face_text.push('\n');
+        if corners < 3 {
+            return fail(Fault::Syntax(format!("a face with {corners} corners is no surface")));
+        }
+        Ok(())
+    }
+}
+
+type Parsed = (Vec<f32>, Vec<usize>, Vec<usize>);
+
+/// Positions in file order, corners per face, position numbers of all faces in file order.
+///
+/// `tobj` keeps only vertices that faces use, in the order of first use; so every vertex is first
+/// named by a point of its own, `l i`, which keeps all of them, in file order, and checks them too.
+fn parse(scan: &Scan, into: &Collector<'_>) -> Result<Parsed, ImportError> {
+    let fail = |fault: String| into.fail(Place::Whole, Fault::Syntax(fault));
+    let vertices = scan.vertex_lines.len();
+    let mut points = String::with_capacity(vertices * 10);
+    for index in 1..=vertices {
+        let _written = writeln!(points, "l {index}");
+    }
+    let mut text =
+        scan.vertex_text.as_bytes().chain(points.as_bytes()).chain(scan.face_text.as_bytes());
+    let options = tobj::LoadOptions::default();
+    let none = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let (mut models, _) = tobj::load_obj_buf(&mut text, &options, none)
+        .map_err(|fault| fail(format!("tobj: {fault}")))?;
+    let (Some(model), true) = (models.pop(), models.is_empty()) else {
+        return Err(fail("tobj: not one model".to_owned()));
+    };
+    let mesh = model.mesh;
+    let arities: Vec<usize> =
+        mesh.face_arities.iter().skip(vertices).map(|n| *n as usize).collect();
+    let indices: Vec<usize> = mesh.indices.iter().skip(vertices).map(|i| *i as usize).collect();
+    if mesh.positions.len() != 3 * vertices || arities.len() != scan.faces.len() {
+        return Err(fail("tobj: it read other vertices or faces than there are".to_owned()));
+    }
+    Ok((mesh.positions, arities, indices))
+}
+
+/// Every vertex in the body frame; a bad one is refused with its line, used or not.
+fn points(
+    positions: &[f32],
+    lines: &[usize],
+    into: &Collector<'_>,
+) -> Result<Vec<[f32; 3]>, ImportError> {
+    let (chunks, _) = positions.as_chunks::<3>();
+    chunks
+        .iter()
+        .zip(lines)
+        .map(|(point, line)| into.point(point.map(f64::from), || Place::Line(*line)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;
