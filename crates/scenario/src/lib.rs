@@ -1,1 +1,54 @@
-//! scenario
+//! Scenarios: what to rank and how, as a person writes it down.
+//!
+//! ```text
+//! text (TOML) --Document--> raw tables with places --check--> Scenario: plain values, SI units
+//!                                                    |
+//! command line --Overrides---------------------------+--> Engine::apply: one set of rules for both
+//! ```
+//!
+//! Text goes in, values come out. This crate opens no file: the paths that a scenario names are
+//! returned with their [`Place`], so that whoever opens them can say where the name was written. It
+//! names a policy and does not read it; it knows no mesh, no contact and no harm.
+//!
+//! # Invariants
+//!
+//! - Whatever [`Scenario::parse`] returns is in range: finite, known, unique, consistent. Every single
+//!   value of a scenario, made wrong, is refused at its own line: `check/tests.rs`.
+//! - No text makes it panic, and text beyond [`scenario::TEXT_BYTES_MAX`] is refused unread:
+//!   `scenario/tests.rs`.
+//! - Whatever it accepts, [`schema`] accepts too: `schema/tests.rs`.
+//! - Persons carry a seat and nothing else. Age, sex and condition are refused by the schema.
+//!
+//! # Examples
+//!
+//! ```
+//! let text = include_str!("../../../config/scenarios/minimal.toml");
+//! let scenario = scenario::Scenario::parse("minimal.toml", text)?;
+//! assert_eq!(scenario.candidates.len(), 2);
+//!
+//! let wrong = text.replace("party = \"pole\"", "party = \"poel\"");
+//! let error = scenario::Scenario::parse("minimal.toml", &wrong).unwrap_err();
+//! assert!(error.to_string().contains("party \"poel\" is not defined"));
+//! assert!(error.to_string().contains("Did you mean \"pole\"?"));
+//! # Ok::<(), scenario::ScenarioError>(())
+//! ```
+
+mod check;
+mod document;
+pub mod engine;
+pub mod error;
+mod explain;
+mod limit;
+mod names;
+mod raw;
+pub mod rules;
+pub mod scenario;
+mod schema;
+
+pub use document::Place;
+pub use engine::{Cores, Engine, Overrides, Scheme};
+pub use error::{Misfit, ScenarioError};
+pub use scenario::{
+    Candidate, FileRef, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source, State,
+};
+pub use schema::schema;

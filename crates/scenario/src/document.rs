@@ -1,0 +1,218 @@
+//! The text of a scenario as a tree that knows where everything stands.
+//!
+//! Places are looked up only when something is wrong or names a file, by the path of keys and numbers
+//! that leads to it; so the values themselves stay plain. It does not know what any key means.
+
+use serde::de::DeserializeOwned;
+use std::fmt;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+/// A place in a text, as editors count: from 1, columns in characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1, in characters.
+    pub column: usize,
+}
+
+impl Place {
+    /// The beginning of a text: the place of whatever is missing from all of it.
+    pub const START: Self = Self { line: 1, column: 1 };
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.line, self.column)
+    }
+}
+
+/// One step down the tree.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    Key(String),
+    Index(usize),
+}
+
+/// The way from the root of a document to something in it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Path(pub(crate) Vec<Step>);
+
+impl Path {
+    /// One step further, to the value of a key.
+    pub(crate) fn key(&self, key: &str) -> Self {
+        self.with(Step::Key(key.to_owned()))
+    }
+
+    /// One step further, to an item of a list.
+    pub(crate) fn index(&self, index: usize) -> Self {
+        self.with(Step::Index(index))
+    }
+
+    fn with(&self, step: Step) -> Self {
+        Self(self.0.iter().cloned().chain([step]).collect())
+    }
+
+    /// The last key on the way.
+    pub(crate) fn last_key(&self) -> Option<&str> {
+        self.0.iter().rev().find_map(|step| match step {
+            Step::Key(key) => Some(key.as_str()),
+            Step::Index(_) => None,
+        })
+    }
+
+    /// Whether the way leads through the value of this key.
+    pub(crate) fn passes(&self, name: &str) -> bool {
+        self.0.iter().any(|step| matches!(step, Step::Key(key) if key == name))
+    }
+}
+
+/// As one would say it: `[candidates.other]`, without numbers; empty for the root.
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let keys: Vec<String> = (self.0.iter())
+            .filter_map(|step| match step {
+                Step::Key(key) => Some(key.escape_debug().to_string()),
+                Step::Index(_) => None,
+            })
+            .collect();
+        write!(f, "[{}]", keys.join("."))
+    }
+}
+
+/// What the TOML reader objects to.
+pub(crate) struct Objection {
+    pub(crate) place: Place,
+    /// The way to what it objects to; `None` if the text is not TOML at all.
+    pub(crate) path: Option<Path>,
+    pub(crate) message: String,
+}
+
+/// A parsed text. Keys and values know their places.
+pub(crate) struct Document<'t> {
+    text: &'t str,
+    root: Spanned<DeTable<'t>>,
+}
+
+impl<'t> Document<'t> {
+    /// Parses TOML.
+    pub(crate) fn parse(text: &'t str) -> Result<Self, Objection> {
+        match DeTable::parse(text) {
+            Ok(root) => Ok(Self { text, root }),
+            Err(error) => Err(Objection {
+                place: place_of(text, error.span().unwrap_or_default().start),
+                path: None,
+                message: error.message().to_owned(),
+            }),
+        }
+    }
+
+    /// The text at the end of a path; `None` if there is nothing, or no text.
+    pub(crate) fn text(&self, path: &Path) -> Option<&str> {
+        let mut steps = path.0.iter();
+        let mut value = At::Table(self.root.get_ref()).step(steps.next()?)?;
+        for step in steps {
+            value = At::of(value.get_ref()).step(step)?;
+        }
+        value.get_ref().as_str()
+    }
+
+    /// Reads the whole document as one value.
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, Objection> {
+        T::deserialize(Deserializer::from(self.root.clone())).map_err(|error| {
+            let span = error.span().unwrap_or_default();
+            let path = self.path_at(&span);
+            Objection {
+                place: place_of(self.text, span.start),
+                path: Some(path),
+                message: error.message().to_owned(),
+            }
+        })
+    }
+
+    /// Where the value at the end of a path stands, or as much of the way as there is.
+    pub(crate) fn place(&self, path: &Path) -> Place {
+        let mut start = 0;
+        let mut at = At::Table(self.root.get_ref());
+        for step in &path.0 {
+            let Some(value) = at.step(step) else { break };
+            // A table that no header or brace opened has no place of its own.
+            if !value.span().is_empty() {
+                start = value.span().start;
+            }
+            at = At::of(value.get_ref());
+        }
+        place_of(self.text, start)
+    }
+
+    /// The way to the key or value that has this span; the root if there is none.
+    fn path_at(&self, span: &Range<usize>) -> Path {
+        let mut open = vec![(Path::default(), At::Table(self.root.get_ref()))];
+        // Ends: the tree is finite and each node is opened once.
+        while let Some((path, at)) = open.pop() {
+            for (step, key, value) in at.children() {
+                let way = path.with(step);
+                if key == *span || value.span() == *span {
+                    return way;
+                }
+                open.push((way, At::of(value.get_ref())));
+            }
+        }
+        Path::default()
+    }
+}
+
+/// A node of the tree.
+#[derive(Clone, Copy)]
+enum At<'d, 't> {
+    Table(&'d DeTable<'t>),
+    List(&'d [Spanned<DeValue<'t>>]),
+    Leaf,
+}
+
+impl<'d, 't> At<'d, 't> {
+    fn of(value: &'d DeValue<'t>) -> Self {
+        match value {
+            DeValue::Table(table) => Self::Table(table),
+            DeValue::Array(items) => Self::List(items),
+            _ => Self::Leaf,
+        }
+    }
+
+    /// What one step leads to.
+    fn step(self, step: &Step) -> Option<&'d Spanned<DeValue<'t>>> {
+        match (self, step) {
+            (Self::Table(table), Step::Key(key)) => table.get(key.as_str()),
+            (Self::List(items), Step::Index(index)) => items.get(*index),
+            _ => None,
+        }
+    }
+
+    /// All steps from here, with the span of the key (of the item itself in a list) and the value.
+    fn children(self) -> Vec<(Step, Range<usize>, &'d Spanned<DeValue<'t>>)> {
+        match self {
+            Self::Table(table) => (table.iter())
+                .map(|(key, value)| (Step::Key(key.get_ref().to_string()), key.span(), value))
+                .collect(),
+            Self::List(items) => (items.iter().enumerate())
+                .map(|(index, value)| (Step::Index(index), value.span(), value))
+                .collect(),
+            Self::Leaf => Vec::new(),
+        }
+    }
+}
+
+/// Line and column of a byte of a text; the end of the text if it is beyond.
+fn place_of(text: &str, byte: usize) -> Place {
+    let before = text.get(..byte).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+    Place {
+        line: before.matches('\n').count() + 1,
+        column: before[line_start..].chars().count() + 1,
+    }
+}
+
+#[cfg(test)]
+mod tests;

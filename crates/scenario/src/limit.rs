@@ -1,0 +1,119 @@
+//! The ranges of all numbers in a scenario, each with its reason, in one place.
+//!
+//! Parser and JSON Schema read the same constants, so they cannot disagree. Both ends are allowed.
+
+use crate::error::Misfit;
+
+/// A closed range of values and its unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit<T> {
+    pub(crate) least: T,
+    pub(crate) most: T,
+    /// With a leading space, or empty.
+    pub(crate) unit: &'static str,
+}
+
+const fn limit<T: Copy>(least: T, most: T, unit: &'static str) -> Limit<T> {
+    Limit { least, most, unit }
+}
+
+/// A microsecond to an hour: below, no message crosses; above, nobody waits.
+pub(crate) const DEADLINE_MS: Limit<f64> = limit(0.001, 3_600_000.0, " ms");
+/// A f32 mesh 1,000 km from the origin still fits an f64 pose to a nanometre; beyond lies a wrong unit.
+pub(crate) const POSITION_M: Limit<f64> = limit(-1e6, 1e6, " m");
+/// 540 km/h: faster than any road vehicle, so a speed beyond was written in km/h.
+pub(crate) const SPEED_M_S: Limit<f64> = limit(-150.0, 150.0, " m/s");
+/// One turn either way.
+pub(crate) const YAW_DEG: Limit<f64> = limit(-360.0, 360.0, "°");
+/// Beyond 90° a pitch is another yaw and roll.
+pub(crate) const PITCH_DEG: Limit<f64> = limit(-90.0, 90.0, "°");
+/// Half a turn either way: on its roof.
+pub(crate) const ROLL_DEG: Limit<f64> = limit(-180.0, 180.0, "°");
+/// A toy to a goods train: beyond lies a wrong unit.
+pub(crate) const MASS_KG: Limit<f64> = limit(0.1, 1e6, " kg");
+/// A probability.
+pub(crate) const SHARE: Limit<f64> = limit(0.0, 1.0, "");
+/// What the generator can shape (500) and what a model may hold (1,000,000).
+pub(crate) const TRIANGLES: Limit<i64> = limit(500, 1_000_000, "");
+/// TOML's whole numbers end at 2⁶³ − 1.
+pub(crate) const SEED: Limit<i64> = limit(0, i64::MAX, "");
+/// Four for a quad-core computer; 16 bounds status page and pools.
+pub(crate) const WORKERS: Limit<i64> = limit(1, 16, "");
+/// The size of the kernel's `cpu_set_t`.
+pub(crate) const CORE: Limit<i64> = limit(0, 1023, "");
+/// A front at depth 20 has up to 4²⁰ pairs on paper; real bodies end long before.
+pub(crate) const DEPTH: Limit<i64> = limit(0, 20, "");
+/// 256 jobs of 32 bytes are 8 KiB: two pages per message.
+pub(crate) const BATCH: Limit<i64> = limit(1, 256, "");
+/// Jobs on their way to one worker: bounds its pool of messages.
+pub(crate) const QUEUE: Limit<i64> = limit(1, 4096, "");
+/// Larger leaves test nearly every pair of triangles by hand.
+pub(crate) const LEAF_SIZE: Limit<i64> = limit(1, 64, "");
+/// How many candidates a request may hold.
+pub(crate) const CANDIDATES: Limit<usize> = limit(1, 16, "");
+/// The ego and another party for each candidate.
+pub(crate) const PARTIES: Limit<usize> = limit(2, 17, "");
+/// What fits a line of a table, in characters.
+pub(crate) const NAME_CHARS: Limit<usize> = limit(1, 60, " characters");
+/// The longest path that the kernel opens, in bytes.
+pub(crate) const PATH_BYTES: Limit<usize> = limit(1, 4095, " bytes");
+/// As many as a bus has seats, and more than [`model::Seat`] can name.
+pub(crate) const PERSONS_MAX: usize = 100;
+
+impl<T: Copy + PartialOrd + Show> Limit<T> {
+    /// Whether the value lies within; NaN does not.
+    pub(crate) fn holds(&self, value: T) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    /// "0 to 20", with the unit.
+    pub(crate) fn range(&self) -> String {
+        format!("{} to {}{}", self.least.show(), self.most.show(), self.unit)
+    }
+
+    /// The value, if it lies within.
+    pub(crate) fn check(&self, setting: &'static str, value: T) -> Result<T, Misfit> {
+        if self.holds(value) { Ok(value) } else { Err(self.misfit(setting, value)) }
+    }
+
+    fn misfit(&self, setting: &'static str, value: T) -> Misfit {
+        let fault = format!("{setting} is {}", value.show());
+        Misfit::new(setting, fault, format!("{setting} may be {}", self.range()))
+    }
+}
+
+impl Limit<i64> {
+    /// The value as another type of whole number, if it lies within and fits.
+    pub(crate) fn whole<T: TryFrom<i64>>(
+        &self,
+        setting: &'static str,
+        value: i64,
+    ) -> Result<T, Misfit> {
+        T::try_from(self.check(setting, value)?).ok().ok_or_else(|| self.misfit(setting, value))
+    }
+}
+
+/// A number as a person would write it.
+pub(crate) trait Show {
+    fn show(&self) -> String;
+}
+
+impl Show for f64 {
+    fn show(&self) -> String {
+        let size = self.abs();
+        let plain = size == 0.0 || (1e-4..1e15).contains(&size) || !self.is_finite();
+        if plain { format!("{self}") } else { format!("{self:e}") }
+    }
+}
+
+impl Show for i64 {
+    fn show(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Show for usize {
+    fn show(&self) -> String {
+        self.to_string()
+    }
+}

@@ -1,0 +1,139 @@
+//! A scenario as values: checked, in SI units, in world coordinates.
+//!
+//! What stands here is in range and consistent if [`Scenario::parse`] made it. Paths are as written,
+//! relative to the scenario's own file.
+
+use crate::check;
+use crate::document::Place;
+use crate::engine::Engine;
+use crate::error::ScenarioError;
+use geometry::{DVec3, Pose};
+use model::{Kind, meta::Occupant};
+use std::time::Duration;
+
+/// Name and version of the form, the value of the key `schema`.
+pub const SCHEMA: &str = "trolley.scenario/1";
+
+/// Longer texts are refused unread: 16 candidates and 17 parties, each with every key, need 20 kB.
+pub const TEXT_BYTES_MAX: usize = 1 << 20;
+
+/// What to rank and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// What people call it.
+    pub name: String,
+    /// The policy; `None`: the one that comes with the program.
+    pub policy: Option<FileRef>,
+    /// The injury risk curves; `None`: those of the program.
+    pub curves: Option<FileRef>,
+    /// Time for the answer from the acceptance of the request; `None`: no deadline.
+    pub deadline: Option<Duration>,
+    /// How the engine works.
+    pub engine: Engine,
+    /// The automated vehicle.
+    pub ego: PartyIndex,
+    /// All bodies, sorted by name; 2 to 17.
+    pub parties: Vec<Party>,
+    /// The collisions to choose from, in the file's order; 1 to 16, names unique.
+    pub candidates: Vec<Candidate>,
+}
+
+/// Number of a party in [`Scenario::parties`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PartyIndex(pub usize);
+
+/// A path as written, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileRef {
+    /// The path, relative to the scenario's file unless it is absolute.
+    pub path: String,
+    /// Where it was written, for the error of whoever cannot open it.
+    pub place: Place,
+}
+
+/// A physical body that may be hit, and who is inside. It exists once, however many candidates name
+/// it, so its persons count once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Party {
+    /// Its name, unique in the scenario.
+    pub name: String,
+    /// Where its table stands.
+    pub place: Place,
+    /// Where its triangles come from.
+    pub source: Source,
+    /// Mass [kg] instead of the model's.
+    pub mass_kg: Option<f64>,
+    /// Persons instead of the model's; an empty list: nobody.
+    pub persons: Option<Vec<Occupant>>,
+    /// Share of responsibility of its persons, 0 to 1.
+    pub responsibility: f64,
+}
+
+/// Where a body's triangles come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A model file.
+    File(FileRef),
+    /// The built-in generator.
+    Generate {
+        /// What it is; never a building.
+        shape: Kind,
+        /// How many triangles, 500 to 1,000,000.
+        triangles: u32,
+        /// Seed of its small variations.
+        seed: u64,
+    },
+}
+
+/// One collision that may be chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// What people call it.
+    pub name: String,
+    /// Where it stands in the file.
+    pub place: Place,
+    /// Probability that the collision happens if this candidate is chosen, 0 to 1.
+    pub probability: f64,
+    /// The ego at predicted impact.
+    pub ego: State,
+    /// The other side at predicted impact.
+    pub other: Opponent,
+}
+
+/// The opposing body of a candidate: exactly one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opponent {
+    /// Which party; never the ego.
+    pub party: PartyIndex,
+    /// Where it is and how it moves.
+    pub state: State,
+}
+
+/// Where a body is and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Body frame to world.
+    pub pose: Pose,
+    /// Velocity of the body [m/s], world frame, in the ground plane: z is +0.0.
+    pub velocity_m_s: DVec3,
+}
+
+impl Scenario {
+    /// Reads a scenario. `file` is its name in errors; nothing is opened.
+    ///
+    /// # Errors
+    ///
+    /// The first fault found, with its place and what to do about it.
+    pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
+        if text.len() > TEXT_BYTES_MAX {
+            let fault = format!("{} bytes are too many for a scenario", text.len());
+            let help =
+                format!("a scenario has at most {TEXT_BYTES_MAX} bytes; is this the right file?");
+            return Err(ScenarioError::new(file, Place::START, fault, help));
+        }
+        check::scenario(file, text)
+    }
+}
+
+#[cfg(test)]
+mod tests;

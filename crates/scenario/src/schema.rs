@@ -1,0 +1,46 @@
+//! The JSON Schema of a scenario, for editors and for other programs that write scenarios.
+//!
+//! It says what a schema can say: names, types, ranges, units. That a party is defined or that no two
+//! candidates have one name it cannot say; so the parser is stricter, never laxer.
+
+use crate::raw;
+use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
+
+/// JSON Schema (draft 2020-12) of a scenario file, indented.
+///
+/// ```
+/// let schema = scenario::schema();
+/// assert!(schema.contains("\"speed_m_s\""));
+/// ```
+#[must_use]
+pub fn schema() -> String {
+    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(without_null));
+    let schema = settings.into_generator().into_root_schema_for::<raw::Scenario>();
+    format!("{:#}\n", schema.as_value())
+}
+
+/// TOML has no null: what is optional is left out.
+fn without_null(schema: &mut Schema) {
+    let Some(object) = schema.as_object_mut() else { return };
+    if let Some(types) = object.get_mut("type")
+        && let Some(list) = types.as_array_mut()
+    {
+        list.retain(|name| name != "null");
+        if let [only] = list.as_slice() {
+            *types = only.clone();
+        }
+    }
+    // An optional table is `anyOf: [reference, null]`.
+    if let Some(choices) = object.get_mut("anyOf").and_then(|any| any.as_array_mut()) {
+        choices.retain(|choice| choice.get("type").is_none_or(|name| name != "null"));
+        if let [only] = choices.as_slice()
+            && let Some(only) = only.as_object().cloned()
+        {
+            object.remove("anyOf");
+            object.extend(only);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
