@@ -10,13 +10,16 @@
 
 pub mod body;
 pub mod codec;
+pub mod defaults;
+pub mod export;
 pub mod file;
-pub mod generate;
 pub mod import;
 pub mod meta;
+pub mod side;
 pub mod store;
 #[cfg(test)]
 mod testing;
+pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones};
 pub use meta::{Build, Kind, Meta, Seat};
