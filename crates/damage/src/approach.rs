@@ -1,0 +1,207 @@
+//! How B comes towards A: the two bodies' plan-view hulls along the relative path.
+//!
+//! Everything is in A's frame, in metres. B moves at constant relative velocity, without turning: at
+//! travel s it stands `u·s` before its given place, so s grows with time and with depth, and s = 0 is
+//! the given pose. The hulls are known by their supports along the 72 directions of
+//! [`geometry::Directions`], which is all that this needs: it depends on no mesh, and on no job.
+//!
+//! What is said here to be apart is apart: the 72 directions enclose the hulls. The converse does
+//! not hold, and hulls may overlap where bodies do not.
+
+use geometry::{DVec3, Directions, Supports};
+
+/// How many of the directions are horizontal; direction `i` stands `5°·i` from u.
+pub const HORIZONTAL: usize = 72;
+/// Quarter of a turn, in directions.
+pub const QUARTER: usize = HORIZONTAL / 4;
+/// The direction upwards, and the one after it downwards.
+pub const UP: usize = HORIZONTAL;
+/// How far before or after the given pose contact is sought [m].
+pub const REACH_M: f64 = 10.0;
+/// Below this closing speed u leads from A's centre to B's [m/s].
+pub const STANDSTILL_M_S: f64 = 0.1;
+
+/// Hulls closer than this [m] in either sense count as touching: far above rounding, far below any
+/// measure of a body.
+const TOUCH_M: f64 = 1e-9;
+
+/// Two bodies and their relative motion, in A's frame, at the given pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Approach {
+    /// The directions around u, the unit vector of the horizontal relative velocity v_A − v_B.
+    pub directions: Directions,
+    /// Horizontal |v_A − v_B| [m/s].
+    pub closing_m_s: f64,
+    /// Supports of the whole body A.
+    pub supports_a: Supports,
+    /// Supports of the whole body B at the given pose, in A's frame.
+    pub supports_b: Supports,
+}
+
+/// An approach that cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ApproachError {
+    /// The closing speed is negative or not finite.
+    #[error("closing speed is not a finite number ≥ 0: check both velocities")]
+    Speed,
+    /// A body has no points, or points at infinity.
+    #[error("body {0} has no finite extent: check its model and its pose")]
+    Extent(char),
+}
+
+/// Where the hulls come nearest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// The first travel at which they are nearest [m].
+    pub travel_m: f64,
+    /// Their distance there [m], not more than the true one; negative where they overlap.
+    pub gap_m: f64,
+}
+
+/// How many steps of 5° direction `i` stands away from u, at most 36.
+#[must_use]
+pub fn turn(i: usize) -> usize {
+    let i = i % HORIZONTAL;
+    i.min(HORIZONTAL - i)
+}
+
+/// The cosine of the angle between u and direction `i`, the same bits on both sides of u, and exact
+/// at the quarters.
+#[must_use]
+pub fn cosine(i: usize) -> f64 {
+    let t = turn(i);
+    match t {
+        QUARTER => 0.0,
+        t if t > QUARTER => -cosine_of_acute(2 * QUARTER - t),
+        t => cosine_of_acute(t),
+    }
+}
+
+/// The cosine of `5°·t` for t below [`QUARTER`].
+fn cosine_of_acute(t: usize) -> f64 {
+    libm::cos((5.0 * t as f64).to_radians())
+}
+
+/// The direction that u-relative direction `i` opposes.
+#[must_use]
+pub fn opposite(i: usize) -> usize {
+    (i + HORIZONTAL / 2) % HORIZONTAL
+}
+
+/// The horizontal direction in which B is met, as a unit vector in A's frame.
+///
+/// That of `relative_velocity` (v_A − v_B, A's frame), or, below [`STANDSTILL_M_S`], of
+/// `centre_to_centre` (from A's to B's); `up` is the world's vertical in A's frame. Where both are
+/// vertical or not finite, any horizontal direction.
+#[must_use]
+pub fn heading(relative_velocity: DVec3, centre_to_centre: DVec3, up: DVec3) -> DVec3 {
+    let level = |v: DVec3| v - up * v.dot(up);
+    let v = level(relative_velocity);
+    let chosen = if v.length() < STANDSTILL_M_S { level(centre_to_centre) } else { v };
+    let unit = chosen * (1.0 / chosen.length());
+    if unit.is_finite() {
+        return unit;
+    }
+    let side = level(if up.x.abs() < 0.5 { DVec3::X } else { DVec3::Y });
+    side * (1.0 / side.length())
+}
+
+impl Approach {
+    /// Checks what everything below relies on.
+    ///
+    /// # Errors
+    ///
+    /// If the speed or a support is not finite, the speed is negative, or a body has no points.
+    pub fn check(&self) -> Result<(), ApproachError> {
+        if !(self.closing_m_s >= 0.0 && self.closing_m_s.is_finite()) {
+            return Err(ApproachError::Speed);
+        }
+        for (body, supports) in [('A', &self.supports_a), ('B', &self.supports_b)] {
+            if !supports.0.iter().all(|s| s.is_finite()) {
+                return Err(ApproachError::Extent(body));
+            }
+        }
+        Ok(())
+    }
+
+    /// How far [m] the hulls overlap along horizontal direction `i` after `travel_m`; negative if
+    /// they are apart. It is `max over A of x·d − min over B of x·d`.
+    #[must_use]
+    pub fn penetration(&self, i: usize, travel_m: f64) -> f64 {
+        self.supports_a.0[i] + self.supports_b.0[opposite(i)] + travel_m * cosine(i)
+    }
+
+    /// How far [m] the bodies overlap in height; it does not change along the path.
+    #[must_use]
+    pub fn overlap_in_height(&self) -> f64 {
+        let (a, b) = (&self.supports_a.0, &self.supports_b.0);
+        (a[UP] + b[UP + 1]).min(b[UP] + a[UP + 1])
+    }
+
+    /// Extent of the smaller body along u [m].
+    #[must_use]
+    pub fn smaller_extent(&self) -> f64 {
+        let extent = |s: &Supports| s.0[0] + s.0[opposite(0)];
+        extent(&self.supports_a).min(extent(&self.supports_b))
+    }
+
+    /// The travel at which no direction ahead of u separates the hulls any more [m], if both
+    /// together were `raise` [m] larger all round.
+    pub(crate) fn entry(&self, raise_m: f64) -> f64 {
+        (0..HORIZONTAL)
+            .filter(|&i| turn(i) < QUARTER)
+            .map(|i| -(self.penetration(i, 0.0) + raise_m) / cosine(i))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether the hulls overlap or touch after `travel_m`, in plan and in height.
+    pub(crate) fn hulls_meet(&self, travel_m: f64) -> bool {
+        self.overlap_in_height() >= -TOUCH_M
+            && (0..HORIZONTAL).all(|i| self.penetration(i, travel_m) >= -TOUCH_M)
+    }
+
+    /// Where the hulls come nearest, within [`REACH_M`] of the given pose.
+    ///
+    /// The distance is the greatest of linear functions of travel, so convex: halving by the slope
+    /// of the greatest finds the first least place. 60 halvings end below 1e-16 of the reach.
+    #[must_use]
+    pub fn nearest(&self) -> Nearest {
+        let (mut lo, mut hi) = (-REACH_M, REACH_M);
+        for _ in 0..60 {
+            let mid = 0.5 * (lo + hi);
+            let (_, falls) = self.gap(mid);
+            if falls {
+                lo = mid;
+            } else {
+                hi = mid;
+            }
+        }
+        Nearest { travel_m: hi, gap_m: self.gap(hi).0 }
+    }
+
+    /// Distance of the hulls at a travel, and whether more travel lessens it.
+    fn gap(&self, travel_m: f64) -> (f64, bool) {
+        let start = (-self.overlap_in_height(), false);
+        (0..HORIZONTAL).fold(start, |(most, falls), i| {
+            let apart = -self.penetration(i, travel_m);
+            if apart > most { (apart, turn(i) < QUARTER) } else { (most, falls) }
+        })
+    }
+
+    /// Supports of everything that contact between travels `from` and `to` could reach, as
+    /// [`crate::Evidence`] holds it: no further out than A, and no further out than B.
+    #[must_use]
+    pub fn reach(&self, from_m: f64, to_m: f64) -> Supports {
+        let mut reach = Supports::EMPTY;
+        for (i, support) in reach.0.iter_mut().enumerate() {
+            let shift = |s: f64| if i < HORIZONTAL { 0.5 * s * cosine(i) } else { 0.0 };
+            let a = self.supports_a.0[i] + shift(from_m).max(shift(to_m));
+            let b = self.supports_b.0[i] - shift(from_m).min(shift(to_m));
+            *support = a.min(b);
+        }
+        reach
+    }
+}
+
+#[cfg(test)]
+mod tests;

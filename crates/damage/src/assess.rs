@@ -1,0 +1,187 @@
+//! From contact to harm: dynamics and injury curves at both ends of everything that is open.
+//!
+//! The work interval takes nominal parameters, and lever arms and normals over all that open jobs may
+//! find; the model range takes parameters, normals, sides and curves at their worst ends besides.
+//! Every input is monotone ([`crate::dynamics`]), so end points suffice.
+//!
+//! Nothing here compares candidates, and a policy reaches it only as the severity level asked for.
+
+use crate::approach::Approach;
+use crate::contact::{Contact, Normals, Places};
+use crate::curve::Level;
+use crate::dynamics::{ParameterError, Parameters, Response};
+use crate::evidence::{Evidence, Touch};
+use crate::harm::{CandidateHarm, DeltaV, Unevaluable};
+use crate::injury::{Curves, MissingCurve};
+use crate::interval::{Range, Work};
+use crate::party::{Party, PartyError, PersonId};
+use crate::path::{Meeting, PATCH_M};
+use crash::Crash;
+
+mod crash;
+mod person;
+#[cfg(test)]
+mod tests;
+
+/// One candidate: two parties on their way towards each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Encounter<'a> {
+    /// Hulls and relative motion.
+    pub approach: &'a Approach,
+    /// What [`crate::plan`] made of them.
+    pub meeting: &'a Meeting,
+    /// The ego vehicle.
+    pub a: &'a Party,
+    /// What it meets.
+    pub b: &'a Party,
+    /// Probability that this happens, given the choice.
+    pub probability: f64,
+}
+
+/// By what harm is computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Basis<'a> {
+    /// Injury curves.
+    pub curves: &'a Curves,
+    /// Severity that counts: the policy's.
+    pub level: Level,
+    /// Parameters of contact and dynamics.
+    pub parameters: &'a Parameters,
+}
+
+/// A candidate that is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum AssessError {
+    /// A party is unusable.
+    #[error("party {0}: {1}")]
+    Party(char, PartyError),
+    /// Neither party can move.
+    #[error("both parties are fixed to the ground: at least one needs a mass")]
+    BothFixed,
+    /// Not a probability.
+    #[error("collision probability is not in [0, 1]")]
+    Probability,
+    /// The approach is unusable.
+    #[error(transparent)]
+    Approach(#[from] crate::approach::ApproachError),
+    /// A parameter is unusable.
+    #[error(transparent)]
+    Parameters(#[from] ParameterError),
+    /// Somebody has no curve.
+    #[error(transparent)]
+    Curve(#[from] MissingCurve),
+}
+
+/// Computes the harm of one candidate from what is known of its contact.
+///
+/// If `meeting` says that the bodies never meet, `evidence` is of no account.
+///
+/// # Errors
+///
+/// Masses or gyration that are not above 0, both parties fixed, a person twice, persons in a fixed
+/// object, a probability outside [0, 1], a person without a curve: see [`AssessError`].
+pub fn assess(
+    encounter: &Encounter<'_>,
+    evidence: &Evidence,
+    basis: &Basis<'_>,
+) -> Result<CandidateHarm, AssessError> {
+    check(encounter, basis)?;
+    let Encounter { approach, meeting, a, b, probability } = *encounter;
+    let parameters = basis.parameters;
+    let nothing = Evidence::none((0.0, 0.0));
+    let (evidence, touch) = match meeting {
+        Meeting::Path(_) => (evidence, evidence.touch()),
+        Meeting::Never(_) => (&nothing, Touch::No),
+        Meeting::AlreadyOverlapping => (&nothing, Touch::Unknown),
+    };
+    let gap = approach.nearest().gap_m;
+    let near_miss = touch == Touch::No && gap < parameters.pose_error_m;
+    let concave = a.concave || b.concave;
+    let (places, raise) = match (meeting, touch) {
+        (Meeting::Path(path), Touch::Yes | Touch::Unknown) => {
+            (Places::along(path, evidence.first_m()), 0.0)
+        }
+        // As if in contact: the hulls meet where they would if poses were off by their error.
+        _ => {
+            let first = approach.entry(parameters.pose_error_m);
+            let r = Work::exactly(first + PATCH_M);
+            let first = Work::exactly(first);
+            let places = Places { first, patch_end: r, crush_end: r, middle: first };
+            (places, parameters.pose_error_m)
+        }
+    };
+    let normals = if concave {
+        Normals::head_on()
+    } else {
+        let r = places.patch_end;
+        Normals::between(approach, r.lo(), r.hi(), raise)
+    };
+    let reach = approach.reach(places.first.lo(), places.patch_end.hi());
+    let crash = Crash {
+        approach,
+        evidence,
+        parties: [a, b],
+        parameters,
+        normals,
+        places,
+        reach,
+        touch,
+        concave,
+    };
+    let mut harm = CandidateHarm {
+        probability,
+        closing_m_s: approach.closing_m_s + 0.0,
+        normal_m_s: Work::ZERO,
+        tangential_m_s: Work::ZERO,
+        contact: Contact { touch, near_miss, hull_gap_m: gap + 0.0, patch: None },
+        delta_v: [DeltaV::default(); 2],
+        response: Response::default(),
+        force_degrees: [0.0; 2],
+        energy_j: Work::ZERO,
+        persons: Vec::new(),
+        coarse_path: matches!(meeting, Meeting::Path(path) if path.coarse),
+        concave,
+        unevaluable: None,
+        is_open: evidence.is_open(),
+    };
+    if *meeting == Meeting::AlreadyOverlapping {
+        harm.unevaluable = Some(Unevaluable::AlreadyOverlapping);
+        harm.energy_j = Work::new(0.0, crash.energy_at_most());
+    } else if touch != Touch::No {
+        crash.describe(&mut harm);
+    } else if near_miss {
+        harm.delta_v = [0, 1].map(|p| DeltaV { work: Work::ZERO, range: crash.delta_v_range(p) });
+    }
+    for (party, body) in [a, b].into_iter().enumerate() {
+        for person in &body.persons {
+            let mut one = crash.person(party, person, basis)?;
+            if harm.unevaluable.is_some() {
+                (one.work, one.range) = (Work::new(0.0, 1.0), Range::new(0.0, 1.0));
+                one.high_at_least = 0.0;
+            } else if touch == Touch::No && !near_miss {
+                (one.range, one.high_at_least, one.intrusion) = (Range::ZERO, 0.0, false);
+            }
+            harm.persons.push(one);
+        }
+    }
+    Ok(harm)
+}
+
+fn check(encounter: &Encounter<'_>, basis: &Basis<'_>) -> Result<(), AssessError> {
+    let Encounter { approach, a, b, probability, .. } = *encounter;
+    approach.check()?;
+    basis.parameters.check()?;
+    for (name, party) in [('A', a), ('B', b)] {
+        party.check().map_err(|error| AssessError::Party(name, error))?;
+    }
+    if a.mass_kg.is_none() && b.mass_kg.is_none() {
+        return Err(AssessError::BothFixed);
+    }
+    let twice = |id: PersonId| AssessError::Party('B', PartyError::Twice(id));
+    match b.persons.iter().find(|p| a.persons.iter().any(|q| q.id == p.id)) {
+        Some(person) => return Err(twice(person.id)),
+        None if !(0.0..=1.0).contains(&probability) => return Err(AssessError::Probability),
+        None => {}
+    }
+    Ok(())
+}

@@ -1,0 +1,179 @@
+//! The dynamics of one candidate at any end of what is open and of what the model leaves open.
+
+use crate::approach::{Approach, UP, cosine, opposite};
+use crate::contact::{Normals, Places, across, describe, levers};
+use crate::dynamics::{Impact, Parameters, Pick, Response, Side, factor};
+use crate::evidence::{Evidence, Touch};
+use crate::harm::{CandidateHarm, DeltaV};
+use crate::interval::{Range, Work};
+use crate::party::{Party, Struck};
+use geometry::Supports;
+
+/// Which end of an interval of lever arms.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lever {
+    Longest,
+    Shortest,
+    /// None at all: the worst case where no patch is known.
+    Zero,
+}
+
+/// Which ends of the parameters, for one of the two parties.
+#[derive(Clone, Copy)]
+struct Picks {
+    /// Friction and gyration.
+    model: Pick,
+    /// Restitution, masses and speed: within the factors of occupants' curves, so nominal there.
+    rest: Pick,
+    lever: Lever,
+    /// Whose ΔV is sought: its own mass goes to the opposite end.
+    party: usize,
+}
+
+/// Everything that the figures of one candidate are made from.
+pub(super) struct Crash<'a> {
+    pub(super) approach: &'a Approach,
+    pub(super) evidence: &'a Evidence,
+    pub(super) parties: [&'a Party; 2],
+    pub(super) parameters: &'a Parameters,
+    pub(super) normals: Normals,
+    pub(super) places: Places,
+    pub(super) reach: Supports,
+    pub(super) touch: Touch,
+    pub(super) concave: bool,
+}
+
+impl Crash<'_> {
+    /// v_n and v_t of normal `i` [m/s].
+    pub(super) fn speeds(&self, i: usize) -> (f64, f64) {
+        let v = self.approach.closing_m_s;
+        ((v * cosine(i)).max(0.0), (v * cosine(across(i))).abs())
+    }
+
+    fn respond(&self, i: usize, picks: Picks) -> Response {
+        let Parameters { restitution, friction, .. } = self.parameters;
+        let (v_n, v_t) = self.speeds(i);
+        let speed = factor(self.parameters.speed_share, picks.rest);
+        let arms =
+            levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
+        let arm = |lever: Work| match picks.lever {
+            Lever::Longest => lever.hi(),
+            Lever::Shortest => lever.lo(),
+            Lever::Zero => 0.0,
+        };
+        let sides = [0, 1].map(|p| {
+            let party = self.parties[p];
+            // ΔV falls with the own mass and rises with the partner's.
+            let mass = match (picks.rest, p == picks.party) {
+                (Pick::Nominal, _) => Pick::Nominal,
+                (Pick::Low, true) | (Pick::High, false) => Pick::High,
+                (Pick::Low, false) | (Pick::High, true) => Pick::Low,
+            };
+            let mass = factor(self.parameters.mass_share, mass);
+            let gyration = factor(self.parameters.gyration_share, picks.model);
+            Side {
+                inverse_mass: party.mass_kg.map_or(0.0, |m| 1.0 / (m * mass)),
+                // A fixed body does not turn; its gyration may be anything, even 0.
+                gyration_m: party.mass_kg.map_or(1.0, |_| party.gyration_m * gyration),
+                across_m: arm(arms[p][0]),
+                along_m: arm(arms[p][1]),
+            }
+        });
+        let impact = Impact {
+            normal_m_s: v_n * speed,
+            tangential_m_s: v_t * speed,
+            restitution: restitution.pick(picks.rest),
+            friction: friction.pick(picks.model),
+            sides,
+        };
+        impact.respond()
+    }
+
+    /// The longest or shortest arms that are possible; none where there is no patch to measure.
+    fn lever(&self, known: Lever) -> Lever {
+        if self.touch == Touch::No { Lever::Zero } else { known }
+    }
+
+    /// Nominal parameters, with the arms at one end of what is open.
+    pub(super) fn nominal(&self, i: usize, lever: Lever) -> Response {
+        let picks =
+            Picks { model: Pick::Nominal, rest: Pick::Nominal, lever: self.lever(lever), party: 0 };
+        self.respond(i, picks)
+    }
+
+    /// ΔV of a party [m/s] with friction and gyration at one end. The rest stays nominal: the
+    /// factors on occupants' ΔV hold it already.
+    pub(super) fn extreme(&self, i: usize, party: usize, model: Pick, lever: Lever) -> f64 {
+        let picks = Picks { model, rest: Pick::Nominal, lever: self.lever(lever), party };
+        self.respond(i, picks).delta_v_m_s[party]
+    }
+
+    pub(super) fn delta_v_range(&self, party: usize) -> Range {
+        let over = |end: Pick, lever: Lever, from: f64, pick: fn(f64, f64) -> f64| {
+            let picks = Picks { model: end, rest: end, lever: self.lever(lever), party };
+            let all = self.normals.possible.iter();
+            all.map(|&i| self.respond(i, picks).delta_v_m_s[party]).fold(from, pick)
+        };
+        let high = over(Pick::High, Lever::Shortest, 0.0, f64::max);
+        let low = over(Pick::Low, Lever::Longest, high, f64::min);
+        let is_certain = self.touch == Touch::Yes && !self.concave;
+        Range::new(if is_certain { low } else { 0.0 }, high)
+    }
+
+    /// An interval over all normals that may be nominal, from 0 if there may be no contact.
+    fn over_nominal(&self, of: impl Fn(usize) -> Work) -> Work {
+        let all = self.normals.nominal.iter().map(|&i| of(i));
+        let hull = all.reduce(Work::hull).unwrap_or(Work::ZERO);
+        self.unless_apart(hull)
+    }
+
+    pub(super) fn unless_apart(&self, work: Work) -> Work {
+        match self.touch {
+            Touch::No => Work::ZERO,
+            Touch::Unknown => work.hull(Work::ZERO),
+            Touch::Yes => work,
+        }
+    }
+
+    /// Fills in all that is known of a contact.
+    pub(super) fn describe(&self, harm: &mut CandidateHarm) {
+        let work = |of: fn(&Response) -> f64| {
+            self.over_nominal(|i| {
+                let ends = [Lever::Longest, Lever::Shortest].map(|l| of(&self.nominal(i, l)));
+                Work::new(ends[0], ends[1])
+            })
+        };
+        let delta_v =
+            [work(|response| response.delta_v_m_s[0]), work(|response| response.delta_v_m_s[1])];
+        harm.delta_v = [0, 1]
+            .map(|p| DeltaV { work: delta_v[p], range: self.delta_v_range(p).around(delta_v[p]) });
+        harm.energy_j = work(|response| response.energy_j);
+        harm.normal_m_s = self.over_nominal(|i| Work::exactly(self.speeds(i).0));
+        harm.tangential_m_s = self.over_nominal(|i| Work::exactly(self.speeds(i).1));
+        harm.contact.patch =
+            describe(self.approach, self.evidence, &self.reach, &self.places, &self.normals);
+        let Some(&i) = self.normals.nominal.first() else { return };
+        harm.response = self.nominal(i, Lever::Shortest);
+        let d = &self.approach.directions.d;
+        let slides = if cosine(across(i)) < 0.0 { -1.0 } else { 1.0 };
+        let from = d[i] * harm.response.normal_n_s
+            + d[across(i)] * (slides * harm.response.tangential_n_s);
+        harm.force_degrees = [
+            self.parties[0].bearing(from, d[UP]) + 0.0,
+            self.parties[1].bearing(-from, d[UP]) + 0.0,
+        ];
+    }
+
+    /// The energy that no impact of these masses can exceed [J].
+    pub(super) fn energy_at_most(&self) -> f64 {
+        let inverse: f64 = self.parties.iter().filter_map(|p| p.mass_kg).map(|m| 1.0 / m).sum();
+        0.5 * self.approach.closing_m_s * self.approach.closing_m_s / inverse
+    }
+
+    /// The side of a party that normal `i` strikes, turned by some degrees.
+    pub(super) fn struck(&self, party: usize, i: usize, turned: f64) -> Struck {
+        let d = &self.approach.directions.d;
+        let from = d[if party == 0 { i } else { opposite(i) }];
+        Struck::at(self.parties[party].bearing(from, d[UP]) + turned)
+    }
+}

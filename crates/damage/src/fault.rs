@@ -1,0 +1,56 @@
+//! A fault in a data file (curves, policies): file, place, what is wrong, what would be right.
+
+use core::ops::Range;
+
+/// A data file that is refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {fault}\n  help: {remedy}")]
+pub struct Fault {
+    /// Name of the file, as the caller gave it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What is wrong.
+    pub fault: String,
+    /// What would be right.
+    pub remedy: String,
+}
+
+/// A text being read, and the name to blame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) text: &'a str,
+}
+
+impl Source<'_> {
+    /// A fault at a place in the text.
+    pub(crate) fn fault(
+        &self,
+        span: Range<usize>,
+        fault: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Fault {
+        let before = self.text.get(..span.start).unwrap_or("");
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+        let file = self.file.to_owned();
+        Fault { file, line, column, fault: fault.into(), remedy: remedy.into() }
+    }
+
+    /// A fault that the TOML reader found. `keys` says what belongs into such a file.
+    pub(crate) fn malformed(&self, error: &toml::de::Error, keys: &str) -> Fault {
+        const TRAITS: [&str; 6] = ["age", "sex", "gender", "condition", "race", "disability"];
+        let message = error.message();
+        let trait_ = TRAITS.iter().find(|t| message.contains(&format!("unknown field `{t}`")));
+        let remedy = match trait_ {
+            Some(t) => format!(
+                "remove it: harm is never weighed by {t}; persons carry kind, body and seat only"
+            ),
+            None => keys.to_owned(),
+        };
+        self.fault(error.span().unwrap_or(0..0), message, remedy)
+    }
+}

@@ -1,0 +1,265 @@
+//! Reading a set of curves from TOML, and the checks that refuse an unsound one.
+
+use super::{Curves, DEFAULT_CURVES, End, Quantity, Rung, Speeds, Victim};
+use crate::curve::{Curve, Level, Unit};
+use crate::fault::{Fault, Source};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// The ladder is checked up to this speed [m/s] ...
+const LADDER_END_M_S: f64 = 40.0;
+/// ... at so many steps per m/s.
+const LADDER_STEPS: u32 = 10;
+/// Rounding is no breach.
+const LADDER_SLACK: f64 = 1e-12;
+
+const KEYS: &str = "a curve file has schema, name, mixed_origins, [[curve]] (id, outcome, unit, a, \
+                    b, valid, source, year, sample, origin, note) and [[person]] (victim, level, x, \
+                    nominal, low, high); age, sex and condition have no place in it";
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    schema: Spanned<u32>,
+    name: String,
+    #[serde(default)]
+    mixed_origins: String,
+    curve: Vec<Spanned<CurveText>>,
+    person: Vec<Spanned<PersonText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CurveText {
+    id: Spanned<String>,
+    outcome: Level,
+    unit: Unit,
+    a: Spanned<f64>,
+    b: Spanned<f64>,
+    valid: Spanned<[f64; 2]>,
+    source: Spanned<String>,
+    year: Spanned<u16>,
+    sample: Spanned<String>,
+    origin: Spanned<String>,
+    #[serde(default)]
+    note: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PersonText {
+    victim: Victim,
+    level: Level,
+    x: Quantity,
+    nominal: Spanned<String>,
+    low: Spanned<EndText>,
+    high: Spanned<EndText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EndText {
+    curves: Vec<Spanned<String>>,
+    times: Spanned<f64>,
+    x: Option<Quantity>,
+}
+
+impl Curves {
+    /// The set that ships with the program.
+    ///
+    /// # Errors
+    ///
+    /// Never for the file as shipped: a test reads it.
+    pub fn shipped() -> Result<Self, Fault> {
+        Self::parse("config/curves/default.toml", DEFAULT_CURVES)
+    }
+
+    /// Reads and checks a set. `file` is only named in errors.
+    ///
+    /// # Errors
+    ///
+    /// Line, column, fault and remedy, for: text that is not TOML, a missing or unknown key, a
+    /// number that is not finite, a slope that is not positive, an empty source, an unknown or twice
+    /// used name, a curve of another outcome, several origins without a reason, a model range that
+    /// does not contain its nominal curve, and a broken severity ladder.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Fault> {
+        let source = Source { file, text };
+        let read: File = toml::from_str(text).map_err(|e| source.malformed(&e, KEYS))?;
+        if *read.schema.get_ref() != 1 {
+            return Err(source.fault(read.schema.span(), "unknown schema", "write schema = 1"));
+        }
+        let mut curves: Vec<Curve> = Vec::with_capacity(read.curve.len());
+        for text in read.curve {
+            let span = text.get_ref().id.span();
+            let curve = curve(&source, text.into_inner())?;
+            if curves.iter().any(|c| c.id == curve.id) {
+                return Err(source.fault(span, "two curves have this id", "rename one of them"));
+            }
+            curves.push(curve);
+        }
+        let mut set =
+            Self { name: read.name, mixed_origins: read.mixed_origins, curves, rungs: Vec::new() };
+        for text in read.person {
+            let span = text.span();
+            let rung = set.resolve(&source, text.into_inner())?;
+            if set.rung(rung.victim, rung.level).is_ok() {
+                let fault = "this person has a curve at this level already";
+                return Err(source.fault(span, fault, "leave one [[person]] per victim and level"));
+            }
+            set.check_range(&rung).map_err(|fault| {
+                let remedy = "choose range curves and factors that enclose the nominal curve";
+                source.fault(span.clone(), fault, remedy)
+            })?;
+            set.check_origin(&rung).map_err(|fault| {
+                let remedy = "take one origin, or say in mixed_origins why several must do";
+                source.fault(span.clone(), fault, remedy)
+            })?;
+            set.rungs.push(rung);
+            set.check_ladder().map_err(|fault| {
+                let remedy = "take the levels of one person from one study";
+                source.fault(span, fault, remedy)
+            })?;
+        }
+        set.rungs.sort_by_key(|r| (r.victim, r.level));
+        Ok(set)
+    }
+
+    fn resolve(&self, source: &Source<'_>, text: PersonText) -> Result<Rung, Fault> {
+        let (x, level) = (text.x, text.level);
+        let find = |id: &Spanned<String>| {
+            let position = self.curves.iter().position(|c| c.id == *id.get_ref());
+            let number = position.ok_or_else(|| {
+                let fault = format!("curve \"{}\" is not defined", id.get_ref());
+                let known: Vec<_> = self.curves.iter().map(|c| c.id.as_str()).collect();
+                source.fault(id.span(), fault, format!("curves here: {}", known.join(", ")))
+            })?;
+            if self.curves[number].outcome != level {
+                let fault = format!("curve \"{}\" is of another outcome", id.get_ref());
+                let remedy = format!("name a curve with outcome = \"{}\"", level.name());
+                return Err(source.fault(id.span(), fault, remedy));
+            }
+            Ok(number)
+        };
+        let end = |text: Spanned<EndText>| {
+            let span = text.span();
+            let text = text.into_inner();
+            let curves = text.curves.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+            if curves.is_empty() {
+                return Err(source.fault(span, "no curve", "name at least one curve"));
+            }
+            let times = *text.times.get_ref();
+            if !(times > 0.0 && times.is_finite()) {
+                let remedy = "write a finite factor above 0";
+                return Err(source.fault(text.times.span(), "not a factor", remedy));
+            }
+            Ok(End { curves, x: text.x.unwrap_or(x), times })
+        };
+        Ok(Rung {
+            victim: text.victim,
+            level,
+            x,
+            nominal: find(&text.nominal)?,
+            low: end(text.low)?,
+            high: end(text.high)?,
+        })
+    }
+
+    fn check_range(&self, rung: &Rung) -> Result<(), String> {
+        let name = rung.victim.name();
+        for v in speeds() {
+            let all = Speeds { delta_v: v, normal: v, closing: v };
+            let risk = self.nominal(rung).risk(v);
+            let low = self.extreme(&rung.low, &all, f64::INFINITY, f64::min);
+            let high = self.extreme(&rung.high, &all, f64::NEG_INFINITY, f64::max);
+            if !(low <= risk + LADDER_SLACK && risk <= high + LADDER_SLACK) {
+                return Err(format!(
+                    "{name}: the nominal risk {risk:.5} at {v:.1} m/s is outside its own range \
+                     {low:.5} to {high:.5}"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_origin(&self, rung: &Rung) -> Result<(), String> {
+        let ours = self.nominal(rung);
+        let other = self.rungs.iter().map(|r| self.nominal(r)).find(|c| c.origin != ours.origin);
+        match other {
+            Some(other) if self.mixed_origins.trim().is_empty() => Err(format!(
+                "nominal curves \"{}\" and \"{}\" have different origins, and mixed_origins gives \
+                 no reason",
+                other.id, ours.id
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Fatal ≤ MAIS3+ ≤ MAIS2+ for every person, wherever both are given.
+    fn check_ladder(&self) -> Result<(), String> {
+        for mild in &self.rungs {
+            for severe in self.family(mild).filter(|r| r.level > mild.level) {
+                let (m, s) = (self.nominal(mild), self.nominal(severe));
+                let broken = |v: &f64| s.risk(*v) > m.risk(*v) + LADDER_SLACK;
+                let mut broken_at = speeds().filter(broken);
+                if let Some(first) = broken_at.next() {
+                    let last = broken_at.last().unwrap_or(first);
+                    return Err(format!(
+                        "{}: {} (\"{}\") is likelier than {} (\"{}\") from {first:.1} to {last:.1} \
+                         m/s",
+                        mild.victim.name(),
+                        severe.level.name(),
+                        s.id,
+                        mild.level.name(),
+                        m.id,
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The speeds on which curves are compared [m/s].
+fn speeds() -> impl Iterator<Item = f64> {
+    let count = (LADDER_END_M_S * f64::from(LADDER_STEPS)) as u32;
+    (0..=count).map(|k| f64::from(k) / f64::from(LADDER_STEPS))
+}
+
+fn curve(source: &Source<'_>, text: CurveText) -> Result<Curve, Fault> {
+    let (a, b) = (*text.a.get_ref(), *text.b.get_ref());
+    if !a.is_finite() {
+        return Err(source.fault(text.a.span(), "not a number", "write a finite intercept"));
+    }
+    if !(b > 0.0 && b.is_finite()) {
+        let fault = "the slope is not above 0: risk would not rise with speed";
+        return Err(source.fault(text.b.span(), fault, "write b > 0, per unit of x"));
+    }
+    let valid = *text.valid.get_ref();
+    if !(0.0 <= valid[0] && valid[0] < valid[1] && valid[1].is_finite()) {
+        let remedy = "write valid = [from, to] in the curve's unit, 0 ≤ from < to";
+        return Err(source.fault(text.valid.span(), "not a range of speeds", remedy));
+    }
+    if !(1900..=2100).contains(text.year.get_ref()) {
+        let remedy = "write the year of publication, four digits";
+        return Err(source.fault(text.year.span(), "not a year", remedy));
+    }
+    for field in [&text.id, &text.source, &text.sample, &text.origin] {
+        if field.get_ref().trim().is_empty() {
+            let remedy = "say who published the curve, fitted to whom, and from which data";
+            return Err(source.fault(field.span(), "is empty", remedy));
+        }
+    }
+    Ok(Curve {
+        id: text.id.into_inner(),
+        outcome: text.outcome,
+        unit: text.unit,
+        a,
+        b,
+        valid,
+        source: text.source.into_inner(),
+        year: text.year.into_inner(),
+        sample: text.sample.into_inner(),
+        origin: text.origin.into_inner(),
+        note: text.note,
+    })
+}

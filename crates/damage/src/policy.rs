@@ -1,0 +1,153 @@
+//! A policy: how a board of experts wants collisions compared. Data, never code.
+//!
+//! Every composition comes down to steps that are taken in turn ([`Policy::steps`]): keep those whose
+//! measure is least, within a tolerance, or keep those that are acceptable for everybody. Property
+//! damage is only ever the last step, and before it all steps on persons are taken again without
+//! tolerance; so it can never outweigh a person.
+//!
+//! A policy changes the order, never a figure. Age, sex and condition of persons are not known here:
+//! files that name them are refused (`policy/load.rs`).
+
+use crate::curve::Level;
+use crate::rule::{Measure, Rule, Term};
+use serde::{Deserialize, Serialize};
+
+mod load;
+#[cfg(test)]
+mod tests;
+
+/// The policy in force unless another is named: `config/policies/default.toml`.
+pub const DEFAULT_POLICY: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/policies/default.toml"));
+
+/// One step of a comparison.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Step {
+    /// Keep those within `tolerance` of the least.
+    Least {
+        /// Of what.
+        measure: Measure,
+        /// How far from the least still counts as least.
+        tolerance: f64,
+    },
+    /// Keep those where nobody's upper model range passes this risk; if there is none, keep all.
+    Accept {
+        /// R_acc.
+        at_most: f64,
+    },
+}
+
+/// How the rules are put together, after the policy's levels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Composition {
+    /// The levels are all.
+    Lexicographic,
+    /// Then the least weighted sum.
+    Weighted {
+        /// Its terms; weights sum to 1.
+        terms: Vec<Term>,
+        /// How far from the least still counts as least.
+        tolerance: f64,
+    },
+    /// Then the worst-off person, the second worst-off, and so on.
+    Leximin {
+        /// How far from the least still counts as least, at each person.
+        tolerance: f64,
+    },
+}
+
+/// Whether property damage counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Property {
+    /// After all persons.
+    Last,
+    /// Not at all, except as a tie-break where that is declared.
+    Ignored,
+}
+
+/// What decides between candidates that the policy holds equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TieBreak {
+    /// Less energy lost.
+    Energy,
+    /// The lower upper end of the model range of the leading measure.
+    High,
+    /// Earlier in the request. Always the last.
+    Request,
+}
+
+/// A checked policy.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Policy {
+    /// Name.
+    pub name: String,
+    /// Who answers for it.
+    pub board: String,
+    /// Severity that counts.
+    pub outcome: Level,
+    /// What comes first, in turn.
+    pub levels: Vec<Step>,
+    /// What comes then.
+    pub composition: Composition,
+    /// Property damage.
+    pub property: Property,
+    /// What decides at last; ends with [`TieBreak::Request`].
+    pub tie_break: Vec<TieBreak>,
+}
+
+impl Policy {
+    /// The steps of a comparison among candidates that concern `n` persons.
+    #[must_use]
+    pub fn steps(&self, n: usize) -> Vec<Step> {
+        let mut steps = self.levels.clone();
+        match &self.composition {
+            Composition::Lexicographic => {}
+            Composition::Weighted { terms, tolerance } => steps.push(Step::Least {
+                measure: Measure::Weighted(terms.clone()),
+                tolerance: *tolerance,
+            }),
+            Composition::Leximin { tolerance } => steps.extend(
+                (0..n.max(1))
+                    .map(|k| Step::Least { measure: Measure::Worst(k), tolerance: *tolerance }),
+            ),
+        }
+        if self.property == Property::Last {
+            let strict: Vec<Step> = steps.iter().filter_map(Step::without_tolerance).collect();
+            steps.extend(strict);
+            steps.push(Step::Least { measure: Measure::Energy, tolerance: 0.0 });
+        }
+        steps
+    }
+
+    /// Whether some rule looks at the ego vehicle's occupants alone: the answer must say so.
+    #[must_use]
+    pub fn is_ego_only(&self) -> bool {
+        let in_levels = self
+            .levels
+            .iter()
+            .any(|step| matches!(step, Step::Least { measure: Measure::Rule(Rule::EgoOnly), .. }));
+        let in_terms = match &self.composition {
+            Composition::Weighted { terms, .. } => {
+                terms.iter().any(|t| t.rule == Rule::EgoOnly && t.weight > 0.0)
+            }
+            Composition::Lexicographic | Composition::Leximin { .. } => false,
+        };
+        in_levels || in_terms
+    }
+}
+
+impl Step {
+    /// The same step without tolerance, if it has one.
+    fn without_tolerance(&self) -> Option<Self> {
+        match self {
+            Self::Least { measure, tolerance } if *tolerance > 0.0 => {
+                Some(Self::Least { measure: measure.clone(), tolerance: 0.0 })
+            }
+            Self::Least { .. } | Self::Accept { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,427 @@
+//! The order of candidates under a policy, and how sure it is.
+//!
+//! Two computations run beside each other. The *order* comes from the upper work ends, as points: a
+//! value inside each interval, so a sure pair is never inverted. *Certainty* comes from intervals
+//! (`rank/interval.rs`): which candidates can still win, whatever open work finds. All figures are
+//! rounded to 1e-9 before, so that rounding of machines never decides.
+//!
+//! The order is found rank by rank: all steps of the policy thin the remaining candidates out, the
+//! declared tie-break takes one of those kept, it is removed, and the next rank begins. (Comparing
+//! pairs would cycle under tolerances.)
+//!
+//! Every candidate is ranked, the unevaluable ones at `[0, 1]` for everybody in them. Nothing here
+//! changes a candidate's figures.
+
+use crate::harm::CandidateHarm;
+use crate::interval::{Range, Work};
+use crate::party::PersonId;
+use crate::policy::{Policy, Step, TieBreak};
+use crate::rule::{Measure, Rule, Stake};
+use serde::Serialize;
+
+mod figures;
+mod interval;
+#[cfg(test)]
+mod tests;
+
+use figures::{Figures, rounded};
+
+/// How finished an answer is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum State {
+    /// All work is done.
+    Complete,
+    /// No open work can change the winner.
+    Certified,
+    /// Open work could change the winner.
+    Degraded,
+    /// No candidate has a bound.
+    Refused,
+}
+
+/// What the answer must say besides its order.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Note {
+    /// No candidate keeps everybody at or below the accepted risk; that step was passed over.
+    NobodyAcceptable {
+        /// R_acc.
+        at_most: f64,
+    },
+    /// The policy looks at the ego vehicle's occupants alone in some rule.
+    EgoOnly,
+}
+
+/// What put one candidate before the next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ground {
+    /// A step of the policy kept the first and not the second.
+    Least {
+        /// Number of the step, from 0.
+        step: usize,
+        /// Of what the first has less.
+        measure: Measure,
+        /// Its value for the first.
+        first: f64,
+        /// Its value for the second.
+        second: f64,
+        /// How far from the least still counted as least.
+        tolerance: f64,
+        /// In a weighted sum: the rule that separates them most.
+        rule: Option<Rule>,
+        /// The person whose risks differ most between the two; `None` for property damage.
+        person: Option<PersonId>,
+    },
+    /// Somebody's upper model range passes the accepted risk in the second.
+    Accept {
+        /// Number of the step, from 0.
+        step: usize,
+        /// R_acc.
+        at_most: f64,
+        /// The greatest upper end in the first.
+        first: f64,
+        /// The greatest upper end in the second.
+        second: f64,
+    },
+    /// The policy holds both equal; the declared tie-break decided.
+    TieBreak {
+        /// By what.
+        by: TieBreak,
+        /// Its value for the first (place in the request for the last).
+        first: f64,
+        /// Its value for the second.
+        second: f64,
+    },
+}
+
+/// One rank.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// Number of the candidate in the request.
+    pub candidate: usize,
+    /// The leading measure, over the work interval.
+    pub work: Work,
+    /// The leading measure, over the model range.
+    pub range: Range,
+    /// Every step's measure over the work interval, in the order of the steps.
+    pub steps: Vec<Work>,
+    /// Whether the model itself is sure that this comes before the next: their model ranges are
+    /// further apart than the leading tolerance.
+    pub certain: bool,
+    /// Why this comes before the next; `None` for the last.
+    pub why: Option<Ground>,
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ranking {
+    /// How finished it is.
+    pub state: State,
+    /// All candidates, least harm first.
+    pub places: Vec<Place>,
+    /// Candidates that can still win, in the order of the request.
+    pub possible: Vec<usize>,
+    /// Candidates that the model cannot tell from the winner, itself included.
+    pub tie_class: Vec<usize>,
+    /// What must be said besides.
+    pub notes: Vec<Note>,
+}
+
+/// Candidates that cannot be ranked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RankError {
+    /// Nothing to rank.
+    #[error("no candidates: a request needs at least one")]
+    NoCandidates,
+    /// A candidate speaks of somebody else.
+    #[error("candidate {candidate} names person {}, beyond the request's list", .person.0)]
+    UnknownPerson {
+        /// Number of the candidate.
+        candidate: usize,
+        /// Who.
+        person: PersonId,
+    },
+    /// ρ is no share.
+    #[error("responsibility of person {} is not in [0, 1]", .0.0)]
+    Responsibility(PersonId),
+    /// A figure is no probability or no energy.
+    #[error("candidate {0} has a figure that is not a number in its range")]
+    Figure(usize),
+}
+
+/// Ranks candidates under a policy. `stakes` are all persons of the request, the one fixed set; a
+/// candidate's [`PersonId`]s count into it.
+///
+/// # Errors
+///
+/// No candidate, a person beyond the list, a responsibility outside [0, 1], or a figure that is not
+/// a number in its range.
+pub fn rank(
+    policy: &Policy,
+    stakes: &[Stake],
+    candidates: &[CandidateHarm],
+) -> Result<Ranking, RankError> {
+    if candidates.is_empty() {
+        return Err(RankError::NoCandidates);
+    }
+    if let Some(i) = stakes.iter().position(|s| !(0.0..=1.0).contains(&s.responsibility)) {
+        return Err(RankError::Responsibility(PersonId(i)));
+    }
+    let figures = (0..candidates.len())
+        .map(|k| Figures::of(k, &candidates[k], stakes.len()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let order = Order { policy, stakes, steps: policy.steps(stakes.len()), figures };
+    Ok(order.ranking(candidates))
+}
+
+/// Everything that a ranking is made from.
+struct Order<'a> {
+    policy: &'a Policy,
+    stakes: &'a [Stake],
+    steps: Vec<Step>,
+    figures: Vec<Figures>,
+}
+
+/// One rank found: its candidate, and at which step each other one fell out, if it did.
+struct Round {
+    winner: usize,
+    fell: Vec<Option<usize>>,
+}
+
+impl Order<'_> {
+    fn ranking(&self, candidates: &[CandidateHarm]) -> Ranking {
+        let mut left: Vec<usize> = (0..candidates.len()).collect();
+        let mut rounds = Vec::with_capacity(left.len());
+        while !left.is_empty() {
+            let round = self.round(&left);
+            left.retain(|k| *k != round.winner);
+            rounds.push(round);
+        }
+        let places: Vec<Place> = rounds
+            .iter()
+            .enumerate()
+            .map(|(i, round)| self.place(round, rounds.get(i + 1).map(|next| next.winner)))
+            .collect();
+        let winner = places[0].range.high();
+        let tie_class = |k: &usize| *k == rounds[0].winner || self.leading(*k).1.low() <= winner;
+        let outlook = self.outlook();
+        let is_done = |k: &usize| candidates[*k].is_settled() && !candidates[*k].is_open;
+        let state = if candidates.iter().all(|c| c.unevaluable.is_some()) {
+            State::Refused
+        } else if (0..candidates.len()).all(|k| is_done(&k)) {
+            State::Complete
+        } else if outlook.possible.len() == 1
+            || (outlook.possible.iter().all(is_done)
+                && outlook.sure.contains(&self.tie_winner(&outlook.possible)))
+        {
+            State::Certified
+        } else {
+            State::Degraded
+        };
+        Ranking {
+            state,
+            possible: outlook.possible,
+            tie_class: (0..candidates.len()).filter(tie_class).collect(),
+            notes: self.notes(),
+            places,
+        }
+    }
+
+    /// Takes all steps among the candidates left, on their upper work ends.
+    fn round(&self, left: &[usize]) -> Round {
+        let mut kept = left.to_vec();
+        let mut fell = vec![None; self.figures.len()];
+        for (number, step) in self.steps.iter().enumerate() {
+            let stays: Vec<bool> = match step {
+                Step::Accept { at_most } => {
+                    let fits = |k: &usize| self.figures[*k].greatest_high() <= rounded(*at_most);
+                    let any = kept.iter().any(fits);
+                    kept.iter().map(|k| fits(k) || !any).collect()
+                }
+                Step::Least { measure, tolerance } => {
+                    let values: Vec<f64> = kept.iter().map(|k| self.value(measure, *k)).collect();
+                    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+                    let limit = rounded(least + tolerance);
+                    values.iter().map(|v| *v <= limit).collect()
+                }
+            };
+            for (k, _) in kept.iter().zip(&stays).filter(|(_, stays)| !**stays) {
+                fell[*k] = Some(number);
+            }
+            let mut stays = stays.iter();
+            kept.retain(|_| stays.next().copied().unwrap_or(true));
+        }
+        Round { winner: self.tie_winner(&kept), fell }
+    }
+
+    /// The one that the declared tie-break takes.
+    fn tie_winner(&self, kept: &[usize]) -> usize {
+        let before = |a: &&usize, b: &&usize| {
+            let by = |t: &TieBreak| self.tie_value(*t, **a).total_cmp(&self.tie_value(*t, **b));
+            let keys = self.policy.tie_break.iter().map(by);
+            keys.fold(core::cmp::Ordering::Equal, core::cmp::Ordering::then).then(a.cmp(b))
+        };
+        kept.iter().min_by(before).copied().unwrap_or(0)
+    }
+
+    fn tie_value(&self, by: TieBreak, k: usize) -> f64 {
+        match by {
+            TieBreak::Energy => self.figures[k].energy_j.hi(),
+            TieBreak::High => self.leading(k).1.high(),
+            TieBreak::Request => k as f64,
+        }
+    }
+
+    /// A measure of a candidate at its upper work ends.
+    fn value(&self, measure: &Measure, k: usize) -> f64 {
+        let figures = &self.figures[k];
+        let risks: Vec<f64> = figures.risks.iter().map(|r| r.hi()).collect();
+        rounded(measure.value(&risks, figures.energy_j.hi(), self.stakes))
+    }
+
+    /// A measure of a candidate over its work intervals.
+    fn over(&self, measure: &Measure, k: usize) -> Work {
+        let figures = &self.figures[k];
+        measure.over(&figures.risks, figures.energy_j, self.stakes).map(rounded)
+    }
+
+    /// The leading measure of a candidate, over work and over the model, and its tolerance.
+    fn leading(&self, k: usize) -> (Work, Range, f64) {
+        let first = self.steps.iter().find_map(|step| match step {
+            Step::Least { measure, tolerance } => Some((measure, *tolerance)),
+            Step::Accept { .. } => None,
+        });
+        let (measure, tolerance) = first.unwrap_or((&Measure::Rule(Rule::Bayes), 0.0));
+        let figures = &self.figures[k];
+        let work = self.over(measure, k);
+        let model = measure.over(&figures.ranges, figures.energy_j, self.stakes).map(rounded);
+        (work, Range::new(model.lo(), model.hi()).around(work), tolerance)
+    }
+
+    fn place(&self, round: &Round, next: Option<usize>) -> Place {
+        let k = round.winner;
+        let (work, range, tolerance) = self.leading(k);
+        let over = |step: &Step| match step {
+            Step::Least { measure, .. } => self.over(measure, k),
+            Step::Accept { .. } => self.figures[k].greatest_high_over(),
+        };
+        Place {
+            candidate: k,
+            work,
+            range,
+            steps: self.steps.iter().map(over).collect(),
+            certain: next.is_none_or(|l| range.high() + tolerance < self.leading(l).1.low()),
+            why: next.map(|l| self.ground(k, l, round.fell[l])),
+        }
+    }
+
+    /// Why `k` came before `l`, which fell out at a step, or at none.
+    fn ground(&self, k: usize, l: usize, fell: Option<usize>) -> Ground {
+        match fell.map(|step| (step, &self.steps[step])) {
+            Some((step, Step::Accept { at_most })) => Ground::Accept {
+                step,
+                at_most: *at_most,
+                first: self.figures[k].greatest_high(),
+                second: self.figures[l].greatest_high(),
+            },
+            Some((step, Step::Least { measure, tolerance })) => Ground::Least {
+                step,
+                measure: measure.clone(),
+                first: self.value(measure, k),
+                second: self.value(measure, l),
+                tolerance: *tolerance,
+                rule: self.separating_rule(measure, k, l),
+                person: match measure {
+                    Measure::Energy => None,
+                    _ => self.separating_person(k, l),
+                },
+            },
+            None => {
+                let differs = |t: &&TieBreak| {
+                    self.tie_value(**t, k).total_cmp(&self.tie_value(**t, l)).is_ne()
+                };
+                let by = self.policy.tie_break.iter().find(differs);
+                let by = by.copied().unwrap_or(TieBreak::Request);
+                Ground::TieBreak { by, first: self.tie_value(by, k), second: self.tie_value(by, l) }
+            }
+        }
+    }
+
+    /// The rule of a weighted sum that puts `k` furthest before `l`.
+    fn separating_rule(&self, measure: &Measure, k: usize, l: usize) -> Option<Rule> {
+        let Measure::Weighted(terms) = measure else { return None };
+        let gain = |rule: Rule, weight: f64| {
+            let one = Measure::Rule(rule);
+            weight * (self.value(&one, l) - self.value(&one, k))
+        };
+        let gains = terms.iter().map(|t| (gain(t.rule, t.weight), t.rule));
+        gains.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, rule)| rule)
+    }
+
+    /// The person whose risks in `k` and `l` differ most; the first of several.
+    fn separating_person(&self, k: usize, l: usize) -> Option<PersonId> {
+        let (ours, theirs) = (&self.figures[k].risks, &self.figures[l].risks);
+        let differences = ours.iter().zip(theirs).map(|(a, b)| (a.hi() - b.hi()).abs());
+        let by_size = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0));
+        differences.enumerate().max_by(by_size).map(|(i, _)| PersonId(i))
+    }
+
+    fn notes(&self) -> Vec<Note> {
+        let mut notes = Vec::new();
+        for step in &self.steps {
+            if let Step::Accept { at_most } = step
+                && !self.figures.iter().any(|f| f.greatest_high() <= rounded(*at_most))
+            {
+                notes.push(Note::NobodyAcceptable { at_most: *at_most });
+            }
+        }
+        if self.policy.is_ego_only() {
+            notes.push(Note::EgoOnly);
+        }
+        notes
+    }
+}
+
+impl Ground {
+    /// One sentence for people, about candidates of these names.
+    #[must_use]
+    pub fn sentence(&self, first: &str, second: &str) -> String {
+        match self {
+            Self::Least { measure: Measure::Energy, first: a, second: b, .. } => format!(
+                "{first} before {second}: no rule on persons separates them, and less property is \
+                 damaged ({:.1} against {:.1} kJ)",
+                a / 1000.0,
+                b / 1000.0
+            ),
+            Self::Least { measure, first: a, second: b, rule, tolerance, .. } => {
+                let name = measure.name();
+                let by = rule.map_or(String::new(), |r| format!(", most of it by {}", r.name()));
+                let within = if *tolerance > 0.0 {
+                    format!(", more than {tolerance} apart from the least")
+                } else {
+                    String::new()
+                };
+                format!("{first} before {second}: {name} {a:.5} against {b:.5}{within}{by}")
+            }
+            Self::Accept { at_most, first: a, second: b, .. } => format!(
+                "{first} before {second}: nobody's risk there passes {at_most} (at most {a:.5}, \
+                 against {b:.5})"
+            ),
+            Self::TieBreak { by: TieBreak::Request, .. } => {
+                format!("{first} before {second}: nothing separates them but the request's order")
+            }
+            Self::TieBreak { by: TieBreak::Energy, first: a, second: b } => format!(
+                "{first} before {second}: equal under the policy; the tie-break takes the lower \
+                 energy ({:.1} against {:.1} kJ)",
+                a / 1000.0,
+                b / 1000.0
+            ),
+            Self::TieBreak { by: TieBreak::High, first: a, second: b } => format!(
+                "{first} before {second}: equal under the policy; the tie-break takes the lower \
+                 upper end of the model range ({a:.5} against {b:.5})"
+            ),
+        }
+    }
+}

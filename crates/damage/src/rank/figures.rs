@@ -1,0 +1,66 @@
+//! The figures of one candidate that ranking uses: risks of all persons of the request, rounded.
+
+use super::RankError;
+use crate::harm::CandidateHarm;
+use crate::interval::Work;
+
+/// Figures are rounded to this many parts per unit before they are compared: rounding of sums, and
+/// the last bits in which equal crashes differ, must not order candidates.
+const PARTS: f64 = 1e9;
+
+/// A figure, rounded to 1e-9. Never falls when its argument rises.
+pub(super) fn rounded(x: f64) -> f64 {
+    (x * PARTS).round() / PARTS + 0.0
+}
+
+/// One candidate, as ranking sees it; every list has one entry per person of the request.
+pub(super) struct Figures {
+    /// R = p·H over the work interval.
+    pub(super) risks: Vec<Work>,
+    /// R over the model range. A `Work` only in form: it passes through the same measures.
+    pub(super) ranges: Vec<Work>,
+    /// The upper end of the model range, over what is open.
+    pub(super) highs: Vec<Work>,
+    /// Energy lost [J].
+    pub(super) energy_j: Work,
+}
+
+impl Figures {
+    /// Of candidate number `k`, among `n` persons.
+    pub(super) fn of(k: usize, harm: &CandidateHarm, n: usize) -> Result<Self, RankError> {
+        let is_share = |x: f64| (0.0..=1.0).contains(&x);
+        let energy = harm.energy_j;
+        if !(is_share(harm.probability) && energy.lo() >= 0.0 && energy.hi().is_finite()) {
+            return Err(RankError::Figure(k));
+        }
+        let untouched = || vec![Work::ZERO; n];
+        let (mut risks, mut ranges, mut highs) = (untouched(), untouched(), untouched());
+        for person in &harm.persons {
+            let i = person.id.0;
+            if i >= n {
+                return Err(RankError::UnknownPerson { candidate: k, person: person.id });
+            }
+            let (work, range) = (person.work, person.range);
+            let ends = [work.lo(), work.hi(), range.low(), range.high(), person.high_at_least];
+            if !ends.into_iter().all(is_share) {
+                return Err(RankError::Figure(k));
+            }
+            let risk = |h: f64| rounded(harm.probability * h);
+            risks[i] = work.map(risk);
+            ranges[i] = Work::new(risk(range.low()), risk(range.high()));
+            highs[i] = Work::new(risk(person.high_at_least), risk(range.high()));
+        }
+        Ok(Self { risks, ranges, highs, energy_j: energy.map(rounded) })
+    }
+
+    /// The greatest upper model end of anybody.
+    pub(super) fn greatest_high(&self) -> f64 {
+        self.greatest_high_over().hi()
+    }
+
+    /// The same, over what is open.
+    pub(super) fn greatest_high_over(&self) -> Work {
+        let greatest = |of: fn(Work) -> f64| self.highs.iter().map(|h| of(*h)).fold(0.0, f64::max);
+        Work::new(greatest(Work::lo), greatest(Work::hi))
+    }
+}

@@ -1,0 +1,85 @@
+//! Which candidates can still win, whatever open work finds.
+//!
+//! Let K be the candidates that the finished run would keep after a step. Two sets enclose it,
+//! S ⊆ K ⊆ P, from all candidates on. At a step with tolerance, the least value m of the finished run
+//! lies between the least lower end over P and the least upper end over S (if S is empty, the
+//! greatest upper end over P). So P keeps whose lower end may be within tolerance of m, and S whose
+//! upper end must be.
+//!
+//! At the end every possible winner is in P. If P has one member it is the winner; and if all
+//! members of P are finished and the one that the tie-break takes from P is in S, it is the winner
+//! too, because it is best of a set that holds K.
+
+use super::{Order, rounded};
+use crate::interval::Work;
+use crate::policy::Step;
+
+/// What encloses the candidates that the finished run would keep.
+pub(super) struct Outlook {
+    /// P: nobody else can win.
+    pub(super) possible: Vec<usize>,
+    /// S: kept for sure.
+    pub(super) sure: Vec<usize>,
+}
+
+impl Outlook {
+    /// Whether the sets enclose anything less than they did.
+    fn keep(&mut self, possible: impl Fn(usize) -> bool, sure: impl Fn(usize) -> bool) {
+        self.possible.retain(|k| possible(*k));
+        self.sure.retain(|k| sure(*k));
+    }
+}
+
+impl Order<'_> {
+    /// Takes all steps on intervals.
+    pub(super) fn outlook(&self) -> Outlook {
+        let all: Vec<usize> = (0..self.figures.len()).collect();
+        let mut outlook = Outlook { possible: all.clone(), sure: all };
+        for step in &self.steps {
+            match step {
+                Step::Least { measure, tolerance } => {
+                    let over: Vec<Work> =
+                        (0..self.figures.len()).map(|k| self.over(measure, k)).collect();
+                    least(&mut outlook, &over, *tolerance);
+                }
+                Step::Accept { at_most } => {
+                    let highs: Vec<Work> =
+                        self.figures.iter().map(|f| f.greatest_high_over()).collect();
+                    accept(&mut outlook, &highs, rounded(*at_most));
+                }
+            }
+        }
+        outlook
+    }
+}
+
+/// A step that keeps what is within `tolerance` of the least; `over` is by candidate.
+pub(super) fn least(outlook: &mut Outlook, over: &[Work], tolerance: f64) {
+    let least = |of: fn(Work) -> f64, among: &[usize]| {
+        among.iter().map(|k| of(over[*k])).fold(f64::INFINITY, f64::min)
+    };
+    let m_lo = least(Work::lo, &outlook.possible);
+    let m_hi = if outlook.sure.is_empty() {
+        let ends = outlook.possible.iter().map(|k| over[*k].hi());
+        ends.fold(f64::NEG_INFINITY, f64::max)
+    } else {
+        least(Work::hi, &outlook.sure)
+    };
+    let (may, must) = (rounded(m_hi + tolerance), rounded(m_lo + tolerance));
+    outlook.keep(|k| over[k].lo() <= may, |k| over[k].hi() <= must);
+}
+
+/// A step that keeps what is acceptable, or everything if nothing is.
+fn accept(outlook: &mut Outlook, highs: &[Work], at_most: f64) {
+    let fits = |of: fn(Work) -> f64| move |k: usize| of(highs[k]) <= at_most;
+    let some_surely = outlook.sure.iter().any(|k| fits(Work::hi)(*k));
+    let some_possibly = outlook.possible.iter().any(|k| fits(Work::lo)(*k));
+    match (some_surely, some_possibly) {
+        // Surely somebody is acceptable, so nobody else is kept.
+        (true, _) => outlook.keep(fits(Work::lo), fits(Work::hi)),
+        // Perhaps: then anybody may be kept, but only the acceptable must be.
+        (false, true) => outlook.keep(|_| true, fits(Work::hi)),
+        // Surely nobody: the step is passed over.
+        (false, false) => {}
+    }
+}

@@ -1,0 +1,162 @@
+//! The measures by which a policy compares candidates: numbers made from risks, lower is better.
+//!
+//! Risks are R_i = p·H_i of one fixed set of persons, untouched ones included with 0. For the rules
+//! that rise in every R_i, an interval is the rule at both ends; equality does not, and gets its own.
+//! A rule looks at one candidate alone, so no candidate's figures depend on the others.
+
+use crate::interval::Work;
+use serde::{Deserialize, Serialize};
+
+/// A rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rule {
+    /// ΣR/n.
+    Bayes,
+    /// Mean of |R_i − R_j| over all pairs; 0 for fewer than two persons.
+    Equality,
+    /// The greatest R; no threshold, no mask.
+    Maximin,
+    /// Σ(1−ρ_i)R_i/n.
+    Responsibility,
+    /// Mean R of the ego vehicle's occupants; 0 without any.
+    EgoOnly,
+}
+
+/// A weighted rule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Term {
+    /// Which.
+    pub rule: Rule,
+    /// Its weight ≥ 0.
+    pub weight: f64,
+}
+
+/// A measure of a candidate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// One rule.
+    Rule(Rule),
+    /// A weighted sum of rules.
+    Weighted(Vec<Term>),
+    /// The k-th greatest risk, from 0.
+    Worst(usize),
+    /// Energy lost [J], for property damage.
+    Energy,
+}
+
+/// What the request says of a person: nothing but side and duty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Stake {
+    /// An occupant of the ego vehicle.
+    pub is_ego: bool,
+    /// ρ in [0, 1]: how far this person is responsible for the danger, as the planner says.
+    pub responsibility: f64,
+}
+
+/// A weighted sum with equality is monotone in exact arithmetic only: its ends move out by this,
+/// above rounding and below any difference that ranks.
+const SUM_SLACK: f64 = 1e-12;
+
+impl Rule {
+    /// The name as files write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bayes => "bayes",
+            Self::Equality => "equality",
+            Self::Maximin => "maximin",
+            Self::Responsibility => "responsibility",
+            Self::EgoOnly => "ego-only",
+        }
+    }
+
+    /// Its value for risks of all persons.
+    #[must_use]
+    pub fn value(self, risks: &[f64], stakes: &[Stake]) -> f64 {
+        let n = risks.len() as f64;
+        let mean = |sum: f64, n: f64| if n > 0.0 { sum / n } else { 0.0 };
+        match self {
+            Self::Bayes => mean(risks.iter().sum(), n),
+            Self::Equality => pairs(risks.len(), |i, j| (risks[i] - risks[j]).abs()),
+            Self::Maximin => risks.iter().copied().fold(0.0, f64::max),
+            Self::Responsibility => {
+                mean(risks.iter().zip(stakes).map(|(r, s)| (1.0 - s.responsibility) * r).sum(), n)
+            }
+            Self::EgoOnly => {
+                let ego = || risks.iter().zip(stakes).filter(|(_, s)| s.is_ego).map(|(r, _)| *r);
+                mean(ego().sum(), ego().count() as f64)
+            }
+        }
+    }
+}
+
+/// Mean over all pairs below n; 0 if there is none.
+fn pairs(n: usize, of: impl Fn(usize, usize) -> f64) -> f64 {
+    let count = n * n.saturating_sub(1) / 2;
+    if count == 0 {
+        return 0.0;
+    }
+    let sum: f64 =
+        (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).map(|(i, j)| of(i, j)).sum();
+    sum / count as f64
+}
+
+/// The k-th greatest of some risks, from 0; 0 beyond the last.
+fn worst(risks: &[f64], k: usize) -> f64 {
+    let mut sorted = risks.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    sorted.get(k).copied().unwrap_or(0.0)
+}
+
+impl Measure {
+    /// The name for explanations.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::Rule(rule) => rule.name().to_owned(),
+            Self::Weighted(_) => "weighted sum".to_owned(),
+            Self::Worst(0) => "worst-off person".to_owned(),
+            Self::Worst(k) => format!("person {} from the worst-off", k + 1),
+            Self::Energy => "property damage".to_owned(),
+        }
+    }
+
+    /// Its value for risks of all persons and an energy [J].
+    #[must_use]
+    pub fn value(&self, risks: &[f64], energy_j: f64, stakes: &[Stake]) -> f64 {
+        match self {
+            Self::Rule(rule) => rule.value(risks, stakes),
+            Self::Weighted(terms) => {
+                terms.iter().map(|t| t.weight * t.rule.value(risks, stakes)).sum()
+            }
+            Self::Worst(k) => worst(risks, *k),
+            Self::Energy => energy_j,
+        }
+    }
+
+    /// The interval of its values over all risks and energies within the given intervals.
+    #[must_use]
+    pub fn over(&self, risks: &[Work], energy_j: Work, stakes: &[Stake]) -> Work {
+        if let Self::Rule(Rule::Equality) = self {
+            let end =
+                |of: fn(Work) -> f64| pairs(risks.len(), |i, j| of(risks[i].distance(risks[j])));
+            return Work::new(end(Work::lo), end(Work::hi));
+        }
+        let end = |of: fn(Work) -> f64| {
+            let risks: Vec<f64> = risks.iter().map(|r| of(*r)).collect();
+            self.value(&risks, of(energy_j), stakes)
+        };
+        let (lo, hi) = (end(Work::lo), end(Work::hi));
+        match self {
+            Self::Weighted(_) if risks.iter().any(|r| !r.is_settled()) => {
+                Work::new(lo - SUM_SLACK, hi + SUM_SLACK)
+            }
+            _ => Work::new(lo, hi),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
