@@ -1,33 +1,44 @@
-//! Cores: which there are for us, and staying on one.
+//! Which cores this process may use, and staying on one of them.
+//!
+//! Cores have the kernel's numbers. What is not allowed (a container's cpuset) does not exist here.
 
-use crate::{Doing as _, OsError};
+use crate::error::{OsError, Result};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
 
-/// The cores that this process may use, ascending.
-///
-/// # Errors
-///
-/// If the system does not say.
-pub fn allowed_cores() -> Result<Vec<usize>, OsError> {
-    let set = sched_getaffinity(None).doing(|| "read the allowed cores".to_owned())?;
-    Ok((0..CpuSet::MAX_CPU).filter(|core| set.is_set(*core)).collect())
-}
-
-/// Keeps this thread, and what it starts, on one core.
-///
-/// # Errors
-///
-/// If there is no such core, or it is not ours.
-pub fn pin_self(core: usize) -> Result<(), OsError> {
-    let mut set = CpuSet::new();
-    if core < CpuSet::MAX_CPU {
-        set.set(core);
-    }
-    sched_setaffinity(None, &set).doing(|| format!("stay on core {core}"))
-}
-
-/// The core that this thread runs on just now.
+/// The cores that the calling thread may run on, ascending; empty if the kernel does not say.
 #[must_use]
-pub fn current_core() -> usize {
-    sched_getcpu()
+pub fn allowed_cores() -> Vec<usize> {
+    let Ok(set) = sched_getaffinity(None) else { return Vec::new() };
+    (0..CpuSet::MAX_CPU).filter(|core| set.is_set(*core)).collect()
 }
+
+/// The core that the calling thread ran on a moment ago.
+#[must_use]
+pub fn current_core() -> Option<usize> {
+    let core = sched_getcpu();
+    (core < CpuSet::MAX_CPU).then_some(core)
+}
+
+/// Keeps the calling thread, and the threads and children it starts later, on one core.
+///
+/// # Errors
+///
+/// If there is no such core, or it is not allowed, or it is offline.
+pub fn pin_self(core: usize) -> Result<()> {
+    only(core)
+        .and_then(|set| Ok(sched_setaffinity(None, &set)?))
+        .map_err(|source| OsError::new("pin to core", core.to_string(), source))
+}
+
+/// The set of this core alone.
+pub(crate) fn only(core: usize) -> std::io::Result<CpuSet> {
+    if core >= CpuSet::MAX_CPU {
+        return Err(std::io::ErrorKind::InvalidInput.into());
+    }
+    let mut set = CpuSet::new();
+    set.set(core);
+    Ok(set)
+}
+
+#[cfg(test)]
+mod tests;

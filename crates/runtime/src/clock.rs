@@ -1,30 +1,81 @@
-//! Time and chance: CLOCK_MONOTONIC, CPU time, and random numbers of the system.
+//! The only clock: CLOCK_MONOTONIC and CPU time in nanoseconds; and the only source of randomness.
+//!
+//! It does not know what the time of day is.
 
-use rustix::time::{ClockId, clock_gettime};
+use crate::error::{OsError, Result};
+use rustix::time::{ClockId, Timespec, clock_gettime};
 
-fn read(clock: ClockId) -> u64 {
-    let time = clock_gettime(clock);
-    time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64
-}
-
-/// Monotonic time [ns].
+/// Nanoseconds on CLOCK_MONOTONIC: since some point before this process started.
 #[must_use]
 pub fn now_ns() -> u64 {
-    read(ClockId::Monotonic)
+    nanoseconds(clock_gettime(ClockId::Monotonic))
 }
 
-/// CPU time of this thread [ns].
+/// CPU time that the calling thread has used \[ns\].
 #[must_use]
 pub fn thread_cpu_ns() -> u64 {
-    read(ClockId::ThreadCPUTime)
+    nanoseconds(clock_gettime(ClockId::ThreadCPUTime))
 }
 
-/// A random number from the system; where it gives none, one from clock and process id.
+/// CPU time that all threads of this process have used \[ns\].
 #[must_use]
-pub fn random_u64() -> u64 {
-    let mut bytes = [0; 8];
-    match rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty()) {
-        Ok(8) => u64::from_le_bytes(bytes),
-        _ => now_ns().rotate_left(32) ^ u64::from(std::process::id()),
+pub fn process_cpu_ns() -> u64 {
+    nanoseconds(clock_gettime(ClockId::ProcessCPUTime))
+}
+
+/// CPU time that all threads of another process have used \[ns\]; `None` if there is none.
+///
+/// The kernel counts a running process up to now, so this moves while the process runs; the
+/// figures under /proc move in steps of 10 ms.
+#[must_use]
+pub fn cpu_ns_of(pid: u32) -> Option<u64> {
+    let pid = i32::try_from(pid).ok()?;
+    let mut id = 0;
+    // SAFETY: `id` is a valid place for the answer.
+    if unsafe { libc::clock_getcpuclockid(pid, &raw mut id) } != 0 {
+        return None;
+    }
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: `time` is a valid place for the answer; an id of a dead process gives an error.
+    if unsafe { libc::clock_gettime(id, &raw mut time) } != 0 {
+        return None;
+    }
+    Some(nanoseconds(Timespec { tv_sec: time.tv_sec, tv_nsec: time.tv_nsec }))
+}
+
+/// A number that nobody can guess: for the name of a run.
+///
+/// # Errors
+///
+/// If the kernel has no randomness to give: no getrandom(2), or a sandbox that forbids it.
+pub fn random_u64() -> Result<u64> {
+    let mut bytes = [0_u8; 8];
+    loop {
+        // SAFETY: the pointer and the length are those of `bytes`.
+        let got = unsafe { libc::getrandom(bytes.as_mut_ptr().cast(), bytes.len(), 0) };
+        if got == 8 {
+            return Ok(u64::from_ne_bytes(bytes));
+        }
+        let error = std::io::Error::last_os_error();
+        if got < 0 && error.kind() != std::io::ErrorKind::Interrupted {
+            return Err(OsError::new("draw", "random number", error));
+        }
     }
 }
+
+fn nanoseconds(time: Timespec) -> u64 {
+    let seconds = u64::try_from(time.tv_sec).unwrap_or(0);
+    let rest = u64::try_from(time.tv_nsec).unwrap_or(0);
+    seconds.saturating_mul(1_000_000_000).saturating_add(rest)
+}
+
+/// The same time as the kernel wants it.
+pub(crate) fn timespec(ns: u64) -> Timespec {
+    Timespec {
+        tv_sec: i64::try_from(ns / 1_000_000_000).unwrap_or(i64::MAX),
+        tv_nsec: i64::try_from(ns % 1_000_000_000).unwrap_or(0),
+    }
+}
+
+#[cfg(test)]
+mod tests;

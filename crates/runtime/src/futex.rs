@@ -1,20 +1,42 @@
-//! Sleeping on a word of shared memory until somebody changes it.
+//! Sleeping until a word in shared memory changes.
+//!
+//! The futexes are shared ones (no `FUTEX_PRIVATE_FLAG`): waiter and waker may be different
+//! processes with different mappings of the same page.
 
-use core::sync::atomic::{AtomicU32, Ordering};
-use rustix::thread::futex::{self, Flags, Timespec};
+use crate::clock::timespec;
+use core::sync::atomic::AtomicU32;
+use rustix::io::Errno;
+use rustix::thread::futex::{self, Flags};
 
-/// Sleeps while `word` is `expected`, at most `timeout_ns`. May wake for no reason.
-pub fn wait(word: &AtomicU32, expected: u32, timeout_ns: u64) {
-    let timeout = Timespec {
-        tv_sec: (timeout_ns / 1_000_000_000) as i64,
-        tv_nsec: (timeout_ns % 1_000_000_000) as _,
-    };
-    // Every way of returning means the same to the caller: look again.
-    let _woken = futex::wait(word, Flags::empty(), expected, Some(&timeout));
+/// Why a wait ended. In every case the caller looks at its words again: none is a promise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waited {
+    /// Somebody woke us, or a signal came.
+    Woken,
+    /// The word was not what was expected: there was nothing to wait for.
+    Changed,
+    /// Time was up.
+    TimedOut,
 }
 
-/// Changes `word` and wakes whoever sleeps on it.
-pub fn wake(word: &AtomicU32) {
-    word.fetch_add(1, Ordering::SeqCst);
-    let _count = futex::wake(word, Flags::empty(), u32::MAX >> 1);
+/// Sleeps while `word` holds `expected`, until woken, at most `timeout_ns`; `None`: for ever.
+///
+/// Between the comparison and the sleep no wake-up can be lost: the kernel compares.
+#[must_use]
+pub fn wait(word: &AtomicU32, expected: u32, timeout_ns: Option<u64>) -> Waited {
+    let timeout = timeout_ns.map(timespec);
+    match futex::wait(word, Flags::empty(), expected, timeout.as_ref()) {
+        Err(Errno::AGAIN) => Waited::Changed,
+        Err(Errno::TIMEDOUT) => Waited::TimedOut,
+        // Anything else is a reason to look again, which costs the caller one turn.
+        Ok(()) | Err(_) => Waited::Woken,
+    }
 }
+
+/// Wakes everybody who sleeps on `word`; says how many. Change the word first.
+pub fn wake(word: &AtomicU32) -> usize {
+    futex::wake(word, Flags::empty(), i32::MAX.unsigned_abs()).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests;

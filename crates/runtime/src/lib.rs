@@ -1,48 +1,35 @@
-//! The operating system: clocks, memory files, processes, cores, waiting.
+//! The operating system, as this project sees it: memory files, processes, affinity, clocks, waiting.
 //!
-//! Linux only. One of the crates that may hold `unsafe`; each block does one thing and says why it
-//! is sound. It knows no channel, no job and no triangle; of the messages it knows only the status
-//! page, whose memory it maps.
+//! | module | what it gives |
+//! |---|---|
+//! | [`clock`] | monotonic time, CPU time, randomness: the only clock there is |
+//! | [`memory`] | the sealed model store, the status page, files read into aligned memory |
+//! | [`process`] | children that die with their parent and are never left as zombies |
+//! | [`affinity`] | which cores there are, and staying on one |
+//! | [`wait`] | one epoll over eventfds, children, a timer and signals |
+//! | [`futex`] | sleeping on a word of the status page |
 //!
 //! # Invariants
 //!
-//! - What is sealed cannot change for anybody, and what is mapped from it is read-only:
-//!   `memory/tests.rs`.
-//! - A child dies with the thread that started it, and a dropped [`process::Child`] is killed and
-//!   reaped: `process/tests.rs`.
-//! - All time is CLOCK_MONOTONIC; the wall clock is never read.
-#![expect(unsafe_code, reason = "mapping memory, fork hooks and resource limits")]
+//! - Time is CLOCK_MONOTONIC: the wall clock may jump, nothing here sees it.
+//! - What is sealed cannot be changed by anybody: `memory/tests.rs`.
+//! - A [`process::Child`] is dead and reaped once it was dropped, and dies when the thread that
+//!   spawned it ends, whatever ended it: `process/tests.rs`.
+//! - No call on the way of a request blocks without a bound that the caller named.
+//! - This crate knows nothing of iceoryx2, of messages, or of triangles; of `protocol` it knows the
+//!   layout of the status page alone.
+
+#![expect(unsafe_code, reason = "mappings, fork and exec have no safe interface")]
 
 pub mod affinity;
 pub mod clock;
+pub mod error;
 pub mod futex;
 pub mod memory;
 pub mod process;
 pub mod wait;
 
-/// Something asked of the operating system failed.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot {what}: {source}")]
-pub struct OsError {
-    what: String,
-    source: std::io::Error,
-}
-
-impl OsError {
-    /// "cannot `what`: `source`".
-    #[must_use]
-    pub fn new(what: impl Into<String>, source: impl Into<std::io::Error>) -> Self {
-        Self { what: what.into(), source: source.into() }
-    }
-}
-
-/// Names what was being done when it failed.
-pub(crate) trait Doing<T> {
-    fn doing(self, what: impl FnOnce() -> String) -> Result<T, OsError>;
-}
-
-impl<T, E: Into<std::io::Error>> Doing<T> for Result<T, E> {
-    fn doing(self, what: impl FnOnce() -> String) -> Result<T, OsError> {
-        self.map_err(|source| OsError::new(what(), source))
-    }
-}
+pub use error::{OsError, Result};
+pub use memory::{FileMap, SealedMemory, StatusMemory};
+pub use process::{Child, Exit, Spawn};
+pub use wait::{EventFd, Poller, Wake};

@@ -1,31 +1,23 @@
-//! Child processes that cannot outlive us, and limits for ourselves.
+//! Processes: children that cannot outlive their parent, and what the kernel says of any process.
+//!
+//! A child is held by a pidfd, so a signal can never reach a stranger that got its number. It dies
+//! with the *thread* that spawned it (PR_SET_PDEATHSIG is per thread): spawn from a thread that
+//! lives as long as the process. It is reaped by [`Child::try_wait`], [`Child::wait_ms`] or drop.
 
-use crate::{Doing as _, OsError, clock};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
-use std::fmt;
-use std::os::fd::{AsFd, AsRawFd as _, BorrowedFd, OwnedFd, RawFd};
-use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
+mod spawn;
+mod stat;
+
+pub use spawn::{Spawn, spawn};
+pub use stat::{ProcStat, stat};
+
+use crate::clock;
+use crate::error::{OsError, Result};
+use core::fmt;
+use rustix::event::{PollFd, PollFlags};
+use rustix::io::Errno;
+use rustix::process::{Pid, Resource, Rlimit, Signal, WaitOptions};
+use std::os::fd::{AsFd, BorrowedFd, FromRawFd, OwnedFd, RawFd};
 use std::path::Path;
-use std::process::{Command, ExitStatus};
-
-/// This program, as the kernel knows it: a worker started from here cannot be of another version.
-pub const SELF_EXE: &str = "/proc/self/exe";
-
-/// What to start, and what it inherits.
-#[derive(Debug)]
-pub struct Spawn<'a> {
-    /// Program file.
-    pub program: &'a Path,
-    /// Name that process listings show.
-    pub name: &'a str,
-    /// Arguments.
-    pub args: &'a [String],
-    /// Descriptors to inherit, each with its number there; numbers are below 64.
-    pub fds: &'a [(BorrowedFd<'a>, RawFd)],
-    /// The core to stay on.
-    pub core: Option<usize>,
-}
 
 /// How a process ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,201 +32,194 @@ impl fmt::Display for Exit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Code(code) => write!(f, "exit code {code}"),
-            Self::Signal(signal) => write!(f, "signal {signal}"),
+            Self::Signal(number) => match signal_name(*number) {
+                Some(name) => write!(f, "{name}"),
+                None => write!(f, "signal {number}"),
+            },
         }
     }
 }
 
-impl From<ExitStatus> for Exit {
-    fn from(status: ExitStatus) -> Self {
-        match status.code() {
-            Some(code) => Self::Code(code),
-            None => Self::Signal(status.signal().unwrap_or(0)),
-        }
-    }
+fn signal_name(number: i32) -> Option<&'static str> {
+    Some(match number {
+        libc::SIGABRT => "SIGABRT",
+        libc::SIGBUS => "SIGBUS",
+        libc::SIGFPE => "SIGFPE",
+        libc::SIGHUP => "SIGHUP",
+        libc::SIGILL => "SIGILL",
+        libc::SIGINT => "SIGINT",
+        libc::SIGKILL => "SIGKILL",
+        libc::SIGPIPE => "SIGPIPE",
+        libc::SIGQUIT => "SIGQUIT",
+        libc::SIGSEGV => "SIGSEGV",
+        libc::SIGSYS => "SIGSYS",
+        libc::SIGTERM => "SIGTERM",
+        libc::SIGTRAP => "SIGTRAP",
+        libc::SIGXCPU => "SIGXCPU",
+        _ => return None,
+    })
 }
 
-/// A child process. Dropped, it is killed and reaped: neither orphan nor zombie is left.
+/// A child process. Dropping it kills and reaps it.
 #[derive(Debug)]
 pub struct Child {
-    inner: std::process::Child,
+    pid: Pid,
     pidfd: OwnedFd,
     exit: Option<Exit>,
 }
 
-/// Starts a process that dies with the calling **thread**: call from one that lives long enough.
-///
-/// # Errors
-///
-/// If the program cannot be started, pinned, or handed its descriptors.
-pub fn spawn(spec: &Spawn<'_>) -> Result<Child, OsError> {
-    let doing = || format!("start {} {}", spec.name, spec.args.first().map_or("", String::as_str));
-    // Moved out of the way first, so that no target number is in use as a source.
-    let mut moved = Vec::new();
-    for (fd, target) in spec.fds {
-        let source = rustix::io::fcntl_dupfd_cloexec(fd, 64).doing(doing)?;
-        moved.push((source, *target));
-    }
-    let parent = rustix::process::getpid();
-    let core = spec.core;
-    let mut command = Command::new(spec.program);
-    command.arg0(spec.name).args(spec.args).stdin(std::process::Stdio::null());
-    let before_exec = move || -> std::io::Result<()> {
-        rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
-        // The parent may have died before that took effect.
-        if rustix::process::getppid() != Some(parent) {
-            return Err(std::io::Error::other("the parent is gone"));
-        }
-        for (source, target) in &moved {
-            // SAFETY: a system call on two numbers; the target is not in use in the fresh child.
-            if unsafe { libc::dup2(source.as_raw_fd(), *target) } < 0 {
-                return Err(std::io::Error::last_os_error());
-            }
-        }
-        if let Some(core) = core {
-            let mut set = rustix::thread::CpuSet::new();
-            if core < rustix::thread::CpuSet::MAX_CPU {
-                set.set(core);
-            }
-            rustix::thread::sched_setaffinity(None, &set)?;
-        }
-        Ok(())
-    };
-    // SAFETY: between fork and exec only system calls are made; nothing allocates or locks.
-    unsafe { command.pre_exec(before_exec) };
-    let inner = command.spawn().doing(doing)?;
-    let pid = Pid::from_child(&inner);
-    let pidfd = pidfd_open(pid, PidfdFlags::empty()).doing(|| "watch a child process".to_owned());
-    match pidfd {
-        Ok(pidfd) => Ok(Child { inner, pidfd, exit: None }),
-        Err(error) => {
-            let mut inner = inner;
-            let _killed = inner.kill();
-            let _reaped = inner.wait();
-            Err(error)
-        }
-    }
-}
-
 impl Child {
-    /// Process id.
+    /// Its number. Only for people and for [`stat`]: signals go through the pidfd.
     #[must_use]
     pub fn pid(&self) -> u32 {
-        self.inner.id()
+        self.pid.as_raw_nonzero().get().unsigned_abs()
     }
 
-    /// Kills it, if it lives.
-    pub fn kill(&self) {
-        self.signal(Signal::KILL);
+    /// Becomes readable when it ends.
+    #[must_use]
+    pub fn pidfd(&self) -> BorrowedFd<'_> {
+        self.pidfd.as_fd()
     }
 
-    /// Asks it to end.
-    pub fn terminate(&self) {
-        self.signal(Signal::TERM);
-    }
-
-    fn signal(&self, signal: Signal) {
-        // By descriptor, so a number that was given away again is never hit. Fails only when the
-        // process is gone.
-        let _gone = pidfd_send_signal(&self.pidfd, signal);
-    }
-
-    /// How it ended, if it has; reaps it.
+    /// Sends SIGKILL. Nothing happens if it has ended already.
     ///
     /// # Errors
     ///
-    /// If the system does not say.
-    pub fn try_wait(&mut self) -> Result<Option<Exit>, OsError> {
-        if self.exit.is_none() {
-            let status = self.inner.try_wait().doing(|| "ask after a child".to_owned())?;
-            self.exit = status.map(Exit::from);
+    /// If the kernel refuses: the child has become another user's.
+    pub fn kill(&self) -> Result<()> {
+        self.send(Signal::KILL)
+    }
+
+    /// Sends a signal by its number. Nothing happens if it has ended already.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such signal, or the kernel refuses.
+    pub fn signal(&self, number: i32) -> Result<()> {
+        let signal = Signal::from_named_raw(number)
+            .ok_or_else(|| OsError::new("send signal", number.to_string(), Errno::INVAL))?;
+        self.send(signal)
+    }
+
+    fn send(&self, signal: Signal) -> Result<()> {
+        match rustix::process::pidfd_send_signal(&self.pidfd, signal) {
+            Ok(()) | Err(Errno::SRCH) => Ok(()),
+            Err(source) => Err(OsError::new("send a signal to", self.pid().to_string(), source)),
         }
-        Ok(self.exit)
     }
 
-    /// Waits for its end, at most so long.
+    /// How it ended; `None` while it lives. Does not wait. Says the same thing ever after.
     ///
     /// # Errors
     ///
-    /// If the system does not say.
-    pub fn wait_ns(&mut self, timeout_ns: u64) -> Result<Option<Exit>, OsError> {
-        let end = clock::now_ns().saturating_add(timeout_ns);
+    /// If somebody else has reaped it.
+    pub fn try_wait(&mut self) -> Result<Option<Exit>> {
+        self.reap(WaitOptions::NOHANG)
+    }
+
+    /// Waits until it ends, at most `timeout_ms`.
+    ///
+    /// # Errors
+    ///
+    /// If somebody else has reaped it.
+    pub fn wait_ms(&mut self, timeout_ms: u64) -> Result<Option<Exit>> {
+        let end = clock::now_ns().saturating_add(timeout_ms.saturating_mul(1_000_000));
         loop {
             if let Some(exit) = self.try_wait()? {
                 return Ok(Some(exit));
             }
-            let left = end.saturating_sub(clock::now_ns());
-            if left == 0 {
+            let now = clock::now_ns();
+            if now >= end {
                 return Ok(None);
             }
-            let left = Timespec {
-                tv_sec: (left / 1_000_000_000) as i64,
-                tv_nsec: (left % 1_000_000_000) as _,
-            };
             let mut fds = [PollFd::new(&self.pidfd, PollFlags::IN)];
-            match poll(&mut fds, Some(&left)) {
-                Ok(_) | Err(rustix::io::Errno::INTR) => {}
-                Err(error) => return Err(OsError::new("wait for a child", error)),
+            match rustix::event::poll(&mut fds, Some(&clock::timespec(end - now))) {
+                Ok(_) | Err(Errno::INTR) => {}
+                Err(source) => {
+                    return Err(OsError::new("wait for", self.pid().to_string(), source));
+                }
             }
         }
     }
-}
 
-impl AsFd for Child {
-    /// The pidfd: readable once the process has ended.
-    fn as_fd(&self) -> BorrowedFd<'_> {
-        self.pidfd.as_fd()
+    fn reap(&mut self, options: WaitOptions) -> Result<Option<Exit>> {
+        while self.exit.is_none() {
+            match rustix::process::waitpid(Some(self.pid), options) {
+                Ok(None) => return Ok(None),
+                Ok(Some((_, status))) => {
+                    self.exit = match (status.exit_status(), status.terminating_signal()) {
+                        (Some(code), _) => Some(Exit::Code(code)),
+                        (None, Some(number)) => Some(Exit::Signal(number)),
+                        // Stopped or continued: not asked for, and not an end.
+                        (None, None) => return Ok(None),
+                    };
+                }
+                Err(Errno::INTR) => {}
+                Err(source) => return Err(OsError::new("reap", self.pid().to_string(), source)),
+            }
+        }
+        Ok(self.exit)
     }
 }
 
 impl Drop for Child {
+    /// Leaves neither an orphan nor a zombie. SIGKILL cannot be refused, so the wait is short.
     fn drop(&mut self) {
-        if self.exit.is_none() {
-            self.kill();
-            let _reaped = self.inner.wait();
+        if self.exit.is_none()
+            && let Err(error) = self.kill().and_then(|()| self.reap(WaitOptions::empty()))
+        {
+            tracing::warn!(pid = self.pid(), %error, "a child may be left");
         }
     }
 }
 
-/// What the system says of a process.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ProcStat {
-    /// R running, S sleeping, T stopped, Z zombie, ...
-    pub state: char,
-    /// CPU time used, user and system [ns], in steps of a clock tick.
-    pub cpu_ns: u64,
-}
-
-/// Reads `/proc/PID/stat`; `None` if there is no such process.
+/// The running program, even if its file was replaced or removed: parent and child cannot differ.
 #[must_use]
-pub fn stat(pid: u32) -> Option<ProcStat> {
-    let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // The name is in parentheses and may contain anything, spaces and parentheses too.
-    let mut fields = text.rsplit_once(") ")?.1.split(' ');
-    let state = fields.next()?.chars().next()?;
-    let mut ticks = || fields.next().and_then(|field| field.parse::<u64>().ok());
-    for _ in 0..10 {
-        ticks();
-    }
-    let cpu = ticks()? + ticks()?;
-    let per_second = rustix::param::clock_ticks_per_second().max(1);
-    Some(ProcStat { state, cpu_ns: cpu * (1_000_000_000 / per_second) })
+pub fn self_exe() -> &'static Path {
+    Path::new("/proc/self/exe")
 }
 
-/// Limits this process, for work on untrusted input: address space and CPU time.
+/// A file descriptor that the parent put under this number, as this process's own.
+///
+/// It is a copy: the number itself stays open, so asking twice does no harm.
 ///
 /// # Errors
 ///
-/// If the system refuses.
-pub fn limit_self(memory_bytes: u64, cpu_seconds: u64) -> Result<(), OsError> {
-    use rustix::process::{Resource, Rlimit, setrlimit};
-    let set = |what, most| {
-        setrlimit(what, Rlimit { current: Some(most), maximum: Some(most) })
-            .doing(|| "limit this process".to_owned())
-    };
-    set(Resource::As, memory_bytes)?;
-    set(Resource::Cpu, cpu_seconds)?;
-    set(Resource::Core, 0)
+/// If nothing was inherited under this number.
+pub fn inherited(number: RawFd) -> Result<OwnedFd> {
+    // SAFETY: the kernel looks the number up; nothing happens to what it finds.
+    let copy = unsafe { libc::fcntl(number, libc::F_DUPFD_CLOEXEC, 3) };
+    if copy < 0 {
+        let error = std::io::Error::last_os_error();
+        return Err(OsError::new("inherit file descriptor", number.to_string(), error));
+    }
+    // SAFETY: the kernel has just made this descriptor, and nobody else knows of it.
+    Ok(unsafe { OwnedFd::from_raw_fd(copy) })
+}
+
+/// Gives the calling thread a name that `ps` and `top` show; only 15 bytes of it count.
+pub fn set_name(name: &str) {
+    if let Ok(name) = std::ffi::CString::new(name)
+        && let Err(error) = rustix::thread::set_name(&name)
+    {
+        tracing::debug!(%error, "the thread keeps its old name");
+    }
+}
+
+/// Bounds this process for good: address space in bytes, and CPU time in seconds.
+///
+/// Beyond the first, allocations fail; beyond the second it gets SIGXCPU, and SIGKILL a second
+/// later. For a child that reads what a stranger wrote.
+///
+/// # Errors
+///
+/// If a limit is already lower.
+pub fn limit_self(memory_bytes: u64, cpu_seconds: u64) -> Result<()> {
+    let memory = Rlimit { current: Some(memory_bytes), maximum: Some(memory_bytes) };
+    rustix::process::setrlimit(Resource::As, memory)
+        .map_err(OsError::at("limit", "address space"))?;
+    let cpu = Rlimit { current: Some(cpu_seconds), maximum: Some(cpu_seconds.saturating_add(1)) };
+    rustix::process::setrlimit(Resource::Cpu, cpu).map_err(OsError::at("limit", "CPU time"))
 }
 
 #[cfg(test)]

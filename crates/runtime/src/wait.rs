@@ -1,220 +1,303 @@
-//! Waiting for everything at once: one epoll over bells, processes, a deadline and signals.
+//! Waiting for many things at once: one epoll.
+//!
+//! | source | wakes when | reported |
+//! |---|---|---|
+//! | eventfd ([`Poller::add_event`]) | somebody rang it | again after each ring; emptied here |
+//! | child ([`Poller::add_process`]) | it ended | once |
+//! | timer ([`Poller::arm_ns`]) | its time came | once per arming |
+//! | signals ([`Poller::catch_signals`]) | one came | each |
+//!
+//! Keys are the caller's, and separate for events and processes. A [`Poller`] holds copies of the
+//! file descriptors, so dropping a child or an eventfd elsewhere neither wakes nor confuses it.
 
+mod event;
+mod signals;
+
+pub use event::EventFd;
+
+use crate::clock;
+use crate::error::{OsError, Result};
 use crate::process::Child;
-use crate::{Doing as _, OsError};
-use rustix::event::epoll::{self, CreateFlags, Event, EventData, EventFlags};
-use rustix::event::{EventfdFlags, Timespec, eventfd};
-use std::os::fd::{AsFd, AsRawFd as _, BorrowedFd, FromRawFd as _, OwnedFd};
+use core::fmt;
+use rustix::event::epoll::{self, EventData, EventFlags};
+use rustix::event::{PollFd, PollFlags};
+use rustix::io::Errno;
+use rustix::time::{Itimerspec, TimerfdClockId, TimerfdFlags, TimerfdTimerFlags, Timespec};
+use signals::Signals;
+use std::collections::BTreeMap;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 
-/// A bell that one process rings and another waits for.
-#[derive(Debug)]
-pub struct EventFd(OwnedFd);
+/// Most wake-ups that one call of [`Poller::wait`] reports; the rest come with the next one.
+pub const WAKES_MAX: usize = 64;
 
-impl EventFd {
-    /// A new bell.
-    ///
-    /// # Errors
-    ///
-    /// If the system has no descriptor left.
-    pub fn new() -> Result<Self, OsError> {
-        let flags = EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK;
-        eventfd(0, flags).map(Self).doing(|| "make an eventfd".to_owned())
-    }
-
-    /// A bell that was inherited.
-    #[must_use]
-    pub fn from_fd(fd: OwnedFd) -> Self {
-        Self(fd)
-    }
-
-    /// Rings. A bell that rings already rings on.
-    pub fn ring(&self) {
-        let _rings_already = rustix::io::write(&self.0, &1_u64.to_ne_bytes());
-    }
-
-    /// Silences it.
-    pub fn hush(&self) {
-        let _was_silent = rustix::io::read(&self.0, &mut [0; 8]);
-    }
-}
-
-impl AsFd for EventFd {
-    fn as_fd(&self) -> BorrowedFd<'_> {
-        self.0.as_fd()
-    }
-}
-
-/// Takes an inherited descriptor.
-///
-/// # Errors
-///
-/// If it is not open.
-pub fn inherited(number: i32) -> Result<OwnedFd, OsError> {
-    // SAFETY: a system call on a number, which fails if nothing is open there.
-    if unsafe { libc::fcntl(number, libc::F_SETFD, libc::FD_CLOEXEC) } < 0 {
-        let error = std::io::Error::last_os_error();
-        return Err(OsError::new(format!("take over descriptor {number}"), error));
-    }
-    // SAFETY: open, as was just seen, and given to this process for this purpose; each number is
-    // taken once.
-    Ok(unsafe { OwnedFd::from_raw_fd(number) })
-}
-
-/// What woke the sleeper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Something happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Wake {
-    /// The bell with this key.
-    Bell(u32),
-    /// The process with this key has ended.
+    /// The eventfd with this key was rung, once or more often.
+    Event(u32),
+    /// The process with this key has ended and waits to be reaped.
     Process(u32),
-    /// SIGINT or SIGTERM came.
+    /// The time that was armed has come.
+    Timer,
+    /// This signal came.
     Signal(i32),
 }
 
-const PROCESS: u64 = 1 << 32;
-const SIGNAL: u64 = 1 << 33;
+/// What one wait brought.
+#[derive(Clone, Debug)]
+pub struct Wakes {
+    list: [Wake; WAKES_MAX],
+    next: usize,
+    len: usize,
+}
 
-/// One place to sleep. While it lives, SIGINT and SIGTERM are its events on this thread.
-#[derive(Debug)]
+impl Wakes {
+    const NONE: Self = Self { list: [Wake::Timer; WAKES_MAX], next: 0, len: 0 };
+
+    fn push(&mut self, wake: Wake) {
+        if let Some(slot) = self.list.get_mut(self.len) {
+            *slot = wake;
+            self.len += 1;
+        }
+    }
+}
+
+impl Iterator for Wakes {
+    type Item = Wake;
+
+    fn next(&mut self) -> Option<Wake> {
+        let wake = self.list.get(..self.len)?.get(self.next).copied()?;
+        self.next += 1;
+        Some(wake)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Source {
+    Event(u32),
+    Process(u32),
+    Timer,
+    Signals,
+}
+
+impl Source {
+    fn pack(self) -> u64 {
+        let (kind, key) = match self {
+            Self::Event(key) => (0, key),
+            Self::Process(key) => (1, key),
+            Self::Timer => (2, 0),
+            Self::Signals => (3, 0),
+        };
+        kind << 32 | u64::from(key)
+    }
+
+    fn unpack(word: u64) -> Self {
+        let key = (word & 0xffff_ffff) as u32;
+        match word >> 32 {
+            0 => Self::Event(key),
+            1 => Self::Process(key),
+            2 => Self::Timer,
+            _ => Self::Signals,
+        }
+    }
+}
+
+/// Waits for eventfds, children, a timer and signals together.
 pub struct Poller {
     epoll: OwnedFd,
+    timer: OwnedFd,
     signals: Option<Signals>,
+    watched: BTreeMap<Source, OwnedFd>,
+    /// Kept, so that waiting allocates nothing.
+    arrived: Vec<epoll::Event>,
 }
 
 impl Poller {
-    /// Sleeps for bells and processes.
+    /// Waits for nothing yet; the timer is not armed.
     ///
     /// # Errors
     ///
-    /// If the system has no descriptor left.
-    pub fn new() -> Result<Self, OsError> {
-        let epoll = epoll::create(CreateFlags::CLOEXEC).doing(|| "make an epoll".to_owned())?;
-        Ok(Self { epoll, signals: None })
+    /// If file descriptors ran out.
+    pub fn new() -> Result<Self> {
+        let epoll =
+            epoll::create(epoll::CreateFlags::CLOEXEC).map_err(OsError::at("create", "epoll"))?;
+        let flags = TimerfdFlags::CLOEXEC | TimerfdFlags::NONBLOCK;
+        let timer = rustix::time::timerfd_create(TimerfdClockId::Monotonic, flags)
+            .map_err(OsError::at("create", "timer"))?;
+        let poller = Self {
+            epoll,
+            timer,
+            signals: None,
+            watched: BTreeMap::new(),
+            arrived: Vec::with_capacity(WAKES_MAX),
+        };
+        poller.watch(poller.timer.as_fd(), Source::Timer, EventFlags::IN)?;
+        Ok(poller)
     }
 
-    /// Sleeps for SIGINT and SIGTERM too, which no longer end the process by themselves.
+    /// Makes an eventfd, and wakes whenever it is rung. One under the same key is forgotten.
     ///
     /// # Errors
     ///
-    /// If the system refuses.
-    pub fn take_signals(&mut self) -> Result<(), OsError> {
-        let signals = Signals::take()?;
-        self.add(signals.fd.as_fd(), SIGNAL)?;
-        self.signals = Some(signals);
+    /// If file descriptors ran out.
+    pub fn add_event(&mut self, key: u32) -> Result<EventFd> {
+        let event = EventFd::create()?;
+        self.add(event.fd(), Source::Event(key), EventFlags::IN)?;
+        Ok(event)
+    }
+
+    /// Wakes, once, when the child ends. One under the same key is forgotten.
+    ///
+    /// # Errors
+    ///
+    /// If file descriptors ran out.
+    pub fn add_process(&mut self, child: &Child, key: u32) -> Result<()> {
+        // One shot: else it would wake for ever until the child is reaped and removed.
+        self.add(child.pidfd(), Source::Process(key), EventFlags::IN | EventFlags::ONESHOT)
+    }
+
+    /// Forgets the eventfd with this key; nothing happens if there is none.
+    pub fn remove_event(&mut self, key: u32) {
+        self.remove(Source::Event(key));
+    }
+
+    /// Forgets the process with this key; nothing happens if there is none.
+    pub fn remove_process(&mut self, key: u32) {
+        self.remove(Source::Process(key));
+    }
+
+    /// Wakes at this time on CLOCK_MONOTONIC \[ns\], at once if it has passed; replaces an earlier
+    /// arming.
+    ///
+    /// # Errors
+    ///
+    /// If the kernel refuses the time.
+    pub fn arm_ns(&mut self, at_ns: u64) -> Result<()> {
+        // Zero would switch the timer off.
+        self.set_timer(clock::timespec(at_ns.max(1)))
+    }
+
+    /// Takes the arming back.
+    ///
+    /// # Errors
+    ///
+    /// If the kernel refuses.
+    pub fn disarm(&mut self) -> Result<()> {
+        self.set_timer(Timespec { tv_sec: 0, tv_nsec: 0 })
+    }
+
+    fn set_timer(&self, at: Timespec) -> Result<()> {
+        let once = Itimerspec { it_interval: Timespec { tv_sec: 0, tv_nsec: 0 }, it_value: at };
+        rustix::time::timerfd_settime(&self.timer, TimerfdTimerFlags::ABSTIME, &once)
+            .map_err(OsError::at("set", "timer"))?;
         Ok(())
     }
 
-    /// Adds a bell.
+    /// Reports SIGINT and SIGTERM instead of dying of them, until the poller is dropped.
+    ///
+    /// They are blocked in the calling thread and in the threads that it starts from now on. A
+    /// thread that was started before still dies of them, and takes the process along: call this
+    /// first. Children start with nothing blocked.
     ///
     /// # Errors
     ///
-    /// If it is here already.
-    pub fn add_bell(&self, bell: &EventFd, key: u32) -> Result<(), OsError> {
-        self.add(bell.as_fd(), u64::from(key))
+    /// If file descriptors ran out.
+    pub fn catch_signals(&mut self) -> Result<()> {
+        if self.signals.is_none() {
+            let signals = Signals::catch(&[libc::SIGINT, libc::SIGTERM])?;
+            self.watch(signals.fd(), Source::Signals, EventFlags::IN)?;
+            self.signals = Some(signals);
+        }
+        Ok(())
     }
 
-    /// Adds a process. Dropping the child takes it out again.
+    /// Waits until something happens, at most `timeout_ns` (`None`: for ever, 0: not at all).
+    ///
+    /// An interruption ends the wait early, with nothing in it.
     ///
     /// # Errors
     ///
-    /// If it is here already.
-    pub fn add_process(&self, child: &Child, key: u32) -> Result<(), OsError> {
-        self.add(child.as_fd(), PROCESS | u64::from(key))
-    }
-
-    fn add(&self, fd: BorrowedFd<'_>, key: u64) -> Result<(), OsError> {
-        epoll::add(&self.epoll, fd, EventData::new_u64(key), EventFlags::IN)
-            .doing(|| format!("wait for descriptor {}", fd.as_raw_fd()))
-    }
-
-    /// Takes a process out: it has been buried.
-    pub fn remove_process(&self, child: &Child) {
-        let _was_out = epoll::delete(&self.epoll, child);
-    }
-
-    /// Sleeps until something happens, at most so long; what happened is put into `wakes`.
-    ///
-    /// # Errors
-    ///
-    /// If the system refuses.
-    pub fn wait(&self, timeout_ns: u64, wakes: &mut Vec<Wake>) -> Result<(), OsError> {
-        wakes.clear();
-        let timeout = Timespec {
-            tv_sec: (timeout_ns / 1_000_000_000) as i64,
-            tv_nsec: (timeout_ns % 1_000_000_000) as _,
-        };
-        let mut events = [Event { flags: EventFlags::empty(), data: EventData::new_u64(0) }; 32];
-        let count = match epoll::wait(&self.epoll, &mut events[..], Some(&timeout)) {
-            Ok(count) => count,
-            Err(rustix::io::Errno::INTR) => 0,
-            Err(error) => return Err(OsError::new("wait", error)),
-        };
-        for event in &events[..count] {
-            let key = event.data.u64();
-            if key == SIGNAL {
-                wakes.extend(self.signals.as_ref().and_then(Signals::read).map(Wake::Signal));
-            } else if key & PROCESS != 0 {
-                wakes.push(Wake::Process(key as u32));
-            } else {
-                wakes.push(Wake::Bell(key as u32));
+    /// If the kernel refuses; that would be a mistake here.
+    pub fn wait(&mut self, timeout_ns: Option<u64>) -> Result<Wakes> {
+        let zero = clock::timespec(0);
+        let mut timeout = None;
+        if let Some(ns) = timeout_ns {
+            // epoll_wait counts in milliseconds, and epoll_pwait2 is not everywhere; ppoll on the
+            // epoll itself counts in nanoseconds and costs half a microsecond.
+            timeout = Some(&zero);
+            if ns > 0 {
+                let mut fds = [PollFd::new(&self.epoll, PollFlags::IN)];
+                match rustix::event::poll(&mut fds, Some(&clock::timespec(ns))) {
+                    Ok(0) | Err(Errno::INTR) => return Ok(Wakes::NONE),
+                    Ok(_) => {}
+                    Err(source) => return Err(OsError::new("wait on", "epoll", source)),
+                }
             }
         }
+        self.arrived.clear();
+        let room = rustix::buffer::spare_capacity(&mut self.arrived);
+        match epoll::wait(&self.epoll, room, timeout) {
+            Ok(_) | Err(Errno::INTR) => {}
+            Err(source) => return Err(OsError::new("wait on", "epoll", source)),
+        }
+        Ok(self.collect())
+    }
+
+    fn collect(&self) -> Wakes {
+        let mut wakes = Wakes::NONE;
+        for event in &self.arrived {
+            // A copy: the kernel's struct is packed.
+            let data = event.data;
+            match Source::unpack(data.u64()) {
+                Source::Event(key) => {
+                    if let Some(fd) = self.watched.get(&Source::Event(key))
+                        && event::drain(fd.as_fd())
+                    {
+                        wakes.push(Wake::Event(key));
+                    }
+                }
+                Source::Process(key) => wakes.push(Wake::Process(key)),
+                Source::Timer => {
+                    if event::drain(self.timer.as_fd()) {
+                        wakes.push(Wake::Timer);
+                    }
+                }
+                Source::Signals => {
+                    if let Some(number) = self.signals.as_ref().and_then(Signals::take) {
+                        wakes.push(Wake::Signal(number));
+                    }
+                }
+            }
+        }
+        wakes
+    }
+
+    fn add(&mut self, fd: BorrowedFd<'_>, source: Source, flags: EventFlags) -> Result<()> {
+        self.remove(source);
+        let own = rustix::io::fcntl_dupfd_cloexec(fd, 3)
+            .map_err(OsError::at("copy", "file descriptor"))?;
+        self.watch(own.as_fd(), source, flags)?;
+        self.watched.insert(source, own);
         Ok(())
     }
-}
 
-/// SIGINT and SIGTERM as something to read.
-#[derive(Debug)]
-struct Signals {
-    fd: OwnedFd,
-    before: libc::sigset_t,
-}
-
-impl Signals {
-    fn take() -> Result<Self, OsError> {
-        let failed =
-            || OsError::new("take over SIGINT and SIGTERM", std::io::Error::last_os_error());
-        let mut set = core::mem::MaybeUninit::<libc::sigset_t>::uninit();
-        let mut before = core::mem::MaybeUninit::<libc::sigset_t>::uninit();
-        // SAFETY: fills the set it is given.
-        unsafe { libc::sigemptyset(set.as_mut_ptr()) };
-        for signal in [libc::SIGINT, libc::SIGTERM] {
-            // SAFETY: the set was filled above.
-            unsafe { libc::sigaddset(set.as_mut_ptr(), signal) };
-        }
-        // SAFETY: reads one set and fills the other.
-        let code =
-            unsafe { libc::pthread_sigmask(libc::SIG_BLOCK, set.as_ptr(), before.as_mut_ptr()) };
-        if code != 0 {
-            return Err(failed());
-        }
-        // SAFETY: reads the set, returns a new descriptor or -1.
-        let fd =
-            unsafe { libc::signalfd(-1, set.as_ptr(), libc::SFD_CLOEXEC | libc::SFD_NONBLOCK) };
-        if fd < 0 {
-            return Err(failed());
-        }
-        // SAFETY: filled by pthread_sigmask, which did not fail.
-        let before = unsafe { before.assume_init() };
-        // SAFETY: new, and nobody else's.
-        let fd = unsafe { OwnedFd::from_raw_fd(fd) };
-        Ok(Self { fd, before })
+    fn watch(&self, fd: BorrowedFd<'_>, source: Source, flags: EventFlags) -> Result<()> {
+        epoll::add(&self.epoll, fd, EventData::new_u64(source.pack()), flags)
+            .map_err(OsError::at("watch", "file descriptor"))
     }
 
-    fn read(&self) -> Option<i32> {
-        let mut info = [0_u8; size_of::<libc::signalfd_siginfo>()];
-        let read = rustix::io::read(&self.fd, &mut info).ok()?;
-        // The signal's number is the first field, a u32.
-        (read == info.len()).then(|| i32::from_ne_bytes([info[0], info[1], info[2], info[3]]))
+    fn remove(&mut self, source: Source) {
+        if let Some(fd) = self.watched.remove(&source)
+            && let Err(error) = epoll::delete(&self.epoll, &fd)
+        {
+            tracing::warn!(?source, %error, "cannot stop watching");
+        }
     }
 }
 
-impl Drop for Signals {
-    fn drop(&mut self) {
-        // SAFETY: restores the mask that `take` read on this thread; nothing is written.
-        unsafe {
-            libc::pthread_sigmask(libc::SIG_SETMASK, &raw const self.before, std::ptr::null_mut())
-        };
+impl fmt::Debug for Poller {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Poller").field("watched", &self.watched).finish_non_exhaustive()
     }
 }
 

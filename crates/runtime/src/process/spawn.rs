@@ -1,0 +1,189 @@
+//! Starting a child: fork, a few system calls, exec.
+//!
+//! `std::process::Command` is not used, because the file descriptor on which it reports a failed
+//! exec may be one of the numbers that a child is to inherit, and would be overwritten unseen.
+//!
+//! Between fork and exec the child has one thread and a copy of locks that others may have held:
+//! it makes system calls and nothing else. No allocation, no lock, no panic.
+
+use super::Child;
+use crate::affinity;
+use crate::error::{OsError, Result};
+use core::ffi::{c_char, c_int};
+use core::ptr;
+use rustix::io::Errno;
+use rustix::process::{Pid, PidfdFlags, Signal};
+use rustix::thread::CpuSet;
+use std::ffi::{CStr, CString};
+use std::fs::File;
+use std::io::{self, Read};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd, RawFd};
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+
+/// What to start.
+#[derive(Clone, Copy, Debug)]
+pub struct Spawn<'a> {
+    /// The file to run; no search path.
+    pub program: &'a Path,
+    /// Arguments after the program's name.
+    pub args: &'a [String],
+    /// File descriptors to inherit, and the number each has in the child. No other one is
+    /// inherited but 2: 0 and 1 are /dev/null, unless they are named here.
+    pub fds: &'a [(BorrowedFd<'a>, RawFd)],
+    /// The core to keep it on.
+    pub core: Option<usize>,
+}
+
+/// Starts a child process.
+///
+/// It dies with the calling thread, is alone in its process group (a Ctrl-C at the terminal is for
+/// the parent, who decides what becomes of its children), and blocks no signal.
+///
+/// # Errors
+///
+/// If the program cannot be run or the core is not to be had; then there is no child.
+pub fn spawn(what: Spawn<'_>) -> Result<Child> {
+    let name = what.program.to_string_lossy().into_owned();
+    let plan = Plan::new(what).map_err(|source| OsError::new("prepare", name.clone(), source))?;
+    let failed = |source: io::Error| OsError::new("start", name.clone(), source);
+    // The child's end must not lie on a number that it is about to overwrite.
+    let (hear, tell) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
+        .map_err(|errno| failed(errno.into()))?;
+    let tell =
+        rustix::io::fcntl_dupfd_cloexec(&tell, plan.above).map_err(|errno| failed(errno.into()))?;
+    let parent = rustix::process::getpid();
+
+    // SAFETY: the child calls `Plan::run` alone, which keeps to what is allowed after a fork.
+    let pid = unsafe { libc::fork() };
+    if pid == 0 {
+        plan.run(parent, tell.as_raw_fd());
+    }
+    let pid = Pid::from_raw(pid).filter(|_| pid > 0);
+    let pid = pid.ok_or_else(|| failed(io::Error::last_os_error()))?;
+    drop(tell);
+    // Not reaped yet, so the number is the child's even if it is dead.
+    let opened = rustix::process::pidfd_open(pid, PidfdFlags::empty());
+    let pidfd = opened.map_err(|errno| {
+        let _nobody_to_tell = rustix::process::kill_process(pid, Signal::KILL);
+        let _reaped = rustix::process::waitpid(Some(pid), rustix::process::WaitOptions::empty());
+        failed(errno.into())
+    })?;
+    let child = Child { pid, pidfd, exit: None };
+    let mut errno = [0; 4];
+    match File::from(hear).read_exact(&mut errno) {
+        // Exec closed the pipe: the program runs. (Or the child was killed on the way: its pidfd
+        // says so.)
+        Err(_) => Ok(child),
+        Ok(()) => Err(failed(io::Error::from_raw_os_error(i32::from_ne_bytes(errno)))),
+    }
+}
+
+/// All that the child needs, made before the fork.
+struct Plan {
+    program: CString,
+    /// Owns what `argv` points to.
+    _args: Vec<CString>,
+    /// Ends with a null pointer, as exec wants it.
+    argv: Vec<*const c_char>,
+    /// Copies of the file descriptors, all with numbers above all targets, so that none is
+    /// overwritten before it was copied; and the targets.
+    fds: Vec<(OwnedFd, RawFd)>,
+    /// Above all targets and the three standard ones.
+    above: RawFd,
+    core: Option<CpuSet>,
+}
+
+impl Plan {
+    fn new(what: Spawn<'_>) -> io::Result<Self> {
+        let program = CString::new(what.program.as_os_str().as_bytes())?;
+        let mut args = vec![program.clone()];
+        for arg in what.args {
+            args.push(CString::new(arg.as_bytes())?);
+        }
+        let argv = args.iter().map(|arg| arg.as_ptr()).chain([ptr::null()]).collect();
+        if what.fds.iter().any(|(_, target)| *target < 0) {
+            return Err(io::ErrorKind::InvalidInput.into());
+        }
+        let above = what.fds.iter().map(|(_, target)| *target).fold(2, RawFd::max) + 1;
+        let null = File::options().read(true).write(true).open("/dev/null")?;
+        let named = |number: RawFd| what.fds.iter().any(|(_, target)| *target == number);
+        let nulls = [0, 1].into_iter().filter(|n| !named(*n)).map(|n| (null.as_fd(), n));
+        let fds = nulls
+            .chain(what.fds.iter().copied())
+            .map(|(fd, target)| Ok((rustix::io::fcntl_dupfd_cloexec(fd, above)?, target)))
+            .collect::<io::Result<Vec<_>>>()?;
+        let core = what.core.map(affinity::only).transpose()?;
+        Ok(Self { program, _args: args, argv, fds, above, core })
+    }
+
+    /// The child's life before exec. Says what failed and ends, if anything does.
+    fn run(&self, parent: Pid, tell: RawFd) -> ! {
+        let errno = self.prepare(parent).err().unwrap_or_else(|| exec(&self.program, &self.argv));
+        let bytes = errno.raw_os_error().to_ne_bytes();
+        // SAFETY: pointer and length are those of `bytes`. If nobody listens, nothing is lost.
+        unsafe { libc::write(tell, bytes.as_ptr().cast(), bytes.len()) };
+        exit(127)
+    }
+
+    fn prepare(&self, parent: Pid) -> core::result::Result<(), Errno> {
+        rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+        // If the parent died before that call, nobody will ever send the signal.
+        if rustix::process::getppid() != Some(parent) {
+            exit(127);
+        }
+        rustix::process::setpgid(None, None)?;
+        if let Some(core) = &self.core {
+            rustix::thread::sched_setaffinity(None, core)?;
+        }
+        close_on_exec_from(3);
+        for (fd, target) in &self.fds {
+            // SAFETY: both are plain numbers to the kernel; the child owns all of its descriptors,
+            // and no Rust object here relies on what `target` was.
+            if unsafe { libc::dup2(fd.as_raw_fd(), *target) } < 0 {
+                return Err(last_errno());
+            }
+        }
+        // The Rust runtime ignores SIGPIPE, and exec would hand that on.
+        // SAFETY: no handler is installed, and the child has one thread.
+        unsafe { libc::signal(libc::SIGPIPE, libc::SIG_DFL) };
+        unblock_signals()
+    }
+}
+
+/// Marks what other libraries left open across exec, from this number on. Kernels before 5.11
+/// cannot, and then only what was opened close-on-exec is closed.
+fn close_on_exec_from(first: c_int) {
+    // SAFETY: changes a flag of descriptors that this process, a child before exec, owns.
+    unsafe {
+        libc::syscall(libc::SYS_close_range, first, c_int::MAX, libc::CLOSE_RANGE_CLOEXEC);
+    }
+}
+
+fn unblock_signals() -> core::result::Result<(), Errno> {
+    let mut none = core::mem::MaybeUninit::<libc::sigset_t>::uninit();
+    // SAFETY: `none` is a place for a set, and this call writes all of it.
+    unsafe { libc::sigemptyset(none.as_mut_ptr()) };
+    // SAFETY: `none` was written above; the old set is not asked for.
+    let done = unsafe { libc::sigprocmask(libc::SIG_SETMASK, none.as_ptr(), ptr::null_mut()) };
+    if done == 0 { Ok(()) } else { Err(last_errno()) }
+}
+
+/// Returns only if it failed.
+fn exec(program: &CStr, argv: &[*const c_char]) -> Errno {
+    // SAFETY: `program` and all of `argv` but its last are strings that `Plan` owns, and the last
+    // is null.
+    unsafe { libc::execv(program.as_ptr(), argv.as_ptr()) };
+    last_errno()
+}
+
+/// Does not allocate.
+fn last_errno() -> Errno {
+    Errno::from_io_error(&io::Error::last_os_error()).unwrap_or(Errno::IO)
+}
+
+/// Ends at once: what `exit` would flush and tear down is the parent's.
+fn exit(code: c_int) -> ! {
+    // SAFETY: it has no preconditions.
+    unsafe { libc::_exit(code) }
+}
