@@ -13,6 +13,7 @@ pub mod codec;
 pub mod defaults;
 pub mod export;
 pub mod file;
+pub mod generate;
 pub mod import;
 pub mod meta;
 pub mod side;
