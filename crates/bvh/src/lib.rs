@@ -1,1 +1,65 @@
-//! bvh
+//! Bounding volume hierarchies over triangulated bodies: build, sections, the pair walk.
+//!
+//! ```text
+//! Mesh --build::body--> Body        front::front: both trees down to the distribution depth
+//! Body --build::rebuild--> Body       |  overlapping node pairs, one job each
+//!                                     v
+//! section: what a job needs         kernel::Kernel::run: one job, to hits, sums and supports
+//! ```
+//!
+//! The method is that of Wiseman and Grinberg, *The Trolley Problem Version of Autonomous Vehicles*
+//! (Open Transp. J. 12, 2018): hierarchies of axis-aligned boxes with a split that keeps the parts
+//! short, descended to a distribution depth, the overlapping pairs handed to several cores.
+//!
+//! This crate does no I/O, reads no clock, and knows nothing of harm or of who runs a job.
+//!
+//! # Invariants
+//!
+//! - A tree is a pure function of triangles, build and leaf size, whatever the number of threads:
+//!   `build/tests.rs`.
+//! - No intersecting pair is lost by a box test: `placement/tests.rs`.
+//! - Each pair of triangles is in at most one job of a front, each intersecting one in exactly one:
+//!   `front/tests.rs`.
+//! - Hit sets, pair counts, hashes, zones and supports do not depend on tree, build, depth or leaf
+//!   size, nor on where a budget cut: `kernel/tests.rs`.
+//! - Nothing recurses, and [`kernel::Kernel::run`] allocates nothing.
+
+pub mod build;
+pub mod front;
+pub mod kernel;
+pub mod placement;
+pub mod section;
+pub mod support;
+
+mod hits;
+
+pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild};
+pub use front::{NodePair, front};
+pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task};
+pub use placement::Placement;
+
+/// Work done, in the terms of the cost model T = Nb·Cb + Np·Cp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Tests of two boxes against each other, whether of nodes or of triangles.
+    pub nb: u64,
+    /// Tests of two triangles against each other.
+    pub np: u64,
+}
+
+impl Counters {
+    /// Tests of both kinds: what a budget bounds.
+    #[must_use]
+    pub fn tests(&self) -> u64 {
+        self.nb + self.np
+    }
+
+    /// Includes the work of `other`.
+    pub fn add(&mut self, other: &Self) {
+        self.nb += other.nb;
+        self.np += other.np;
+    }
+}
+
+#[cfg(test)]
+mod fixtures;

@@ -1,0 +1,178 @@
+//! Building a tree: options, errors, and the way from a mesh to a body in leaf order.
+//!
+//! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and lays
+//! nodes out; `seed` and `sah` decide where to cut. Neither knows the other.
+
+mod body;
+mod grow;
+mod sah;
+mod seed;
+
+pub use body::{body, rebuild};
+
+use geometry::{Aabb, Corners};
+use model::{Build, Node};
+
+/// Most triangles that a leaf may hold.
+pub const LEAF_SIZE_MAX: u32 = 64;
+
+/// Most triangles that [`Build::Literal`] accepts: its tree may be as deep as there are triangles,
+/// so its time is quadratic.
+pub const LITERAL_MAX: usize = 50_000;
+
+/// Most triangles of a body: a hit has 31 bits for its number.
+pub const TRIANGLES_MAX: usize = 1 << 31;
+
+/// How to build a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuildOptions {
+    /// Which split.
+    pub build: Build,
+    /// Most triangles in a leaf, 1 to [`LEAF_SIZE_MAX`]. The seed's is 1.
+    pub leaf_size: u32,
+    /// Threads to build with; 0 is 1. The tree does not depend on it.
+    pub threads: usize,
+}
+
+impl Default for BuildOptions {
+    /// The seed's split, four triangles to a leaf, one thread.
+    fn default() -> Self {
+        Self { build: Build::Seed, leaf_size: 4, threads: 1 }
+    }
+}
+
+/// A tree and the order of triangles that it asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    /// Nodes in preorder: the left child of `i` is `i + 1`, the right one its `link`.
+    pub nodes: Vec<Node>,
+    /// Per place in leaf order: the number of the triangle that belongs there. Ascending in a leaf.
+    pub order: Vec<u32>,
+    /// Nodes on the longest way from the root: 1 for a single leaf.
+    pub depth: u32,
+}
+
+/// A tree could not be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BuildError {
+    /// There is nothing to build over.
+    #[error("the body has no triangles: import a mesh with faces, or select another group")]
+    Empty,
+    /// Numbers of triangles would not fit.
+    #[error(
+        "the body has {triangles} triangles, at most {TRIANGLES_MAX} are possible: simplify it"
+    )]
+    TooMany {
+        /// How many there are.
+        triangles: usize,
+    },
+    /// The literal build would take too long.
+    #[error(
+        "the literal build takes at most {LITERAL_MAX} triangles, the body has {triangles}: \
+         use the build 'seed', which is the same split with a balance rule"
+    )]
+    Literal {
+        /// How many there are.
+        triangles: usize,
+    },
+    /// The leaf size is out of range.
+    #[error("a leaf size of {leaf_size} is not possible: use 1 to {LEAF_SIZE_MAX}")]
+    LeafSize {
+        /// What was asked for.
+        leaf_size: u32,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("triangle {triangle} has a coordinate that is not finite: repair the mesh")]
+    NotFinite {
+        /// Its number, in the order given.
+        triangle: usize,
+    },
+    /// The arrays of a mesh do not belong together.
+    #[error("the mesh has {triangles} triangles but {entries} {array}: both must be equal")]
+    Lengths {
+        /// How many triangles there are.
+        triangles: usize,
+        /// Which array differs.
+        array: &'static str,
+        /// How many entries it has.
+        entries: usize,
+    },
+}
+
+/// Builds a tree over `corners`.
+///
+/// `progress` is called with the number of triangles placed *since the last call*, from any of the
+/// threads, every few thousand triangles; the sum is the number of triangles.
+///
+/// Time is O(n log n) for `Seed` and `Sah`, O(n · depth) for `Literal`; memory beside the result is
+/// at most 64 bytes per triangle.
+///
+/// # Errors
+///
+/// See [`BuildError`]: no triangles, too many, a leaf size out of range, a coordinate not finite.
+pub fn build(
+    corners: &[Corners],
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Tree, BuildError> {
+    check(corners, options)?;
+    let job =
+        grow::Job { leaf_size: options.leaf_size as usize, threads: options.threads, progress };
+    let (mut nodes, order) = match options.build {
+        Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
+        Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
+        Build::Sah => sah::grow(corners, &job),
+    };
+    let depth = close(&mut nodes, &order, corners);
+    Ok(Tree { nodes, order, depth })
+}
+
+fn check(corners: &[Corners], options: &BuildOptions) -> Result<(), BuildError> {
+    let triangles = corners.len();
+    if triangles == 0 {
+        return Err(BuildError::Empty);
+    }
+    if triangles > TRIANGLES_MAX {
+        return Err(BuildError::TooMany { triangles });
+    }
+    if options.build == Build::Literal && triangles > LITERAL_MAX {
+        return Err(BuildError::Literal { triangles });
+    }
+    if !(1..=LEAF_SIZE_MAX).contains(&options.leaf_size) {
+        return Err(BuildError::LeafSize { leaf_size: options.leaf_size });
+    }
+    match corners.iter().position(|t| !t.iter().flatten().all(|x| x.is_finite())) {
+        Some(triangle) => Err(BuildError::NotFinite { triangle }),
+        None => Ok(()),
+    }
+}
+
+/// Computes all boxes from the leaves up; says how deep the tree is.
+///
+/// Children stand behind their parents, so one pass backwards sees every child first.
+fn close(nodes: &mut [Node], order: &[u32], corners: &[Corners]) -> u32 {
+    let mut heights = vec![1_u32; nodes.len()];
+    for i in (0..nodes.len()).rev() {
+        let Node { link, count, .. } = nodes[i];
+        let (left, right) = (i + 1, link as usize);
+        let bounds = if count > 0 {
+            order[right..right + count as usize]
+                .iter()
+                .map(|&triangle| Aabb::of(&corners[triangle as usize]))
+                .fold(Aabb::EMPTY, |sum, box_| sum.union(&box_))
+        } else {
+            heights[i] = 1 + heights[left].max(heights[right]);
+            nodes[left].bounds.union(&nodes[right].bounds)
+        };
+        nodes[i].bounds = without_negative_zero(bounds);
+    }
+    heights[0]
+}
+
+/// Which zero is the lesser is up to the machine; so that trees have the same bytes, all are +0.
+fn without_negative_zero(box_: Aabb) -> Aabb {
+    Aabb { min: box_.min.map(|x| x + 0.0), max: box_.max.map(|x| x + 0.0) }
+}
+
+#[cfg(test)]
+mod tests;

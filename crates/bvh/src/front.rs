@@ -1,0 +1,100 @@
+//! The coordinator's descent: both trees down to the distribution depth.
+//!
+//! What is left are pairs of nodes whose boxes overlap, each a job of its own: expanding the pair
+//! tree first and walking below it later is due to Le Garrec, Acquaviva and Merlhiot (CEA), cutting
+//! at one depth of both trees to Wiseman and Grinberg.
+
+use crate::{Counters, Placement};
+use geometry::RelativePose;
+use model::BodyView;
+
+/// A node of A and a node of B.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct NodePair {
+    /// Number of the node in A's tree.
+    pub a: u32,
+    /// Number of the node in B's tree.
+    pub b: u32,
+}
+
+impl NodePair {
+    /// Both roots: all of both bodies.
+    pub const ROOTS: Self = Self { a: 0, b: 0 };
+}
+
+/// Most pairs that one front holds: where more would overlap, it stays shallower in places.
+///
+/// It bounds memory against bodies whose boxes all overlap, 4ᵈ pairs at depth d, and is as many jobs
+/// as one request has slots for.
+pub const PAIRS_MAX: usize = 1 << 16;
+
+/// A pair on the way down, with the depths that its nodes have reached; the roots' is 0.
+#[derive(Clone, Copy)]
+struct Open {
+    pair: NodePair,
+    depth_a: u32,
+    depth_b: u32,
+}
+
+/// Appends to `out` all pairs of nodes at `depth` (or shallower leaves) whose boxes overlap under
+/// `pose`, at most [`PAIRS_MAX`] of them.
+///
+/// Depth 0 is the pair of roots. The pairs are disjoint, and no intersecting pair of triangles lies
+/// outside of them. They come in depth-first order, A's and B's left children first, the same on
+/// every machine. The boxes of the roots are tested too, so `out` may stay empty; and it stays
+/// empty for a body without a tree.
+///
+/// # Panics
+///
+/// If a node's number is out of range; the builder and the reader of model files rule it out.
+pub fn front(
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
+    pose: &RelativePose,
+    depth: u32,
+    out: &mut Vec<NodePair>,
+    counters: &mut Counters,
+) {
+    let (Some(root_a), Some(root_b)) = (a.nodes.first(), b.nodes.first()) else { return };
+    let placement = Placement::of(a, b, pose);
+    if placement.nodes_apart(root_a, root_b, counters) {
+        return;
+    }
+    let limit = out.len() + PAIRS_MAX;
+    // One pair waits per level of both trees at most, and a tree has no more levels than nodes.
+    let mut open = vec![Open { pair: NodePair::ROOTS, depth_a: 0, depth_b: 0 }];
+    while let Some(Open { pair, depth_a, depth_b }) = open.pop() {
+        let (node_a, node_b) = (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize]);
+        let ends_a = node_a.is_leaf() || depth_a == depth;
+        let ends_b = node_b.is_leaf() || depth_b == depth;
+        if (ends_a && ends_b) || out.len() + open.len() + 2 > limit {
+            out.push(pair);
+            continue;
+        }
+        let descend_a =
+            ends_b || (!ends_a && node_a.bounds.half_area() >= node_b.bounds.half_area());
+        let children = if descend_a {
+            [pair.a + 1, node_a.link].map(|child| Open {
+                pair: NodePair { a: child, ..pair },
+                depth_a: depth_a + 1,
+                depth_b,
+            })
+        } else {
+            [pair.b + 1, node_b.link].map(|child| Open {
+                pair: NodePair { b: child, ..pair },
+                depth_a,
+                depth_b: depth_b + 1,
+            })
+        };
+        for child in children.into_iter().rev() {
+            let (node_a, node_b) =
+                (&a.nodes[child.pair.a as usize], &b.nodes[child.pair.b as usize]);
+            if !placement.nodes_apart(node_a, node_b, counters) {
+                open.push(child);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,52 @@
+//! Which triangles of one body were hit: a set of bits, cleared only where the next job looks.
+
+use std::ops::Range;
+
+const BITS: usize = u64::BITS as usize;
+
+/// A set of triangle numbers within a range. Its room is allocated once.
+#[derive(Clone, Debug)]
+pub(crate) struct Hits {
+    words: Vec<u64>,
+    /// First triangle of the range.
+    first: usize,
+}
+
+impl Hits {
+    /// Room for ranges of `triangles` triangles.
+    pub(crate) fn with_room(triangles: usize) -> Self {
+        Self { words: vec![0; triangles.div_ceil(BITS)], first: 0 }
+    }
+
+    /// Makes room for ranges of `triangles` triangles, and forgets everything.
+    pub(crate) fn ensure_room(&mut self, triangles: usize) {
+        if triangles.div_ceil(BITS) > self.words.len() {
+            *self = Self::with_room(triangles);
+        }
+    }
+
+    /// Empties the set and looks at `range` from now on. Takes time with the range, not the room.
+    ///
+    /// # Panics
+    ///
+    /// If there is no room for the range.
+    pub(crate) fn clear(&mut self, range: &Range<u32>) {
+        self.first = range.start as usize;
+        self.words[..range.len().div_ceil(BITS)].fill(0);
+    }
+
+    /// Whether the triangle is in the set.
+    pub(crate) fn has(&self, triangle: u32) -> bool {
+        let at = triangle as usize - self.first;
+        self.words[at / BITS] >> (at % BITS) & 1 == 1
+    }
+
+    /// Puts the triangle in; whether it was not there before.
+    pub(crate) fn insert(&mut self, triangle: u32) -> bool {
+        let at = triangle as usize - self.first;
+        let (word, bit) = (&mut self.words[at / BITS], 1 << (at % BITS));
+        let new = *word & bit == 0;
+        *word |= bit;
+        new
+    }
+}

@@ -1,0 +1,238 @@
+//! One job: everything below one node of A and one node of B, to hits, sums and supports.
+//!
+//! The walk pops a pair of nodes, descends the larger one, and keeps the children whose boxes
+//! overlap; where two leaves meet, their triangles are tested. Ericson, *Real-Time Collision
+//! Detection* (2005), section 6.3. It is bounded three times over: by a stack whose size is argued
+//! below, by a budget of tests, and by a sink that may say stop. Whatever ends it early, the pairs
+//! that wait on the stack cover everything that was not tested, and no more.
+//!
+//! ```text
+//! depth d of a tree: nodes on its longest way down. A step pops one pair and pushes at most two,
+//! one level deeper in one tree; so at most one pair waits per level of both trees, and one more:
+//! (depth_a − 1) + (depth_b − 1) + 1.
+//! ```
+
+use crate::hits::Hits;
+use crate::{Counters, NodePair, Placement, section};
+use geometry::{Directions, RelativePose, Supports};
+use leaves::{Halt, Leaves};
+use model::BodyView;
+use std::ops::ControlFlow;
+
+mod leaves;
+
+/// Most tests between two calls of [`Sink::beat`], but for those of one triangle of B against one
+/// leaf of A.
+pub const BEAT_TESTS: u64 = 1024;
+
+/// What is asked about a pair of bodies at one pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// Is there any hit? The first one answers it: which one that is depends on the trees.
+    Touches,
+    /// Which triangles are hit? Pairs of which both are known to be hit need not be tested.
+    Sets,
+    /// All intersecting pairs: their count and hash, the triangles hit, the supports of the contact.
+    Pairs,
+}
+
+/// A question about two bodies at one pose. Jobs are parts of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// The body in whose frame the test takes place: the ego.
+    pub a: BodyView<'a>,
+    /// The other one.
+    pub b: BodyView<'a>,
+    /// B seen from A.
+    pub pose: RelativePose,
+    /// What is asked.
+    pub question: Question,
+    /// Directions in which [`Question::Pairs`] measures the contact, A's frame.
+    pub directions: Option<&'a Directions>,
+}
+
+/// Which body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Side {
+    /// The ego.
+    A,
+    /// The other one.
+    B,
+}
+
+/// Hears of hits as they are found. `Break` ends the job as [`End::Stopped`].
+pub trait Sink {
+    /// A triangle was hit, by its number in leaf order: once per job and triangle.
+    ///
+    /// A `Break` may mean that this hit was not taken: what it belongs to remains open.
+    fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()>;
+
+    /// So many tests were done in this job up to now; called about every [`BEAT_TESTS`].
+    fn beat(&mut self, tests: u64) -> ControlFlow<()>;
+}
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The question is answered for all that the job covers; nothing remains.
+    Complete,
+    /// The sink said stop; [`Kernel::remaining`] is open.
+    Stopped,
+    /// The budget (or the stack) did not suffice; [`Kernel::remaining`] is open.
+    OutOfBudget,
+}
+
+/// What a job found, beside the hits that went to the sink.
+///
+/// All but `counters` follow from the triangles tested alone, and merge by sum (`pairs`, `hash`,
+/// wrapping), or (`zones_a`, `zones_b`) and maximum (`supports`): a job and the jobs over what it
+/// left merge to the whole, wherever it was cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// How it ended.
+    pub end: End,
+    /// Work done.
+    pub counters: Counters,
+    /// Intersecting pairs. `Touches`: 1 if there is one, else 0. `Sets`: 0, since not all are tested.
+    pub pairs: u64,
+    /// Wrapping sum of [`geometry::hash::pair_term`] of source ids; 0 unless `Pairs` was asked.
+    pub hash: u64,
+    /// Zones of A's hit triangles; 0 if only `Touches` was asked.
+    pub zones_a: u16,
+    /// Zones of B's hit triangles; 0 if only `Touches` was asked.
+    pub zones_b: u16,
+    /// Supports of the contact, A's frame [m]; empty unless `Pairs` was asked with directions.
+    pub supports: Supports,
+}
+
+/// Scratch for jobs, allocated once.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// Pairs that wait; `room` of them at most.
+    stack: Vec<NodePair>,
+    room: usize,
+    hits_a: Hits,
+    hits_b: Hits,
+    near: Vec<leaves::Near>,
+}
+
+impl Kernel {
+    /// Room for any job over trees of these depths with so many triangles.
+    #[must_use]
+    pub fn with_room(depth_a: u32, depth_b: u32, triangles_a: usize, triangles_b: usize) -> Self {
+        let room = stack_room(depth_a, depth_b);
+        Self {
+            stack: Vec::with_capacity(room),
+            room,
+            hits_a: Hits::with_room(triangles_a),
+            hits_b: Hits::with_room(triangles_b),
+            near: leaves::scratch(),
+        }
+    }
+
+    /// Makes room for larger bodies, between jobs; allocates only if there was none.
+    pub fn ensure_room(
+        &mut self,
+        depth_a: u32,
+        depth_b: u32,
+        triangles_a: usize,
+        triangles_b: usize,
+    ) {
+        self.room = self.room.max(stack_room(depth_a, depth_b));
+        self.stack.reserve_exact(self.room.saturating_sub(self.stack.len()));
+        self.hits_a.ensure_room(triangles_a);
+        self.hits_b.ensure_room(triangles_b);
+    }
+
+    /// Runs one job: everything below `start`, whose boxes are taken to overlap.
+    ///
+    /// `budget` bounds the tests of boxes and triangles together. It is looked at between steps, and
+    /// two leaves are one step, so it may be exceeded by the tests of two leaves. Any budget above 0
+    /// makes progress. Nothing is allocated.
+    ///
+    /// Should the trees be deeper than the kernel has room for, the job ends as
+    /// [`End::OutOfBudget`], and the jobs over what remains start deeper.
+    ///
+    /// # Panics
+    ///
+    /// If there is no room for the triangles below `start` ([`Kernel::ensure_room`] makes it), or if
+    /// a number in a tree is out of range: a damaged tree must not produce an answer.
+    pub fn run(
+        &mut self,
+        task: &Task<'_>,
+        start: NodePair,
+        budget: u64,
+        sink: &mut impl Sink,
+    ) -> Outcome {
+        self.stack.clear();
+        self.stack.push(start);
+        self.hits_a.clear(&section::triangles(task.a.nodes, start.a));
+        self.hits_b.clear(&section::triangles(task.b.nodes, start.b));
+        let placement = Placement::of(&task.a, &task.b, &task.pose);
+        let mut leaves =
+            Leaves::new(task, &mut self.hits_a, &mut self.hits_b, &mut self.near, sink);
+        let end = walk(task, &placement, &mut self.stack, self.room, budget, &mut leaves);
+        leaves.outcome(end)
+    }
+
+    /// The pairs that the last job left open, its own included: they cover all that it did not
+    /// test, each pair of triangles once. Empty after [`End::Complete`].
+    #[must_use]
+    pub fn remaining(&self) -> &[NodePair] {
+        &self.stack
+    }
+}
+
+fn stack_room(depth_a: u32, depth_b: u32) -> usize {
+    // Two, so that the roots alone can always be opened.
+    (depth_a as usize + depth_b as usize).saturating_sub(1).max(2)
+}
+
+fn walk<S: Sink>(
+    task: &Task<'_>,
+    placement: &Placement,
+    stack: &mut Vec<NodePair>,
+    room: usize,
+    budget: u64,
+    leaves: &mut Leaves<'_, S>,
+) -> End {
+    let (nodes_a, nodes_b) = (task.a.nodes, task.b.nodes);
+    while let Some(&pair) = stack.last() {
+        if leaves.counters.tests() >= budget {
+            return End::OutOfBudget;
+        }
+        if leaves.beat().is_break() {
+            return End::Stopped;
+        }
+        let (node_a, node_b) = (&nodes_a[pair.a as usize], &nodes_b[pair.b as usize]);
+        if node_a.is_leaf() && node_b.is_leaf() {
+            match leaves.test(node_a, node_b) {
+                ControlFlow::Continue(()) => _ = stack.pop(),
+                ControlFlow::Break(Halt::Answered) => stack.clear(),
+                ControlFlow::Break(Halt::Stopped) => return End::Stopped,
+            }
+            continue;
+        }
+        if stack.len() >= room {
+            return End::OutOfBudget;
+        }
+        stack.pop();
+        let descend_a = node_b.is_leaf()
+            || (!node_a.is_leaf() && node_a.bounds.half_area() >= node_b.bounds.half_area());
+        let [left, right] = if descend_a {
+            [pair.a + 1, node_a.link].map(|a| NodePair { a, ..pair })
+        } else {
+            [pair.b + 1, node_b.link].map(|b| NodePair { b, ..pair })
+        };
+        for child in [right, left] {
+            let (a, b) = (&nodes_a[child.a as usize], &nodes_b[child.b as usize]);
+            if !placement.nodes_apart(a, b, &mut leaves.counters) {
+                stack.push(child);
+            }
+        }
+    }
+    End::Complete
+}
+
+#[cfg(test)]
+mod tests;

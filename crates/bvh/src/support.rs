@@ -1,0 +1,60 @@
+//! How far a body reaches in a direction: the support of all its corners.
+//!
+//! Branch and bound over the tree. A box is never left out wrongly: its bound is the same sum of
+//! three products, taken at the corner of the box that lies farthest, and products and sums of
+//! floats are monotone even when rounded. So the result is the brute-force maximum, bit for bit.
+
+use geometry::{Aabb, DVec3};
+use model::BodyView;
+
+/// The greatest `x·d` [m] over all corners of the body, in its own frame; negative infinity for a
+/// body without a tree.
+///
+/// `x·d` is `(x d_x + y d_y) + z d_z` in f64 from the stored f32. A zero is +0.
+#[must_use]
+pub fn support(view: &BodyView<'_>, direction: DVec3) -> f64 {
+    let bound = |node: u32| reach(&view.nodes[node as usize].bounds, direction);
+    let mut greatest = f64::NEG_INFINITY;
+    // One node waits per level of the tree at most.
+    let mut open = Vec::with_capacity(64);
+    if !view.nodes.is_empty() {
+        open.push((0, bound(0)));
+    }
+    while let Some((at, most)) = open.pop() {
+        if most <= greatest {
+            continue;
+        }
+        let node = &view.nodes[at as usize];
+        if node.is_leaf() {
+            let first = node.link as usize;
+            for corner in view.corners[first..first + node.count as usize].iter().flatten() {
+                greatest = greatest.max(along(*corner, direction));
+            }
+        } else {
+            let (left, right) = ((at + 1, bound(at + 1)), (node.link, bound(node.link)));
+            // The farther child first: it raises the bar for the other.
+            open.extend(if left.1 > right.1 { [right, left] } else { [left, right] });
+        }
+    }
+    greatest + 0.0
+}
+
+/// [`support`] in each of the directions, given in the body's own frame.
+#[must_use]
+pub fn supports<const N: usize>(view: &BodyView<'_>, directions: &[DVec3; N]) -> [f64; N] {
+    directions.map(|direction| support(view, direction))
+}
+
+fn along(point: [f32; 3], d: DVec3) -> f64 {
+    let [x, y, z] = point.map(f64::from);
+    (x * d.x + y * d.y) + z * d.z
+}
+
+/// [`along`] at the corner of the box that lies farthest in direction `d`.
+fn reach(box_: &Aabb, d: DVec3) -> f64 {
+    let farthest = |i: usize| if d[i] < 0.0 { box_.min[i] } else { box_.max[i] };
+    along([farthest(0), farthest(1), farthest(2)], d)
+}
+
+#[cfg(test)]
+mod tests;
