@@ -11,8 +11,9 @@ use crate::limit::{self, Limit, Show};
 use crate::names::{self, choices, quoted};
 use crate::scenario::{Candidate, FileRef, Party, PartyIndex, SCHEMA, Scenario, Source};
 use crate::{raw, rules};
-use model::meta::Occupant;
+use model::{Seat, meta::Occupant};
 use std::time::Duration;
+use toml::de::DeValue;
 
 mod collision;
 
@@ -52,9 +53,10 @@ pub(crate) fn scenario(file: &str, text: &str) -> Result<Scenario, ScenarioError
 /// Whether the text says that it has the form known here.
 fn version(document: &Document<'_>) -> Result<(), Fault> {
     let path = Path::default().key("schema");
-    let fault = match document.text(&path) {
-        Some(SCHEMA) => return Ok(()),
-        Some(other) => format!("schema {} is not known", quoted(other)),
+    let fault = match document.value(&path).map(DeValue::as_str) {
+        Some(Some(SCHEMA)) => return Ok(()),
+        Some(Some(other)) => format!("schema {} is not known", quoted(other)),
+        Some(None) => "schema is not text".to_owned(),
         None => "schema is missing".to_owned(),
     };
     Err(Misfit::new("schema", fault, format!("this version reads schema = {SCHEMA:?}"))).at(&path)
@@ -77,7 +79,7 @@ impl Checker<'_> {
         })?;
         let parties = self.parties(raw.parties)?;
         let ego = self.ego(raw.ego, &parties)?;
-        let candidates = self.candidates(raw.candidates, &parties, ego)?;
+        let candidates = self.candidates(raw.candidates.unwrap_or_default(), &parties, ego)?;
         let name = raw.name;
         Ok(Scenario { name, policy, curves, deadline, engine, ego, parties, candidates })
     }
@@ -126,13 +128,15 @@ impl Checker<'_> {
         let mass_kg = number(raw.mass_kg, "mass_kg", limit::MASS_KG, &path)?;
         let responsibility = number(raw.responsibility, "responsibility", limit::SHARE, &path)?;
         let persons = raw.persons.map(|persons| list_persons(&persons, &path)).transpose()?;
-        if let Some(persons) = &persons {
-            let fit = match source {
-                Source::Generate { shape, .. } => rules::persons_fit(shape, persons),
-                Source::File(_) => rules::seats_differ(persons),
-            };
-            fit.at(&path.key("persons"))?;
-        }
+        let listed = persons.as_deref().unwrap_or_default();
+        let fit = match source {
+            Source::Generate { shape, .. } => {
+                rules::mass_fits(shape.kind(), mass_kg).at(&path.key("mass_kg"))?;
+                rules::persons_fit(shape.kind(), listed)
+            }
+            Source::File(_) => rules::seats_differ(listed),
+        };
+        fit.at(&path.key("persons"))?;
         let place = self.place(&path);
         let responsibility = responsibility.unwrap_or(0.0);
         Ok(Party { name: key, place, source, mass_kg, persons, responsibility })
@@ -148,7 +152,7 @@ impl Checker<'_> {
             return Err(misfit).at(&path);
         };
         if let Source::Generate { shape, .. } = parties[index].source {
-            rules::ego_fits(shape).at(&path)?;
+            rules::ego_fits(shape.kind()).at(&path)?;
         }
         Ok(PartyIndex(index))
     }
@@ -184,7 +188,7 @@ impl Checker<'_> {
 
 /// A generated body.
 fn generated(raw: &raw::Generate, path: &Path) -> Result<Source, Fault> {
-    let shape = names::meaning(names::SHAPES, "shape", &raw.shape).at(&path.key("shape"))?;
+    let shape = names::meaning("shape", &raw.shape).at(&path.key("shape"))?;
     let triangles = limit::TRIANGLES.whole("triangles", raw.triangles).at(&path.key("triangles"))?;
     let seed = limit::SEED.whole("seed", raw.seed.unwrap_or(0)).at(&path.key("seed"))?;
     Ok(Source::Generate { shape, triangles, seed })
@@ -199,7 +203,7 @@ fn list_persons(raw: &[raw::Person], parent: &Path) -> Result<Vec<Occupant>, Fau
         return Err(Misfit::new("persons", fault, help)).at(&path);
     }
     let one = |(index, person): (usize, &raw::Person)| {
-        let meaning = |seat: &String| names::meaning(names::SEATS, "seat", seat);
+        let meaning = |seat: &String| names::meaning::<Seat>("seat", seat);
         let seat = person.seat.as_ref().map(meaning).transpose();
         Ok(Occupant { seat: seat.at(&path.index(index).key("seat"))? })
     };

@@ -109,14 +109,14 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// The text at the end of a path; `None` if there is nothing, or no text.
-    pub(crate) fn text(&self, path: &Path) -> Option<&str> {
+    /// What stands at the end of a path.
+    pub(crate) fn value(&self, path: &Path) -> Option<&DeValue<'t>> {
         let mut steps = path.0.iter();
         let mut value = At::Table(self.root.get_ref()).step(steps.next()?)?;
         for step in steps {
             value = At::of(value.get_ref()).step(step)?;
         }
-        value.get_ref().as_str()
+        Some(value.get_ref())
     }
 
     /// Reads the whole document as one value.

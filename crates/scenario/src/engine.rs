@@ -6,7 +6,7 @@
 
 use crate::error::Misfit;
 use crate::limit::{self, Limit};
-use crate::{names, raw};
+use crate::names;
 use model::Build;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -24,7 +24,9 @@ impl Scheme {
     /// Its name in a scenario.
     #[must_use]
     pub fn name(self) -> &'static str {
-        names::word(names::SCHEMES, self)
+        match self {
+            Self::BestMatchLoad => "best-match-load",
+        }
     }
 }
 
@@ -114,10 +116,10 @@ impl Engine {
             new.alpha = limit::SHARE.check("alpha", alpha)? + 0.0;
         }
         if let Some(word) = &changes.scheme {
-            new.scheme = names::meaning(names::SCHEMES, "scheme", word)?;
+            new.scheme = names::meaning("scheme", word)?;
         }
         if let Some(word) = &changes.build {
-            new.build = names::meaning(names::BUILDS, "build", word)?;
+            new.build = names::meaning("build", word)?;
         }
         match (&changes.cores, &mut new.cores) {
             (Some(cores), new_cores) => *new_cores = listed(cores)?,
@@ -179,7 +181,7 @@ pub struct Overrides {
     #[schemars(range(min = limit::DEPTH.least, max = limit::DEPTH.most))]
     pub depth: Option<i64>,
     /// How jobs are matched to workers. Default best-match-load.
-    #[schemars(schema_with = "raw::scheme_words")]
+    #[schemars(extend("enum" = names::all::<Scheme>()))]
     pub scheme: Option<String>,
     /// Weight of held sections against load in best-match-load: 1 looks at sections only, 0 at load.
     /// Default 0.5.
@@ -192,7 +194,7 @@ pub struct Overrides {
     #[schemars(range(min = limit::QUEUE.least, max = limit::QUEUE.most))]
     pub queue: Option<i64>,
     /// How trees are built. Default seed: the split of Wiseman and Grinberg with a balance rule.
-    #[schemars(schema_with = "raw::build_words")]
+    #[schemars(extend("enum" = names::all::<Build>()))]
     pub build: Option<String>,
     /// Triangles per leaf at most. Default 4.
     #[schemars(range(min = limit::LEAF_SIZE.least, max = limit::LEAF_SIZE.most))]

@@ -46,7 +46,11 @@ pub(crate) fn explain(objection: &Objection) -> (String, String) {
         return (format!("{key:?} is missing{place}"), format!("add {key} = …; {SEE_SCHEMA}"));
     }
     let subject = path.last_key().map_or_else(String::new, |key| format!("{}: ", quoted(key)));
-    (format!("{subject}{}", in_plain_words(&message)), SEE_SCHEMA.to_owned())
+    let help = match path.last_key() {
+        Some("candidates") => "each candidate is a table of its own under [[candidates]]",
+        _ => SEE_SCHEMA,
+    };
+    (format!("{subject}{}", in_plain_words(&message)), help.to_owned())
 }
 
 const SEE_SCHEMA: &str = "`trolley schema` prints every key with its type, unit and range";
@@ -76,6 +80,8 @@ fn in_plain_words(message: &str) -> String {
     message
         .replace("invalid type: ", "found ")
         .replace("invalid value: ", "found ")
+        .replace("invalid length ", "found a list of length ")
+        .replace("` as i128", "`")
         .replace("expected f64", "expected a number")
         .replace("expected i64", "expected a whole number")
         .replace("expected a string", "expected text in quotes")

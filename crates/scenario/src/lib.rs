@@ -14,7 +14,7 @@
 //!
 //! - Whatever [`Scenario::parse`] returns is in range: finite, known, unique, consistent. Every single
 //!   value of a scenario, made wrong, is refused at its own line: `check/tests.rs`.
-//! - No text makes it panic, and text beyond [`scenario::TEXT_BYTES_MAX`] is refused unread:
+//! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] is refused unread:
 //!   `scenario/tests.rs`.
 //! - Whatever it accepts, [`schema`] accepts too: `schema/tests.rs`.
 //! - Persons carry a seat and nothing else. Age, sex and condition are refused by the schema.
@@ -35,14 +35,14 @@
 
 mod check;
 mod document;
-pub mod engine;
-pub mod error;
+mod engine;
+mod error;
 mod explain;
 mod limit;
 mod names;
 mod raw;
-pub mod rules;
-pub mod scenario;
+mod rules;
+mod scenario;
 mod schema;
 
 pub use document::Place;
@@ -50,5 +50,6 @@ pub use engine::{Cores, Engine, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
 pub use scenario::{
     Candidate, FileRef, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source, State,
+    TEXT_BYTES_MAX,
 };
 pub use schema::schema;

@@ -2,62 +2,73 @@
 
 use crate::engine::Scheme;
 use crate::error::Misfit;
-use model::{Build, Kind, Seat};
+use model::{Build, Seat, generate::Shape};
 
-/// The allowed words of one setting with their meaning.
-pub(crate) type Words<T> = [(&'static str, T)];
+/// A thing that a scenario calls by a word.
+pub(crate) trait Word: Copy + Sized + 'static {
+    /// All of them, in the order in which people are told of them.
+    const ALL: &'static [Self];
 
-/// Shapes that can be generated. A building comes from a file only.
-pub(crate) const SHAPES: &Words<Kind> = &[
-    ("sedan", Kind::Sedan),
-    ("suv", Kind::Suv),
-    ("truck", Kind::Truck),
-    ("bus", Kind::Bus),
-    ("motorcycle", Kind::Motorcycle),
-    ("cyclist", Kind::Cyclist),
-    ("pedestrian", Kind::Pedestrian),
-    ("wall", Kind::Wall),
-    ("pole", Kind::Pole),
-];
-
-/// Seats.
-pub(crate) const SEATS: &Words<Seat> = &[
-    ("front-left", Seat::FrontLeft),
-    ("front-right", Seat::FrontRight),
-    ("rear-left", Seat::RearLeft),
-    ("rear-middle", Seat::RearMiddle),
-    ("rear-right", Seat::RearRight),
-    ("rider", Seat::Rider),
-];
-
-/// Ways to build a tree.
-pub(crate) const BUILDS: &Words<Build> =
-    &[("seed", Build::Seed), ("literal", Build::Literal), ("sah", Build::Sah)];
-
-/// Match schemes.
-pub(crate) const SCHEMES: &Words<Scheme> = &[("best-match-load", Scheme::BestMatchLoad)];
-
-/// The meaning of a word, or what the words are.
-pub(crate) fn meaning<T: Copy>(
-    words: &Words<T>,
-    setting: &'static str,
-    word: &str,
-) -> Result<T, Misfit> {
-    let found = words.iter().find(|(known, _)| *known == word);
-    found.map(|(_, meaning)| *meaning).ok_or_else(|| {
-        let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
-        let fault = format!("{setting} {} is not known", quoted(word));
-        Misfit::new(
-            setting,
-            fault,
-            choices(&format!("known here: {}", known.join(", ")), &known, word),
-        )
-    })
+    /// The word.
+    fn word(self) -> &'static str;
 }
 
-/// The word for a meaning; "?" for one that has no word.
-pub(crate) fn word<T: Copy + PartialEq>(words: &Words<T>, meaning: T) -> &'static str {
-    words.iter().find(|(_, known)| *known == meaning).map_or("?", |(word, _)| word)
+impl Word for Shape {
+    const ALL: &'static [Self] = &Shape::ALL;
+
+    fn word(self) -> &'static str {
+        self.name()
+    }
+}
+
+impl Word for Seat {
+    const ALL: &'static [Self] = &[
+        Self::FrontLeft,
+        Self::FrontRight,
+        Self::RearLeft,
+        Self::RearMiddle,
+        Self::RearRight,
+        Self::Rider,
+    ];
+
+    fn word(self) -> &'static str {
+        self.name()
+    }
+}
+
+impl Word for Build {
+    const ALL: &'static [Self] = &[Self::Seed, Self::Literal, Self::Sah];
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Seed => "seed",
+            Self::Literal => "literal",
+            Self::Sah => "sah",
+        }
+    }
+}
+
+impl Word for Scheme {
+    const ALL: &'static [Self] = &[Self::BestMatchLoad];
+
+    fn word(self) -> &'static str {
+        self.name()
+    }
+}
+
+/// All words for one kind of thing.
+pub(crate) fn all<T: Word>() -> Vec<&'static str> {
+    T::ALL.iter().map(|thing| thing.word()).collect()
+}
+
+/// What a word means, or which words there are.
+pub(crate) fn meaning<T: Word>(setting: &'static str, word: &str) -> Result<T, Misfit> {
+    T::ALL.iter().copied().find(|thing| thing.word() == word).ok_or_else(|| {
+        let known = all::<T>();
+        let list = format!("known here: {}", known.join(", "));
+        let fault = format!("{setting} {} is not known", quoted(word));
+        Misfit::new(setting, fault, choices(&list, &known, word))
+    })
 }
 
 /// A name from the file between quotes: control characters escaped, long ones cut.

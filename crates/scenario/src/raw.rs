@@ -5,9 +5,10 @@
 
 use crate::engine::Overrides;
 use crate::limit;
-use crate::names::{self, Words};
+use crate::names;
 use crate::scenario::SCHEMA;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use model::{Seat, generate::Shape};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -44,9 +45,8 @@ pub(crate) struct Scenario {
         "maxProperties" = limit::PARTIES.most))]
     pub(crate) parties: BTreeMap<String, Party>,
     /// The collisions to choose from, 1 to 16.
-    #[serde(default)]
     #[schemars(required, length(min = limit::CANDIDATES.least, max = limit::CANDIDATES.most))]
-    pub(crate) candidates: Vec<Candidate>,
+    pub(crate) candidates: Option<Vec<Candidate>>,
 }
 
 /// A body with the persons in it: from a model file or generated, exactly one of the two.
@@ -74,7 +74,7 @@ pub(crate) struct Party {
 #[serde(deny_unknown_fields, expecting = "a table { shape, triangles, seed }")]
 pub(crate) struct Generate {
     /// What it is.
-    #[schemars(schema_with = "shape_words")]
+    #[schemars(extend("enum" = names::all::<Shape>()))]
     pub(crate) shape: String,
     /// How many triangles.
     #[schemars(range(min = limit::TRIANGLES.least, max = limit::TRIANGLES.most))]
@@ -89,7 +89,7 @@ pub(crate) struct Generate {
 #[serde(deny_unknown_fields, expecting = "a table { seat }")]
 pub(crate) struct Person {
     /// Where the person sits. Left out for a person on foot.
-    #[schemars(schema_with = "seat_words")]
+    #[schemars(extend("enum" = names::all::<Seat>()))]
     pub(crate) seat: Option<String>,
 }
 
@@ -167,25 +167,4 @@ impl Other {
         let state = Ego { position_m, yaw_deg, pitch_deg, roll_deg, speed_m_s, velocity_m_s };
         (party, state)
     }
-}
-
-fn words<T>(words: &Words<T>) -> Schema {
-    let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-    json_schema!({ "type": "string", "enum": known })
-}
-
-fn shape_words(_: &mut SchemaGenerator) -> Schema {
-    words(names::SHAPES)
-}
-
-fn seat_words(_: &mut SchemaGenerator) -> Schema {
-    words(names::SEATS)
-}
-
-pub(crate) fn scheme_words(_: &mut SchemaGenerator) -> Schema {
-    words(names::SCHEMES)
-}
-
-pub(crate) fn build_words(_: &mut SchemaGenerator) -> Schema {
-    words(names::BUILDS)
 }

@@ -1,78 +1,39 @@
-//! What fits whom: rules about a body's kind.
+//! What fits whom: rules about the kind of a body.
 //!
 //! The kind of a generated body is known when the scenario is read, that of a model file only when it
-//! is opened. So these rules are public: whoever opens the files applies them once more.
+//! is opened. So the same rules are applied twice: [`crate::Scenario::parse`],
+//! [`crate::Scenario::check_kinds`].
 
 use crate::error::Misfit;
-use crate::names::{self, SEATS, SHAPES};
-use model::{Kind, Seat, meta::Occupant};
+use geometry::DVec3;
+use model::{Kind, meta::Occupant};
 
-/// Whether these persons can be in a body of this kind.
-///
-/// Fixed objects hold nobody, a pedestrian is one person without a seat, riders sit as riders, and in
-/// a car, truck or bus everybody has a seat of his own.
-///
-/// # Errors
-///
-/// A [`Misfit`] of `persons` that names the first person who does not fit.
-pub fn persons_fit(kind: Kind, persons: &[Occupant]) -> Result<(), Misfit> {
+/// Whether these persons can be in a body of this kind: each on a seat that there is, no two on one.
+pub(crate) fn persons_fit(kind: Kind, persons: &[Occupant]) -> Result<(), Misfit> {
     seats_differ(persons)?;
-    let what = name(kind);
-    let misfit = |fault: String, help: &str| Err(Misfit::new("persons", fault, help));
+    let seats: Vec<&str> = kind.seats().iter().map(|seat| seat.name()).collect();
+    let misfit = |fault: String, help: String| Err(Misfit::new("persons", fault, help));
     for person in persons {
-        match (kind, person.seat) {
-            (Kind::Wall | Kind::Pole | Kind::Building, _) => {
-                return misfit(format!("a {what} holds nobody"), "leave persons out");
+        match person.seat {
+            _ if kind.is_fixed() => {
+                return misfit(format!("a {kind} holds nobody"), "leave persons out".to_owned());
             }
-            (Kind::Pedestrian, Some(seat)) => {
-                let fault = format!("a pedestrian has no seat {:?}", names::word(SEATS, seat));
-                return misfit(fault, "write persons = [{}], or leave persons out");
+            Some(_) if kind == Kind::Pedestrian => {
+                let help = "write persons = [{}], or leave persons out";
+                return misfit("a pedestrian has no seats".to_owned(), help.to_owned());
             }
-            (Kind::Pedestrian, None) => {}
-            (Kind::Motorcycle | Kind::Cyclist, Some(Seat::Rider)) => {}
-            (Kind::Motorcycle | Kind::Cyclist, _) => {
-                let fault = format!("who is on a {what} sits as rider");
-                return misfit(
-                    fault,
-                    "write persons = [{ seat = \"rider\" }], or leave persons out",
-                );
+            Some(seat) if !kind.seats().contains(&seat) => {
+                let help = format!("seats of a {kind}: {}", seats.join(", "));
+                return misfit(format!("a {kind} has no seat {:?}", seat.name()), help);
             }
-            (_, None) => {
-                let fault = format!("a person in a {what} needs a seat");
-                return misfit(fault, "write { seat = \"front-left\" } or another seat");
+            None if kind != Kind::Pedestrian => {
+                let help = format!("seats of a {kind}: {}", seats.join(", "));
+                return misfit(format!("a person in a {kind} needs a seat"), help);
             }
-            (_, Some(Seat::Rider)) => {
-                return misfit(
-                    format!("nobody sits as rider in a {what}"),
-                    "write { seat = \"front-left\" } or another seat",
-                );
-            }
-            (_, Some(_)) => {}
+            _ => {}
         }
     }
     Ok(())
-}
-
-/// Whether a body of this kind can be the automated vehicle: it must drive by itself.
-///
-/// # Errors
-///
-/// A [`Misfit`] of `ego`.
-pub fn ego_fits(kind: Kind) -> Result<(), Misfit> {
-    match kind {
-        Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus | Kind::Motorcycle => Ok(()),
-        Kind::Cyclist | Kind::Pedestrian | Kind::Wall | Kind::Pole | Kind::Building => {
-            let fault = format!("a {} cannot be the ego", name(kind));
-            let help = "the ego is a vehicle: sedan, suv, truck, bus or motorcycle";
-            Err(Misfit::new("ego", fault, help))
-        }
-    }
-}
-
-/// Whether a body of this kind is fixed to the ground unless it is given a mass.
-#[must_use]
-pub fn is_fixed(kind: Kind) -> bool {
-    matches!(kind, Kind::Wall | Kind::Pole | Kind::Building)
 }
 
 /// Whether no two persons share a seat; without seats there is room for one.
@@ -80,7 +41,7 @@ pub(crate) fn seats_differ(persons: &[Occupant]) -> Result<(), Misfit> {
     for (i, person) in persons.iter().enumerate() {
         if persons[..i].contains(person) {
             let fault = match person.seat {
-                Some(seat) => format!("two persons sit {:?}", names::word(SEATS, seat)),
+                Some(seat) => format!("two persons have the seat {:?}", seat.name()),
                 None => "two persons have no seat".to_owned(),
             };
             let help = "one person to a seat; each person on foot is a party of its own";
@@ -90,9 +51,34 @@ pub(crate) fn seats_differ(persons: &[Occupant]) -> Result<(), Misfit> {
     Ok(())
 }
 
-/// What people call a kind.
-pub(crate) fn name(kind: Kind) -> &'static str {
-    if kind == Kind::Building { "building" } else { names::word(SHAPES, kind) }
+/// Whether a body of this kind may be given a mass: what is fixed to the ground has none.
+pub(crate) fn mass_fits(kind: Kind, mass_kg: Option<f64>) -> Result<(), Misfit> {
+    if kind.is_fixed() && mass_kg.is_some() {
+        let fault = format!("a {kind} is fixed to the ground and has no mass");
+        return Err(Misfit::new("mass_kg", fault, "leave mass_kg out"));
+    }
+    Ok(())
+}
+
+/// Whether a body of this kind may move as it does: what is fixed to the ground does not.
+pub(crate) fn stands_still(kind: Kind, velocity_m_s: DVec3) -> Result<(), Misfit> {
+    if kind.is_fixed() && velocity_m_s != DVec3::ZERO {
+        let fault = format!("a {kind} is fixed to the ground and cannot move");
+        return Err(Misfit::new("speed_m_s", fault, "write speed_m_s = 0"));
+    }
+    Ok(())
+}
+
+/// Whether a body of this kind can be the automated vehicle: it must drive by itself.
+pub(crate) fn ego_fits(kind: Kind) -> Result<(), Misfit> {
+    match kind {
+        Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus | Kind::Motorcycle => Ok(()),
+        Kind::Cyclist | Kind::Pedestrian | Kind::Wall | Kind::Pole | Kind::Building => {
+            let fault = format!("a {kind} cannot be the ego");
+            let help = "the ego is a vehicle: sedan, suv, truck, bus or motorcycle";
+            Err(Misfit::new("ego", fault, help))
+        }
+    }
 }
 
 #[cfg(test)]

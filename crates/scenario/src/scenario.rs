@@ -6,9 +6,10 @@
 use crate::check;
 use crate::document::Place;
 use crate::engine::Engine;
-use crate::error::ScenarioError;
+use crate::error::{Misfit, ScenarioError};
+use crate::rules;
 use geometry::{DVec3, Pose};
-use model::{Kind, meta::Occupant};
+use model::{Kind, generate::Shape, meta::Occupant};
 use std::time::Duration;
 
 /// Name and version of the form, the value of the key `schema`.
@@ -76,8 +77,8 @@ pub enum Source {
     File(FileRef),
     /// The built-in generator.
     Generate {
-        /// What it is; never a building.
-        shape: Kind,
+        /// What it is.
+        shape: Shape,
         /// How many triangles, 500 to 1,000,000.
         triangles: u32,
         /// Seed of its small variations.
@@ -132,6 +133,37 @@ impl Scenario {
             return Err(ScenarioError::new(file, Place::START, fault, help));
         }
         check::scenario(file, text)
+    }
+
+    /// Whether the bodies that were opened can play their parts; `kinds[i]` is that of `parties[i]`.
+    ///
+    /// The kind of a model file is known only when it is open, so whoever opens it asks here: the ego
+    /// must be a vehicle, persons must have seats that there are, and a fixed object has neither mass
+    /// nor persons nor speed. For generated bodies [`Scenario::parse`] has checked all this.
+    ///
+    /// # Errors
+    ///
+    /// The first body that does not fit, at its party or at the candidate that moves it.
+    pub fn check_kinds(&self, file: &str, kinds: &[Kind]) -> Result<(), ScenarioError> {
+        let at = |place: Place| {
+            move |misfit: Misfit| ScenarioError::new(file, place, misfit.fault, misfit.help)
+        };
+        for (index, (party, kind)) in self.parties.iter().zip(kinds).enumerate() {
+            let broken = at(party.place);
+            if PartyIndex(index) == self.ego {
+                rules::ego_fits(*kind).map_err(&broken)?;
+            }
+            rules::mass_fits(*kind, party.mass_kg).map_err(&broken)?;
+            rules::persons_fit(*kind, party.persons.as_deref().unwrap_or_default())
+                .map_err(&broken)?;
+        }
+        for candidate in &self.candidates {
+            if let Some(kind) = kinds.get(candidate.other.party.0) {
+                rules::stands_still(*kind, candidate.other.state.velocity_m_s)
+                    .map_err(at(candidate.place))?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -14,14 +14,19 @@ use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
 /// ```
 #[must_use]
 pub fn schema() -> String {
-    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(without_null));
+    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(tidy));
     let schema = settings.into_generator().into_root_schema_for::<raw::Scenario>();
     format!("{:#}\n", schema.as_value())
 }
 
-/// TOML has no null: what is optional is left out.
-fn without_null(schema: &mut Schema) {
+/// Descriptions on one line; no null, since TOML leaves out what is optional.
+fn tidy(schema: &mut Schema) {
     let Some(object) = schema.as_object_mut() else { return };
+    if let Some(text) = object.get_mut("description")
+        && let Some(line) = text.as_str().map(|lines| lines.replace('\n', " "))
+    {
+        *text = line.into();
+    }
     if let Some(types) = object.get_mut("type")
         && let Some(list) = types.as_array_mut()
     {

@@ -24,7 +24,10 @@ pub(super) fn candidate(
     let (written, raw_state) = raw.other.split();
     let party = opponent(&written, parties, ego).at(&path.key("party"))?;
     let other_state = state(&raw_state, &path)?;
-    stands_still(&parties[party.0], &other_state).at(&path.key(velocity_key(&raw_state)))?;
+    if let Source::Generate { shape, .. } = parties[party.0].source {
+        rules::stands_still(shape.kind(), other_state.velocity_m_s)
+            .at(&path.key(velocity_key(&raw_state)))?;
+    }
     let other = Opponent { party, state: other_state };
     Ok(Candidate { name: raw.name, place, probability, ego: ego_state, other })
 }
@@ -38,17 +41,6 @@ fn opponent(written: &str, parties: &[Party], ego: PartyIndex) -> Result<PartyIn
         return Err(Misfit::new("party", fault, "name another party"));
     }
     Ok(PartyIndex(index))
-}
-
-/// A fixed object without a mass does not move.
-fn stands_still(party: &Party, state: &State) -> Result<(), Misfit> {
-    let Source::Generate { shape, .. } = party.source else { return Ok(()) };
-    if rules::is_fixed(shape) && party.mass_kg.is_none() && state.velocity_m_s != DVec3::ZERO {
-        let fault = format!("a {} is fixed to the ground and cannot move", rules::name(shape));
-        let help = "write speed_m_s = 0, or give the party a mass_kg";
-        return Err(Misfit::new("speed_m_s", fault, help));
-    }
-    Ok(())
 }
 
 fn velocity_key(raw: &raw::Ego) -> &'static str {
