@@ -29,11 +29,14 @@ impl Aabb {
         })
     }
 
-    /// Includes one point.
+    /// Includes one point; a NaN coordinate changes nothing.
+    ///
+    /// Of two zeros the first stays, on every machine, so equal input gives equal bits; `f32::min`
+    /// leaves that to the processor.
     pub fn grow(&mut self, point: [f32; 3]) {
-        for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(point[axis]);
-            self.max[axis] = self.max[axis].max(point[axis]);
+        for (axis, x) in point.into_iter().enumerate() {
+            self.min[axis] = if x < self.min[axis] { x } else { self.min[axis] };
+            self.max[axis] = if x > self.max[axis] { x } else { self.max[axis] };
         }
     }
 

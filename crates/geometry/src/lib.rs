@@ -12,6 +12,7 @@
 //! - Boxes only ever grow when rounded: no intersecting pair lies outside of them.
 
 pub mod aabb;
+pub mod hash;
 pub mod pose;
 pub mod support;
 pub mod triangle;

@@ -1,0 +1,133 @@
+//! Sums of products of three f64, without any rounding, for all finite f64.
+//!
+//! A fixed-point number as wide as the exponents reach (U. Kulisch's long accumulator): slow beside
+//! an adaptive predicate (about a microsecond per determinant) and right for every range. It is the
+//! last resort, for coordinates so small or large that floating point would under- or overflow,
+//! and the source of well-rounded cuts where planes are nearly parallel.
+
+use super::exact::{Point2, Sign};
+use crate::DVec3;
+
+/// 2⁻³²²² (a product of three least denormals) up to 2³⁰⁷⁷ (24 products of three numbers below
+/// 2¹⁰²⁴), and a sign: 6,300 bits.
+const LIMBS: usize = 100;
+
+/// Exponent of the lowest bit of the least denormal.
+const EXPONENT_MIN: i32 = -1074;
+
+/// A two's complement fixed-point number; bit 0 counts 2⁻³²²².
+#[derive(Clone)]
+pub(super) struct Wide([u64; LIMBS]);
+
+impl Wide {
+    /// det(b − a, c − a, d − a), expanded into products of coordinates, so without differences.
+    pub(super) fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Self {
+        let mut sum = Self([0; LIMBS]);
+        sum.add_volume(b, c, d, false);
+        sum.add_volume(a, c, d, true);
+        sum.add_volume(a, b, d, false);
+        sum.add_volume(a, b, c, true);
+        sum
+    }
+
+    /// det(b − a, c − a), likewise.
+    pub(super) fn orient2d(a: Point2, b: Point2, c: Point2) -> Self {
+        let mut sum = Self([0; LIMBS]);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            sum.add([p[0], q[1], 1.0], false);
+            sum.add([p[1], q[0], 1.0], true);
+        }
+        sum
+    }
+
+    /// Adds (or subtracts) det(u, v, w).
+    fn add_volume(&mut self, u: DVec3, v: DVec3, w: DVec3, negative: bool) {
+        self.add([u.x, v.y, w.z], negative);
+        self.add([u.y, v.z, w.x], negative);
+        self.add([u.z, v.x, w.y], negative);
+        self.add([u.x, v.z, w.y], !negative);
+        self.add([u.y, v.x, w.z], !negative);
+        self.add([u.z, v.y, w.x], !negative);
+    }
+
+    /// Adds (or subtracts) a product.
+    fn add(&mut self, factors: [f64; 3], negative: bool) {
+        let [(nx, mx, ex), (ny, my, ey), (nz, mz, ez)] = factors.map(parts);
+        if mx == 0 || my == 0 || mz == 0 {
+            return;
+        }
+        // The product of three 53-bit numbers: 159 bits in three limbs.
+        let xy = u128::from(mx) * u128::from(my);
+        let low = (xy & u128::from(u64::MAX)) * u128::from(mz);
+        let high = (xy >> 64) * u128::from(mz) + (low >> 64);
+        let product = [low as u64, high as u64, (high >> 64) as u64];
+
+        // Shifted to its place: four limbs.
+        let shift = (ex + ey + ez - 3 * EXPONENT_MIN) as usize;
+        let (limb, bits) = (shift / 64, shift % 64);
+        let mut placed = [0; 4];
+        for (i, part) in product.into_iter().enumerate() {
+            let wide = u128::from(part) << bits;
+            placed[i] |= wide as u64;
+            placed[i + 1] |= (wide >> 64) as u64;
+        }
+
+        let subtract = negative ^ nx ^ ny ^ nz;
+        let mut carry = false;
+        for (i, digit) in self.0[limb..].iter_mut().enumerate() {
+            if i >= placed.len() && !carry {
+                break;
+            }
+            let part = placed.get(i).copied().unwrap_or(0);
+            (*digit, carry) = if subtract {
+                digit.borrowing_sub(part, carry)
+            } else {
+                digit.carrying_add(part, carry)
+            };
+        }
+    }
+
+    fn is_negative(&self) -> bool {
+        self.0[LIMBS - 1] >> 63 == 1
+    }
+
+    /// Its sign.
+    pub(super) fn sign(&self) -> Sign {
+        if self.is_negative() { -1 } else { Sign::from(self.0.iter().any(|digit| *digit != 0)) }
+    }
+
+    /// |p| / (|p| + |q|), within a few units in the last place; 0 if both are 0.
+    pub(super) fn share(p: &Self, q: &Self) -> f64 {
+        let ((p, exponent_p), (q, exponent_q)) = (p.magnitude(), q.magnitude());
+        if p == 0.0 {
+            return 0.0;
+        }
+        // 1 / (1 + |q|/|p|): a quotient out of f64's range is 0 or infinite, and the share 1 or 0.
+        1.0 / (1.0 + libm::scalbn(q / p, exponent_q - exponent_p))
+    }
+
+    /// Its magnitude as m·2^e: (m, e), with m in [2⁶³, 2⁶⁴] rounded, or 0.
+    fn magnitude(&self) -> (f64, i32) {
+        let mut digits = self.0;
+        if self.is_negative() {
+            let mut carry = true;
+            for digit in &mut digits {
+                (*digit, carry) = (!*digit).overflowing_add(u64::from(carry));
+            }
+        }
+        let Some(top) = digits.iter().rposition(|digit| *digit != 0) else { return (0.0, 0) };
+        let below = if top == 0 { 0 } else { digits[top - 1] };
+        let zeros = digits[top].leading_zeros();
+        let pair = (u128::from(digits[top]) << 64 | u128::from(below)) << zeros;
+        ((pair >> 64) as u64 as f64, 64 * top as i32 - zeros as i32)
+    }
+}
+
+/// A finite f64 as sign, integer and exponent of two: (negative, m, e), ±m·2^e.
+fn parts(value: f64) -> (bool, u64, i32) {
+    let bits = value.to_bits();
+    let exponent = ((bits >> 52) & 0x7ff) as i32;
+    let fraction = bits & ((1 << 52) - 1);
+    let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
+    (bits >> 63 == 1, mantissa, exponent.max(1) - 1 + EXPONENT_MIN)
+}

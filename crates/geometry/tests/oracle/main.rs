@@ -1,0 +1,111 @@
+//! Campaign: the triangle test and the contact points against exact arithmetic.
+//!
+//! Pair number n of a seed is always the same pair, so a difference is replayed by its number. The
+//! sizes are settings, for longer campaigns:
+//!
+//! ```text
+//! ORACLE_PAIRS=1000000 ORACLE_SEED=7 cargo test --release -p geometry --test oracle -- --nocapture
+//! ```
+
+mod cases;
+mod exact;
+
+use cases::{FAMILIES, Pair, pair};
+use geometry::DVec3;
+use geometry::triangle::{contact, intersect};
+use std::thread;
+
+/// A setting of the campaign from the environment.
+#[expect(clippy::disallowed_methods, reason = "a test binary has no command line of its own")]
+fn setting(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| text.parse().expect("a whole number"))
+}
+
+/// Runs `check` on the pairs numbered 0 to `pairs`, on all cores; how many of each family it found
+/// true.
+fn campaign(pairs: u64, check: impl Fn(u64, &Pair) -> bool + Sync) -> Vec<(u64, u64)> {
+    let seed = setting("ORACLE_SEED", 1);
+    let threads = thread::available_parallelism().map_or(1, |n| n.get() as u64);
+    let mut tally = vec![(0, 0); FAMILIES.len()];
+    thread::scope(|scope| {
+        let parts: Vec<_> = (0..threads)
+            .map(|part| {
+                let check = &check;
+                scope.spawn(move || {
+                    let mut tally = vec![(0, 0); FAMILIES.len()];
+                    for number in (part..pairs).step_by(threads as usize) {
+                        let (all, hits) = &mut tally[cases::family(number)];
+                        *all += 1;
+                        *hits += u64::from(check(number, &pair(seed, number)));
+                    }
+                    tally
+                })
+            })
+            .collect();
+        for part in parts {
+            let part = part.join().expect("a difference, printed above");
+            for (sum, more) in tally.iter_mut().zip(part) {
+                *sum = (sum.0 + more.0, sum.1 + more.1);
+            }
+        }
+    });
+    tally
+}
+
+#[test]
+fn the_test_equals_exact_arithmetic() {
+    let pairs = setting("ORACLE_PAIRS", 20_000);
+    let tally = campaign(pairs, |number, pair| {
+        let truth = exact::meet(pair);
+        assert_eq!(intersect(&pair.a, &pair.b), truth, "pair {number}: {pair:?}");
+        assert_eq!(intersect(&pair.b, &pair.a), truth, "pair {number}, exchanged: {pair:?}");
+        truth
+    });
+    println!("{:<16}{:>10}{:>10}", "family", "pairs", "hits");
+    for (family, (all, hits)) in FAMILIES.iter().zip(&tally) {
+        println!("{:<16}{all:>10}{hits:>10}", family.name);
+        // A family that never meets, or never misses, would test half of what it says.
+        assert!(pairs < 10_000 || (*hits > 0 && hits < all), "{}: {hits} of {all}", family.name);
+    }
+    let (all, hits) = tally.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    println!("{:<16}{all:>10}{hits:>10}   no difference", "all");
+}
+
+#[test]
+fn contact_points_are_the_corners_of_the_intersection() {
+    let pairs = setting("ORACLE_PAIRS", 20_000) / 8;
+    let tally = campaign(pairs, |number, pair| {
+        let corners = exact::corners(pair);
+        let found = contact(&pair.a, &pair.b);
+        let found = found.points();
+        assert_eq!(found.is_empty(), corners.is_empty(), "pair {number}: {pair:?}");
+        assert_eq!(exact::meet(pair), !corners.is_empty(), "oracles differ on {number}: {pair:?}");
+        let (a, b) = (pair.a.bounds(), pair.b.bounds());
+        for point in found {
+            let inside =
+                |b: &geometry::Bounds| b.min.cmple(*point).all() && point.cmple(b.max).all();
+            assert!(inside(&a) && inside(&b), "pair {number}: {point} out of the boxes: {pair:?}");
+        }
+        // Promised: parts in 10^10 of an edge, and a few ulps of the coordinates; per axis.
+        let extent = (a.max - a.min).max(b.max - b.min);
+        let size = a.min.abs().max(a.max.abs()).max(b.min.abs()).max(b.max.abs());
+        let room = extent * 1e-10 + size * 1e-15 + DVec3::splat(1e-322);
+        let near = |p: DVec3, q: DVec3| (p - q).abs().cmple(room).all();
+        for corner in &corners {
+            assert!(
+                found.iter().any(|point| near(*point, *corner)),
+                "pair {number}: corner {corner} is missing in {found:?}: {pair:?}"
+            );
+        }
+        for point in found {
+            assert!(
+                corners.iter().any(|corner| near(*point, *corner)),
+                "pair {number}: {point} is not one of {corners:?}: {pair:?}"
+            );
+        }
+        !corners.is_empty()
+    });
+    let (all, hits) = tally.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    println!("contact: {all} pairs, {hits} contacts, no difference");
+    assert!(pairs < 1_000 || hits > all / 10);
+}
