@@ -47,11 +47,12 @@ pub fn spawn(what: Spawn<'_>) -> Result<Child> {
     let name = what.program.to_string_lossy().into_owned();
     let plan = Plan::new(what).map_err(|source| OsError::new("prepare", name.clone(), source))?;
     let failed = |source: io::Error| OsError::new("start", name.clone(), source);
-    // The child's end must not lie on a number that it is about to overwrite.
-    let (hear, tell) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
+    let (hear, low) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
         .map_err(|errno| failed(errno.into()))?;
+    // The child's end must not lie on a number that it is about to overwrite.
     let tell =
-        rustix::io::fcntl_dupfd_cloexec(&tell, plan.above).map_err(|errno| failed(errno.into()))?;
+        rustix::io::fcntl_dupfd_cloexec(&low, plan.above).map_err(|errno| failed(errno.into()))?;
+    drop(low);
     let parent = rustix::process::getpid();
 
     // SAFETY: the child calls `Plan::run` alone, which keeps to what is allowed after a fork.
@@ -61,6 +62,7 @@ pub fn spawn(what: Spawn<'_>) -> Result<Child> {
     }
     let pid = Pid::from_raw(pid).filter(|_| pid > 0);
     let pid = pid.ok_or_else(|| failed(io::Error::last_os_error()))?;
+    // Else the read below would wait for this end, too.
     drop(tell);
     // Not reaped yet, so the number is the child's even if it is dead.
     let opened = rustix::process::pidfd_open(pid, PidfdFlags::empty());
