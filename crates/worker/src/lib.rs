@@ -1,1 +1,20 @@
-//! worker
+//! The worker process: takes jobs, intersects triangles, returns hits.
+//!
+//! ```text
+//! job channel --batch--> for each job: kernel over the sealed model store --hits--> result channel
+//!                        status line: beat, started job, credits
+//! ```
+//!
+//! # Invariants
+//!
+//! - A worker keeps nothing between batches but scratch memory: a new incarnation needs no history.
+//! - Hits are written straight into shared memory. A result is loaned only when the coordinator has
+//!   room for it (credits), so no send can fail for a full queue.
+//! - A panic in a job costs that job, not the worker: it answers with a NACK.
+//!
+//! It does not know candidates, requests or harm, and it never parses a mesh.
+
+mod answer;
+mod serve;
+
+pub use serve::{WorkerError, run};

@@ -1,0 +1,223 @@
+//! Writes the hits of one job into shared memory as the kernel finds them.
+
+use bvh::{Outcome, Sink};
+use core::ops::ControlFlow;
+use core::sync::atomic::Ordering;
+use crossbeam::utils::Backoff;
+use protocol::result::{End, hit, write_hit, write_last};
+use protocol::{CoordinatorLine, Head, Incarnation, Job, Kind, RequestId, Side, Summary};
+use protocol::{WorkerLine, launch, status};
+use transport::{OpenMessage, Sender, UseError};
+
+/// Where results go, and what is told about it.
+pub(crate) struct Outlet<'w> {
+    pub(crate) sender: &'w Sender,
+    pub(crate) line: &'w WorkerLine,
+    pub(crate) coordinator: &'w CoordinatorLine,
+    pub(crate) bell: &'w runtime::EventFd,
+    pub(crate) who: Incarnation,
+    pub(crate) boot: protocol::Boot,
+}
+
+impl<'w> Outlet<'w> {
+    /// Waits for a credit, then loans a message; `None` if the worker is to stop.
+    fn open(&self) -> Result<Option<OpenMessage<'w>>, UseError> {
+        let backoff = Backoff::new();
+        loop {
+            let sent = self.line.sent.load(Ordering::Relaxed);
+            let taken = self.coordinator.consumed.load(Ordering::Acquire);
+            if sent.wrapping_sub(taken) < launch::RESULTS as u64 {
+                return self.sender.loan().map(Some);
+            }
+            if self.coordinator.stop.load(Ordering::Acquire) == 1 {
+                return Ok(None);
+            }
+            self.line.beat.fetch_add(1, Ordering::Relaxed);
+            self.ring();
+            backoff.snooze();
+        }
+    }
+
+    pub(crate) fn head(&self, request: RequestId, kind: Kind) -> Head {
+        Head::new(self.boot, request, self.who, kind)
+    }
+
+    pub(crate) fn send(
+        &self,
+        message: OpenMessage<'_>,
+        head: Head,
+        used: usize,
+    ) -> Result<(), UseError> {
+        let seq = self.line.sent.load(Ordering::Relaxed) as u32;
+        message.send(Head { seq, ..head }, used)?;
+        self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
+        // The coordinator that counts this message sees all that went before it.
+        self.line.sent.fetch_add(1, Ordering::SeqCst);
+        self.ring();
+        Ok(())
+    }
+
+    /// Sends a message without payload.
+    pub(crate) fn tell(&self, head: Head) -> Result<(), UseError> {
+        match self.open()? {
+            Some(message) => self.send(message, head, 0),
+            None => Ok(()),
+        }
+    }
+
+    /// Wakes the coordinator if it sleeps.
+    fn ring(&self) {
+        if self.coordinator.sleeping.load(Ordering::SeqCst) == 1 {
+            self.bell.ring();
+        }
+    }
+}
+
+/// The result of one job while it is being written.
+pub(crate) struct Answer<'w> {
+    outlet: &'w Outlet<'w>,
+    request: RequestId,
+    job: Job,
+    message: Option<OpenMessage<'w>>,
+    hits: usize,
+    hits_before: u32,
+    part: u16,
+    /// Tests of this job that the status line knows of.
+    tests: u64,
+    fault: Option<UseError>,
+}
+
+impl<'w> Answer<'w> {
+    pub(crate) fn new(outlet: &'w Outlet<'w>, request: RequestId, job: Job) -> Self {
+        Self {
+            outlet,
+            request,
+            job,
+            message: None,
+            hits: 0,
+            hits_before: 0,
+            part: 0,
+            tests: 0,
+            fault: None,
+        }
+    }
+
+    fn head(&self, last: bool) -> Head {
+        Head {
+            job: self.job.job,
+            attempt: self.job.attempt as u8,
+            part: self.part,
+            count: u16::from(last),
+            hits: self.hits as u32,
+            ..self.outlet.head(self.request, Kind::Result)
+        }
+    }
+
+    /// Sends the part at hand, full of hits.
+    fn turn_over(&mut self) -> Result<(), UseError> {
+        let Some(message) = self.message.take() else { return Ok(()) };
+        self.outlet.send(message, self.head(false), self.hits.div_ceil(2))?;
+        self.part += 1;
+        self.hits_before += self.hits as u32;
+        self.hits = 0;
+        Ok(())
+    }
+
+    fn put(&mut self, hit: u32) -> Result<bool, UseError> {
+        for _ in 0..2 {
+            if self.message.is_none() {
+                self.message = self.outlet.open()?;
+            }
+            let Some(message) = &mut self.message else { return Ok(false) };
+            if write_hit(message.words(), self.hits, hit) {
+                self.hits += 1;
+                return Ok(true);
+            }
+            self.turn_over()?;
+        }
+        Ok(false)
+    }
+
+    /// Gives up half-way: nothing more is sent.
+    pub(crate) fn abandon(self) -> Result<(), UseError> {
+        self.fault.map_or(Ok(()), Err)
+    }
+
+    /// Sends the last part.
+    pub(crate) fn finish(
+        mut self,
+        end: End,
+        outcome: &Outcome,
+        with_supports: bool,
+        wall_ns: u64,
+    ) -> Result<(), UseError> {
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        if self.message.is_none() {
+            self.message = self.outlet.open()?;
+        }
+        let Some(mut message) = self.message.take() else { return Ok(()) };
+        let summary = Summary {
+            nb: outcome.counters.nb,
+            np: outcome.counters.np,
+            pairs: outcome.pairs,
+            hash: outcome.hash,
+            wall_ns,
+            zones_a: outcome.zones_a,
+            zones_b: outcome.zones_b,
+            end: end as u32,
+            hits: self.hits_before + self.hits as u32,
+            ..Summary::default()
+        };
+        let supports = with_supports.then_some(&outcome.supports.0);
+        let used = write_last(message.words(), self.hits, &summary, supports);
+        self.outlet.send(message, self.head(true), used)
+    }
+}
+
+impl Sink for Answer<'_> {
+    fn hit(&mut self, side: bvh::Side, triangle: u32) -> ControlFlow<()> {
+        let side = match side {
+            bvh::Side::A => Side::A,
+            bvh::Side::B => Side::B,
+        };
+        match self.put(hit(side, triangle)) {
+            Ok(true) => ControlFlow::Continue(()),
+            Ok(false) => ControlFlow::Break(()),
+            Err(fault) => {
+                self.fault = Some(fault);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    fn beat(&mut self, tests: u64) -> ControlFlow<()> {
+        self.outlet.line.beat.fetch_add(1, Ordering::Relaxed);
+        self.outlet.line.tests.fetch_add(tests - self.tests, Ordering::Relaxed);
+        self.tests = tests;
+        match self.outlet.coordinator.stop.load(Ordering::Relaxed) {
+            1 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    }
+}
+
+/// Marks a job as started for as long as it lives: blame needs to be exact.
+pub(crate) struct Started<'w>(&'w WorkerLine);
+
+impl<'w> Started<'w> {
+    pub(crate) fn new(outlet: &Outlet<'w>, job: &Job) -> Self {
+        let word = status::started(outlet.who, protocol::JobId(job.job), job.attempt as u8);
+        outlet.line.started.store(word, Ordering::SeqCst);
+        outlet.line.beat.fetch_add(1, Ordering::Relaxed);
+        Self(outlet.line)
+    }
+}
+
+impl Drop for Started<'_> {
+    fn drop(&mut self) {
+        self.0.started.store(0, Ordering::SeqCst);
+        self.0.jobs.fetch_add(1, Ordering::Relaxed);
+    }
+}

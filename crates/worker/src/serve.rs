@@ -1,0 +1,216 @@
+//! The worker's life: inherit, greet, take batches until told to stop.
+
+use crate::answer::{Answer, Outlet, Started};
+use bvh::{Kernel, NodePair, Question};
+use core::sync::atomic::Ordering;
+use crossbeam::utils::Backoff;
+use geometry::{Directions, RelativePose};
+use model::{BodyView, Meta, store};
+use protocol::result::End;
+use protocol::{Head, Job, Kind, Launch, RequestId, State, Task, job, launch};
+use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use transport::{Domain, Sizes, UseError, WorkerLink};
+
+/// A worker cannot start or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum WorkerError {
+    /// The word on the command line was not written by a coordinator.
+    #[error("a worker is started by a coordinator, not by hand")]
+    Launch,
+    /// The operating system refused.
+    #[error(transparent)]
+    System(#[from] runtime::OsError),
+    /// The channels cannot be opened.
+    #[error(transparent)]
+    Open(#[from] transport::OpenError),
+    /// The channels broke.
+    #[error("the channel to the coordinator broke: {0}")]
+    Use(#[from] UseError),
+    /// The model store cannot be read.
+    #[error("model store: {0}")]
+    Store(#[from] model::file::FileError),
+}
+
+/// How long an idle worker sleeps at most before it looks again [ns].
+const NAP_NS: u64 = 50_000_000;
+
+/// Runs a worker to its end. `word` is that of [`Launch::to_word`], `build` this program's build.
+///
+/// # Errors
+///
+/// If it cannot start, or its channels break.
+pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
+    let launch = Launch::from_word(word).ok_or(WorkerError::Launch)?;
+    let store = SealedMemory::from_fd(process::inherited(launch::STORE_FD)?)?;
+    let status = StatusMemory::from_fd(process::inherited(launch::STATUS_FD)?)?;
+    let bell = EventFd::from_fd(process::inherited(launch::EVENT_FD)?);
+    let worker = usize::from(launch.who.worker);
+    let page = status.page();
+    let line = page.workers.get(worker).ok_or(WorkerError::Launch)?;
+    let coordinator = page.coordinator.get(worker).ok_or(WorkerError::Launch)?;
+    let bodies = store::open(store.bytes())?;
+    let domain = Domain::open(&launch.domain)?;
+    let sizes = Sizes {
+        job_words: launch.batch_words(),
+        jobs: launch.batches(),
+        result_words: launch::RESULT_WORDS,
+        results: launch::RESULTS,
+    };
+    let link = WorkerLink::open(&domain, launch.who, &sizes, build)?;
+    let outlet = Outlet {
+        sender: &link.results,
+        line,
+        coordinator,
+        bell: &bell,
+        who: launch.who,
+        boot: launch.boot,
+    };
+    line.inc.store(launch.who.inc, Ordering::Relaxed);
+    line.cpu.store(
+        runtime::affinity::current_core().map_or(0, |core| core as u32 + 1),
+        Ordering::Relaxed,
+    );
+    line.state.store(State::Hello as u32, Ordering::Release);
+    outlet.tell(outlet.head(RequestId(0), Kind::Hello))?;
+    line.state.store(State::Ready as u32, Ordering::Release);
+    let mut desk = Desk::new(&bodies, &outlet);
+    let mut words = Vec::with_capacity(sizes.job_words);
+    while let Some(head) = desk.next_batch(&link, &mut words)? {
+        desk.work_off(&head, &words)?;
+    }
+    line.state.store(State::Bye as u32, Ordering::Release);
+    Ok(())
+}
+
+/// Where jobs are worked off.
+struct Desk<'w> {
+    bodies: &'w [(Meta, BodyView<'w>)],
+    outlet: &'w Outlet<'w>,
+    kernel: Kernel,
+}
+
+impl<'w> Desk<'w> {
+    fn new(bodies: &'w [(Meta, BodyView<'w>)], outlet: &'w Outlet<'w>) -> Self {
+        let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
+        let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
+        let kernel = Kernel::with_room(depth, depth, triangles, triangles);
+        Self { bodies, outlet, kernel }
+    }
+
+    /// Waits for a batch: spins a little, then sleeps until the coordinator changes the futex word.
+    /// `None`: stop.
+    fn next_batch(
+        &self,
+        link: &WorkerLink,
+        words: &mut Vec<u64>,
+    ) -> Result<Option<Head>, WorkerError> {
+        let Outlet { line, coordinator, .. } = self.outlet;
+        let backoff = Backoff::new();
+        loop {
+            let seen = coordinator.wake.load(Ordering::SeqCst);
+            if coordinator.stop.load(Ordering::Acquire) == 1 {
+                return Ok(None);
+            }
+            match link.jobs.take(words)? {
+                Some(Ok((head, Kind::Batch))) => return Ok(Some(head)),
+                Some(Ok((head, _))) => {
+                    tracing::warn!(kind = head.kind, "not a batch: dropped");
+                    continue;
+                }
+                Some(Err(reject)) => {
+                    // Its jobs' leases end with the request; a flipped bit is no reason to guess.
+                    tracing::warn!(%reject, "batch turned away");
+                    continue;
+                }
+                None => {}
+            }
+            if !backoff.is_completed() {
+                backoff.snooze();
+                continue;
+            }
+            line.sleeping.store(1, Ordering::SeqCst);
+            // A coordinator that did not see the flag has changed the word since `seen`.
+            let _woken = futex::wait(&coordinator.wake, seen, Some(NAP_NS));
+            line.sleeping.store(0, Ordering::SeqCst);
+            line.beat.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn work_off(&mut self, head: &Head, words: &[u64]) -> Result<(), WorkerError> {
+        let Some((tasks, jobs)) = job::read_batch(words) else {
+            tracing::warn!("batch with counts that do not fit: dropped");
+            return Ok(());
+        };
+        let request = RequestId(head.request);
+        let mut prepared: Option<(u32, Directions)> = None;
+        for job in jobs {
+            let task = &tasks[job.task as usize];
+            // Directions are made once per task: jobs of a task lie beside each other.
+            let (_, directions) = match prepared.take() {
+                Some(made) if made.0 == task.task => prepared.insert(made),
+                _ => {
+                    let around = Directions::around(task.u.into(), task.z.into());
+                    prepared.insert((task.task, around))
+                }
+            };
+            let _started = Started::new(self.outlet, job);
+            let run = AssertUnwindSafe(|| self.run(request, task, job, directions));
+            match catch_unwind(run) {
+                Ok(result) => result?,
+                Err(_) => self.refuse(request, job)?,
+            }
+            if self.outlet.coordinator.stop.load(Ordering::Acquire) == 1 {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    fn run(
+        &mut self,
+        request: RequestId,
+        task: &Task,
+        job: &Job,
+        directions: &Directions,
+    ) -> Result<(), UseError> {
+        let started_ns = clock::now_ns();
+        let body = |number: u32| self.bodies.get(number as usize).map(|(_, body)| *body);
+        let question = protocol::Question::from_number(task.question);
+        let (Some(a), Some(b), Some(question)) = (body(task.model_a), body(task.model_b), question)
+        else {
+            return self.refuse(request, job);
+        };
+        let (question, with_supports) = match question {
+            protocol::Question::Touches => (Question::Touches, false),
+            protocol::Question::Sets => (Question::Sets, false),
+            protocol::Question::Pairs => (Question::Pairs, true),
+        };
+        if job.node_a as usize >= a.nodes.len() || job.node_b as usize >= b.nodes.len() {
+            return self.refuse(request, job);
+        }
+        let task = bvh::Task {
+            a,
+            b,
+            pose: RelativePose { rotation: task.rotation, translation: task.translation },
+            question,
+            directions: with_supports.then_some(directions),
+        };
+        let start = NodePair { a: job.node_a, b: job.node_b };
+        let mut answer = Answer::new(self.outlet, request, *job);
+        let outcome = self.kernel.run(&task, start, job.budget, &mut answer);
+        let end = match outcome.end {
+            bvh::End::Complete => End::Complete,
+            bvh::End::OutOfBudget => End::OutOfBudget,
+            // Told to stop in the middle: the job is not answered, and whoever asked is gone.
+            bvh::End::Stopped => return answer.abandon(),
+        };
+        answer.finish(end, &outcome, with_supports, clock::now_ns() - started_ns)
+    }
+
+    /// Says that a job cannot be run here.
+    fn refuse(&self, request: RequestId, job: &Job) -> Result<(), UseError> {
+        let head = self.outlet.head(request, Kind::Nack);
+        self.outlet.tell(Head { job: job.job, attempt: job.attempt as u8, ..head })
+    }
+}
