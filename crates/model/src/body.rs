@@ -31,8 +31,8 @@ impl Node {
 
 /// Zones of a body that a triangle belongs to: a set of bits.
 ///
-/// Bits 0 to 6: front, middle, rear third; left, right side; upper, lower half. Bits 8 to 15: beside
-/// the seat whose [`crate::Seat`] number is the bit minus 8.
+/// Bits 0 to 6: front, middle, rear third; left, right side; upper, lower half. Bits 8 to 15:
+/// beside the seat whose [`crate::Seat`] number is the bit minus 8.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Zones(pub u16);

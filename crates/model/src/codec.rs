@@ -1,9 +1,9 @@
 //! The binary form of headers and records. The only place that names bincode.
 //!
-//! The form is fixed-width and little-endian, and [`ENCODED_MAX`] bounds both directions. bincode is
-//! unmaintained; the way out is another crate in these two function bodies and a new version number
-//! in [`crate::file`]. `codec/tests.rs` pins the bytes, so that no update changes them unseen. Bulk
-//! arrays never pass through here: they are plain data, cast by bytemuck.
+//! The form is fixed-width and little-endian, and [`ENCODED_MAX`] bounds both directions. bincode
+//! is unmaintained; the way out is another crate in these two function bodies and a new version
+//! number in [`crate::file`]. `codec/tests.rs` pins the bytes, so that no update changes them
+//! unseen. Bulk arrays never pass through here: they are plain data, cast by bytemuck.
 
 use bincode::config::{Configuration, Fixint, Limit, LittleEndian};
 use serde::{Serialize, de::DeserializeOwned};

@@ -12,7 +12,7 @@ use geometry::Aabb;
 /// Yaw radius of gyration over the greatest horizontal extent.
 pub const GYRATION_RATIO: f64 = 0.28;
 
-/// Footprints for which the mass of cars is known [m²].
+/// Footprints for which the mass of cars is known `[m²]`.
 const FOOTPRINT_M2: [f64; 2] = [5.0, 14.0];
 
 /// Who a body is and where its triangles come from.
@@ -31,11 +31,11 @@ pub struct Origin<'a> {
 /// Mass, centre and gyration, and where each comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inertia {
-    /// Mass [kg]; `None` for an object fixed to the ground.
+    /// Mass `[kg]`; `None` for an object fixed to the ground.
     pub mass_kg: Option<f64>,
-    /// Centre of mass, body frame [m].
+    /// Centre of mass, body frame `[m]`.
     pub centre_m: [f64; 3],
-    /// Yaw radius of gyration [m].
+    /// Yaw radius of gyration `[m]`.
     pub gyration_m: f64,
     /// Source of the mass.
     pub mass_source: String,
@@ -58,7 +58,7 @@ pub fn inertia(kind: Kind, bounds: &Aabb) -> Inertia {
     }
 }
 
-/// Height of the centre of mass over the height of the body [A]: engines and floors are low, a
+/// Height of the centre of mass over the height of the body `[A]`: engines and floors are low, a
 /// standing person's centre is at the navel, a rider sits above the wheels.
 fn centre_height_ratio(kind: Kind) -> f64 {
     match kind {

@@ -1,8 +1,8 @@
 //! A body as a mesh file for other programs: STL, PLY or OBJ.
 //!
-//! Triangles stand in the order of their source ids, so that importing the file again gives the same
-//! triangles in the same order, bit for bit, numbered from 0. Lengths are metres, x forward, y left,
-//! z up: import with no option.
+//! Triangles stand in the order of their source ids, so that importing the file again gives the
+//! same triangles in the same order, bit for bit, numbered from 0. Lengths are metres, x forward,
+//! y left, z up: import with no option.
 
 use crate::{BodyView, Meta};
 use geometry::Corners;
@@ -124,7 +124,8 @@ fn indexed(order: &[usize], body: &BodyView<'_>) -> (Vec<[f32; 3]>, Vec<[u32; 3]
 fn ply(order: &[usize], meta: &Meta, body: &BodyView<'_>) -> Vec<u8> {
     let (points, triangles) = indexed(order, body);
     let mut bytes = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment {}\ncomment metres, x forward, y left, z up\n\
+        "ply\nformat binary_little_endian 1.0\ncomment {}\n\
+         comment metres, x forward, y left, z up\n\
          element vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
          element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
         one_line(&meta.name),

@@ -9,7 +9,7 @@
 //!        32  hash      32   BLAKE3 of the file with this field zero
 //!        64  table      6 × 32: tag, element size, offset, count, spare
 //!       256  Meta       [`crate::codec`], then zeros up to a multiple of 64
-//!         -  arrays     nodes, corners, source ids, parts, zones, dropped: each at a multiple of 64
+//!         -  arrays     nodes, corners, source ids, parts, zones, dropped, each 64-aligned
 //! ```
 //!
 //! All numbers are little-endian. [`view`] checks everything that a later walk relies on, so that a

@@ -5,10 +5,11 @@
 //!         --> select (--only) --> drop duplicates --> count zero area --> plausible size --> Mesh
 //! ```
 //!
-//! Source ids are given in file order after triangulation, before anything is left out. The readers
-//! are other people's crates; each module says what its crate leaves undone. No file is opened here:
-//! side files come from a resolver. What such a crate may still do with hostile bytes (panic, loop,
-//! ask for memory) is the caller's to contain, in a child process with limits.
+//! Source ids are given in file order after triangulation, before anything is left out. The
+//! readers are other people's crates; each module says what its crate leaves undone. No file is
+//! opened here: side files come from a resolver. What such a crate may still do with hostile
+//! bytes (panic, loop, ask for memory) is the caller's to contain, in a child process with
+//! limits.
 
 mod check;
 mod collect;

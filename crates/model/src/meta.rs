@@ -1,4 +1,5 @@
-//! What is known of a body beside its triangles: kind, mass, seats, origin, and how its tree was made.
+//! What is known of a body beside its triangles: kind, mass, seats, origin, and how its tree was
+//! made.
 
 use serde::{Deserialize, Serialize};
 
@@ -75,11 +76,11 @@ pub struct Meta {
     pub name: String,
     /// Kind.
     pub kind: Kind,
-    /// Mass [kg]; `None` for an object fixed to the ground.
+    /// Mass `[kg]`; `None` for an object fixed to the ground.
     pub mass_kg: Option<f64>,
-    /// Centre of mass, body frame [m].
+    /// Centre of mass, body frame `[m]`.
     pub centre_m: [f64; 3],
-    /// Yaw radius of gyration k [m]; yaw inertia = m k².
+    /// Yaw radius of gyration k `[m]`; yaw inertia = m k².
     pub gyration_m: f64,
     /// Where mass, centre and gyration come from: a file, or the default's source.
     pub mass_source: String,

@@ -1,8 +1,8 @@
 //! Which zones of its body a triangle belongs to, from its centroid alone.
 //!
-//! The body's box is cut into thirds along x and halves along y and z; seats take ranges of it that
-//! are our assumption [A], stated in [`seat_range`]. The centroid decides, so a triangle that spans
-//! several zones belongs to one of each cut. Bits are those of [`Zones`].
+//! The body's box is cut into thirds along x and halves along y and z; seats take ranges of it
+//! that are our assumption `[A]`, stated in [`seat_range`]. The centroid decides, so a triangle
+//! that spans several zones belongs to one of each cut. Bits are those of [`Zones`].
 
 use crate::{Kind, Mesh, Seat, Zones};
 use geometry::{Aabb, Corners};
@@ -62,7 +62,7 @@ fn share(corners: &Corners, bounds: &Aabb, axis: usize) -> f64 {
 }
 
 /// The part of the body beside a seat, as shares of its box along x (0 rear, 1 front), y (0 right,
-/// 1 left) and z (0 bottom, 1 top) [A].
+/// 1 left) and z (0 bottom, 1 top) `[A]`.
 ///
 /// Cars: the doors of the row and the roof above it, without the sill; the middle rear seat reaches
 /// the body only behind and above. Trucks and buses: the cabin. Riders: all above the wheels' axles

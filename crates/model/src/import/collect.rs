@@ -1,4 +1,5 @@
-//! Where every reader puts its triangles: into the body frame, checked, counted, tagged with a part.
+//! Where every reader puts its triangles: into the body frame, checked, counted, tagged with a
+//! part.
 
 use super::{Fault, Frame, ImportError, Place, polygon};
 use crate::file::COORDINATE_MAX_M;

@@ -63,9 +63,13 @@ impl Format {
         let extension = file.rsplit_once('.').map_or("", |(_, end)| end).to_ascii_lowercase();
         let Some(named) = Self::ALL.into_iter().find(|format| format.extension() == extension)
         else {
+            let named = match extension.as_str() {
+                "" => "a file without extension".to_owned(),
+                extension => format!("a file named .{extension}"),
+            };
             let what = match looks {
-                Some(looks) => format!("a file named .{extension} that looks like {looks}"),
-                None => format!("a file named .{extension}"),
+                Some(looks) => format!("{named} that looks like {looks}"),
+                None => named,
             };
             return refuse(Fault::Unsupported { what });
         };
@@ -143,3 +147,6 @@ pub(super) fn stated_triangles(bytes: &[u8]) -> Option<u32> {
     let count: [u8; 4] = bytes.get(80..84)?.try_into().ok()?;
     Some(u32::from_le_bytes(count))
 }
+
+#[cfg(test)]
+mod tests;

@@ -168,3 +168,6 @@ impl fmt::Display for Frame {
         write!(f, "unit {}, up {}, forward {}", self.unit, self.up, self.forward)
     }
 }
+
+#[cfg(test)]
+mod tests;

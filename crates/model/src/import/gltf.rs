@@ -3,8 +3,8 @@
 //! Crate `gltf` parses the container and the JSON; its own validation panics on hostile files and
 //! passes indices out of range, so it is not run. Every number that is used here is checked here:
 //! each index, each view's range, each accessor's type, the depth of the hierarchy, and that no
-//! node is visited twice. Node transforms are applied in f64. Skins, morph targets and animations are
-//! not: the mesh is taken as it lies.
+//! node is visited twice. Node transforms are applied in f64. Skins, morph targets and animations
+//! are not: the mesh is taken as it lies.
 
 mod accessor;
 mod buffers;

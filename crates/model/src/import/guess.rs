@@ -25,7 +25,7 @@ impl core::fmt::Display for Guess {
     }
 }
 
-/// A name and the usual length, width and height, each as least and greatest [m].
+/// A name and the usual length, width and height, each as least and greatest `[m]`.
 type Shape = (&'static str, [[f64; 2]; 3]);
 
 /// In the order in which they are tried. Widths include mirrors, heights include roof racks.
@@ -34,16 +34,19 @@ const SHAPES: [Shape; 7] = [
     ("a truck or bus", [[4.0, 20.0], [1.8, 3.3], [1.8, 4.5]]),
     ("a motorcycle or bicycle", [[1.3, 2.9], [0.3, 1.2], [0.8, 2.2]]),
     ("a person", [[0.1, 1.3], [0.25, 2.2], [0.8, 2.2]]),
-    ("a pole or tree", [[0.02, 3.0], [0.02, 3.0], [2.0, 20.0]]),
-    ("a wall or barrier", [[0.02, 1.2], [1.2, 100.0], [0.3, 5.0]]),
-    ("a wall or barrier", [[1.2, 100.0], [0.02, 1.2], [0.3, 5.0]]),
+    ("a pole or tree", [[0.02, 1.6], [0.02, 1.6], [2.0, 20.0]]),
+    ("a wall or barrier", [[0.02, 1.2], [2.0, 100.0], [0.3, 5.0]]),
+    ("a wall or barrier", [[2.0, 100.0], [0.02, 1.2], [0.3, 5.0]]),
 ];
 
 fn shape(size: [f64; 3]) -> Option<&'static str> {
     let fits = |ranges: &[[f64; 2]; 3]| {
         ranges.iter().zip(size).all(|([least, most], x)| (*least..=*most).contains(&x))
     };
-    SHAPES.iter().find(|(_, ranges)| fits(ranges)).map(|(name, _)| *name)
+    // A wheel is as high as a child, but also as long as it is high.
+    let is_wheel = |name: &str| name == "a person" && size[2] < 1.4 * size[0];
+    let shape = SHAPES.iter().find(|(name, ranges)| fits(ranges) && !is_wheel(name));
+    shape.map(|(name, _)| *name)
 }
 
 /// Guesses what a body is, and says what would make it look like something if it does not.
@@ -59,11 +62,17 @@ pub fn guess(mesh: &Mesh) -> Guess {
             doubts.push("check unit and axes: it has the size of nothing known".to_owned());
         }
     }
-    let [length, width, _] = size;
-    if matches!(looks_like, Some("a truck or bus")) && width > length {
-        doubts.push("it is wider than long: check --forward".to_owned());
-    }
+    doubts.extend(looks_like.and_then(|name| lies_on_its_side(name, size)).map(str::to_owned));
     Guess { size_m: size, looks_like, doubts }
+}
+
+/// Ranges overlap, so a car on its side still has the size of a car; its proportions tell.
+fn lies_on_its_side(name: &str, [_, width, height]: [f64; 3]) -> Option<&'static str> {
+    match name {
+        "a car" if height > 1.2 * width => Some("it is taller than wide: check --up"),
+        "a person" if width > 1.3 * height => Some("it is wider than tall: check --up"),
+        _ => None,
+    }
 }
 
 /// The first way of turning the axes that makes a known shape.
@@ -80,10 +89,10 @@ fn turned([x, y, z]: [f64; 3]) -> Option<String> {
     })
 }
 
-/// The first unit that makes a known shape, as if the file had been read in metres.
-fn scaled(size: [f64; 3]) -> Option<String> {
+/// Every unit that makes a known shape, as if the file had been read in metres.
+fn scaled(size: [f64; 3]) -> impl Iterator<Item = String> {
     let [_, units @ ..] = Unit::NAMED;
-    units.iter().find_map(|(unit, metres)| {
+    units.into_iter().filter_map(move |(unit, metres)| {
         shape(size.map(|x| x * metres))
             .map(|name| format!("in {unit} instead of metres, it would look like {name}"))
     })

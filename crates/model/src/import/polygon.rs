@@ -1,14 +1,17 @@
 //! Polygons to triangles, concave ones too.
 //!
-//! A polygon that its first corner sees whole is a fan, so that convex faces give the n − 2
-//! triangles, in the order, that every other reader gives. Any other is cut by ears (crate
-//! `earcut`) in the plane of the two axes that it fills most: a coordinate is dropped, nothing is
-//! rotated, so nothing is rounded.
+//! A polygon that one of its corners sees whole is the fan from that corner, the first that does:
+//! so convex faces give the n − 2 triangles, in the order, that every other reader gives. Any
+//! other is cut by ears (crate `earcut`) in the plane of the two axes that it fills most: a
+//! coordinate is dropped, nothing is rotated, so nothing is rounded.
 
 use earcut::Earcut;
 
 /// Greatest number of corners of one polygon: cutting ears is quadratic at worst.
 pub(super) const CORNERS_MAX: usize = 16_384;
+
+/// Polygons with at most so many corners are tried as a fan from each: the trial is quadratic.
+const HUBS_MAX: usize = 8;
 
 /// Cuts polygons, one after the other, without allocating for each.
 pub(super) struct Triangulator {
@@ -25,19 +28,33 @@ impl Triangulator {
 
     /// Triangles as numbers of corners. At least 3 and at most [`CORNERS_MAX`] corners, all finite.
     ///
-    /// A polygon without area gives its fan: it is the segment or point that it is.
+    /// A polygon without area, and one that crosses itself so that ears do not cover it, gives the
+    /// fan from corner 0: nothing that is there is hidden.
     pub(super) fn cut(&mut self, corners: &[[f64; 3]]) -> &[[usize; 3]] {
         self.triangles.clear();
         self.flatten(corners);
-        if corners.len() > 3 && !self.first_corner_sees_all() {
-            self.earcut.earcut_slice(&self.flat, &[], &mut self.ears);
-            let ears = self.ears.chunks_exact(3);
-            self.triangles.extend(ears.map(|t| [t[0] as usize, t[1] as usize, t[2] as usize]));
+        let count = corners.len();
+        let hubs = if count <= HUBS_MAX { count } else { 1 };
+        if let Some(hub) = (0..hubs).find(|hub| self.sees_all(*hub)) {
+            self.fan(hub, count);
+            return &self.triangles;
         }
-        if self.triangles.is_empty() {
-            self.triangles.extend((2..corners.len()).map(|i| [0, i - 1, i]));
+        self.earcut.earcut_slice(&self.flat, &[], &mut self.ears);
+        let ears = self.ears.chunks_exact(3);
+        self.triangles.extend(ears.map(|t| [t[0] as usize, t[1] as usize, t[2] as usize]));
+        let covered: f64 = self.triangles.iter().map(|t| self.turn(*t).abs()).sum();
+        let whole: f64 = (2..count).map(|i| self.turn([0, i - 1, i])).sum();
+        // Sums of rounded areas: a missing ear differs by far more.
+        if (covered - whole.abs()).abs() > 1e-6 * covered {
+            self.triangles.clear();
+            self.fan(0, count);
         }
         &self.triangles
+    }
+
+    fn fan(&mut self, hub: usize, count: usize) {
+        let after = |steps: usize| (hub + steps) % count;
+        self.triangles.extend((2..count).map(|i| [hub, after(i - 1), after(i)]));
     }
 
     /// Drops the coordinate along which the polygon's normal (Newell's) is greatest.
@@ -65,16 +82,21 @@ impl Triangulator {
         self.flat.extend(corners.iter().map(|corner| [corner[u], corner[v]]));
     }
 
-    /// Whether the fan from corner 0 covers the polygon without overlap: its triangles all turn the
-    /// same way and lie within half a turn round corner 0.
-    fn first_corner_sees_all(&self) -> bool {
-        let [a, b] = [self.flat[0], self.flat[1]];
-        let turn = |p: [f64; 2], q: [f64; 2]| {
-            (p[0] - a[0]) * (q[1] - a[1]) - (p[1] - a[1]) * (q[0] - a[0])
-        };
-        self.flat[1..]
-            .windows(2)
-            .all(|pair| turn(pair[0], pair[1]) >= 0.0 && turn(b, pair[1]) >= 0.0)
+    /// Twice the signed area of a flat triangle.
+    fn turn(&self, corners: [usize; 3]) -> f64 {
+        let [a, p, q] = corners.map(|corner| self.flat[corner]);
+        (p[0] - a[0]) * (q[1] - a[1]) - (p[1] - a[1]) * (q[0] - a[0])
+    }
+
+    /// Whether the fan from a corner covers the polygon without overlap: its triangles all turn the
+    /// same way and lie within half a turn round that corner.
+    fn sees_all(&self, hub: usize) -> bool {
+        let count = self.flat.len();
+        let after = |steps: usize| (hub + steps) % count;
+        (2..count).all(|i| {
+            self.turn([hub, after(i - 1), after(i)]) >= 0.0
+                && self.turn([hub, after(1), after(i)]) >= 0.0
+        })
     }
 }
 

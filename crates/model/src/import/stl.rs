@@ -1,7 +1,8 @@
 //! STL, binary and ASCII, by crate `stl_io`.
 //!
-//! `stl_io` reads the first `solid` of an ASCII file and silently drops the rest. So the text is split
-//! at `solid` lines, whose names are the parts, and whatever stands outside of a solid is an error.
+//! `stl_io` reads the first `solid` of an ASCII file and silently drops the rest. So the text is
+//! split at `solid` lines, whose names are the parts, and whatever stands outside of a solid is
+//! an error.
 
 use super::collect::Collector;
 use super::{Fault, ImportError, Place, format};

@@ -101,8 +101,8 @@ fn percent_decoded(uri: &str) -> Option<String> {
     let mut rest = uri.as_bytes();
     while let Some((first, after)) = rest.split_first() {
         if *first == b'%' {
-            let digits = core::str::from_utf8(after.get(..2)?).ok()?;
-            bytes.push(u8::from_str_radix(digits, 16).ok()?);
+            let digit = |at: usize| char::from(*after.get(at)?).to_digit(16);
+            bytes.push((digit(0)? * 16 + digit(1)?) as u8);
             rest = &after[2..];
         } else {
             bytes.push(*first);

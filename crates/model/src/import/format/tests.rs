@@ -1,0 +1,64 @@
+//! The name decides unless the content plainly says otherwise.
+
+use super::*;
+
+fn detect(file: &str, bytes: &[u8]) -> Result<Format, String> {
+    Format::detect(file, bytes).map_err(|fault| fault.to_string())
+}
+
+#[test]
+fn right_names_are_believed() {
+    let mut stl = vec![b' '; 84 + 50];
+    stl[..5].copy_from_slice(b"solid");
+    stl[80..84].copy_from_slice(&1_u32.to_le_bytes());
+    let cases: [(&str, &[u8], Format); 9] = [
+        ("a.obj", b"# x\nv 1 2 3\n", Format::Obj),
+        ("b/A.OBJ", b"", Format::Obj),
+        ("a.stl", b"solid a\n facet normal\n", Format::Stl),
+        ("a.stl", &stl, Format::Stl),
+        ("a.ply", b"ply\r\nformat", Format::Ply),
+        ("a.gltf", b" {\"asset\": {}}", Format::Gltf),
+        ("a.glb", b"glTF\x02\0\0\0", Format::Glb),
+        ("a.b.glb", b"nonsense", Format::Glb),
+        ("a.gltf", b"\xef\xbb\xbf{\"asset\": {}}", Format::Gltf),
+    ];
+    for (file, bytes, format) in cases {
+        assert_eq!(detect(file, bytes), Ok(format), "{file}");
+    }
+}
+
+#[test]
+fn wrong_names_are_refused_with_what_the_content_looks_like() {
+    let cases: [(&str, &[u8], &str); 10] = [
+        ("a.obj", b"ply\nformat", "a.obj: named OBJ, but its content looks like PLY"),
+        ("a.stl", b"v 1 2 3\nf 1 2 3\n", "a.stl: named STL, but its content looks like OBJ"),
+        ("a.ply", b"solid a\nendsolid a\n", "a.ply: named PLY, but its content looks like STL"),
+        ("a.gltf", b"glTF\x02", "a.gltf: named glTF, but its content looks like GLB"),
+        ("a.glb", b"{\"asset\": {}}", "a.glb: named GLB, but its content looks like glTF"),
+        ("a.obj", b"\xFF\xFEv\0", "a.obj: named OBJ, but its content looks like UTF-16 text"),
+        ("a.stl", b"PK\x03\x04", "a.stl: named STL, but its content looks like a ZIP archive"),
+        (
+            "a.dae",
+            b"<?xml?><COLLADA>",
+            "a.dae: a file named .dae that looks like COLLADA cannot be \
+                                         imported",
+        ),
+        (
+            "a.k",
+            b"*KEYWORD\n",
+            "a.k: a file named .k that looks like an LS-DYNA deck cannot be \
+                                 imported",
+        ),
+        (
+            "noname",
+            b"v 1 2 3\n",
+            "noname: a file without extension that looks like OBJ cannot be \
+                                  imported",
+        ),
+    ];
+    for (file, bytes, expected) in cases {
+        assert_eq!(detect(file, bytes).expect_err(file), expected);
+    }
+    let fault = Format::detect("a.obj", b"ply\n").expect_err("misnamed");
+    assert_eq!(fault.help(), "rename it to end in .ply");
+}
