@@ -1,59 +1,73 @@
-//! Two kinds of errors, for two kinds of readers: a person at a terminal, and a running request.
+//! Two kinds of errors for two kinds of readers.
+//!
+//! Opening fails to a person at a terminal: it explains. Using fails inside a request, to a program:
+//! it is small, and each variant says what to do next.
 
-/// A channel or domain could not be opened. Start-up must stop.
+use core::error::Error;
+
+/// A domain or a link could not be opened. Start-up must stop.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// The system refused.
-    #[error("cannot {step} \"{name}\": {source}")]
-    System {
-        /// What was being done.
-        step: &'static str,
-        /// To what.
+    /// The name of the instance cannot be part of a path.
+    #[error("instance name '{name}' must be 1 to 12 letters out of a-z, 0-9 and '-'")]
+    Name {
+        /// What was given.
         name: String,
-        /// Why not.
-        source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The other end is of another build.
-    #[error("\"{name}\" was made by another build of this program than {build}")]
+    /// The text does not name a domain.
+    #[error("'{text}' is not the name of a run, as its coordinator writes it")]
+    Text {
+        /// What was given.
+        text: String,
+    },
+    /// Coordinator and worker are different programs. Exit with 76.
+    #[error("version skew on '{channel}': this program is build {ours}, the other end is {theirs}")]
     Skew {
-        /// The channel.
-        name: String,
-        /// Our build.
-        build: String,
+        /// The service that was to be opened.
+        channel: String,
+        /// Build of this program.
+        ours: String,
+        /// Build of the program that created the service, as far as it says.
+        theirs: String,
     },
-    /// An instance name that cannot be part of a path.
-    #[error("instance name \"{0}\" is not 1 to 12 of a-z, 0-9 and -")]
-    Instance(String),
+    /// The system or iceoryx2 refused.
+    #[error("cannot {step} '{what}'")]
+    Failed {
+        /// What was to be done.
+        step: &'static str,
+        /// The file or service that it was to be done to.
+        what: String,
+        /// What it said.
+        source: Box<dyn Error + Send + Sync>,
+    },
 }
 
 impl OpenError {
-    pub(crate) fn system<E>(step: &'static str, name: &str) -> impl FnOnce(E) -> Self
-    where
-        E: Into<Box<dyn std::error::Error + Send + Sync>>,
-    {
-        move |source| Self::System { step, name: name.to_owned(), source: source.into() }
+    /// Whether the two ends are different programs, so that trying again is of no use.
+    #[must_use]
+    pub fn is_skew(&self) -> bool {
+        matches!(self, Self::Skew { .. })
     }
 
-    /// For errors of iceoryx2, some of which are plain enums.
-    pub(crate) fn shown<E: core::fmt::Debug>(
+    /// For `map_err`.
+    pub(crate) fn at<'a, E: Error + Send + Sync + 'static>(
         step: &'static str,
-        name: &str,
-    ) -> impl FnOnce(E) -> Self {
-        move |source| Self::System {
-            step,
-            name: name.to_owned(),
-            source: format!("{source:?}").into(),
-        }
+        what: &'a str,
+    ) -> impl FnOnce(E) -> Self + use<'a, E> {
+        move |source| Self::Failed { step, what: what.to_owned(), source: Box::new(source) }
     }
 }
 
 /// An open channel could not do as asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UseError {
-    /// No slot is free, or nobody listens: the peer is slow or dead. The message is gone; what it
-    /// asked for goes back to pending.
+    /// Not handed over: the peer is slow, dead, or not connected yet, or another message is still
+    /// open. The work goes back to pending.
     #[error("no free slot")]
     Full,
+    /// More words than a message has room for. Split it.
+    #[error("message is longer than the channel's messages")]
+    TooLong,
     /// The channel is gone. Carry on without the peer until it is replaced.
     #[error("channel is gone")]
     Broken,

@@ -1,177 +1,244 @@
-//! The two channels between the coordinator and one incarnation of a worker.
+//! The two channels between the coordinator and one incarnation of one worker.
+//!
+//! The coordinator creates and holds both services before it starts the worker; the worker only
+//! opens them. So a worker that is killed in its start-up breaks nothing, and the successor gets
+//! services with new names and no mail of the dead.
 
-use crate::channel::{Receiver, Sender, Wire};
-use crate::{Domain, OpenError};
+use crate::domain::Domain;
+use crate::error::OpenError;
+use crate::receiver::Receiver;
+use crate::sender::Sender;
+use crate::wire::{Input, Output, Service, Wire};
 use iceoryx2::prelude::{
-    AllocationStrategy, AttributeSpecifier, AttributeVerifier, BackpressureStrategy, ServiceName,
-    ipc,
+    AllocationStrategy, AttributeSpecifier, AttributeVerifier, BackpressureStrategy,
+    MessagingPattern, ServiceName, ipc,
 };
+use iceoryx2::service::Service as _;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
-use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use iceoryx2::service::builder::publish_subscribe::{Builder, PublishSubscribeOpenError};
 use protocol::Incarnation;
 
-type Service = PortFactory<ipc::Service, [u64], Wire>;
-
-/// How large messages are and how many may wait.
+/// How much a link can hold; both ends must be given the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sizes {
-    /// Words of a job message.
+    /// Most words of a job message.
     pub job_words: usize,
-    /// Job messages that may wait.
-    pub jobs: usize,
-    /// Words of a result message.
+    /// Most job messages that wait.
+    pub job_queue: usize,
+    /// Most words of a result message.
     pub result_words: usize,
-    /// Result messages that may wait.
-    pub results: usize,
+    /// Most result messages that wait.
+    pub result_queue: usize,
 }
 
-/// The coordinator's end. It holds the services, so that a dying worker cannot break their names.
+impl Sizes {
+    /// Bytes of shared memory that the chunks of one link take, within some kilobytes.
+    ///
+    /// A pool has a chunk for each waiting message, one being read, and one being written.
+    #[must_use]
+    pub fn pool_bytes(&self) -> usize {
+        let pool = |words: usize, queue: usize| {
+            (queue + 2).saturating_mul(words.saturating_mul(8).saturating_add(192))
+        };
+        pool(self.job_words, self.job_queue)
+            .saturating_add(pool(self.result_words, self.result_queue))
+    }
+}
+
+/// The coordinator's end.
 #[derive(Debug)]
 pub struct CoordinatorLink {
-    /// Jobs, to the worker.
+    /// To the worker.
     pub jobs: Sender,
-    /// Results, from the worker.
+    /// From the worker.
     pub results: Receiver,
+    /// Held, so that the worker's death does not remove them, and dropped after the ports.
     _services: [Service; 2],
+    names: [String; 2],
+    domain: Domain,
+}
+
+impl CoordinatorLink {
+    /// Creates both services and this end of the channels, and commits their memory.
+    ///
+    /// `build` names the program; a worker with another one is refused.
+    ///
+    /// # Errors
+    ///
+    /// If there is such a link already, or file descriptors or shared memory ran out.
+    pub fn create(
+        domain: &Domain,
+        peer: Incarnation,
+        sizes: &Sizes,
+        build: &str,
+    ) -> Result<Self, OpenError> {
+        let names = names(peer);
+        let [job, result] = &names;
+        let jobs = create(domain, job, sizes.job_queue, build)?;
+        let results = create(domain, result, sizes.result_queue, build)?;
+        let link = Self {
+            jobs: Sender::new(output(&jobs, job, sizes.job_words)?, sizes.job_words),
+            results: Receiver::new(input(&results, result)?, domain.boot(), peer),
+            _services: [jobs, results],
+            names,
+            domain: domain.clone(),
+        };
+        link.domain.commit()?;
+        Ok(link)
+    }
+
+    /// Connects to the ports that the worker has opened, and commits their memory, so that neither
+    /// happens inside a request. Call it once the worker has said hello.
+    ///
+    /// # Errors
+    ///
+    /// If shared memory ran out, or the worker's ports are not what they should be.
+    pub fn connect(&self) -> Result<(), OpenError> {
+        let [job, result] = &self.names;
+        self.jobs.connect(job)?;
+        self.results.connect(result)?;
+        self.domain.commit()
+    }
 }
 
 /// The worker's end.
 #[derive(Debug)]
 pub struct WorkerLink {
-    /// Jobs, from the coordinator.
+    /// From the coordinator.
     pub jobs: Receiver,
-    /// Results, to the coordinator.
+    /// To the coordinator.
     pub results: Sender,
+    _services: [Service; 2],
+    _domain: Domain,
+}
+
+impl WorkerLink {
+    /// Opens both channels, connects them, and commits their memory.
+    ///
+    /// # Errors
+    ///
+    /// [`OpenError::Skew`] if the coordinator is another build or has other layouts; otherwise if
+    /// there is no such link, or file descriptors or shared memory ran out.
+    pub fn open(
+        domain: &Domain,
+        peer: Incarnation,
+        sizes: &Sizes,
+        build: &str,
+    ) -> Result<Self, OpenError> {
+        let [job, result] = &names(peer);
+        let jobs = open(domain, job, sizes.job_queue, build)?;
+        let results = open(domain, result, sizes.result_queue, build)?;
+        let link = Self {
+            jobs: Receiver::new(input(&jobs, job)?, domain.boot(), peer),
+            results: Sender::new(output(&results, result, sizes.result_words)?, sizes.result_words),
+            _services: [jobs, results],
+            _domain: domain.clone(),
+        };
+        link.jobs.connect(job)?;
+        link.results.connect(result)?;
+        domain.commit()?;
+        Ok(link)
+    }
+}
+
+/// Job and result service of an incarnation.
+fn names(peer: Incarnation) -> [String; 2] {
+    ["job", "result"].map(|kind| format!("{kind}/{}.{}", peer.worker, peer.inc))
 }
 
 const BUILD: &str = "build";
+const LAYOUT: &str = "layout";
 
-fn names(who: Incarnation) -> [String; 2] {
-    ["job", "result"].map(|what| format!("{what}/{}.{}", who.worker, who.inc))
+/// Every quality of service, written out: the defaults overwrite old messages and block senders.
+fn service(
+    domain: &Domain,
+    name: &str,
+    queue: usize,
+) -> Result<Builder<[u64], Wire, ipc::Service>, OpenError> {
+    let name = ServiceName::new(name).map_err(OpenError::at("name", name))?;
+    Ok(domain
+        .node()
+        .service_builder(&name)
+        .publish_subscribe::<[u64]>()
+        .user_header::<Wire>()
+        .max_publishers(1)
+        .max_subscribers(1)
+        .max_nodes(2)
+        .history_size(0)
+        .subscriber_max_buffer_size(queue)
+        .subscriber_max_borrowed_samples(1)
+        .enable_safe_overflow(false))
 }
 
-/// Every value is written out: the defaults drop old messages silently and block for ever.
-macro_rules! service {
-    ($domain:expr, $name:expr, $buffer:expr) => {{
-        let name = ServiceName::new($name).map_err(OpenError::shown("name", $name))?;
-        $domain
-            .node()?
-            .service_builder(&name)
-            .publish_subscribe::<[u64]>()
-            .user_header::<Wire>()
-            .max_publishers(1)
-            .max_subscribers(1)
-            .max_nodes(2)
-            .history_size(0)
-            .subscriber_max_buffer_size($buffer)
-            .subscriber_max_borrowed_samples(1)
-            .enable_safe_overflow(false)
-    }};
-}
-
-fn build_attribute(build: &str) -> Result<(AttributeKey, AttributeValue), OpenError> {
-    let key = AttributeKey::try_from(BUILD).map_err(OpenError::shown("name", BUILD))?;
-    let value = AttributeValue::try_from(build).map_err(OpenError::shown("name", build))?;
-    Ok((key, value))
-}
-
-fn create(domain: &Domain, name: &str, buffer: usize, build: &str) -> Result<Service, OpenError> {
-    let (key, value) = build_attribute(build)?;
-    let attributes = AttributeSpecifier::new()
-        .define(&key, &value)
-        .map_err(OpenError::shown("describe", name))?;
-    service!(domain, name, buffer)
+fn create(domain: &Domain, name: &str, queue: usize, build: &str) -> Result<Service, OpenError> {
+    let mut attributes = AttributeSpecifier::new();
+    for (key, value) in attributes_of(name, build)? {
+        attributes =
+            attributes.define(&key, &value).map_err(OpenError::at("mark the build of", name))?;
+    }
+    service(domain, name, queue)?
         .create_with_attributes(&attributes)
-        .map_err(OpenError::shown("create channel", name))
+        .map_err(OpenError::at("create channel", name))
 }
 
-fn open(domain: &Domain, name: &str, buffer: usize, build: &str) -> Result<Service, OpenError> {
-    let (key, value) = build_attribute(build)?;
-    let attributes = AttributeVerifier::new()
-        .require(&key, &value)
-        .map_err(OpenError::shown("describe", name))?;
-    let opened = service!(domain, name, buffer).open_with_attributes(&attributes);
+fn open(domain: &Domain, name: &str, queue: usize, build: &str) -> Result<Service, OpenError> {
+    let mut required = AttributeVerifier::new();
+    for (key, value) in attributes_of(name, build)? {
+        required =
+            required.require(&key, &value).map_err(OpenError::at("check the build of", name))?;
+    }
+    let opened = service(domain, name, queue)?.open_with_attributes(&required);
     opened.map_err(|error| match error {
         PublishSubscribeOpenError::IncompatibleAttributes
-        | PublishSubscribeOpenError::IncompatibleTypes => {
-            OpenError::Skew { name: name.to_owned(), build: build.to_owned() }
-        }
-        error => OpenError::shown("open channel", name)(error),
+        | PublishSubscribeOpenError::IncompatibleTypes => OpenError::Skew {
+            channel: name.to_owned(),
+            ours: build.to_owned(),
+            theirs: build_of(domain, name).unwrap_or_else(|| "unknown".to_owned()),
+        },
+        other => OpenError::at("open channel", name)(other),
     })
 }
 
-fn sender(service: &Service, name: &str, words: usize) -> Result<Sender, OpenError> {
-    let port = service
+fn attributes_of(
+    name: &str,
+    build: &str,
+) -> Result<[(AttributeKey, AttributeValue); 2], OpenError> {
+    let pair = |key: &str, value: &str| {
+        let key = AttributeKey::try_from(key).map_err(OpenError::at("mark the build of", name))?;
+        let value =
+            AttributeValue::try_from(value).map_err(OpenError::at("mark the build of", name))?;
+        Ok((key, value))
+    };
+    Ok([pair(BUILD, build)?, pair(LAYOUT, &protocol::LAYOUT.to_string())?])
+}
+
+/// What the creator of a service said of its build.
+fn build_of(domain: &Domain, name: &str) -> Option<String> {
+    let name = ServiceName::new(name).ok()?;
+    let pattern = MessagingPattern::PublishSubscribe;
+    let details = ipc::Service::details(&name, domain.node().config(), pattern).ok()??;
+    let key = AttributeKey::try_from(BUILD).ok()?;
+    let build = details.static_details.attributes().key_value(&key, 0)?;
+    Some(build.to_string())
+}
+
+fn output(service: &Service, name: &str, words: usize) -> Result<Output, OpenError> {
+    service
         .publisher_builder()
         .initial_max_slice_len(words)
         .allocation_strategy(AllocationStrategy::Static)
         .max_loaned_samples(1)
         .backpressure_strategy(BackpressureStrategy::DiscardData)
         .create()
-        .map_err(OpenError::shown("send on", name))?;
-    Ok(Sender::new(port, words))
+        .map_err(OpenError::at("create the sending end of", name))
 }
 
-fn receiver(
-    service: &Service,
-    name: &str,
-    domain: &Domain,
-    who: Incarnation,
-) -> Result<Receiver, OpenError> {
-    let port =
-        service.subscriber_builder().create().map_err(OpenError::shown("receive on", name))?;
-    Ok(Receiver::new(port, domain.boot(), who))
-}
-
-impl CoordinatorLink {
-    /// Creates both channels of a worker that is about to be started.
-    ///
-    /// # Errors
-    ///
-    /// If they exist already, or there is not enough shared memory.
-    pub fn create(
-        domain: &Domain,
-        who: Incarnation,
-        sizes: &Sizes,
-        build: &str,
-    ) -> Result<Self, OpenError> {
-        let [job, result] = names(who);
-        let jobs = create(domain, &job, sizes.jobs, build)?;
-        let results = create(domain, &result, sizes.results, build)?;
-        let link = Self {
-            jobs: sender(&jobs, &job, sizes.job_words)?,
-            results: receiver(&results, &result, domain, who)?,
-            _services: [jobs, results],
-        };
-        domain.commit()?;
-        Ok(link)
-    }
-}
-
-impl WorkerLink {
-    /// Opens both channels of this worker.
-    ///
-    /// # Errors
-    ///
-    /// If they are not there, or were made by another build.
-    pub fn open(
-        domain: &Domain,
-        who: Incarnation,
-        sizes: &Sizes,
-        build: &str,
-    ) -> Result<Self, OpenError> {
-        let [job, result] = names(who);
-        let jobs = open(domain, &job, sizes.jobs, build)?;
-        let results = open(domain, &result, sizes.results, build)?;
-        let link = Self {
-            jobs: receiver(&jobs, &job, domain, who)?,
-            results: sender(&results, &result, sizes.result_words)?,
-        };
-        domain.commit()?;
-        Ok(link)
-    }
+fn input(service: &Service, name: &str) -> Result<Input, OpenError> {
+    service
+        .subscriber_builder()
+        .create()
+        .map_err(OpenError::at("create the receiving end of", name))
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -1,8 +1,6 @@
 //! Real children: what they inherit, how they end, and that none is left.
 
 use super::*;
-use std::io::Read;
-use std::os::fd::AsFd;
 
 const SHELL: &str = "/bin/sh";
 

@@ -1,134 +1,57 @@
-//! Messages arrive once, whole and checked, or not at all; and nothing ever blocks.
+//! Both ends of a link in one process, each with a node of its own.
 
 use super::*;
-use crate::UseError;
+use crate::error::UseError;
 use protocol::{Boot, Head, Kind, Reject, RequestId};
-use std::io::{BufRead as _, BufReader};
-use std::process::{Child, Command, Stdio};
 
-pub(crate) const SIZES: Sizes = Sizes { job_words: 64, jobs: 4, result_words: 256, results: 3 };
-const WHO: Incarnation = Incarnation { worker: 1, inc: 4 };
-const CHILD: &str = "--trolley-child-boot=";
+const PEER: Incarnation = Incarnation { worker: 3, inc: 7 };
+const SIZES: Sizes = Sizes { job_words: 300, job_queue: 4, result_words: 500, result_queue: 2 };
+const BUILD: &str = "test-build";
 
-pub(crate) fn unique_boot() -> Boot {
-    use std::hash::{BuildHasher as _, Hasher as _};
-    let random = std::collections::hash_map::RandomState::new().build_hasher().finish();
-    Boot(random ^ u64::from(std::process::id()))
+/// A domain of its own for each test, seen from both sides.
+pub(crate) fn pair(instance: &str, boot: u64) -> (CoordinatorLink, WorkerLink) {
+    let domain = Domain::create(instance, Boot(boot)).unwrap();
+    let coordinator = CoordinatorLink::create(&domain, PEER, &SIZES, BUILD).unwrap();
+    let entered = Domain::open(domain.text()).unwrap();
+    assert_eq!(entered.boot(), Boot(boot));
+    let worker = WorkerLink::open(&entered, PEER, &SIZES, BUILD).unwrap();
+    coordinator.connect().unwrap();
+    (coordinator, worker)
 }
 
-/// The test binary plays its own victim: the boot it was given, if this is the child.
-pub(crate) fn lives_in_child() -> Option<Boot> {
-    let arg = std::env::args().find_map(|arg| arg.strip_prefix(CHILD).map(str::to_owned));
-    arg.map(|boot| Boot(boot.parse().unwrap()))
+fn head(boot: u64, kind: Kind) -> Head {
+    Head::new(Boot(boot), RequestId(1), PEER, kind)
 }
 
-/// Starts this test again in a child, and waits until it says that it is ready.
-pub(crate) fn start_child(test: &str, boot: Boot) -> Child {
-    let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", test, "--nocapture", "--skip", &format!("{CHILD}{}", boot.0)])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
-    assert!(lines.any(|line| line.unwrap().contains("ready")));
-    child
-}
-
-struct Pair {
-    coordinator: CoordinatorLink,
-    worker: WorkerLink,
-    _theirs: Domain,
-    domain: Domain,
-}
-
-fn pair() -> Pair {
-    let domain = Domain::create("tlink", unique_boot()).unwrap();
-    let coordinator = CoordinatorLink::create(&domain, WHO, &SIZES, "b1").unwrap();
-    let theirs = Domain::open(&domain.text()).unwrap();
-    let worker = WorkerLink::open(&theirs, WHO, &SIZES, "b1").unwrap();
-    Pair { coordinator, worker, _theirs: theirs, domain }
-}
-
-fn head(boot: Boot, job: u32) -> Head {
-    Head { job, ..Head::new(boot, RequestId(1), WHO, Kind::Result) }
+fn send(sender: &Sender, head: Head, words: &[u64]) -> Result<(), UseError> {
+    let mut message = sender.loan()?;
+    message.words()[..words.len()].copy_from_slice(words);
+    message.send(head, words.len())
 }
 
 #[test]
-fn words_arrive_in_order_both_ways() {
-    let Pair { coordinator, worker, domain, .. } = pair();
+fn what_is_sent_arrives_in_order_and_whole() {
+    let (coordinator, worker) = pair("order", 1);
     let mut scratch = Vec::new();
-    assert!(coordinator.results.take(&mut scratch).unwrap().is_none());
-    for job in 0..100 {
-        let sent: Vec<u64> = (0..u64::from(job % 60)).map(|i| i ^ u64::from(job) << 32).collect();
-        worker.results.send(head(domain.boot(), job), &sent).unwrap();
-        let (got, kind) = coordinator.results.take(&mut scratch).unwrap().unwrap().unwrap();
-        assert_eq!((got.job, kind, &scratch), (job, Kind::Result, &sent));
-        coordinator.jobs.send(head(domain.boot(), job), &sent).unwrap();
-        let (got, _) = worker.jobs.take(&mut scratch).unwrap().unwrap().unwrap();
-        assert_eq!((got.job, &scratch), (job, &sent));
-    }
-}
+    for round in 0..50_u64 {
+        let batch: Vec<u64> = (0..round * 6).map(|i| i * i + round).collect();
+        send(&coordinator.jobs, head(1, Kind::Batch), &batch).unwrap();
+        let got = worker.jobs.take(&mut scratch).unwrap().unwrap().unwrap();
+        assert_eq!((got.seq, got.len, got.kind), (round as u32, batch.len() as u32, 1));
+        assert_eq!(scratch, batch);
+        assert!(worker.jobs.take(&mut scratch).unwrap().is_none());
 
-#[test]
-fn a_full_queue_is_an_error_at_once_and_keeps_what_it_holds() {
-    let Pair { coordinator, worker, domain, .. } = pair();
-    for job in 0..3 {
-        worker.results.send(head(domain.boot(), job), &[7]).unwrap();
+        for part in 0..2 {
+            let head = Head { part, ..head(1, Kind::Result) };
+            send(&worker.results, head, &[round, u64::from(part)]).unwrap();
+        }
+        for part in 0..2 {
+            let got = coordinator.results.take(&mut scratch).unwrap().unwrap().unwrap();
+            assert_eq!((got.part, scratch.as_slice()), (part, [round, u64::from(part)].as_slice()));
+        }
     }
-    assert_eq!(worker.results.send(head(domain.boot(), 3), &[7]), Err(UseError::Full));
-    let mut scratch = Vec::new();
-    for job in 0..3 {
-        let (got, _) = coordinator.results.take(&mut scratch).unwrap().unwrap().unwrap();
-        assert_eq!(got.job, job);
-    }
-    assert!(coordinator.results.take(&mut scratch).unwrap().is_none());
-}
-
-#[test]
-fn a_dropped_message_comes_back_and_a_foreign_one_is_turned_away() {
-    let Pair { coordinator, worker, domain, .. } = pair();
-    let mut scratch = Vec::new();
-    for _ in 0..10 {
-        drop(worker.results.loan().unwrap());
-    }
-    worker.results.send(head(Boot(domain.boot().0 ^ 1), 0), &[1]).unwrap();
-    let turned_away = coordinator.results.take(&mut scratch).unwrap().unwrap();
-    assert_eq!(turned_away.unwrap_err(), Reject::Stale);
-}
-
-#[test]
-fn another_build_is_refused_by_name() {
-    let domain = Domain::create("tskew", unique_boot()).unwrap();
-    let _coordinator = CoordinatorLink::create(&domain, WHO, &SIZES, "b1").unwrap();
-    let theirs = Domain::open(&domain.text()).unwrap();
-    let error = WorkerLink::open(&theirs, WHO, &SIZES, "b2").unwrap_err();
-    assert!(matches!(error, OpenError::Skew { .. }), "{error}");
-}
-
-#[test]
-fn a_killed_worker_loses_nothing_it_sent_and_adds_nothing_it_did_not() {
-    if let Some(boot) = lives_in_child() {
-        let domain = Domain::open(&format!("tkill.{:016x}", boot.0)).unwrap();
-        let link = WorkerLink::open(&domain, WHO, &SIZES, "b1").unwrap();
-        link.results.send(head(boot, 8), &[1, 2, 3]).unwrap();
-        let mut open = link.results.loan().unwrap();
-        open.words()[0] = 9;
-        println!("ready");
-        std::thread::park();
-        return;
-    }
-    let boot = unique_boot();
-    let domain = Domain::create("tkill", boot).unwrap();
-    let link = CoordinatorLink::create(&domain, WHO, &SIZES, "b1").unwrap();
-    let test = "link::tests::a_killed_worker_loses_nothing_it_sent_and_adds_nothing_it_did_not";
-    let mut child = start_child(test, boot);
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let mut scratch = Vec::new();
-    let (got, _) = link.results.take(&mut scratch).unwrap().unwrap().unwrap();
-    assert_eq!((got.job, &scratch[..]), (8, &[1, 2, 3][..]));
-    assert!(link.results.take(&mut scratch).unwrap().is_none());
-    // The name is not broken: a successor gets services of its own.
-    let next = Incarnation { inc: 5, ..WHO };
-    CoordinatorLink::create(&domain, next, &SIZES, "b1").unwrap();
+    let bytes = 50 * 64 + 8 * (0..50).map(|round| round * 6).sum::<u64>();
+    assert_eq!(coordinator.jobs.traffic(), crate::Traffic { messages: 50, bytes });
+    assert_eq!(worker.jobs.traffic(), coordinator.jobs.traffic());
+    assert_eq!(worker.results.traffic(), coordinator.results.traffic());
 }

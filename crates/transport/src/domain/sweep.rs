@@ -1,0 +1,90 @@
+//! Removing the files of domains whose coordinator is dead.
+
+use super::place::{
+    OURS, SHM, UNBORN, boot_of, lock_out_guests, lock_root, names_in_shm, prefix_of,
+};
+use rustix::thread::nanosleep;
+use rustix::time::Timespec;
+use std::fs;
+use std::path::Path;
+
+/// Workers die with their coordinator, but a moment later: how often to look, 1 ms apart.
+const LOOKS: usize = 200;
+
+/// Removes what dead runs have left in /dev/shm, of every instance; says how many runs.
+///
+/// A run is dead if nobody holds the lock of its root, nor that of its guests: files must not go
+/// while a process of the run could still open them. If a worker does not die, its run stays for
+/// the next sweep. What belongs to somebody else stays.
+#[must_use]
+pub fn sweep_leftovers() -> usize {
+    let Ok(names) = names_in_shm() else { return 0 };
+    let mut removed = 0;
+    for name in &names {
+        let path = format!("{SHM}/{name}");
+        if let Some(rest) = name.strip_prefix(UNBORN) {
+            sweep_unborn(&path, rest);
+        } else if boot_of(name).is_some()
+            && let Some(_owned) = lock_root(&path)
+            && remove(name)
+        {
+            removed += 1;
+        }
+    }
+    sweep_orphans(&names);
+    removed
+}
+
+/// Removes a domain. The caller holds the lock of its root.
+///
+/// The memory goes first: while the root stands, its lock tells others that somebody cares.
+pub(super) fn remove(name: &str) -> bool {
+    let root = format!("{SHM}/{name}");
+    let Some(_alone) = (0..LOOKS).find_map(|look| {
+        if look > 0 {
+            let _early = nanosleep(&Timespec { tv_sec: 0, tv_nsec: 1_000_000 });
+        }
+        lock_out_guests(&root).ok()
+    }) else {
+        return false;
+    };
+    let prefix = prefix_of(name);
+    let mut all = true;
+    for file in names_in_shm().unwrap_or_default() {
+        if file.starts_with(&prefix) {
+            all &= fs::remove_file(format!("{SHM}/{file}")).is_ok();
+        }
+    }
+    all && fs::remove_dir_all(&root).is_ok()
+}
+
+/// A root that never got its name: its maker is dead, or was about to lock it.
+fn sweep_unborn(path: &str, rest: &str) {
+    let maker = rest.split('.').next().unwrap_or_default();
+    if !Path::new("/proc").join(maker).exists()
+        && let Some(_owned) = lock_root(path)
+        && let Err(error) = fs::remove_dir_all(path)
+    {
+        tracing::debug!(path, %error, "stays");
+    }
+}
+
+/// Memory without a root: a domain has its root before it has memory, and loses it after.
+fn sweep_orphans(names: &[String]) {
+    for name in names {
+        if let Some((root, _)) = name.strip_prefix(OURS).and_then(|_| split_root(name))
+            && boot_of(root).is_some()
+            && !Path::new(SHM).join(root).exists()
+            && let Err(error) = fs::remove_file(Path::new(SHM).join(name))
+        {
+            tracing::debug!(name, %error, "stays");
+        }
+    }
+}
+
+/// Root and rest of the name of a piece of memory; the instance may itself hold dashes.
+fn split_root(name: &str) -> Option<(&str, &str)> {
+    let boot = name.match_indices('.').nth(1)?.0 + 1;
+    let dash = boot + name.get(boot..)?.find('-')?;
+    Some((name.get(..dash)?, name.get(dash..)?))
+}

@@ -1,0 +1,117 @@
+//! The sending end of a channel: a message is written where the receiver will read it.
+
+use crate::error::UseError;
+use crate::wire::{Output, Wire};
+use crate::{OpenError, Traffic};
+use core::cell::Cell;
+use core::fmt;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::port::{LoanError, SendError};
+use iceoryx2::prelude::ipc;
+use iceoryx2::sample_mut::SampleMut;
+use protocol::{Head, seal};
+
+/// Sends messages to one receiver.
+pub struct Sender {
+    port: Output,
+    words: usize,
+    messages: Cell<u64>,
+    bytes: Cell<u64>,
+}
+
+impl Sender {
+    pub(crate) fn new(port: Output, words: usize) -> Self {
+        Self { port, words, messages: Cell::new(0), bytes: Cell::new(0) }
+    }
+
+    pub(crate) fn connect(&self, channel: &str) -> Result<(), OpenError> {
+        self.port.update_connections().map_err(OpenError::at("connect", channel))
+    }
+
+    /// Opens a message. Only one can be open at a time.
+    ///
+    /// # Errors
+    ///
+    /// [`UseError::Full`] if one is open already or no chunk is free, [`UseError::Broken`] if the
+    /// channel's memory is not what it should be.
+    pub fn loan(&self) -> Result<OpenMessage<'_>, UseError> {
+        let sample = self.port.loan_slice_uninit(self.words).map_err(|error| match error {
+            LoanError::ExceedsMaxLoans | LoanError::OutOfMemory => UseError::Full,
+            LoanError::ExceedsMaxLoanSize => UseError::TooLong,
+            LoanError::InternalFailure => UseError::Broken,
+        })?;
+        // SAFETY: the chunk lies in a mapping that the kernel zeroed and that only ever held words,
+        // so every word is initialised, and every bit pattern is a `u64`.
+        let sample = unsafe { sample.assume_init() };
+        Ok(OpenMessage { sample, sender: self })
+    }
+
+    /// Most words of a message.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.words
+    }
+
+    /// What was handed over.
+    #[must_use]
+    pub fn traffic(&self) -> Traffic {
+        Traffic { messages: self.messages.get(), bytes: self.bytes.get() }
+    }
+}
+
+impl fmt::Debug for Sender {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Sender")
+            .field("words", &self.words)
+            .field("traffic", &self.traffic())
+            .finish_non_exhaustive()
+    }
+}
+
+/// A message that is being written. Dropped unsent, it was never there.
+///
+/// It borrows its sender: if the sender went first, sending would fail only when it is tried.
+#[must_use = "a message that is not sent is dropped"]
+pub struct OpenMessage<'s> {
+    sample: SampleMut<ipc::Service, [u64], Wire>,
+    sender: &'s Sender,
+}
+
+impl OpenMessage<'_> {
+    /// All the room there is. It holds what an earlier message left.
+    pub fn words(&mut self) -> &mut [u64] {
+        self.sample.payload_mut()
+    }
+
+    /// Hands over the first `used` words behind `head`, whose length, sequence number and checksum
+    /// are written here.
+    ///
+    /// # Errors
+    ///
+    /// In each case nothing was handed over, and what was written is lost: the work has to be done
+    /// again. [`UseError::Full`]: the queue has no room (credits prevent that) or nobody is
+    /// connected. [`UseError::TooLong`]: `used` is beyond the room. [`UseError::Broken`]: the
+    /// channel is gone.
+    pub fn send(mut self, head: Head, used: usize) -> Result<(), UseError> {
+        let sent = self.sender.messages.get();
+        let payload = self.sample.payload().get(..used).ok_or(UseError::TooLong)?;
+        // Counts modulo 2³²: a gap shows, whatever the number is.
+        let head = seal(Head { seq: (sent & 0xffff_ffff) as u32, ..head }, payload);
+        *self.sample.user_header_mut() = Wire::new(head);
+        match self.sample.send() {
+            Ok(1) => {}
+            Ok(_) | Err(SendError::UnableToDeliver) => return Err(UseError::Full),
+            Err(_) => return Err(UseError::Broken),
+        }
+        let bytes = size_of::<Head>() + size_of::<u64>() * used;
+        self.sender.messages.set(sent + 1);
+        self.sender.bytes.set(self.sender.bytes.get() + bytes as u64);
+        Ok(())
+    }
+}
+
+impl fmt::Debug for OpenMessage<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OpenMessage").field("sender", self.sender).finish_non_exhaustive()
+    }
+}
