@@ -1,1 +1,34 @@
-//! coordinator
+//! The coordinator: descends trees, hands out jobs, folds results into an answer.
+//!
+//! ```text
+//! Scenario + bodies --Request::new--> Request --Work::new--> tasks --front--> jobs
+//!                                                  ^                           |  Crew::run: four
+//!                                                  |  follow-up tasks          |  worker processes
+//!                                                  +---------- fold <--hits----+  run_here: this one
+//! Work::finish --> damage::assess, damage::rank --> Answer
+//! ```
+//!
+//! # Invariants
+//!
+//! - A complete [`Answer`] is a pure function of bodies, scenario, policy and curves: it holds
+//!   order-free values only, and both ways of running fill it from the same fold:
+//!   `tests/identical.rs` at the top level.
+//! - It never runs a triangle test itself, except in [`run_here`], and that is said in the report.
+//! - Whatever ends a run, no process and no shared memory is left: `tests/kill.rs`.
+//!
+//! It does not know formats of files, nor how harm is computed.
+
+mod answer;
+mod case;
+mod crew;
+mod gather;
+mod here;
+mod request;
+mod work;
+
+pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
+
+pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
+pub use here::run_here;
+pub use request::{Request, RequestError};
+pub use work::{Effort, Work};

@@ -53,9 +53,9 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     let domain = Domain::open(&launch.domain)?;
     let sizes = Sizes {
         job_words: launch.batch_words(),
-        jobs: launch.batches(),
+        job_queue: launch.batches(),
         result_words: launch::RESULT_WORDS,
-        results: launch::RESULTS,
+        result_queue: launch::RESULTS,
     };
     let link = WorkerLink::open(&domain, launch.who, &sizes, build)?;
     let outlet = Outlet {
@@ -113,8 +113,8 @@ impl<'w> Desk<'w> {
                 return Ok(None);
             }
             match link.jobs.take(words)? {
-                Some(Ok((head, Kind::Batch))) => return Ok(Some(head)),
-                Some(Ok((head, _))) => {
+                Some(Ok(head)) if head.kind == Kind::Batch as u8 => return Ok(Some(head)),
+                Some(Ok(head)) => {
                     tracing::warn!(kind = head.kind, "not a batch: dropped");
                     continue;
                 }

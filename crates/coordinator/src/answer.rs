@@ -1,0 +1,197 @@
+//! The answer: order-free values only, so that equal input gives equal bytes whoever did the work.
+//!
+//! Hashes are wrapping sums of splitmix64 over source triangle ids, as 16 hexadecimal digits; that
+//! of the pairs is over (id in A) << 32 | (id in B). Zeros are +0.
+
+use crate::case::{Case, Stage};
+use crate::request::Request;
+use damage::{
+    CandidateHarm, Contact, DeltaV, Note, Place, Range, Ranking, State, Unevaluable, Work,
+};
+use serde::Serialize;
+
+/// What was asked, answered.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// How finished it is.
+    pub state: State,
+    /// The policy's name.
+    pub policy: String,
+    /// Candidates, least harm first.
+    pub ranking: Vec<Row>,
+    /// Names of the candidates that the model cannot tell from the first, itself included.
+    pub tie_class: Vec<String>,
+    /// What must be said besides.
+    pub notes: Vec<Note>,
+    /// What is missing: candidates whose contact is not fully known.
+    pub missing: Vec<String>,
+}
+
+/// One candidate in its place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub name: String,
+    /// The opposing party's name.
+    pub other: String,
+    /// The policy's leading measure, over the work interval: [lo, hi].
+    pub work: Work,
+    /// The same over the model range: [low, high].
+    pub range: Range,
+    /// Whether the model is sure that it comes before the next.
+    pub certain: bool,
+    /// Why it comes before the next, in one sentence.
+    pub why: Option<String>,
+    /// What the contact is like.
+    pub contact: Contact,
+    /// Closing speed [m/s].
+    pub closing_m_s: f64,
+    /// Change of velocity of the ego and of the other [m/s].
+    pub delta_v_m_s: [DeltaV; 2],
+    /// Kinetic energy lost [J].
+    pub energy_j: Work,
+    /// Everybody in this collision.
+    pub persons: Vec<PersonRow>,
+    /// Set if there are no figures.
+    pub unevaluable: Option<Unevaluable>,
+    /// The limit on poses made the path coarse.
+    pub coarse_path: bool,
+    /// Poses from first contact on; empty without contact.
+    pub poses: Vec<PoseRow>,
+}
+
+/// One person in one collision.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PersonRow {
+    /// The party that the person belongs to.
+    pub party: String,
+    /// The seat; none on foot.
+    pub seat: Option<&'static str>,
+    /// As whom the curve takes the person.
+    pub victim: &'static str,
+    /// The curve.
+    pub curve: String,
+    /// Probability of injury at the policy's level: [lo, hi].
+    pub work: Work,
+    /// The same over the model range.
+    pub range: Range,
+    /// A zone beside the seat is hit.
+    pub intrusion: bool,
+    /// The speed lies where the curve's sample ends.
+    pub extrapolated: bool,
+}
+
+/// The hit sets at one pose.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PoseRow {
+    /// Travel from the given pose along the relative path [m].
+    pub travel_m: f64,
+    /// Triangles of the ego that are hit.
+    pub hits_a: u64,
+    /// Triangles of the other that are hit.
+    pub hits_b: u64,
+    /// Hash of the ego's.
+    pub hash_a: String,
+    /// Hash of the other's.
+    pub hash_b: String,
+    /// Intersecting pairs, at the poses that form the patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pairs: Option<u64>,
+    /// Hash of the pairs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hash: Option<String>,
+}
+
+impl Answer {
+    pub(crate) fn new(
+        request: &Request,
+        ranking: &Ranking,
+        harms: &[CandidateHarm],
+        cases: &[Case],
+    ) -> Self {
+        let name = |number: usize| request.candidates[number].name.clone();
+        let rows = ranking.places.iter().enumerate().map(|(at, place)| {
+            let next = ranking.places.get(at + 1).map(|next| next.candidate);
+            row(request, place, next, &harms[place.candidate], &cases[place.candidate])
+        });
+        let missing = (0..cases.len())
+            .filter(|number| harms[*number].is_open || harms[*number].unevaluable.is_some());
+        Self {
+            state: ranking.state,
+            policy: request.policy.name.clone(),
+            ranking: rows.collect(),
+            tie_class: ranking.tie_class.iter().map(|number| name(*number)).collect(),
+            notes: ranking.notes.clone(),
+            missing: missing.map(name).collect(),
+        }
+    }
+}
+
+fn row(
+    request: &Request,
+    place: &Place,
+    next: Option<usize>,
+    harm: &CandidateHarm,
+    case: &Case,
+) -> Row {
+    let candidate = &request.candidates[place.candidate];
+    let why = place
+        .why
+        .as_ref()
+        .zip(next)
+        .map(|(ground, next)| ground.sentence(&candidate.name, &request.candidates[next].name));
+    Row {
+        name: candidate.name.clone(),
+        other: candidate.other_name.clone(),
+        work: place.work,
+        range: place.range,
+        certain: place.certain,
+        why,
+        contact: harm.contact.clone(),
+        closing_m_s: harm.closing_m_s,
+        delta_v_m_s: harm.delta_v,
+        energy_j: harm.energy_j,
+        persons: persons(request, harm),
+        unevaluable: harm.unevaluable,
+        coarse_path: harm.coarse_path,
+        poses: poses(case),
+    }
+}
+
+fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
+    let row = |person: &damage::PersonHarm| PersonRow {
+        party: request.persons[person.id.0].party.clone(),
+        seat: person.seat.map(model::Seat::name),
+        victim: person.victim.name(),
+        curve: person.curve.clone(),
+        work: person.work,
+        range: person.range,
+        intrusion: person.intrusion,
+        extrapolated: person.extrapolated,
+    };
+    harm.persons.iter().map(row).collect()
+}
+
+fn poses(case: &Case) -> Vec<PoseRow> {
+    let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
+    let row = |(stop, surveyed): &(damage::Stop, Option<crate::case::Surveyed>)| {
+        let found = surveyed.as_ref()?;
+        let hex = |hash: u64| format!("{hash:016x}");
+        Some(PoseRow {
+            travel_m: stop.travel_m,
+            hits_a: found.sets.hits_a,
+            hits_b: found.sets.hits_b,
+            hash_a: hex(found.sets.hash_a),
+            hash_b: hex(found.sets.hash_b),
+            pairs: stop.patch.then_some(found.pairs),
+            hash: stop.patch.then(|| hex(found.hash)),
+        })
+    };
+    stops.iter().filter_map(row).collect()
+}
+
+/// Why the first comes before the second; `None` if there is only one.
+#[must_use]
+pub fn explain(answer: &Answer) -> Option<&str> {
+    answer.ranking.first().and_then(|row| row.why.as_deref())
+}

@@ -1,0 +1,541 @@
+//! The crew: worker processes, their channels, and the loop that keeps them busy.
+//!
+//! ```text
+//! loop: take results --> dispatcher --> send batches;  nothing to take: sleep on one epoll
+//!       a worker's end (pidfd) or silence --> drain its results --> its jobs go to the others
+//! ```
+//!
+//! Order at start: seal store, status page, services, processes, greetings. Order at stop: stop
+//! flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
+
+mod station;
+
+use crate::gather::Part;
+use crate::work::{PartOf, Work};
+use core::sync::atomic::Ordering;
+use crossbeam::utils::Backoff;
+use dispatch::{
+    BestMatchLoad, Counts, Dispatcher, Effect, Event, Patience, Progress, Queues, Transfer,
+};
+use protocol::job::{Job, write_batch};
+use protocol::result::{read_hits, read_last};
+use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Task};
+use runtime::{Exit, Poller, SealedMemory, StatusMemory, Wake, clock};
+use serde::Serialize;
+use station::Station;
+use std::path::{Path, PathBuf};
+use transport::{Domain, OpenError, UseError};
+
+/// How workers are started.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The program that plays the worker: `program worker WORD`.
+    pub program: PathBuf,
+    /// Name of the instance, part of every shared name.
+    pub instance: String,
+    /// Build id: both ends must have the same.
+    pub build: String,
+    /// The core of each worker; `None`: wherever the system puts it.
+    pub cores: Vec<Option<usize>>,
+    /// Jobs per message.
+    pub batch: u32,
+    /// Jobs on their way to one worker at most.
+    pub queue: u32,
+    /// Weight of the match against the load in Best Match-Load.
+    pub alpha: f64,
+    /// How long a busy worker may stand still.
+    pub patience: Patience,
+}
+
+/// A run that could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum CrewError {
+    /// The operating system refused.
+    #[error(transparent)]
+    System(#[from] runtime::OsError),
+    /// A channel could not be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A worker ended before it greeted.
+    #[error("worker {worker} ended at start-up with {exit}: its own message is above")]
+    StillBorn {
+        /// Which one.
+        worker: u8,
+        /// How.
+        exit: Exit,
+    },
+    /// A worker did not greet in time.
+    #[error("worker {worker} did not greet within {seconds} s: is the machine overloaded?")]
+    Mute {
+        /// Which one.
+        worker: u8,
+        /// How long was waited [s].
+        seconds: u64,
+    },
+    /// All workers are gone and jobs are left.
+    #[error(
+        "no worker is left and {open} of {jobs} jobs are open; lost: {lost}. Start again; if it \
+         happens again, run with --in-process to see whether a body is to blame"
+    )]
+    NobodyLeft {
+        /// Jobs left.
+        open: u64,
+        /// Jobs in all.
+        jobs: u64,
+        /// How each worker ended.
+        lost: String,
+    },
+    /// SIGINT or SIGTERM came.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What became of one worker.
+#[derive(Clone, Debug, Serialize)]
+pub struct WorkerReport {
+    /// Worker number.
+    pub worker: u8,
+    /// Process id.
+    pub pid: u32,
+    /// The core it was pinned to.
+    pub core: Option<usize>,
+    /// Jobs it finished.
+    pub jobs: u64,
+    /// Box and triangle tests of long jobs, as it counted them.
+    pub tests: u64,
+    /// Batches sent to it.
+    pub batches: u64,
+    /// Bytes of these, headers included.
+    pub batch_bytes: u64,
+    /// Result messages taken from it.
+    pub results: u64,
+    /// Bytes of these, headers included.
+    pub result_bytes: u64,
+    /// Time that its jobs took by the clock on the wall [ns].
+    pub busy_ns: u64,
+    /// How it ended, if it was lost.
+    pub lost: Option<String>,
+}
+
+/// What a run took.
+#[derive(Clone, Debug)]
+pub struct CrewReport {
+    /// Jobs, batches, fence.
+    pub counts: Counts,
+    /// The transfer ledger.
+    pub transfer: Transfer,
+    /// Messages that were turned away: foreign, stale or corrupt.
+    pub rejected: u64,
+    /// Each worker.
+    pub workers: Vec<WorkerReport>,
+}
+
+/// How long workers may take to greet [ns]: a process start, and a few opened files.
+const GREETING_NS: u64 = 20_000_000_000;
+/// How long the coordinator sleeps at most before it looks at the workers' pulse [ns].
+const NAP_NS: u64 = 20_000_000;
+/// How long a worker may take to end by itself [ns].
+const FAREWELL_MS: u64 = 200;
+
+/// Puts model files into sealed memory, where every process reads them in place.
+///
+/// # Errors
+///
+/// If there is not enough memory.
+pub fn seal(files: &[&[u8]]) -> Result<SealedMemory, runtime::OsError> {
+    let len = model::store::length(files);
+    SealedMemory::create("trolley-models", len, |bytes| model::store::fill(bytes, files))
+}
+
+/// Worker processes, ready for requests.
+#[derive(Debug)]
+pub struct Crew {
+    // Dropped in this order: channels before the domain that they live in.
+    stations: Vec<Station>,
+    status: StatusMemory,
+    poller: Poller,
+    domain: Domain,
+    dispatcher: Dispatcher<BestMatchLoad>,
+    boot: Boot,
+    request: u64,
+    patience: Patience,
+    rejected: u64,
+    scratch: Vec<u64>,
+    batch: BatchWriter,
+}
+
+/// Scratch for laying out batches.
+#[derive(Debug, Default)]
+struct BatchWriter {
+    tasks: Vec<Task>,
+    jobs: Vec<Job>,
+    words: Vec<u64>,
+}
+
+impl Crew {
+    /// Starts the workers and waits until each has greeted.
+    ///
+    /// # Errors
+    ///
+    /// If shared memory, a process or a core is not to be had, or a worker does not greet.
+    pub fn start(store: &SealedMemory, options: &Options) -> Result<Self, CrewError> {
+        let boot = Boot(clock::random_u64()?);
+        let swept = transport::sweep_leftovers();
+        if swept > 0 {
+            tracing::info!(swept, "removed what killed runs had left");
+        }
+        let status = StatusMemory::create()?;
+        let mut poller = Poller::new()?;
+        poller.catch_signals()?;
+        let domain = Domain::create(&options.instance, boot)?;
+        let queues = Queues { capacity: options.queue, batch: options.batch };
+        let workers = options.cores.len();
+        let scheme = BestMatchLoad { alpha: options.alpha };
+        let mut crew = Self {
+            stations: Vec::with_capacity(workers),
+            status,
+            poller,
+            domain,
+            dispatcher: Dispatcher::new(scheme, queues, workers),
+            boot,
+            request: 0,
+            patience: options.patience,
+            rejected: 0,
+            scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
+            batch: BatchWriter::default(),
+        };
+        for (worker, core) in options.cores.iter().enumerate() {
+            let who = Incarnation { worker: worker as u8, inc: 0 };
+            let launch = Launch {
+                who,
+                boot,
+                batch: options.batch,
+                queue: options.queue,
+                domain: crew.domain.text().to_owned(),
+            };
+            let bell = crew.poller.add_event(worker as u32)?;
+            let page = &crew.status;
+            let station = Station::start(&launch, &crew.domain, options, *core, store, page, bell)?;
+            crew.poller.add_process(station.child(), worker as u32)?;
+            crew.stations.push(station);
+        }
+        crew.await_greetings()?;
+        Ok(crew)
+    }
+
+    /// Process ids of the workers, in order.
+    #[must_use]
+    pub fn pids(&self) -> Vec<u32> {
+        self.stations.iter().map(|station| station.report.pid).collect()
+    }
+
+    fn await_greetings(&mut self) -> Result<(), CrewError> {
+        let end = clock::now_ns() + GREETING_NS;
+        let mut greeted = vec![false; self.stations.len()];
+        while let Some(worker) = greeted.iter().position(|greeted| !greeted) {
+            for (number, station) in self.stations.iter_mut().enumerate() {
+                if let Ok(Some(Ok(head))) = station.take(&self.status, &mut self.scratch) {
+                    greeted[number] |= head.kind == Kind::Hello as u8;
+                }
+                if let Some(exit) = station.exit()? {
+                    return Err(CrewError::StillBorn { worker: number as u8, exit });
+                }
+            }
+            if clock::now_ns() > end {
+                let seconds = GREETING_NS / 1_000_000_000;
+                return Err(CrewError::Mute { worker: worker as u8, seconds });
+            }
+            self.sleep(1_000_000)?;
+        }
+        Ok(())
+    }
+
+    /// Works a request off.
+    ///
+    /// # Errors
+    ///
+    /// If no worker is left, or a signal came.
+    pub fn run(&mut self, work: &mut Work<'_>) -> Result<CrewReport, CrewError> {
+        self.request += 1;
+        self.rejected = 0;
+        self.dispatcher.begin();
+        let mut effects = Vec::new();
+        let mut progress = self.dispatcher.step(Event::Poll, work, &mut effects);
+        for number in 0..self.stations.len() {
+            if self.stations[number].is_alive() {
+                let who = self.stations[number].who;
+                progress = self.step(Event::Ready(who), work, &mut effects);
+            }
+        }
+        let backoff = Backoff::new();
+        let mut looked = clock::now_ns();
+        while progress == Progress::Working {
+            let (taken, after) = self.take_results(work, &mut effects, progress);
+            progress = after;
+            let now = clock::now_ns();
+            if now - looked > NAP_NS {
+                looked = now;
+                progress = self.look_after(now, work, &mut effects, progress)?;
+            }
+            if progress != Progress::Working {
+                break;
+            }
+            if taken {
+                backoff.reset();
+            } else if backoff.is_completed() {
+                let ended = self.sleep(NAP_NS)?;
+                for worker in ended {
+                    progress = self.bury(worker, work, &mut effects)?;
+                }
+            } else {
+                backoff.snooze();
+            }
+        }
+        let counts = self.dispatcher.counts();
+        if progress == Progress::Stranded {
+            let lost = self.stations.iter().filter_map(|station| {
+                let how = station.report.lost.as_deref()?;
+                Some(format!("worker {} by {how}", station.who.worker))
+            });
+            return Err(CrewError::NobodyLeft {
+                open: counts.jobs - counts.done - counts.cut - counts.abandoned,
+                jobs: counts.jobs,
+                lost: lost.collect::<Vec<_>>().join(", "),
+            });
+        }
+        Ok(self.report(counts))
+    }
+
+    fn report(&self, counts: Counts) -> CrewReport {
+        CrewReport {
+            counts,
+            transfer: self.dispatcher.transfer(),
+            rejected: self.rejected,
+            workers: self.stations.iter().map(|station| station.report(&self.status)).collect(),
+        }
+    }
+
+    /// One event, and everything that follows from it.
+    fn step(
+        &mut self,
+        event: Event<'_, PartOf<'_>>,
+        work: &mut Work<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Progress {
+        let mut progress = self.dispatcher.step(event, work, effects);
+        while let Some(Effect::Send { to, jobs }) = effects.pop() {
+            let sent = self.send(to, &jobs, work);
+            if sent.is_err() {
+                let jobs: Vec<JobId> = jobs.into_iter().map(|(job, _)| job).collect();
+                progress = self.dispatcher.step(Event::Unsent { to, jobs: &jobs }, work, effects);
+                // Nothing can be sent there now; whoever is well gets the jobs with the next event.
+                if self.stations[usize::from(to.worker)].is_alive() {
+                    effects.clear();
+                }
+            }
+        }
+        progress
+    }
+
+    fn send(
+        &mut self,
+        to: Incarnation,
+        jobs: &[(JobId, u8)],
+        work: &Work<'_>,
+    ) -> Result<(), UseError> {
+        let BatchWriter { tasks, jobs: rows, words } = &mut self.batch;
+        tasks.clear();
+        rows.clear();
+        for (job, attempt) in jobs {
+            let Some(spec) = self.dispatcher.spec(*job) else { continue };
+            let Some(task) = work.task(spec.task) else { continue };
+            let place = tasks.iter().position(|known| known.task == task.task);
+            let place = place.unwrap_or_else(|| {
+                tasks.push(*task);
+                tasks.len() - 1
+            });
+            rows.push(Job {
+                job: job.0,
+                task: place as u32,
+                node_a: spec.a.node,
+                node_b: spec.b.node,
+                budget: u64::MAX,
+                attempt: u32::from(*attempt),
+                spare: 0,
+            });
+        }
+        write_batch(words, tasks, rows);
+        let head = Head {
+            count: rows.len() as u16,
+            ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
+        };
+        self.stations[usize::from(to.worker)].send(&self.status, head, words)
+    }
+
+    /// Takes all results there are by now. Says whether there was one.
+    fn take_results(
+        &mut self,
+        work: &mut Work<'_>,
+        effects: &mut Vec<Effect>,
+        mut progress: Progress,
+    ) -> (bool, Progress) {
+        let mut any = false;
+        for number in 0..self.stations.len() {
+            while let Some(after) = self.take_one(number, work, effects) {
+                (any, progress) = (true, after);
+            }
+        }
+        (any, progress)
+    }
+
+    /// Takes one message from one worker; `None` if there is none.
+    fn take_one(
+        &mut self,
+        number: usize,
+        work: &mut Work<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Option<Progress> {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let taken = self.stations[number].take(&self.status, &mut scratch);
+        let progress = match taken {
+            Ok(Some(Ok(head))) => Some(self.handle(number, &head, &scratch, work, effects)),
+            Ok(Some(Err(reject))) => {
+                tracing::warn!(worker = number, %reject, "message turned away");
+                self.rejected += 1;
+                Some(Progress::Working)
+            }
+            Ok(None) | Err(_) => None,
+        };
+        self.scratch = scratch;
+        progress
+    }
+
+    fn handle(
+        &mut self,
+        number: usize,
+        head: &Head,
+        words: &[u64],
+        work: &mut Work<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Progress {
+        let (from, job) = (self.stations[number].who, JobId(head.job));
+        if head.request != self.request {
+            return self.step(Event::Poll, work, effects);
+        }
+        match Kind::from_number(head.kind) {
+            Some(Kind::Result) => {
+                let last = head.is_last().then(|| read_last(words, head.hits));
+                let hits = match &last {
+                    Some(last) => last.map(|last| last.hits),
+                    None => read_hits(words, head.hits),
+                };
+                let Some(hits) = hits else {
+                    self.rejected += 1;
+                    return self.step(Event::Poll, work, effects);
+                };
+                let last = last.flatten();
+                if let Some(last) = &last {
+                    self.stations[number].report.busy_ns += last.summary.wall_ns;
+                }
+                let event = Event::Part {
+                    from,
+                    job,
+                    attempt: head.attempt,
+                    part: head.part,
+                    last: last.is_some(),
+                    body: PartOf(Part { hits, last }),
+                };
+                self.step(event, work, effects)
+            }
+            Some(Kind::Nack) => {
+                tracing::warn!(worker = number, job = head.job, "a job failed");
+                self.step(Event::Failed { from, job, attempt: head.attempt }, work, effects)
+            }
+            Some(Kind::Hello | Kind::Batch) | None => self.step(Event::Poll, work, effects),
+        }
+    }
+
+    /// Looks at every worker's pulse, and kills who stands still.
+    fn look_after(
+        &mut self,
+        now: u64,
+        work: &mut Work<'_>,
+        effects: &mut Vec<Effect>,
+        mut progress: Progress,
+    ) -> Result<Progress, CrewError> {
+        for number in 0..self.stations.len() {
+            let busy = self.dispatcher.is_busy(number as u8);
+            let verdict = self.stations[number].pulse(&self.status, busy, now, &self.patience);
+            if let Some(verdict) = verdict {
+                tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
+                self.stations[number].kill(&format!("{verdict:?}").to_lowercase());
+                progress = self.bury(number, work, effects)?;
+            }
+        }
+        Ok(progress)
+    }
+
+    /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.
+    fn bury(
+        &mut self,
+        number: usize,
+        work: &mut Work<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Result<Progress, CrewError> {
+        if !self.stations[number].is_alive() || self.stations[number].wait_end()?.is_none() {
+            return Ok(self.step(Event::Poll, work, effects));
+        }
+        while self.take_one(number, work, effects).is_some() {}
+        let (who, started) = self.stations[number].bury(&self.status);
+        self.poller.remove_process(number as u32);
+        self.poller.remove_event(number as u32);
+        let lost = self.stations[number].report.lost.clone().unwrap_or_default();
+        tracing::warn!(worker = number, %lost, "lost a worker; its jobs go to the others");
+        Ok(self.step(Event::Lost { who, started }, work, effects))
+    }
+
+    /// Sleeps until a worker rings or ends, at most so long. Returns whose process has ended.
+    fn sleep(&mut self, timeout_ns: u64) -> Result<Vec<usize>, CrewError> {
+        let flag = |value| {
+            for line in &self.status.page().coordinator {
+                line.sleeping.store(value, Ordering::SeqCst);
+            }
+        };
+        flag(1);
+        // A result sent before the flag was up rang nobody.
+        let waiting = self.stations.iter().any(|station| station.has_mail(&self.status));
+        let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
+        flag(0);
+        let mut ended = Vec::new();
+        for wake in wakes? {
+            match wake {
+                Wake::Process(worker) => ended.push(worker as usize),
+                Wake::Signal(_) => return Err(CrewError::Interrupted),
+                Wake::Event(_) | Wake::Timer => {}
+            }
+        }
+        Ok(ended)
+    }
+}
+
+impl Drop for Crew {
+    fn drop(&mut self) {
+        for station in &self.stations {
+            station.tell_to_stop(&self.status);
+        }
+        let end = clock::now_ns() + FAREWELL_MS * 1_000_000;
+        for station in &mut self.stations {
+            station.part(end.saturating_sub(clock::now_ns()) / 1_000_000);
+        }
+        self.stations.clear();
+    }
+}
+
+/// The program that is running: workers are started from the same file.
+impl Options {
+    /// This program itself.
+    #[must_use]
+    pub fn own_program() -> &'static Path {
+        runtime::process::self_exe()
+    }
+}

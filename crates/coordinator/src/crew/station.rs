@@ -1,0 +1,248 @@
+//! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
+
+use super::{Options, WorkerReport};
+use core::sync::atomic::Ordering;
+use dispatch::{Patience, Pulse, Verdict, Watch};
+use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
+use protocol::status::read_started;
+use protocol::{Head, Incarnation, JobId, Launch, Reject};
+use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
+use transport::{CoordinatorLink, Domain, OpenError, Sizes, UseError};
+
+/// One worker's place.
+#[derive(Debug)]
+pub(super) struct Station {
+    pub(super) who: Incarnation,
+    pub(super) report: WorkerReport,
+    link: CoordinatorLink,
+    child: Child,
+    watch: Watch,
+    is_alive: bool,
+    seq: u32,
+    /// Kept open: the worker holds the other end.
+    _bell: EventFd,
+}
+
+/// A station that could not be opened.
+#[derive(Debug)]
+pub(super) enum StartError {
+    System(OsError),
+    Open(OpenError),
+}
+
+impl From<OsError> for StartError {
+    fn from(error: OsError) -> Self {
+        Self::System(error)
+    }
+}
+
+impl From<OpenError> for StartError {
+    fn from(error: OpenError) -> Self {
+        Self::Open(error)
+    }
+}
+
+impl From<StartError> for super::CrewError {
+    fn from(error: StartError) -> Self {
+        match error {
+            StartError::System(error) => Self::System(error),
+            StartError::Open(error) => Self::Open(error),
+        }
+    }
+}
+
+impl Station {
+    /// Creates the channels, then starts the process that opens them.
+    pub(super) fn start(
+        launch: &Launch,
+        domain: &Domain,
+        options: &Options,
+        core: Option<usize>,
+        store: &SealedMemory,
+        status: &StatusMemory,
+        bell: EventFd,
+    ) -> Result<Self, StartError> {
+        let sizes = Sizes {
+            job_words: launch.batch_words(),
+            job_queue: launch.batches(),
+            result_words: launch::RESULT_WORDS,
+            result_queue: launch::RESULTS,
+        };
+        let link = CoordinatorLink::create(domain, launch.who, &sizes, &options.build)?;
+        let args = ["worker".to_owned(), launch.to_word()];
+        let child = process::spawn(Spawn {
+            program: &options.program,
+            args: &args,
+            fds: &[(store.fd(), STORE_FD), (status.fd(), STATUS_FD), (bell.fd(), EVENT_FD)],
+            core,
+        })?;
+        let report = WorkerReport {
+            worker: launch.who.worker,
+            pid: child.pid(),
+            core,
+            jobs: 0,
+            tests: 0,
+            batches: 0,
+            batch_bytes: 0,
+            results: 0,
+            result_bytes: 0,
+            busy_ns: 0,
+            lost: None,
+        };
+        Ok(Self {
+            who: launch.who,
+            report,
+            link,
+            child,
+            watch: Watch::default(),
+            is_alive: true,
+            seq: 0,
+            _bell: bell,
+        })
+    }
+
+    pub(super) fn child(&self) -> &Child {
+        &self.child
+    }
+
+    pub(super) fn is_alive(&self) -> bool {
+        self.is_alive
+    }
+
+    fn line(&self) -> usize {
+        usize::from(self.who.worker)
+    }
+
+    /// What was counted, with what the worker says of itself.
+    pub(super) fn report(&self, status: &StatusMemory) -> WorkerReport {
+        let line = &status.page().workers[self.line()];
+        WorkerReport {
+            jobs: line.jobs.load(Ordering::Relaxed),
+            tests: line.tests.load(Ordering::Relaxed),
+            ..self.report.clone()
+        }
+    }
+
+    /// How it ended, if it has.
+    pub(super) fn exit(&mut self) -> Result<Option<Exit>, OsError> {
+        self.child.try_wait()
+    }
+
+    /// Waits for the end of a process that was reported or killed; `None`: it lives after all.
+    pub(super) fn wait_end(&mut self) -> Result<Option<Exit>, OsError> {
+        let exit = self.child.wait_ms(1_000)?;
+        if let (Some(exit), None) = (exit, &self.report.lost) {
+            self.report.lost = Some(exit.to_string());
+        }
+        Ok(exit)
+    }
+
+    pub(super) fn send(
+        &mut self,
+        status: &StatusMemory,
+        head: Head,
+        words: &[u64],
+    ) -> Result<(), UseError> {
+        if !self.is_alive {
+            return Err(UseError::Broken);
+        }
+        let mut message = self.link.jobs.loan()?;
+        message.words().get_mut(..words.len()).ok_or(UseError::Broken)?.copy_from_slice(words);
+        message.send(Head { seq: self.seq, ..head }, words.len())?;
+        self.seq = self.seq.wrapping_add(1);
+        self.report.batches += 1;
+        self.report.batch_bytes += 64 + 8 * words.len() as u64;
+        self.wake(status);
+        Ok(())
+    }
+
+    /// Changes the futex word, and wakes the worker if it sleeps on it.
+    fn wake(&self, status: &StatusMemory) {
+        let page = status.page();
+        let word = &page.coordinator[self.line()].wake;
+        word.fetch_add(1, Ordering::SeqCst);
+        if page.workers[self.line()].sleeping.load(Ordering::SeqCst) == 1 {
+            futex::wake(word);
+        }
+    }
+
+    /// Whether the worker has sent more than was taken.
+    pub(super) fn has_mail(&self, status: &StatusMemory) -> bool {
+        let page = status.page();
+        let sent = page.workers[self.line()].sent.load(Ordering::SeqCst);
+        let taken = page.coordinator[self.line()].consumed.load(Ordering::Relaxed);
+        self.is_alive && sent != taken
+    }
+
+    /// Takes one message, giving its credit back.
+    pub(super) fn take(
+        &mut self,
+        status: &StatusMemory,
+        scratch: &mut Vec<u64>,
+    ) -> Result<Option<Result<Head, Reject>>, UseError> {
+        if !self.is_alive {
+            return Ok(None);
+        }
+        let taken = self.link.results.take(scratch)?;
+        if let Some(arrived) = &taken {
+            status.page().coordinator[self.line()].consumed.fetch_add(1, Ordering::Release);
+            if let Ok(head) = arrived {
+                self.report.results += 1;
+                self.report.result_bytes += 64 + 8 * u64::from(head.len);
+            }
+        }
+        Ok(taken)
+    }
+
+    /// The verdict on a worker that must be killed.
+    pub(super) fn pulse(
+        &mut self,
+        status: &StatusMemory,
+        busy: bool,
+        now: u64,
+        patience: &Patience,
+    ) -> Option<Verdict> {
+        if !self.is_alive {
+            return None;
+        }
+        let stat = process::stat(self.report.pid)?;
+        let beat = status.page().workers[self.line()].beat.load(Ordering::Relaxed);
+        let stopped = matches!(stat.state, 'T' | 't');
+        let pulse = Pulse { beat, cpu_ns: stat.cpu_ns, stopped, busy };
+        let verdict = self.watch.look(pulse, now, patience);
+        (verdict != Verdict::Alive).then_some(verdict)
+    }
+
+    /// Kills it, and remembers why.
+    pub(super) fn kill(&mut self, why: &str) {
+        self.report.lost = Some(format!("SIGKILL by the coordinator: {why}"));
+        if let Err(error) = self.child.kill() {
+            tracing::debug!(%error, "cannot kill a worker");
+        }
+    }
+
+    /// No more mail to or from it. Says what it had started.
+    pub(super) fn bury(&mut self, status: &StatusMemory) -> (Incarnation, Option<(JobId, u8)>) {
+        self.is_alive = false;
+        let started = status.page().workers[self.line()].started.load(Ordering::SeqCst);
+        (self.who, read_started(started, self.who))
+    }
+
+    pub(super) fn tell_to_stop(&self, status: &StatusMemory) {
+        status.page().coordinator[self.line()].stop.store(1, Ordering::SeqCst);
+        self.wake(status);
+    }
+
+    /// Gives it a moment to end, then kills it.
+    pub(super) fn part(&mut self, timeout_ms: u64) {
+        match self.child.wait_ms(timeout_ms) {
+            Ok(Some(_)) => {}
+            Ok(None) | Err(_) => {
+                tracing::debug!(worker = self.who.worker, "did not end by itself: killed");
+                if let Err(error) = self.child.kill() {
+                    tracing::debug!(%error, "cannot kill a worker");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! What one task has found so far: the union of its jobs, in any order.
+
+use bvh::Counters;
+use geometry::hash::splitmix64;
+use geometry::{Supports, support::DIRECTIONS};
+use model::BodyView;
+use protocol::Side;
+use protocol::result::{Last, read_hit};
+
+/// A set of triangles, one bit each.
+#[derive(Clone, Debug, Default)]
+struct Hits(Vec<u64>);
+
+impl Hits {
+    fn with_room(triangles: usize) -> Self {
+        Self(vec![0; triangles.div_ceil(64)])
+    }
+
+    /// `false` if there is no such triangle: then the message lied.
+    fn insert(&mut self, triangle: u32) -> bool {
+        let word = self.0.get_mut(triangle as usize / 64);
+        word.map(|word| *word |= 1 << (triangle % 64)).is_some()
+    }
+
+    fn iter(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().enumerate().flat_map(|(at, word)| {
+            (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| at * 64 + bit)
+        })
+    }
+}
+
+/// One part of a result, on its way into a task.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part<'p> {
+    /// Hits of this part.
+    pub(crate) hits: &'p [u32],
+    /// The rest, if it is the last part.
+    pub(crate) last: Option<Last<'p>>,
+}
+
+/// The union.
+#[derive(Clone, Debug)]
+pub(crate) struct Gathered {
+    hits_a: Hits,
+    hits_b: Hits,
+    pub(crate) pairs: u64,
+    pub(crate) hash: u64,
+    pub(crate) supports: Supports,
+    pub(crate) zones_a: u16,
+    pub(crate) zones_b: u16,
+    pub(crate) touched: bool,
+}
+
+/// Hit sets as an answer states them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SetSummary {
+    pub(crate) hits_a: u64,
+    pub(crate) hits_b: u64,
+    pub(crate) hash_a: u64,
+    pub(crate) hash_b: u64,
+}
+
+impl Gathered {
+    pub(crate) fn with_room(triangles_a: usize, triangles_b: usize) -> Self {
+        Self {
+            hits_a: Hits::with_room(triangles_a),
+            hits_b: Hits::with_room(triangles_b),
+            pairs: 0,
+            hash: 0,
+            supports: Supports::EMPTY,
+            zones_a: 0,
+            zones_b: 0,
+            touched: false,
+        }
+    }
+
+    /// Includes one part. Sets, maxima and unions may be included again; sums come with the last
+    /// part, which is included once. `false` if it names a triangle that does not exist.
+    pub(crate) fn fold(&mut self, part: Part<'_>, effort: &mut Counters) -> bool {
+        let mut sound = true;
+        for hit in part.hits {
+            sound &= match read_hit(*hit) {
+                (Side::A, triangle) => self.hits_a.insert(triangle),
+                (Side::B, triangle) => self.hits_b.insert(triangle),
+            };
+        }
+        self.touched |= !part.hits.is_empty();
+        let Some(last) = part.last else { return sound };
+        self.pairs += last.summary.pairs;
+        self.hash = self.hash.wrapping_add(last.summary.hash);
+        self.zones_a |= last.summary.zones_a;
+        self.zones_b |= last.summary.zones_b;
+        self.touched |= last.summary.pairs > 0;
+        effort.add(&Counters { nb: last.summary.nb, np: last.summary.np });
+        if let Some(supports) = last.supports {
+            const { assert!(protocol::result::SUPPORTS == DIRECTIONS) };
+            self.supports.merge(&Supports(*supports));
+        }
+        sound
+    }
+
+    /// Counts and order-free hashes of both hit sets, over source ids.
+    pub(crate) fn summary(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
+        let sum = |hits: &Hits, body: &BodyView<'_>| {
+            hits.iter().fold((0_u64, 0_u64), |(count, hash), triangle| {
+                let id = u64::from(body.source_ids[triangle]);
+                (count + 1, hash.wrapping_add(splitmix64(id)))
+            })
+        };
+        let ((hits_a, hash_a), (hits_b, hash_b)) = (sum(&self.hits_a, a), sum(&self.hits_b, b));
+        SetSummary { hits_a, hits_b, hash_a, hash_b }
+    }
+}

@@ -1,0 +1,199 @@
+//! A request as the engine takes it: every candidate in the ego's frame, and who is at stake.
+
+use bvh::support;
+use damage::party::{is_concave, is_fixed};
+use damage::rule::Stake;
+use damage::{
+    Aboard, Approach, Curves, Meeting, Parameters, Party, PersonId, Policy, crew, heading, plan,
+};
+use geometry::support::DIRECTIONS;
+use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
+use model::{BodyView, Meta, Seat};
+use scenario::{Scenario, State};
+
+/// One candidate, before any work.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) name: String,
+    pub(crate) other_name: String,
+    pub(crate) model_a: u32,
+    pub(crate) model_b: u32,
+    /// B seen from A at the given pose.
+    pub(crate) pose: RelativePose,
+    pub(crate) approach: Approach,
+    pub(crate) meeting: Meeting,
+    pub(crate) a: Party,
+    pub(crate) b: Party,
+    pub(crate) probability: f64,
+}
+
+/// A person at stake, by name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Person {
+    pub(crate) party: String,
+    pub(crate) seat: Option<Seat>,
+    pub(crate) stake: Stake,
+}
+
+/// Everything that is asked, and by what it will be judged.
+#[derive(Clone, Debug)]
+pub struct Request {
+    pub(crate) candidates: Vec<Candidate>,
+    pub(crate) persons: Vec<Person>,
+    pub(crate) policy: Policy,
+    pub(crate) curves: Curves,
+    pub(crate) parameters: Parameters,
+}
+
+/// A request that cannot be worked on.
+#[derive(Debug, thiserror::Error)]
+pub enum RequestError {
+    /// A candidate's motion or bodies cannot be used.
+    #[error("candidate \"{name}\": {source}")]
+    Approach {
+        /// Which one.
+        name: String,
+        /// Why.
+        source: damage::ApproachError,
+    },
+    /// A candidate cannot be assessed.
+    #[error("candidate \"{name}\": {source}")]
+    Assess {
+        /// Which one.
+        name: String,
+        /// Why.
+        source: damage::AssessError,
+    },
+    /// The candidates cannot be ranked.
+    #[error(transparent)]
+    Rank(#[from] damage::RankError),
+}
+
+impl Request {
+    /// Puts a scenario into the ego's frame. `bodies` are those of its parties, in their order.
+    ///
+    /// # Errors
+    ///
+    /// If a candidate's approach is unusable.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer bodies than parties.
+    pub fn new(
+        scenario: &Scenario,
+        bodies: &[(Meta, BodyView<'_>)],
+        policy: Policy,
+        curves: Curves,
+    ) -> Result<Self, RequestError> {
+        let (persons, aboard) = persons(scenario, bodies);
+        let mut candidates = Vec::new();
+        for candidate in &scenario.candidates {
+            let (ego, other) = (scenario.ego.0, candidate.other.party.0);
+            let (state_a, state_b) = (&candidate.ego, &candidate.other.state);
+            let pose = RelativePose::between(&state_a.pose, &state_b.pose);
+            let party = |number: usize, to_ego: Option<&RelativePose>| {
+                let mass = scenario.parties[number].mass_kg;
+                party(&bodies[number].0, mass, to_ego, aboard[number].clone())
+            };
+            let (a, b) = (party(ego, None), party(other, Some(&pose)));
+            let views = (&bodies[ego].1, &bodies[other].1);
+            let approach = approach(views, &pose, (state_a, state_b), (&a, &b));
+            let meeting = plan(&approach).map_err(|source| RequestError::Approach {
+                name: candidate.name.clone(),
+                source,
+            })?;
+            candidates.push(Candidate {
+                name: candidate.name.clone(),
+                other_name: scenario.parties[other].name.clone(),
+                model_a: ego as u32,
+                model_b: other as u32,
+                pose,
+                approach,
+                meeting,
+                a,
+                b,
+                probability: candidate.probability,
+            });
+        }
+        Ok(Self { candidates, persons, policy, curves, parameters: Parameters::default() })
+    }
+
+    /// The name of the policy.
+    #[must_use]
+    pub fn policy(&self) -> &Policy {
+        &self.policy
+    }
+}
+
+/// The one fixed list of persons, and who of them is with each party.
+fn persons(
+    scenario: &Scenario,
+    bodies: &[(Meta, BodyView<'_>)],
+) -> (Vec<Person>, Vec<Vec<Aboard>>) {
+    let mut persons = Vec::new();
+    let mut aboard = Vec::new();
+    for (number, party) in scenario.parties.iter().enumerate() {
+        let meta = &bodies[number].0;
+        let is_ego = number == scenario.ego.0;
+        let states = scenario.candidates.iter().filter_map(|candidate| {
+            let is_other = candidate.other.party.0 == number;
+            if is_ego { Some(&candidate.ego) } else { is_other.then_some(&candidate.other.state) }
+        });
+        let speed = states.map(|state| state.velocity_m_s.length()).fold(0.0, f64::max);
+        let stated = party.persons.as_deref().or(meta.occupants.as_deref());
+        let stake = Stake { is_ego, responsibility: party.responsibility };
+        aboard.push(Vec::new());
+        for seat in crew(meta.kind, speed, stated) {
+            aboard[number].push(Aboard { id: PersonId(persons.len()), seat });
+            persons.push(Person { party: party.name.clone(), seat, stake });
+        }
+    }
+    (persons, aboard)
+}
+
+fn party(
+    meta: &Meta,
+    mass_kg: Option<f64>,
+    to_ego: Option<&RelativePose>,
+    persons: Vec<Aboard>,
+) -> Party {
+    let centre = DVec3::from_array(meta.centre_m);
+    let (centre_m, forward) = match to_ego {
+        None => (centre, DVec3::X),
+        Some(pose) => {
+            let r = &pose.rotation;
+            let row = |i: usize| {
+                ((r[i][0] * centre.x + r[i][1] * centre.y) + r[i][2] * centre.z)
+                    + pose.translation[i]
+            };
+            (DVec3::new(row(0), row(1), row(2)), DVec3::new(r[0][0], r[1][0], r[2][0]))
+        }
+    };
+    let mass_kg = if is_fixed(meta.kind) { None } else { mass_kg.or(meta.mass_kg) };
+    let concave = is_concave(meta.kind);
+    let gyration_m = meta.gyration_m;
+    Party { kind: meta.kind, mass_kg, gyration_m, centre_m, forward, concave, persons }
+}
+
+fn approach(
+    (body_a, body_b): (&BodyView<'_>, &BodyView<'_>),
+    pose: &RelativePose,
+    (state_a, state_b): (&State, &State),
+    (a, b): (&Party, &Party),
+) -> Approach {
+    let to_a = |v: DVec3| Pose::direction_to_body(&state_a.pose, v);
+    let relative = to_a(state_a.velocity_m_s - state_b.velocity_m_s);
+    let up = to_a(DVec3::Z);
+    let u = heading(relative, b.centre_m - a.centre_m, up);
+    let directions = Directions::around(u, up);
+    let level = relative - up * relative.dot(up);
+    let t = DVec3::from_array(pose.translation);
+    let mut supports_a = Supports::EMPTY;
+    let mut supports_b = Supports::EMPTY;
+    for i in 0..DIRECTIONS {
+        let d = directions.d[i];
+        supports_a.0[i] = support::support(body_a, d);
+        supports_b.0[i] = support::support(body_b, pose.direction_to_b(d)) + d.dot(t);
+    }
+    Approach { directions, closing_m_s: level.length(), supports_a, supports_b }
+}
