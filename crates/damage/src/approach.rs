@@ -16,12 +16,12 @@ pub const HORIZONTAL: usize = 72;
 pub const QUARTER: usize = HORIZONTAL / 4;
 /// The direction upwards, and the one after it downwards.
 pub const UP: usize = HORIZONTAL;
-/// How far before or after the given pose contact is sought [m].
+/// How far before or after the given pose contact is sought (m).
 pub const REACH_M: f64 = 10.0;
-/// Below this closing speed u leads from A's centre to B's [m/s].
+/// Below this closing speed u leads from A's centre to B's (m/s).
 pub const STANDSTILL_M_S: f64 = 0.1;
 
-/// Hulls closer than this [m] in either sense count as touching: far above rounding, far below any
+/// Hulls closer than this (m) in either sense count as touching: far above rounding, far below any
 /// measure of a body.
 const TOUCH_M: f64 = 1e-9;
 
@@ -30,7 +30,7 @@ const TOUCH_M: f64 = 1e-9;
 pub struct Approach {
     /// The directions around u, the unit vector of the horizontal relative velocity v_A − v_B.
     pub directions: Directions,
-    /// Horizontal |v_A − v_B| [m/s].
+    /// Horizontal |v_A − v_B| (m/s).
     pub closing_m_s: f64,
     /// Supports of the whole body A.
     pub supports_a: Supports,
@@ -52,9 +52,9 @@ pub enum ApproachError {
 /// Where the hulls come nearest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// The first travel at which they are nearest [m].
+    /// The first travel at which they are nearest (m).
     pub travel_m: f64,
-    /// Their distance there [m], not more than the true one; negative where they overlap.
+    /// Their distance there (m), not more than the true one; negative where they overlap.
     pub gap_m: f64,
 }
 
@@ -124,34 +124,42 @@ impl Approach {
         Ok(())
     }
 
-    /// How far [m] the hulls overlap along horizontal direction `i` after `travel_m`; negative if
+    /// How far (m) the hulls overlap along horizontal direction `i` after `travel_m`; negative if
     /// they are apart. It is `max over A of x·d − min over B of x·d`.
     #[must_use]
     pub fn penetration(&self, i: usize, travel_m: f64) -> f64 {
         self.supports_a.0[i] + self.supports_b.0[opposite(i)] + travel_m * cosine(i)
     }
 
-    /// How far [m] the bodies overlap in height; it does not change along the path.
+    /// How far (m) the bodies overlap in height; it does not change along the path.
     #[must_use]
     pub fn overlap_in_height(&self) -> f64 {
         let (a, b) = (&self.supports_a.0, &self.supports_b.0);
         (a[UP] + b[UP + 1]).min(b[UP] + a[UP + 1])
     }
 
-    /// Extent of the smaller body along u [m].
+    /// Extent of the smaller body along u (m).
     #[must_use]
     pub fn smaller_extent(&self) -> f64 {
         let extent = |s: &Supports| s.0[0] + s.0[opposite(0)];
         extent(&self.supports_a).min(extent(&self.supports_b))
     }
 
-    /// The travel at which no direction ahead of u separates the hulls any more [m], if both
-    /// together were `raise` [m] larger all round.
+    /// The travel at which no direction ahead of u separates the hulls any more (m), if both
+    /// together were `raise` (m) larger all round.
     pub(crate) fn entry(&self, raise_m: f64) -> f64 {
         (0..HORIZONTAL)
             .filter(|&i| turn(i) < QUARTER)
             .map(|i| -(self.penetration(i, 0.0) + raise_m) / cosine(i))
             .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The travel (m) from which some direction behind u separates the hulls for good.
+    pub(crate) fn exit(&self) -> f64 {
+        (0..HORIZONTAL)
+            .filter(|&i| turn(i) > QUARTER)
+            .map(|i| -self.penetration(i, 0.0) / cosine(i))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the hulls overlap or touch after `travel_m`, in plan and in height.

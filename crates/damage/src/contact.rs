@@ -4,7 +4,7 @@
 //! The normal comes from the hulls, not from the patch: at a flat wall or round a pole the patch is a
 //! planar ring whose thinnest direction misleads. N is the set of directions along which the hulls
 //! overlap least at pose r; the nominal normal is its member nearest to u. While the first contact is
-//! known only between two travels, [`Normals`] holds what may and what must belong to N, so that the
+//! known only between two travels, `Normals` holds what may and what must belong to N, so that the
 //! set only narrows as the search goes on.
 //!
 //! It does not know masses or persons.
@@ -19,7 +19,7 @@ use serde::Serialize;
 
 /// Directions belong to N up to this multiple of the least overlap ...
 const NEARLY_LEAST: f64 = 1.5;
-/// ... or up to this overlap [m].
+/// ... or up to this overlap (m).
 const SHALLOW_M: f64 = 0.02;
 
 /// The directions that may be the normal of a contact.
@@ -33,7 +33,7 @@ pub(crate) struct Normals {
     pub(crate) sure: Vec<usize>,
 }
 
-/// Where things happen along the path [m], as far as the first contact is known.
+/// Where things happen along the path (m), as far as the first contact is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Places {
     pub(crate) first: Work,
@@ -50,7 +50,7 @@ pub struct Contact {
     pub touch: Touch,
     /// No contact, but the hulls come nearer than poses are known.
     pub near_miss: bool,
-    /// Least distance of the hulls [m], not more than the true one; negative: they overlap.
+    /// Least distance of the hulls (m), not more than the true one; negative: they overlap.
     pub hull_gap_m: f64,
     /// Features of the patch; `None` without contact.
     pub patch: Option<Patch>,
@@ -153,7 +153,7 @@ fn centre(approach: &Approach, centre_m: DVec3, i: usize, sign: f64, middle: Wor
     Work::new(moved(middle.lo()), moved(middle.hi()))
 }
 
-/// Distances of both bodies' centres from the middle of the patch: across and along normal `i` [m].
+/// Distances of both bodies' centres from the middle of the patch: across and along normal `i` (m).
 pub(crate) fn levers(
     approach: &Approach,
     evidence: &Evidence,

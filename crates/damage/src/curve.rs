@@ -91,7 +91,7 @@ impl Unit {
         }
     }
 
-    /// A speed [m/s] in this unit.
+    /// A speed (m/s) in this unit.
     #[must_use]
     pub fn of(self, speed_m_s: f64) -> f64 {
         match self {
@@ -103,7 +103,7 @@ impl Unit {
 }
 
 impl Curve {
-    /// The anchored risk in [0, 1] at a speed [m/s]; exactly 0 at 0 and below, never falling.
+    /// The anchored risk in [0, 1] at a speed (m/s); exactly 0 at 0 and below, never falling.
     #[must_use]
     pub fn risk(&self, speed_m_s: f64) -> f64 {
         let x = self.unit.of(speed_m_s);
@@ -114,7 +114,7 @@ impl Curve {
         (rise / (1.0 + libm::exp(-(self.a + self.b * x)))).clamp(0.0, 1.0)
     }
 
-    /// Whether the sample supports the curve at this speed [m/s].
+    /// Whether the sample supports the curve at this speed (m/s).
     #[must_use]
     pub fn is_valid_at(&self, speed_m_s: f64) -> bool {
         let x = self.unit.of(speed_m_s);

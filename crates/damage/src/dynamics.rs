@@ -13,22 +13,22 @@ use serde::Serialize;
 /// One body in an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side {
-    /// 1/m [1/kg]; 0 for an object fixed to the ground.
+    /// 1/m (1/kg); 0 for an object fixed to the ground.
     pub inverse_mass: f64,
-    /// Yaw radius of gyration k [m], above 0.
+    /// Yaw radius of gyration k (m), above 0.
     pub gyration_m: f64,
-    /// Distance of the centre of mass from the contact point across the normal, h [m].
+    /// Distance of the centre of mass from the contact point across the normal, h (m).
     pub across_m: f64,
-    /// The same along the normal, q [m].
+    /// The same along the normal, q (m).
     pub along_m: f64,
 }
 
 /// An impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// Closing speed along the normal, v_n ≥ 0 [m/s].
+    /// Closing speed along the normal, v_n ≥ 0 (m/s).
     pub normal_m_s: f64,
-    /// Sliding speed across it, v_t ≥ 0 [m/s].
+    /// Sliding speed across it, v_t ≥ 0 (m/s).
     pub tangential_m_s: f64,
     /// Coefficient of restitution e.
     pub restitution: f64,
@@ -41,13 +41,13 @@ pub struct Impact {
 /// What the impact does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Response {
-    /// Normal impulse [N s].
+    /// Normal impulse (N s).
     pub normal_n_s: f64,
-    /// Tangential impulse [N s].
+    /// Tangential impulse (N s).
     pub tangential_n_s: f64,
-    /// Change of velocity of either body [m/s].
+    /// Change of velocity of either body (m/s).
     pub delta_v_m_s: [f64; 2],
-    /// Kinetic energy lost [J].
+    /// Kinetic energy lost (J).
     pub energy_j: f64,
 }
 
@@ -75,7 +75,7 @@ pub struct Parameters {
     pub mass_share: f64,
     /// Speeds are known to this share.
     pub speed_share: f64,
-    /// Poses are known to this distance [m].
+    /// Poses are known to this distance (m).
     pub pose_error_m: f64,
 }
 

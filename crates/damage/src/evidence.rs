@@ -78,7 +78,7 @@ impl Seen {
 }
 
 impl Evidence {
-    /// No hit, no open work; first contact, if any, at a travel between these two [m], as
+    /// No hit, no open work; first contact, if any, at a travel between these two (m), as
     /// [`crate::Search::bracket`] gives it. This is the evidence of bodies that do not touch.
     #[must_use]
     pub fn none(first_m: (f64, f64)) -> Self {
@@ -148,7 +148,7 @@ impl Evidence {
         self.is_open
     }
 
-    /// Between which travels the first contact lies [m].
+    /// Between which travels the first contact lies (m).
     #[must_use]
     pub fn first_m(&self) -> (f64, f64) {
         self.first_m
@@ -166,7 +166,7 @@ impl Evidence {
         [self.outer.zones_a, self.outer.zones_b]
     }
 
-    /// The middle of the patch between two opposed directions [m], half-way frame.
+    /// The middle of the patch between two opposed directions (m), half-way frame.
     ///
     /// `reach` bounds the patch whatever the jobs say ([`crate::Approach::reach`]).
     pub(crate) fn middle(&self, plus: usize, minus: usize, reach: &Supports) -> Work {
@@ -178,12 +178,12 @@ impl Evidence {
         Work::new(-out_minus, out_plus)
     }
 
-    /// The length of the patch between two opposed directions [m].
+    /// The length of the patch between two opposed directions (m).
     pub(crate) fn span(&self, plus: usize, minus: usize, reach: &Supports) -> Work {
         self.length(|seen| &seen.patch, plus, minus, reach)
     }
 
-    /// The length of the hits at the last pose between two opposed directions [m].
+    /// The length of the hits at the last pose between two opposed directions (m).
     pub(crate) fn end_span(&self, plus: usize, minus: usize, reach: &Supports) -> Work {
         if !self.is_open && !has_points(&self.inner.end) {
             return Work::ZERO;

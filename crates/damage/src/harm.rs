@@ -2,7 +2,7 @@
 //!
 //! Without contact everything is exactly 0, whatever boxes or hulls say. A candidate that cannot be
 //! evaluated is worth `[0, 1]` for everybody in it, and says why; it is never dropped. These are
-//! values: [`crate::assess`] makes them, [`crate::rank`] compares them, nobody changes them.
+//! values: [`crate::assess()`] makes them, [`crate::rank()`] compares them, nobody changes them.
 
 use crate::contact::Contact;
 use crate::dynamics::Response;
@@ -28,7 +28,7 @@ pub struct PersonHarm {
     pub curve: String,
     /// The quantity it is a function of ...
     pub x: Quantity,
-    /// ... and its value [m/s].
+    /// ... and its value (m/s).
     pub x_m_s: Work,
     /// Probability of injury at the policy's level, given the collision.
     pub work: Work,
@@ -42,7 +42,7 @@ pub struct PersonHarm {
     pub extrapolated: bool,
 }
 
-/// Change of velocity of one party [m/s].
+/// Change of velocity of one party (m/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DeltaV {
     /// With nominal parameters.
@@ -64,11 +64,11 @@ pub enum Unevaluable {
 pub struct CandidateHarm {
     /// Probability of the collision, 1 unless the planner says otherwise.
     pub probability: f64,
-    /// Horizontal closing speed |v_rel| [m/s].
+    /// Horizontal closing speed |v_rel| (m/s).
     pub closing_m_s: f64,
-    /// Closing speed along the nominal normal, v_n [m/s].
+    /// Closing speed along the nominal normal, v_n (m/s).
     pub normal_m_s: Work,
-    /// Sliding speed across it, v_t [m/s].
+    /// Sliding speed across it, v_t (m/s).
     pub tangential_m_s: Work,
     /// What the contact is like.
     pub contact: Contact,
@@ -76,9 +76,9 @@ pub struct CandidateHarm {
     pub delta_v: [DeltaV; 2],
     /// Impulses and energy with nominal parameters, at the end of open work that does most.
     pub response: Response,
-    /// Where the force comes from in each body's frame [degrees from forward, left positive].
+    /// Where the force comes from in each body's frame (degrees from forward, left positive).
     pub force_degrees: [f64; 2],
-    /// Kinetic energy lost [J]: the measure of property damage.
+    /// Kinetic energy lost (J): the measure of property damage.
     pub energy_j: Work,
     /// Everybody in either party; all other persons of the request are untouched.
     pub persons: Vec<PersonHarm>,

@@ -49,7 +49,7 @@ pub enum Quantity {
     Closing,
 }
 
-/// Speeds of one crash as one person meets them [m/s].
+/// Speeds of one crash as one person meets them (m/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Speeds {
     /// ΔV of the person's vehicle.
@@ -142,7 +142,7 @@ impl Victim {
 }
 
 impl Speeds {
-    /// One of them [m/s].
+    /// One of them (m/s).
     #[must_use]
     pub fn get(&self, x: Quantity) -> f64 {
         match x {

@@ -40,6 +40,9 @@ pub mod rank;
 pub mod rule;
 pub mod search;
 
+#[cfg(test)]
+mod scene;
+
 pub use approach::{Approach, ApproachError, heading};
 pub use assess::{AssessError, Basis, Encounter, assess};
 pub use contact::{Contact, Patch};

@@ -27,11 +27,11 @@ pub struct Aboard {
 pub struct Party {
     /// Kind of body.
     pub kind: Kind,
-    /// Mass [kg]; `None` if fixed to the ground.
+    /// Mass (kg); `None` if fixed to the ground.
     pub mass_kg: Option<f64>,
-    /// Yaw radius of gyration k [m]; of no account if fixed.
+    /// Yaw radius of gyration k (m); of no account if fixed.
     pub gyration_m: f64,
-    /// Centre of mass [m].
+    /// Centre of mass (m).
     pub centre_m: DVec3,
     /// Where the body's x axis (forward) points; unit vector.
     pub forward: DVec3,
@@ -76,7 +76,7 @@ pub enum PartyError {
 /// Degrees of the struck side are compared at this precision, so that rounding decides no side.
 const DEGREE_PRECISION: f64 = 1e6;
 
-/// An angle [degrees] wrapped into (−180, 180].
+/// An angle (degrees) wrapped into (−180, 180].
 #[must_use]
 pub fn wrapped(degrees: f64) -> f64 {
     let turns = degrees - 360.0 * ((degrees + 180.0) / 360.0).floor();
@@ -84,7 +84,7 @@ pub fn wrapped(degrees: f64) -> f64 {
 }
 
 impl Struck {
-    /// The side for an angle from forward [degrees], either way round, wrapped.
+    /// The side for an angle from forward (degrees), either way round, wrapped.
     #[must_use]
     pub fn at(degrees: f64) -> Self {
         let off = (wrapped(degrees).abs() * DEGREE_PRECISION).round() / DEGREE_PRECISION;
@@ -129,7 +129,7 @@ impl Party {
         Ok(())
     }
 
-    /// The angle [degrees] from forward, positive to the left, of a horizontal direction in A's
+    /// The angle (degrees) from forward, positive to the left, of a horizontal direction in A's
     /// frame; `up` is the vertical there.
     #[must_use]
     pub fn bearing(&self, direction: DVec3, up: DVec3) -> f64 {

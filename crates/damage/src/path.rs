@@ -13,15 +13,15 @@ use serde::Serialize;
 
 /// Greatest number of poses on a grid.
 pub const POSES_MAX: usize = 16;
-/// Finest and coarsest step [m] before the limit on poses coarsens it.
+/// Finest and coarsest step (m) before the limit on poses coarsens it.
 const STEP_M: [f64; 2] = [0.02, 0.10];
-/// The path goes on for so long after the hulls meet [m].
+/// The path goes on for so long after the hulls meet (m).
 const PAST_M: f64 = 0.6;
-/// The contact patch covers this much travel after first contact [m].
+/// The contact patch covers this much travel after first contact (m).
 pub(crate) const PATCH_M: f64 = 0.2;
 /// Zones and depth cover this time after first contact [s], and at most [`PAST_M`].
 const CRUSH_S: f64 = 0.05;
-/// Two poses closer than this are one [m].
+/// Two poses closer than this are one (m).
 const SAME_M: f64 = 1e-9;
 
 /// Whether and where the hulls of two bodies meet.
@@ -40,7 +40,7 @@ pub enum Meeting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Apart {
-    /// They pass each other, or stand apart.
+    /// They pass each other, stand apart, or parted more than 10 m before the given pose.
     Passing,
     /// They would meet, but more than 10 m after the given pose.
     BeyondReach,
@@ -49,20 +49,20 @@ pub enum Apart {
 /// A grid of poses along the relative path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Travels [m], ascending, at least two and at most [`POSES_MAX`].
+    /// Travels (m), ascending, at least two and at most [`POSES_MAX`].
     pub travels: Vec<f64>,
-    /// Distance between neighbours [m]; the last may be nearer.
+    /// Distance between neighbours (m); the last may be nearer.
     pub step_m: f64,
     /// Whether the limit on poses made the step larger than it should be.
     pub coarse: bool,
-    /// Closing speed [m/s].
+    /// Closing speed (m/s).
     pub closing_m_s: f64,
 }
 
 /// A pose from first contact on, and what is asked there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Travel [m].
+    /// Travel (m).
     pub travel_m: f64,
     /// In f..=r: its hits with their supports form the patch.
     pub patch: bool,
@@ -89,7 +89,7 @@ pub fn plan(approach: &Approach) -> Result<Meeting, ApproachError> {
         }
     }
     let start = approach.entry(0.0);
-    if !approach.hulls_meet(start) {
+    if !approach.hulls_meet(start) || approach.exit() < -REACH_M {
         return Ok(Meeting::Never(Apart::Passing));
     }
     if start < -REACH_M {
@@ -126,25 +126,25 @@ fn grid(start: f64, end: f64, step: f64) -> Vec<f64> {
 }
 
 impl Path {
-    /// The first pose: where the hulls meet [m].
+    /// The first pose: where the hulls meet (m).
     #[must_use]
     pub fn first_m(&self) -> f64 {
         self.travels.first().copied().unwrap_or(0.0)
     }
 
-    /// The last pose [m].
+    /// The last pose (m).
     #[must_use]
     pub fn last_m(&self) -> f64 {
         self.travels.last().copied().unwrap_or(0.0)
     }
 
-    /// r: the end of the contact patch, given first contact at `first_m` [m].
+    /// r: the end of the contact patch, given first contact at `first_m` (m).
     #[must_use]
     pub fn patch_end(&self, first_m: f64) -> f64 {
         (first_m + PATCH_M).min(self.last_m())
     }
 
-    /// e: the end of the zones, and where depth is measured [m].
+    /// e: the end of the zones, and where depth is measured (m).
     #[must_use]
     pub fn crush_end(&self, first_m: f64) -> f64 {
         (first_m + PAST_M.min(CRUSH_S * self.closing_m_s)).min(self.last_m())

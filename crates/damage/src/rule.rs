@@ -42,7 +42,7 @@ pub enum Measure {
     Weighted(Vec<Term>),
     /// The k-th greatest risk, from 0.
     Worst(usize),
-    /// Energy lost [J], for property damage.
+    /// Energy lost (J), for property damage.
     Energy,
 }
 
@@ -123,7 +123,7 @@ impl Measure {
         }
     }
 
-    /// Its value for risks of all persons and an energy [J].
+    /// Its value for risks of all persons and an energy (J).
     #[must_use]
     pub fn value(&self, risks: &[f64], energy_j: f64, stakes: &[Stake]) -> f64 {
         match self {

@@ -10,7 +10,7 @@
 
 use crate::path::Path;
 
-/// First contact is known to this travel [m].
+/// First contact is known to this travel (m).
 pub const FIRST_CONTACT_M: f64 = 0.001;
 
 /// The first contact on a path.
@@ -18,7 +18,7 @@ pub const FIRST_CONTACT_M: f64 = 0.001;
 pub enum First {
     /// No pose touches: the bodies pass each other.
     None,
-    /// The first pose with a hit [m]; 1 mm before it there was none, unless it is where hulls meet.
+    /// The first pose with a hit (m); 1 mm before it there was none, unless it is where hulls meet.
     At(f64),
 }
 
@@ -91,7 +91,7 @@ impl Search {
         self.grid.iter().any(|s| self.touches(*s) == Some(true))
     }
 
-    /// Between which travels the first contact lies, if there is one [m].
+    /// Between which travels the first contact lies, if there is one (m).
     #[must_use]
     pub fn bracket(&self) -> (f64, f64) {
         let first = self.grid.first().copied().unwrap_or(0.0);

@@ -44,7 +44,7 @@ pub(super) struct Crash<'a> {
 }
 
 impl Crash<'_> {
-    /// v_n and v_t of normal `i` [m/s].
+    /// v_n and v_t of normal `i` (m/s).
     pub(super) fn speeds(&self, i: usize) -> (f64, f64) {
         let v = self.approach.closing_m_s;
         ((v * cosine(i)).max(0.0), (v * cosine(across(i))).abs())
@@ -101,7 +101,7 @@ impl Crash<'_> {
         self.respond(i, picks)
     }
 
-    /// ΔV of a party [m/s] with friction and gyration at one end. The rest stays nominal: the
+    /// ΔV of a party (m/s) with friction and gyration at one end. The rest stays nominal: the
     /// factors on occupants' ΔV hold it already.
     pub(super) fn extreme(&self, i: usize, party: usize, model: Pick, lever: Lever) -> f64 {
         let picks = Picks { model, rest: Pick::Nominal, lever: self.lever(lever), party };
@@ -164,7 +164,7 @@ impl Crash<'_> {
         ];
     }
 
-    /// The energy that no impact of these masses can exceed [J].
+    /// The energy that no impact of these masses can exceed (J).
     pub(super) fn energy_at_most(&self) -> f64 {
         let inverse: f64 = self.parties.iter().filter_map(|p| p.mass_kg).map(|m| 1.0 / m).sum();
         0.5 * self.approach.closing_m_s * self.approach.closing_m_s / inverse

@@ -10,7 +10,7 @@ use crate::interval::{Range, Work};
 use crate::party::{Aboard, PartyError, Struck};
 use model::{Seat, Zones};
 
-/// The range takes every side that N, widened by this, touches [degrees].
+/// The range takes every side that N, widened by this, touches (degrees).
 const SIDE_MARGIN_DEGREES: f64 = 10.0;
 /// Zone bits from here on stand for seats.
 const FIRST_SEAT_BIT: u32 = 8;
@@ -62,7 +62,7 @@ impl Crash<'_> {
         })
     }
 
-    /// Nominal risk and the speed that it is taken at [m/s], over everything that is open.
+    /// Nominal risk and the speed that it is taken at (m/s), over everything that is open.
     fn nominal_risk(&self, party: usize, basis: &Basis<'_>) -> Result<(Work, Work), AssessError> {
         let mut both: Option<(Work, Work)> = None;
         for &i in &self.normals.nominal {

@@ -1,1 +1,44 @@
-//! Laws.
+//! Laws of curves.
+
+use super::*;
+use proptest::prelude::*;
+
+fn curve(unit: Unit, a: f64, b: f64) -> Curve {
+    let empty = String::new;
+    Curve {
+        id: empty(),
+        outcome: Level::Mais3,
+        unit,
+        a,
+        b,
+        valid: [0.0, 1.0],
+        source: empty(),
+        year: 2000,
+        sample: empty(),
+        origin: empty(),
+        note: empty(),
+    }
+}
+
+#[test]
+fn units_are_converted_into_the_curves_own() {
+    assert!((Unit::MilesPerHour.of(12.0) - 26.8432).abs() < 1e-4);
+    assert!((Unit::KilometresPerHour.of(10.0) - 36.0).abs() < 1e-12);
+    for unit in [Unit::MetresPerSecond, Unit::KilometresPerHour, Unit::MilesPerHour] {
+        assert!((unit.of(7.0) * unit.metres_per_second() - 7.0).abs() < 1e-12);
+    }
+}
+
+proptest! {
+    /// The published form, anchored by hand; nobody is hurt at 0, and nothing ever falls.
+    #[test]
+    fn risk_is_the_anchored_logistic(a in -9.0..-1.0_f64, b in 0.01..0.5_f64, v in 0.0..80.0_f64, more in 0.0..5.0_f64) {
+        let curve = curve(Unit::MetresPerSecond, a, b);
+        let p = |x: f64| 1.0 / (1.0 + (-(a + b * x)).exp());
+        let expected = (p(v) - p(0.0)) / (1.0 - p(0.0));
+        prop_assert!((curve.risk(v) - expected).abs() < 1e-12);
+        prop_assert_eq!(curve.risk(0.0).to_bits(), 0);
+        prop_assert!(curve.risk(v + more) >= curve.risk(v));
+        prop_assert!((0.0..=1.0).contains(&curve.risk(v)));
+    }
+}

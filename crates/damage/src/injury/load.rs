@@ -6,7 +6,7 @@ use crate::fault::{Fault, Source};
 use serde::Deserialize;
 use toml::Spanned;
 
-/// The ladder is checked up to this speed [m/s] ...
+/// The ladder is checked up to this speed (m/s) ...
 const LADDER_END_M_S: f64 = 40.0;
 /// ... at so many steps per m/s.
 const LADDER_STEPS: u32 = 10;
@@ -219,7 +219,7 @@ impl Curves {
     }
 }
 
-/// The speeds on which curves are compared [m/s].
+/// The speeds on which curves are compared (m/s).
 fn speeds() -> impl Iterator<Item = f64> {
     let count = (LADDER_END_M_S * f64::from(LADDER_STEPS)) as u32;
     (0..=count).map(|k| f64::from(k) / f64::from(LADDER_STEPS))

@@ -21,7 +21,7 @@ pub(super) struct Figures {
     pub(super) ranges: Vec<Work>,
     /// The upper end of the model range, over what is open.
     pub(super) highs: Vec<Work>,
-    /// Energy lost [J].
+    /// Energy lost (J).
     pub(super) energy_j: Work,
 }
 

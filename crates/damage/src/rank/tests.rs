@@ -1,1 +1,337 @@
-//! Laws.
+//! The order and its certainty: worked cases, and laws against complete runs.
+
+use super::interval::{Outlook, least};
+use super::*;
+use crate::contact::Contact;
+use crate::dynamics::Response;
+use crate::evidence::Touch;
+use crate::harm::{DeltaV, PersonHarm};
+use crate::injury::{Quantity, Victim};
+use crate::policy::DEFAULT_POLICY;
+use proptest::prelude::*;
+
+/// A candidate with these risks over open work, and ranges twice as wide about them.
+fn candidate(risks: &[Work], energy_j: Work) -> CandidateHarm {
+    let person = |(i, work): (usize, &Work)| PersonHarm {
+        id: PersonId(i),
+        party: 0,
+        seat: None,
+        victim: Victim::Pedestrian,
+        curve: String::new(),
+        x: Quantity::ClosingNormal,
+        x_m_s: Work::ZERO,
+        work: *work,
+        range: Range::new(work.lo(), work.hi()),
+        high_at_least: work.lo(),
+        intrusion: false,
+        extrapolated: false,
+    };
+    let is_open = !energy_j.is_settled() || risks.iter().any(|r| !r.is_settled());
+    CandidateHarm {
+        probability: 1.0,
+        closing_m_s: 1.0,
+        normal_m_s: Work::ZERO,
+        tangential_m_s: Work::ZERO,
+        contact: Contact { touch: Touch::Yes, near_miss: false, hull_gap_m: 0.0, patch: None },
+        delta_v: [DeltaV::default(); 2],
+        response: Response::default(),
+        force_degrees: [0.0; 2],
+        energy_j,
+        persons: risks.iter().enumerate().map(person).collect(),
+        coarse_path: false,
+        concave: false,
+        unevaluable: None,
+        is_open,
+    }
+}
+
+fn settled(risks: &[f64]) -> CandidateHarm {
+    let risks: Vec<Work> = risks.iter().map(|r| Work::exactly(*r)).collect();
+    candidate(&risks, Work::exactly(1000.0))
+}
+
+fn open(ends: &[(f64, f64)]) -> CandidateHarm {
+    let risks: Vec<Work> = ends.iter().map(|e| Work::new(e.0, e.1)).collect();
+    candidate(&risks, Work::ZERO)
+}
+
+/// A policy with these lines in place of the default's levels.
+fn policy(composition: &str, rest: &str) -> Policy {
+    let head = DEFAULT_POLICY.split("[[level]]").next().unwrap_or_default();
+    let head = head.replace("\"lexicographic\"", &format!("\"{composition}\""));
+    Policy::parse("test.toml", &format!("{head}{rest}")).expect("a sound policy")
+}
+
+fn level(rule: &str, tolerance: f64) -> String {
+    format!("[[level]]\nrule = \"{rule}\"\ntolerance = {tolerance:?}\n")
+}
+
+fn weighted(bayes: f64, equality: f64, maximin: f64) -> Policy {
+    let terms = [("bayes", bayes), ("equality", equality), ("maximin", maximin)];
+    let text = terms.map(|(r, w)| format!("[[term]]\nrule = \"{r}\"\nweight = {w:?}\n"));
+    policy("weighted", &text.concat())
+}
+
+fn ranked(policy: &Policy, candidates: &[CandidateHarm]) -> Ranking {
+    let n = candidates[0].persons.len();
+    let mut stakes = vec![Stake::default(); n];
+    stakes[0].is_ego = true;
+    rank(policy, &stakes, candidates).expect("sound candidates")
+}
+
+fn order(ranking: &Ranking) -> Vec<usize> {
+    ranking.places.iter().map(|p| p.candidate + 1).collect()
+}
+
+/// Ego occupant, occupant of the other car, pedestrian.
+fn k() -> [CandidateHarm; 3] {
+    [[0.01, 0.0, 0.40], [0.20, 0.18, 0.0], [0.35, 0.0, 0.0]].map(|risks| settled(&risks))
+}
+
+#[test]
+fn k_every_composition_gives_its_worked_order() {
+    let by = |p: &Policy| order(&ranked(p, &k()));
+    let one = |rule: &str| policy("lexicographic", &level(rule, 0.0));
+    assert_eq!(by(&one("bayes")), [3, 2, 1]);
+    assert_eq!(by(&one("equality")), [2, 3, 1]);
+    // No mask: who is unharmed somewhere is not thereby preferred.
+    assert_eq!(by(&one("maximin")), [2, 3, 1]);
+    let ego = one("ego-only");
+    assert_eq!(by(&ego), [1, 2, 3]);
+    assert_eq!(ranked(&ego, &k()).notes, [Note::EgoOnly]);
+    let two = level("bayes", 0.015) + &level("maximin", 0.0);
+    assert_eq!(by(&policy("lexicographic", &two)), [2, 3, 1]);
+    assert_eq!(by(&policy("leximin", "")), [2, 3, 1]);
+    assert_eq!(by(&weighted(0.5, 0.2, 0.3)), [2, 3, 1]);
+}
+
+#[test]
+fn k_the_weight_of_bayes_flips_the_winner_where_it_should() {
+    let winner = |bayes: f64| {
+        let rest = 1.0 - bayes;
+        order(&ranked(&weighted(bayes, 0.4 * rest, 0.6 * rest), &k()))[0]
+    };
+    assert_eq!([0.5, 0.9, 0.9285, 0.9286, 0.99].map(winner), [2, 2, 2, 3, 3]);
+}
+
+#[test]
+fn k_precaution_filters_and_says_when_it_cannot() {
+    let accept = |at_most: f64| {
+        let first = format!("[[level]]\nrule = \"precaution\"\naccept = {at_most:?}\n");
+        ranked(&policy("lexicographic", &(first + &level("bayes", 0.0))), &k())
+    };
+    let some = accept(0.3);
+    assert_eq!((some.places[0].candidate, some.notes.len()), (1, 0));
+    assert!(matches!(some.places[0].why, Some(Ground::Accept { .. })), "{:?}", some.places[0].why);
+    let none = accept(0.1);
+    assert_eq!(order(&none), [3, 2, 1]);
+    assert_eq!(none.notes, [Note::NobodyAcceptable { at_most: 0.1 }]);
+}
+
+#[test]
+fn responsibility_comes_from_the_request() {
+    let stakes = [0.0, 0.0, 0.5].map(|responsibility| Stake { is_ego: false, responsibility });
+    let policy = policy("lexicographic", &level("responsibility", 0.0));
+    let ranking = rank(&policy, &stakes, &k()).expect("sound");
+    assert_eq!(order(&ranking), [1, 3, 2]);
+    assert!((ranking.places[0].work.hi() - 0.07).abs() < 1e-9);
+}
+
+/// Pairwise, the first would beat the third, the third the second, the second the first.
+#[test]
+fn a_tolerance_does_not_go_round_in_circles() {
+    let candidates = [
+        settled(&[0.3, 0.3, 0.0, 0.0, 0.0, 0.0]),
+        settled(&[0.2, 0.2, 0.2, 0.06, 0.0, 0.0]),
+        settled(&[0.13, 0.13, 0.13, 0.13, 0.13, 0.07]),
+    ];
+    let two = level("bayes", 0.012) + &level("maximin", 0.0);
+    let policy = policy("lexicographic", &two);
+    assert_eq!(order(&ranked(&policy, &candidates)), [2, 1, 3]);
+    let [a, b, c] = candidates;
+    assert_eq!(order(&ranked(&policy, &[c, a, b])), [3, 2, 1]);
+}
+
+#[test]
+fn open_work_certifies_or_degrades_as_worked_out() {
+    let policy = policy("lexicographic", &level("bayes", 0.0));
+    let with = |third: (f64, f64)| {
+        ranked(&policy, &[open(&[(0.10, 0.14)]), open(&[(0.15, 0.30)]), open(&[third])])
+    };
+    let sure = with((0.145, 0.16));
+    assert_eq!((sure.state, sure.places[0].candidate), (State::Certified, 0));
+    assert_eq!(sure.possible, [0]);
+    let unsure = with((0.13, 0.16));
+    assert_eq!((unsure.state, order(&unsure)), (State::Degraded, vec![1, 3, 2]));
+    assert_eq!(unsure.possible, [0, 2]);
+}
+
+#[test]
+fn two_levels_certify_what_one_cannot() {
+    let levels = [
+        ([(0.10, 0.12), (0.11, 0.13), (0.20, 0.25)], 0.025),
+        ([(0.30, 0.35), (0.40, 0.50), (0.0, 0.0)], 0.0),
+    ];
+    let mut outlook = Outlook { possible: vec![0, 1, 2], sure: vec![0, 1, 2] };
+    for (ends, tolerance) in levels {
+        least(&mut outlook, &ends.map(|e| Work::new(e.0, e.1)), tolerance);
+    }
+    assert_eq!(outlook.possible, [0]);
+}
+
+#[test]
+fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
+    let candidates = [
+        candidate(&[Work::exactly(0.1)], Work::exactly(9.0)),
+        candidate(&[Work::exactly(0.1)], Work::exactly(9.0)),
+        open(&[(0.2, 0.3)]),
+    ];
+    let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
+    assert_eq!((ranking.state, ranking.possible.as_slice()), (State::Certified, &[0, 1][..]));
+    assert_eq!(order(&ranking), [1, 2, 3]);
+    let why = ranking.places[0].why.as_ref().expect("there is a next");
+    assert!(matches!(why, Ground::TieBreak { by: TieBreak::Request, .. }), "{why:?}");
+}
+
+#[test]
+fn property_decides_only_between_equal_persons() {
+    let with = |risk: f64, energy: f64| candidate(&[Work::exactly(risk)], Work::exactly(energy));
+    let candidates = [with(0.1, 9e5), with(0.1, 8e5), with(0.100_001, 0.0)];
+    let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
+    assert_eq!((ranking.state, order(&ranking)), (State::Complete, vec![2, 1, 3]));
+    let why = ranking.places[0].why.as_ref().expect("there is a next");
+    assert!(why.sentence("wall", "pole").contains("less property is damaged (800.0 against 900.0"));
+}
+
+#[test]
+fn no_contact_ranks_like_any_other() {
+    let candidates = [settled(&[0.1, 0.0]), settled(&[0.0, 0.0]), settled(&[0.0, 0.0])];
+    let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
+    assert_eq!((ranking.state, order(&ranking)), (State::Complete, vec![2, 3, 1]));
+    assert_eq!(ranking.places[0].work.hi().to_bits(), 0);
+    assert_eq!(ranking.tie_class, [1, 2]);
+    assert!(!ranking.places[0].certain && ranking.places[1].certain);
+}
+
+#[test]
+fn who_cannot_be_evaluated_is_ranked_last_and_may_still_win() {
+    let mut lost = open(&[(0.0, 1.0)]);
+    lost.unevaluable = Some(crate::harm::Unevaluable::AlreadyOverlapping);
+    lost.is_open = false;
+    let policy = Policy::shipped().expect("sound");
+    let ranking = ranked(&policy, &[lost.clone(), settled(&[0.2])]);
+    assert_eq!((ranking.state, order(&ranking)), (State::Degraded, vec![2, 1]));
+    assert_eq!(ranking.possible, [0, 1]);
+    assert_eq!(ranked(&policy, &[lost.clone(), lost]).state, State::Refused);
+}
+
+#[test]
+fn the_term_that_separates_first_from_second_is_named() {
+    let ranking = ranked(&weighted(0.5, 0.2, 0.3), &k());
+    let why = ranking.places[0].why.as_ref().expect("there is a next");
+    let Ground::Least { first, second, rule, person, .. } = why else { panic!("{why:?}") };
+    assert!((first - 0.15).abs() < 1e-9 && (second - 0.21).abs() < 1e-9);
+    // .3·(.35 − .2) is more than .2·(.23333 − .13333), and Bayes speaks for the other.
+    assert_eq!((*rule, *person), (Some(Rule::Maximin), Some(PersonId(1))));
+    let sentence = why.sentence("swerve", "brake");
+    assert_eq!(
+        sentence,
+        "swerve before brake: weighted sum 0.15000 against 0.21000, most of it by maximin"
+    );
+}
+
+#[test]
+fn what_cannot_be_ranked_is_refused() {
+    let policy = Policy::shipped().expect("sound");
+    assert_eq!(rank(&policy, &[], &[]), Err(RankError::NoCandidates));
+    let unknown = rank(&policy, &[Stake::default()], &[settled(&[0.1, 0.2])]);
+    let person = PersonId(1);
+    assert_eq!(unknown, Err(RankError::UnknownPerson { candidate: 0, person }));
+    for responsibility in [-0.1, 1.1, f64::NAN] {
+        let stakes = [Stake { is_ego: false, responsibility }];
+        let error = RankError::Responsibility(PersonId(0));
+        assert_eq!(rank(&policy, &stakes, &[settled(&[0.1])]), Err(error));
+    }
+    let lost = candidate(&[Work::new(f64::NAN, 0.3)], Work::ZERO);
+    assert_eq!(rank(&policy, &[Stake::default()], &[lost]), Err(RankError::Figure(0)));
+}
+
+fn policies() -> impl Strategy<Value = Policy> {
+    let rules = ["bayes", "equality", "maximin", "responsibility", "ego-only"];
+    let tolerance = prop_oneof![Just(0.0), Just(0.05)];
+    let one = (0..rules.len(), tolerance).prop_map(move |(r, t)| level(rules[r], t));
+    let accept = Just("[[level]]\nrule = \"precaution\"\naccept = 0.4\n".to_owned());
+    let levels = prop::collection::vec(prop_oneof![4 => one, 1 => accept], 1..4);
+    prop_oneof![
+        levels.prop_map(|l| policy("lexicographic", &(l.concat() + &level("bayes", 0.0)))),
+        (0.5..0.9_f64).prop_map(|w| weighted(w, 0.4 * (1.0 - w), 1.0 - w - 0.4 * (1.0 - w))),
+        Just(policy("leximin", "")),
+    ]
+}
+
+/// Risks on a coarse grid, so that ties are common; an open end; and where the truth lies.
+fn risks() -> impl Strategy<Value = Vec<Vec<(f64, f64, bool)>>> {
+    let risk = (0..10_u8, prop_oneof![3 => Just(0_u8), 1 => 0..4_u8], any::<bool>());
+    let risk = risk.prop_map(|(lo, width, top)| {
+        (f64::from(lo) * 0.1, f64::from(lo + width).min(10.0) * 0.1, top)
+    });
+    (1..4_usize)
+        .prop_flat_map(move |n| prop::collection::vec(prop::collection::vec(risk.clone(), n), 1..6))
+}
+
+proptest! {
+    /// Whatever open work finds, the winner of the finished run was among the possible ones; and if
+    /// the answer was certified, it was that winner.
+    #[test]
+    fn the_winner_of_the_finished_run_was_never_left_out(policy in policies(), risks in risks()) {
+        let now: Vec<_> = risks.iter().map(|person| {
+            let works: Vec<Work> = person.iter().map(|r| Work::new(r.0, r.1)).collect();
+            candidate(&works, Work::ZERO)
+        }).collect();
+        let later: Vec<_> = risks.iter().map(|person| {
+            let ends: Vec<f64> = person.iter().map(|r| if r.2 { r.1 } else { r.0 }).collect();
+            CandidateHarm { energy_j: Work::ZERO, ..settled(&ends) }
+        }).collect();
+        let (before, after) = (ranked(&policy, &now), ranked(&policy, &later));
+        let winner = after.places[0].candidate;
+        prop_assert_eq!(after.state, State::Complete);
+        prop_assert!(before.possible.contains(&winner), "{before:?} {after:?}");
+        if before.state == State::Certified {
+            prop_assert_eq!(before.places[0].candidate, winner);
+        }
+        // The order's own winner is one of the possible ones.
+        prop_assert!(before.possible.contains(&before.places[0].candidate));
+        // Everybody is ranked once.
+        let mut all = order(&before);
+        all.sort_unstable();
+        prop_assert_eq!(all, (1..=risks.len()).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn maximin_never_prefers_a_worse_worst(risks in risks()) {
+        let candidates: Vec<_> = risks.iter()
+            .map(|person| settled(&person.iter().map(|r| r.1).collect::<Vec<_>>())).collect();
+        for policy in [policy("lexicographic", &level("maximin", 0.0)), policy("leximin", "")] {
+            let ranking = ranked(&policy, &candidates);
+            let worst = |place: &Place| {
+                risks[place.candidate].iter().map(|r| r.1).fold(0.0, f64::max)
+            };
+            for pair in ranking.places.windows(2) {
+                prop_assert!(worst(&pair[0]) <= worst(&pair[1]) + 1e-9);
+            }
+        }
+    }
+
+    /// A policy changes the order, never a figure; and no candidate's figures depend on the others.
+    #[test]
+    fn figures_are_the_candidates_own(policy in policies(), risks in risks()) {
+        let candidates: Vec<_> = risks.iter()
+            .map(|person| settled(&person.iter().map(|r| r.0).collect::<Vec<_>>())).collect();
+        let together = ranked(&policy, &candidates);
+        for place in &together.places {
+            let alone = ranked(&policy, &candidates[place.candidate..=place.candidate]);
+            prop_assert_eq!(&alone.places[0].steps, &place.steps);
+            prop_assert_eq!(alone.places[0].work, place.work);
+        }
+    }
+}
