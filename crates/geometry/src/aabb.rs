@@ -30,23 +30,22 @@ impl Aabb {
     }
 
     /// Includes one point; a NaN coordinate changes nothing.
-    ///
-    /// Of two zeros the first stays, on every machine, so equal input gives equal bits; `f32::min`
-    /// leaves that to the processor.
     pub fn grow(&mut self, point: [f32; 3]) {
-        for (axis, x) in point.into_iter().enumerate() {
-            self.min[axis] = if x < self.min[axis] { x } else { self.min[axis] };
-            self.max[axis] = if x > self.max[axis] { x } else { self.max[axis] };
-        }
+        *self = self.union(&Self { min: point, max: point });
     }
 
     /// The least box that holds both.
+    ///
+    /// Of two zeros that of `self` stays, on every machine, so equal input gives equal bits;
+    /// `f32::min` leaves that to the processor.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        let mut sum = *self;
-        sum.grow(other.min);
-        sum.grow(other.max);
-        sum
+        let least = |x: f32, y: f32| if y < x { y } else { x };
+        let most = |x: f32, y: f32| if y > x { y } else { x };
+        Self {
+            min: core::array::from_fn(|i| least(self.min[i], other.min[i])),
+            max: core::array::from_fn(|i| most(self.max[i], other.max[i])),
+        }
     }
 
     /// Length along an axis (0, 1, 2), in metres; negative infinity for the empty box.
@@ -89,10 +88,13 @@ impl Bounds {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Half the surface area [m²].
+    /// Half the surface area [m²], 0 for the empty box.
     #[must_use]
     pub fn half_area(&self) -> f64 {
         let e = self.max - self.min;
-        e.x * e.y + e.y * e.z + e.z * e.x
+        if e.x < 0.0 { 0.0 } else { e.x * e.y + e.y * e.z + e.z * e.x }
     }
 }
+
+#[cfg(test)]
+mod tests;

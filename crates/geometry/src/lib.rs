@@ -23,5 +23,5 @@ pub use pose::{Pose, RelativePose};
 pub use support::{Directions, Supports};
 pub use triangle::Triangle;
 
-/// A stored triangle: three corners of three coordinates [m], in its body's own frame.
+/// A stored triangle: three corners of three coordinates, in metres, in its body's own frame.
 pub type Corners = [[f32; 3]; 3];

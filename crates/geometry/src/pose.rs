@@ -107,7 +107,8 @@ impl RelativePose {
     /// A box in A's frame that holds every [`RelativePose::point`] of B's `box_`.
     ///
     /// Rounded outward: with c the centre and h the half extents of the box, each side is moved out
-    /// by more than the error of both this computation and that of `point`.
+    /// by more than the error of both this computation and that of `point`. Holds for every finite
+    /// box and translations up to 1e300 m; the box of nothing becomes one that overlaps nothing.
     #[must_use]
     pub fn bounds(&self, box_: &Aabb) -> Bounds {
         let b = box_.bounds();
@@ -118,9 +119,12 @@ impl RelativePose {
             let t = self.translation[i];
             let mid = r.dot(c) + t;
             let reach = r.abs().dot(h);
-            // Six roundings in `point`, about as many here, each at most half an ulp of the sum of
-            // magnitudes: 16 ulps cover both with room to spare.
-            let slack = 16.0 * f64::EPSILON * (r.abs().dot(c.abs()) + reach + t.abs());
+            // In units of u = ε/2 times the sum S of magnitudes: `point` is off by at most 4 (a
+            // product and three sums), `mid` by 5 (one more for c), `reach` by 4, each side by 2
+            // more when it is moved. That is 15 of the 32 allowed; S itself is off by parts of u.
+            // Products below the normal range are off by less than the least normal number.
+            let magnitude = r.abs().dot(c.abs()) + reach + t.abs();
+            let slack = 16.0 * f64::EPSILON * magnitude + f64::MIN_POSITIVE;
             *side = (mid - reach - slack, mid + reach + slack);
         }
         Bounds {
@@ -129,3 +133,6 @@ impl RelativePose {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,20 +1,29 @@
 //! Support values along the fixed set of directions in which contact is measured.
 //!
 //! D = 72 horizontal directions, every 5° from u (the direction of the relative velocity), and ±z
-//! (`Directions`). A support is the greatest `x·d` over a set of points; the merge is the maximum,
-//! so it does not matter in which order, or how often, points are added.
+//! ([`Directions`]). A support is the greatest `x·d` over a set of points; the merge is the maximum,
+//! so it does not matter in which order, or how often, points are added: not even for the sign of a
+//! zero, which is always `+0.0`.
 
 use crate::DVec3;
 
 /// How many directions there are: 72 horizontal ones and ±z.
 pub const DIRECTIONS: usize = 74;
 
+/// Half a turn, in steps of 5°.
+const HALF: usize = 36;
+
+/// +z; −z follows.
+const UP: usize = 2 * HALF;
+
 /// The directions in which contact is measured, as unit vectors in A's frame.
 ///
 /// Index `i < 72` is the direction `5°·i` from u, turning from u towards t = z × u; 72 is +z, 73 −z.
+/// Each has its exact opposite: `d[i + 36] == -d[i]` for `i < 36`, and `d[73] == -d[72]`.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Directions {
-    /// Unit vectors, A's frame.
+    /// Unit vectors, A's frame. To be read: [`Directions::around`] alone makes them.
     pub d: [DVec3; DIRECTIONS],
 }
 
@@ -29,14 +38,13 @@ impl Directions {
     #[must_use]
     pub fn around(u: DVec3, z: DVec3) -> Self {
         let t = z.cross(u);
-        let d = core::array::from_fn(|i| match i {
-            72 => z,
-            73 => -z,
-            _ => {
-                let (sin, cos) = libm::sincos((5.0 * i as f64).to_radians());
-                u * cos + t * sin
-            }
-        });
+        let mut d = [z; DIRECTIONS];
+        d[UP + 1] = -z;
+        for i in 0..HALF {
+            let (sin, cos) = libm::sincos((5.0 * i as f64).to_radians());
+            d[i] = u * cos + t * sin;
+            d[i + HALF] = -d[i];
+        }
         Self { d }
     }
 }
@@ -45,17 +53,34 @@ impl Supports {
     /// Of no points.
     pub const EMPTY: Self = Self([f64::NEG_INFINITY; DIRECTIONS]);
 
-    /// Includes one point [m], A's frame.
+    /// Includes one point [m], A's frame. A point that is not a number changes nothing.
     pub fn add(&mut self, directions: &Directions, point: DVec3) {
-        for (support, d) in self.0.iter_mut().zip(&directions.d) {
-            *support = support.max(point.dot(*d));
+        let (ahead, rest) = self.0.split_at_mut(HALF);
+        let (behind, vertical) = rest.split_at_mut(HALF);
+        // `x·(−d)` is `−(x·d)` to the last bit, so half of the products serve both.
+        for ((ahead, behind), d) in ahead.iter_mut().zip(behind).zip(&directions.d) {
+            let x = point.dot(*d);
+            raise(ahead, x);
+            raise(behind, -x);
         }
+        let x = point.dot(directions.d[UP]);
+        raise(&mut vertical[0], x);
+        raise(&mut vertical[1], -x);
     }
 
     /// Includes all that `other` has seen.
     pub fn merge(&mut self, other: &Self) {
         for (support, more) in self.0.iter_mut().zip(&other.0) {
-            *support = support.max(*more);
+            raise(support, *more);
         }
     }
 }
+
+/// The maximum, with −0 as +0: which of two zeros `f64::max` returns depends on the machine.
+fn raise(support: &mut f64, x: f64) {
+    let x = x + 0.0;
+    *support = if x > *support { x } else { *support };
+}
+
+#[cfg(test)]
+mod tests;

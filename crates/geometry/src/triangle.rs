@@ -98,31 +98,32 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Contact {
 }
 
 /// How two triangles lie to each other: what is left to decide.
-enum Position {
+enum Position<'t> {
     /// One lies strictly on one side of the other's plane.
     Apart,
     /// Two true triangles in planes that cross in a line; each reaches that line.
-    Crossing(Crossing),
+    Crossing(Crossing<'t>),
     /// A true triangle, and a segment whose ends are not both in its plane nor on one side of it.
     Piercing(Piercing),
     /// All in one plane, on one line, or one point.
     Flat(Flat),
 }
 
-fn position(a: &Triangle, b: &Triangle, orient: &Orient) -> Position {
-    let values_a = orient.sides(&b.0, &a.0);
-    if orient.surely_one_side(&values_a) {
+#[inline]
+fn position<'t>(a: &'t Triangle, b: &'t Triangle, orient: &Orient) -> Position<'t> {
+    let certain_a = orient.certain_sides(&b.0, &a.0);
+    if one_side(certain_a) {
         return Position::Apart;
     }
-    let values_b = orient.sides(&a.0, &b.0);
-    if orient.surely_one_side(&values_b) {
+    let certain_b = orient.certain_sides(&a.0, &b.0);
+    if one_side(certain_b) {
         return Position::Apart;
     }
-    let sides_a = orient.signs(&values_a, &b.0, &a.0);
+    let sides_a = orient::sides(certain_a, &b.0, &a.0);
     if one_side(sides_a) {
         return Position::Apart;
     }
-    let sides_b = orient.signs(&values_b, &a.0, &b.0);
+    let sides_b = orient::sides(certain_b, &a.0, &b.0);
     if one_side(sides_b) {
         return Position::Apart;
     }
@@ -135,5 +136,6 @@ fn position(a: &Triangle, b: &Triangle, orient: &Orient) -> Position {
 
 /// Whether all three are strictly on one side.
 fn one_side(sides: [exact::Sign; 3]) -> bool {
-    sides == [1; 3] || sides == [-1; 3]
+    let [p, q, r] = sides;
+    p != 0 && p == q && p == r
 }

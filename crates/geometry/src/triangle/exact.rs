@@ -33,6 +33,12 @@ fn sign(value: f64) -> Sign {
 /// The sign of det(b − a, c − a, d − a): 1 if d lies on the side of the normal (b − a) × (c − a)
 /// of the plane abc, 0 if it lies in that plane or a, b, c on one line.
 pub(super) fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
+    // The zeros that do occur, shared corners and axis-aligned faces, without any arithmetic.
+    let level = |i: usize| a[i] == b[i] && a[i] == c[i] && a[i] == d[i];
+    if a == d || b == d || c == d || a == b || a == c || b == c || level(0) || level(1) || level(2)
+    {
+        return 0;
+    }
     if [a, b, c, d].iter().all(|p| in_range(p.x) && in_range(p.y) && in_range(p.z)) {
         let [a, b, c, d] = [a, b, c, d].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
         // There, positive is below: the other way round.

@@ -26,6 +26,18 @@ pub(super) struct Orient {
     bound: f64,
 }
 
+/// On which side of `plane` the points lie, given the sides that are certain.
+pub(super) fn sides(certain: [Sign; 3], plane: &[DVec3; 3], points: &[DVec3; 3]) -> [Sign; 3] {
+    let [a, b, c] = *plane;
+    let mut sides = certain;
+    for (side, point) in sides.iter_mut().zip(points) {
+        if *side == 0 {
+            *side = exact::orient3d(a, b, c, *point);
+        }
+    }
+    sides
+}
+
 impl Orient {
     /// For points in these two boxes.
     pub(super) fn within(a: &Bounds, b: &Bounds) -> Self {
@@ -43,43 +55,22 @@ impl Orient {
 
     /// The sign of [`Orient::value`] without rounding.
     pub(super) fn sign(&self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
-        self.certain(Self::value(a, b, c, d)).unwrap_or_else(|| exact::orient3d(a, b, c, d))
-    }
-
-    fn certain(&self, value: f64) -> Option<Sign> {
-        if value > self.bound {
-            Some(1)
-        } else if value < -self.bound {
-            Some(-1)
-        } else {
-            None
+        match self.certain(Self::value(a, b, c, d)) {
+            0 => exact::orient3d(a, b, c, d),
+            sign => sign,
         }
     }
 
-    /// Rounded values: on which side of `plane` the points lie.
-    pub(super) fn sides(&self, plane: &[DVec3; 3], points: &[DVec3; 3]) -> [f64; 3] {
+    /// The sign of the true value, 0 if rounding hides it.
+    fn certain(&self, value: f64) -> Sign {
+        Sign::from(value > self.bound) - Sign::from(value < -self.bound)
+    }
+
+    /// On which side of `plane` the points lie; 0 where rounding hides it.
+    pub(super) fn certain_sides(&self, plane: &[DVec3; 3], points: &[DVec3; 3]) -> [Sign; 3] {
         let normal = (plane[1] - plane[0]).cross(plane[2] - plane[0]);
-        points.map(|point| normal.dot(point - plane[0]))
-    }
-
-    /// Whether the rounded `sides` prove that all three points are strictly on one side.
-    pub(super) fn surely_one_side(&self, sides: &[f64; 3]) -> bool {
-        let [x, y, z] = *sides;
-        (x > self.bound && y > self.bound && z > self.bound)
-            || (x < -self.bound && y < -self.bound && z < -self.bound)
-    }
-
-    /// The signs of `sides` without rounding.
-    pub(super) fn signs(
-        &self,
-        sides: &[f64; 3],
-        plane: &[DVec3; 3],
-        points: &[DVec3; 3],
-    ) -> [Sign; 3] {
-        core::array::from_fn(|i| {
-            self.certain(sides[i])
-                .unwrap_or_else(|| exact::orient3d(plane[0], plane[1], plane[2], points[i]))
-        })
+        let side = |point: DVec3| self.certain(normal.dot(point - plane[0]));
+        [side(points[0]), side(points[1]), side(points[2])]
     }
 
     /// Where the segment pq meets the plane, p and q being on different sides of it or one of them

@@ -26,12 +26,23 @@ pub(super) struct Piercing {
 pub(super) struct Flat {
     a: Hull,
     b: Hull,
-    /// The coordinate to drop; none if all is on one line.
-    drop: Option<usize>,
+    /// None if all is on one line.
+    plane: Option<Plane>,
+}
+
+/// How the corners of each hull lie to the edges of the other, in a projection.
+struct Plane {
+    /// The coordinate that the projection drops.
+    drop: usize,
+    /// `[i][k]`: on which side of A's edge i B's corner k lies.
+    b_to_a: [[Sign; 3]; 3],
+    /// `[k][i]`: on which side of B's edge k A's corner i lies.
+    a_to_b: [[Sign; 3]; 3],
 }
 
 /// The position of two triangles of which at least one has no corner off the other's plane.
-pub(super) fn position(a: &Triangle, b: &Triangle) -> Position {
+#[cold]
+pub(super) fn position(a: &Triangle, b: &Triangle) -> Position<'static> {
     let (a, b) = (Hull::of(a), Hull::of(b));
     match (a.count, b.count) {
         (3, 3) => Flat::of(a, b),
@@ -45,7 +56,7 @@ pub(super) fn position(a: &Triangle, b: &Triangle) -> Position {
 }
 
 /// A segment or point against a true triangle.
-fn against_triangle(segment: Hull, triangle: Hull) -> Position {
+fn against_triangle(segment: Hull, triangle: Hull) -> Position<'static> {
     let [a, b, c] = triangle.corners;
     let [p, q] = segment.ends();
     match [p, q].map(|end| exact::orient3d(a, b, c, end)) {
@@ -71,42 +82,66 @@ impl Piercing {
 }
 
 impl Flat {
-    fn of(a: Hull, b: Hull) -> Position {
-        let drop = projection(&a, &b);
-        Position::Flat(Self { a, b, drop })
+    fn of(a: Hull, b: Hull) -> Position<'static> {
+        let plane = projection(&a, &b).map(|drop| Plane {
+            drop,
+            b_to_a: sides(&b, &a, drop),
+            a_to_b: sides(&a, &b, drop),
+        });
+        Position::Flat(Self { a, b, plane })
     }
 
     /// Whether the hulls share a point, given that their boxes do.
     pub(super) fn meet(&self) -> bool {
         // On a line, boxes overlap only where the sets do.
-        let Some(drop) = self.drop else { return true };
-        let touch = self.a.edges().any(|(p, q)| {
-            let (p, q) = (flat(p, drop), flat(q, drop));
-            self.b.edges().any(|(r, s)| segments_meet(p, q, flat(r, drop), flat(s, drop)))
-        });
-        touch
-            || self.a.holds(self.b.corners[0], Some(drop))
-            || self.b.holds(self.a.corners[0], Some(drop))
+        let Some(plane) = &self.plane else { return true };
+        self.edge_pairs().any(|(i, k)| {
+            // Each touches or straddles the other's line. On one line, only if the boxes overlap.
+            let (p, q) = self.a.edge(i);
+            let (r, s) = self.b.edge(k);
+            plane.straddle(i, k).iter().all(|product| *product <= 0)
+                && p.min(q).cmple(r.max(s)).all()
+                && r.min(s).cmple(p.max(q)).all()
+        }) || self.a.holds(self.b.corners[0], plane.b_to_a.map(|edge| edge[0]))
+            || self.b.holds(self.a.corners[0], plane.a_to_b.map(|edge| edge[0]))
     }
 
     /// Calls `push` with the corners of the overlap: corners of one hull that the other holds (some
     /// twice), and proper crossings of edges. Without repetition at most six.
     pub(super) fn corners(&self, mut push: impl FnMut(DVec3)) {
-        for corner in self.a.corners().iter().filter(|p| self.b.holds(**p, self.drop)) {
-            push(*corner);
-        }
-        for corner in self.b.corners().iter().filter(|p| self.a.holds(**p, self.drop)) {
-            push(*corner);
-        }
-        let Some(drop) = self.drop else { return };
-        for (p, q) in self.a.edges() {
-            for (r, s) in self.b.edges() {
-                let [p2, q2, r2, s2] = [p, q, r, s].map(|point| flat(point, drop));
-                if straddle(p2, q2, r2, s2) == -1 && straddle(r2, s2, p2, q2) == -1 {
-                    push(orient::along(p, q, exact::cut_fraction2d(r2, s2, p2, q2)));
-                }
+        let side = |table: fn(&Plane) -> &[[Sign; 3]; 3], corner: usize| {
+            self.plane.as_ref().map_or([0; 3], |plane| table(plane).map(|edge| edge[corner]))
+        };
+        for (i, corner) in self.a.corners().iter().enumerate() {
+            if self.b.holds(*corner, side(|plane| &plane.a_to_b, i)) {
+                push(*corner);
             }
         }
+        for (k, corner) in self.b.corners().iter().enumerate() {
+            if self.a.holds(*corner, side(|plane| &plane.b_to_a, k)) {
+                push(*corner);
+            }
+        }
+        let Some(plane) = &self.plane else { return };
+        for (i, k) in self.edge_pairs().filter(|(i, k)| plane.straddle(*i, *k) == [-1, -1]) {
+            let (p, q) = self.a.edge(i);
+            let (r, s) = self.b.edge(k);
+            let [p2, q2, r2, s2] = [p, q, r, s].map(|point| flat(point, plane.drop));
+            push(orient::along(p, q, exact::cut_fraction2d(r2, s2, p2, q2)));
+        }
+    }
+
+    fn edge_pairs(&self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.a.edges()).flat_map(|i| (0..self.b.edges()).map(move |k| (i, k)))
+    }
+}
+
+impl Plane {
+    /// For A's edge i and B's edge k: −1 if the ends of the other lie strictly on both sides of its
+    /// line, 0 if one of them lies on it; first for the line of A's edge, then for that of B's.
+    fn straddle(&self, i: usize, k: usize) -> [Sign; 2] {
+        let (a, b) = (&self.a_to_b[k], &self.b_to_a[i]);
+        [b[k] * b[(k + 1) % 3], a[i] * a[(i + 1) % 3]]
     }
 }
 
@@ -133,28 +168,34 @@ impl Hull {
         [self.corners[0], self.corners[1]]
     }
 
-    /// Three edges of a triangle, else the one segment, perhaps of length 0.
-    fn edges(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
-        let edges = if self.count == 3 { 3 } else { 1 };
-        (0..edges).map(|i| (self.corners[i], self.corners[(i + 1) % 3]))
+    /// How many edges: three of a triangle, else the one segment, perhaps of length 0.
+    fn edges(&self) -> usize {
+        if self.count == 3 { 3 } else { 1 }
     }
 
-    /// Whether it holds a point of its plane (or its line, if no coordinate is to be dropped).
-    fn holds(&self, point: DVec3, drop: Option<usize>) -> bool {
-        if self.count == 3
-            && let Some(drop) = drop
-        {
-            let [a, b, c, x] =
-                [self.corners[0], self.corners[1], self.corners[2], point].map(|p| flat(p, drop));
-            return inside([(a, b), (b, c), (c, a)].map(|(p, q)| exact::orient2d(p, q, x)));
+    fn edge(&self, i: usize) -> (DVec3, DVec3) {
+        (self.corners[i], self.corners[(i + 1) % 3])
+    }
+
+    /// Whether it holds a point of its plane (or its line) that lies on these sides of its edges.
+    fn holds(&self, point: DVec3, sides: [Sign; 3]) -> bool {
+        if self.count == 3 {
+            return inside(sides);
         }
         let [p, q] = self.ends();
-        let boxed = p.min(q).cmple(point).all() && point.cmple(p.max(q)).all();
-        boxed
-            && drop.is_none_or(|drop| {
-                exact::orient2d(flat(p, drop), flat(q, drop), flat(point, drop)) == 0
-            })
+        sides[0] == 0 && p.min(q).cmple(point).all() && point.cmple(p.max(q)).all()
     }
+}
+
+/// `[i][k]`: on which side of edge i of `hull` corner k of `other` lies.
+fn sides(other: &Hull, hull: &Hull, drop: usize) -> [[Sign; 3]; 3] {
+    let corners = other.corners.map(|corner| flat(corner, drop));
+    let mut sides = [[0; 3]; 3];
+    for (i, sides) in sides.iter_mut().enumerate().take(hull.edges()) {
+        let (p, q) = hull.edge(i);
+        *sides = corners.map(|corner| exact::orient2d(flat(p, drop), flat(q, drop), corner));
+    }
+    sides
 }
 
 /// A coordinate that can be dropped without flattening the common plane of the hulls; none if all
@@ -177,18 +218,6 @@ fn flat(point: DVec3, drop: usize) -> Point2 {
         1 => [point.z, point.x],
         _ => [point.x, point.y],
     }
-}
-
-/// Whether two closed segments, perhaps of length 0, share a point: their boxes overlap and each
-/// touches or straddles the other's line.
-fn segments_meet(p: Point2, q: Point2, r: Point2, s: Point2) -> bool {
-    let overlap = |i: usize| p[i].min(q[i]) <= r[i].max(s[i]) && r[i].min(s[i]) <= p[i].max(q[i]);
-    overlap(0) && overlap(1) && straddle(p, q, r, s) <= 0 && straddle(r, s, p, q) <= 0
-}
-
-/// −1 if r and s lie strictly on both sides of the line pq, 0 if one of them lies on it.
-fn straddle(p: Point2, q: Point2, r: Point2, s: Point2) -> Sign {
-    exact::orient2d(p, q, r) * exact::orient2d(p, q, s)
 }
 
 /// Whether no two of the signs are opposite.

@@ -73,7 +73,7 @@ fn the_test_equals_exact_arithmetic() {
 
 #[test]
 fn contact_points_are_the_corners_of_the_intersection() {
-    let pairs = setting("ORACLE_PAIRS", 20_000) / 8;
+    let pairs = setting("ORACLE_PAIRS", 20_000) / 16;
     let tally = campaign(pairs, |number, pair| {
         let corners = exact::corners(pair);
         let found = contact(&pair.a, &pair.b);
