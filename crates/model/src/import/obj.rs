@@ -56,19 +56,21 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
         };
         return Err(into.fail(Place::Whole, Fault::Empty(what)));
     }
-    let (positions, arities, indices) = parse(&scan, into)?;
-    let points = points(&positions, &scan.vertex_lines, into)?;
-    let mut rest = indices.as_slice();
+    let parsed = parse(&scan, into)?;
+    let points = points(&parsed.positions, &scan.vertex_lines, into)?;
+    let mut rest = parsed.indices.as_slice();
     let mut polygon = Vec::new();
-    for (face, arity) in scan.faces.iter().zip(arities) {
-        let Some((own, after)) = rest.split_at_checked(arity) else {
+    for (face, arity) in scan.faces.iter().zip(parsed.arities) {
+        let Some((own, after)) = rest.split_at_checked(arity as usize) else {
             return Err(into.fail(Place::Line(face.line), lost()));
         };
         rest = after;
         polygon.clear();
         for index in own {
             polygon.push(
-                *points.get(*index).ok_or_else(|| into.fail(Place::Line(face.line), lost()))?,
+                *points
+                    .get(*index as usize)
+                    .ok_or_else(|| into.fail(Place::Line(face.line), lost()))?,
             );
         }
         into.polygon(&polygon, face.part, || Place::Line(face.line))?;
@@ -259,21 +261,22 @@ impl Scan {
     }
 }
 
-type Parsed = (Vec<f32>, Vec<usize>, Vec<usize>);
-
 /// Positions in file order, corners per face, position numbers of all faces in file order.
 ///
-/// `tobj` keeps only vertices that faces use, in the order of first use; so every vertex is first
-/// named by a point of its own, `l i`, which keeps all of them, in file order, and checks them too.
+/// `tobj` keeps only vertices that faces use, in the order of first use; so one polyline through
+/// every vertex comes before the first face, which keeps all of them, in file order.
 fn parse(scan: &Scan, into: &Collector<'_>) -> Result<Parsed, ImportError> {
     let fail = |fault: String| into.fail(Place::Whole, Fault::Syntax(fault));
     let vertices = scan.vertex_lines.len();
-    let mut points = String::with_capacity(vertices * 10);
+    let mut polyline = String::with_capacity(2 + vertices * 8);
+    polyline.push('l');
     for index in 1..=vertices {
-        let _written = writeln!(points, "l {index}");
+        // Writing to a string cannot fail.
+        let _written = write!(polyline, " {index}");
     }
-    let mut text =
-        scan.vertex_text.as_bytes().chain(points.as_bytes()).chain(scan.face_text.as_bytes());
+    polyline.push('\n');
+    let [vertex_text, faces] = [&scan.vertex_text, &scan.face_text].map(String::as_bytes);
+    let mut text = vertex_text.chain(polyline.as_bytes()).chain(faces);
     let options = tobj::LoadOptions::default();
     let none = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
     let (mut models, _) = tobj::load_obj_buf(&mut text, &options, none)
@@ -281,14 +284,28 @@ fn parse(scan: &Scan, into: &Collector<'_>) -> Result<Parsed, ImportError> {
     let (Some(model), true) = (models.pop(), models.is_empty()) else {
         return Err(fail("tobj: not one model".to_owned()));
     };
-    let mesh = model.mesh;
-    let arities: Vec<usize> =
-        mesh.face_arities.iter().skip(vertices).map(|n| *n as usize).collect();
-    let indices: Vec<usize> = mesh.indices.iter().skip(vertices).map(|i| *i as usize).collect();
-    if mesh.positions.len() != 3 * vertices || arities.len() != scan.faces.len() {
-        return Err(fail("tobj: it read other vertices or faces than there are".to_owned()));
+    let mut mesh = model.mesh;
+    if mesh.face_arities.is_empty() {
+        // Three vertices and triangles alone: it leaves out that each face has three corners.
+        mesh.face_arities = vec![3; scan.faces.len() + 1];
     }
-    Ok((mesh.positions, arities, indices))
+    let (positions, whole) = (mesh.positions.len(), mesh.face_arities.first());
+    if positions != 3 * vertices || whole.is_none_or(|n| *n as usize != vertices) {
+        return Err(fail("tobj: it read other vertices than there are".to_owned()));
+    }
+    if mesh.face_arities.len() != scan.faces.len() + 1 || mesh.indices.len() < vertices {
+        return Err(fail("tobj: it read other faces than there are".to_owned()));
+    }
+    mesh.face_arities.remove(0);
+    mesh.indices.drain(..vertices);
+    Ok(Parsed { positions: mesh.positions, arities: mesh.face_arities, indices: mesh.indices })
+}
+
+/// What `tobj` made of the file.
+struct Parsed {
+    positions: Vec<f32>,
+    arities: Vec<u32>,
+    indices: Vec<u32>,
 }
 
 /// Every vertex in the body frame; a bad one is refused with its line, used or not.
