@@ -1,2 +1,76 @@
-//! The trolley binary.
-fn main() {}
+//! `trolley`: which of several unavoidable collisions does least harm, and how sure that is.
+//!
+//! One binary plays every role: the command line for people, the coordinator of a request, and, as
+//! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to stderr.
+//! Exit codes are those of [`failure::Code`].
+
+mod args;
+mod bodies;
+mod failure;
+mod model;
+mod print;
+mod progress;
+mod rank;
+mod run;
+mod table;
+
+use args::{Args, Command};
+use clap::{CommandFactory as _, Parser as _};
+use failure::Failure;
+use std::process::ExitCode;
+
+/// Name of this build: both ends of every channel carry it.
+const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("TROLLEY_BUILD"));
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    start_logging(&args);
+    match run(&args) {
+        Ok(code) => code,
+        Err(failure) => {
+            print::err(&format!("error: {failure}"));
+            failure.code.into()
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<ExitCode, Failure> {
+    match &args.command {
+        Command::Demo(options) => rank::demo(options, &args.output()),
+        Command::Rank { scenario, options } => rank::rank(scenario, options, &args.output()),
+        Command::Model { verb } => model::run(verb, &args.output()),
+        Command::Schema => print::out(&scenario::schema()),
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(*shell, &mut Args::command(), "trolley", &mut text);
+            print::out_bytes(&text)
+        }
+        Command::Man => {
+            let mut text = Vec::new();
+            let page = clap_mangen::Man::new(Args::command());
+            page.render(&mut text).map_err(Failure::output)?;
+            print::out_bytes(&text)
+        }
+        Command::Worker { word } => {
+            runtime::process::set_name("trolley-worker");
+            worker::run(word, BUILD).map_err(Failure::from)?;
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}
+
+fn start_logging(args: &Args) {
+    let level = match (args.quiet, args.verbose) {
+        (true, _) => tracing::Level::ERROR,
+        (false, 0) => tracing::Level::WARN,
+        (false, 1) => tracing::Level::INFO,
+        (false, _) => tracing::Level::DEBUG,
+    };
+    tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(std::io::stderr)
+        .with_ansi(print::is_colourful())
+        .without_time()
+        .with_target(false)
+        .init();
+}

@@ -4,10 +4,12 @@
 //! of the pairs is over (id in A) << 32 | (id in B). Zeros are +0.
 
 use crate::case::{Case, Stage};
-use crate::request::Request;
+use crate::request::{Candidate, Request};
 use damage::{
-    CandidateHarm, Contact, DeltaV, Note, Place, Range, Ranking, State, Unevaluable, Work,
+    CandidateHarm, Contact, DeltaV, Note, Party, Place, Range, Ranking, State, Unevaluable, Work,
 };
+use geometry::DVec3;
+use model::Kind;
 use serde::Serialize;
 
 /// What was asked, answered.
@@ -42,6 +44,10 @@ pub struct Row {
     pub certain: bool,
     /// Why it comes before the next, in one sentence.
     pub why: Option<String>,
+    /// Which sides meet, for people: "front ↔ rear".
+    pub sides: String,
+    /// Whether the other party is fixed to the ground.
+    pub is_other_fixed: bool,
     /// What the contact is like.
     pub contact: Contact,
     /// Closing speed [m/s].
@@ -147,6 +153,8 @@ fn row(
         range: place.range,
         certain: place.certain,
         why,
+        sides: sides(candidate, harm),
+        is_other_fixed: candidate.b.mass_kg.is_none(),
         contact: harm.contact.clone(),
         closing_m_s: harm.closing_m_s,
         delta_v_m_s: harm.delta_v,
@@ -156,6 +164,26 @@ fn row(
         coarse_path: harm.coarse_path,
         poses: poses(case),
     }
+}
+
+/// The sides that the nominal normal points through, and whether the bodies only slide past.
+fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
+    let Some(patch) = &harm.contact.patch else { return String::new() };
+    let normal = DVec3::from_array(patch.normal);
+    let up = candidate.approach.directions.d[damage::approach::UP];
+    let side = |party: &Party, outward: DVec3| match party.kind {
+        Kind::Wall | Kind::Pole | Kind::Building => party.kind.name(),
+        Kind::Pedestrian => "person",
+        _ => match party.bearing(outward, up) {
+            angle if angle.abs() <= 45.0 => "front",
+            angle if angle.abs() >= 135.0 => "rear",
+            angle if angle > 0.0 => "left",
+            _ => "right",
+        },
+    };
+    let sliding = harm.normal_m_s.hi() < 0.25 * harm.closing_m_s;
+    let glance = if sliding { ", sliding" } else { "" };
+    format!("{} ↔ {}{glance}", side(&candidate.a, normal), side(&candidate.b, -normal))
 }
 
 fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {

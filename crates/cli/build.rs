@@ -1,0 +1,32 @@
+//! Names this build by what it was made of: a hash over every source file and the lock file.
+//!
+//! Both ends of every channel must carry the same name, so that no two versions ever talk.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+fn main() {
+    let manifest = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
+    let root = manifest.join("../..");
+    let mut files = vec![root.join("Cargo.lock")];
+    collect(&root.join("crates"), &mut files);
+    files.sort();
+    let mut hasher = blake3::Hasher::new();
+    for file in &files {
+        hasher.update(&fs::read(file).expect("a source file that was listed a moment ago"));
+    }
+    println!("cargo::rustc-env=TROLLEY_BUILD={}", &hasher.finalize().to_hex()[..16]);
+    println!("cargo::rerun-if-changed={}", root.join("crates").display());
+    println!("cargo::rerun-if-changed={}", root.join("Cargo.lock").display());
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("the sources lie here").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|end| end == "rs" || end == "toml") {
+            files.push(path);
+        }
+    }
+}

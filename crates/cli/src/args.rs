@@ -1,0 +1,121 @@
+//! The command line.
+
+use clap::{Args as ClapArgs, Parser, Subcommand};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  trolley demo                                rank seven crashes between generated bodies
+  trolley rank config/scenarios/minimal.toml  rank the crashes that a file describes
+  trolley rank FILE --json --workers 2        the same for programs, on two workers
+  trolley model import car.obj --unit cm --up z --forward -y --kind sedan -o car.trolley
+
+Exit codes: 0 ok, 2 usage, 3 degraded, 4 refused, 65 input, 69 resources, 70 internal,
+71 operating system, 76 version skew, 78 configuration, 130 interrupted.";
+
+/// Ranks unavoidable collisions by the harm they do, and says how sure that is.
+#[derive(Debug, Parser)]
+#[command(name = "trolley", version = crate::BUILD, after_help = EXAMPLES, max_term_width = 100)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Print one JSON document on stdout and nothing else.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// No progress, and errors only.
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// More log lines on stderr; twice for all.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub(crate) verbose: u8,
+}
+
+/// How results and progress are shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Output {
+    pub(crate) json: bool,
+    pub(crate) quiet: bool,
+}
+
+impl Args {
+    pub(crate) fn output(&self) -> Output {
+        Output { json: self.json, quiet: self.quiet }
+    }
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Rank seven crashes between bodies that the program generates itself.
+    #[command(after_help = "Example:\n  trolley demo --workers 2")]
+    Demo(#[command(flatten)] EngineArgs),
+    /// Rank the crashes that a scenario file describes.
+    #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
+        trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name")]
+    Rank {
+        /// Scenario, TOML: see `trolley schema`.
+        scenario: PathBuf,
+        #[command(flatten)]
+        options: EngineArgs,
+    },
+    /// Bodies: import, look at, check, generate, export.
+    Model {
+        #[command(subcommand)]
+        verb: crate::model::Verb,
+    },
+    /// Print the JSON Schema of scenarios.
+    Schema,
+    /// Print completions for a shell.
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page.
+    Man,
+    /// A worker process: started by a coordinator, not by hand.
+    #[command(hide = true)]
+    Worker {
+        /// How it was started.
+        word: String,
+    },
+}
+
+/// Settings of the engine; each overrides the scenario's. None changes a complete answer.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub(crate) struct EngineArgs {
+    /// Worker processes, 1 to 16.
+    #[arg(long, value_name = "N")]
+    pub(crate) workers: Option<i64>,
+    /// Core of each worker, as 0,1,2,3; "none": no pinning.
+    #[arg(long, value_name = "LIST")]
+    pub(crate) cores: Option<String>,
+    /// Distribution depth: levels of both trees that the coordinator descends itself.
+    #[arg(long, value_name = "D")]
+    pub(crate) depth: Option<i64>,
+    /// How trees are built: seed, literal or sah.
+    #[arg(long)]
+    pub(crate) build: Option<String>,
+    /// Triangles in a leaf at most.
+    #[arg(long, value_name = "N")]
+    pub(crate) leaf_size: Option<i64>,
+    /// How jobs are matched to workers: best-match-load.
+    #[arg(long)]
+    pub(crate) scheme: Option<String>,
+    /// Weight of the match against the load, 0 to 1.
+    #[arg(long)]
+    pub(crate) alpha: Option<f64>,
+    /// Jobs per message.
+    #[arg(long, value_name = "N")]
+    pub(crate) batch: Option<i64>,
+    /// Jobs on their way to one worker at most.
+    #[arg(long, value_name = "N")]
+    pub(crate) queue: Option<i64>,
+    /// Seed of every choice that is called random.
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<i64>,
+    /// Name of this instance in shared memory: 1 to 12 of a-z, 0-9 and -.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) instance: Option<String>,
+    /// Run all jobs in this process, without workers: for comparison.
+    #[arg(long)]
+    pub(crate) in_process: bool,
+}

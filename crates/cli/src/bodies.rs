@@ -1,0 +1,122 @@
+//! The bodies of a scenario, as model files in memory.
+
+use crate::args::Output;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use bvh::BuildOptions;
+use model::generate::{Shape, call, generate};
+use model::{Kind, Mesh, Meta, defaults, file, zones};
+use runtime::FileMap;
+use scenario::{Engine, Scenario, Source};
+use std::path::Path;
+
+/// A body on its way into the model store.
+pub(crate) struct Loaded {
+    pub(crate) kind: Kind,
+    /// A model file, aligned as one.
+    pub(crate) bytes: file::Aligned,
+}
+
+/// Loads or generates every party's body, with the tree that the engine asks for.
+pub(crate) fn load(
+    scenario: &Scenario,
+    engine: &Engine,
+    path: &Path,
+    output: &Output,
+) -> Result<Vec<Loaded>, Failure> {
+    let generated = scenario.parties.iter().map(|party| match party.source {
+        Source::Generate { triangles, .. } => u64::from(triangles),
+        Source::File(_) => 0,
+    });
+    let progress = Progress::new("building bodies: triangles", generated.sum(), output);
+    let options = BuildOptions {
+        build: engine.build,
+        leaf_size: engine.leaf_size,
+        threads: runtime::affinity::allowed_cores().len(),
+    };
+    let mut loaded = Vec::new();
+    for party in &scenario.parties {
+        let body = match &party.source {
+            Source::Generate { shape, triangles, seed } => {
+                let body = generated_body(*shape, *triangles, *seed, &options);
+                progress.add(u64::from(*triangles));
+                body?
+            }
+            Source::File(reference) => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                let name = folder.join(&reference.path);
+                open(&name, &options).map_err(|failure| Failure {
+                    fault: format!(
+                        "{}:{}: party \"{}\": {}",
+                        path.display(),
+                        reference.place,
+                        party.name,
+                        failure.fault
+                    ),
+                    ..failure
+                })?
+            }
+        };
+        loaded.push(body);
+    }
+    let kinds: Vec<Kind> = loaded.iter().map(|body| body.kind).collect();
+    scenario.check_kinds(&path.display().to_string(), &kinds)?;
+    Ok(loaded)
+}
+
+/// Opens a model file; its tree is built again if the engine asks for another one.
+fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failure> {
+    let map = FileMap::open(path).map_err(|error| {
+        Failure::input(crate::failure::chain(&error))
+            .help("paths are relative to the scenario's folder")
+    })?;
+    let bad = |error: file::FileError| {
+        Failure::input(format!("{}: {error}", path.display())).help(error.help())
+    };
+    let (meta, view) = file::view(map.bytes()).map_err(bad)?;
+    if meta.build == options.build && meta.leaf_size == options.leaf_size {
+        return Ok(Loaded { kind: meta.kind, bytes: file::Aligned::copy_of(map.bytes()) });
+    }
+    let body = bvh::rebuild(view, &meta, options, &|_| {})
+        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+    encoded(&body)
+}
+
+fn generated_body(
+    shape: Shape,
+    triangles: u32,
+    seed: u64,
+    options: &BuildOptions,
+) -> Result<Loaded, Failure> {
+    let mesh = generate(shape, triangles, seed)
+        .map_err(|error| Failure::input(error.to_string()).help("change `triangles`"))?;
+    let origin = call(shape, triangles, seed);
+    let hash = blake3::hash(origin.as_bytes()).to_hex();
+    let origin = defaults::Origin {
+        name: shape.name(),
+        kind: shape.kind(),
+        origin: &origin,
+        hash: hash.as_str(),
+    };
+    let meta = defaults::assemble(origin, &mesh, None)
+        .map_err(|error| Failure::input(error.to_string()))?;
+    encoded(&with_tree(mesh, meta, options, &|_| {})?)
+}
+
+/// Gives a mesh its zones and its tree.
+pub(crate) fn with_tree(
+    mesh: Mesh,
+    meta: Meta,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<model::Body, Failure> {
+    let zones = zones::of_mesh(&mesh, meta.kind);
+    bvh::body(mesh, meta, zones, options, progress)
+        .map_err(|error| Failure::input(error.to_string()))
+}
+
+fn encoded(body: &model::Body) -> Result<Loaded, Failure> {
+    let bytes =
+        file::encode(body).map_err(|error| Failure::input(error.to_string()).help(error.help()))?;
+    Ok(Loaded { kind: body.meta.kind, bytes: file::Aligned::copy_of(&bytes) })
+}

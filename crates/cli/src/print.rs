@@ -1,0 +1,31 @@
+//! The only place that writes to stdout and stderr.
+
+use crate::failure::Failure;
+use std::io::{IsTerminal as _, Write as _};
+use std::process::ExitCode;
+
+/// Prints a result and a line feed.
+pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {
+    out_bytes(format!("{}\n", text.trim_end()).as_bytes())
+}
+
+/// Prints a result as it is. A reader that has gone away is no error.
+pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
+        Err(error) => Err(Failure::output(error)),
+        Ok(()) => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// Prints a line for the person at the terminal.
+pub(crate) fn err(text: &str) {
+    // Nowhere is left to complain to.
+    let _gone = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Whether stderr takes colours: a terminal, and NO_COLOR is not set.
+pub(crate) fn is_colourful() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}

@@ -1,0 +1,197 @@
+//! The first screen: what was asked, what came out, how sure, and why.
+
+use crate::run::Run;
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use coordinator::{Answer, PersonRow, Row};
+use damage::evidence::Touch;
+use damage::{Range, State};
+use scenario::Scenario;
+
+/// Columns of a terminal that everything fits.
+const WIDTH: u16 = 100;
+
+/// The ranking for people: at most 100 columns, whole sentences around a table.
+pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String {
+    let mut table = Table::new();
+    table
+        .load_style(presets::NOTHING)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(WIDTH)
+        .set_header([
+            "#",
+            "candidate",
+            "contact",
+            "depth",
+            "ΔV ego / other",
+            "worst-off person",
+            "harm",
+            "range",
+        ]);
+    for (at, row) in answer.ranking.iter().enumerate() {
+        table.add_row([
+            (at + 1).to_string(),
+            row.name.clone(),
+            contact(row),
+            depth(row),
+            delta_v(row),
+            worst_off(row),
+            harm(row),
+            range(row.range),
+        ]);
+    }
+    for column in [0, 3, 4, 6] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let table = table.to_string();
+    let rows: Vec<&str> = table.lines().map(str::trim_end).collect();
+    let mut text = format!("{}\n{}\n\n", scenario.name, circumstances(run));
+    text.push_str(&rows.join("\n"));
+    text.push_str("\n\n");
+    text.push_str(&verdict(answer, run));
+    text
+}
+
+/// "8 bodies · 412k triangles · 4 workers on cores 0, 1".
+fn circumstances(run: &Run) -> String {
+    let thousand = (run.triangles + 500) / 1000;
+    let size = format!("{} bodies · {thousand}k triangles", run.bodies);
+    if run.workers.is_empty() {
+        return format!("{size} · in this process, without workers");
+    }
+    let mut cores: Vec<usize> = run.workers.iter().filter_map(|worker| worker.core).collect();
+    cores.sort_unstable();
+    cores.dedup();
+    let place = match cores.as_slice() {
+        [] => "not pinned".to_owned(),
+        [one] => format!("on core {one}"),
+        [first, .., last] if last - first + 1 == cores.len() => {
+            format!("on cores {first}–{last}")
+        }
+        _ => format!("on cores {cores:?}"),
+    };
+    format!("{size} · {} workers {place}", run.workers.len())
+}
+
+fn contact(row: &Row) -> String {
+    match row.contact.touch {
+        Touch::Yes => row.sides.clone(),
+        Touch::No if row.contact.hull_gap_m > 0.0 => {
+            format!("none: {:.2} m", row.contact.hull_gap_m)
+        }
+        Touch::No => "none".to_owned(),
+        Touch::Unknown => "unknown".to_owned(),
+    }
+}
+
+fn depth(row: &Row) -> String {
+    let patch = row.contact.patch.as_ref();
+    patch.map_or("–".to_owned(), |patch| format!("{:.2} m", patch.depth_m.hi()))
+}
+
+fn delta_v(row: &Row) -> String {
+    if row.contact.touch == Touch::No {
+        return "–  /  –".to_owned();
+    }
+    let [ego, other] = row.delta_v_m_s.map(|delta| delta.work.hi());
+    let other = if row.is_other_fixed { "–".to_owned() } else { format!("{other:.1}") };
+    format!("{ego:.1} / {other}")
+}
+
+fn worst_off(row: &Row) -> String {
+    let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
+    match worst {
+        Some(person) if person.work.hi() > 0.0 => {
+            format!("{} {:.1} %", who(person), 100.0 * person.work.hi())
+        }
+        _ => "–".to_owned(),
+    }
+}
+
+fn who(person: &PersonRow) -> String {
+    match person.seat {
+        Some("front-left") => format!("{} driver", person.party),
+        Some("rider") => format!("{} rider", person.party),
+        Some(seat) => format!("{} {}", person.party, seat.replace('-', " ")),
+        None => person.party.clone(),
+    }
+}
+
+fn harm(row: &Row) -> String {
+    let (lo, hi) = (row.work.lo(), row.work.hi());
+    if lo.to_bits() == hi.to_bits() {
+        return format!("{hi:.4}");
+    }
+    format!("{lo:.4}–{hi:.4}")
+}
+
+fn range(range: Range) -> String {
+    format!("{:.4} – {:.4}", range.low(), range.high())
+}
+
+fn verdict(answer: &Answer, run: &Run) -> String {
+    let Some(first) = answer.ranking.first() else { return String::new() };
+    let mut lines = Vec::new();
+    let state = match answer.state {
+        State::Complete => "COMPLETE: all work is done",
+        State::Certified => "CERTIFIED: no open work can change the winner",
+        State::Degraded => "DEGRADED: open work could change the winner",
+        State::Refused => "REFUSED: no candidate has a bound",
+    };
+    lines.push(format!(
+        "Least harm: {}. {state} ({} jobs in {:.1} ms; policy \"{}\").",
+        first.name, run.jobs, run.stages.work_ms, answer.policy
+    ));
+    lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
+    if answer.tie_class.len() > 1 {
+        let others: Vec<&str> = answer
+            .tie_class
+            .iter()
+            .filter(|name| **name != first.name)
+            .map(String::as_str)
+            .collect();
+        lines.push(format!(
+            "Within the range of the model it cannot be told from: {}.",
+            others.join(", ")
+        ));
+    }
+    if !answer.missing.is_empty() {
+        lines.push(format!("Not fully known: {}.", answer.missing.join(", ")));
+    }
+    let near: Vec<&str> = answer
+        .ranking
+        .iter()
+        .filter(|row| row.contact.near_miss)
+        .map(|row| row.name.as_str())
+        .collect();
+    if !near.is_empty() {
+        lines.push(format!("Near misses, closer than poses are known: {}.", near.join(", ")));
+    }
+    lines.extend(run.remarks.iter().map(|remark| format!("Note: {remark}.")));
+    for worker in run.workers.iter().filter(|worker| worker.lost.is_some()) {
+        let how = worker.lost.as_deref().unwrap_or_default();
+        lines.push(format!("Note: worker {} was lost ({how}).", worker.worker));
+    }
+    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
+    wrapped.join("\n") + "\nNext: trolley rank --help · trolley model --help\n"
+}
+
+/// Breaks a line at spaces so that it fits.
+fn wrap(line: &str) -> String {
+    let mut text = String::new();
+    let mut column = 0;
+    for word in line.split(' ') {
+        let width = word.chars().count();
+        if column > 0 && column + 1 + width > usize::from(WIDTH) {
+            text.push_str("\n  ");
+            column = 2;
+        } else if column > 0 {
+            text.push(' ');
+            column += 1;
+        }
+        text.push_str(word);
+        column += width;
+    }
+    text
+}
