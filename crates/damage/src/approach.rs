@@ -1,8 +1,8 @@
 //! How B comes towards A: the two bodies' plan-view hulls along the relative path.
 //!
-//! Everything is in A's frame, in metres. B moves at constant relative velocity, without turning: at
-//! travel s it stands `u·s` before its given place, so s grows with time and with depth, and s = 0 is
-//! the given pose. The hulls are known by their supports along the 72 directions of
+//! Everything is in A's frame, in metres. B moves at constant relative velocity, without turning:
+//! at travel s it stands `u·s` before its given place, so s grows with time and with depth, and s =
+//! 0 is the given pose. The hulls are known by their supports along the 72 directions of
 //! [`geometry::Directions`], which is all that this needs: it depends on no mesh, and on no job.
 //!
 //! What is said here to be apart is apart: the 72 directions enclose the hulls. The converse does

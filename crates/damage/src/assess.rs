@@ -1,8 +1,8 @@
 //! From contact to harm: dynamics and injury curves at both ends of everything that is open.
 //!
-//! The work interval takes nominal parameters, and lever arms and normals over all that open jobs may
-//! find; the model range takes parameters, normals, sides and curves at their worst ends besides.
-//! Every input is monotone ([`crate::dynamics`]), so end points suffice.
+//! The work interval takes nominal parameters, and lever arms and normals over all that open jobs
+//! may find; the model range takes parameters, normals, sides and curves at their worst ends
+//! besides. Every input is monotone ([`crate::dynamics`]), so end points suffice.
 //!
 //! Nothing here compares candidates, and a policy reaches it only as the severity level asked for.
 

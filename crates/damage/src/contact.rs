@@ -1,11 +1,11 @@
-//! What the contact of two bodies is like: normal, place, size, depth. Made from supports, so it does
-//! not depend on the mesh.
+//! What the contact of two bodies is like: normal, place, size, depth. Made from supports, so it
+//! does not depend on the mesh.
 //!
-//! The normal comes from the hulls, not from the patch: at a flat wall or round a pole the patch is a
-//! planar ring whose thinnest direction misleads. N is the set of directions along which the hulls
-//! overlap least at pose r; the nominal normal is its member nearest to u. While the first contact is
-//! known only between two travels, `Normals` holds what may and what must belong to N, so that the
-//! set only narrows as the search goes on.
+//! The normal comes from the hulls, not from the patch: at a flat wall or round a pole the patch is
+//! a planar ring whose thinnest direction misleads. N is the set of directions along which the
+//! hulls overlap least at pose r; the nominal normal is its member nearest to u. While the first
+//! contact is known only between two travels, `Normals` holds what may and what must belong to N,
+//! so that the set only narrows as the search goes on.
 //!
 //! It does not know masses or persons.
 

@@ -1,12 +1,12 @@
 //! From speeds, masses and lever arms to changes of velocity.
 //!
-//! Two bodies exchange a normal impulse J_n with restitution e, and a tangential one J_t that sticks
-//! (`v_t/w_t`) or slides (`μ J_n`). Lever arms reduce the effective masses. With e = h = μ = 0 this is
-//! ΔV₁ = m₂/(m₁+m₂)·v (TUM); with h = μ = 0 it is (1+e)v/(1+m₁/m₂) (McHenry).
+//! Two bodies exchange a normal impulse J_n with restitution e, and a tangential one J_t that
+//! sticks (`v_t/w_t`) or slides (`μ J_n`). Lever arms reduce the effective masses. With e = h = μ =
+//! 0 this is ΔV₁ = m₂/(m₁+m₂)·v (TUM); with h = μ = 0 it is (1+e)v/(1+m₁/m₂) (McHenry).
 //!
-//! Everything is monotone: ΔV rises in v_n, v_t, e, μ, k and the partner's mass, and falls in h, q and
-//! the own mass; energy falls in h and q. So intervals are evaluated at their end points. The coupled
-//! solution in n and t is not monotone, and only a test's oracle.
+//! Everything is monotone: ΔV rises in v_n, v_t, e, μ, k and the partner's mass, and falls in h, q
+//! and the own mass; energy falls in h and q. So intervals are evaluated at their end points. The
+//! coupled solution in n and t is not monotone, and only a test's oracle.
 
 use serde::Serialize;
 

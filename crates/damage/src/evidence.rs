@@ -1,8 +1,8 @@
 //! What is known of the contact of one candidate: from hits, and from the work still open.
 //!
 //! Inner is what hits have shown; outer is what hits and open work together can still show. Merging
-//! takes maxima and unions, so it depends neither on order nor on repetition, and as open work turns
-//! into hits the inner grows and the outer shrinks: every interval made from it only nests.
+//! takes maxima and unions, so it depends neither on order nor on repetition, and as open work
+//! turns into hits the inner grows and the outer shrinks: every interval made from it only nests.
 //!
 //! Supports of hits at different poses are put together in the frame that stands half way between A
 //! and B: at travel s, A's frame is moved by `½·u·s` in it. In A's own frame the same patch would
@@ -121,8 +121,8 @@ impl Evidence {
         self.is_open = true;
     }
 
-    /// Includes all that `other` knows. Both must know the same bracket of the first contact, or the
-    /// narrower one counts.
+    /// Includes all that `other` knows. Both must know the same bracket of the first contact, or
+    /// the narrower one counts.
     pub fn merge(&mut self, other: &Self) {
         self.inner.merge(&other.inner);
         self.outer.merge(&other.outer);
@@ -204,7 +204,8 @@ impl Evidence {
         Work::new(least, (out_plus + out_minus).max(least))
     }
 
-    /// Inner and outer supports in two opposed directions; without open work they are the same bits.
+    /// Inner and outer supports in two opposed directions; without open work they are the same
+    /// bits.
     fn ends(
         &self,
         of: impl Fn(&Seen) -> &Supports,

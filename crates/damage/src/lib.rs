@@ -6,9 +6,78 @@
 //! Curves::parse, Policy::parse: texts of config/curves and config/policies
 //! ```
 //!
-//! Pure: texts and values in, values out; no file, clock or thread. Everything is in A's frame (A is
-//! the ego vehicle), in SI units. Transcendental functions come from `libm`, so that all machines
-//! give the same bits.
+//! Pure: texts and values in, values out; no file, clock or thread. Everything is in A's frame (A
+//! is the ego vehicle), in SI units. Transcendental functions come from `libm`, so that all
+//! machines give the same bits.
+//!
+//! ```
+//! use damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, Party, Policy};
+//! use damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
+//! use geometry::{DVec3, Directions, Supports};
+//! use model::{Kind, Seat};
+//!
+//! // A box of a car drives at 15 m/s into a wall.
+//! let points = |x: [f64; 2], y: f64| {
+//!     let corners = [[x[0], -y], [x[0], y], [x[1], -y], [x[1], y]];
+//!     corners.map(|[x, y]| DVec3::new(x, y, 0.5))
+//! };
+//! let speed = DVec3::new(15.0, 0.0, 0.0);
+//! let directions = Directions::around(heading(speed, DVec3::X, DVec3::Z), DVec3::Z);
+//! let supports = |points: [DVec3; 4]| {
+//!     let mut supports = Supports::EMPTY;
+//!     points.iter().for_each(|p| supports.add(&directions, *p));
+//!     supports
+//! };
+//! let approach = Approach {
+//!     closing_m_s: speed.length(),
+//!     supports_a: supports(points([-2.25, 2.25], 0.9)),
+//!     supports_b: supports(points([2.2, 2.5], 10.0)),
+//!     directions: directions.clone(),
+//! };
+//! let car = Party {
+//!     kind: Kind::Sedan,
+//!     mass_kg: Some(1500.0),
+//!     gyration_m: 1.26,
+//!     centre_m: DVec3::ZERO,
+//!     forward: DVec3::X,
+//!     concave: false,
+//!     persons: vec![Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }],
+//! };
+//! let wall = Party {
+//!     kind: Kind::Wall,
+//!     mass_kg: None,
+//!     persons: Vec::new(),
+//!     ..car.clone()
+//! };
+//! let meeting = plan(&approach)?;
+//! let Meeting::Path(path) = &meeting else { return Err("they meet".into()) };
+//!
+//! // Say that the search found contact at the first pose, and workers these two points of it.
+//! let f = path.first_m();
+//! let mut hits = Seen::NOTHING;
+//! for y in [-0.9, 0.9] {
+//!     hits.patch.add(&directions, DVec3::new(2.25, y, 0.5));
+//! }
+//! let mut evidence = Evidence::none((f, f));
+//! evidence.add_hits(f, &hits);
+//!
+//! let (curves, policy) = (Curves::shipped()?, Policy::shipped()?);
+//! let parameters = Parameters::default();
+//! let basis = Basis { curves: &curves, level: policy.outcome, parameters: &parameters };
+//! let encounter = Encounter {
+//!     approach: &approach,
+//!     meeting: &meeting,
+//!     a: &car,
+//!     b: &wall,
+//!     probability: 1.0,
+//! };
+//! let harm = assess(&encounter, &evidence, &basis)?;
+//! assert!((harm.delta_v[0].work.hi() - 16.5).abs() < 1e-9);
+//!
+//! let ranking = rank(&policy, &[Stake { is_ego: true, responsibility: 0.0 }], &[harm])?;
+//! assert_eq!(ranking.state, damage::State::Complete);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Invariants
 //!

@@ -1,12 +1,12 @@
 //! The poses at which the bodies are intersected: where the path starts, ends, and how finely.
 //!
-//! A given pose may lie before the first touch, or so deep that one body is inside the other and *no
-//! triangles cross*. So B is moved along the relative velocity (see [`crate::approach`]) from where
-//! the plan-view hulls meet to 0.6 m past that, or to the given pose if that is later. At most
-//! [`POSES_MAX`] poses; where that forces a larger step, the path says that it is coarse.
+//! A given pose may lie before the first touch, or so deep that one body is inside the other and
+//! *no triangles cross*. So B is moved along the relative velocity (see [`crate::approach`]) from
+//! where the plan-view hulls meet to 0.6 m past that, or to the given pose if that is later. At
+//! most [`POSES_MAX`] poses; where that forces a larger step, the path says that it is coarse.
 //!
-//! It does not know triangles: [`crate::Search`] finds the first contact on a path, [`Path::survey`]
-//! says which poses form the contact patch from there on.
+//! It does not know triangles: [`crate::Search`] finds the first contact on a path,
+//! [`Path::survey`] says which poses form the contact patch from there on.
 
 use crate::approach::{Approach, ApproachError, REACH_M, STANDSTILL_M_S};
 use serde::Serialize;
@@ -109,7 +109,8 @@ pub fn plan(approach: &Approach) -> Result<Meeting, ApproachError> {
     }))
 }
 
-/// The step of at least `wanted` that covers `length` in at most `steps`, and whether it had to grow.
+/// The step of at least `wanted` that covers `length` in at most `steps`, and whether it had to
+/// grow.
 fn fit(length: f64, wanted: f64, steps: usize) -> (f64, bool) {
     let least = length / steps as f64;
     (wanted.max(least), least > wanted + SAME_M)
@@ -150,8 +151,8 @@ impl Path {
         (first_m + PAST_M.min(CRUSH_S * self.closing_m_s)).min(self.last_m())
     }
 
-    /// The poses from first contact on: a grid with the path's step that starts at `first_m`, with r
-    /// and e themselves among them, ascending, at most [`POSES_MAX`].
+    /// The poses from first contact on: a grid with the path's step that starts at `first_m`, with
+    /// r and e themselves among them, ascending, at most [`POSES_MAX`].
     #[must_use]
     pub fn survey(&self, first_m: f64) -> Vec<Stop> {
         let (r, e) = (self.patch_end(first_m), self.crush_end(first_m));

@@ -1,12 +1,12 @@
 //! A policy: how a board of experts wants collisions compared. Data, never code.
 //!
-//! Every composition comes down to steps that are taken in turn ([`Policy::steps`]): keep those whose
-//! measure is least, within a tolerance, or keep those that are acceptable for everybody. Property
-//! damage is only ever the last step, and before it all steps on persons are taken again without
-//! tolerance; so it can never outweigh a person.
+//! Every composition comes down to steps that are taken in turn ([`Policy::steps`]): keep those
+//! whose measure is least, within a tolerance, or keep those that are acceptable for everybody.
+//! Property damage is only ever the last step, and before it all steps on persons are taken again
+//! without tolerance; so it can never outweigh a person.
 //!
-//! A policy changes the order, never a figure. Age, sex and condition of persons are not known here:
-//! files that name them are refused (`policy/load.rs`).
+//! A policy changes the order, never a figure. Age, sex and condition of persons are not known
+//! here: files that name them are refused (`policy/load.rs`).
 
 use crate::curve::Level;
 use crate::rule::{Measure, Rule, Term};

@@ -1,8 +1,8 @@
 //! The measures by which a policy compares candidates: numbers made from risks, lower is better.
 //!
 //! Risks are R_i = p·H_i of one fixed set of persons, untouched ones included with 0. For the rules
-//! that rise in every R_i, an interval is the rule at both ends; equality does not, and gets its own.
-//! A rule looks at one candidate alone, so no candidate's figures depend on the others.
+//! that rise in every R_i, an interval is the rule at both ends; equality does not, and gets its
+//! own. A rule looks at one candidate alone, so no candidate's figures depend on the others.
 
 use crate::interval::Work;
 use serde::{Deserialize, Serialize};

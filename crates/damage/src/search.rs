@@ -1,9 +1,10 @@
 //! Finding the first contact on a path: a state machine that asks and is told.
 //!
 //! It asks whether the bodies touch at a travel: first on the whole grid, then by halving between
-//! the last pose without contact and the first with it, down to 1 mm, so that a triangle that grazes
-//! a grid pose moves nothing. The outcome is a function of the answers alone: it depends neither on
-//! their order nor on their number, and asking less (see [`Search::is_needed`]) changes nothing.
+//! the last pose without contact and the first with it, down to 1 mm, so that a triangle that
+//! grazes a grid pose moves nothing. The outcome is a function of the answers alone: it depends
+//! neither on their order nor on their number, and asking less (see [`Search::is_needed`]) changes
+//! nothing.
 //!
 //! It does not know triangles, and it does not look between two poses that both do not touch: the
 //! step of the grid is half the smaller body, so nothing passes through unseen.

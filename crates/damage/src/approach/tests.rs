@@ -55,7 +55,11 @@ fn what_is_not_finite_is_refused() {
 
 proptest! {
     #[test]
-    fn penetration_is_that_of_the_moved_body(scene in scenes(), s in -10.0..10.0_f64, i in 0..72_usize) {
+    fn penetration_is_that_of_the_moved_body(
+        scene in scenes(),
+        s in -10.0..10.0_f64,
+        i in 0..72_usize,
+    ) {
         let approach = scene.approach();
         let moved = scene.b_at(s, &approach);
         let d = approach.directions.d[i];
@@ -69,7 +73,9 @@ proptest! {
     fn nearest_is_the_first_least_distance(scene in scenes()) {
         let approach = scene.approach();
         let nearest = approach.nearest();
-        let gap = |s: f64| (0..HORIZONTAL).map(|i| -approach.penetration(i, s)).fold(-1.5, f64::max);
+        let gap = |s: f64| {
+            (0..HORIZONTAL).map(|i| -approach.penetration(i, s)).fold(-1.5, f64::max)
+        };
         for k in -1000..=1000 {
             prop_assert!(gap(f64::from(k) * 0.01) >= nearest.gap_m - 1e-9);
         }
@@ -80,7 +86,12 @@ proptest! {
 
     /// Whatever crosses within an interval of travel lies within its reach, in the half-way frame.
     #[test]
-    fn reach_holds_every_hit(scene in scenes(), from in -3.0..3.0_f64, length in 0.0..2.0_f64, part in 0.0..1.0_f64) {
+    fn reach_holds_every_hit(
+        scene in scenes(),
+        from in -3.0..3.0_f64,
+        length in 0.0..2.0_f64,
+        part in 0.0..1.0_f64,
+    ) {
         let approach = scene.approach();
         let s = from + part * length;
         let reach = approach.reach(from, from + length);

@@ -32,7 +32,12 @@ fn units_are_converted_into_the_curves_own() {
 proptest! {
     /// The published form, anchored by hand; nobody is hurt at 0, and nothing ever falls.
     #[test]
-    fn risk_is_the_anchored_logistic(a in -9.0..-1.0_f64, b in 0.01..0.5_f64, v in 0.0..80.0_f64, more in 0.0..5.0_f64) {
+    fn risk_is_the_anchored_logistic(
+        a in -9.0..-1.0_f64,
+        b in 0.01..0.5_f64,
+        v in 0.0..80.0_f64,
+        more in 0.0..5.0_f64,
+    ) {
         let curve = curve(Unit::MetresPerSecond, a, b);
         let p = |x: f64| 1.0 / (1.0 + (-(a + b * x)).exp());
         let expected = (p(v) - p(0.0)) / (1.0 - p(0.0));

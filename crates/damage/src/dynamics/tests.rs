@@ -138,7 +138,12 @@ proptest! {
 
     /// The published special cases.
     #[test]
-    fn central_impacts_are_those_of_the_literature(m1 in 60.0..30_000.0_f64, m2 in 60.0..30_000.0_f64, v in 0.0..40.0_f64, e in 0.0..0.3_f64) {
+    fn central_impacts_are_those_of_the_literature(
+        m1 in 60.0..30_000.0_f64,
+        m2 in 60.0..30_000.0_f64,
+        v in 0.0..40.0_f64,
+        e in 0.0..0.3_f64,
+    ) {
         let sides = [side(m1, 0.0, 0.0, 1.0), side(m2, 0.0, 0.0, 1.0)];
         let dv = |e: f64| impact([v, 0.0], e, 0.0, sides).respond().delta_v_m_s[0];
         prop_assert!((dv(0.0) - m2 / (m1 + m2) * v).abs() < 1e-9);

@@ -13,9 +13,9 @@ const LADDER_STEPS: u32 = 10;
 /// Rounding is no breach.
 const LADDER_SLACK: f64 = 1e-12;
 
-const KEYS: &str = "a curve file has schema, name, mixed_origins, [[curve]] (id, outcome, unit, a, \
-                    b, valid, source, year, sample, origin, note) and [[person]] (victim, level, x, \
-                    nominal, low, high); age, sex and condition have no place in it";
+const KEYS: &str = "a curve file has schema, name, mixed_origins, [[curve]] (id, outcome, unit, \
+                    a, b, valid, source, year, sample, origin, note) and [[person]] (victim, \
+                    level, x, nominal, low, high); age, sex and condition have no place in it";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -79,9 +79,9 @@ impl Curves {
     /// # Errors
     ///
     /// Line, column, fault and remedy, for: text that is not TOML, a missing or unknown key, a
-    /// number that is not finite, a slope that is not positive, an empty source, an unknown or twice
-    /// used name, a curve of another outcome, several origins without a reason, a model range that
-    /// does not contain its nominal curve, and a broken severity ladder.
+    /// number that is not finite, a slope that is not positive, an empty source, an unknown or
+    /// twice used name, a curve of another outcome, several origins without a reason, a model range
+    /// that does not contain its nominal curve, and a broken severity ladder.
     pub fn parse(file: &str, text: &str) -> Result<Self, Fault> {
         let source = Source { file, text };
         let read: File = toml::from_str(text).map_err(|e| source.malformed(&e, KEYS))?;

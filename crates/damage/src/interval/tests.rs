@@ -20,7 +20,12 @@ fn no_end_is_nan_or_negative_zero() {
 proptest! {
     /// Against values picked from both intervals.
     #[test]
-    fn distance_holds_every_distance_and_nothing_more(a in -2.0..2.0_f64, b in 0.0..2.0_f64, c in -2.0..2.0_f64, d in 0.0..2.0_f64) {
+    fn distance_holds_every_distance_and_nothing_more(
+        a in -2.0..2.0_f64,
+        b in 0.0..2.0_f64,
+        c in -2.0..2.0_f64,
+        d in 0.0..2.0_f64,
+    ) {
         let (x, y) = (Work::new(a, a + b), Work::new(c, c + d));
         let distance = x.distance(y);
         let mut seen = Work::exactly((a - c).abs());

@@ -1,7 +1,7 @@
 //! Which candidates can still win, whatever open work finds.
 //!
-//! Let K be the candidates that the finished run would keep after a step. Two sets enclose it,
-//! S ⊆ K ⊆ P, from all candidates on. At a step with tolerance, the least value m of the finished run
+//! Let K be the candidates that the finished run would keep after a step. Two sets enclose it, S ⊆
+//! K ⊆ P, from all candidates on. At a step with tolerance, the least value m of the finished run
 //! lies between the least lower end over P and the least upper end over S (if S is empty, the
 //! greatest upper end over P). So P keeps whose lower end may be within tolerance of m, and S whose
 //! upper end must be.
