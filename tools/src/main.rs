@@ -1,2 +1,53 @@
-//! tools
-fn main() {}
+//! `cargo x`: one door for the tasks of this workspace.
+//!
+//! Each task starts cargo, whose output is shown if it fails. This program takes no part in the
+//! product: nothing that ships depends on it.
+
+mod check;
+mod oracle;
+mod step;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Tasks of this workspace.
+#[derive(Debug, Parser)]
+#[command(name = "cargo x", bin_name = "cargo x")]
+struct Args {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Format, clippy and docs with warnings denied, and all tests: what CI runs.
+    ///
+    /// Stops at the first step that fails, shows its output, and exits with its exit code.
+    Check {
+        /// Leave out the docs.
+        #[arg(long)]
+        quick: bool,
+    },
+    /// Compare the triangle test with exact rational arithmetic, on as many pairs as there is time.
+    ///
+    /// Equal seeds give equal pairs. The tests of `cargo x check` include a short run.
+    Oracle {
+        /// How many pairs of triangles; 100,000 take about a second on each core.
+        #[arg(long, value_name = "N", default_value_t = 2_000_000)]
+        pairs: u64,
+        /// Which pairs.
+        #[arg(long, value_name = "S", default_value_t = 1)]
+        seed: u64,
+    },
+}
+
+fn main() -> Result<ExitCode> {
+    match Args::parse().task {
+        Task::Check { quick: false } => check::run(check::STEPS),
+        Task::Check { quick: true } => {
+            check::run(check::STEPS.iter().filter(|step| step.name != check::DOCS))
+        }
+        Task::Oracle { pairs, seed } => oracle::run(pairs, seed),
+    }
+}

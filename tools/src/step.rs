@@ -1,0 +1,130 @@
+//! One run of cargo: a line with its time if all is well, everything it said if not.
+//!
+//! The closing lines of test runners are always shown, as they come: they say how much was tested.
+
+#[cfg(test)]
+mod tests;
+
+use anyhow::{Context as _, Result};
+use std::ffi::OsString;
+use std::io::{self, BufRead as _, BufReader, Write};
+use std::process::{Command, ExitCode, ExitStatus, Stdio};
+use std::time::Instant;
+
+/// What to run.
+#[derive(Debug)]
+pub(crate) struct Step {
+    /// What people call it.
+    pub(crate) name: &'static str,
+    /// Arguments of cargo.
+    pub(crate) args: &'static [&'static str],
+    /// What it finds in its environment, beside ours.
+    pub(crate) env: &'static [(&'static str, &'static str)],
+}
+
+/// How it went.
+#[derive(Debug)]
+pub(crate) struct Outcome(ExitStatus);
+
+impl Outcome {
+    /// The exit code to pass on; `None` if all was well.
+    pub(crate) fn failure(&self) -> Option<ExitCode> {
+        // A signal has no exit code.
+        let code = || self.0.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+        (!self.0.success()).then(|| ExitCode::from(code()))
+    }
+}
+
+impl Step {
+    /// Runs it to its end, reporting to `out`.
+    pub(crate) fn run(&self, out: &mut impl Write) -> Result<Outcome> {
+        let mut command = cargo();
+        command.args(self.args).envs(self.env.iter().copied());
+        let line = self.args.join(" ");
+
+        write!(out, "{:<7} cargo {line} ... ", self.name)?;
+        out.flush()?;
+        let start = now();
+        // One pipe for both streams keeps their order.
+        let (reader, writer) = io::pipe()?;
+        command.stdin(Stdio::null()).stdout(writer.try_clone()?).stderr(writer);
+        let mut child = command.spawn().with_context(|| format!("cannot start cargo {line}"))?;
+        // It holds the last writing ends but the child's: without them, reading comes to an end.
+        drop(command);
+
+        let mut said = Vec::new();
+        let mut tests = Tally::default();
+        let mut reader = BufReader::new(reader);
+        let mut from = 0;
+        while reader.read_until(b'\n', &mut said)? > 0 {
+            let text = String::from_utf8_lossy(&said[from..]);
+            if let Some(closing) = Tally::of(&text) {
+                if tests == Tally::default() {
+                    writeln!(out)?;
+                }
+                write!(out, "{text}")?;
+                tests.add(&closing);
+            }
+            from = said.len();
+        }
+        let status = child.wait()?;
+
+        let seconds = start.elapsed().as_secs_f64();
+        if tests != Tally::default() {
+            write!(out, "{:<7} {tests} ... ", self.name)?;
+        }
+        writeln!(out, "{} {seconds:.1} s", if status.success() { "ok" } else { "FAILED" })?;
+        if !status.success() {
+            out.write_all(&said)?;
+            writeln!(out, "{:<7} cargo {line}: {status}", self.name)?;
+        }
+        Ok(Outcome(status))
+    }
+}
+
+/// The cargo that started us.
+pub(crate) fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
+}
+
+#[expect(clippy::disallowed_methods, reason = "for a person to read; nothing is decided by it")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+/// Sums over the closing lines of test runners.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Tally {
+    runners: u64,
+    passed: u64,
+    failed: u64,
+    ignored: u64,
+}
+
+impl Tally {
+    /// What a line says, if it is a closing line:
+    /// `test result: ok. 3 passed; 0 failed; 1 ignored; ...`.
+    fn of(line: &str) -> Option<Self> {
+        let (_verdict, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
+        let count = |what: &str| {
+            let mut counts = counts.split(';').filter_map(|part| part.trim().split_once(' '));
+            counts.find(|(_, name)| *name == what)?.0.parse().ok()
+        };
+        let (passed, failed) = (count("passed")?, count("failed")?);
+        Some(Self { runners: 1, passed, failed, ignored: count("ignored")? })
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.runners += other.runners;
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.ignored += other.ignored;
+    }
+}
+
+impl std::fmt::Display for Tally {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { runners, passed, failed, ignored } = self;
+        write!(f, "{runners} runners: {passed} passed, {failed} failed, {ignored} ignored")
+    }
+}

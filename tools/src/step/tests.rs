@@ -1,0 +1,56 @@
+//! Closing lines are found and added up; a step that fails passes its exit code on.
+
+use super::*;
+
+#[test]
+fn closing_lines_and_nothing_else_are_counted() {
+    let said = "\
+     Running unittests src/lib.rs (target/debug/deps/bvh-0123456789abcdef)
+
+running 4 tests
+test a::test result: ok ... ok
+test result: ok. 3 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s
+test result: FAILED. 10 passed; 2 failed; 0 ignored; 0 measured; 5 filtered out; finished in 1.2s
+test result: I made this up
+";
+    let mut sum = Tally::default();
+    for tally in said.lines().filter_map(Tally::of) {
+        sum.add(&tally);
+    }
+    assert_eq!(sum, Tally { runners: 2, passed: 13, failed: 2, ignored: 1 });
+    assert_eq!(sum.to_string(), "2 runners: 13 passed, 2 failed, 1 ignored");
+}
+
+#[test]
+fn a_good_step_is_one_line() -> Result<()> {
+    let step = Step { name: "version", args: &["--version"], env: &[] };
+    let mut out = Vec::new();
+    assert!(step.run(&mut out)?.failure().is_none());
+    let said = String::from_utf8(out)?;
+    assert!(said.starts_with("version cargo --version ... ok "), "{said}");
+    assert!(said.ends_with(" s\n") && said.lines().count() == 1, "{said}");
+    Ok(())
+}
+
+#[test]
+fn a_bad_step_shows_what_was_said_and_passes_its_exit_code_on() -> Result<()> {
+    let step = Step { name: "bad", args: &["no-such-command-as-this"], env: &[] };
+    let mut out = Vec::new();
+    let failure = step.run(&mut out)?.failure();
+    // Cargo's own exit code for whatever it cannot do.
+    assert_eq!(format!("{failure:?}"), format!("{:?}", Some(ExitCode::from(101))));
+    let said = String::from_utf8(out)?;
+    assert!(said.contains("FAILED"), "{said}");
+    assert!(said.contains("\nerror: no such command"), "{said}");
+    Ok(())
+}
+
+#[test]
+fn a_step_sees_its_own_environment_beside_ours() -> Result<()> {
+    // A wrong setting of cargo makes it fail, so it must have arrived.
+    let step = Step { name: "env", args: &["tree"], env: &[("CARGO_NET_RETRY", "many")] };
+    let mut out = Vec::new();
+    assert!(step.run(&mut out)?.failure().is_some());
+    assert!(String::from_utf8(out)?.contains("CARGO_NET_RETRY"));
+    Ok(())
+}
