@@ -50,3 +50,11 @@ impl Hits {
         new
     }
 }
+
+#[cfg(test)]
+impl Hits {
+    /// Where the words are, and for how many there is room.
+    pub(crate) fn place(&self) -> (*const u64, usize) {
+        (self.words.as_ptr(), self.words.capacity())
+    }
+}

@@ -1,1 +1,246 @@
-//! t
+//! Laws of jobs: whatever the tree, the depth and the cuts, the answer is brute force's.
+
+use super::*;
+use crate::fixtures::{
+    Found, Gathered, Listener, any_build, body_of, brute_force, directions, kernel_for, named,
+    options, pose, run_all, soup, task, torus, triangles,
+};
+use crate::{BuildOptions, front};
+use geometry::Pose;
+use model::{Body, Build};
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+
+const ALL: u64 = u64::MAX;
+
+/// The union of all jobs of a front, each cut by `budget`.
+fn answer(
+    a: &Body,
+    b: &Body,
+    pose: RelativePose,
+    question: Question,
+    depth: u32,
+    budget: u64,
+) -> Gathered {
+    let directions = directions();
+    let task = task(a, b, pose, question, &directions);
+    let mut starts = Vec::new();
+    front(&task.a, &task.b, &pose, depth, &mut starts, &mut Counters::default());
+    run_all(&mut kernel_for(a, b), &task, &starts, budget, Listener::new)
+}
+
+fn turned(yaw: f64, at: [f64; 3]) -> RelativePose {
+    RelativePose::between(&Pose::IDENTITY, &Pose::from_degrees(yaw, 12.0, 5.0, at))
+}
+
+fn built_options() -> impl Strategy<Value = BuildOptions> {
+    (any_build(), 1_u32..9).prop_map(|(build, leaf_size)| options(build, leaf_size))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 160, ..ProptestConfig::default() })]
+
+    #[test]
+    fn pairs_are_those_of_brute_force(
+        a in triangles(32), b in triangles(32), pose in pose(), depth in 0_u32..13,
+        of_a in built_options(), of_b in built_options(), budget in prop_oneof![Just(ALL), 1_u64..300],
+    ) {
+        let (a, b) = (body_of(&a, &of_a), body_of(&b, &of_b));
+        let found = answer(&a, &b, pose, Question::Pairs, depth, budget).finish();
+        prop_assert_eq!(found, brute_force(&a.view(), &b.view(), &pose));
+    }
+
+    #[test]
+    fn sets_are_those_of_brute_force(
+        a in triangles(32), b in triangles(32), pose in pose(), depth in 0_u32..13,
+        of_a in built_options(), of_b in built_options(), budget in prop_oneof![Just(ALL), 1_u64..300],
+    ) {
+        let (a, b) = (body_of(&a, &of_a), body_of(&b, &of_b));
+        let found = answer(&a, &b, pose, Question::Sets, depth, budget).finish();
+        let all = brute_force(&a.view(), &b.view(), &pose);
+        prop_assert_eq!((found.hits, found.zones), (all.hits, all.zones));
+        prop_assert_eq!((found.pairs, found.hash), (0, 0));
+    }
+
+    #[test]
+    fn touches_if_and_only_if_there_is_a_pair(
+        a in triangles(6), b in triangles(6), pose in pose(), depth in 0_u32..4,
+        built in built_options(), budget in prop_oneof![Just(ALL), 1_u64..100],
+    ) {
+        let (a, b) = (body_of(&a, &built), body_of(&b, &built));
+        let found = answer(&a, &b, pose, Question::Touches, depth, budget).finish();
+        let all = brute_force(&a.view(), &b.view(), &pose);
+        prop_assert_eq!(found.pairs > 0, all.pairs > 0);
+        prop_assert!(found.hits.is_subset(&all.hits));
+        prop_assert_eq!((found.hash, found.zones), (0, (0, 0)));
+    }
+
+    /// A sink that is full ends the job; nothing is lost and nothing counts twice.
+    #[test]
+    fn a_sink_may_say_stop_at_any_hit(
+        a in triangles(24), b in triangles(24), pose in pose(), built in built_options(),
+        hits_max in 2_usize..9,
+    ) {
+        let (a, b) = (body_of(&a, &built), body_of(&b, &built));
+        // Two leaves may have more hits than a small sink takes, and then would never be done.
+        let hits_max = hits_max.max(2 * built.leaf_size as usize);
+        let directions = directions();
+        let task = task(&a, &b, pose, Question::Pairs, &directions);
+        let small = || Listener { hits_max, ..Listener::new() };
+        let found = run_all(&mut kernel_for(&a, &b), &task, &[NodePair::ROOTS], ALL, small);
+        prop_assert_eq!(found.finish(), brute_force(&a.view(), &b.view(), &pose));
+    }
+
+    /// What is left and what was tested share no pair of triangles, and miss none that intersects.
+    #[test]
+    fn what_remains_is_what_was_missed(
+        a in triangles(24), b in triangles(24), pose in pose(), built in built_options(),
+        budget in 1_u64..200,
+    ) {
+        let (a, b) = (body_of(&a, &built), body_of(&b, &built));
+        let directions = directions();
+        let task = task(&a, &b, pose, Question::Pairs, &directions);
+        let mut kernel = kernel_for(&a, &b);
+        let outcome = kernel.run(&task, NodePair::ROOTS, budget, &mut Listener::new());
+        let mut covered = BTreeSet::new();
+        for pair in kernel.remaining() {
+            for i in section::triangles(task.a.nodes, pair.a) {
+                for j in section::triangles(task.b.nodes, pair.b) {
+                    prop_assert!(covered.insert((i, j)));
+                }
+            }
+        }
+        let rest = kernel.remaining().to_vec();
+        let rest = run_all(&mut kernel, &task, &rest, ALL, Listener::new).finish();
+        let all = brute_force(&a.view(), &b.view(), &pose);
+        prop_assert_eq!(outcome.pairs + rest.pairs, all.pairs);
+        prop_assert_eq!(outcome.hash.wrapping_add(rest.hash), all.hash);
+        prop_assert_eq!(outcome.end == End::Complete, covered.is_empty());
+    }
+}
+
+/// Closed bodies that share curved, coplanar and touching surfaces, at every build and leaf size.
+#[test]
+fn structured_bodies_give_the_same_answer_whatever_the_tree() {
+    let (ring, fat) = (torus(24, 12, 0.3), torus(18, 10, 0.5));
+    let poses = [
+        turned(40.0, [0.9, 0.1, 0.2]),
+        turned(0.0, [1.0, 0.0, 0.0]),
+        RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY),
+    ];
+    for (pose, other) in [(poses[0], &fat), (poses[1], &fat), (poses[2], &ring)] {
+        let plain = options(Build::Seed, 1);
+        let (a, b) = (body_of(&ring, &plain), body_of(other, &plain));
+        let expected: Found = brute_force(&a.view(), &b.view(), &pose);
+        assert!(expected.pairs > 100, "{}", expected.pairs);
+        for build in [Build::Seed, Build::Literal, Build::Sah] {
+            for (leaf_size, depth) in [(1, 0), (1, 12), (2, 5), (4, 3), (8, 8), (64, 1)] {
+                let built = options(build, leaf_size);
+                let (a, b) = (body_of(&ring, &built), body_of(other, &built));
+                let found = answer(&a, &b, pose, Question::Pairs, depth, 5_000).finish();
+                assert!(found == expected, "{build:?}, leaf size {leaf_size}, depth {depth}");
+                let sets = answer(&a, &b, pose, Question::Sets, depth, ALL);
+                assert_eq!(sets.hits, expected.hits);
+            }
+        }
+    }
+}
+
+/// Sets may leave out what cannot add: of bodies that lie within each other, most of it.
+#[test]
+fn sets_test_fewer_triangles_than_pairs() {
+    let dense = soup(300, 3.0, 7);
+    let body = body_of(&dense, &options(Build::Seed, 4));
+    let pose = turned(20.0, [0.1, 0.0, 0.0]);
+    let np = |question| answer(&body, &body, pose, question, 0, ALL).counters.np;
+    assert!(2 * np(Question::Sets) < np(Question::Pairs));
+}
+
+#[test]
+fn a_beat_comes_at_least_every_so_many_tests() {
+    let body = body_of(&soup(2_000, 0.3, 8), &options(Build::Seed, 64));
+    let directions = directions();
+    let task = task(&body, &body, turned(20.0, [0.1, 0.0, 0.0]), Question::Pairs, &directions);
+    let mut listener = Listener::new();
+    let outcome = kernel_for(&body, &body).run(&task, NodePair::ROOTS, ALL, &mut listener);
+    let marks = [0].iter().chain(&listener.beats).copied().chain([outcome.counters.tests()]);
+    let gaps = marks.clone().zip(marks.skip(1)).map(|(from, to)| to - from);
+    // One triangle against one leaf: a box test and a triangle test each, and the leaf's own boxes.
+    let slack = 3 * 64 + 2;
+    assert!(listener.beats.len() > 100);
+    assert!(gaps.clone().all(|gap| gap <= BEAT_TESTS + slack), "{:?}", gaps.max());
+}
+
+#[test]
+fn a_beat_may_say_stop_and_nothing_is_lost() {
+    let (a, b) = (soup(400, 0.4, 9), soup(400, 0.4, 10));
+    let built = options(Build::Seed, 16);
+    let (a, b) = (body_of(&a, &built), body_of(&b, &built));
+    let pose = turned(70.0, [0.2, 0.3, 0.0]);
+    let directions = directions();
+    let task = task(&a, &b, pose, Question::Pairs, &directions);
+    let mut kernel = kernel_for(&a, &b);
+    let mut stopped = Listener { beats_max: 3, ..Listener::new() };
+    let first = kernel.run(&task, NodePair::ROOTS, ALL, &mut stopped);
+    assert_eq!((first.end, stopped.beats.len()), (End::Stopped, 4));
+    let rest = kernel.remaining().to_vec();
+    let mut all = run_all(&mut kernel, &task, &rest, ALL, Listener::new);
+    all.add(&first);
+    all.hits.append(&mut named(&task, &stopped.heard));
+    assert_eq!(all.finish(), brute_force(&a.view(), &b.view(), &pose));
+}
+
+/// The bound in the header: no walk over these trees needs a deeper stack.
+#[test]
+fn the_stack_has_room_for_the_deepest_trees() {
+    let chain: Vec<_> = (0..1500)
+        .map(|i| {
+            let r = 1.0 / (1.0 + i as f32);
+            [[-r, -r, -r], [r, r, r], [r, -r, r]]
+        })
+        .collect();
+    let body = body_of(&chain, &options(Build::Literal, 1));
+    assert!(body.meta.depth > 500);
+    let directions = directions();
+    let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+    let task = task(&body, &body, pose, Question::Sets, &directions);
+    let mut kernel = kernel_for(&body, &body);
+    let outcome = kernel.run(&task, NodePair::ROOTS, ALL, &mut Listener::new());
+    assert_eq!(outcome.end, End::Complete);
+}
+
+/// Too small a stack is a budget like another: the job ends early, and its rest can be done.
+#[test]
+fn a_stack_too_small_loses_nothing() {
+    let built = options(Build::Seed, 1);
+    let (a, b) = (body_of(&soup(200, 0.4, 11), &built), body_of(&soup(200, 0.4, 12), &built));
+    let pose = turned(10.0, [0.0, 0.3, 0.0]);
+    let directions = directions();
+    let task = task(&a, &b, pose, Question::Pairs, &directions);
+    for depth in [0, 1, 3] {
+        let mut kernel = Kernel::with_room(depth, depth, 200, 200);
+        let found = run_all(&mut kernel, &task, &[NodePair::ROOTS], ALL, Listener::new).finish();
+        assert_eq!(found, brute_force(&a.view(), &b.view(), &pose));
+    }
+}
+
+/// All scratch is there before the first job, and none of it grows or moves.
+#[test]
+fn a_job_needs_no_more_room_than_it_was_given() {
+    let built = options(Build::Seed, 4);
+    let (a, b) = (body_of(&soup(3_000, 0.4, 13), &built), body_of(&soup(2_000, 0.4, 14), &built));
+    let directions = directions();
+    let task = task(&a, &b, turned(33.0, [0.1; 3]), Question::Pairs, &directions);
+    let mut kernel = Kernel::with_room(1, 1, 1, 1);
+    kernel.ensure_room(a.meta.depth, b.meta.depth, a.corners.len(), b.corners.len());
+    let place = |k: &Kernel| {
+        let (stack, near) = (k.stack.as_ptr(), k.near.as_ptr());
+        (stack, k.stack.capacity(), near, k.near.capacity(), k.hits_a.place(), k.hits_b.place())
+    };
+    let before = place(&kernel);
+    let outcome = kernel.run(&task, NodePair::ROOTS, ALL, &mut Listener::new());
+    assert!(outcome.pairs > 1000);
+    assert_eq!(place(&kernel), before);
+    kernel.ensure_room(1, 1, 1, 1);
+    assert_eq!(place(&kernel), before);
+}

@@ -1,1 +1,113 @@
-//! t
+//! The law of box tests: no two boxes are apart whose points can meet.
+
+use super::*;
+use crate::fixtures::{Random, pose, triangles};
+use geometry::{Corners, Pose, triangle};
+use proptest::prelude::*;
+
+fn box_of(corners: &[Corners]) -> Aabb {
+    corners.iter().map(Aabb::of).fold(Aabb::EMPTY, |sum, box_| sum.union(&box_))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn triangles_that_meet_are_never_apart(a in triangles(12), b in triangles(12), pose in pose()) {
+        let placement = Placement::new(&pose, &box_of(&a), &box_of(&b));
+        for of_a in &a {
+            let at_a = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY).triangle(of_a);
+            for of_b in &b {
+                if triangle::intersect(&at_a, &pose.triangle(of_b)) {
+                    prop_assert!(!placement.apart(&Aabb::of(of_a), &Aabb::of(of_b)));
+                }
+            }
+        }
+    }
+
+    /// The axes of one frame alone reject less: what they reject, both frames' axes do too.
+    #[test]
+    fn both_frames_reject_what_one_does(a in triangles(6), b in triangles(6), pose in pose()) {
+        let placement = Placement::new(&pose, &box_of(&a), &box_of(&b));
+        for (of_a, of_b) in a.iter().zip(&b).map(|(a, b)| (Aabb::of(a), Aabb::of(b))) {
+            // Within a hair both may say either: boxes are moved in by more than the slack.
+            let placed = pose.bounds(&of_b);
+            let gap = (placed.min - of_a.bounds().max).max(of_a.bounds().min - placed.max);
+            if gap.max_element() > 1e-9 {
+                prop_assert!(placement.apart(&of_a, &of_b));
+            }
+        }
+    }
+
+    /// A point of B put exactly on a point of A, far from both origins, where rounding is worst.
+    #[test]
+    fn points_that_coincide_are_never_apart(
+        seed in any::<u32>(), yaw in -180.0..180.0, pitch in -90.0..90.0, far in 0_i32..7,
+    ) {
+        let mut random = Random::new(u64::from(seed) << 20);
+        let scale = 10_f32.powi(far);
+        let mut point = || [0; 3].map(|_| scale * (random.unit() - 0.5));
+        let (on_a, on_b) = (point(), point());
+        let turned = Pose::from_degrees(yaw, pitch, 33.0, [0.0; 3]);
+        let mut pose = RelativePose::between(&Pose::IDENTITY, &turned);
+        let away = pose.point(on_b);
+        pose.translation = [0, 1, 2].map(|i| f64::from(on_a[i]) - away[i]);
+        let (a, b) = (Aabb { min: on_a, max: on_a }, Aabb { min: on_b, max: on_b });
+        // What the translation has lost to rounding is a gap that is really there.
+        let gap = (pose.point(on_b) - a.bounds().min).abs().max_element();
+        prop_assert!(gap <= 1e-15 * f64::from(scale) * 16.0);
+        prop_assert!(!Placement::new(&pose, &a, &b).apart(&a, &b));
+    }
+
+    /// Nobody promises that R is orthonormal: a wrong one costs speed, never a pair.
+    #[test]
+    fn a_rotation_that_is_none_loses_nothing(
+        a in triangles(8), b in triangles(8), pose in pose(), stretch in 0.5..2.0, shear in -0.5..0.5,
+    ) {
+        let mut pose = pose;
+        for row in &mut pose.rotation {
+            *row = [row[0] * stretch, row[1] + shear * row[2], row[2]];
+        }
+        let placement = Placement::new(&pose, &box_of(&a), &box_of(&b));
+        for of_a in &a {
+            let at_a = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY).triangle(of_a);
+            for of_b in &b {
+                if triangle::intersect(&at_a, &pose.triangle(of_b)) {
+                    prop_assert!(!placement.apart(&Aabb::of(of_a), &Aabb::of(of_b)));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_a_hand_apart_are_apart() {
+    let cube = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+    let at = |x: f64, yaw: f64| {
+        let there = Pose::from_degrees(yaw, 0.0, 0.0, [x, 0.0, 0.0]);
+        let pose = RelativePose::between(&Pose::IDENTITY, &there);
+        Placement::new(&pose, &cube, &cube).apart(&cube, &cube)
+    };
+    assert_eq!([at(2.0, 0.0), at(2.000_001, 0.0)], [false, true]);
+    // Turned by 45°, the edge of one cube comes to lie 1 + √2 from the middle of the other.
+    assert_eq!([at(2.414, 45.0), at(2.415, 45.0)], [false, true]);
+}
+
+#[test]
+fn a_corner_that_points_past_is_apart_along_an_axis_of_b() {
+    let (slab, cube) =
+        (Aabb { min: [-1.0; 3], max: [1.0; 3] }, Aabb { min: [-1.0; 3], max: [1.0; 3] });
+    // Diagonal neighbours: boxes around them overlap in A's frame, but not in B's.
+    let there = Pose::from_degrees(45.0, 0.0, 0.0, [1.9, 1.9, 0.0]);
+    let pose = RelativePose::between(&Pose::IDENTITY, &there);
+    assert!(pose.bounds(&cube).overlaps(&slab.bounds()));
+    assert!(Placement::new(&pose, &slab, &cube).apart(&slab, &cube));
+}
+
+#[test]
+fn what_is_not_finite_is_not_apart() {
+    let cube = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+    let mut pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+    pose.translation[1] = f64::NAN;
+    assert!(!Placement::new(&pose, &cube, &cube).apart(&cube, &cube));
+}
