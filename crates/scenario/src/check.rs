@@ -11,7 +11,7 @@ use crate::limit::{self, Limit, Show};
 use crate::names::{self, choices, quoted};
 use crate::scenario::{Candidate, FileRef, Party, PartyIndex, SCHEMA, Scenario, Source};
 use crate::{raw, rules};
-use model::{Seat, meta::Occupant};
+use model::{Kind, Seat, meta::Occupant};
 use std::time::Duration;
 use toml::de::DeValue;
 
@@ -127,16 +127,14 @@ impl Checker<'_> {
         };
         let mass_kg = number(raw.mass_kg, "mass_kg", limit::MASS_KG, &path)?;
         let responsibility = number(raw.responsibility, "responsibility", limit::SHARE, &path)?;
-        let persons = raw.persons.map(|persons| list_persons(&persons, &path)).transpose()?;
-        let listed = persons.as_deref().unwrap_or_default();
-        let fit = match source {
-            Source::Generate { shape, .. } => {
-                rules::mass_fits(shape.kind(), mass_kg).at(&path.key("mass_kg"))?;
-                rules::persons_fit(shape.kind(), listed)
-            }
-            Source::File(_) => rules::seats_differ(listed),
+        let kind = match source {
+            Source::Generate { shape, .. } => Some(shape.kind()),
+            Source::File(_) => None,
         };
-        fit.at(&path.key("persons"))?;
+        if let Some(kind) = kind {
+            rules::mass_fits(kind, mass_kg).at(&path.key("mass_kg"))?;
+        }
+        let persons = raw.persons.map(|list| list_persons(&list, kind, &path)).transpose()?;
         let place = self.place(&path);
         let responsibility = responsibility.unwrap_or(0.0);
         Ok(Party { name: key, place, source, mass_kg, persons, responsibility })
@@ -194,20 +192,28 @@ fn generated(raw: &raw::Generate, path: &Path) -> Result<Source, Fault> {
     Ok(Source::Generate { shape, triangles, seed })
 }
 
-/// Persons by their seats.
-fn list_persons(raw: &[raw::Person], parent: &Path) -> Result<Vec<Occupant>, Fault> {
+/// Persons by their seats, in a body of this kind if that is known.
+fn list_persons(
+    raw: &[raw::Person],
+    kind: Option<Kind>,
+    parent: &Path,
+) -> Result<Vec<Occupant>, Fault> {
     let path = parent.key("persons");
     if raw.len() > limit::PERSONS_MAX {
         let fault = format!("{} persons are too many", raw.len());
         let help = format!("a party holds at most {} persons", limit::PERSONS_MAX);
         return Err(Misfit::new("persons", fault, help)).at(&path);
     }
-    let one = |(index, person): (usize, &raw::Person)| {
+    let mut persons = Vec::with_capacity(raw.len());
+    for (index, person) in raw.iter().enumerate() {
+        let path = path.index(index).key("seat");
         let meaning = |seat: &String| names::meaning::<Seat>("seat", seat);
-        let seat = person.seat.as_ref().map(meaning).transpose();
-        Ok(Occupant { seat: seat.at(&path.index(index).key("seat"))? })
-    };
-    raw.iter().enumerate().map(one).collect()
+        let seat = person.seat.as_ref().map(meaning).transpose().at(&path)?;
+        let person = Occupant { seat };
+        rules::person_fits(kind, person, &persons).at(&path)?;
+        persons.push(person);
+    }
+    Ok(persons)
 }
 
 /// A number that may be left out.

@@ -44,6 +44,8 @@ mod raw;
 mod rules;
 mod scenario;
 mod schema;
+#[cfg(test)]
+mod testing;
 
 pub use document::Place;
 pub use engine::{Cores, Engine, Overrides, Scheme};

@@ -1,7 +1,8 @@
 //! The form of a scenario file: what serde reads and what the JSON Schema describes.
 //!
 //! Nothing is checked here but names and types; ranges are stated for the schema and enforced by
-//! `check`. Whole numbers are read signed, so that −1 gets an answer in the scenario's own words.
+//! `check`. Whole numbers are read signed, so that −1 gets an answer in the scenario's own words; points
+//! as lists of any length, since serde reads `[0, 0, 0, 9]` as three numbers and says nothing.
 
 use crate::engine::Overrides;
 use crate::limit;
@@ -113,8 +114,9 @@ pub(crate) struct Candidate {
 #[schemars(extend("oneOf" = [{"required": ["speed_m_s"]}, {"required": ["velocity_m_s"]}]))]
 pub(crate) struct Ego {
     /// Origin of the body in the world [m]: x, y, z.
-    #[schemars(inner(range(min = limit::POSITION_M.least, max = limit::POSITION_M.most)))]
-    pub(crate) position_m: [f64; 3],
+    #[schemars(length(equal = 3),
+        inner(range(min = limit::POSITION_M.least, max = limit::POSITION_M.most)))]
+    pub(crate) position_m: Vec<f64>,
     /// Turn about z, from x towards y [degrees]. Default 0.
     #[schemars(range(min = limit::YAW_DEG.least, max = limit::YAW_DEG.most))]
     pub(crate) yaw_deg: Option<f64>,
@@ -128,8 +130,9 @@ pub(crate) struct Ego {
     #[schemars(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most))]
     pub(crate) speed_m_s: Option<f64>,
     /// Velocity in the world, in the ground plane [m/s]: x, y.
-    #[schemars(inner(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most)))]
-    pub(crate) velocity_m_s: Option<[f64; 2]>,
+    #[schemars(length(equal = 2),
+        inner(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most)))]
+    pub(crate) velocity_m_s: Option<Vec<f64>>,
 }
 
 /// The opposing body: which party, and its pose and velocity.
@@ -140,8 +143,9 @@ pub(crate) struct Other {
     /// Name of the party; not the ego.
     pub(crate) party: String,
     /// Origin of the body in the world [m]: x, y, z.
-    #[schemars(inner(range(min = limit::POSITION_M.least, max = limit::POSITION_M.most)))]
-    pub(crate) position_m: [f64; 3],
+    #[schemars(length(equal = 3),
+        inner(range(min = limit::POSITION_M.least, max = limit::POSITION_M.most)))]
+    pub(crate) position_m: Vec<f64>,
     /// Turn about z, from x towards y [degrees]. Default 0.
     #[schemars(range(min = limit::YAW_DEG.least, max = limit::YAW_DEG.most))]
     pub(crate) yaw_deg: Option<f64>,
@@ -155,8 +159,9 @@ pub(crate) struct Other {
     #[schemars(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most))]
     pub(crate) speed_m_s: Option<f64>,
     /// Velocity in the world, in the ground plane [m/s]: x, y.
-    #[schemars(inner(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most)))]
-    pub(crate) velocity_m_s: Option<[f64; 2]>,
+    #[schemars(length(equal = 2),
+        inner(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most)))]
+    pub(crate) velocity_m_s: Option<Vec<f64>>,
 }
 
 impl Other {

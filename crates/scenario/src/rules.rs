@@ -8,12 +8,19 @@ use crate::error::Misfit;
 use geometry::DVec3;
 use model::{Kind, meta::Occupant};
 
-/// Whether these persons can be in a body of this kind: each on a seat that there is, no two on one.
-pub(crate) fn persons_fit(kind: Kind, persons: &[Occupant]) -> Result<(), Misfit> {
-    seats_differ(persons)?;
-    let seats: Vec<&str> = kind.seats().iter().map(|seat| seat.name()).collect();
+/// Whether a person can be in a body of this kind, among the persons before: on a seat that there is,
+/// and not on that of another.
+///
+/// `kind` is `None` as long as it is not known; then seats must only differ.
+pub(crate) fn person_fits(
+    kind: Option<Kind>,
+    person: Occupant,
+    before: &[Occupant],
+) -> Result<(), Misfit> {
     let misfit = |fault: String, help: String| Err(Misfit::new("persons", fault, help));
-    for person in persons {
+    if let Some(kind) = kind {
+        let seats: Vec<&str> = kind.seats().iter().map(|seat| seat.name()).collect();
+        let seats = format!("seats of a {kind}: {}", seats.join(", "));
         match person.seat {
             _ if kind.is_fixed() => {
                 return misfit(format!("a {kind} holds nobody"), "leave persons out".to_owned());
@@ -23,30 +30,21 @@ pub(crate) fn persons_fit(kind: Kind, persons: &[Occupant]) -> Result<(), Misfit
                 return misfit("a pedestrian has no seats".to_owned(), help.to_owned());
             }
             Some(seat) if !kind.seats().contains(&seat) => {
-                let help = format!("seats of a {kind}: {}", seats.join(", "));
-                return misfit(format!("a {kind} has no seat {:?}", seat.name()), help);
+                return misfit(format!("a {kind} has no seat {:?}", seat.name()), seats);
             }
             None if kind != Kind::Pedestrian => {
-                let help = format!("seats of a {kind}: {}", seats.join(", "));
-                return misfit(format!("a person in a {kind} needs a seat"), help);
+                return misfit(format!("a person in a {kind} needs a seat"), seats);
             }
             _ => {}
         }
     }
-    Ok(())
-}
-
-/// Whether no two persons share a seat; without seats there is room for one.
-pub(crate) fn seats_differ(persons: &[Occupant]) -> Result<(), Misfit> {
-    for (i, person) in persons.iter().enumerate() {
-        if persons[..i].contains(person) {
-            let fault = match person.seat {
-                Some(seat) => format!("two persons have the seat {:?}", seat.name()),
-                None => "two persons have no seat".to_owned(),
-            };
-            let help = "one person to a seat; each person on foot is a party of its own";
-            return Err(Misfit::new("persons", fault, help));
-        }
+    if before.contains(&person) {
+        let fault = match person.seat {
+            Some(seat) => format!("two persons have the seat {:?}", seat.name()),
+            None => "two persons have no seat".to_owned(),
+        };
+        let help = "one person to a seat; each person on foot is a party of its own";
+        return misfit(fault, help.to_owned());
     }
     Ok(())
 }

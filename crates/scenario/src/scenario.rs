@@ -154,8 +154,10 @@ impl Scenario {
                 rules::ego_fits(*kind).map_err(&broken)?;
             }
             rules::mass_fits(*kind, party.mass_kg).map_err(&broken)?;
-            rules::persons_fit(*kind, party.persons.as_deref().unwrap_or_default())
-                .map_err(&broken)?;
+            let persons = party.persons.as_deref().unwrap_or_default();
+            for (index, person) in persons.iter().enumerate() {
+                rules::person_fits(Some(*kind), *person, &persons[..index]).map_err(&broken)?;
+            }
         }
         for candidate in &self.candidates {
             if let Some(kind) = kinds.get(candidate.other.party.0) {

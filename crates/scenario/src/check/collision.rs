@@ -49,13 +49,13 @@ fn velocity_key(raw: &raw::Ego) -> &'static str {
 
 /// Pose and velocity in the world.
 fn state(raw: &raw::Ego, path: &Path) -> Result<State, Fault> {
-    let position_m = numbers(raw.position_m, "position_m", limit::POSITION_M, path)?;
+    let position_m = numbers(&raw.position_m, "position_m", limit::POSITION_M, path)?;
     let yaw_deg = number(raw.yaw_deg, "yaw_deg", limit::YAW_DEG, path)?.unwrap_or(0.0);
     let pitch_deg = number(raw.pitch_deg, "pitch_deg", limit::PITCH_DEG, path)?.unwrap_or(0.0);
     let roll_deg = number(raw.roll_deg, "roll_deg", limit::ROLL_DEG, path)?.unwrap_or(0.0);
     let pose = Pose::from_degrees(yaw_deg, pitch_deg, roll_deg, position_m);
     let speed_m_s = number(raw.speed_m_s, "speed_m_s", limit::SPEED_M_S, path)?;
-    let [x, y] = match (speed_m_s, raw.velocity_m_s) {
+    let [x, y] = match (speed_m_s, &raw.velocity_m_s) {
         (Some(speed_m_s), None) => {
             // Impact is reckoned in the ground plane, so the heading is the yaw alone.
             let heading = Pose::from_degrees(yaw_deg, 0.0, 0.0, [0.0; 3]).rotation;
@@ -78,18 +78,24 @@ fn state(raw: &raw::Ego, path: &Path) -> Result<State, Fault> {
     Ok(State { pose, velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0) })
 }
 
-/// A list of numbers, each within the limit.
+/// A list of so many numbers, each within the limit.
 fn numbers<const N: usize>(
-    written: [f64; N],
+    written: &[f64],
     setting: &'static str,
     limit: Limit<f64>,
     parent: &Path,
 ) -> Result<[f64; N], Fault> {
     let path = parent.key(setting);
-    if let Some(index) = written.iter().position(|value| !limit.holds(*value)) {
-        let fault = format!("{setting}[{index}] is {}", written[index].show());
+    let Ok(numbers) = <[f64; N]>::try_from(written) else {
+        let axes = ["x", "y", "z"].get(..N).unwrap_or_default().join(", ");
+        let fault = format!("{setting} has {} numbers", written.len());
+        return Err(Misfit::new(setting, fault, format!("write {setting} = [{axes}]"))).at(&path);
+    };
+    if let Some(index) = numbers.iter().position(|value| !limit.holds(*value)) {
+        let fault = format!("{setting}[{index}] is {}", numbers[index].show());
         let help = format!("each of {setting} may be {}", limit.range());
         return Err(Misfit::new(setting, fault, help)).at(&path.index(index));
     }
-    Ok(written.map(|value| value + 0.0))
+    // Adding +0.0 turns −0.0 into +0.0.
+    Ok(numbers.map(|value| value + 0.0))
 }
