@@ -9,8 +9,9 @@ use crate::error::{Misfit, ScenarioError};
 use crate::explain::explain;
 use crate::limit::{self, Limit, Show};
 use crate::names::{self, choices, quoted};
+use crate::raw::{self, Table};
+use crate::rules;
 use crate::scenario::{Candidate, FileRef, Party, PartyIndex, SCHEMA, Scenario, Source};
-use crate::{raw, rules};
 use model::{Kind, Seat, meta::Occupant};
 use std::time::Duration;
 use toml::de::DeValue;
@@ -73,7 +74,7 @@ impl Checker<'_> {
         let policy = raw.policy.map(|path| self.file_ref("policy", path, &root)).transpose()?;
         let curves = raw.curves.map(|path| self.file_ref("curves", path, &root)).transpose()?;
         let deadline = (raw.deadline_ms.map(deadline).transpose()).at(&root.key("deadline_ms"))?;
-        let engine = Engine::DEFAULT.apply(&raw.engine).or_else(|misfit| {
+        let engine = Engine::DEFAULT.apply(&raw.engine.0).or_else(|misfit| {
             let path = root.key("engine").key(misfit.setting);
             Err(misfit).at(&path)
         })?;
@@ -100,7 +101,7 @@ impl Checker<'_> {
 
     fn parties(
         &self,
-        raw: std::collections::BTreeMap<String, raw::Party>,
+        raw: std::collections::BTreeMap<String, Table<raw::Party>>,
     ) -> Result<Vec<Party>, Fault> {
         let path = Path::default().key("parties");
         if !limit::PARTIES.holds(raw.len()) {
@@ -111,12 +112,13 @@ impl Checker<'_> {
         raw.into_iter().map(|(key, party)| self.party(key, party, &path)).collect()
     }
 
-    fn party(&self, key: String, raw: raw::Party, parent: &Path) -> Result<Party, Fault> {
+    fn party(&self, key: String, raw: Table<raw::Party>, parent: &Path) -> Result<Party, Fault> {
         let path = parent.key(&key);
+        let Table(raw) = raw;
         name("the name of a party", &key).at(&path)?;
         let source = match (raw.file, raw.generate) {
             (Some(file), None) => Source::File(self.file_ref("file", file, &path)?),
-            (None, Some(generate)) => generated(&generate, &path.key("generate"))?,
+            (None, Some(Table(generate))) => generated(&generate, &path.key("generate"))?,
             (both, _) => {
                 let count = if both.is_some() { "both file and" } else { "neither file nor" };
                 let fault = format!("party {} has {count} generate", quoted(&key));
@@ -157,7 +159,7 @@ impl Checker<'_> {
 
     fn candidates(
         &self,
-        raw: Vec<raw::Candidate>,
+        raw: Vec<Table<raw::Candidate>>,
         parties: &[Party],
         ego: PartyIndex,
     ) -> Result<Vec<Candidate>, Fault> {
@@ -170,7 +172,7 @@ impl Checker<'_> {
             return Err(Misfit::new("candidates", fault, help)).at(&path);
         }
         let mut checked: Vec<Candidate> = Vec::with_capacity(raw.len());
-        for (index, candidate) in raw.into_iter().enumerate() {
+        for (index, Table(candidate)) in raw.into_iter().enumerate() {
             let path = path.index(index);
             if let Some(twin) = checked.iter().find(|twin| twin.name == candidate.name) {
                 let fault = format!("two candidates are called {}", quoted(&twin.name));
@@ -194,7 +196,7 @@ fn generated(raw: &raw::Generate, path: &Path) -> Result<Source, Fault> {
 
 /// Persons by their seats, in a body of this kind if that is known.
 fn list_persons(
-    raw: &[raw::Person],
+    raw: &[Table<raw::Person>],
     kind: Option<Kind>,
     parent: &Path,
 ) -> Result<Vec<Occupant>, Fault> {
@@ -205,7 +207,7 @@ fn list_persons(
         return Err(Misfit::new("persons", fault, help)).at(&path);
     }
     let mut persons = Vec::with_capacity(raw.len());
-    for (index, person) in raw.iter().enumerate() {
+    for (index, Table(person)) in raw.iter().enumerate() {
         let path = path.index(index).key("seat");
         let meaning = |seat: &String| names::meaning::<Seat>("seat", seat);
         let seat = person.seat.as_ref().map(meaning).transpose().at(&path)?;

@@ -162,7 +162,7 @@ impl Default for Engine {
 /// Settings as somebody wrote them, unchecked: the `[engine]` table of a scenario, or the command
 /// line. What is `None` stays as it is.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default, expecting = "a table of engine settings")]
+#[serde(deny_unknown_fields, default)]
 #[schemars(rename = "Engine", description = "How the engine works. No setting here changes a \
     complete answer.", !default)]
 pub struct Overrides {

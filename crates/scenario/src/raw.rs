@@ -13,11 +13,15 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+mod table;
+
+pub(crate) use table::Table;
+
 /// What to rank and how: the collisions that are left to an automated vehicle, each at its predicted
 /// impact. Lengths are metres, x forward, y left, z up; angles are degrees, applied as yaw, pitch,
 /// roll (Z·Y·X). Unknown keys are refused.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a scenario")]
+#[serde(deny_unknown_fields)]
 #[schemars(title = "Trolley scenario")]
 pub(crate) struct Scenario {
     /// Name and version of this form.
@@ -39,32 +43,32 @@ pub(crate) struct Scenario {
     /// Which party is the automated vehicle. Default "ego".
     pub(crate) ego: Option<String>,
     #[serde(default)]
-    pub(crate) engine: Overrides,
+    pub(crate) engine: Table<Overrides>,
     /// Bodies that may be hit, by name. A party exists once, however many candidates name it: its
     /// persons count once.
     #[schemars(extend("minProperties" = limit::PARTIES.least,
         "maxProperties" = limit::PARTIES.most))]
-    pub(crate) parties: BTreeMap<String, Party>,
+    pub(crate) parties: BTreeMap<String, Table<Party>>,
     /// The collisions to choose from, 1 to 16.
     #[schemars(required, length(min = limit::CANDIDATES.least, max = limit::CANDIDATES.most))]
-    pub(crate) candidates: Option<Vec<Candidate>>,
+    pub(crate) candidates: Option<Vec<Table<Candidate>>>,
 }
 
 /// A body with the persons in it: from a model file or generated, exactly one of the two.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table that describes a party")]
+#[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [{"required": ["file"]}, {"required": ["generate"]}]))]
 pub(crate) struct Party {
     /// Model file, relative to this file.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) file: Option<String>,
-    pub(crate) generate: Option<Generate>,
+    pub(crate) generate: Option<Table<Generate>>,
     /// Mass [kg]. Default: that of the model.
     #[schemars(range(min = limit::MASS_KG.least, max = limit::MASS_KG.most))]
     pub(crate) mass_kg: Option<f64>,
     /// Who is inside, by seat; an empty list: nobody. Default: what the model says.
     #[schemars(length(max = limit::PERSONS_MAX))]
-    pub(crate) persons: Option<Vec<Person>>,
+    pub(crate) persons: Option<Vec<Table<Person>>>,
     /// Share of responsibility that the planner ascribes to the party's persons, 0 to 1. Default 0.
     #[schemars(range(min = limit::SHARE.least, max = limit::SHARE.most))]
     pub(crate) responsibility: Option<f64>,
@@ -72,7 +76,7 @@ pub(crate) struct Party {
 
 /// A body of the built-in generator.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table { shape, triangles, seed }")]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Generate {
     /// What it is.
     #[schemars(extend("enum" = names::all::<Shape>()))]
@@ -87,7 +91,7 @@ pub(crate) struct Generate {
 
 /// A person. Seat and nothing else: age, sex and condition are not an input.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table { seat }")]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Person {
     /// Where the person sits. Left out for a person on foot.
     #[schemars(extend("enum" = names::all::<Seat>()))]
@@ -96,7 +100,7 @@ pub(crate) struct Person {
 
 /// One collision that may be chosen: where both bodies are and how they move at predicted impact.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table that describes a candidate")]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Candidate {
     /// What people call it; no two alike.
     #[schemars(length(min = limit::NAME_CHARS.least, max = limit::NAME_CHARS.most))]
@@ -104,13 +108,13 @@ pub(crate) struct Candidate {
     /// Probability that the collision happens if the candidate is chosen, 0 to 1. Default 1.
     #[schemars(range(min = limit::SHARE.least, max = limit::SHARE.most))]
     pub(crate) probability: Option<f64>,
-    pub(crate) ego: Ego,
-    pub(crate) other: Other,
+    pub(crate) ego: Table<Ego>,
+    pub(crate) other: Table<Other>,
 }
 
 /// Pose and velocity of the ego: speed along the heading, or velocity in the world, one of the two.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table with pose and speed")]
+#[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [{"required": ["speed_m_s"]}, {"required": ["velocity_m_s"]}]))]
 pub(crate) struct Ego {
     /// Origin of the body in the world [m]: x, y, z.
@@ -137,7 +141,7 @@ pub(crate) struct Ego {
 
 /// The opposing body: which party, and its pose and velocity.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table with party, pose and speed")]
+#[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [{"required": ["speed_m_s"]}, {"required": ["velocity_m_s"]}]))]
 pub(crate) struct Other {
     /// Name of the party; not the ego.

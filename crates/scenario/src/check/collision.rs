@@ -19,9 +19,9 @@ pub(super) fn candidate(
 ) -> Result<Candidate, Fault> {
     name("name", &raw.name).at(&path.key("name"))?;
     let probability = number(raw.probability, "probability", limit::SHARE, path)?.unwrap_or(1.0);
-    let ego_state = state(&raw.ego, &path.key("ego"))?;
+    let ego_state = state(&raw.ego.0, &path.key("ego"))?;
     let path = path.key("other");
-    let (written, raw_state) = raw.other.split();
+    let (written, raw_state) = raw.other.0.split();
     let party = opponent(&written, parties, ego).at(&path.key("party"))?;
     let other_state = state(&raw_state, &path)?;
     if let Source::Generate { shape, .. } = parties[party.0].source {

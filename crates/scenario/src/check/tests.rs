@@ -282,3 +282,25 @@ fn too_much_text_is_refused_unread() {
     assert_eq!((error.place.line, error.place.column), (1, 1));
     assert!(error.fault.contains("too many for a scenario"), "{error}");
 }
+
+#[test]
+fn a_list_is_not_taken_for_a_table() {
+    let minimal = include_str!("../../../../config/scenarios/minimal.toml");
+    for (table, list) in [
+        ("{ shape = \"pole\", triangles = 2000 }", "[\"pole\", 2000, 0]"),
+        ("{ position_m = [0, 0, 0], speed_m_s = 10 }", "[[0, 0, 0], 0, 0, 0, 10]"),
+        ("{ generate = { shape = \"pole\", triangles = 2000 } }", "[\"pole.trolley\"]"),
+        (
+            "{ party = \"pole\", position_m = [2.4, 0.3, 0], speed_m_s = 0 }",
+            "[\"pole\", [2.4, 0.3, 0], 0, 0, 0, 0]",
+        ),
+        ("triangles = 2000 } }\n\n", "triangles = 2000 }, persons = [[]] }\n\n"),
+        ("[parties]", "engine = [2]\n[parties]"),
+        ("[parties]", "engine = []\n[parties]"),
+    ] {
+        assert!(minimal.contains(table), "{table}");
+        let error = parse(&minimal.replacen(table, list, 1)).expect_err(list);
+        assert!(error.fault.contains("found a list, expected a table"), "{list}: {error}");
+        assert_reads_well(&error.to_string());
+    }
+}
