@@ -27,6 +27,8 @@ pub mod error;
 pub mod futex;
 pub mod memory;
 pub mod process;
+#[cfg(test)]
+mod testing;
 pub mod wait;
 
 pub use error::{OsError, Result};

@@ -1,1 +1,25 @@
-//! tests
+//! Pinning, on whatever cores this machine allows.
+
+use super::*;
+
+#[test]
+fn a_pinned_thread_stays_where_it_is() {
+    let cores = allowed_cores();
+    assert!(!cores.is_empty() && cores.is_sorted());
+    for core in cores {
+        // A thread of its own: pinning lasts.
+        let seen = std::thread::spawn(move || {
+            pin_self(core).unwrap();
+            (allowed_cores(), current_core())
+        });
+        assert_eq!(seen.join().unwrap(), (vec![core], Some(core)));
+    }
+}
+
+#[test]
+fn a_core_that_is_not_there_is_an_error() {
+    for core in [CpuSet::MAX_CPU - 1, CpuSet::MAX_CPU, usize::MAX] {
+        let error = pin_self(core).unwrap_err();
+        assert!(error.to_string().contains(&core.to_string()), "{error}");
+    }
+}

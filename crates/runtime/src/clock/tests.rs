@@ -1,1 +1,45 @@
-//! tests
+//! Clocks go forwards, and CPU time is counted while it is used.
+
+use super::*;
+
+fn burn_ms(ms: u64) -> u64 {
+    let (end, mut sum) = (now_ns() + ms * 1_000_000, 0_u64);
+    while now_ns() < end {
+        sum = sum.wrapping_mul(31).wrapping_add(now_ns());
+    }
+    sum
+}
+
+#[test]
+fn time_goes_forwards() {
+    let times: Vec<u64> = (0..1000).map(|_| now_ns()).collect();
+    assert!(times.is_sorted() && times[0] > 0);
+    assert!(times[0] < times[999], "a thousand looks take more than a nanosecond");
+}
+
+#[test]
+fn cpu_time_is_what_was_used() {
+    let me = std::process::id();
+    let (thread, process, other) = (thread_cpu_ns(), process_cpu_ns(), cpu_ns_of(me).unwrap());
+    assert_ne!(burn_ms(5), 0);
+    let used = thread_cpu_ns() - thread;
+    assert!(used > 100_000, "{used} ns in 5 ms");
+    assert!(process_cpu_ns() - process >= used);
+    assert!(cpu_ns_of(me).unwrap() - other >= used, "seen from outside, without a 10 ms step");
+    assert_eq!(cpu_ns_of(0x7fff_fff0), None);
+}
+
+#[test]
+fn kernel_time_and_ours_are_the_same() {
+    for ns in [0, 1, 999_999_999, 1_000_000_000, 123_456_789_012] {
+        assert_eq!(nanoseconds(timespec(ns)), ns);
+    }
+}
+
+#[test]
+fn no_two_random_numbers_are_the_same() {
+    let mut drawn: Vec<u64> = (0..100).map(|_| random_u64().unwrap()).collect();
+    drawn.sort_unstable();
+    drawn.dedup();
+    assert_eq!(drawn.len(), 100);
+}

@@ -1,1 +1,123 @@
-//! tests
+//! What is sealed stays as it is, whoever tries; what is shared is seen by all.
+
+use super::*;
+use core::sync::atomic::Ordering;
+use memmap2::MmapOptions;
+use protocol::StatusPage;
+use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
+use rustix::io::Errno;
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::os::fd::OwnedFd;
+
+fn copy(fd: std::os::fd::BorrowedFd<'_>) -> OwnedFd {
+    fd.try_clone_to_owned().unwrap()
+}
+
+fn pattern(len: usize) -> Vec<u8> {
+    (0..len).map(|i| (i * 7 + i / 251) as u8).collect()
+}
+
+fn sealed(len: usize) -> SealedMemory {
+    SealedMemory::create("test", len, |bytes| {
+        assert!(bytes.iter().all(|byte| *byte == 0));
+        bytes.copy_from_slice(&pattern(len));
+    })
+    .unwrap()
+}
+
+#[test]
+fn sealed_memory_is_what_was_written() {
+    for len in [0, 1, 4095, 4096, 4097, 1_000_000] {
+        let memory = sealed(len);
+        assert_eq!(memory.bytes(), pattern(len));
+        assert_eq!(memory.bytes().as_ptr() as usize % 4096, 0);
+        let other = SealedMemory::from_fd(copy(memory.fd())).unwrap();
+        drop(memory);
+        assert_eq!(other.bytes(), pattern(len), "it outlives its maker");
+    }
+}
+
+#[test]
+fn sealed_memory_cannot_be_changed() {
+    let memory = sealed(10_000);
+    let fd = memory.fd();
+    let refused = Err(Errno::PERM);
+    assert_eq!(rustix::io::pwrite(fd, &[1], 0).map(|_| ()), refused);
+    assert_eq!(rustix::fs::ftruncate(fd, 9_999), refused);
+    assert_eq!(rustix::fs::ftruncate(fd, 10_001), refused);
+    assert_eq!(rustix::fs::fallocate(fd, FallocateFlags::empty(), 0, 20_000), refused);
+    let punch = FallocateFlags::PUNCH_HOLE | FallocateFlags::KEEP_SIZE;
+    assert_eq!(rustix::fs::fallocate(fd, punch, 0, 4096), refused);
+    assert_eq!(rustix::fs::fcntl_add_seals(fd, SealFlags::FUTURE_WRITE), refused);
+    let error = MmapOptions::new().len(4096).map_raw(&fd).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::PermissionDenied, "no shared writable mapping");
+    assert_eq!(memory.bytes(), pattern(10_000));
+}
+
+/// The worker trusts what it checked only because nobody can change it afterwards.
+#[test]
+fn memory_with_a_seal_missing_is_not_trusted() {
+    let all = [SealFlags::WRITE, SealFlags::GROW, SealFlags::SHRINK, SealFlags::SEAL];
+    for missing in all {
+        let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
+        let fd = rustix::fs::memfd_create("test", flags).unwrap();
+        rustix::fs::ftruncate(&fd, 4096).unwrap();
+        let seals = all.into_iter().filter(|seal| *seal != missing).collect();
+        rustix::fs::fcntl_add_seals(&fd, seals).unwrap();
+        assert_eq!(SealedMemory::from_fd(fd).unwrap_err().kind(), ErrorKind::InvalidData);
+    }
+}
+
+#[test]
+fn the_status_page_is_one_page_for_all() {
+    let mine = StatusMemory::create().unwrap();
+    let theirs = StatusMemory::from_fd(copy(mine.fd())).unwrap();
+    assert_ne!(mine.page() as *const StatusPage, theirs.page() as *const StatusPage);
+    let line = &theirs.page().workers[5];
+    assert_eq!(line.beat.load(Ordering::SeqCst), 0);
+    mine.page().workers[5].beat.store(17, Ordering::SeqCst);
+    assert_eq!(line.beat.load(Ordering::SeqCst), 17);
+    assert_eq!(rustix::fs::ftruncate(mine.fd(), 0), Err(Errno::PERM), "nobody can cut it short");
+}
+
+#[test]
+fn another_memfd_is_no_status_page() {
+    assert!(StatusMemory::from_fd(copy(sealed(size_of::<StatusPage>()).fd())).is_err());
+    let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
+    let fd = rustix::fs::memfd_create("test", flags).unwrap();
+    rustix::fs::ftruncate(&fd, size_of::<StatusPage>() as u64).unwrap();
+    assert!(StatusMemory::from_fd(fd).is_err(), "its size is not sealed");
+}
+
+#[test]
+fn a_file_is_read_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model");
+    for len in [0, 1, 4096, 70_001] {
+        fs::write(&path, pattern(len)).unwrap();
+        let map = FileMap::open(&path).unwrap();
+        // What happens to the file afterwards does not matter.
+        fs::File::create(&path).unwrap().write_all(b"other").unwrap();
+        assert_eq!(map.bytes(), pattern(len));
+        assert!(map.bytes().is_empty() || (map.bytes().as_ptr() as usize).is_multiple_of(4096));
+    }
+}
+
+#[test]
+fn what_is_not_a_file_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+    rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+    for (path, kind) in [
+        (pipe.as_path(), ErrorKind::InvalidInput),
+        (folder.path(), ErrorKind::InvalidInput),
+        ("/dev/zero".as_ref(), ErrorKind::InvalidInput),
+        (&folder.path().join("absent"), ErrorKind::NotFound),
+    ] {
+        let error = FileMap::open(path).unwrap_err();
+        assert_eq!(error.kind(), kind);
+        assert!(error.to_string().contains(&*path.to_string_lossy()), "{error}");
+    }
+}
