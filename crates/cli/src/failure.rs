@@ -121,6 +121,7 @@ impl From<coordinator::CrewError> for Failure {
         let (code, help) = match &error {
             CrewError::System(_) => (Code::System, None),
             CrewError::Open(open) if open.is_skew() => (Code::Skew, None),
+            _ if error.is_setting() => (Code::Configuration, None),
             CrewError::Open(_) => (
                 Code::Resources,
                 Some("shared memory must be writable and large enough: df -h /dev/shm"),

@@ -90,6 +90,14 @@ pub enum CrewError {
     Interrupted,
 }
 
+impl CrewError {
+    /// Whether a setting is at fault, and not the machine.
+    #[must_use]
+    pub fn is_setting(&self) -> bool {
+        matches!(self, Self::Open(OpenError::Name { .. }))
+    }
+}
+
 /// What became of one worker.
 #[derive(Clone, Debug, Serialize)]
 pub struct WorkerReport {

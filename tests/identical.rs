@@ -1,0 +1,41 @@
+//! A complete answer is a pure function of bodies, scenario, policy and curves: the same bytes for
+//! any number of workers, depth, build, leaf size, batch and queue, and without workers.
+
+mod support;
+
+use support::{Place, answer, run, six};
+
+#[test]
+fn the_answer_does_not_depend_on_how_the_work_was_done() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(2000));
+    let path = path.to_str().unwrap();
+    let of = |args: &[&str]| {
+        let mut all = vec!["rank", path, "--json"];
+        all.extend(args);
+        let output = run(&all);
+        assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
+        answer(&output)
+    };
+    let reference = of(&["--in-process"]);
+    assert!(reference.contains("\"pairs\""), "nothing was hit: {reference}");
+    let ways: &[&[&str]] = &[
+        &["--workers", "1"],
+        &["--workers", "2"],
+        &["--workers", "3"],
+        &["--workers", "4"],
+        &["--depth", "0"],
+        &["--depth", "4"],
+        &["--depth", "12"],
+        &["--build", "sah"],
+        &["--build", "literal"],
+        &["--leaf-size", "1"],
+        &["--batch", "1", "--queue", "1"],
+        &["--alpha", "1"],
+        &["--alpha", "0", "--cores", "none"],
+        &["--in-process", "--depth", "0", "--build", "sah"],
+    ];
+    for way in ways {
+        assert_eq!(of(way), reference, "{way:?}");
+    }
+}

@@ -1,0 +1,162 @@
+//! Bad input: each kind gets an error that names file, place and remedy, with its exit code, and
+//! leaves nothing behind.
+
+mod support;
+
+use support::{Place, run, six, text};
+
+struct Bad {
+    /// What is replaced in a good scenario, and by what.
+    change: (&'static str, &'static str),
+    /// What the error must say.
+    says: &'static [&'static str],
+    code: i32,
+}
+
+const BAD: &[Bad] = &[
+    Bad {
+        change: ("[parties.ego]", "colour = \"red\"\n[parties.ego]"),
+        says: &["bad.toml:4:", "colour", "help"],
+        code: 65,
+    },
+    Bad {
+        change: ("[parties.p2]", "[parties.p2]\nmass_kg = -5"),
+        says: &["bad.toml:", "mass_kg", "help"],
+        code: 65,
+    },
+    Bad {
+        change: ("[parties.ego]", "deadline_ms = -1\n[parties.ego]"),
+        says: &["bad.toml:4:", "deadline_ms", "help"],
+        code: 65,
+    },
+    Bad {
+        change: ("party = \"p2\"", "party = \"p22\""),
+        says: &["bad.toml:", "\"p22\" is not defined", "Did you mean \"p2\"?"],
+        code: 65,
+    },
+    Bad {
+        change: ("[parties.ego]", "policy = \"no-such.toml\"\n[parties.ego]"),
+        says: &["bad.toml:4:", "no-such.toml"],
+        code: 65,
+    },
+    Bad {
+        change: (
+            "generate = { shape = \"suv\", triangles = 600, seed = 2 }",
+            "file = \"no.trolley\"",
+        ),
+        says: &["bad.toml:", "no.trolley", "help"],
+        code: 65,
+    },
+    Bad {
+        change: (
+            "generate = { shape = \"suv\", triangles = 600, seed = 2 }",
+            "file = \"bad.toml\"",
+        ),
+        says: &["bad.toml", "not a model file", "trolley model import"],
+        code: 65,
+    },
+    Bad { change: ("triangles = 600", "triangles = 6"), says: &["bad.toml:5:", "6"], code: 65 },
+    Bad { change: ("yaw_deg = 175", "yaw_deg = nan"), says: &["bad.toml:"], code: 65 },
+    Bad { change: ("schema = ", "schema ="), says: &[], code: 0 },
+];
+
+#[test]
+fn each_fault_of_a_scenario_is_named_with_its_place_and_remedy() {
+    let place = Place::new();
+    let good = six(600).replace("yaw_deg = 180.0", "yaw_deg = 175");
+    for Bad { change: (from, to), says, code } in BAD {
+        assert!(good.contains(from), "{from}");
+        let path = place.write("bad.toml", &good.replacen(from, to, 1));
+        let output = run(&["rank", path.to_str().unwrap(), "--workers", "1"]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(*code), "{to}: {error}");
+        for part in *says {
+            assert!(error.contains(part), "{to}: \"{part}\" is not said by: {error}");
+        }
+        assert_eq!(output.stdout.is_empty(), *code != 0, "{to}");
+    }
+}
+
+#[test]
+fn a_scenario_without_candidates_is_refused() {
+    let place = Place::new();
+    let good = six(600);
+    let head = &good[..good.find("\n[[candidates]]").unwrap()];
+    let path = place.write("none.toml", head);
+    let output = run(&["rank", path.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(65));
+    assert!(text(&output.stderr).contains("candidate"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn settings_on_the_command_line_obey_the_same_rules() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(600));
+    let path = path.to_str().unwrap();
+    for (args, says) in [
+        (&["--workers", "0"][..], "workers"),
+        (&["--workers", "17"], "workers"),
+        (&["--depth", "99"], "depth"),
+        (&["--alpha", "2"], "alpha"),
+        (&["--batch", "0"], "batch"),
+        (&["--batch", "64", "--queue", "8"], "queue"),
+        (&["--build", "magic"], "build"),
+        (&["--cores", "0,x", "--workers", "2"], "cores"),
+        (&["--cores", "0,900", "--workers", "2"], "core"),
+    ] {
+        let mut all = vec!["rank", path];
+        all.extend(args);
+        let output = run(&all);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(78), "{args:?}: {error}");
+        assert!(error.contains(says) && error.contains("help:"), "{args:?}: {error}");
+    }
+}
+
+#[test]
+fn a_missing_file_a_folder_and_a_bad_instance_name_are_errors() {
+    let place = Place::new();
+    let folder = place.path().to_str().unwrap();
+    for path in [folder.to_owned(), format!("{folder}/no.toml")] {
+        let output = run(&["rank", &path]);
+        assert_eq!(output.status.code(), Some(65), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(&path));
+    }
+    let scenario = place.write("six.toml", &six(600));
+    let output = support::trolley()
+        .args(["rank", scenario.to_str().unwrap(), "--instance", "../../evil"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(78), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_worker_is_not_started_by_hand() {
+    let output = support::trolley().args(["worker", "nonsense"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(78));
+    assert!(text(&output.stderr).contains("coordinator"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn bodies_that_overlap_from_the_start_are_not_called_free_of_contact() {
+    let place = Place::new();
+    let text_ = six(600).replace(
+        "position_m = [4.65, 0.3, 0], yaw_deg = 0.0, speed_m_s = 8.0",
+        "position_m = [0.1, 0.0, 0], yaw_deg = 0.0, speed_m_s = 16.0",
+    );
+    assert!(text_.contains("[0.1, 0.0, 0]"));
+    let path = place.write("overlap.toml", &text_);
+    let output = run(&["rank", path.to_str().unwrap(), "--json", "--workers", "1"]);
+    let document = support::json(&output);
+    let row = document["answer"]["ranking"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|row| row["name"] == "c2 suv")
+        .unwrap();
+    assert_eq!(row["unevaluable"], "already-overlapping");
+    for person in row["persons"].as_array().unwrap() {
+        assert_eq!((&person["work"][0], &person["work"][1]), (&0.0.into(), &1.0.into()), "{row}");
+    }
+    assert_ne!(output.status.code(), Some(0), "an answer with a hole in it is not complete");
+}

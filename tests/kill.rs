@@ -1,0 +1,141 @@
+//! Real processes, real signals: whoever dies, the answer is the same or there is none, and nothing
+//! is left behind.
+
+mod support;
+
+use rustix::process::Signal;
+use std::process::{Child, Output};
+use support::{
+    Crash, Place, answer, children, instance, json, left_in_shm, run, scenario, signal, text,
+    trolley, wait_for, workers_at_work,
+};
+
+/// Work for a second or so: deep contact of fine bodies, several times over.
+fn heavy(triangles: u32) -> String {
+    let crash = |y| Crash { shape: "sedan", triangles, at: [4.4, y, 175.0], speeds: [15.0, 12.0] };
+    scenario(triangles, &[crash(0.0), crash(0.1), crash(0.2), crash(0.3), crash(0.4), crash(0.5)])
+}
+
+struct Started {
+    child: Child,
+    instance: String,
+    workers: Vec<u32>,
+}
+
+/// Starts a run and waits until its workers are in the middle of it.
+fn start(path: &str, workers: usize, extra: &[&str]) -> Option<Started> {
+    let instance = instance();
+    let mut child = trolley()
+        .args(["rank", path, "--json", "--depth", "9", "--workers", &workers.to_string()])
+        .args(["--instance", &instance])
+        .args(extra)
+        .spawn()
+        .unwrap();
+    let Some(workers) = workers_at_work(&mut child, workers) else {
+        child.wait().unwrap();
+        return None;
+    };
+    Some(Started { child, instance, workers })
+}
+
+impl Started {
+    fn finish(self) -> Output {
+        let output = self.child.wait_with_output().unwrap();
+        assert_eq!(left_in_shm(&self.instance), Vec::<String>::new());
+        output
+    }
+}
+
+/// Disturbs a run in its middle; if it was too quick, tries again with more work.
+fn disturbed(
+    place: &Place,
+    workers: usize,
+    disturb: impl Fn(&Started),
+    is_hit: impl Fn(&Output) -> bool,
+) -> (Output, String) {
+    for triangles in [8_000, 16_000, 32_000, 64_000, 128_000] {
+        let path = place.write("heavy.toml", &heavy(triangles));
+        let path = path.to_str().unwrap().to_owned();
+        let Some(started) = start(&path, workers, &[]) else { continue };
+        disturb(&started);
+        let output = started.finish();
+        if is_hit(&output) {
+            return (output, path);
+        }
+    }
+    panic!("no run took long enough to be disturbed");
+}
+
+fn lost(output: &Output) -> usize {
+    if !output.status.success() {
+        return 0;
+    }
+    let document = json(output);
+    let workers = document["run"]["workers"].as_array().unwrap();
+    workers.iter().filter(|worker| !worker["lost"].is_null()).count()
+}
+
+fn reference(path: &str) -> String {
+    answer(&run(&["rank", path, "--json", "--in-process"]))
+}
+
+#[test]
+fn a_killed_worker_changes_nothing_in_the_answer() {
+    let place = Place::new();
+    let kill = |run: &Started| signal(run.workers[1], Signal::KILL);
+    let (output, path) = disturbed(&place, 4, kill, |output| lost(output) == 1);
+    assert_eq!(answer(&output), reference(&path));
+}
+
+#[test]
+fn three_of_four_may_die() {
+    let place = Place::new();
+    let kill = |run: &Started| run.workers[..3].iter().for_each(|pid| signal(*pid, Signal::KILL));
+    let (output, path) = disturbed(&place, 4, kill, |output| lost(output) == 3);
+    assert_eq!(answer(&output), reference(&path));
+}
+
+#[test]
+fn a_stopped_worker_is_found_and_replaced_by_the_others() {
+    let place = Place::new();
+    let stop = |run: &Started| signal(run.workers[0], Signal::STOP);
+    let (output, path) = disturbed(&place, 2, stop, |output| lost(output) == 1);
+    assert!(text(&output.stdout).contains("stopped"), "{}", text(&output.stdout));
+    assert_eq!(answer(&output), reference(&path));
+}
+
+#[test]
+fn without_any_worker_left_there_is_a_clear_error() {
+    let place = Place::new();
+    let kill = |run: &Started| run.workers.iter().for_each(|pid| signal(*pid, Signal::KILL));
+    let (output, _) = disturbed(&place, 2, kill, |output| !output.status.success());
+    assert_eq!(output.status.code(), Some(69));
+    assert!(text(&output.stderr).contains("no worker is left"), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).is_empty());
+}
+
+#[test]
+fn an_interrupted_run_says_so_and_leaves_nothing() {
+    let place = Place::new();
+    let interrupt = |run: &Started| signal(run.child.id(), Signal::INT);
+    let (output, _) = disturbed(&place, 2, interrupt, |output| !output.status.success());
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+}
+
+#[test]
+fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
+    let place = Place::new();
+    let path = place.write("heavy.toml", &heavy(32_000));
+    let mut started = start(path.to_str().unwrap(), 2, &[]).expect("enough work to be killed in");
+    assert_eq!(children(started.child.id()).len(), 2);
+    started.child.kill().unwrap();
+    started.child.wait().unwrap();
+    let gone = wait_for(5_000, || {
+        let alive = |pid: &u32| std::path::Path::new(&format!("/proc/{pid}")).exists();
+        (!started.workers.iter().any(alive)).then_some(())
+    });
+    assert!(gone.is_some(), "orphans");
+    assert_ne!(left_in_shm(&started.instance), Vec::<String>::new(), "nothing to sweep");
+    run(&["rank", place.write("small.toml", &support::six(600)).to_str().unwrap()]);
+    assert_eq!(left_in_shm(&started.instance), Vec::<String>::new());
+}

@@ -1,0 +1,173 @@
+//! What the multi-process tests share: scenarios on disk, the binary, and what it leaves behind.
+//!
+//! Every run gets an instance name of its own, so that tests run side by side and each can say that
+//! nothing of its own is left in /dev/shm.
+#![allow(dead_code, clippy::allow_attributes, reason = "each test target uses its own part of it")]
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// A folder that goes away with the test.
+pub(crate) struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    pub(crate) fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub(crate) fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+}
+
+/// An instance name that no other test of this machine uses at the time.
+pub(crate) fn instance() -> String {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    format!("t{:x}-{number}", std::process::id() & 0xff_ffff)
+}
+
+/// What a run of this instance has in shared memory.
+pub(crate) fn left_in_shm(instance: &str) -> Vec<String> {
+    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.contains(&format!(".{instance}."))).collect()
+}
+
+pub(crate) fn trolley() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_trolley"));
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// A finished run, checked for what it left behind.
+pub(crate) fn run(args: &[&str]) -> Output {
+    let instance = instance();
+    let output =
+        trolley().args(args).args(["--instance", &instance]).spawn().unwrap().wait_with_output();
+    assert_eq!(left_in_shm(&instance), Vec::<String>::new(), "left behind by {args:?}");
+    output.unwrap()
+}
+
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The `answer` object of a JSON document, byte for byte.
+pub(crate) fn answer(output: &Output) -> String {
+    let document = text(&output.stdout);
+    let error = text(&output.stderr);
+    let from = document.find("\"answer\":").unwrap_or_else(|| panic!("no answer: {error}"));
+    let to = document.find("\n  \"run\":").unwrap_or_else(|| panic!("no run: {document}"));
+    document[from..to].to_owned()
+}
+
+pub(crate) fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| {
+        panic!("{error}: {} {}", text(&output.stdout), text(&output.stderr))
+    })
+}
+
+/// A candidate between the ego and a party: x, y, yaw, and both speeds.
+pub(crate) struct Crash {
+    pub(crate) shape: &'static str,
+    pub(crate) triangles: u32,
+    pub(crate) at: [f64; 3],
+    pub(crate) speeds: [f64; 2],
+}
+
+/// A scenario of generated bodies.
+pub(crate) fn scenario(ego_triangles: u32, crashes: &[Crash]) -> String {
+    let mut text = format!(
+        "schema = \"trolley.scenario/1\"\nname = \"test\"\n\n[parties.ego]\n\
+         generate = {{ shape = \"sedan\", triangles = {ego_triangles} }}\n"
+    );
+    for (number, crash) in crashes.iter().enumerate() {
+        let Crash { shape, triangles, at: [x, y, yaw], speeds: [ego, other] } = crash;
+        write!(
+            text,
+            "\n[parties.p{number}]\n\
+             generate = {{ shape = \"{shape}\", triangles = {triangles}, seed = {number} }}\n\
+             \n[[candidates]]\nname = \"c{number} {shape}\"\n\
+             ego = {{ position_m = [0, 0, 0], speed_m_s = {ego:?} }}\n\
+             other = {{ party = \"p{number}\", position_m = [{x:?}, {y:?}, 0], \
+             yaw_deg = {yaw:?}, speed_m_s = {other:?} }}\n"
+        )
+        .unwrap();
+    }
+    text
+}
+
+/// Six crashes of all sorts: a near miss, a sideswipe, a rear-end, a side impact, a frontal, a
+/// pedestrian.
+pub(crate) fn six(triangles: u32) -> String {
+    let crash = |shape, at, speeds| Crash { shape, triangles, at, speeds };
+    scenario(
+        triangles,
+        &[
+            crash("cyclist", [2.51, 1.14, 115.0], [4.0, 7.0]),
+            crash("wall", [3.0, 1.2, 4.0], [10.0, 0.0]),
+            crash("suv", [4.65, 0.3, 0.0], [16.0, 8.0]),
+            crash("sedan", [3.18, 0.4, -90.0], [13.0, 6.0]),
+            crash("truck", [7.0, 0.8, 180.0], [13.0, 12.0]),
+            crash("pedestrian", [2.5, 0.35, 90.0], [12.0, 1.4]),
+        ],
+    )
+}
+
+/// Process ids of the children of a process.
+pub(crate) fn children(pid: u32) -> Vec<u32> {
+    let path = format!("/proc/{pid}/task/{pid}/children");
+    let list = std::fs::read_to_string(path).unwrap_or_default();
+    list.split_whitespace().filter_map(|word| word.parse().ok()).collect()
+}
+
+/// CPU time of a process, in clock ticks of 10 ms; `None` if it is gone.
+pub(crate) fn cpu_ticks(pid: u32) -> Option<u64> {
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    let mut fields = stat.rsplit_once(") ")?.1.split(' ').skip(11);
+    let mut next = || fields.next()?.parse::<u64>().ok();
+    Some(next()? + next()?)
+}
+
+/// Waits, 1 ms at a time, until `ready` gives something; `None` after so many milliseconds.
+pub(crate) fn wait_for<T>(milliseconds: u32, mut ready: impl FnMut() -> Option<T>) -> Option<T> {
+    for _ in 0..milliseconds {
+        if let Some(value) = ready() {
+            return Some(value);
+        }
+        let nap = rustix::time::Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
+        let _slept = rustix::thread::nanosleep(&nap);
+    }
+    None
+}
+
+/// Sends a signal to a process that this test started.
+pub(crate) fn signal(pid: u32, signal: rustix::process::Signal) {
+    let pid = rustix::process::Pid::from_raw(pid as i32).unwrap();
+    let _gone = rustix::process::kill_process(pid, signal);
+}
+
+/// Waits until a started run has so many workers, and each of them has worked.
+pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>> {
+    let pid = run.id();
+    wait_for(60_000, || {
+        if run.try_wait().unwrap().is_some() {
+            return Some(None);
+        }
+        let workers = children(pid);
+        let working = workers.iter().all(|worker| cpu_ticks(*worker).is_some_and(|t| t >= 3));
+        (workers.len() == count && working).then_some(Some(workers))
+    })
+    .flatten()
+}
