@@ -1,1 +1,76 @@
-//! Laws.
+//! The rules here and those of model files agree, case by case.
+
+use super::*;
+use model::{Build, Meta, Seat};
+
+const SEATS: [Option<Seat>; 7] = [
+    None,
+    Some(Seat::FrontLeft),
+    Some(Seat::FrontRight),
+    Some(Seat::RearLeft),
+    Some(Seat::RearMiddle),
+    Some(Seat::RearRight),
+    Some(Seat::Rider),
+];
+
+/// What a model file would have to say, checked by its own crate: the oracle.
+fn model_accepts(kind: Kind, mass_kg: Option<f64>, persons: &[Occupant]) -> bool {
+    let meta = Meta {
+        name: String::new(),
+        kind,
+        mass_kg: mass_kg.or((!kind.is_fixed()).then_some(1.0)),
+        centre_m: [0.0; 3],
+        gyration_m: 1.0,
+        mass_source: String::new(),
+        occupants: Some(persons.to_vec()),
+        parts: Vec::new(),
+        origin: String::new(),
+        origin_hash: String::new(),
+        degenerate: 0,
+        build: Build::Seed,
+        leaf_size: 1,
+        depth: 1,
+    };
+    meta.check().is_ok()
+}
+
+fn persons_fit(kind: Option<Kind>, persons: &[Occupant]) -> bool {
+    (0..persons.len()).all(|i| person_fits(kind, persons[i], &persons[..i]).is_ok())
+}
+
+#[test]
+fn persons_fit_wherever_a_model_file_may_have_them() {
+    for kind in Kind::ALL {
+        for first in SEATS {
+            for second in SEATS {
+                let persons = [Occupant { seat: first }, Occupant { seat: second }];
+                for persons in [&persons[..], &persons[..1], &[]] {
+                    let expected = model_accepts(kind, None, persons);
+                    assert_eq!(persons_fit(Some(kind), persons), expected, "{kind} {persons:?}");
+                    // What fits some kind is not refused before the kind is known.
+                    assert!(!expected || persons_fit(None, persons), "{kind} {persons:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mass_fits_wherever_a_model_file_may_have_one() {
+    for kind in Kind::ALL {
+        assert!(mass_fits(kind, None).is_ok());
+        assert_eq!(mass_fits(kind, Some(80.0)).is_ok(), model_accepts(kind, Some(80.0), &[]));
+    }
+}
+
+#[test]
+fn what_has_no_mass_cannot_move_and_what_cannot_move_cannot_drive() {
+    for kind in Kind::ALL {
+        assert!(stands_still(kind, DVec3::ZERO).is_ok());
+        let moves = stands_still(kind, DVec3::new(0.0, 1e-9, 0.0)).is_ok();
+        assert_eq!(moves, mass_fits(kind, Some(1.0)).is_ok(), "{kind}");
+        assert!(ego_fits(kind).is_err() || moves, "{kind}");
+        // An ego carries persons on seats.
+        assert_eq!(ego_fits(kind).is_ok(), !kind.seats().is_empty() && kind != Kind::Cyclist);
+    }
+}
