@@ -54,7 +54,7 @@ impl Aabb {
         self.max[axis] - self.min[axis]
     }
 
-    /// Half the surface area [m²], 0 for the empty box.
+    /// Half the surface area (m²), 0 for the empty box.
     #[must_use]
     pub fn half_area(&self) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.extent(axis));
@@ -88,7 +88,7 @@ impl Bounds {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Half the surface area [m²], 0 for the empty box.
+    /// Half the surface area (m²), 0 for the empty box.
     #[must_use]
     pub fn half_area(&self) -> f64 {
         let e = self.max - self.min;

@@ -7,7 +7,7 @@ use crate::{Aabb, Bounds, Corners, DVec3, Triangle};
 pub struct Pose {
     /// Rotation matrix, row-major.
     pub rotation: [[f64; 3]; 3],
-    /// Position of the body frame's origin in the world [m].
+    /// Position of the body frame's origin in the world (m).
     pub translation: [f64; 3],
 }
 
@@ -16,7 +16,7 @@ pub struct Pose {
 pub struct RelativePose {
     /// Rotation matrix R, row-major.
     pub rotation: [[f64; 3]; 3],
-    /// Translation t [m], in A's frame.
+    /// Translation t (m), in A's frame.
     pub translation: [f64; 3],
 }
 
@@ -27,7 +27,7 @@ impl Pose {
         translation: [0.0; 3],
     };
 
-    /// A pose from yaw, pitch, roll in degrees, applied in the order Z·Y·X, and a position [m].
+    /// A pose from yaw, pitch, roll in degrees, applied in the order Z·Y·X, and a position (m).
     ///
     /// Sines and cosines are those of `libm`, the same on every machine.
     #[must_use]
@@ -71,7 +71,7 @@ impl RelativePose {
         }
     }
 
-    /// The same orientation, moved by `offset` [m] in A's frame.
+    /// The same orientation, moved by `offset` (m) in A's frame.
     #[must_use]
     pub fn moved(&self, offset: DVec3) -> Self {
         let offset = offset.to_array();

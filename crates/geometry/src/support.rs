@@ -27,7 +27,7 @@ pub struct Directions {
     pub d: [DVec3; DIRECTIONS],
 }
 
-/// The greatest `x·d` [m] seen so far in each direction; negative infinity where nothing was.
+/// The greatest `x·d` (m) seen so far in each direction; negative infinity where nothing was.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Supports(pub [f64; DIRECTIONS]);
@@ -53,7 +53,7 @@ impl Supports {
     /// Of no points.
     pub const EMPTY: Self = Self([f64::NEG_INFINITY; DIRECTIONS]);
 
-    /// Includes one point [m], A's frame. A point that is not a number changes nothing.
+    /// Includes one point (m), A's frame. A point that is not a number changes nothing.
     pub fn add(&mut self, directions: &Directions, point: DVec3) {
         let (ahead, rest) = self.0.split_at_mut(HALF);
         let (behind, vertical) = rest.split_at_mut(HALF);

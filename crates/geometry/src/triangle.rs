@@ -8,7 +8,7 @@
 //! ```text
 //! boxes --> sides of the two planes --> two edge signs            (crossing: nearly always)
 //!                 \--> all sides 0: exact, by dimension           (planar: coplanar, degenerate)
-//! each sign: f64 with an error bound (orient) --> exact, adaptive (exact) --> exact, any range (wide)
+//! each sign: f64 with an error bound (orient) --> adaptive (exact) --> for any range (wide)
 //! ```
 //!
 //! # Invariants
@@ -17,7 +17,7 @@
 //!   decided by a rounded value within its error bound. `tests/oracle` compares with rational
 //!   arithmetic.
 //! - A degenerate triangle is the segment or point that it is.
-//! - [`contact`] has at least one point for every pair that intersects, and none outside of the
+//! - [`contact()`] has at least one point for every pair that intersects, and none outside of the
 //!   intersection of the two triangles' boxes.
 //!
 //! This module knows nothing of trees and SIMD; it is the reference that any faster kernel must

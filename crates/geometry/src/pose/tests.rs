@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Angles [°] with exact and almost exact zeros among their sines, and minute ones.
+/// Angles (°) with exact and almost exact zeros among their sines, and minute ones.
 fn angle() -> impl Strategy<Value = f64> {
     prop_oneof![
         (-4_i8..=4).prop_map(|quarter| 90.0 * f64::from(quarter)),
@@ -64,6 +64,27 @@ proptest! {
                 "{point:?} goes to {moved}, out of {bounds:?}"
             );
         }
+    }
+
+    /// Also where every product is below the normal range, as with a minute sine and a body that
+    /// is flat along the other axes.
+    #[test]
+    fn bounds_hold_every_point_below_the_normal_range(
+        entries in [-9.0..9.0_f64, -9.0..9.0_f64, -9.0..9.0_f64],
+        down in -926..-922_i32,
+        p in [-4_i8..=4, -4_i8..=4, -4_i8..=4],
+        q in [-4_i8..=4, -4_i8..=4, -4_i8..=4],
+        pick in [any::<bool>(), any::<bool>(), any::<bool>()],
+    ) {
+        let row = entries.map(|x| libm::scalbn(x, down));
+        let pose = RelativePose { rotation: [row; 3], translation: [0.0; 3] };
+        let [p, q] = [p, q].map(|p| p.map(|n| f32::from(n) * f32::from_bits(1)));
+        let mut box_ = Aabb::EMPTY;
+        box_.grow(p);
+        box_.grow(q);
+        let corner = core::array::from_fn(|i| if pick[i] { box_.min[i] } else { box_.max[i] });
+        let (bounds, moved) = (pose.bounds(&box_), pose.point(corner));
+        prop_assert!(bounds.min.cmple(moved).all() && moved.cmple(bounds.max).all());
     }
 
     /// Rounding outward costs little: the box is no wider than the true one and 10⁻¹⁴ of the

@@ -16,7 +16,7 @@ impl Contact {
     /// No points yet.
     pub(super) const EMPTY: Self = Self { points: [DVec3::ZERO; POINTS], count: 0 };
 
-    /// The points [m]: none twice, and none at all only where the triangles do not intersect.
+    /// The points (m): none twice, and none at all only where the triangles do not intersect.
     #[must_use]
     pub fn points(&self) -> &[DVec3] {
         &self.points[..usize::from(self.count)]

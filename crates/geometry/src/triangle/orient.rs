@@ -11,7 +11,7 @@
 use super::exact::{self, Sign};
 use crate::{Bounds, DVec3};
 
-/// Beyond these extents [m], a product of three could overflow: all signs are taken exactly.
+/// Beyond these extents (m), a product of three could overflow: all signs are taken exactly.
 const EXTENT_MAX: f64 = f64::from_bits((1023 + 300) << 52); // 2^300
 
 /// More than all errors of underflow together: below 2⁻⁷⁷⁰, with extents up to 2³⁰⁰.

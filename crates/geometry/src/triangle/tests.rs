@@ -31,7 +31,7 @@ fn reordered(t: &Triangle, order: [usize; 3]) -> Triangle {
     Triangle(order.map(|i| t.0[i]))
 }
 
-/// Distance of a point from a triangle, rounded [m]: to its plane inside, else to its edges.
+/// Distance of a point from a triangle, rounded (m): to its plane inside, else to its edges.
 fn distance(t: &Triangle, p: DVec3) -> f64 {
     let [a, b, c] = t.0;
     let to_segment = |q: DVec3, r: DVec3| {
