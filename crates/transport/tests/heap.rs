@@ -1,0 +1,56 @@
+//! A claim in the crate's header, held by a number: one heap allocation per loan, none elsewhere.
+#![expect(unsafe_code, reason = "an allocator that counts is an allocator")]
+
+use protocol::{Boot, Head, Incarnation, Kind, RequestId};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+use transport::{CoordinatorLink, Domain, Sizes, WorkerLink};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: it is the system's allocator, and counting changes nothing about it.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: handed on as it came.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: handed on as it came.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static HEAP: Counting = Counting;
+
+const PEER: Incarnation = Incarnation { worker: 0, inc: 0 };
+const SIZES: Sizes = Sizes { job_words: 64, job_queue: 4, result_words: 512, result_queue: 4 };
+
+#[test]
+fn a_thousand_round_trips_allocate_once_per_loan() -> Result<(), Box<dyn std::error::Error>> {
+    let domain = Domain::create("h-loans", Boot(1))?;
+    let coordinator = CoordinatorLink::create(&domain, PEER, &SIZES, "heap")?;
+    let entered = Domain::open(domain.text())?;
+    let worker = WorkerLink::open(&entered, PEER, &SIZES, "heap")?;
+    coordinator.connect()?;
+    let (mut jobs, mut results) = (Vec::with_capacity(64), Vec::with_capacity(512));
+    let mut round = |request: u64| -> Result<(), Box<dyn std::error::Error>> {
+        let head = |kind| Head::new(Boot(1), RequestId(request), PEER, kind);
+        coordinator.jobs.loan()?.send(head(Kind::Batch), 64)?;
+        assert!(worker.jobs.take(&mut jobs)?.is_some_and(|taken| taken.is_ok()));
+        worker.results.loan()?.send(head(Kind::Result), 512)?;
+        assert!(coordinator.results.take(&mut results)?.is_some_and(|taken| taken.is_ok()));
+        Ok(())
+    };
+    round(0)?;
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for request in 1..=1000 {
+        round(request)?;
+    }
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 2000);
+    Ok(())
+}
