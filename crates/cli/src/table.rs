@@ -3,8 +3,8 @@
 use crate::run::Run;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use coordinator::{Answer, PersonRow, Row};
+use damage::State;
 use damage::evidence::Touch;
-use damage::{Range, State};
 use scenario::Scenario;
 
 /// Columns of a terminal that everything fits.
@@ -13,20 +13,19 @@ const WIDTH: u16 = 100;
 /// The ranking for people: at most 100 columns, whole sentences around a table.
 pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String {
     let mut table = Table::new();
-    table
-        .load_style(presets::NOTHING)
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_width(WIDTH)
-        .set_header([
-            "#",
-            "candidate",
-            "contact",
-            "depth",
-            "ΔV ego / other",
-            "worst-off person",
-            "harm",
-            "range",
-        ]);
+    table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(WIDTH);
+    table.set_header([
+        "#",
+        "candidate",
+        "contact",
+        "depth",
+        "ΔV ego/other",
+        "worst-off person",
+        "harm %",
+        "range %",
+    ]);
     for (at, row) in answer.ranking.iter().enumerate() {
         table.add_row([
             (at + 1).to_string(),
@@ -36,11 +35,12 @@ pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String
             delta_v(row),
             worst_off(row),
             harm(row),
-            range(row.range),
+            format!("{}–{}", percent(row.range.low()), percent(row.range.high())),
         ]);
     }
-    for column in [0, 3, 4, 6] {
-        if let Some(column) = table.column_mut(column) {
+    for (number, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(number > 0), u16::from(number < 7)));
+        if [0, 3, 6].contains(&number) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
@@ -92,7 +92,7 @@ fn depth(row: &Row) -> String {
 
 fn delta_v(row: &Row) -> String {
     if row.contact.touch == Touch::No {
-        return "–  /  –".to_owned();
+        return "– / –".to_owned();
     }
     let [ego, other] = row.delta_v_m_s.map(|delta| delta.work.hi());
     let other = if row.is_other_fixed { "–".to_owned() } else { format!("{other:.1}") };
@@ -121,13 +121,14 @@ fn who(person: &PersonRow) -> String {
 fn harm(row: &Row) -> String {
     let (lo, hi) = (row.work.lo(), row.work.hi());
     if lo.to_bits() == hi.to_bits() {
-        return format!("{hi:.4}");
+        return percent(hi);
     }
-    format!("{lo:.4}–{hi:.4}")
+    format!("{}–{}", percent(lo), percent(hi))
 }
 
-fn range(range: Range) -> String {
-    format!("{:.4} – {:.4}", range.low(), range.high())
+/// A probability in per cent, without the sign; a true zero has no decimals.
+fn percent(value: f64) -> String {
+    if value == 0.0 { "0".to_owned() } else { format!("{:.2}", 100.0 * value) }
 }
 
 fn verdict(answer: &Answer, run: &Run) -> String {

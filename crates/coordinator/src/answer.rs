@@ -44,7 +44,7 @@ pub struct Row {
     pub certain: bool,
     /// Why it comes before the next, in one sentence.
     pub why: Option<String>,
-    /// Which sides meet, for people: "front ↔ rear".
+    /// Which sides meet, for people: "front ↔ rear", or "left ∥ wall" where they mostly slide.
     pub sides: String,
     /// Whether the other party is fixed to the ground.
     pub is_other_fixed: bool,
@@ -166,7 +166,7 @@ fn row(
     }
 }
 
-/// The sides that the nominal normal points through, and whether the bodies only slide past.
+/// The sides that the nominal normal points through; ∥ where the bodies mostly slide past.
 fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let Some(patch) = &harm.contact.patch else { return String::new() };
     let normal = DVec3::from_array(patch.normal);
@@ -181,9 +181,9 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
             _ => "right",
         },
     };
-    let sliding = harm.normal_m_s.hi() < 0.25 * harm.closing_m_s;
-    let glance = if sliding { ", sliding" } else { "" };
-    format!("{} ↔ {}{glance}", side(&candidate.a, normal), side(&candidate.b, -normal))
+    let slides = harm.normal_m_s.hi() < 0.25 * harm.closing_m_s;
+    let sign = if slides { "∥" } else { "↔" };
+    format!("{} {sign} {}", side(&candidate.a, normal), side(&candidate.b, -normal))
 }
 
 fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
