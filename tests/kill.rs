@@ -139,3 +139,33 @@ fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
     run(&["rank", place.write("small.toml", &support::six(600)).to_str().unwrap()]);
     assert_eq!(left_in_shm(&started.instance), Vec::<String>::new());
 }
+
+#[test]
+fn a_worker_killed_at_start_up_is_seen_at_once_whenever_it_dies() {
+    let place = Place::new();
+    let path = place.write("small.toml", &support::six(2_000));
+    let path = path.to_str().unwrap();
+    let expected = reference(path);
+    for delay in [0, 1, 2, 4, 6, 8, 12, 16, 24, 32] {
+        let instance = instance();
+        let mut child = trolley()
+            .args(["rank", path, "--json", "--workers", "2", "--instance", &instance])
+            .spawn()
+            .unwrap();
+        let pid = child.id();
+        let born = wait_for(60_000, || {
+            let workers = children(pid);
+            (workers.len() == 2 || child.try_wait().unwrap().is_some()).then_some(workers)
+        });
+        let _later = wait_for(delay, || None::<()>);
+        if let Some(worker) = born.unwrap_or_default().first() {
+            signal(*worker, Signal::KILL);
+        }
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(left_in_shm(&instance), Vec::<String>::new());
+        assert!(output.status.success(), "after {delay} ms: {}", text(&output.stderr));
+        assert_eq!(answer(&output), expected, "after {delay} ms");
+        let said = text(&output.stdout);
+        assert!(!said.contains("silent") && !said.contains("hung"), "after {delay} ms: {said}");
+    }
+}

@@ -83,6 +83,12 @@ pub(crate) fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split(|c| !in_word(c)).filter(|word| !word.is_empty())
 }
 
+/// Whether a line of code calls a macro.
+pub(crate) fn calls(line: &str, name: &str) -> bool {
+    let call = format!("{name}!");
+    line.match_indices(&call).any(|(at, _)| !line[..at].ends_with(in_word))
+}
+
 /// What is left of code once everything behind `#[cfg(test)]` is blanked, and the modules among
 /// that which have a file of their own.
 pub(crate) fn outside_tests(code: &str) -> (String, Vec<String>) {

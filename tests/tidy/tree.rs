@@ -128,7 +128,8 @@ impl Package {
     /// The line of the manifest that names a dependency.
     fn line_of(&self, key: &str) -> usize {
         let names = |line: &str| {
-            let inline = line.strip_prefix(key).is_some_and(|rest| rest.starts_with([' ', '.', '=']));
+            let inline =
+                line.strip_prefix(key).is_some_and(|rest| rest.starts_with([' ', '.', '=']));
             inline || line.ends_with(&format!("dependencies.{key}]"))
         };
         self.manifest.text.lines().position(|line| names(line.trim())).unwrap_or(0)

@@ -168,6 +168,8 @@ pub struct Crew {
     request: u64,
     patience: Patience,
     rejected: u64,
+    /// Workers whose end was told and who are not buried yet: it is told once.
+    ended: Vec<usize>,
     scratch: Vec<u64>,
     batch: BatchWriter,
 }
@@ -209,6 +211,7 @@ impl Crew {
             request: 0,
             patience: options.patience,
             rejected: 0,
+            ended: Vec::new(),
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
         };
@@ -237,25 +240,41 @@ impl Crew {
         self.stations.iter().map(|station| station.report.pid).collect()
     }
 
+    /// Waits until every worker has greeted or is gone; one that greeted is enough.
     fn await_greetings(&mut self) -> Result<(), CrewError> {
         let end = clock::now_ns() + GREETING_NS;
         let mut greeted = vec![false; self.stations.len()];
-        while let Some(worker) = greeted.iter().position(|greeted| !greeted) {
+        let mut still_born = None;
+        loop {
             for (number, station) in self.stations.iter_mut().enumerate() {
                 if let Ok(Some(Ok(head))) = station.take(&self.status, &mut self.scratch) {
                     greeted[number] |= head.kind == Kind::Hello as u8;
                 }
-                if let Some(exit) = station.exit()? {
-                    return Err(CrewError::StillBorn { worker: number as u8, exit });
+                if station.is_alive()
+                    && !greeted[number]
+                    && let Some(exit) = station.exit()?
+                {
+                    station.bury(&self.status);
+                    station.report.lost = Some(format!("{exit} at start-up"));
+                    still_born = Some(CrewError::StillBorn { worker: number as u8, exit });
+                    tracing::warn!(worker = number, %exit, "a worker ended at start-up");
                 }
             }
+            let waited_for =
+                |(station, greeted): &(&Station, &bool)| station.is_alive() && !**greeted;
+            let Some((late, _)) = self.stations.iter().zip(&greeted).find(waited_for) else {
+                break;
+            };
             if clock::now_ns() > end {
                 let seconds = GREETING_NS / 1_000_000_000;
-                return Err(CrewError::Mute { worker: worker as u8, seconds });
+                return Err(CrewError::Mute { worker: late.who.worker, seconds });
             }
             self.sleep(1_000_000)?;
         }
-        Ok(())
+        match still_born {
+            Some(error) if !greeted.contains(&true) => Err(error),
+            _ => Ok(()),
+        }
     }
 
     /// Works a request off.
@@ -283,7 +302,12 @@ impl Crew {
             let now = clock::now_ns();
             if now - looked > NAP_NS {
                 looked = now;
+                // While results keep coming nobody sleeps, and an end would go unnoticed.
+                self.sleep(0)?;
                 progress = self.look_after(now, work, &mut effects, progress)?;
+            }
+            while let Some(worker) = self.ended.pop() {
+                progress = self.bury(worker, work, &mut effects)?;
             }
             if progress != Progress::Working {
                 break;
@@ -291,10 +315,7 @@ impl Crew {
             if taken {
                 backoff.reset();
             } else if backoff.is_completed() {
-                let ended = self.sleep(NAP_NS)?;
-                for worker in ended {
-                    progress = self.bury(worker, work, &mut effects)?;
-                }
+                self.sleep(NAP_NS)?;
             } else {
                 backoff.snooze();
             }
@@ -502,8 +523,8 @@ impl Crew {
         Ok(self.step(Event::Lost { who, started }, work, effects))
     }
 
-    /// Sleeps until a worker rings or ends, at most so long. Returns whose process has ended.
-    fn sleep(&mut self, timeout_ns: u64) -> Result<Vec<usize>, CrewError> {
+    /// Sleeps until a worker rings or ends, at most so long.
+    fn sleep(&mut self, timeout_ns: u64) -> Result<(), CrewError> {
         let flag = |value| {
             for line in &self.status.page().coordinator {
                 line.sleeping.store(value, Ordering::SeqCst);
@@ -514,15 +535,14 @@ impl Crew {
         let waiting = self.stations.iter().any(|station| station.has_mail(&self.status));
         let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
         flag(0);
-        let mut ended = Vec::new();
         for wake in wakes? {
             match wake {
-                Wake::Process(worker) => ended.push(worker as usize),
+                Wake::Process(worker) => self.ended.push(worker as usize),
                 Wake::Signal(_) => return Err(CrewError::Interrupted),
                 Wake::Event(_) | Wake::Timer => {}
             }
         }
-        Ok(ended)
+        Ok(())
     }
 }
 

@@ -1,0 +1,292 @@
+//! What a compiler cannot check: the arrows between crates, who may hold `unsafe` or name an outside
+//! crate, what pure crates never touch, how files look, and that every file named in prose exists.
+//!
+//! A fault names file and line. The checks read text; they know of Rust what `tidy/code.rs` knows.
+
+#[path = "tidy/code.rs"]
+mod code;
+#[path = "tidy/guards.rs"]
+mod guards;
+#[path = "tidy/pure.rs"]
+mod pure;
+#[path = "tidy/tree.rs"]
+mod tree;
+
+use code::{calls, code, words};
+use std::path::Path;
+use tree::{Text, all_sources, packages, root};
+
+/// Crates from the bottom up; each may use only what stands before it.
+const LAYERS: &[&str] = &[
+    "geometry",
+    "protocol",
+    "model",
+    "bvh",
+    "damage",
+    "scenario",
+    "dispatch",
+    "record",
+    "transport",
+    "runtime",
+    "client",
+    "report",
+    "simulate",
+    "coordinator",
+    "worker",
+    "client-c",
+    "cli",
+    "tools",
+];
+/// Programs and libraries on top: they never use each other.
+const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "client-c"];
+/// Crates that may use but a few of ours.
+const ONLY: &[(&str, &[&str])] = &[
+    ("dispatch", &["protocol"]),
+    ("transport", &["protocol"]),
+    ("runtime", &["protocol"]),
+    ("client", &["protocol", "transport"]),
+];
+/// Outside crates, with what belongs to them, that a few of ours alone may name.
+const ALONE: &[(&str, &[&str])] = &[
+    ("iceoryx2", &["transport"]),
+    ("libc", &["runtime"]),
+    ("bincode", &["model"]),
+    ("tobj", &["model"]),
+    ("stl_io", &["model"]),
+    ("ply-rs-bw", &["model"]),
+    ("gltf", &["model"]),
+    ("earcut", &["model"]),
+    ("robust", &["geometry"]),
+    ("clap", &["cli", "tools"]),
+];
+/// Crates that may contain `unsafe`.
+const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
+/// Crates without I/O, clock and waiting.
+const PURE: &[&str] = &["geometry", "protocol", "model", "bvh", "damage", "scenario", "dispatch"];
+/// Longest line, in characters.
+const COLUMNS_MAX: usize = 100;
+
+/// Fails with all faults, if there are any.
+#[track_caller]
+fn none(faults: &[String]) {
+    assert!(faults.is_empty(), "\n\n{}\n", faults.join("\n"));
+}
+
+/// The place of a crate in [`LAYERS`].
+fn rank(name: &str) -> Option<usize> {
+    LAYERS.iter().position(|layer| *layer == name)
+}
+
+#[test]
+fn arrows_between_crates_point_downwards() {
+    let mut faults = Vec::new();
+    for package in &packages() {
+        let name = package.name.as_str();
+        let Some(own) = rank(name) else {
+            faults.push(package.manifest.fault(0, &format!("{name} has no place in LAYERS")));
+            continue;
+        };
+        let only = ONLY.iter().find(|(of, _)| *of == name).map(|(_, only)| *only);
+        for (used, line) in package.uses() {
+            let Some(below) = rank(&used) else { continue };
+            let siblings = SIBLINGS.contains(&name) && SIBLINGS.contains(&used.as_str());
+            if below >= own || siblings {
+                faults.push(package.manifest.fault(line, &format!("{name} must not use {used}")));
+            } else if only.is_some_and(|only| !only.contains(&used.as_str())) {
+                let fault = format!("{name} must not use {used}: see ONLY");
+                faults.push(package.manifest.fault(line, &fault));
+            }
+        }
+    }
+    none(&faults);
+}
+
+#[test]
+fn outside_crates_with_one_owner_are_named_by_it_alone() {
+    let mut faults = Vec::new();
+    for package in &packages() {
+        for (used, line) in package.uses() {
+            let belongs = |outside: &str| {
+                used.strip_prefix(outside)
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+            };
+            let owners = ALONE.iter().find(|(outside, _)| belongs(outside)).map(|(_, of)| *of);
+            if owners.is_some_and(|owners| !owners.contains(&package.name.as_str())) {
+                let fault = format!("{} must not name {used}", package.name);
+                faults.push(package.manifest.fault(line, &fault));
+            }
+        }
+    }
+    none(&faults);
+}
+
+#[test]
+fn every_package_is_named_after_its_folder_and_keeps_the_lints() {
+    let mut faults = Vec::new();
+    for package in &packages() {
+        if package.value(&["package", "name"]).and_then(|name| name.as_str()) != Some(&package.name)
+        {
+            faults.push(package.manifest.fault(0, "the package has another name than its folder"));
+        }
+        if package.value(&["lints", "workspace"]).and_then(|kept| kept.as_bool()) != Some(true) {
+            faults.push(package.manifest.fault(0, "needs [lints] workspace = true"));
+        }
+    }
+    none(&faults);
+}
+
+#[test]
+fn unsafe_code_stays_in_the_crates_at_the_edge() {
+    let mut faults = Vec::new();
+    let mut opted_out = 0;
+    for file in &all_sources() {
+        let owner = file.path.strip_prefix("crates/").and_then(|path| path.split('/').next());
+        let may = owner.is_some_and(|owner| UNSAFE.contains(&owner));
+        let is_root = owner.is_some_and(|owner| file.path == format!("crates/{owner}/src/lib.rs"));
+        let code = code(&file.text);
+        let opts_out =
+            |line: &str| line.starts_with("#![") && words(line).any(|word| word == "unsafe_code");
+        if may && is_root {
+            match code.lines().filter(|line| opts_out(line)).count() {
+                1 => opted_out += 1,
+                n => faults.push(file.fault(0, &format!("{n} opt-outs of unsafe_code, not one"))),
+            }
+        }
+        for (number, line) in code.lines().enumerate() {
+            if !may && words(line).any(|word| word == "unsafe") {
+                faults.push(file.fault(number, "unsafe outside of the crates in UNSAFE"));
+            }
+            let names_lint = words(line).any(|word| word == "unsafe_code");
+            if names_lint && !(may && is_root && opts_out(line)) {
+                faults.push(file.fault(number, "unsafe_code is opted out in a lib.rs at the edge"));
+            }
+        }
+    }
+    none(&faults);
+    let there = packages().iter().filter(|p| UNSAFE.contains(&p.name.as_str())).count();
+    assert_eq!(opted_out, there, "each crate in UNSAFE has a lib.rs that says so");
+}
+
+#[test]
+fn pure_crates_touch_no_file_network_process_or_clock() {
+    let mut faults = Vec::new();
+    let packages = packages();
+    for package in packages.iter().filter(|package| PURE.contains(&package.name.as_str())) {
+        for (file, code) in &pure::outside_tests_of(package) {
+            faults.extend(pure::impurities(code, &package.name).into_iter().map(|(line, what)| {
+                file.fault(line, &format!("{what}: {} is pure", package.name))
+            }));
+        }
+    }
+    none(&faults);
+}
+
+#[test]
+fn every_file_says_what_it_is() {
+    let silent = |file: &&Text| !file.text.starts_with("//! ");
+    let fault = |file: &Text| file.fault(0, "begins without //! and what it is");
+    none(&all_sources().iter().filter(silent).map(fault).collect::<Vec<_>>());
+}
+
+#[test]
+fn no_line_is_too_long() {
+    let mut faults = Vec::new();
+    for file in &all_sources() {
+        for (number, line) in file.text.lines().enumerate() {
+            let columns = line.chars().count();
+            if columns > COLUMNS_MAX {
+                faults.push(file.fault(number, &format!("{columns} columns, not {COLUMNS_MAX}")));
+            }
+        }
+    }
+    none(&faults);
+}
+
+#[test]
+fn nothing_is_left_unfinished() {
+    // In one piece, these would be found here.
+    let notes = [concat!("FIX", "ME"), concat!("XX", "X")];
+    let macros = ["todo", "unimplemented", "dbg"];
+    let mut faults = Vec::new();
+    for file in &all_sources() {
+        let code = code(&file.text);
+        for (number, (line, code)) in file.text.lines().zip(code.lines()).enumerate() {
+            let noted = notes.iter().filter(|note| words(line).any(|word| word == **note));
+            let called = macros.iter().filter(|name| calls(code, name));
+            faults.extend(noted.chain(called).map(|what| file.fault(number, what)));
+        }
+    }
+    none(&faults);
+}
+
+#[test]
+fn every_file_that_architecture_names_exists() {
+    let page = Text::read(&root().join("ARCHITECTURE.md"));
+    let mut faults = Vec::new();
+    let mut named = 0;
+    for (number, line) in page.text.lines().enumerate() {
+        for path in rust_files_in(line) {
+            named += 1;
+            if ![root(), root().join("crates")].iter().any(|from| from.join(path).is_file()) {
+                let fault = format!("there is no {path}, from here or from crates/");
+                faults.push(page.fault(number, &fault));
+            }
+        }
+    }
+    none(&faults);
+    assert!(named > 0, "{}: names no test at all", page.path);
+}
+
+#[test]
+fn every_invariant_of_architecture_names_its_test() {
+    let page = Text::read(&root().join("ARCHITECTURE.md"));
+    let mut items: Vec<(usize, String)> = Vec::new();
+    let mut among_invariants = false;
+    for (number, line) in page.text.lines().enumerate() {
+        if line.starts_with('#') {
+            among_invariants = line.contains("nvariant");
+        } else if among_invariants && line.starts_with("- ") {
+            items.push((number, line.to_owned()));
+        } else if let Some((_, item)) = items.last_mut().filter(|_| line.starts_with("  ")) {
+            item.push_str(line);
+        }
+    }
+    assert!(!items.is_empty(), "{}: no list under a heading of invariants", page.path);
+    let untested = items.iter().filter(|(_, item)| rust_files_in(item).is_empty());
+    none(&untested.map(|(line, _)| page.fault(*line, "names no test")).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_file_that_a_header_names_exists() {
+    let root = root();
+    let mut faults = Vec::new();
+    for file in &all_sources() {
+        let path = Path::new(&file.path);
+        let package = path.ancestors().find(|at| root.join(at).join("Cargo.toml").is_file());
+        let package = package.expect("the root has a manifest");
+        // From the crate's src, the crate, the file's modules, the file's folder, crates/, the root.
+        let from = [
+            package.join("src"),
+            package.to_owned(),
+            path.with_extension(""),
+            path.with_file_name(""),
+            "crates".into(),
+            "".into(),
+        ];
+        let header = file.text.lines().enumerate().take_while(|(_, line)| line.starts_with("//!"));
+        for (number, line) in header {
+            for name in rust_files_in(line) {
+                if !from.iter().any(|from| root.join(from).join(name).is_file()) {
+                    faults.push(file.fault(number, &format!("there is no {name}")));
+                }
+            }
+        }
+    }
+    none(&faults);
+}
+
+/// The names of Rust files between backticks in a line of prose.
+fn rust_files_in(line: &str) -> Vec<&str> {
+    let quoted = line.split('`').skip(1).step_by(2);
+    quoted.filter(|name| name.ends_with(".rs") && !name.contains([' ', '*', '<'])).collect()
+}

@@ -1,0 +1,54 @@
+//! Guards of the guards: the checks see what they are there to see, and nothing else.
+
+use super::*;
+use crate::pure::impurities;
+
+#[test]
+fn comments_and_literals_are_not_code() {
+    let text = r####"
+        unsafe_code /* unsafe /* unsafe */ unsafe */ a1 // unsafe
+        "unsafe \" unsafe" b2 'u' '\'' '"' c3 b"unsafe" r#"unsafe " unsafe"# br"\" d4
+        fn f<'a>(x: &'a str) e5 "two
+        lines" f6 for r in r#type g7
+    "####;
+    let code = code(text);
+    assert_eq!(code.lines().count(), text.lines().count());
+    assert!(!words(&code).any(|word| word == "unsafe"), "{code}");
+    for kept in ["unsafe_code", "a1", "b2", "c3", "d4", "e5", "f6", "g7"] {
+        let line = |text: &str| text.lines().position(|line| line.contains(kept));
+        assert!(line(&code).is_some() && line(&code) == line(text), "{kept}: {code}");
+    }
+    assert!(words("x; unsafe { y }").any(|word| word == "unsafe"));
+    assert!(calls("x(dbg!(y))", "dbg") && !calls("my_dbg!(y); dbg(y)", "dbg"));
+}
+
+#[test]
+fn what_is_there_for_tests_is_left_out() {
+    let text = "a\n#[cfg(test)]\nmod tests;\nb\n#[cfg(test)]\nfn c() {\n{ c }\n}\nd\n";
+    let (left, modules) = outside_tests(text);
+    assert_eq!(left.split_whitespace().collect::<String>(), "a;bd");
+    assert_eq!(left.lines().position(|line| line == "d"), text.lines().position(|l| l == "d"));
+    assert_eq!(modules, ["tests"]);
+}
+
+#[test]
+fn impurities_are_seen_however_they_are_imported() {
+    let seen = |code: &str, package: &str| -> Vec<String> {
+        impurities(code, package).into_iter().map(|(line, what)| format!("{line} {what}")).collect()
+    };
+    assert_eq!(seen("\nuse std::fs::File;", "model"), ["1 std::fs"]);
+    assert_eq!(seen("let x = std::net::f();", "model"), ["0 std::net"]);
+    assert_eq!(seen("use std::{\n  fmt,\n  process,\n};", "model"), ["2 std::process"]);
+    assert_eq!(seen("use std::{io::{self, fs}, env};", "model"), ["0 std::env"]);
+    assert_eq!(seen("a(Instant)\nSystemTime", "model"), ["0 Instant", "1 SystemTime"]);
+    assert_eq!(seen("std::thread::scope(f)", "model"), ["0 std::thread"]);
+    assert_eq!(seen("std::thread::scope(f)", "bvh"), [""; 0]);
+    assert_eq!(seen("thread::sleep(f)", "bvh"), ["0 thread::sleep"]);
+    assert_eq!(seen("use std::{fmt::{self, Debug}, io};\nnet::x(); Instantly", "model"), [""; 0]);
+}
+
+#[test]
+fn names_in_prose_are_those_of_rust_files() {
+    let line = "- `a` holds: `x/tests.rs`, `tests/*.rs`, y.rs and `z.toml`. `tests/kill.rs`";
+    assert_eq!(rust_files_in(line), ["x/tests.rs", "tests/kill.rs"]);
+}
