@@ -38,6 +38,9 @@ fn i6_a_central_frontal_crash() {
     near(ego.range.low(), 0.03368);
     near(ego.range.high(), 0.44093);
     assert!((harm.energy_j.hi() - 142_560.0).abs() < 1.0);
+    // Reported ΔV: restitution 0 to 0.3, speed 5 %, masses 10 % against each other.
+    near(harm.delta_v[0].range.low(), 19.0 * 1620.0 / (1320.0 + 1620.0));
+    near(harm.delta_v[0].range.high(), 1.3 * 21.0 * 1980.0 / (1080.0 + 1980.0));
     assert!(harm.force_degrees.iter().all(|d| d.abs() < 1e-6), "{:?}", harm.force_degrees);
 }
 

@@ -193,6 +193,28 @@ fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
     assert!(matches!(why, Ground::TieBreak { by: TieBreak::Request, .. }), "{why:?}");
 }
 
+/// Whether the second candidate passes the first step hangs on the open third, which itself falls out
+/// at the second: so the tie-break may not take the second for sure, though both are finished.
+#[test]
+fn a_tie_break_certifies_only_who_was_surely_kept() {
+    let with = |ends: &[(f64, f64)], energy_j: f64| {
+        let mut risks = vec![Work::ZERO; 10];
+        for (risk, end) in risks.iter_mut().zip(ends) {
+            *risk = Work::new(end.0, end.1);
+        }
+        candidate(&risks, Work::exactly(energy_j))
+    };
+    let point = |r: f64| (r, r);
+    let first = with(&[point(0.3), point(0.3), point(0.3), point(0.1)], 9.0);
+    let second = with(&[point(0.3); 4], 1.0);
+    let third = with(&[point(0.5), (0.0, 1.0), (0.0, 0.5)], 0.0);
+    let text = DEFAULT_POLICY.replace("property = \"last\"", "property = \"ignored\"");
+    let policy = Policy::parse("", &text.replacen("tolerance = 0.0", "tolerance = 0.05", 1));
+    let ranking = ranked(&policy.expect("sound"), &[first, second, third]);
+    assert_eq!((ranking.state, ranking.possible), (State::Degraded, vec![0, 1]));
+    assert_eq!(ranking.places[0].candidate, 1);
+}
+
 #[test]
 fn property_decides_only_between_equal_persons() {
     let with = |risk: f64, energy: f64| candidate(&[Work::exactly(risk)], Work::exactly(energy));
