@@ -1,7 +1,7 @@
 //! From the form of a file to values: every rule that a scenario must obey, with the place of each.
 //!
-//! Rules stand in the order of the file's tables; the first that is broken ends the reading. Each fault
-//! carries the path of keys to what is wrong; [`Document`] turns it into line and column.
+//! Rules stand in the order of the file's tables; the first that is broken ends the reading. Each
+//! fault carries the path of keys to what is wrong; [`Document`] turns it into line and column.
 
 use crate::document::{Document, Objection, Path, Place};
 use crate::engine::Engine;

@@ -1,7 +1,8 @@
 //! The text of a scenario as a tree that knows where everything stands.
 //!
-//! Places are looked up only when something is wrong or names a file, by the path of keys and numbers
-//! that leads to it; so the values themselves stay plain. It does not know what any key means.
+//! Places are looked up only when something is wrong or names a file, by the path of keys and
+//! numbers that leads to it; so the values themselves stay plain. It does not know what any key
+//! means.
 
 use serde::de::DeserializeOwned;
 use std::fmt;
@@ -69,15 +70,16 @@ impl Path {
     }
 }
 
-/// As one would say it: `[candidates.other]`, without numbers; empty for the root.
+/// As one would say it: `[candidates.other]`, without numbers, long keys and long ways cut.
 impl fmt::Display for Path {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let keys: Vec<String> = (self.0.iter())
-            .filter_map(|step| match step {
-                Step::Key(key) => Some(key.escape_debug().to_string()),
-                Step::Index(_) => None,
-            })
-            .collect();
+        let keys = self.0.iter().filter_map(|step| match step {
+            Step::Key(key) => {
+                Some(key.chars().take(40).collect::<String>().escape_debug().to_string())
+            }
+            Step::Index(_) => None,
+        });
+        let keys: Vec<String> = keys.take(5).collect();
         write!(f, "[{}]", keys.join("."))
     }
 }

@@ -54,7 +54,8 @@ pub struct Engine {
     pub depth: u32,
     /// Which worker gets a job.
     pub scheme: Scheme,
-    /// Weight of held sections against load in Best Match-Load: 1 looks at sections only, 0 at load.
+    /// Weight of held sections against load in Best Match-Load: 1 looks at sections only, 0 at
+    /// load.
     pub alpha: f64,
     /// Jobs per message.
     pub batch: usize,
@@ -96,7 +97,8 @@ impl Engine {
 
     /// These settings with some replaced.
     ///
-    /// Fewer workers than listed cores use the first of the cores, when `changes` lists none itself.
+    /// Fewer workers than listed cores use the first of the cores, when `changes` lists none
+    /// itself.
     ///
     /// # Errors
     ///
@@ -183,8 +185,8 @@ pub struct Overrides {
     /// How jobs are matched to workers. Default best-match-load.
     #[schemars(extend("enum" = names::all::<Scheme>()))]
     pub scheme: Option<String>,
-    /// Weight of held sections against load in best-match-load: 1 looks at sections only, 0 at load.
-    /// Default 0.5.
+    /// Weight of held sections against load in best-match-load: 1 looks at sections only, 0 at
+    /// load. Default 0.5.
     #[schemars(range(min = limit::SHARE.least, max = limit::SHARE.most))]
     pub alpha: Option<f64>,
     /// Jobs per message. Default 16.

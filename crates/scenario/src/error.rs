@@ -1,7 +1,7 @@
 //! What is wrong with a scenario, where, and what to do about it.
 //!
-//! [`Misfit`] knows the fault and the remedy, [`ScenarioError`] also the place. Both are written for a
-//! person at a terminal; nothing here knows colours, prefixes or exit codes.
+//! [`Misfit`] knows the fault and the remedy, [`ScenarioError`] also the place. Both are written
+//! for a person at a terminal; nothing here knows colours, prefixes or exit codes.
 
 use crate::document::Place;
 

@@ -1,8 +1,9 @@
 //! What the TOML reader objects to, said in the scenario's own words.
 //!
-//! The reader's messages are for programmers ("unknown field `suvv`, expected one of `a`, `b`"). Their
-//! first words and the names between backticks are used; a message that is not understood is passed
-//! on as it is, so that nothing is lost if the wording changes. `check/tests.rs` holds the wording.
+//! The reader's messages are for programmers ("unknown field `suvv`, expected one of `a`, `b`").
+//! Their first words and the names between backticks are used; a message that is not understood is
+//! passed on as it is, so that nothing is lost if the wording changes. `check/tests.rs` holds the
+//! wording.
 
 use crate::document::{Objection, Path};
 use crate::names::{choices, quoted};
@@ -35,7 +36,7 @@ pub(crate) fn explain(objection: &Objection) -> (String, String) {
     let message = one_line(&objection.message);
     let Some(path) = &objection.path else {
         let help = "a scenario is TOML: key = value lines under [table] headers, text in quotes";
-        return (message, help.to_owned());
+        return (shortened(&message), help.to_owned());
     };
     if message.starts_with("unknown field") {
         return unknown_key(path, &message);
@@ -50,7 +51,7 @@ pub(crate) fn explain(objection: &Objection) -> (String, String) {
         Some("candidates") => "each candidate is a table of its own under [[candidates]]",
         _ => SEE_SCHEMA,
     };
-    (format!("{subject}{}", in_plain_words(&message)), help.to_owned())
+    (shortened(&format!("{subject}{}", in_plain_words(&message))), help.to_owned())
 }
 
 const SEE_SCHEMA: &str = "`trolley schema` prints every key with its type, unit and range";
@@ -101,4 +102,13 @@ fn in_plain_words(message: &str) -> String {
 fn one_line(message: &str) -> String {
     let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     lines.join(", ").chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// What fits two lines of a terminal: a message may quote a value of any length.
+fn shortened(message: &str) -> String {
+    const SHOWN: usize = 160;
+    match message.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &message[..end]),
+        None => message.to_owned(),
+    }
 }

@@ -12,8 +12,8 @@
 //!
 //! # Invariants
 //!
-//! - Whatever [`Scenario::parse`] returns is in range: finite, known, unique, consistent. Every single
-//!   value of a scenario, made wrong, is refused at its own line: `check/tests.rs`.
+//! - Whatever [`Scenario::parse`] returns is in range: finite, known, unique, consistent. Every
+//!   single value of a scenario, made wrong, is refused at its own line: `check/tests.rs`.
 //! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] is refused unread:
 //!   `scenario/tests.rs`.
 //! - Whatever it accepts, [`schema`] accepts too: `schema/tests.rs`.

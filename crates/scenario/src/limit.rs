@@ -19,7 +19,8 @@ const fn limit<T: Copy>(least: T, most: T, unit: &'static str) -> Limit<T> {
 
 /// A microsecond to an hour: below, no message crosses; above, nobody waits.
 pub(crate) const DEADLINE_MS: Limit<f64> = limit(0.001, 3_600_000.0, " ms");
-/// A f32 mesh 1,000 km from the origin still fits an f64 pose to a nanometre; beyond lies a wrong unit.
+/// A f32 mesh 1,000 km from the origin still fits an f64 pose to a nanometre; beyond lies a wrong
+/// unit.
 pub(crate) const POSITION_M: Limit<f64> = limit(-1e6, 1e6, " m");
 /// 540 km/h: faster than any road vehicle, so a speed beyond was written in km/h.
 pub(crate) const SPEED_M_S: Limit<f64> = limit(-150.0, 150.0, " m/s");

@@ -1,8 +1,9 @@
 //! The form of a scenario file: what serde reads and what the JSON Schema describes.
 //!
 //! Nothing is checked here but names and types; ranges are stated for the schema and enforced by
-//! `check`. Whole numbers are read signed, so that −1 gets an answer in the scenario's own words; points
-//! as lists of any length, since serde reads `[0, 0, 0, 9]` as three numbers and says nothing.
+//! `check`. Whole numbers are read signed, so that −1 gets an answer in the scenario's own words;
+//! points as lists of any length, since serde reads `[0, 0, 0, 9]` as three numbers and says
+//! nothing.
 
 use crate::engine::Overrides;
 use crate::limit;
@@ -17,9 +18,9 @@ mod table;
 
 pub(crate) use table::Table;
 
-/// What to rank and how: the collisions that are left to an automated vehicle, each at its predicted
-/// impact. Lengths are metres, x forward, y left, z up; angles are degrees, applied as yaw, pitch,
-/// roll (Z·Y·X). Unknown keys are refused.
+/// What to rank and how: the collisions that are left to an automated vehicle, each at its
+/// predicted impact. Lengths are metres, x forward, y left, z up; angles are degrees, applied as
+/// yaw, pitch, roll (Z·Y·X). Unknown keys are refused.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Trolley scenario")]

@@ -1,15 +1,15 @@
 //! What fits whom: rules about the kind of a body.
 //!
-//! The kind of a generated body is known when the scenario is read, that of a model file only when it
-//! is opened. So the same rules are applied twice: [`crate::Scenario::parse`],
+//! The kind of a generated body is known when the scenario is read, that of a model file only when
+//! it is opened. So the same rules are applied twice: [`crate::Scenario::parse`],
 //! [`crate::Scenario::check_kinds`].
 
 use crate::error::Misfit;
 use geometry::DVec3;
 use model::{Kind, meta::Occupant};
 
-/// Whether a person can be in a body of this kind, among the persons before: on a seat that there is,
-/// and not on that of another.
+/// Whether a person can be in a body of this kind, among the persons before: on a seat that there
+/// is, and not on that of another.
 ///
 /// `kind` is `None` as long as it is not known; then seats must only differ.
 pub(crate) fn person_fits(

@@ -1,7 +1,7 @@
 //! A scenario as values: checked, in SI units, in world coordinates.
 //!
-//! What stands here is in range and consistent if [`Scenario::parse`] made it. Paths are as written,
-//! relative to the scenario's own file.
+//! What stands here is in range and consistent if [`Scenario::parse`] made it. Paths are as
+//! written, relative to the scenario's own file.
 
 use crate::check;
 use crate::document::Place;
@@ -62,7 +62,7 @@ pub struct Party {
     pub place: Place,
     /// Where its triangles come from.
     pub source: Source,
-    /// Mass [kg] instead of the model's.
+    /// Mass instead of the model's, in kg.
     pub mass_kg: Option<f64>,
     /// Persons instead of the model's; an empty list: nobody.
     pub persons: Option<Vec<Occupant>>,
@@ -115,7 +115,7 @@ pub struct Opponent {
 pub struct State {
     /// Body frame to world.
     pub pose: Pose,
-    /// Velocity of the body [m/s], world frame, in the ground plane: z is +0.0.
+    /// Velocity of the body in m/s, world frame, in the ground plane: z is +0.0.
     pub velocity_m_s: DVec3,
 }
 
@@ -135,11 +135,13 @@ impl Scenario {
         check::scenario(file, text)
     }
 
-    /// Whether the bodies that were opened can play their parts; `kinds[i]` is that of `parties[i]`.
+    /// Whether the bodies that were opened can play their parts; `kinds[i]` is that of
+    /// `parties[i]`.
     ///
-    /// The kind of a model file is known only when it is open, so whoever opens it asks here: the ego
-    /// must be a vehicle, persons must have seats that there are, and a fixed object has neither mass
-    /// nor persons nor speed. For generated bodies [`Scenario::parse`] has checked all this.
+    /// The kind of a model file is known only when it is open, so whoever opens it asks here: the
+    /// ego must be a vehicle, persons must have seats that there are, and a fixed object has
+    /// neither mass nor persons nor speed. For generated bodies [`Scenario::parse`] has checked
+    /// all this.
     ///
     /// # Errors
     ///

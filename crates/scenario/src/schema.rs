@@ -1,7 +1,7 @@
 //! The JSON Schema of a scenario, for editors and for other programs that write scenarios.
 //!
-//! It says what a schema can say: names, types, ranges, units. That a party is defined or that no two
-//! candidates have one name it cannot say; so the parser is stricter, never laxer.
+//! It says what a schema can say: names, types, ranges, units. That a party is defined or that no
+//! two candidates have one name it cannot say; so the parser is stricter, never laxer.
 
 use crate::raw;
 use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};

@@ -155,17 +155,18 @@ fn the_main_faults_read_like_this() {
     let cases = [
         (
             ("party = \"walker\"", "party = \"wlaker\""),
-            "f.toml:50:9: party \"wlaker\" is not defined\n  help: parties defined here: car, post, \
-             walker.  Did you mean \"walker\"?",
+            "f.toml:50:9: party \"wlaker\" is not defined\n  help: parties defined here: car, \
+             post, walker.  Did you mean \"walker\"?",
         ),
         (
             ("party = \"walker\"", "party = \"car\""),
-            "f.toml:50:9: party \"car\" is the ego: it cannot hit itself\n  help: name another party",
+            "f.toml:50:9: party \"car\" is the ego: it cannot hit itself\n  help: name another \
+             party",
         ),
         (
             ("depth = 6", "depht = 6"),
-            "f.toml:12:1: key \"depht\" is not known in [engine]\n  help: keys known here: workers, \
-             cores, coordinator_core, depth, scheme, alpha, batch, queue, build, leaf_size, seed.  \
+            "f.toml:12:1: key \"depht\" is not known in [engine]\n  help: keys known here: \
+             workers, cores, coordinator_core, depth, scheme, alpha, batch, queue, build, leaf_size, seed.  \
              Did you mean \"depth\"?",
         ),
         (
@@ -203,7 +204,8 @@ fn the_main_faults_read_like_this() {
         ),
         (
             ("speed_m_s = 0", "speed_m_s = 2"),
-            "f.toml:65:13: a pole is fixed to the ground and cannot move\n  help: write speed_m_s = 0",
+            "f.toml:65:13: a pole is fixed to the ground and cannot move\n  help: write speed_m_s \
+             = 0",
         ),
         (
             ("file = \"bodies/walker.trolley\"", "responsibility = 1"),

@@ -1,7 +1,8 @@
 //! A table that is written as a table.
 //!
-//! A derived `Deserialize` also takes a list for a struct, its items in the order of the fields, and
-//! drops what is too many. `["sedan", 2000]` is no body and `[[]]` no person, so lists are refused.
+//! A derived `Deserialize` also takes a list for a struct, its items in the order of the fields,
+//! and drops what is too many. `["sedan", 2000]` is no body and `[[]]` no person, so lists are
+//! refused.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::MapAccessDeserializer;
