@@ -1,9 +1,9 @@
 //! Support values along the fixed set of directions in which contact is measured.
 //!
 //! D = 72 horizontal directions, every 5° from u (the direction of the relative velocity), and ±z
-//! ([`Directions`]). A support is the greatest `x·d` over a set of points; the merge is the maximum,
-//! so it does not matter in which order, or how often, points are added: not even for the sign of a
-//! zero, which is always `+0.0`.
+//! ([`Directions`]). A support is the greatest `x·d` over a set of points; the merge is the
+//! maximum, so it does not matter in which order, or how often, points are added: not even for the
+//! sign of a zero, which is always `+0.0`.
 
 use crate::DVec3;
 
@@ -18,8 +18,8 @@ const UP: usize = 2 * HALF;
 
 /// The directions in which contact is measured, as unit vectors in A's frame.
 ///
-/// Index `i < 72` is the direction `5°·i` from u, turning from u towards t = z × u; 72 is +z, 73 −z.
-/// Each has its exact opposite: `d[i + 36] == -d[i]` for `i < 36`, and `d[73] == -d[72]`.
+/// Index `i < 72` is the direction `5°·i` from u, turning from u towards t = z × u; 72 is +z and
+/// 73 is −z. Each has its exact opposite: `d[i + 36] == -d[i]` for `i < 36`, and `d[73] == -d[72]`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Directions {

@@ -1,8 +1,8 @@
 //! The exact closed triangle–triangle test and the contact points of a hit.
 //!
-//! Two triangles lie in two planes. Where the planes cross, each triangle cuts the common line in an
-//! interval, and the triangles meet if the intervals do; which end comes first is the sign of one
-//! 3×3 determinant (P. Guigue, O. Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using
+//! Two triangles lie in two planes. Where the planes cross, each triangle cuts the common line in
+//! an interval, and the triangles meet if the intervals do; which end comes first is the sign of
+//! one 3×3 determinant (P. Guigue, O. Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using
 //! Orientation Predicates*, Journal of Graphics Tools 8(1), 2003). So the whole test is signs:
 //!
 //! ```text

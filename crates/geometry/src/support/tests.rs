@@ -76,7 +76,11 @@ proptest! {
 
     /// A zero that came from elsewhere, with the other sign, leaves no trace either.
     #[test]
-    fn a_negative_zero_does_not_survive(d in directions(), at in 0..DIRECTIONS, points in points()) {
+    fn a_negative_zero_does_not_survive(
+        d in directions(),
+        at in 0..DIRECTIONS,
+        points in points(),
+    ) {
         let mut odd = Supports::EMPTY;
         odd.0[at] = -0.0;
         let rest = of(&d, &points);

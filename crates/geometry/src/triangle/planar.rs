@@ -1,8 +1,8 @@
 //! Triangles that are coplanar or degenerate, exactly, by dimension.
 //!
-//! A degenerate triangle is a segment or a point. What lies in one plane is compared in a projection
-//! that drops one coordinate: on raw coordinates, so nothing is rounded, and one-to-one on the plane,
-//! because three of the points keep an area.
+//! A degenerate triangle is a segment or a point. What lies in one plane is compared in a
+//! projection that drops one coordinate: on raw coordinates, so nothing is rounded, and one-to-one
+//! on the plane, because three of the points keep an area.
 
 use super::exact::{self, Point2, Sign};
 use super::{Orient, Position, Triangle, orient};
@@ -15,7 +15,7 @@ struct Hull {
     count: usize,
 }
 
-/// A segment (or point) pq, and a true triangle whose plane separates p and q, or holds one of them.
+/// A segment pq, and a true triangle whose plane separates p and q, or holds one of them.
 pub(super) struct Piercing {
     p: DVec3,
     q: DVec3,
