@@ -166,8 +166,8 @@ fn the_main_faults_read_like_this() {
         (
             ("depth = 6", "depht = 6"),
             "f.toml:12:1: key \"depht\" is not known in [engine]\n  help: keys known here: \
-             workers, cores, coordinator_core, depth, scheme, alpha, batch, queue, build, leaf_size, seed.  \
-             Did you mean \"depth\"?",
+             workers, cores, coordinator_core, depth, scheme, alpha, batch, queue, build, \
+             leaf_size, seed.  Did you mean \"depth\"?",
         ),
         (
             ("seat = \"front-left\"", "seat = \"front-left\"\nage = 7"),
@@ -272,9 +272,12 @@ fn bodies_that_cannot_play_their_part_are_refused() {
     for (from, to, fault) in cases {
         assert_eq!(parse(&changed(from, to)).unwrap_err().fault, fault);
     }
-    let alone =
-        FULL.replace("shape = \"sedan\"", "shape = \"cyclist\"").replace("persons", "engine");
-    assert!(parse(&alone).is_err());
+    let ridden = FULL
+        .replace("shape = \"sedan\"", "shape = \"cyclist\"")
+        .replace("seat = \"front-left\"", "seat = \"rider\"")
+        .replace("[[parties.car.persons]]\nseat = \"rear-right\"\n", "");
+    let error = parse(&ridden).unwrap_err();
+    assert_eq!((error.fault.as_str(), error.place.line), ("a cyclist cannot be the ego", 6));
 }
 
 #[test]
