@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A shape is a set of smooth surfaces; the triangle count only says how finely they are sampled, so
-//! meshes of 25,000 and 100,000 triangles are the same body within 2 mm.
+//! meshes of 25,000 and 100,000 triangles are the same body.
 //!
 //! # Invariants (`generate/tests.rs`)
 //!

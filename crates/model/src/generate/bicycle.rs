@@ -11,8 +11,8 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
     let lean = variation.next(0.03);
     let base = variation.next(0.02);
     let girth = 1.0 + variation.next(0.05);
-    let rear = at(-0.53, 0.0, 0.345);
-    let front = at(0.55 + base, 0.0, 0.345);
+    let rear = at(-0.545, 0.0, 0.345);
+    let front = at(0.585 + base, 0.0, 0.345);
     let bottom = at(-0.09, 0.0, 0.29);
     let cluster = at(-0.245, 0.0, 0.80);
     let head = at(0.345, 0.0, 0.84);
@@ -27,10 +27,14 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
     let mut bar = |part: &str, path: &[DVec3], radius: f64| {
         blueprint.add(part, rod(path, radius), [1, 1, 1]);
     };
-    bar("frame-seat-tube", &[bottom, at(-0.285, 0.0, 0.93)], 0.017);
+    bar("frame-seat-tube", &[bottom + at(-0.003, 0.0, 0.006), at(-0.285, 0.0, 0.93)], 0.017);
     bar("frame-top-tube", &[cluster, head - at(0.0, 0.0, 0.03)], 0.016);
     bar("frame-down-tube", &[bottom, crown], 0.020);
-    bar("frame-head-tube", &[crown - at(-0.012, 0.0, 0.04), at(0.325, 0.0, 0.98)], 0.022);
+    bar(
+        "frame-head-tube",
+        &[crown - at(-0.012, 0.0, 0.04), at(0.32, 0.0, 0.985), at(0.41, 0.0, 1.005)],
+        0.022,
+    );
     let leg = rod(
         &[crown + at(0.0, 0.03, -0.01), crown + at(0.03, 0.05, -0.06), front + at(0.0, 0.05, 0.0)],
         0.013,

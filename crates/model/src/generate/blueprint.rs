@@ -4,6 +4,11 @@ use super::net::Net;
 use super::surface::{Cells, Pad, Surface};
 use geometry::DVec3;
 
+/// How far a pad stands out of its surface [m]: enough to be seen where the mesh is coarse.
+const PAD_OUT: f64 = 0.012;
+/// How far a pad reaches into its surface [m].
+const PAD_IN: f64 = 0.02;
+
 /// One closed component.
 #[derive(Clone, Debug)]
 pub(super) struct Component {
@@ -52,10 +57,10 @@ impl Blueprint {
         self.add(&part.replace("{}", "right"), right, least).fit = fit;
     }
 
-    /// Adds a pad on `net` that stands out by `height` metres.
+    /// Adds a pad on `net` that stands out by [`PAD_OUT`].
     pub(super) fn add_pad(&mut self, part: &str, net: &Net, corners: [(f64, f64); 4], round: f64) {
         let net = net.clone();
-        let pad = Pad { net, corners, round, height: [0.007, 0.02] };
+        let pad = Pad { net, corners, round, height: [PAD_OUT, PAD_IN] };
         self.add(part, Surface::Pad(pad), [1, 1, 1]);
     }
 

@@ -61,13 +61,13 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
         ),
         // 7: edge of the roof
         Rail::new(
-            0.8,
+            0.45,
             &[
                 (0.0, -5.97, 1.02, 1.52 + b),
                 (1.0, -5.92, 1.08, 1.58 + b),
                 (2.0, -5.74, 1.16, 2.86 + roof),
-                (3.0, -3.62, 1.22, 3.00 + roof),
-                (17.0, 3.82, 1.22, 3.00 + roof),
+                (3.0, -3.62, 1.235, 3.00 + roof),
+                (17.0, 3.82, 1.235, 3.00 + roof),
                 (18.0, 5.56, 1.14, 2.90 + roof),
                 (19.0, 5.89, 1.12, 1.14 + b),
                 (20.0, 5.98, 0.98, 1.06 + b),
@@ -118,6 +118,13 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
         let side = [(from, 6.06), (to, 6.06), (to, 6.84), (from, 6.84)];
         blueprint.add_pads(name, &net, side, 0.03);
     }
+    // Ahead of the front axle: the driver's window on the left, the door on the right.
+    let window = [(18.3, 6.06), (18.9, 6.06), (18.9, 6.84), (18.3, 6.84)];
+    blueprint.add_pad("window-driver", &net, window, 0.03);
+    let end = net.cols.end();
+    let door = [(18.3, 4.35), (18.85, 4.35), (18.85, 6.86), (18.3, 6.86)];
+    let [a, b, c, d] = door.map(|(s, t)| (s, end - t));
+    blueprint.add_pad("window-door", &net, [b, a, d, c], 0.02);
     let lamp = [(20.15, 5.25), (20.75, 5.25), (20.75, 5.9), (20.15, 5.9)];
     blueprint.add_pads("headlamp-{}", &net, lamp, 0.3);
     let lamp = [(1.25, 5.15), (1.85, 5.15), (1.85, 5.9), (1.25, 5.9)];

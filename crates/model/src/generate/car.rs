@@ -120,11 +120,11 @@ pub(super) fn rounds(count: usize, arches: &Arches, usual: f64) -> Vec<f64> {
 
 /// Adds door mirrors: a shell on a short arm.
 pub(super) fn add_mirrors(blueprint: &mut Blueprint, centre: DVec3, half: DVec3) {
-    let shell = block(centre, half, 0.045);
+    let shell = block(centre, half, 0.03);
     blueprint.add_pair("mirror-{}", &shell, [1, 1, 1], Fit::Beside);
 }
 
 /// Adds the hull of a car or bus: rails 4 and 7 are the corners of its end faces.
 pub(super) fn add_body(blueprint: &mut Blueprint, net: &Net) {
-    blueprint.add("body", hull_surface(net, 4.0, 7.0), [7, 2, 2]);
+    blueprint.add("body", hull_surface(net, 4.0, 7.0), [6, 2, 2]);
 }

@@ -96,12 +96,8 @@ fn hips(pose: &Pose) -> Surface {
 /// From the hem of the jacket to the neck.
 fn torso(pose: &Pose) -> Surface {
     let [crotch, waist, neck] = pose.trunk;
-    let lower = [
-        (0.36, 0.120, 0.080, -0.010),
-        (0.34, 0.172, 0.122, -0.012),
-        (0.60, 0.168, 0.122, -0.012),
-        (1.0, 0.152, 0.110, 0.0),
-    ];
+    let lower =
+        [(0.34, 0.172, 0.122, -0.012), (0.60, 0.168, 0.122, -0.012), (1.0, 0.152, 0.110, 0.0)];
     let upper = [
         (0.25, 0.158, 0.114, 0.010),
         (0.52, 0.176, 0.124, 0.014),
@@ -110,8 +106,7 @@ fn torso(pose: &Pose) -> Surface {
         (0.97, 0.130, 0.074, -0.008),
         (1.03, 0.066, 0.062, -0.002),
     ];
-    let collar =
-        [(0.30, 0.054, 0.056, 0.010), (0.60, 0.052, 0.056, 0.020), (0.60, 0.03, 0.03, 0.02)];
+    let collar = [(0.30, 0.054, 0.056, 0.010), (0.60, 0.052, 0.056, 0.020)];
     let g = pose.girth;
     let rings: Vec<Ring> = lower
         .iter()
@@ -181,7 +176,13 @@ fn add_head(blueprint: &mut Blueprint, pose: &Pose) {
                 (0.144, 0.052, 0.064, -0.012),
                 (0.146, 0.024, 0.030, -0.012),
             ];
-            blueprint.add("helmet", head(&shell), [3, 1, 1]);
+            let shell = head(&shell);
+            // Row and column parameters of the helmet: column 7 is the front.
+            if let Surface::Tube { net, .. } = &shell {
+                let visor = [(2.2, 5.9), (2.2, 8.1), (3.7, 8.1), (3.7, 5.9)];
+                blueprint.add_pad("visor", net, visor, 0.4);
+            }
+            blueprint.add("helmet", shell, [3, 1, 1]);
         }
     }
 }
@@ -217,7 +218,6 @@ fn sleeve(side: &Side, g: f64) -> Surface {
         (between(elbow, wrist, 0.30), 0.045 * g, 0.045 * g),
         (between(elbow, wrist, 0.90), 0.034, 0.034),
         (wrist, 0.033, 0.033),
-        (wrist, 0.018, 0.018),
     ];
     tube(&rings, DVec3::X)
 }
@@ -240,7 +240,6 @@ fn leg(side: &Side, g: f64) -> Surface {
     let [hip, knee, ankle] = side.leg;
     let start = hip + (hip - knee).normalize_or_zero() * 0.06;
     let rings = [
-        (start, 0.03, 0.03),
         (start, 0.070, 0.075),
         (hip, 0.090 * g, 0.100 * g),
         (between(hip, knee, 0.3), 0.085 * g, 0.094 * g),
@@ -249,7 +248,6 @@ fn leg(side: &Side, g: f64) -> Surface {
         (between(knee, ankle, 0.3), 0.060 * g, 0.064 * g),
         (between(knee, ankle, 0.85), 0.052, 0.056),
         (ankle, 0.053, 0.058),
-        (ankle, 0.02, 0.02),
     ];
     tube(&rings, DVec3::Y)
 }
@@ -263,7 +261,6 @@ fn shoe(side: &Side) -> Surface {
     let length = heel.distance(toe);
     // Share of the length, half width, height of the upper side.
     let stations = [
-        (0.0, 0.018, 0.040),
         (0.0, 0.032, 0.075),
         (0.12, 0.040, 0.105),
         (0.32, 0.042, 0.110),
@@ -271,7 +268,6 @@ fn shoe(side: &Side) -> Surface {
         (0.80, 0.052, 0.060),
         (0.97, 0.044, 0.048),
         (1.0, 0.030, 0.040),
-        (1.0, 0.015, 0.030),
     ];
     let rings: Vec<Ring> = stations
         .iter()

@@ -31,7 +31,7 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
         let wheel = tyre(axle, 0.32, 0.215, width);
         blueprint.add(&format!("wheel-{place}"), wheel, [5, 3, 1]).fit = Fit::Round;
         let w = 0.4 * width;
-        let profile = [(-w, 0.20), (-w, 0.225), (-0.3 * w, 0.17), (-w, 0.06), (-w, 0.02)];
+        let profile = [(-w, 0.225), (-w, 0.20), (-0.3 * w, 0.17), (-w, 0.06), (-w, 0.02)];
         // From the hub of one side over the rim to the hub of the other.
         let disc: Vec<(f64, f64)> =
             profile.iter().rev().copied().chain(profile.iter().map(|(x, r)| (-x, *r))).collect();
@@ -69,9 +69,9 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
     blueprint.add_pair("frame-{}", &side, [1, 1, 1], Fit::Stretched);
     let arm = rod(&[at(-0.16, 0.12, 0.42), rear + at(0.0, 0.12, 0.0)], 0.032);
     blueprint.add_pair("swing-arm-{}", &arm, [1, 1, 1], Fit::Stretched);
-    let leg = rod(&[at(0.46, 0.10, 1.00), front + at(0.02, 0.10, 0.0)], 0.034);
+    let leg = rod(&[at(0.435, 0.10, 1.06), front + at(0.02, 0.10, 0.0)], 0.034);
     blueprint.add_pair("fork-{}", &leg, [1, 1, 1], Fit::Stretched);
-    blueprint.add("fender-front", fender(front, 0.36, 0.9, 4.2), [2, 1, 1]);
+    blueprint.add("fender-front", fender(front, 0.36, 0.9, 4.2), [1, 1, 1]);
     blueprint.add("fender-rear", fender(rear, 0.375, 2.2, 4.2), [1, 1, 1]);
     let bar =
         [at(0.36, 0.42, 1.07), at(0.46, 0.16, 1.05), at(0.46, -0.16, 1.05), at(0.36, -0.42, 1.07)];

@@ -11,6 +11,9 @@
 
 use geometry::DVec3;
 
+#[cfg(test)]
+mod tests;
+
 /// One direction of a net: how many control points, how round each is, and whether it closes.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {

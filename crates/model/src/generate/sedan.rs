@@ -2,7 +2,7 @@
 
 use super::blueprint::Blueprint;
 use super::car::{Arches, Wheel, add_body, add_mirrors, add_wheels, rounds};
-use super::solids::{Rail, at, hull};
+use super::solids::{Rail, at, block, hull};
 use super::variation::Variation;
 
 /// A sedan.
@@ -105,7 +105,7 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
             ],
         ),
     ]);
-    let net = hull(&rails, &rounds(21, &arches, 0.7), 0.6, [0.02, 0.03]);
+    let net = hull(&rails, &rounds(21, &arches, 0.7), 0.85, [0.0, 0.0]);
     let mut blueprint = Blueprint::default();
     add_body(&mut blueprint, &net);
     for (place, x) in [("front", 1.40), ("rear", -1.36)] {
@@ -135,5 +135,7 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
     blueprint.add_pads("headlamp-{}", &net, lamp, 0.4);
     let lamp = [(1.1, 5.5), (2.3, 5.5), (2.3, 6.3), (1.1, 6.3)];
     blueprint.add_pads("tail-lamp-{}", &net, lamp, 0.3);
+    let grille = block(at(2.31, 0.0, 0.40), at(0.03, 0.42, 0.07), 0.02);
+    blueprint.add("grille", grille, [1, 1, 1]);
     blueprint
 }

@@ -59,9 +59,9 @@ impl Shape {
         }
     }
 
-    /// Nominal length, width and height [m].
+    /// Nominal length, width and height in metres.
     ///
-    /// Outer mirrors stand out beyond the width, as in registration papers. A shape with a rider
+    /// Outer mirrors stand out beyond the width by up to 0.22 m a side, as in registration papers. A shape with a rider
     /// and a pedestrian are scaled to their height alone, so their length and width are about this.
     #[must_use]
     pub fn size_m(self) -> [f64; 3] {
@@ -70,9 +70,9 @@ impl Shape {
             Self::Suv => [4.8, 1.95, 1.8],
             Self::Truck => [10.0, 2.5, 3.6],
             Self::Bus => [12.0, 2.55, 3.1],
-            Self::Motorcycle => [2.2, 0.85, 1.75],
-            Self::Cyclist => [1.8, 0.6, 1.75],
-            Self::Pedestrian => [0.85, 0.55, 1.75],
+            Self::Motorcycle => [2.22, 0.86, 1.75],
+            Self::Cyclist => [1.79, 0.66, 1.75],
+            Self::Pedestrian => [0.86, 0.6, 1.75],
             Self::Wall => [10.0, 0.6, 0.9],
             Self::Pole => [0.3, 0.3, 5.0],
         }

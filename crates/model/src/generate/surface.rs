@@ -5,7 +5,7 @@
 //! triangles, which run along it in opposite directions.
 
 use super::net::Net;
-use super::ruler::{Along, Ruler};
+use super::ruler::{Along, Ruler, stretch};
 use super::soup::Soup;
 use geometry::DVec3;
 
@@ -56,7 +56,7 @@ pub(super) enum Rulers {
     Tube { along: Ruler, around: [Ruler; 4] },
     /// Both ways around.
     Torus { rows: Ruler, cols: Ruler },
-    /// Width and height of the patch [m]; its lines are evenly spaced.
+    /// Cost of width and height of the patch [m]; its lines are evenly spaced.
     Pad { width: f64, height: f64 },
 }
 
@@ -81,14 +81,19 @@ impl Surface {
                 cols: Ruler::new(net, Along::Cols, 0.0, net.cols.end()),
             },
             Self::Pad(pad) => {
-                let length = |point: &dyn Fn(f64) -> DVec3| {
-                    (0..8)
-                        .map(|k| (point((k + 1) as f64 / 8.0) - point(k as f64 / 8.0)).length())
-                        .sum()
+                let cost = |point: &dyn Fn(f64) -> DVec3| {
+                    let steps: Vec<DVec3> = (0..16)
+                        .map(|k| point(f64::from(k + 1) / 16.0) - point(f64::from(k) / 16.0))
+                        .collect();
+                    let length: f64 = steps.iter().map(|step| step.length()).sum();
+                    let turn = |pair: &[DVec3]| {
+                        (pair[1].normalize_or_zero() - pair[0].normalize_or_zero()).length()
+                    };
+                    stretch(length, steps.windows(2).map(turn).sum())
                 };
                 Rulers::Pad {
-                    width: length(&|x| pad.point(x, 0.5, 0.0)),
-                    height: length(&|x| pad.point(0.5, x, 0.0)),
+                    width: cost(&|x| pad.point(x, 0.5, 0.0)),
+                    height: cost(&|x| pad.point(0.5, x, 0.0)),
                 }
             }
         }
@@ -133,7 +138,7 @@ impl Surface {
 impl Rulers {
     /// Cells at `fineness` cells per metre of cost, at least `least` each.
     pub(super) fn cells(&self, fineness: f64, least: Cells) -> Cells {
-        let count = |cost: f64, least: usize| ((fineness * cost + 0.5) as usize).max(least);
+        let count = |cost: f64, least: usize| ((fineness * cost).ceil() as usize).max(least);
         match self {
             Self::Tube { along, around: [a, b, c, d] } => [
                 count(along.total(), least[0]),
@@ -229,6 +234,20 @@ fn cap(ring: &[u32], wide: usize, high: usize, outward: bool, soup: &mut Soup) {
     let right = |b: usize| ring[wide + b];
     let top = |a: usize| ring[2 * wide + high - a];
     let left = |b: usize| ring[(2 * (wide + high) - b) % ring.len()];
+    // Shares of length along each side, for the rim's vertices are not evenly spaced: with even
+    // parameters the patch of a narrow profile folds over its own rim.
+    let shares = |vertex: &dyn Fn(usize) -> u32, count: usize| -> Vec<f64> {
+        let at = |k: usize| soup.vertices[vertex(k) as usize];
+        let mut sum = 0.0;
+        let run = (0..count).map(|k| {
+            sum += at(k).distance(at(k + 1));
+            sum
+        });
+        let run: Vec<f64> = core::iter::once(0.0).chain(run).collect();
+        run.iter().map(|length| length / sum).collect()
+    };
+    let (bottom_at, top_at) = (shares(&bottom, wide), shares(&top, wide));
+    let (left_at, right_at) = (shares(&left, high), shares(&right, high));
     let mut vertices = Vec::with_capacity((wide + 1) * (high + 1));
     for b in 0..=high {
         for a in 0..=wide {
@@ -241,7 +260,8 @@ fn cap(ring: &[u32], wide: usize, high: usize, outward: bool, soup: &mut Soup) {
             };
             vertices.push(known.unwrap_or_else(|| {
                 let at = |vertex: u32| soup.vertices[vertex as usize];
-                let (x, y) = (a as f64 / wide as f64, b as f64 / high as f64);
+                let y = 0.5 * (left_at[b] + right_at[b]);
+                let x = (1.0 - y) * bottom_at[a] + y * top_at[a];
                 let sides = at(bottom(a)) * (1.0 - y)
                     + at(top(a)) * y
                     + at(left(b)) * (1.0 - x)

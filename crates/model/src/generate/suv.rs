@@ -113,7 +113,11 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
     }
     add_mirrors(&mut blueprint, at(0.92, 1.02, 1.15), at(0.06, 0.09, 0.085));
     let rail = rod(
-        &[at(-1.6, 0.62, 1.75 + roof), at(-1.0, 0.63, 1.80 + roof), at(0.1, 0.64, 1.79 + roof)],
+        &[
+            at(-1.65, 0.60, 1.685 + roof),
+            at(-0.80, 0.62, 1.785 + roof),
+            at(0.20, 0.61, 1.70 + roof),
+        ],
         0.022,
     );
     blueprint.add_pair("roof-rail-{}", &rail, [1, 1, 1], Fit::Stretched);

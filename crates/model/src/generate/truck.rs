@@ -72,7 +72,7 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
     let net = hull(&rails, &rounds(11, &arches, 0.4), 0.9, [0.0, 0.0]);
     let mut blueprint = Blueprint::default();
     blueprint.add("cab", hull_surface(&net, 4.0, 7.0), [4, 2, 2]);
-    let cargo = block(at(-1.17, 0.0, 2.345 + height), at(3.83, 1.25, 1.255 + height), 0.05);
+    let cargo = block(at(-1.17, 0.0, 2.345 + height), at(3.83, 1.25, 1.255 + height), 0.03);
     blueprint.add("cargo-box", cargo, [1, 1, 1]);
     blueprint.add("chassis", block(at(-0.4, 0.0, 0.86), at(4.4, 0.43, 0.16), 0.03), [1, 1, 1]);
     let front = Wheel { centre: at(3.72, 1.06, 0.52), radius: 0.52, width: 0.30 };
