@@ -4,16 +4,29 @@
 mod support;
 
 use rustix::process::Signal;
+use std::fmt::Write as _;
 use std::process::{Child, Output};
 use support::{
     Crash, Place, answer, children, instance, json, left_in_shm, run, scenario, signal, text,
     trolley, wait_for, workers_at_work,
 };
 
-/// Work for a second or so: deep contact of fine bodies, several times over.
+/// Work for a second or so: sixteen deep contacts of the same two bodies.
 fn heavy(triangles: u32) -> String {
-    let crash = |y| Crash { shape: "sedan", triangles, at: [4.4, y, 175.0], speeds: [15.0, 12.0] };
-    scenario(triangles, &[crash(0.0), crash(0.1), crash(0.2), crash(0.3), crash(0.4), crash(0.5)])
+    let crash = Crash { shape: "sedan", triangles, at: [4.4, 0.0, 175.0], speeds: [15.0, 12.0] };
+    let mut text = scenario(triangles, &[crash]);
+    for number in 1..16 {
+        let y = 0.05 * f64::from(number);
+        write!(
+            text,
+            "\n[[candidates]]\nname = \"more {number}\"\n\
+             ego = {{ position_m = [0, 0, 0], speed_m_s = 15 }}\n\
+             other = {{ party = \"p0\", position_m = [4.4, {y:?}, 0], yaw_deg = 175, \
+             speed_m_s = 12 }}\n"
+        )
+        .unwrap();
+    }
+    text
 }
 
 struct Started {
@@ -53,7 +66,7 @@ fn disturbed(
     disturb: impl Fn(&Started),
     is_hit: impl Fn(&Output) -> bool,
 ) -> (Output, String) {
-    for triangles in [8_000, 16_000, 32_000, 64_000, 128_000] {
+    for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
         let path = place.write("heavy.toml", &heavy(triangles));
         let path = path.to_str().unwrap().to_owned();
         let Some(started) = start(&path, workers, &[]) else { continue };
@@ -125,7 +138,7 @@ fn an_interrupted_run_says_so_and_leaves_nothing() {
 #[test]
 fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
     let place = Place::new();
-    let path = place.write("heavy.toml", &heavy(32_000));
+    let path = place.write("heavy.toml", &heavy(40_000));
     let mut started = start(path.to_str().unwrap(), 2, &[]).expect("enough work to be killed in");
     assert_eq!(children(started.child.id()).len(), 2);
     started.child.kill().unwrap();

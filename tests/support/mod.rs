@@ -166,8 +166,9 @@ pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>>
             return Some(None);
         }
         let workers = children(pid);
-        let working = workers.iter().all(|worker| cpu_ticks(*worker).is_some_and(|t| t >= 3));
-        (workers.len() == count && working).then_some(Some(workers))
+        let ticks: Vec<u64> = workers.iter().filter_map(|worker| cpu_ticks(*worker)).collect();
+        let working = ticks.iter().all(|t| *t >= 1) && ticks.iter().sum::<u64>() >= 8;
+        (ticks.len() == count && working).then_some(Some(workers))
     })
     .flatten()
 }
