@@ -2,8 +2,8 @@
 //!
 //! Two triangles lie in two planes. Where the planes cross, each triangle cuts the common line in
 //! an interval, and the triangles meet if the intervals do; which end comes first is the sign of
-//! one 3×3 determinant (P. Guigue, O. Devillers, *Fast and Robust Triangle-Triangle Overlap Test Using
-//! Orientation Predicates*, Journal of Graphics Tools 8(1), 2003). So the whole test is signs:
+//! one 3×3 determinant (P. Guigue, O. Devillers, *Fast and Robust Triangle-Triangle Overlap Test
+//! Using Orientation Predicates*, Journal of Graphics Tools 8(1), 2003). So all of it is signs:
 //!
 //! ```text
 //! boxes --> sides of the two planes --> two edge signs            (crossing: nearly always)
