@@ -38,9 +38,9 @@ pub(crate) fn load(
     for party in &scenario.parties {
         let body = match &party.source {
             Source::Generate { shape, triangles, seed } => {
-                let body = generated_body(*shape, *triangles, *seed, &options);
+                let body = generate_body(*shape, *triangles, *seed, &options, &|_| {});
                 progress.add(u64::from(*triangles));
-                body?
+                encoded(&body?)?
             }
             Source::File(reference) => {
                 let folder = path.parent().unwrap_or(Path::new(""));
@@ -82,12 +82,14 @@ fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failure> {
     encoded(&body)
 }
 
-fn generated_body(
+/// Generates a body and gives it a tree; `progress` as in [`bvh::build()`].
+pub(crate) fn generate_body(
     shape: Shape,
     triangles: u32,
     seed: u64,
     options: &BuildOptions,
-) -> Result<Loaded, Failure> {
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<model::Body, Failure> {
     let mesh = generate(shape, triangles, seed)
         .map_err(|error| Failure::input(error.to_string()).help("change `triangles`"))?;
     let origin = call(shape, triangles, seed);
@@ -100,7 +102,7 @@ fn generated_body(
     };
     let meta = defaults::assemble(origin, &mesh, None)
         .map_err(|error| Failure::input(error.to_string()))?;
-    encoded(&with_tree(mesh, meta, options, &|_| {})?)
+    with_tree(mesh, meta, options, progress)
 }
 
 /// Gives a mesh its zones and its tree.

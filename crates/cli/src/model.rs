@@ -1,13 +1,143 @@
-//! Bodies on the command line.
+//! `trolley model`: bodies on the command line.
+//!
+//! ```text
+//! import, check ──starts──▶ reader::child (limits itself, reads the mesh, builds the tree)
+//!       ▲                       │ progress, then a report and the model file, through a pipe
+//!       └── verify, write ◀─────┘
+//! info, export, check ──▶ open: a model file, verified     generate ──▶ bodies ──▶ write
+//! ```
+//!
+//! Whatever a mesh file does to its reader happens in the child. A file is replaced only by a
+//! finished and verified one, so a failure leaves nothing behind and nothing damaged.
+
+mod check;
+mod export;
+mod facts;
+mod generate;
+mod import;
+mod info;
+mod open;
+mod reader;
+mod write;
 
 use crate::args::Output;
-use crate::failure::Failure;
-use clap::Subcommand;
+use crate::failure::{Code, Failure};
+use bvh::BuildOptions;
+use clap::{Args as ClapArgs, Subcommand, ValueEnum};
+use model::import::{Axis, Unit};
+use model::{Build, Kind};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Verb {}
+pub(crate) enum Verb {
+    /// Make a model file from a mesh: OBJ, STL, PLY, glTF or GLB.
+    #[command(after_help = import::EXAMPLES)]
+    Import(import::ImportArgs),
+    /// Say what a model file holds: size, mass, parts, tree, origin.
+    #[command(after_help = "Example:\n  trolley model info car.trolley --json | jq .body.size_m")]
+    Info {
+        /// Model file.
+        file: PathBuf,
+    },
+    /// Verify model files, and try whether meshes could be imported; writes nothing.
+    #[command(after_help = check::EXAMPLES)]
+    Check(check::CheckArgs),
+    /// Make a model file of a shape that the program generates itself.
+    #[command(after_help = generate::EXAMPLES)]
+    Generate(generate::GenerateArgs),
+    /// Write the triangles of a model file as a mesh for other programs.
+    #[command(after_help = export::EXAMPLES)]
+    Export(export::ExportArgs),
+    /// The process that reads a mesh: started by import and check, not by hand.
+    #[command(hide = true)]
+    ImportChild {
+        /// What to read, JSON.
+        request: String,
+    },
+}
 
-pub(crate) fn run(verb: &Verb, _output: &Output) -> Result<ExitCode, Failure> {
-    match *verb {}
+/// How a mesh file is to be understood.
+#[derive(Clone, Debug, ClapArgs)]
+pub(crate) struct MeshArgs {
+    /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres.
+    #[arg(long, default_value = "m", value_name = "UNIT")]
+    unit: Unit,
+    /// Axis of the file that points up [default: +y for glTF and GLB, else +z].
+    #[arg(long, allow_hyphen_values = true, value_name = "AXIS")]
+    up: Option<Axis>,
+    /// Axis of the file that points forward [default: +z for glTF and GLB, else +x].
+    #[arg(long, allow_hyphen_values = true, value_name = "AXIS")]
+    forward: Option<Axis>,
+    /// Keep only this part, group, object, material or node; may be repeated.
+    #[arg(long, value_name = "GROUP")]
+    only: Vec<String>,
+    /// What the body is: sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, pole or
+    /// building. A TOML file beside the mesh may say it, too.
+    #[arg(long)]
+    kind: Option<Kind>,
+}
+
+/// What the process that reads a mesh may use.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+pub(crate) struct LimitArgs {
+    /// Memory for reading one mesh [MB] [default: 64 times the file, 2048 to 8192].
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(16..=1_048_576))]
+    memory_mb: Option<u64>,
+    /// CPU time for reading one mesh [s].
+    #[arg(long, value_name = "S", default_value_t = 120,
+          value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    cpu_s: u64,
+}
+
+/// How the tree is built.
+#[derive(Clone, Copy, Debug, ClapArgs)]
+pub(crate) struct TreeArgs {
+    /// The split: the seed's with a balance rule, the seed's by the letter, or surface area.
+    #[arg(long, default_value = "seed")]
+    build: BuildName,
+    /// Triangles in a leaf at most.
+    #[arg(long, value_name = "N", default_value_t = BuildOptions::default().leaf_size,
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(bvh::build::LEAF_SIZE_MAX)))]
+    leaf_size: u32,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum BuildName {
+    Seed,
+    Literal,
+    Sah,
+}
+
+impl TreeArgs {
+    fn options(self) -> BuildOptions {
+        let build = match self.build {
+            BuildName::Seed => Build::Seed,
+            BuildName::Literal => Build::Literal,
+            BuildName::Sah => Build::Sah,
+        };
+        BuildOptions { build, leaf_size: self.leaf_size, threads: threads() }
+    }
+}
+
+/// Threads that build a tree; more than eight gain nothing, but each takes address space.
+fn threads() -> usize {
+    runtime::affinity::allowed_cores().len().clamp(1, 8)
+}
+
+pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
+    match verb {
+        Verb::Import(args) => import::run(args, output),
+        Verb::Info { file } => info::run(file, output),
+        Verb::Check(args) => check::run(args, output),
+        Verb::Generate(args) => generate::run(args, output),
+        Verb::Export(args) => export::run(args, output),
+        Verb::ImportChild { request } => reader::child::run(request),
+    }
+}
+
+/// A result as JSON.
+fn json(document: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(document)
+        .map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }

@@ -56,6 +56,8 @@ pub struct ImportOptions {
     pub only: Vec<String>,
     /// What the body is, for the check of its size.
     pub kind: Option<Kind>,
+    /// Whether a body may have any size: for a look at a file of which nothing is known yet.
+    pub any_size: bool,
     /// Name of the body; `None` for the file's name without folder and extension.
     pub name: Option<String>,
 }
@@ -145,7 +147,9 @@ pub fn read(
     check::compact_parts(&mut mesh);
     mesh.degenerate = mesh.corners.iter().filter(|corners| is_degenerate(corners)).count() as u32;
     let guess = guess(&mesh);
-    check::check_size(guess.size_m, options.kind, options.unit).map_err(whole)?;
+    if !options.any_size {
+        check::check_size(guess.size_m, options.kind, options.unit).map_err(whole)?;
+    }
     let mut of_part = vec![0_usize; mesh.parts.len()];
     for part in &mesh.part_of {
         of_part[usize::from(*part)] += 1;

@@ -1,0 +1,227 @@
+//! Reading a stranger's mesh in a process of its own, as its parent sees it.
+//!
+//! ```text
+//! parent ── Request (argument) ──▶ child: limits itself, then reads, builds, encodes
+//!        ◀── Word per line: Progress*, then Refused, or Read and the model file's bytes ──
+//! ```
+//!
+//! Parsers are others' code, and hostile bytes may make them panic, abort, loop, overflow the
+//! stack or ask for all memory. The kernel ends such a child; here its end becomes a sentence. The
+//! child opens files for reading only, so nothing is left behind whatever ends it, and it dies with
+//! its parent.
+
+pub(super) mod child;
+
+use super::{LimitArgs, MeshArgs};
+use crate::args::Output;
+use crate::failure::{Code, Failure};
+use crate::progress::Progress;
+use bvh::BuildOptions;
+use model::{Build, Kind, file};
+use runtime::{Child, Exit, Spawn, process};
+use serde::{Deserialize, Serialize};
+use std::io::{self, BufRead as _, BufReader, PipeReader, Read};
+use std::os::fd::AsFd as _;
+use std::path::Path;
+
+/// A megabyte of `--memory-mb`.
+const MB: u64 = 1 << 20;
+/// Memory that reading takes at most, if nothing was said [MB]: room for any mesh that is allowed,
+/// and not all of a small computer.
+const MEMORY_MB: [u64; 2] = [2048, 8192];
+/// Memory for each byte of the file: measured at 10 to 25 for OBJ, the most wordy format.
+const MEMORY_RATIO: u64 = 64;
+/// Longest line that a child may send: reports hold no list longer than the notes of a file.
+const LINE_MAX: u64 = 16 << 20;
+/// How much of a child's last words on stderr is kept.
+const STDERR_MAX: u64 = 64 << 10;
+/// A child that has closed its pipe ends within this time, even while the kernel dumps it [ms].
+const END_MS: u64 = 10_000;
+
+/// What to read, and what for.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Request {
+    file: String,
+    unit_m: f64,
+    up: Option<String>,
+    forward: Option<String>,
+    only: Vec<String>,
+    kind: Option<Kind>,
+    name: Option<String>,
+    /// The tree to build; without one, this is a trial and no model file is made.
+    tree: Option<(Build, u32)>,
+    memory_bytes: u64,
+    cpu_s: u64,
+}
+
+/// One line from the child.
+#[derive(Debug, Serialize, Deserialize)]
+enum Word {
+    /// Triangles in the tree so far.
+    Progress { done: u64, total: u64 },
+    /// The file is at fault.
+    Refused { fault: String, help: Option<String> },
+    /// The file was read; so many bytes of a model file follow.
+    Read { report: Box<Report>, model_bytes: u64 },
+}
+
+/// What was found in a mesh file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Report {
+    pub(super) format: String,
+    pub(super) unit_m: f64,
+    pub(super) up: String,
+    pub(super) forward: String,
+    pub(super) triangles_in_file: usize,
+    pub(super) triangles_selected: usize,
+    pub(super) triangles: usize,
+    pub(super) duplicates_dropped: usize,
+    pub(super) degenerate_kept: u32,
+    pub(super) size_m: [f64; 3],
+    /// Size and guess in words.
+    pub(super) sentence: String,
+    pub(super) doubts: Vec<String>,
+    pub(super) notes: Vec<String>,
+    /// The side file that was used.
+    pub(super) side_file: Option<String>,
+}
+
+impl Request {
+    pub(super) fn new(
+        file: &Path,
+        mesh: &MeshArgs,
+        name: Option<&str>,
+        tree: Option<&BuildOptions>,
+        limits: LimitArgs,
+    ) -> Result<Self, Failure> {
+        let Some(text) = file.to_str() else {
+            let fault = format!("{}: its name is not UTF-8", file.display());
+            return Err(Failure::input(fault).help("rename the file"));
+        };
+        // A missing file is the child's to report.
+        let length = std::fs::metadata(file).map_or(0, |about| about.len());
+        let usual = (length.saturating_mul(MEMORY_RATIO) / MB).clamp(MEMORY_MB[0], MEMORY_MB[1]);
+        Ok(Self {
+            file: text.to_owned(),
+            unit_m: mesh.unit.metres(),
+            up: mesh.up.map(|axis| axis.to_string()),
+            forward: mesh.forward.map(|axis| axis.to_string()),
+            only: mesh.only.clone(),
+            kind: mesh.kind,
+            name: name.map(str::to_owned),
+            tree: tree.map(|options| (options.build, options.leaf_size)),
+            memory_bytes: limits.memory_mb.unwrap_or(usual) * MB,
+            cpu_s: limits.cpu_s,
+        })
+    }
+
+    /// Reads the file in a child, and gives the bytes of the model file; none for a trial.
+    pub(super) fn run(&self, output: &Output) -> Result<(Report, file::Aligned), Failure> {
+        let (child, words, stderr) = self.start()?;
+        let heard = hear(words, output);
+        let last_words = stderr.join().unwrap_or_default();
+        match heard {
+            Some((Word::Read { report, .. }, bytes)) => Ok((*report, bytes)),
+            Some((Word::Refused { fault, help }, _)) => {
+                Err(Failure { code: Code::Input, fault, help })
+            }
+            _ => Err(self.ended(child, &last_words)),
+        }
+    }
+
+    fn start(&self) -> Result<(Child, PipeReader, std::thread::JoinHandle<String>), Failure> {
+        let pipe = |error: io::Error| Failure::new(Code::System, format!("no pipe: {error}"));
+        let (words, says) = io::pipe().map_err(pipe)?;
+        let (complaints, complains) = io::pipe().map_err(pipe)?;
+        let request = super::json(self)?;
+        let child = process::spawn(Spawn {
+            program: process::self_exe(),
+            args: &["model".to_owned(), "import-child".to_owned(), request],
+            fds: &[(says.as_fd(), 1), (complains.as_fd(), 2)],
+            core: None,
+        })?;
+        Ok((child, words, std::thread::spawn(move || start_of(complaints))))
+    }
+
+    /// Why a child ended without a report.
+    fn ended(&self, mut child: Child, last_words: &str) -> Failure {
+        let exit = child.wait_ms(END_MS).ok().flatten();
+        drop(child);
+        let refuse = |fault: &str, help: String| {
+            Failure::input(format!("{}: {fault}", self.file)).help(help)
+        };
+        if last_words.contains("memory allocation of") {
+            let megabytes = self.memory_bytes / MB;
+            return refuse(
+                &format!("reading it needed more than {megabytes} MB of memory"),
+                format!("allow more with --memory-mb {}, or reduce the mesh", 4 * megabytes),
+            );
+        }
+        if last_words.contains("overflowed its stack") {
+            let help = "something in it is nested too deeply: export the mesh again";
+            return refuse("reading it ran out of stack", help.to_owned());
+        }
+        match exit {
+            Some(Exit::Code(code)) if code == Code::System as i32 => {
+                let fault = last_words.trim().trim_start_matches("error: ");
+                Failure::new(Code::System, format!("{}: {fault}", self.file))
+                    .help("a limit of this session is lower: see ulimit -a, or use --memory-mb")
+            }
+            Some(Exit::Signal(_)) if exit.is_some_and(|exit| exit.to_string() == "SIGXCPU") => {
+                refuse(
+                    &format!("reading it was stopped after {} s of CPU time", self.cpu_s),
+                    "allow more with --cpu-s, or reduce the mesh".to_owned(),
+                )
+            }
+            Some(exit @ Exit::Signal(_)) => refuse(
+                &format!("its reader crashed ({exit})"),
+                "export the mesh again, or in another format".to_owned(),
+            ),
+            Some(exit @ Exit::Code(_)) => refuse(
+                &format!("its reader gave up ({exit}) {}", last_words.trim()),
+                "export the mesh again, or in another format".to_owned(),
+            ),
+            None => refuse(
+                "its reader did not end and was killed",
+                "export the mesh again, or in another format".to_owned(),
+            ),
+        }
+    }
+}
+
+/// Follows a child's words to the last one, and takes the model file behind it. None if the child
+/// ended in mid-sentence.
+fn hear(words: PipeReader, output: &Output) -> Option<(Word, file::Aligned)> {
+    let mut words = BufReader::with_capacity(1 << 16, words);
+    let mut progress: Option<(Progress, u64)> = None;
+    loop {
+        let mut line = Vec::new();
+        words.by_ref().take(LINE_MAX).read_until(b'\n', &mut line).ok()?;
+        match serde_json::from_slice(&line).ok()? {
+            Word::Progress { done, total } => {
+                let (bar, before) = progress.get_or_insert_with(|| {
+                    (Progress::new("building the tree: triangles", total, output), 0)
+                });
+                bar.add(done.saturating_sub(*before));
+                *before = done;
+            }
+            Word::Read { report, model_bytes } => {
+                let mut bytes = Vec::new();
+                words.take(model_bytes).read_to_end(&mut bytes).ok()?;
+                let is_whole = bytes.len() as u64 == model_bytes;
+                let word = Word::Read { report, model_bytes };
+                return is_whole.then(|| (word, file::Aligned::copy_of(&bytes)));
+            }
+            word @ Word::Refused { .. } => return Some((word, file::Aligned::default())),
+        }
+    }
+}
+
+/// The start of what a child says on stderr; the rest is read and forgotten, so that it never waits.
+fn start_of(mut complaints: PipeReader) -> String {
+    let mut start = Vec::new();
+    // A pipe that breaks says no more.
+    let _end = complaints.by_ref().take(STDERR_MAX).read_to_end(&mut start);
+    let _rest = io::copy(&mut complaints, &mut io::sink());
+    String::from_utf8_lossy(&start).into_owned()
+}

@@ -1,0 +1,260 @@
+//! Reading a stranger's mesh, in the process that may come to harm.
+//!
+//! It limits itself before it opens anything, opens files for reading only, and speaks to its
+//! parent alone: one [`Word`] per line on stdout.
+
+use super::super::open;
+use super::{Report, Request, Word};
+use crate::bodies;
+use crate::failure::{Code, Failure};
+use crate::print;
+use bvh::BuildOptions;
+use model::import::{self, Axis, BYTES_MAX, Format, ImportError, ImportOptions, Imported, Unit};
+use model::side::{Side, SideError};
+use model::{Kind, defaults, file};
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+
+/// Longest side file [bytes]: it has nine keys.
+const SIDE_BYTES_MAX: u64 = 1 << 20;
+
+/// What a panic said, kept for the parent instead of printed.
+static PANIC: Mutex<Option<String>> = Mutex::new(None);
+
+pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
+    runtime::process::set_name("trolley-import");
+    let request: Request = serde_json::from_str(request).map_err(|error| {
+        Failure::new(Code::Configuration, error.to_string()).help("use: trolley model import")
+    })?;
+    runtime::process::limit_self(request.memory_bytes, request.cpu_s)?;
+    panic::set_hook(Box::new(|info| {
+        if let Ok(mut said) = PANIC.lock() {
+            said.get_or_insert_with(|| info.to_string().replace('\n', " "));
+        }
+    }));
+    let outcome = panic::catch_unwind(AssertUnwindSafe(|| request.read()));
+    match outcome.unwrap_or_else(|_payload| Err(request.panicked())) {
+        Ok((report, bytes)) => {
+            let model_bytes = bytes.len() as u64;
+            say(&Word::Read { report: Box::new(report), model_bytes })?;
+            print::out_bytes(&bytes)
+        }
+        Err(Failure { code, fault, help }) => {
+            say(&Word::Refused { fault, help })?;
+            Ok(code.into())
+        }
+    }
+}
+
+fn say(word: &Word) -> Result<ExitCode, Failure> {
+    let line = serde_json::to_string(word)
+        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+    print::out(&line)
+}
+
+fn by_import(error: &ImportError) -> Failure {
+    Failure::input(error.to_string()).help(error.help())
+}
+
+fn by_side(error: &SideError) -> Failure {
+    Failure::input(error.to_string()).help(error.help)
+}
+
+impl Request {
+    /// The report, and the model file; no bytes for a trial.
+    fn read(&self) -> Result<(Report, Vec<u8>), Failure> {
+        let path = Path::new(&self.file);
+        check_length(path)?;
+        let map = open::bytes(path)?;
+        let side = self.side(path)?;
+        let kind = self.kind.or_else(|| side.as_ref().and_then(Side::kind));
+        let format = Format::detect(&self.file, map.bytes()).map_err(|e| by_import(&e))?;
+        let folder = folder(path);
+        let mut resolve = |name: &str| side_file(&folder, name);
+        let mut imported = import::read(format, map.bytes(), &mut resolve, &self.options(kind)?)
+            .map_err(|error| by_import(&error))?;
+        drop(map);
+        if let (Some(flag), Some(said)) = (self.kind, side.as_ref().and_then(Side::kind))
+            && flag != said
+        {
+            let note = format!("--kind {flag} was used; the side file says {said}");
+            imported.report.notes.push(note);
+        }
+        let report = report(&imported, side.as_ref().map(|_| side_path(path)));
+        let Some((build, leaf_size)) = self.tree else { return Ok((report, Vec::new())) };
+        let kind = kind.ok_or_else(|| self.kind_missing(path, &imported))?;
+        let options = BuildOptions { build, leaf_size, threads: super::super::threads() };
+        let bytes = self.model_file(imported, kind, side.as_ref(), &options)?;
+        Ok((report, bytes))
+    }
+
+    fn options(&self, kind: Option<Kind>) -> Result<ImportOptions, Failure> {
+        let wrong = |fault: String| Failure::new(Code::Configuration, fault);
+        let axis = |text: &Option<String>| -> Result<Option<Axis>, Failure> {
+            text.as_deref()
+                .map(str::parse)
+                .transpose()
+                .map_err(|error: model::import::UnknownAxis| wrong(error.to_string()))
+        };
+        let unit: Unit = self
+            .unit_m
+            .to_string()
+            .parse()
+            .map_err(|error: model::import::UnknownUnit| wrong(error.to_string()))?;
+        Ok(ImportOptions {
+            file: self.file.clone(),
+            unit,
+            up: axis(&self.up)?,
+            forward: axis(&self.forward)?,
+            only: self.only.clone(),
+            kind,
+            // A trial may look at a file of which nothing is known yet.
+            any_size: self.tree.is_none() && kind.is_none(),
+            name: self.name.clone(),
+        })
+    }
+
+    fn model_file(
+        &self,
+        imported: Imported,
+        kind: Kind,
+        side: Option<&Side>,
+        options: &BuildOptions,
+    ) -> Result<Vec<u8>, Failure> {
+        let Imported { mesh, report } = imported;
+        let origin = defaults::Origin {
+            name: &report.name,
+            kind,
+            origin: &report.origin,
+            hash: &report.hash,
+        };
+        let mut meta = defaults::assemble(origin, &mesh, side).map_err(|e| by_side(&e))?;
+        if let Some(name) = &self.name {
+            name.clone_into(&mut meta.name);
+        }
+        let total = mesh.corners.len() as u64;
+        let placed = Mutex::new(0_u64);
+        let progress = |more: u64| {
+            if let Ok(mut done) = placed.lock() {
+                *done += more;
+                // A parent that has gone away takes this process with it.
+                let _told = say(&Word::Progress { done: *done, total });
+            }
+        };
+        let named = |failure: Failure| Failure {
+            fault: format!("{}: {}", self.file, failure.fault),
+            ..failure
+        };
+        let body = bodies::with_tree(mesh, meta, options, &progress).map_err(named)?;
+        file::encode(&body)
+            .map_err(|error| named(Failure::input(error.to_string()).help(error.help())))
+    }
+
+    /// The TOML file beside the mesh, if there is one.
+    fn side(&self, path: &Path) -> Result<Option<Side>, Failure> {
+        let name = side_path(path);
+        let Ok(about) = std::fs::metadata(&name) else { return Ok(None) };
+        if about.len() > SIDE_BYTES_MAX {
+            let fault = format!("{}: {} bytes are too many", name.display(), about.len());
+            return Err(Failure::input(fault).help("a side file has a few lines"));
+        }
+        let map = open::bytes(&name)?;
+        let text = std::str::from_utf8(map.bytes()).map_err(|error| {
+            Failure::input(format!("{}: {error}", name.display())).help("save it as UTF-8")
+        })?;
+        Side::parse(&name.display().to_string(), text).map(Some).map_err(|e| by_side(&e))
+    }
+
+    fn kind_missing(&self, path: &Path, imported: &Imported) -> Failure {
+        let likely = match imported.report.guess.looks_like {
+            Some("a car") => "sedan (or suv)",
+            Some("a truck or bus") => "truck (or bus)",
+            Some("a motorcycle or bicycle") => "motorcycle (or cyclist)",
+            Some("a person") => "pedestrian",
+            Some("a pole or tree") => "pole",
+            Some("a wall or barrier") => "wall",
+            _ => "K",
+        };
+        let kinds = Kind::ALL.map(Kind::name).join(", ");
+        Failure::input(format!(
+            "{}: what this body is was not said; it measures {}",
+            self.file, imported.report.guess
+        ))
+        .help(format!(
+            "add --kind {likely}, or write kind = \"...\" into {}; kinds: {kinds}",
+            side_path(path).display()
+        ))
+    }
+
+    fn panicked(&self) -> Failure {
+        let said = PANIC.lock().ok().and_then(|mut said| said.take()).unwrap_or_default();
+        Failure::input(format!("{}: its reader failed: {said}", self.file))
+            .help("export the mesh again, or in another format")
+    }
+}
+
+fn check_length(path: &Path) -> Result<(), Failure> {
+    match std::fs::metadata(path) {
+        Ok(about) if about.is_file() && about.len() > BYTES_MAX as u64 => {
+            let (found, most) = (about.len(), BYTES_MAX);
+            let fault = format!("{}: {found} bytes are above the limit of {most}", path.display());
+            Err(Failure::input(fault).help("reduce the mesh, or split it"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn report(imported: &Imported, side: Option<PathBuf>) -> Report {
+    let it = &imported.report;
+    Report {
+        format: it.format.name().to_owned(),
+        unit_m: it.frame.unit.metres(),
+        up: it.frame.up.to_string(),
+        forward: it.frame.forward.to_string(),
+        triangles_in_file: it.triangles_in_file,
+        triangles_selected: it.triangles_selected,
+        triangles: it.triangles,
+        duplicates_dropped: it.duplicates,
+        degenerate_kept: it.degenerate,
+        size_m: it.guess.size_m,
+        sentence: it.guess.to_string(),
+        doubts: it.guess.doubts.clone(),
+        notes: it.notes.clone(),
+        side_file: side.map(|path| path.display().to_string()),
+    }
+}
+
+fn side_path(path: &Path) -> PathBuf {
+    path.with_extension("toml")
+}
+
+fn folder(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// A file that a mesh names, from the mesh's folder. Names that lead out are refused before they
+/// come here; links that lead out are refused here.
+fn side_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
+    let path = folder.join(name);
+    let real = path.canonicalize().map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => format!("there is no {}", path.display()),
+        _ => error.to_string(),
+    })?;
+    let root = folder.canonicalize().map_err(|error| error.to_string())?;
+    if !real.starts_with(&root) {
+        return Err(format!("it leads out of the mesh's folder, to {}", real.display()));
+    }
+    let length = std::fs::metadata(&real).map_or(0, |about| about.len());
+    if length > BYTES_MAX as u64 {
+        return Err(format!("its {length} bytes are above the limit of {BYTES_MAX}"));
+    }
+    match open::bytes(&real) {
+        Ok(map) => Ok(map.bytes().to_vec()),
+        Err(failure) => Err(failure.fault),
+    }
+}
