@@ -5,16 +5,16 @@
 //! Blueprint --fit--> nominal size --plan(triangles)--> cells per component --sample--> Mesh
 //! ```
 //!
-//! A shape is a set of smooth surfaces; the triangle count only says how finely they are sampled, so
-//! meshes of 25,000 and 100,000 triangles are the same body.
+//! A shape is a set of smooth surfaces; the triangle count only says how finely they are sampled,
+//! so meshes of 25,000 and 100,000 triangles are the same body.
 //!
 //! # Invariants (`generate/tests.rs`)
 //!
 //! - Each component is closed: every edge is shared by exactly two of its triangles, in opposite
 //!   directions, counter-clockwise seen from outside. Components overlap where a wheel meets a
 //!   body; they are not united.
-//! - The count is the one asked for if it is even, else one less: a closed triangle mesh has an even
-//!   number of triangles.
+//! - The count is the one asked for if it is even, else one less: a closed triangle mesh has an
+//!   even number of triangles.
 //! - No triangle has zero area, none occurs twice, the lowest point has z = 0.
 //! - Equal arguments give equal bits: f64 sums, products and square roots, sines from `libm`, one
 //!   rounding to f32 at the end.
@@ -83,8 +83,8 @@ pub fn call(shape: Shape, triangles: u32, seed: u64) -> String {
 /// plan.
 ///
 /// `triangles` lies in [`TRIANGLES_MIN`]..=[`TRIANGLES_MAX`]; an odd count gives one triangle less.
-/// Seed 0 is the nominal body of [`Shape::size_m`]; another one varies size and proportions by a few
-/// per cent. Parts are named.
+/// Seed 0 is the nominal body of [`Shape::size_m`]; another one varies size and proportions by a
+/// few per cent. Parts are named.
 ///
 /// # Errors
 ///

@@ -4,10 +4,11 @@
 //! edges are missed is a smaller block.
 //!
 //! The cost of a stretch of an axis is its length plus √(length × angle it turns by), as the
-//! quadratic mean over several lines across. A chord over a stretch of length h that turns by θ misses the surface by
-//! hθ/8, so cells of equal √(hθ) miss it by equally much, on a mirror and on a roof: that is what
-//! makes a coarse mesh the same body as a fine one. A ruler cuts its range into cells of equal cost. It depends on
-//! the surface alone, so finer meshes of a surface are finer everywhere.
+//! quadratic mean over several lines across. A chord over a stretch of length h that turns by θ
+//! misses the surface by hθ/8, so cells of equal √(hθ) miss it by equally much, on a mirror and on
+//! a roof: that is what makes a coarse mesh the same body as a fine one. A ruler cuts its range
+//! into cells of equal cost. It depends on the surface alone, so finer meshes of a surface are
+//! finer everywhere.
 
 use super::net::{Net, Weights};
 use geometry::DVec3;

@@ -61,8 +61,9 @@ impl Shape {
 
     /// Nominal length, width and height in metres.
     ///
-    /// Outer mirrors stand out beyond the width by up to 0.22 m a side, as in registration papers. A shape with a rider
-    /// and a pedestrian are scaled to their height alone, so their length and width are about this.
+    /// Outer mirrors stand out beyond the width by up to 0.22 m a side, as in registration papers.
+    /// A shape with a rider and a pedestrian are scaled to their height alone, so their length and
+    /// width are about this.
     #[must_use]
     pub fn size_m(self) -> [f64; 3] {
         match self {

@@ -81,8 +81,9 @@ const EIGHTHS: [f64; 8] = {
     [D, 1.0, D, 0.0, -D, -1.0, -D, 0.0]
 };
 
-/// A tube of elliptic rings along a path, smooth throughout. `side` is across the start of the path;
-/// from ring to ring it turns no more than the path does. Consecutive legs must not turn by 90°.
+/// A tube of elliptic rings along a path, smooth throughout. `side` is across the start of the
+/// path; from ring to ring it turns no more than the path does. Consecutive legs must not turn by
+/// 90°.
 pub(super) fn tube(path: &[Ring], side: DVec3) -> Surface {
     let last = path.len() - 1;
     let mut side = side;

@@ -1,8 +1,8 @@
 //! Closed components: a tube with two caps, a torus, or a pad that lies on another surface.
 //!
-//! None has a pole: a cap is a grid whose rim is the tube's last ring, so no vertex gathers slivers,
-//! at any fineness. What always holds: every edge of a component is shared by exactly two of its
-//! triangles, which run along it in opposite directions.
+//! None has a pole: a cap is a grid whose rim is the tube's last ring, so no vertex gathers
+//! slivers, at any fineness. What always holds: every edge of a component is shared by exactly two
+//! of its triangles, which run along it in opposite directions.
 
 use super::net::Net;
 use super::ruler::{Along, Ruler, stretch};

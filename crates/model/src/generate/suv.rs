@@ -17,7 +17,8 @@ pub(super) fn draft(variation: &mut Variation) -> Blueprint {
         sill: 0.27,
         inner: 0.66,
     };
-    // Stations: 0 tail, 1–2 tailgate window, 3–8 rear arch, 9–11 doors, 12–17 front arch, 18–20 nose.
+    // Stations: 0 tail, 1–2 tailgate window, 3–8 rear arch, 9–11 doors, 12–17 front arch, 18–20
+    // nose.
     let mut rails = arches.rails(&[
         (0.0, -2.36, 0.80, 0.40),
         (1.0, -2.30, 0.90, 0.34),

@@ -12,26 +12,20 @@ fn bits(p: [f32; 3]) -> Point {
     p.map(f32::to_bits)
 }
 
-/// Directed edges of the triangles, sorted.
-fn edges(mesh: &Mesh) -> Vec<(Point, Point)> {
-    let around = |c: &Corners| [(c[0], c[1]), (c[1], c[2]), (c[2], c[0])];
-    let all = mesh.corners.iter().flat_map(around);
-    let mut edges: Vec<_> = all.map(|(a, b)| (bits(a), bits(b))).collect();
-    edges.sort_unstable();
-    edges
-}
-
-/// Each directed edge occurs once, and so does its reverse: closed, oriented, manifold. Components
-/// share no edge, so the test of all is the test of each.
+/// Each edge occurs twice, once in each direction: closed, oriented, manifold. Components share no
+/// edge, so the test of all is the test of each.
 fn assert_closed(mesh: &Mesh, what: &str) {
-    let edges = edges(mesh);
-    if let Some(pair) = edges.windows(2).find(|pair| pair[0] == pair[1]) {
-        let [a, b] = [pair[0].0, pair[0].1].map(|p| p.map(f32::from_bits));
-        panic!("{what}: the edge from {a:?} to {b:?} runs twice one way");
-    }
-    for (a, b) in &edges {
+    let around = |c: &Corners| [(c[0], c[1]), (c[1], c[2]), (c[2], c[0])];
+    let directed = mesh.corners.iter().flat_map(around).map(|(a, b)| (bits(a), bits(b)));
+    let mut edges: Vec<_> =
+        directed.map(|(a, b)| if a < b { (a, b, false) } else { (b, a, true) }).collect();
+    edges.sort_unstable();
+    for pair in edges.chunks(2) {
+        let (a, b, _) = pair[0];
         assert!(a != b, "{what}: an edge without length");
-        assert!(edges.binary_search(&(*b, *a)).is_ok(), "{what}: an open edge");
+        let [from, to] = [a, b].map(|p| p.map(f32::from_bits));
+        let both = pair.len() == 2 && pair[0] == (a, b, false) && pair[1] == (a, b, true);
+        assert!(both, "{what}: the edge from {from:?} to {to:?} is open, or runs twice one way");
     }
 }
 
@@ -131,7 +125,7 @@ fn every_shape_is_closed_and_has_the_count_asked_for() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig::with_cases(20))]
 
     #[test]
     fn every_seed_and_count_gives_a_sound_body(
@@ -219,7 +213,7 @@ fn bounds_without_mirrors(mut mesh: Mesh) -> (DVec3, DVec3) {
 #[test]
 fn sizes_are_those_stated_and_the_origin_is_on_the_ground_in_the_middle() {
     for shape in Shape::ALL {
-        for seed in 0..4 {
+        for seed in 0..3 {
             let mesh = generate(shape, 20_000, seed).unwrap();
             let what = call(shape, 20_000, seed);
             assert_eq!(bounds(&mesh).0.z.to_bits(), 0, "{what}");
@@ -261,9 +255,9 @@ fn a_seed_changes_the_body_and_nothing_else_does() {
 
 /// Directions over the sphere, by the golden angle.
 fn directions() -> Vec<DVec3> {
-    (0..150)
+    (0..100)
         .map(|k| {
-            let z = (f64::from(k) + 0.5) / 75.0 - 1.0;
+            let z = (f64::from(k) + 0.5) / 50.0 - 1.0;
             let (sin, cos) = libm::sincos(2.399_963_229_728_653 * f64::from(k));
             let r = (1.0 - z * z).sqrt();
             DVec3::new(r * cos, r * sin, z)
