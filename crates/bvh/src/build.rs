@@ -1,7 +1,7 @@
 //! Building a tree: options, errors, and the way from a mesh to a body in leaf order.
 //!
-//! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and lays
-//! nodes out; `seed` and `sah` decide where to cut. Neither knows the other.
+//! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and
+//! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other.
 
 mod body;
 mod grow;

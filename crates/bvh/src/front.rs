@@ -4,7 +4,8 @@
 //! tree first and walking below it later is due to Le Garrec, Acquaviva and Merlhiot (CEA), cutting
 //! at one depth of both trees to Wiseman and Grinberg.
 
-use crate::{Counters, Placement};
+use crate::descent::{Descent, side_to_open};
+use crate::{Counters, Side};
 use geometry::RelativePose;
 use model::BodyView;
 
@@ -24,8 +25,8 @@ impl NodePair {
 
 /// Most pairs that one front holds: where more would overlap, it stays shallower in places.
 ///
-/// It bounds memory against bodies whose boxes all overlap, 4ᵈ pairs at depth d, and is as many jobs
-/// as one request has slots for.
+/// It bounds memory against bodies whose boxes all overlap, 4ᵈ pairs at depth d, and is as many
+/// jobs as one request has slots for.
 pub const PAIRS_MAX: usize = 1 << 16;
 
 /// A pair on the way down, with the depths that its nodes have reached; the roots' is 0.
@@ -55,44 +56,32 @@ pub fn front(
     out: &mut Vec<NodePair>,
     counters: &mut Counters,
 ) {
-    let (Some(root_a), Some(root_b)) = (a.nodes.first(), b.nodes.first()) else { return };
-    let placement = Placement::of(a, b, pose);
-    if placement.nodes_apart(root_a, root_b, counters) {
+    if a.nodes.is_empty() || b.nodes.is_empty() {
+        return;
+    }
+    let descent = Descent::new(a, b, pose);
+    if descent.apart(NodePair::ROOTS, counters) {
         return;
     }
     let limit = out.len() + PAIRS_MAX;
     // One pair waits per level of both trees at most, and a tree has no more levels than nodes.
     let mut open = vec![Open { pair: NodePair::ROOTS, depth_a: 0, depth_b: 0 }];
     while let Some(Open { pair, depth_a, depth_b }) = open.pop() {
-        let (node_a, node_b) = (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize]);
+        let (node_a, node_b) = descent.nodes(pair);
         let ends_a = node_a.is_leaf() || depth_a == depth;
         let ends_b = node_b.is_leaf() || depth_b == depth;
-        if (ends_a && ends_b) || out.len() + open.len() + 2 > limit {
+        let full = out.len() + open.len() + 2 > limit;
+        let Some(side) = side_to_open(node_a, ends_a || full, node_b, ends_b || full) else {
             out.push(pair);
             continue;
-        }
-        let descend_a =
-            ends_b || (!ends_a && node_a.bounds.half_area() >= node_b.bounds.half_area());
-        let children = if descend_a {
-            [pair.a + 1, node_a.link].map(|child| Open {
-                pair: NodePair { a: child, ..pair },
-                depth_a: depth_a + 1,
-                depth_b,
-            })
-        } else {
-            [pair.b + 1, node_b.link].map(|child| Open {
-                pair: NodePair { b: child, ..pair },
-                depth_a,
-                depth_b: depth_b + 1,
-            })
         };
-        for child in children.into_iter().rev() {
-            let (node_a, node_b) =
-                (&a.nodes[child.pair.a as usize], &b.nodes[child.pair.b as usize]);
-            if !placement.nodes_apart(node_a, node_b, counters) {
-                open.push(child);
-            }
-        }
+        let (deeper_a, deeper_b) = match side {
+            Side::A => (depth_a + 1, depth_b),
+            Side::B => (depth_a, depth_b + 1),
+        };
+        descent.open(pair, side, counters, |pair| {
+            open.push(Open { pair, depth_a: deeper_a, depth_b: deeper_b });
+        });
     }
 }
 

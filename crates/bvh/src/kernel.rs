@@ -12,8 +12,9 @@
 //! (depth_a − 1) + (depth_b − 1) + 1.
 //! ```
 
+use crate::descent::{Descent, side_to_open};
 use crate::hits::Hits;
-use crate::{Counters, NodePair, Placement, section};
+use crate::{Counters, NodePair, section};
 use geometry::{Directions, RelativePose, Supports};
 use leaves::{Halt, Leaves};
 use model::BodyView;
@@ -32,7 +33,7 @@ pub enum Question {
     Touches,
     /// Which triangles are hit? Pairs of which both are known to be hit need not be tested.
     Sets,
-    /// All intersecting pairs: their count and hash, the triangles hit, the supports of the contact.
+    /// All intersecting pairs: count and hash, the triangles hit, the supports of the contact.
     Pairs,
 }
 
@@ -93,7 +94,7 @@ pub struct Outcome {
     pub end: End,
     /// Work done.
     pub counters: Counters,
-    /// Intersecting pairs. `Touches`: 1 if there is one, else 0. `Sets`: 0, since not all are tested.
+    /// Intersecting pairs. `Touches`: 1 if there is one, else 0. `Sets`: 0, not all are tested.
     pub pairs: u64,
     /// Wrapping sum of [`geometry::hash::pair_term`] of source ids; 0 unless `Pairs` was asked.
     pub hash: u64,
@@ -101,7 +102,7 @@ pub struct Outcome {
     pub zones_a: u16,
     /// Zones of B's hit triangles; 0 if only `Touches` was asked.
     pub zones_b: u16,
-    /// Supports of the contact, A's frame [m]; empty unless `Pairs` was asked with directions.
+    /// Supports of the contact, A's frame, in metres; empty unless `Pairs` was asked with directions.
     pub supports: Supports,
 }
 
@@ -146,17 +147,17 @@ impl Kernel {
 
     /// Runs one job: everything below `start`, whose boxes are taken to overlap.
     ///
-    /// `budget` bounds the tests of boxes and triangles together. It is looked at between steps, and
-    /// two leaves are one step, so it may be exceeded by the tests of two leaves. Any budget above 0
-    /// makes progress. Nothing is allocated.
+    /// `budget` bounds the tests of boxes and triangles together. It is looked at between steps,
+    /// and two leaves are one step, so it may be exceeded by the tests of two leaves. Any budget
+    /// above 0 makes progress. Nothing is allocated.
     ///
     /// Should the trees be deeper than the kernel has room for, the job ends as
     /// [`End::OutOfBudget`], and the jobs over what remains start deeper.
     ///
     /// # Panics
     ///
-    /// If there is no room for the triangles below `start` ([`Kernel::ensure_room`] makes it), or if
-    /// a number in a tree is out of range: a damaged tree must not produce an answer.
+    /// If there is no room for the triangles below `start` ([`Kernel::ensure_room`] makes it), or
+    /// if a number in a tree is out of range: a damaged tree must not produce an answer.
     pub fn run(
         &mut self,
         task: &Task<'_>,
@@ -168,10 +169,10 @@ impl Kernel {
         self.stack.push(start);
         self.hits_a.clear(&section::triangles(task.a.nodes, start.a));
         self.hits_b.clear(&section::triangles(task.b.nodes, start.b));
-        let placement = Placement::of(&task.a, &task.b, &task.pose);
+        let descent = Descent::new(&task.a, &task.b, &task.pose);
         let mut leaves =
             Leaves::new(task, &mut self.hits_a, &mut self.hits_b, &mut self.near, sink);
-        let end = walk(task, &placement, &mut self.stack, self.room, budget, &mut leaves);
+        let end = walk(&descent, &mut self.stack, self.room, budget, &mut leaves);
         leaves.outcome(end)
     }
 
@@ -189,14 +190,12 @@ fn stack_room(depth_a: u32, depth_b: u32) -> usize {
 }
 
 fn walk<S: Sink>(
-    task: &Task<'_>,
-    placement: &Placement,
+    descent: &Descent<'_>,
     stack: &mut Vec<NodePair>,
     room: usize,
     budget: u64,
     leaves: &mut Leaves<'_, S>,
 ) -> End {
-    let (nodes_a, nodes_b) = (task.a.nodes, task.b.nodes);
     while let Some(&pair) = stack.last() {
         if leaves.counters.tests() >= budget {
             return End::OutOfBudget;
@@ -204,32 +203,20 @@ fn walk<S: Sink>(
         if leaves.beat().is_break() {
             return End::Stopped;
         }
-        let (node_a, node_b) = (&nodes_a[pair.a as usize], &nodes_b[pair.b as usize]);
-        if node_a.is_leaf() && node_b.is_leaf() {
+        let (node_a, node_b) = descent.nodes(pair);
+        let Some(side) = side_to_open(node_a, node_a.is_leaf(), node_b, node_b.is_leaf()) else {
             match leaves.test(node_a, node_b) {
                 ControlFlow::Continue(()) => _ = stack.pop(),
                 ControlFlow::Break(Halt::Answered) => stack.clear(),
                 ControlFlow::Break(Halt::Stopped) => return End::Stopped,
             }
             continue;
-        }
+        };
         if stack.len() >= room {
             return End::OutOfBudget;
         }
         stack.pop();
-        let descend_a = node_b.is_leaf()
-            || (!node_a.is_leaf() && node_a.bounds.half_area() >= node_b.bounds.half_area());
-        let [left, right] = if descend_a {
-            [pair.a + 1, node_a.link].map(|a| NodePair { a, ..pair })
-        } else {
-            [pair.b + 1, node_b.link].map(|b| NodePair { b, ..pair })
-        };
-        for child in [right, left] {
-            let (a, b) = (&nodes_a[child.a as usize], &nodes_b[child.b as usize]);
-            if !placement.nodes_apart(a, b, &mut leaves.counters) {
-                stack.push(child);
-            }
-        }
+        descent.open(pair, side, &mut leaves.counters, |pair| stack.push(pair));
     }
     End::Complete
 }

@@ -31,6 +31,7 @@ pub mod placement;
 pub mod section;
 pub mod support;
 
+mod descent;
 mod hits;
 
 pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild};

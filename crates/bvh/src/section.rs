@@ -1,8 +1,8 @@
 //! Sections: what lies below a node, and what it weighs.
 //!
 //! Nodes are stored in preorder and triangles in leaf order, so everything below a node is one
-//! range of nodes and one range of triangles. A section is such a pair of ranges, named by its node;
-//! it is what the match schemes count and what the transfer ledger weighs.
+//! range of nodes and one range of triangles. A section is such a pair of ranges, named by its
+//! node; it is what the match schemes count and what the transfer ledger weighs.
 
 use model::Node;
 use std::ops::Range;

@@ -15,7 +15,7 @@ pub(super) trait Parts: Sized + Send {
     /// How many triangles.
     fn len(&self) -> usize;
 
-    /// Reorders the triangles of `range`, at least two, so that the first k of it are its left half;
+    /// Reorders the triangles of `range`, at least two, so that its first k are the left half;
     /// returns k, which leaves neither half empty.
     fn cut(&mut self, range: Range<usize>) -> usize;
 

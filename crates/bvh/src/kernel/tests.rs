@@ -7,6 +7,7 @@ use crate::fixtures::{
 };
 use crate::{BuildOptions, front};
 use geometry::Pose;
+use model::generate::{self, Shape};
 use model::{Body, Build};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -37,13 +38,17 @@ fn built_options() -> impl Strategy<Value = BuildOptions> {
     (any_build(), 1_u32..9).prop_map(|(build, leaf_size)| options(build, leaf_size))
 }
 
+fn any_budget() -> impl Strategy<Value = u64> {
+    prop_oneof![Just(ALL), 1_u64..300]
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 160, ..ProptestConfig::default() })]
 
     #[test]
     fn pairs_are_those_of_brute_force(
         a in triangles(32), b in triangles(32), pose in pose(), depth in 0_u32..13,
-        of_a in built_options(), of_b in built_options(), budget in prop_oneof![Just(ALL), 1_u64..300],
+        of_a in built_options(), of_b in built_options(), budget in any_budget(),
     ) {
         let (a, b) = (body_of(&a, &of_a), body_of(&b, &of_b));
         let found = answer(&a, &b, pose, Question::Pairs, depth, budget).finish();
@@ -53,7 +58,7 @@ proptest! {
     #[test]
     fn sets_are_those_of_brute_force(
         a in triangles(32), b in triangles(32), pose in pose(), depth in 0_u32..13,
-        of_a in built_options(), of_b in built_options(), budget in prop_oneof![Just(ALL), 1_u64..300],
+        of_a in built_options(), of_b in built_options(), budget in any_budget(),
     ) {
         let (a, b) = (body_of(&a, &of_a), body_of(&b, &of_b));
         let found = answer(&a, &b, pose, Question::Sets, depth, budget).finish();
@@ -141,6 +146,34 @@ fn structured_bodies_give_the_same_answer_whatever_the_tree() {
                 assert!(found == expected, "{build:?}, leaf size {leaf_size}, depth {depth}");
                 let sets = answer(&a, &b, pose, Question::Sets, depth, ALL);
                 assert_eq!(sets.hits, expected.hits);
+            }
+        }
+    }
+}
+
+/// Generated bodies: flat panels, thin parts, shared edges, as they are ranked.
+#[test]
+fn generated_bodies_give_the_answer_of_brute_force() {
+    let body = |shape, built: &BuildOptions| {
+        let mesh = generate::generate(shape, 500, 0).expect("500 triangles are possible");
+        body_of(&mesh.corners, built)
+    };
+    let cases = [
+        (Shape::Sedan, Shape::Suv, turned(170.0, [3.9, 0.3, 0.2])),
+        (Shape::Sedan, Shape::Pedestrian, turned(80.0, [2.0, 0.4, 0.0])),
+        (Shape::Truck, Shape::Wall, turned(90.0, [3.0, 0.0, -0.1])),
+    ];
+    for (of_a, of_b, pose) in cases {
+        let plain = options(Build::Seed, 1);
+        let (a, b) = (body(of_a, &plain), body(of_b, &plain));
+        let expected = brute_force(&a.view(), &b.view(), &pose);
+        assert!(expected.pairs > 10, "{of_a} and {of_b}: {} pairs", expected.pairs);
+        for build in [Build::Seed, Build::Literal, Build::Sah] {
+            let built = options(build, 4);
+            let (a, b) = (body(of_a, &built), body(of_b, &built));
+            for depth in [0, 4, 8, 12] {
+                let found = answer(&a, &b, pose, Question::Pairs, depth, ALL).finish();
+                assert!(found == expected, "{of_a} and {of_b}, {build:?}, depth {depth}");
             }
         }
     }
