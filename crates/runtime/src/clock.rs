@@ -50,17 +50,10 @@ pub fn cpu_ns_of(pid: u32) -> Option<u64> {
 /// If the kernel has no randomness to give: no getrandom(2), or a sandbox that forbids it.
 pub fn random_u64() -> Result<u64> {
     let mut bytes = [0_u8; 8];
-    loop {
-        // SAFETY: the pointer and the length are those of `bytes`.
-        let got = unsafe { libc::getrandom(bytes.as_mut_ptr().cast(), bytes.len(), 0) };
-        if got == 8 {
-            return Ok(u64::from_ne_bytes(bytes));
-        }
-        let error = std::io::Error::last_os_error();
-        if got < 0 && error.kind() != std::io::ErrorKind::Interrupted {
-            return Err(OsError::new("draw", "random number", error));
-        }
-    }
+    // The kernel never interrupts a draw of up to 256 bytes, nor cuts it short.
+    rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty())
+        .map_err(OsError::at("draw", "random number"))?;
+    Ok(u64::from_ne_bytes(bytes))
 }
 
 fn nanoseconds(time: Timespec) -> u64 {

@@ -1,4 +1,4 @@
-//! The operating system, as this project sees it: memory files, processes, affinity, clocks, waiting.
+//! The operating system as this project sees it: memory, processes, cores, clocks, waiting.
 //!
 //! | module | what it gives |
 //! |---|---|

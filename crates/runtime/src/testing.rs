@@ -1,7 +1,7 @@
 //! For tests: the test binary plays its own child.
 //!
-//! A test starts itself again with a file descriptor under [`MARK`]; by that the child knows that it
-//! is one. The number is beyond what a test process ever opens.
+//! A test starts itself again with a file descriptor under [`MARK`]; by that the child knows that
+//! it is one. The number is beyond what a test process ever opens.
 
 use crate::process::{self, Child, Exit, Spawn};
 use std::os::fd::{BorrowedFd, OwnedFd, RawFd};

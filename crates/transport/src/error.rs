@@ -1,7 +1,7 @@
 //! Two kinds of errors for two kinds of readers.
 //!
-//! Opening fails to a person at a terminal: it explains. Using fails inside a request, to a program:
-//! it is small, and each variant says what to do next.
+//! Opening fails to a person at a terminal: it explains. Using fails inside a request, to a
+//! program: it is small, and each variant says what to do next.
 
 use core::error::Error;
 

@@ -72,8 +72,8 @@ impl SealedMemory {
             OsError::new("map memory", name, std::io::Error::from(std::io::ErrorKind::FileTooLarge))
         })?;
         // Populated now, so that no request pays for page faults.
-        // SAFETY: all seals are set (by `create`, or seen by `from_fd`), so the kernel refuses every
-        // change of contents and length for as long as the memfd lives.
+        // SAFETY: all seals are set (by `create`, or seen by `from_fd`), so the kernel refuses
+        // every change of contents and length for as long as the memfd lives.
         let map = unsafe { MmapOptions::new().len(len).populate().map_copy_read_only(&fd) }
             .map_err(OsError::at("map memory", name))?;
         Ok(Self { map, len, fd })

@@ -37,12 +37,12 @@ fn memory(text: &str) -> crate::SealedMemory {
 #[test]
 fn a_child_says_how_it_ended() {
     let mut child = shell("exit 7", &[]);
-    assert_eq!(child.wait_ms(5_000).unwrap(), Some(Exit::Code(7)));
+    assert_eq!(child.wait_ms(30_000).unwrap(), Some(Exit::Code(7)));
     assert_eq!(child.try_wait().unwrap(), Some(Exit::Code(7)), "and says it again");
     child.kill().unwrap();
 
     let mut child = shell("kill -SEGV $$", &[]);
-    let exit = child.wait_ms(5_000).unwrap().unwrap();
+    let exit = child.wait_ms(30_000).unwrap().unwrap();
     assert_eq!(exit, Exit::Signal(libc::SIGSEGV));
     assert_eq!(exit.to_string(), "SIGSEGV");
     assert_eq!(Exit::Code(76).to_string(), "exit code 76");
@@ -56,7 +56,7 @@ fn a_child_is_killed_however_it_resists() {
     child.signal(libc::SIGTERM).unwrap();
     assert_eq!(child.try_wait().unwrap(), None);
     child.kill().unwrap();
-    assert_eq!(child.wait_ms(5_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
+    assert_eq!(child.wait_ms(30_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn a_dropped_child_is_dead_and_reaped() {
 fn a_stopped_child_is_seen_as_stopped() {
     let child = shell("exec sleep 1000", &[]);
     child.signal(libc::SIGSTOP).unwrap();
-    let end = clock::now_ns() + 5_000_000_000;
+    let end = clock::now_ns() + 30_000_000_000;
     while stat(child.pid()).unwrap().state != 'T' {
         assert!(clock::now_ns() < end);
         std::thread::yield_now();
@@ -160,7 +160,7 @@ fn a_child_dies_with_the_thread_that_started_it() {
     let (send, receive) = mpsc::channel();
     std::thread::spawn(move || send.send(shell("exec sleep 1000", &[])).unwrap()).join().unwrap();
     let mut child = receive.recv().unwrap();
-    assert_eq!(child.wait_ms(5_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
+    assert_eq!(child.wait_ms(30_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
 }
 
 /// Grandparent (this test), parent (this test again), child (a shell): kill the parent.
@@ -182,8 +182,8 @@ fn a_child_dies_with_its_killed_parent() {
     let pid = u32::from_ne_bytes(pid);
     assert!(stat(pid).is_some_and(|stat| stat.state != 'Z'));
     parent.kill().unwrap();
-    assert_eq!(parent.wait_ms(5_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
-    let end = clock::now_ns() + 5_000_000_000;
+    assert_eq!(parent.wait_ms(30_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
+    let end = clock::now_ns() + 30_000_000_000;
     // Whoever adopted it may take its time to reap.
     while stat(pid).is_some_and(|stat| stat.state != 'Z') {
         assert!(clock::now_ns() < end, "an orphan lives");
@@ -204,7 +204,7 @@ fn a_limited_process_runs_out_of_memory_and_time_alone() {
     let memory = memory("x");
     let name = "process::tests::a_limited_process_runs_out_of_memory_and_time_alone";
     let mut child = testing::again(name, memory.fd());
-    assert_eq!(child.wait_ms(15_000).unwrap(), Some(Exit::Signal(libc::SIGXCPU)));
+    assert_eq!(child.wait_ms(60_000).unwrap(), Some(Exit::Signal(libc::SIGXCPU)));
 }
 
 #[test]

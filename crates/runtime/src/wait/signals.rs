@@ -63,7 +63,7 @@ impl Signals {
 
 impl Drop for Signals {
     fn drop(&mut self) {
-        // SAFETY: `before` is the set that the kernel gave in `catch`; the old one is not asked for.
+        // SAFETY: `before` is the set that the kernel gave in `catch`; the old is not asked for.
         unsafe {
             libc::pthread_sigmask(libc::SIG_SETMASK, &raw const self.before.0, ptr::null_mut());
         }

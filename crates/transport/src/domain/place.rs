@@ -159,8 +159,9 @@ fn lock_as_guest(root: &str) -> io::Result<File> {
     Ok(lock)
 }
 
-/// Locks the guests' file against all guests, as long as what it returns lives; an error while there
-/// is one. `None` if the file is gone, because a removal was interrupted: then nobody can enter.
+/// Locks the guests' file against all guests, as long as what it returns lives; an error while
+/// there is one. `None` if the file is gone, because a removal was interrupted: then nobody can
+/// enter.
 pub(super) fn lock_out_guests(root: &str) -> io::Result<Option<File>> {
     let lock = match File::options().read(true).write(true).open(Path::new(root).join(GUESTS)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
