@@ -1,6 +1,7 @@
 //! Guards of the guards: the checks see what they are there to see, and nothing else.
 
 use super::*;
+use crate::code::outside_tests;
 use crate::pure::impurities;
 
 #[test]
