@@ -1,5 +1,5 @@
 //! What a compiler cannot check: the arrows between crates, who may hold `unsafe` or name an
-//! outside crate, what pure crates never touch, how files look, and that files named in prose exist.
+//! outside crate, what pure crates never touch, how files look, that files named in prose exist.
 //!
 //! A fault names file and line. The checks read text; they know of Rust what `tidy/code.rs` knows.
 
