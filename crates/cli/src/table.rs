@@ -39,7 +39,7 @@ pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String
         ]);
     }
     for (number, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((u16::from(number > 0), u16::from(number < 7)));
+        column.set_padding((u16::from(number > 0), 0));
         if [0, 3, 6].contains(&number) {
             column.set_cell_alignment(CellAlignment::Right);
         }
