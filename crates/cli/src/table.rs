@@ -46,7 +46,8 @@ pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String
     }
     let table = table.to_string();
     let rows: Vec<&str> = table.lines().map(str::trim_end).collect();
-    let mut text = format!("{}\n{}\n\n", scenario.name, circumstances(run));
+    let head = format!("{}. Which does least harm?", scenario.name.trim_end_matches('.'));
+    let mut text = format!("{head}\n{}\n\n", circumstances(run));
     text.push_str(&rows.join("\n"));
     text.push_str("\n\n");
     text.push_str(&verdict(answer, run));
@@ -144,6 +145,9 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         "Least harm: {}. {state} ({} jobs in {:.1} ms; policy \"{}\").",
         first.name, run.jobs, run.stages.work_ms, answer.policy
     ));
+    if first.contact.touch == Touch::No {
+        lines.push("It touches nothing: not one triangle of either body, at any pose.".to_owned());
+    }
     lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
     if answer.tie_class.len() > 1 {
         let others: Vec<&str> = answer
