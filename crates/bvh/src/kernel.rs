@@ -66,6 +66,7 @@ pub trait Sink {
     /// A triangle was hit, by its number in leaf order: once per job and triangle.
     ///
     /// A `Break` may mean that this hit was not taken: what it belongs to remains open.
+    /// So a sink must take at least the hits of two leaves, or their job will never be done.
     fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()>;
 
     /// So many tests were done in this job up to now; called about every [`BEAT_TESTS`].
