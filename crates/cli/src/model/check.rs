@@ -1,6 +1,6 @@
 //! `trolley model check`: which files are sound.
 
-use super::facts::{Facts, shown, thousands};
+use super::facts::{Facts, shown, thousands, triangles};
 use super::reader::Request;
 use super::{LimitArgs, MeshArgs, open};
 use crate::args::Output;
@@ -110,18 +110,13 @@ fn look(path: &Path, args: &CheckArgs, output: &Output) -> Result<(String, Vec<S
         let (meta, view) = open::view(path, map.bytes())?;
         let facts = Facts::new(meta, &view, map.bytes())?;
         let [x, y, z] = facts.size_m;
-        let count = thousands(facts.triangles);
-        let what =
-            format!("model file, {}, {x:.2} × {y:.2} × {z:.2} m, {count} triangles", facts.kind);
+        let count = triangles(facts.triangles);
+        let what = format!("model file, {}, {x:.2} × {y:.2} × {z:.2} m, {count}", facts.kind);
         return Ok((what, Vec::new()));
     }
     let (report, _) = Request::new(path, &args.mesh, None, None, args.limits)?.run(output)?;
-    let mut what = format!(
-        "{}, {}, {} triangles",
-        report.format,
-        report.sentence,
-        thousands(report.triangles)
-    );
+    let mut what =
+        format!("{}, {}, {}", report.format, report.sentence, triangles(report.triangles));
     if report.duplicates_dropped > 0 {
         what += &format!(", {} duplicates left out", thousands(report.duplicates_dropped));
     }

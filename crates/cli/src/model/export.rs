@@ -1,6 +1,6 @@
 //! `trolley model export`: the triangles of a model file as a mesh.
 
-use super::facts::thousands;
+use super::facts;
 use super::{open, write};
 use crate::args::Output;
 use crate::failure::{Code, Failure};
@@ -62,8 +62,8 @@ pub(super) fn run(args: &ExportArgs, output: &Output) -> Result<ExitCode, Failur
         return Ok(ExitCode::SUCCESS);
     }
     print::out(&format!(
-        "{name}: {} triangles as {}, in metres, x forward, y left, z up",
-        thousands(triangles),
+        "{name}: {} as {}, in metres, x forward, y left, z up",
+        facts::triangles(triangles),
         format.name().to_uppercase()
     ))
 }

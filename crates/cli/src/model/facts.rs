@@ -107,7 +107,7 @@ impl Facts {
         row("triangles", &self.count());
         row("mass", &self.mass());
         let [x, y, z] = self.centre_m;
-        row("centre", &format!("{x:.3}, {y:.3}, {z:.3} m forward, left, up of the file's origin"));
+        row("centre", &format!("{x:.3}, {y:.3}, {z:.3} m forward, left, up of the origin"));
         row("reaches", &self.reach());
         row("aboard", &self.aboard());
         for (at, part) in self.parts.iter().take(PARTS_SHOWN).enumerate() {
@@ -147,8 +147,10 @@ impl Facts {
     fn mass(&self) -> String {
         match (self.mass_kg, self.yaw_inertia_kg_m2) {
             (Some(mass), Some(inertia)) => format!(
-                "{mass:.0} kg, turns about {:.2} m (yaw inertia {inertia:.0} kg m²)\n  {:<11} {}",
+                "{} kg, yaw gyration {:.2} m, yaw inertia {} kg m²\n  {:<11} {}",
+                rounded(mass),
                 self.gyration_m,
+                rounded(inertia),
                 "",
                 shown(&self.mass_source)
             ),
@@ -212,6 +214,16 @@ fn agrees(kind: Kind, looks: &str) -> bool {
         Kind::Building => return true,
     };
     looks == expected
+}
+
+/// "1,733", for figures of which the fraction says nothing.
+fn rounded(value: f64) -> String {
+    if value < 100.0 { format!("{value:.1}") } else { thousands(value.round() as usize) }
+}
+
+/// "1 triangle", "39,170 triangles".
+pub(super) fn triangles(count: usize) -> String {
+    format!("{} triangle{}", thousands(count), if count == 1 { "" } else { "s" })
 }
 
 /// "39,170".

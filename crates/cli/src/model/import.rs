@@ -1,6 +1,6 @@
 //! `trolley model import`: from a mesh to a model file.
 
-use super::facts::{Facts, thousands};
+use super::facts::{Facts, thousands, triangles};
 use super::reader::{Report, Request};
 use super::{LimitArgs, MeshArgs, TreeArgs, open, write};
 use crate::args::Output;
@@ -76,7 +76,7 @@ pub(super) fn run(args: &ImportArgs, output: &Output) -> Result<ExitCode, Failur
 
 /// "OBJ, 36,972 triangles, of which 26,756 in the selected parts; body.toml".
 fn read(report: &Report) -> String {
-    let mut text = format!("{}, {} triangles", report.format, thousands(report.triangles_in_file));
+    let mut text = format!("{}, {}", report.format, triangles(report.triangles_in_file));
     if report.triangles_selected != report.triangles_in_file {
         let selected = thousands(report.triangles_selected);
         text += &format!(", of which {selected} in the parts that were asked for");

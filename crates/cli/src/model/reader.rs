@@ -117,15 +117,17 @@ impl Request {
 
     /// Reads the file in a child, and gives the bytes of the model file; none for a trial.
     pub(super) fn run(&self, output: &Output) -> Result<(Report, file::Aligned), Failure> {
-        let (child, words, stderr) = self.start()?;
+        let (mut child, words, stderr) = self.start()?;
         let heard = hear(words, output);
+        let exit = child.wait_ms(END_MS)?;
+        drop(child);
         let last_words = stderr.join().unwrap_or_default();
         match heard {
             Some((Word::Read { report, .. }, bytes)) => Ok((*report, bytes)),
             Some((Word::Refused { fault, help }, _)) => {
                 Err(Failure { code: Code::Input, fault, help })
             }
-            _ => Err(self.ended(child, &last_words)),
+            _ => Err(self.ended(exit, &last_words)),
         }
     }
 
@@ -143,10 +145,8 @@ impl Request {
         Ok((child, words, std::thread::spawn(move || start_of(complaints))))
     }
 
-    /// Why a child ended without a report.
-    fn ended(&self, mut child: Child, last_words: &str) -> Failure {
-        let exit = child.wait_ms(END_MS).ok().flatten();
-        drop(child);
+    /// Why a child ended without a report; `exit` is none if it did not end at all.
+    fn ended(&self, exit: Option<Exit>, last_words: &str) -> Failure {
         let refuse = |fault: &str, help: String| {
             Failure::input(format!("{}: {fault}", self.file)).help(help)
         };
@@ -225,3 +225,6 @@ fn start_of(mut complaints: PipeReader) -> String {
     let _rest = io::copy(&mut complaints, &mut io::sink());
     String::from_utf8_lossy(&start).into_owned()
 }
+
+#[cfg(test)]
+mod tests;

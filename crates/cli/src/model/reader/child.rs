@@ -178,9 +178,11 @@ impl Request {
             _ => "K",
         };
         let kinds = Kind::ALL.map(Kind::name).join(", ");
+        let guess = &imported.report.guess;
+        let doubts: String = guess.doubts.iter().map(|doubt| format!("; {doubt}")).collect();
         Failure::input(format!(
-            "{}: what this body is was not said; it measures {}",
-            self.file, imported.report.guess
+            "{}: what this body is was not said; it measures {guess}{doubts}",
+            self.file
         ))
         .help(format!(
             "add --kind {likely}, or write kind = \"...\" into {}; kinds: {kinds}",
