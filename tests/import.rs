@@ -1,5 +1,10 @@
 //! Bodies from files: real ones come in at their size, exports come back bit for bit, and whatever
 //! is malformed is refused within seconds by a sentence, with nothing left behind.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test that cannot go on has failed; one that cannot begin says so"
+)]
 
 mod support;
 

@@ -1,5 +1,6 @@
 //! Real processes, real signals: whoever dies, the answer is the same or there is none, and nothing
 //! is left behind.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod support;
 

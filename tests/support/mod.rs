@@ -2,8 +2,16 @@
 //!
 //! Every run gets an instance name of its own, so that tests run side by side and each can say that
 //! nothing of its own is left in /dev/shm.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test target uses its own part of it")]
+#![allow(
+    dead_code,
+    clippy::allow_attributes,
+    clippy::unwrap_used,
+    reason = "each test target uses its own part of it, and a test that cannot go on has failed"
+)]
 
+use geometry::hash::{pair_term, splitmix64};
+use geometry::triangle::{self, Triangle};
+use geometry::{Corners, DVec3, RelativePose};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -171,4 +179,48 @@ pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>>
         (ticks.len() == count && working).then_some(Some(workers))
     })
     .flatten()
+}
+
+/// Counts and hashes of what is hit: of A, of B, and of pairs.
+pub(crate) type Found = [(u64, u64); 3];
+
+/// Every pair of triangles, tested one by one: no tree, no job, no process. The hashes are over the
+/// ids that stand beside the triangles.
+pub(crate) fn brute_force(
+    (a, ids_a): (&[Corners], &[u32]),
+    (b, ids_b): (&[Corners], &[u32]),
+    pose: &RelativePose,
+) -> Found {
+    let mut found = [(0, 0_u64); 3];
+    let (mut hit_a, mut hit_b) = (vec![false; a.len()], vec![false; b.len()]);
+    let placed: Vec<_> = b.iter().map(|corners| pose.triangle(corners)).collect();
+    for (i, corners) in a.iter().enumerate() {
+        let at_home = Triangle(corners.map(|c| DVec3::from_array(c.map(f64::from))));
+        for (j, other) in placed.iter().enumerate() {
+            if triangle::intersect(&at_home, other) {
+                (hit_a[i], hit_b[j]) = (true, true);
+                let term = pair_term(ids_a[i], ids_b[j]);
+                found[2] = (found[2].0 + 1, found[2].1.wrapping_add(term));
+            }
+        }
+    }
+    for (side, hits, ids) in [(0, hit_a, ids_a), (1, hit_b, ids_b)] {
+        for at in (0..hits.len()).filter(|at| hits[*at]) {
+            let term = splitmix64(u64::from(ids[at]));
+            found[side] = (found[side].0 + 1, found[side].1.wrapping_add(term));
+        }
+    }
+    found
+}
+
+/// Compares a pose of an answer with what brute force found there.
+pub(crate) fn assert_found(pose: &serde_json::Value, found: &Found, place: &str) {
+    for (side, count, hash) in [(0, "hits_a", "hash_a"), (1, "hits_b", "hash_b")] {
+        assert_eq!(pose[count], found[side].0, "{place}: {count}");
+        assert_eq!(pose[hash], format!("{:016x}", found[side].1), "{place}: {hash}");
+    }
+    if let Some(pairs) = pose.get("pairs") {
+        assert_eq!(*pairs, found[2].0, "{place}: pairs");
+        assert_eq!(pose["hash"], format!("{:016x}", found[2].1), "{place}: hash of pairs");
+    }
 }

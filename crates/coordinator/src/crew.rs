@@ -353,15 +353,14 @@ impl Crew {
     ) -> Progress {
         let mut progress = self.dispatcher.step(event, work, effects);
         while let Some(Effect::Send { to, jobs }) = effects.pop() {
-            let sent = self.send(to, &jobs, work);
-            if sent.is_err() {
-                let jobs: Vec<JobId> = jobs.into_iter().map(|(job, _)| job).collect();
-                progress = self.dispatcher.step(Event::Unsent { to, jobs: &jobs }, work, effects);
-                // Nothing can be sent there now; whoever is well gets the jobs with the next event.
-                if self.stations[usize::from(to.worker)].is_alive() {
-                    effects.clear();
-                }
+            let Err(error) = self.send(to, &jobs, work) else { continue };
+            // No queue is ever overfilled, so the channel is broken, or its worker was buried since.
+            let station = &mut self.stations[usize::from(to.worker)];
+            if station.is_alive() {
+                station.kill(&format!("its job channel broke ({error})"));
             }
+            let (who, started) = station.bury(&self.status);
+            progress = self.dispatcher.step(Event::Lost { who, started }, work, effects);
         }
         progress
     }

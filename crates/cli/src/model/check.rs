@@ -76,7 +76,7 @@ pub(super) fn run(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure
                 help: failure.help,
             },
         };
-        if !output.json && !(output.quiet && verdict.ok) {
+        if !(output.json || output.quiet && verdict.ok) {
             print::out(&line(&verdict))?;
         }
         verdicts.push(verdict);
