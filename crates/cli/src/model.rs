@@ -81,10 +81,10 @@ pub(crate) struct MeshArgs {
 /// What the process that reads a mesh may use.
 #[derive(Clone, Copy, Debug, ClapArgs)]
 pub(crate) struct LimitArgs {
-    /// Memory for reading one mesh [MB] [default: 64 times the file, 2048 to 8192].
+    /// Memory for reading one mesh, in MB [default: 64 times the file, 2048 to 8192].
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(16..=1_048_576))]
     memory_mb: Option<u64>,
-    /// CPU time for reading one mesh [s].
+    /// CPU time for reading one mesh, in seconds.
     #[arg(long, value_name = "S", default_value_t = 120,
           value_parser = clap::value_parser!(u64).range(1..=86_400))]
     cpu_s: u64,

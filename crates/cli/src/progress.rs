@@ -5,9 +5,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Nothing is shown before work has taken this long [ns].
+/// Nothing is shown before work has taken this long `[ns]`.
 const PATIENCE_NS: u64 = 1_000_000_000;
-/// Where there is no terminal, one line in this time [ns].
+/// Where there is no terminal, one line in this time `[ns]`.
 const LINE_NS: u64 = 60_000_000_000;
 
 /// Work of known size.

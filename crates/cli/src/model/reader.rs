@@ -26,7 +26,7 @@ use std::path::Path;
 
 /// A megabyte of `--memory-mb`.
 const MB: u64 = 1 << 20;
-/// Memory that reading takes at most, if nothing was said [MB]: room for any mesh that is allowed,
+/// Memory that reading takes at most, if nothing was said `[MB]`: room for any mesh that is allowed,
 /// and not all of a small computer.
 const MEMORY_MB: [u64; 2] = [2048, 8192];
 /// Memory for each byte of the file: measured at 10 to 25 for OBJ, the most wordy format.
@@ -35,7 +35,7 @@ const MEMORY_RATIO: u64 = 64;
 const LINE_MAX: u64 = 16 << 20;
 /// How much of a child's last words on stderr is kept.
 const STDERR_MAX: u64 = 64 << 10;
-/// A child that has closed its pipe ends within this time, even while the kernel dumps it [ms].
+/// A child that has closed its pipe ends within this time, even while the kernel dumps it `[ms]`.
 const END_MS: u64 = 10_000;
 
 /// What to read, and what for.

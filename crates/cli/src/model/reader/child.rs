@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-/// Longest side file [bytes]: it has nine keys.
+/// Longest side file, in bytes: it has nine keys.
 const SIDE_BYTES_MAX: u64 = 1 << 20;
 
 /// What a panic said, kept for the parent instead of printed.
