@@ -1,7 +1,7 @@
 //! Progress of long work: a bar on a terminal, a line a minute elsewhere, nothing when quiet.
 
 use crate::args::Output;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -25,9 +25,9 @@ impl Progress {
     /// Nothing done yet of `total` things, which are called `what`.
     pub(crate) fn new(what: &str, total: u64, output: &Output) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
-        let form = "{msg} [{bar:30}] {human_pos} of {human_len} ({per_sec}, {eta} left)";
+        let form = "{msg} [{bar:30}] {human_pos} of {human_len} ({rate}/s, {eta} left)";
         if let Ok(style) = ProgressStyle::with_template(form) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", whole_rate));
         }
         bar.set_message(what.to_owned());
         let now = runtime::clock::now_ns();
@@ -40,6 +40,12 @@ impl Progress {
             said_ns: AtomicU64::new(now),
             output: *output,
         }
+    }
+
+    /// Counts patience from an earlier time `[ns]`: the work began before its size was known.
+    pub(crate) fn since(mut self, begun_ns: u64) -> Self {
+        self.started_ns = begun_ns;
+        self
     }
 
     /// `more` things are done.
@@ -67,6 +73,12 @@ impl Progress {
             Err(_) => {}
         }
     }
+}
+
+/// The rate without the four digits after the point that are indicatif's habit.
+fn whole_rate(state: &ProgressState, text: &mut dyn std::fmt::Write) {
+    // Where the bar cannot be written, there is nobody to tell.
+    let _written = write!(text, "{}", HumanCount(state.per_sec() as u64));
 }
 
 impl Drop for Progress {

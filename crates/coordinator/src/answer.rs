@@ -50,11 +50,11 @@ pub struct Row {
     pub is_other_fixed: bool,
     /// What the contact is like.
     pub contact: Contact,
-    /// Closing speed [m/s].
+    /// Closing speed (m/s).
     pub closing_m_s: f64,
-    /// Change of velocity of the ego and of the other [m/s].
+    /// Change of velocity of the ego and of the other (m/s).
     pub delta_v_m_s: [DeltaV; 2],
-    /// Kinetic energy lost [J].
+    /// Kinetic energy lost (J).
     pub energy_j: Work,
     /// Everybody in this collision.
     pub persons: Vec<PersonRow>,
@@ -90,7 +90,7 @@ pub struct PersonRow {
 /// The hit sets at one pose.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PoseRow {
-    /// Travel from the given pose along the relative path [m].
+    /// Travel from the given pose along the relative path (m).
     pub travel_m: f64,
     /// Triangles of the ego that are hit.
     pub hits_a: u64,

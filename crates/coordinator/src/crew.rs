@@ -69,7 +69,7 @@ pub enum CrewError {
     Mute {
         /// Which one.
         worker: u8,
-        /// How long was waited [s].
+        /// How long was waited (s).
         seconds: u64,
     },
     /// All workers are gone and jobs are left.
@@ -119,7 +119,7 @@ pub struct WorkerReport {
     pub results: u64,
     /// Bytes of these, headers included.
     pub result_bytes: u64,
-    /// Time that its jobs took by the clock on the wall [ns].
+    /// Time that its jobs took by the clock on the wall (ns).
     pub busy_ns: u64,
     /// How it ended, if it was lost.
     pub lost: Option<String>,
@@ -138,11 +138,11 @@ pub struct CrewReport {
     pub workers: Vec<WorkerReport>,
 }
 
-/// How long workers may take to greet [ns]: a process start, and a few opened files.
+/// How long workers may take to greet (ns): a process start, and a few opened files.
 const GREETING_NS: u64 = 20_000_000_000;
-/// How long the coordinator sleeps at most before it looks at the workers' pulse [ns].
+/// How long the coordinator sleeps at most before it looks at the workers' pulse (ns).
 const NAP_NS: u64 = 20_000_000;
-/// How long a worker may take to end by itself [ns].
+/// How long a worker may take to end by itself (ns).
 const FAREWELL_MS: u64 = 200;
 
 /// Puts model files into sealed memory, where every process reads them in place.

@@ -19,7 +19,7 @@ const STEP_M: [f64; 2] = [0.02, 0.10];
 const PAST_M: f64 = 0.6;
 /// The contact patch covers this much travel after first contact (m).
 pub(crate) const PATCH_M: f64 = 0.2;
-/// Zones and depth cover this time after first contact [s], and at most [`PAST_M`].
+/// Zones and depth cover this time after first contact (s), and at most [`PAST_M`].
 const CRUSH_S: f64 = 0.05;
 /// Two poses closer than this are one (m).
 const SAME_M: f64 = 1e-9;

@@ -9,7 +9,7 @@
 pub struct Pulse {
     /// Its beat.
     pub beat: u64,
-    /// CPU time that the process has used [ns].
+    /// CPU time that the process has used (ns).
     pub cpu_ns: u64,
     /// Whether the system says that it is stopped (state T).
     pub stopped: bool,
@@ -20,11 +20,11 @@ pub struct Pulse {
 /// How long a busy worker may stand still.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patience {
-    /// Stopped by a signal [ns].
+    /// Stopped by a signal (ns).
     pub stopped_ns: u64,
-    /// Running, by its own CPU time [ns].
+    /// Running, by its own CPU time (ns).
     pub hung_cpu_ns: u64,
-    /// By the wall clock, whatever else is seen [ns].
+    /// By the wall clock, whatever else is seen (ns).
     pub silent_ns: u64,
 }
 

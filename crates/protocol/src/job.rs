@@ -44,7 +44,7 @@ pub struct Task {
     pub task: u32,
     /// R of x_A = R x_B + t, row-major.
     pub rotation: [[f64; 3]; 3],
-    /// t [m].
+    /// t (m).
     pub translation: [f64; 3],
     /// Unit vector of the relative velocity, A's frame.
     pub u: [f64; 3],

@@ -42,7 +42,7 @@ pub struct Summary {
     pub pairs: u64,
     /// Wrapping sum of splitmix64(source id in A << 32 | source id in B) over them.
     pub hash: u64,
-    /// Time from start to end of the job [ns], monotonic.
+    /// Time from start to end of the job (ns), monotonic.
     pub wall_ns: u64,
     /// Zones of A's hit triangles.
     pub zones_a: u16,

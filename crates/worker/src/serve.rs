@@ -32,7 +32,7 @@ pub enum WorkerError {
     Store(#[from] model::file::FileError),
 }
 
-/// How long an idle worker sleeps at most before it looks again [ns].
+/// How long an idle worker sleeps at most before it looks again (ns).
 const NAP_NS: u64 = 50_000_000;
 
 /// Runs a worker to its end. `word` is that of [`Launch::to_word`], `build` this program's build.

@@ -20,7 +20,7 @@ struct Item {
 }
 
 impl Item {
-    /// Twice the centre of the box [m]: f64 holds it without overflow.
+    /// Twice the centre of the box (m): f64 holds it without overflow.
     fn centre(&self, axis: usize) -> f64 {
         f64::from(self.bounds.min[axis]) + f64::from(self.bounds.max[axis])
     }

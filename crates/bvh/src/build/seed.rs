@@ -36,7 +36,7 @@ impl Cuts {
     }
 }
 
-/// A triangle in one of the three orders: its extent along that axis [m], and its number.
+/// A triangle in one of the three orders: its extent along that axis (m), and its number.
 #[derive(Clone, Copy, Debug, Default)]
 struct Entry {
     low: f32,
@@ -46,7 +46,7 @@ struct Entry {
 
 /// The best cut of one axis.
 struct Best {
-    /// `len(left) + len(rest)` [m].
+    /// `len(left) + len(rest)` (m).
     sum: f64,
     /// How far k is from the middle: |2k − n|.
     skew: usize,

@@ -4,9 +4,9 @@ use super::net::Net;
 use super::surface::{Cells, Pad, Surface};
 use geometry::DVec3;
 
-/// How far a pad stands out of its surface [m]: enough to be seen where the mesh is coarse.
+/// How far a pad stands out of its surface (m): enough to be seen where the mesh is coarse.
 const PAD_OUT: f64 = 0.012;
-/// How far a pad reaches into its surface [m].
+/// How far a pad reaches into its surface (m).
 const PAD_IN: f64 = 0.02;
 
 /// One closed component.

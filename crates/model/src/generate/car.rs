@@ -5,7 +5,7 @@ use super::net::Net;
 use super::solids::{Rail, at, block, hull_surface, turned, tyre};
 use geometry::DVec3;
 
-/// A wheel: middle of the tyre on the left side, outer radius, width [m].
+/// A wheel: middle of the tyre on the left side, outer radius, width (m).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wheel {
     /// Middle.

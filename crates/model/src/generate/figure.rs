@@ -17,7 +17,7 @@ pub(super) struct Side {
     pub(super) foot: [DVec3; 2],
 }
 
-/// A pose: where the joints are [m], for a person 1.75 m tall.
+/// A pose: where the joints are (m), for a person 1.75 m tall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     /// Crotch, waist, and base of the neck.
@@ -192,7 +192,7 @@ fn between(a: DVec3, b: DVec3, share: f64) -> DVec3 {
     a + (b - a) * share
 }
 
-/// The middle joint of a limb: `upper` from `from` and `lower` from `to` [m], on the side of
+/// The middle joint of a limb: `upper` from `from` and `lower` from `to` (m), on the side of
 /// `towards`. If the limb is too short it is stretched.
 pub(super) fn joint(from: DVec3, to: DVec3, upper: f64, lower: f64, towards: DVec3) -> DVec3 {
     let reach = to - from;

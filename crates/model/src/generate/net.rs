@@ -130,7 +130,7 @@ impl Net {
         Self { rows: self.rows.clone(), cols: self.cols.clone(), points }
     }
 
-    /// Middle of the box of the control points, and the length of its diagonal [m].
+    /// Middle of the box of the control points, and the length of its diagonal (m).
     pub(super) fn extent(&self) -> (DVec3, f64) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) =

@@ -34,7 +34,7 @@ pub(super) struct Ruler {
     edges: Vec<usize>,
 }
 
-/// Cost of a stretch of this length [m] that turns by this angle [rad].
+/// Cost of a stretch of this length (m) that turns by this angle [rad].
 pub(super) fn stretch(length: f64, turned: f64) -> f64 {
     length + BEND * (length * turned).sqrt()
 }
@@ -104,7 +104,7 @@ impl Ruler {
         Self { marks, edges: sharp.into_iter().map(|corner| corner * STEPS).collect() }
     }
 
-    /// Cost of the whole range [m].
+    /// Cost of the whole range (m).
     pub(super) fn total(&self) -> f64 {
         self.marks.last().map_or(0.0, |mark| mark.1)
     }

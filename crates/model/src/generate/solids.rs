@@ -4,7 +4,7 @@ use super::net::{Axis, Net};
 use super::surface::Surface;
 use geometry::DVec3;
 
-/// Shorthand for a point [m].
+/// Shorthand for a point (m).
 pub(super) fn at(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
@@ -70,7 +70,7 @@ pub(super) fn hull_surface(net: &Net, low: f64, high: f64) -> Surface {
     Surface::Tube { net: net.clone(), corners: [low, high, end - high, end - low] }
 }
 
-/// A ring of a tube: centre, radius towards the side, radius across it [m].
+/// A ring of a tube: centre, radius towards the side, radius across it (m).
 pub(super) type Ring = (DVec3, f64, f64);
 
 /// How much farther out the control points of a round ring of 8 lie than the ring.
@@ -113,7 +113,7 @@ pub(super) fn tube(path: &[Ring], side: DVec3) -> Surface {
     Surface::Tube { net, corners: [0.0, 2.0, 4.0, 6.0] }
 }
 
-/// A straight or bent rod of one radius, with flat ends [m].
+/// A straight or bent rod of one radius, with flat ends (m).
 pub(super) fn rod(path: &[DVec3], radius: f64) -> Surface {
     let heading = path[path.len() - 1] - path[0];
     let side = if heading.y.abs() > 0.7 * heading.length() { DVec3::X } else { DVec3::Y };
@@ -121,7 +121,7 @@ pub(super) fn rod(path: &[DVec3], radius: f64) -> Surface {
     tube(&rings, side)
 }
 
-/// A solid of revolution: radii at places along `axis` from `centre` [m].
+/// A solid of revolution: radii at places along `axis` from `centre` (m).
 pub(super) fn turned(centre: DVec3, axis: DVec3, profile: &[(f64, f64)]) -> Surface {
     let side = if axis.y.abs() > 0.7 { DVec3::X } else { DVec3::Y };
     let a = (side - axis * side.dot(axis)).normalize_or_zero();
@@ -183,7 +183,7 @@ pub(super) fn block(centre: DVec3, half: DVec3, round: f64) -> Surface {
     Surface::Tube { net, corners: [1.0, 4.0, 7.0, 10.0] }
 }
 
-/// A tyre around a wheel whose axle points along y: outer radius, radius of the rim, width [m].
+/// A tyre around a wheel whose axle points along y: outer radius, radius of the rim, width (m).
 pub(super) fn tyre(centre: DVec3, radius: f64, rim: f64, width: f64) -> Surface {
     let (w, step) = (width / 2.0, 0.3 * (radius - rim));
     let section = [

@@ -31,7 +31,7 @@ impl Splits {
 /// Vertices and triangles of all components so far.
 #[derive(Debug)]
 pub(super) struct Soup {
-    /// Vertices [m].
+    /// Vertices (m).
     pub(super) vertices: Vec<DVec3>,
     /// Triangles: three vertices, counter-clockwise seen from outside.
     pub(super) triangles: Vec<[u32; 3]>,

@@ -30,7 +30,7 @@ pub(super) struct Pad {
     pub(super) corners: [(f64, f64); 4],
     /// How far the corners are rounded: 0 square, 1 elliptic.
     pub(super) round: f64,
-    /// How far it stands out of the surface, and how far it reaches in [m].
+    /// How far it stands out of the surface, and how far it reaches in (m).
     pub(super) height: [f64; 2],
 }
 
@@ -56,7 +56,7 @@ pub(super) enum Rulers {
     Tube { along: Ruler, around: [Ruler; 4] },
     /// Both ways around.
     Torus { rows: Ruler, cols: Ruler },
-    /// Cost of width and height of the patch [m]; its lines are evenly spaced.
+    /// Cost of width and height of the patch (m); its lines are evenly spaced.
     Pad { width: f64, height: f64 },
 }
 

@@ -33,7 +33,7 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]))
 }
 
-/// Least area [m²] and volume [m³].
+/// Least area (m²) and volume [m³].
 fn area_and_volume(mesh: &Mesh) -> (f64, f64) {
     mesh.corners.iter().fold((f64::INFINITY, 0.0), |(least, volume), c| {
         let [a, b, c] = c.map(wide);
