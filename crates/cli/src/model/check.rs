@@ -65,7 +65,7 @@ pub(super) fn run(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure
                 fault: None,
                 help: None,
             },
-            // Not the file's fault, but the machine's or ours: the other files would fare no better.
+            // Not the file's fault, but the machine's or ours: the others would fare no better.
             Err(failure) if failure.code != Code::Input => return Err(failure),
             Err(failure) => Verdict {
                 file: path.display().to_string(),

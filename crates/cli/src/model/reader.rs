@@ -26,7 +26,7 @@ use std::path::Path;
 
 /// A megabyte of `--memory-mb`.
 const MB: u64 = 1 << 20;
-/// Memory that reading takes at most, if nothing was said `[MB]`: room for any mesh that is allowed,
+/// Memory that reading takes at most, if nothing was said `[MB]`: room for millions of triangles,
 /// and not all of a small computer.
 const MEMORY_MB: [u64; 2] = [2048, 8192];
 /// Memory for each byte of the file: a million triangles as OBJ, PLY or STL took at most 11.
@@ -220,7 +220,7 @@ fn hear(words: PipeReader, output: &Output) -> Option<(Word, file::Aligned)> {
     }
 }
 
-/// The start of what a child says on stderr; the rest is read and forgotten, so that it never waits.
+/// The start of what a child says on stderr; the rest is read, so that it never waits, and lost.
 fn start_of(mut complaints: PipeReader) -> String {
     let mut start = Vec::new();
     // A pipe that breaks says no more.
