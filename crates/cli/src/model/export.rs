@@ -17,7 +17,8 @@ Examples:
   trolley model export car.trolley -o car.obj
 
 Triangles stand in the order of their source ids, with their exact coordinates, in metres,
-x forward, y left, z up: importing the file with --up z --forward x gives the same triangles again.";
+x forward, y left, z up: importing the file with --up z --forward x gives the same triangles
+again.";
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ExportArgs {
