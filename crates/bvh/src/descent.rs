@@ -31,8 +31,8 @@ impl<'a> Descent<'a> {
     }
 
     /// Opens the node of `pair` on `side`, which is no leaf: tells `keep` the right pair below,
-    /// then the left one, where their boxes overlap; so on a stack the left one comes to lie on top.
-    /// Two tests, for which the box of the other side is made ready once.
+    /// then the left one, where their boxes overlap; so on a stack the left one comes to lie on
+    /// top. Two tests, for which the box of the other side is made ready once.
     #[inline]
     pub(crate) fn open(
         &self,

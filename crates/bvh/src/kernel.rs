@@ -103,7 +103,8 @@ pub struct Outcome {
     pub zones_a: u16,
     /// Zones of B's hit triangles; 0 if only `Touches` was asked.
     pub zones_b: u16,
-    /// Supports of the contact, A's frame, in metres; empty unless `Pairs` was asked with directions.
+    /// Supports of the contact, A's frame, in metres; empty unless `Pairs` was asked with
+    /// directions.
     pub supports: Supports,
 }
 

@@ -7,8 +7,8 @@
 use geometry::{Aabb, DVec3};
 use model::BodyView;
 
-/// The greatest `x·d`, in metres, over all corners of the body, in its own frame; negative infinity for a
-/// body without a tree.
+/// The greatest `x·d`, in metres, over all corners of the body, in its own frame; negative infinity
+/// for a body without a tree.
 ///
 /// `x·d` is `(x d_x + y d_y) + z d_z` in f64 from the stored f32. A zero is +0.
 #[must_use]

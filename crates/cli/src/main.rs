@@ -1,8 +1,8 @@
 //! `trolley`: which of several unavoidable collisions does least harm, and how sure that is.
 //!
 //! One binary plays every role: the command line for people, the coordinator of a request, and, as
-//! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to stderr.
-//! Exit codes are those of [`failure::Code`].
+//! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to
+//! stderr. Exit codes are those of [`failure::Code`].
 
 mod args;
 mod bodies;

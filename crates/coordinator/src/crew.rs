@@ -354,7 +354,8 @@ impl Crew {
         let mut progress = self.dispatcher.step(event, work, effects);
         while let Some(Effect::Send { to, jobs }) = effects.pop() {
             let Err(error) = self.send(to, &jobs, work) else { continue };
-            // No queue is ever overfilled, so the channel is broken, or its worker was buried since.
+            // No queue is ever overfilled, so the channel is broken, or its worker was buried
+            // since.
             let station = &mut self.stations[usize::from(to.worker)];
             if station.is_alive() {
                 station.kill(&format!("its job channel broke ({error})"));

@@ -4,7 +4,8 @@
 //! Scenario + bodies --Request::new--> Request --Work::new--> tasks --front--> jobs
 //!                                                  ^                           |  Crew::run: four
 //!                                                  |  follow-up tasks          |  worker processes
-//!                                                  +---------- fold <--hits----+  run_here: this one
+//!                                                  +---------- fold <--hits----+  run_here: in
+//!                                                                this process
 //! Work::finish --> damage::assess, damage::rank --> Answer
 //! ```
 //!

@@ -1,8 +1,8 @@
 //! The ledger of logical section transfer: bytes of sections that a job needed and its core did not
 //! hold yet.
 //!
-//! Residency changes when a job is assigned, starts empty, lives across tasks and candidates, and is
-//! lost with the worker. It has no capacity limit yet: nothing is evicted.
+//! Residency changes when a job is assigned, starts empty, lives across tasks and candidates, and
+//! is lost with the worker. It has no capacity limit yet: nothing is evicted.
 
 use protocol::Section;
 

@@ -15,8 +15,8 @@ pub struct CoreView {
 
 /// A match scheme.
 pub trait Scheme {
-    /// The core for the next job, among the eligible ones; `None` if there is none, and then the job
-    /// waits. `capacity` is the queue size of a core, in jobs.
+    /// The core for the next job, among the eligible ones; `None` if there is none, and then the
+    /// job waits. `capacity` is the queue size of a core, in jobs.
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize>;
 }
 

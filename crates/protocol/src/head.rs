@@ -4,8 +4,8 @@
 //! |--:|---|---|
 //! | 0 | magic, layout: u32 | what this is and which version of it |
 //! | 8 | boot, request: u64 | which run, which request |
-//! | 24 | inc, seq, job, len: u32 | incarnation of the worker's end; +1 per message; job (0 in a batch); payload words |
-//! | 40 | part, count: u16 | number of this part, from 0; jobs in a batch, or 1 in the last part of a result, else 0 |
+//! | 24 | inc, seq, job, len: u32 | incarnation; +1 per message; job (batch: 0); payload words |
+//! | 40 | part, count: u16 | part, from 0; jobs in a batch, 1 in the last part of a result |
 //! | 44 | attempt, worker, kind, flags: u8 | of the job; of the worker's end; [`Kind`]; 0 |
 //! | 48 | hits: u32, spare: u32 | hits in this part; 0 |
 //! | 56 | crc: u64 | CRC-64/NVME over header (crc = 0) and payload |

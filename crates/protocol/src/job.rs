@@ -90,7 +90,8 @@ pub fn write_batch(words: &mut Vec<u64>, tasks: &[Task], jobs: &[Job]) {
     words.extend_from_slice(bytemuck::cast_slice(jobs));
 }
 
-/// Reads a batch; `None` if the counts do not fit the words, or a job names a task that is not here.
+/// Reads a batch; `None` if the counts do not fit the words, or a job names a task that is not
+/// here.
 #[must_use]
 pub fn read_batch(words: &[u64]) -> Option<(&[Task], &[Job])> {
     let (counts, rest) = words.split_first()?;

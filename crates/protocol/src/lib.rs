@@ -1,13 +1,13 @@
 //! Plain-data messages between the processes, and the names of things in them.
 //!
 //! Every message is a slice of 64-bit words behind a 64-byte [`Head`]; what the words mean is said
-//! by [`job`] (coordinator to worker) and [`result`] (worker to coordinator). The [`status`] page is
-//! the one thing that both sides may look at while it changes.
+//! by [`job`] (coordinator to worker) and [`result`] (worker to coordinator). The [`status`] page
+//! is the one thing that both sides may look at while it changes.
 //!
 //! # Invariants
 //!
-//! - Every bit pattern of a message is a value: no padding, no `bool`, no `enum`, no pointer. What a
-//!   peer scribbled is a wrong value at worst, and [`Head::accept`] turns it away.
+//! - Every bit pattern of a message is a value: no padding, no `bool`, no `enum`, no pointer. What
+//!   a peer scribbled is a wrong value at worst, and [`Head::accept`] turns it away.
 //! - Layouts are pinned by assertions beside the types; [`LAYOUT`] names them all.
 //! - This crate does no I/O and reads no clock. It does not know what a triangle is.
 

@@ -1,9 +1,9 @@
 //! What a worker answers: the hits of one job, in one or several parts.
 //!
-//! A part is hits alone; the last part ends with the job's [`Summary`] and, if pairs were asked for,
-//! its supports: a worker writes hits straight into shared memory before it knows which part will
-//! be the last. A hit is a triangle in leaf order with its body in the top bit, each at most once
-//! per job; two of them share a word.
+//! A part is hits alone; the last part ends with the job's [`Summary`] and, if pairs were asked
+//! for, its supports: a worker writes hits straight into shared memory before it knows which part
+//! will be the last. A hit is a triangle in leaf order with its body in the top bit, each at most
+//! once per job; two of them share a word.
 //!
 //! ```text
 //! words of a part:      [hit | hit << 32]...
@@ -132,7 +132,8 @@ pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
 
 /// Writes the hit number `at` of a part, counted from 0; hits are written in order.
 ///
-/// `false` if there is no room for it with [`TAIL_WORDS`] left behind, and then nothing was written.
+/// `false` if there is no room for it with [`TAIL_WORDS`] left behind, and then nothing was
+/// written.
 pub fn write_hit(words: &mut [u64], at: usize, hit: u32) -> bool {
     if at / 2 + 1 + TAIL_WORDS > words.len() {
         return false;

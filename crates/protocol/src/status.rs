@@ -2,8 +2,8 @@
 //!
 //! Each worker has one line that it alone writes, and one that the coordinator alone writes for it;
 //! 128 bytes each, so that two cores never fight for a line (adjacent-line prefetch included).
-//! Everything is an atomic: a reader sees a value or the next one, never half of one. All zeros is a
-//! valid page.
+//! Everything is an atomic: a reader sees a value or the next one, never half of one. All zeros is
+//! a valid page.
 
 use crate::WORKERS_MAX;
 use crate::id::{Incarnation, JobId};

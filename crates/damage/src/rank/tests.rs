@@ -193,8 +193,8 @@ fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
     assert!(matches!(why, Ground::TieBreak { by: TieBreak::Request, .. }), "{why:?}");
 }
 
-/// Whether the second candidate passes the first step hangs on the open third, which itself falls out
-/// at the second: so the tie-break may not take the second for sure, though both are finished.
+/// Whether the second candidate passes the first step hangs on the open third, which itself falls
+/// out at the second: so the tie-break may not take the second for sure, though both are finished.
 #[test]
 fn a_tie_break_certifies_only_who_was_surely_kept() {
     let with = |ends: &[(f64, f64)], energy_j: f64| {
