@@ -103,7 +103,9 @@ impl From<worker::WorkerError> for Failure {
             worker::WorkerError::Open(open) if open.is_skew() => Code::Skew,
             worker::WorkerError::Open(_) => Code::Resources,
             worker::WorkerError::System(_) => Code::System,
-            worker::WorkerError::Use(_) | worker::WorkerError::Store(_) => Code::Internal,
+            worker::WorkerError::Use(_)
+            | worker::WorkerError::Batch(_)
+            | worker::WorkerError::Store(_) => Code::Internal,
         };
         Self::new(code, chain(&error))
     }

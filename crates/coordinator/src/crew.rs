@@ -429,9 +429,8 @@ impl Crew {
         let progress = match taken {
             Ok(Some(Ok(head))) => Some(self.handle(number, &head, &scratch, work, effects)),
             Ok(Some(Err(reject))) => {
-                tracing::warn!(worker = number, %reject, "message turned away");
-                self.rejected += 1;
-                Some(Progress::Working)
+                self.distrust(number, &reject.to_string());
+                Some(self.step(Event::Poll, work, effects))
             }
             Ok(None) | Err(_) => None,
         };
@@ -459,7 +458,7 @@ impl Crew {
                     None => read_hits(words, head.hits),
                 };
                 let Some(hits) = hits else {
-                    self.rejected += 1;
+                    self.distrust(number, "counts that do not fit");
                     return self.step(Event::Poll, work, effects);
                 };
                 let last = last.flatten();
@@ -482,6 +481,14 @@ impl Crew {
             }
             Some(Kind::Hello | Kind::Batch) | None => self.step(Event::Poll, work, effects),
         }
+    }
+
+    /// A message was turned away: what it held is not known, so its sender ends, and all that it had
+    /// goes to the others. Nothing stays leased for ever.
+    fn distrust(&mut self, number: usize, why: &str) {
+        tracing::warn!(worker = number, why, "message turned away: killing its sender");
+        self.rejected += 1;
+        self.stations[number].kill(&format!("sent a message that was turned away: {why}"));
     }
 
     /// Looks at every worker's pulse, and kills who stands still.

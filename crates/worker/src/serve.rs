@@ -7,7 +7,7 @@ use crossbeam::utils::Backoff;
 use geometry::{Directions, RelativePose};
 use model::{BodyView, Meta, store};
 use protocol::result::End;
-use protocol::{Head, Job, Kind, Launch, RequestId, State, Task, job, launch};
+use protocol::{Head, Job, Kind, Launch, Reject, RequestId, State, Task, job, launch};
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use transport::{Domain, Sizes, UseError, WorkerLink};
@@ -27,6 +27,9 @@ pub enum WorkerError {
     /// The channels broke.
     #[error("the channel to the coordinator broke: {0}")]
     Use(#[from] UseError),
+    /// A batch was turned away. Ending is the way to give its jobs back.
+    #[error("a batch of jobs was turned away: {0}")]
+    Batch(Reject),
     /// The model store cannot be read.
     #[error("model store: {0}")]
     Store(#[from] model::file::FileError),
@@ -114,15 +117,9 @@ impl<'w> Desk<'w> {
             }
             match link.jobs.take(words)? {
                 Some(Ok(head)) if head.kind == Kind::Batch as u8 => return Ok(Some(head)),
-                Some(Ok(head)) => {
-                    tracing::warn!(kind = head.kind, "not a batch: dropped");
-                    continue;
-                }
-                Some(Err(reject)) => {
-                    // Its jobs' leases end with the request; a flipped bit is no reason to guess.
-                    tracing::warn!(%reject, "batch turned away");
-                    continue;
-                }
+                // Its jobs would stay leased for ever; a worker that ends gives them back.
+                Some(Ok(_)) => return Err(WorkerError::Batch(Reject::Foreign)),
+                Some(Err(reject)) => return Err(WorkerError::Batch(reject)),
                 None => {}
             }
             if !backoff.is_completed() {
@@ -132,16 +129,13 @@ impl<'w> Desk<'w> {
             line.sleeping.store(1, Ordering::SeqCst);
             // A coordinator that did not see the flag has changed the word since `seen`.
             let _woken = futex::wait(&coordinator.wake, seen, Some(NAP_NS));
+            // No beat: a worker that sleeps while it should have jobs must look silent.
             line.sleeping.store(0, Ordering::SeqCst);
-            line.beat.fetch_add(1, Ordering::Relaxed);
         }
     }
 
     fn work_off(&mut self, head: &Head, words: &[u64]) -> Result<(), WorkerError> {
-        let Some((tasks, jobs)) = job::read_batch(words) else {
-            tracing::warn!("batch with counts that do not fit: dropped");
-            return Ok(());
-        };
+        let (tasks, jobs) = job::read_batch(words).ok_or(WorkerError::Batch(Reject::Length))?;
         let request = RequestId(head.request);
         let mut prepared: Option<(u32, Directions)> = None;
         for job in jobs {
