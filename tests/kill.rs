@@ -46,7 +46,7 @@ fn start(path: &str, workers: usize, extra: &[&str]) -> Option<Started> {
         .spawn()
         .unwrap();
     let Some(workers) = workers_at_work(&mut child, workers) else {
-        child.wait().unwrap();
+        child.wait_with_output().unwrap();
         return None;
     };
     Some(Started { child, instance, workers })

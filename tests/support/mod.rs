@@ -166,14 +166,18 @@ pub(crate) fn signal(pid: u32, signal: rustix::process::Signal) {
     let _gone = rustix::process::kill_process(pid, signal);
 }
 
-/// Waits until a started run has so many workers, and each of them has worked.
+/// Waits until a started run has so many workers, and each of them has worked; `None` if it was
+/// done before. It may then wait for somebody to read its output: use `wait_with_output`.
 pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>> {
     let pid = run.id();
+    let mut most = 0;
     wait_for(60_000, || {
-        if run.try_wait().unwrap().is_some() {
+        let workers = children(pid);
+        let is_over = workers.is_empty() && most > 0;
+        if is_over || run.try_wait().unwrap().is_some() {
             return Some(None);
         }
-        let workers = children(pid);
+        most = most.max(workers.len());
         let ticks: Vec<u64> = workers.iter().filter_map(|worker| cpu_ticks(*worker)).collect();
         let working = ticks.iter().all(|t| *t >= 1) && ticks.iter().sum::<u64>() >= 8;
         (ticks.len() == count && working).then_some(Some(workers))
