@@ -483,8 +483,8 @@ impl Crew {
         }
     }
 
-    /// A message was turned away: what it held is not known, so its sender ends, and all that it had
-    /// goes to the others. Nothing stays leased for ever.
+    /// A message was turned away: what it held is not known, so its sender ends, and all that it
+    /// had goes to the others. Nothing stays leased for ever.
     fn distrust(&mut self, number: usize, why: &str) {
         tracing::warn!(worker = number, why, "message turned away: killing its sender");
         self.rejected += 1;

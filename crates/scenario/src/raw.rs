@@ -38,7 +38,7 @@ pub(crate) struct Scenario {
     /// File of injury risk curves, relative to this file. Default: the curves of the program.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) curves: Option<String>,
-    /// Time for the answer (ms), from the acceptance of the request. Default: none.
+    /// Time for the answer [ms], from the acceptance of the request. Default: none.
     #[schemars(range(min = limit::DEADLINE_MS.least, max = limit::DEADLINE_MS.most))]
     pub(crate) deadline_ms: Option<f64>,
     /// Which party is the automated vehicle. Default "ego".
@@ -64,7 +64,7 @@ pub(crate) struct Party {
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) file: Option<String>,
     pub(crate) generate: Option<Table<Generate>>,
-    /// Mass (kg). Default: that of the model.
+    /// Mass [kg]. Default: that of the model.
     #[schemars(range(min = limit::MASS_KG.least, max = limit::MASS_KG.most))]
     pub(crate) mass_kg: Option<f64>,
     /// Who is inside, by seat; an empty list: nobody. Default: what the model says.
@@ -118,7 +118,7 @@ pub(crate) struct Candidate {
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [{"required": ["speed_m_s"]}, {"required": ["velocity_m_s"]}]))]
 pub(crate) struct Ego {
-    /// Origin of the body in the world (m): x, y, z.
+    /// Origin of the body in the world [m]: x, y, z.
     #[schemars(length(equal = 3),
         inner(range(min = limit::POSITION_M.least, max = limit::POSITION_M.most)))]
     pub(crate) position_m: Vec<f64>,
@@ -131,10 +131,10 @@ pub(crate) struct Ego {
     /// Turn about x, left side up positive [degrees]. Default 0.
     #[schemars(range(min = limit::ROLL_DEG.least, max = limit::ROLL_DEG.most))]
     pub(crate) roll_deg: Option<f64>,
-    /// Speed along the heading, in the ground plane (m/s); negative: backwards.
+    /// Speed along the heading, in the ground plane [m/s]; negative: backwards.
     #[schemars(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most))]
     pub(crate) speed_m_s: Option<f64>,
-    /// Velocity in the world, in the ground plane (m/s): x, y.
+    /// Velocity in the world, in the ground plane [m/s]: x, y.
     #[schemars(length(equal = 2),
         inner(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most)))]
     pub(crate) velocity_m_s: Option<Vec<f64>>,
@@ -147,7 +147,7 @@ pub(crate) struct Ego {
 pub(crate) struct Other {
     /// Name of the party; not the ego.
     pub(crate) party: String,
-    /// Origin of the body in the world (m): x, y, z.
+    /// Origin of the body in the world [m]: x, y, z.
     #[schemars(length(equal = 3),
         inner(range(min = limit::POSITION_M.least, max = limit::POSITION_M.most)))]
     pub(crate) position_m: Vec<f64>,
@@ -160,10 +160,10 @@ pub(crate) struct Other {
     /// Turn about x, left side up positive [degrees]. Default 0.
     #[schemars(range(min = limit::ROLL_DEG.least, max = limit::ROLL_DEG.most))]
     pub(crate) roll_deg: Option<f64>,
-    /// Speed along the heading, in the ground plane (m/s); negative: backwards.
+    /// Speed along the heading, in the ground plane [m/s]; negative: backwards.
     #[schemars(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most))]
     pub(crate) speed_m_s: Option<f64>,
-    /// Velocity in the world, in the ground plane (m/s): x, y.
+    /// Velocity in the world, in the ground plane [m/s]: x, y.
     #[schemars(length(equal = 2),
         inner(range(min = limit::SPEED_M_S.least, max = limit::SPEED_M_S.most)))]
     pub(crate) velocity_m_s: Option<Vec<f64>>,
