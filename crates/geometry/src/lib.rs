@@ -14,6 +14,7 @@
 pub mod aabb;
 pub mod hash;
 pub mod pose;
+pub mod simd;
 pub mod support;
 pub mod triangle;
 
