@@ -12,6 +12,7 @@
 //! - Boxes only ever grow when rounded: no intersecting pair lies outside of them.
 
 pub mod aabb;
+pub mod batch;
 pub mod hash;
 pub mod pose;
 pub mod simd;
@@ -19,6 +20,7 @@ pub mod support;
 pub mod triangle;
 
 pub use aabb::{Aabb, Bounds};
+pub use batch::Batch;
 pub use glam::{DMat3, DVec3};
 pub use pose::{Pose, RelativePose};
 pub use support::{Directions, Supports};
