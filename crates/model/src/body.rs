@@ -1,6 +1,7 @@
 //! What a body is made of: a mesh in source order, and a body in leaf order with its tree.
 
 use crate::meta::Meta;
+use crate::wide::{Wide, WideNode};
 use bytemuck::{Pod, Zeroable};
 use geometry::{Aabb, Corners};
 
@@ -61,6 +62,8 @@ pub struct Body {
     pub meta: Meta,
     /// The tree, preorder; the root is node 0.
     pub nodes: Vec<Node>,
+    /// The same tree, eight boxes at a time.
+    pub wide: Wide,
     /// Triangles in leaf order.
     pub corners: Vec<Corners>,
     /// Per triangle: source id.
@@ -78,6 +81,10 @@ pub struct Body {
 pub struct BodyView<'a> {
     /// The tree, preorder; the root is node 0.
     pub nodes: &'a [Node],
+    /// The same tree, eight boxes at a time; the first stands for the root.
+    pub wide: &'a [WideNode],
+    /// Per node of the tree: the wide node in which it is ([`Wide::of`]).
+    pub wide_of: &'a [u32],
     /// Triangles in leaf order.
     pub corners: &'a [Corners],
     /// Per triangle: source id.
@@ -96,6 +103,8 @@ impl Body {
     pub fn view(&self) -> BodyView<'_> {
         BodyView {
             nodes: &self.nodes,
+            wide: &self.wide.nodes,
+            wide_of: &self.wide.of,
             corners: &self.corners,
             source_ids: &self.source_ids,
             part_of: &self.part_of,

@@ -7,9 +7,10 @@
 //!        16  length     8   of the whole file, a multiple of 64
 //!        24  meta       8   length of the encoded Meta
 //!        32  hash      32   BLAKE3 of the file with this field zero
-//!        64  table      6 × 32: tag, element size, offset, count, spare
-//!       256  Meta       [`crate::codec`], then zeros up to a multiple of 64
-//!         -  arrays     nodes, corners, source ids, parts, zones, dropped, each 64-aligned
+//!        64  table      8 × 32: tag, element size, offset, count, spare
+//!       320  Meta       [`crate::codec`], then zeros up to a multiple of 64
+//!         -  arrays     nodes, wide nodes, wide of node, corners, source ids, parts, zones,
+//!                       dropped, each 64-aligned
 //! ```
 //!
 //! All numbers are little-endian. [`view`] checks everything that a later walk relies on, so that a
@@ -28,14 +29,15 @@ pub use check::{COORDINATE_MAX_M, check_body};
 pub const MAGIC: [u8; 8] = *b"TROLLEY\n";
 
 /// Version of the layout and of [`Meta`]. Another version is refused, never guessed at.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Alignment of the arrays and of the file itself, in bytes: one cache line.
 pub const ALIGN: usize = 64;
 
-const SECTIONS: usize = 6;
-const NAMES: [&str; SECTIONS] = ["nodes", "corners", "source ids", "parts", "zones", "dropped"];
-const ELEMENT_BYTES: [usize; SECTIONS] = [32, 36, 4, 2, 2, 8];
+const SECTIONS: usize = 8;
+const NAMES: [&str; SECTIONS] =
+    ["nodes", "wide nodes", "wide of node", "corners", "source ids", "parts", "zones", "dropped"];
+const ELEMENT_BYTES: [usize; SECTIONS] = [32, 256, 4, 36, 4, 2, 2, 8];
 const TABLE_AT: usize = size_of::<Head>();
 const META_AT: usize = TABLE_AT + SECTIONS * size_of::<Section>();
 
@@ -159,6 +161,8 @@ pub fn encode(body: &Body) -> Result<Vec<u8>, FileError> {
         codec::encode(&body.meta).map_err(|fault| malformed("metadata", fault.to_string()))?;
     let arrays: [&[u8]; SECTIONS] = [
         bytemuck::cast_slice(&body.nodes),
+        bytemuck::cast_slice(&body.wide.nodes),
+        bytemuck::cast_slice(&body.wide.of),
         bytemuck::cast_slice(&body.corners),
         bytemuck::cast_slice(&body.source_ids),
         bytemuck::cast_slice(&body.part_of),
@@ -250,11 +254,13 @@ pub fn quick_view(bytes: &[u8]) -> Result<(Meta, BodyView<'_>), FileError> {
     }
     let body = BodyView {
         nodes: cast(arrays[0], 0)?,
-        corners: cast(arrays[1], 1)?,
-        source_ids: cast(arrays[2], 2)?,
-        part_of: cast(arrays[3], 3)?,
-        zones: cast(arrays[4], 4)?,
-        dropped: cast(arrays[5], 5)?,
+        wide: cast(arrays[1], 1)?,
+        wide_of: cast(arrays[2], 2)?,
+        corners: cast(arrays[3], 3)?,
+        source_ids: cast(arrays[4], 4)?,
+        part_of: cast(arrays[5], 5)?,
+        zones: cast(arrays[6], 6)?,
+        dropped: cast(arrays[7], 7)?,
     };
     Ok((meta, body))
 }

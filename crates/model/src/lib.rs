@@ -20,7 +20,9 @@ pub mod side;
 pub mod store;
 #[cfg(test)]
 mod testing;
+pub mod wide;
 pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones};
 pub use meta::{Build, Kind, Meta, Seat};
+pub use wide::{Wide, WideNode};

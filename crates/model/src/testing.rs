@@ -1,7 +1,7 @@
 //! Bodies for tests: a tree built the dumbest way that is a tree.
 
 use crate::meta::{Build, Kind, Meta};
-use crate::{Body, Mesh, Node, Zones};
+use crate::{Body, Mesh, Node, Wide, Zones};
 use geometry::{Aabb, Corners};
 
 /// A body whose tree halves the triangles in source order, leaves of one or two.
@@ -26,6 +26,7 @@ pub(crate) fn body_of(mesh: &Mesh) -> Body {
             leaf_size: 2,
             depth,
         },
+        wide: Wide::of(&nodes, &mesh.corners),
         nodes,
         corners: mesh.corners.clone(),
         source_ids: mesh.source_ids.clone(),

@@ -5,7 +5,7 @@
 //! intersecting pair can hide behind a wrong one.
 
 use super::{FileError, malformed};
-use crate::{BodyView, Meta};
+use crate::{BodyView, Meta, Wide};
 use geometry::Aabb;
 
 /// Greatest distance of a coordinate from its body's origin, in metres.
@@ -19,12 +19,13 @@ pub const COORDINATE_MAX_M: f32 = 1.0e6;
 ///
 /// If an array has the wrong length, a coordinate is not finite or beyond [`COORDINATE_MAX_M`], the
 /// nodes are not one tree in preorder whose leaves partition the triangles, a box is not the box of
-/// what it holds, a part or source id does not exist, or the metadata states other than what is.
+/// what it holds, the wide tree is not the one that follows, a part or source id does not exist, or the metadata states other than what is.
 pub fn check_body(meta: &Meta, body: &BodyView<'_>) -> Result<(), FileError> {
     check_lengths(body)?;
     check_corners(body)?;
     let tree = check_tree(body)?;
     check_boxes(body)?;
+    check_wide(body)?;
     check_ids(meta, body)?;
     check_meta(meta, body, tree)
 }
@@ -124,6 +125,15 @@ fn check_boxes(body: &BodyView<'_>) -> Result<(), FileError> {
         if node.bounds != exact {
             return Err(malformed("nodes", format!("node {at} has a wrong box")));
         }
+    }
+    Ok(())
+}
+
+/// The binary tree is sound here, so the wide one can be made from it again.
+fn check_wide(body: &BodyView<'_>) -> Result<(), FileError> {
+    let wide = Wide::of(body.nodes, body.corners);
+    if body.wide != wide.nodes || body.wide_of != wide.of {
+        return Err(malformed("wide nodes", "they do not follow from the nodes"));
     }
     Ok(())
 }

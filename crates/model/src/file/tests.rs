@@ -1,6 +1,7 @@
 //! What was written comes back; what was damaged, cut or bent does not.
 
 use super::*;
+use crate::Wide;
 use crate::meta::Meta;
 use crate::testing::{body_of, mesh_of, strip};
 use geometry::Corners;
@@ -20,6 +21,7 @@ fn opened(bytes: &[u8]) -> Result<(Meta, Body), FileError> {
     let body = Body {
         meta: meta.clone(),
         nodes: view.nodes.to_vec(),
+        wide: Wide { nodes: view.wide.to_vec(), of: view.wide_of.to_vec() },
         corners: view.corners.to_vec(),
         source_ids: view.source_ids.to_vec(),
         part_of: view.part_of.to_vec(),

@@ -1,0 +1,216 @@
+//! The wide tree: the binary tree with several levels at a time, for tests of eight boxes at once.
+//!
+//! Every wide node stands for one node of the binary tree, its *root*. Where that holds more than
+//! eight triangles and is no leaf, it is opened, then the largest of what came out, until there are
+//! eight: these are the lanes. Anything smaller is a wide leaf, whose lanes are triangles.
+//! (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*, IEEE Symposium on Interactive Ray
+//! Tracing 2008, collapse binary trees in the same way.)
+//!
+//! It follows from nodes and triangles alone, so [`crate::file`] checks it by making it anew. It is
+//! stored all the same: a mapped file is ready to be walked.
+
+use crate::Node;
+use bytemuck::{Pod, Zeroable};
+use geometry::{Aabb, Corners};
+
+/// Lanes of a wide node.
+pub const LANES: usize = 8;
+
+/// Eight boxes side by side, 256 bytes.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct WideNode {
+    /// Least x, y, z of each lane, body frame (m). An empty lane is inverted and infinite.
+    pub min: [[f32; LANES]; 3],
+    /// Greatest x, y, z of each lane (m).
+    pub max: [[f32; LANES]; 3],
+    /// Interior: the lane's wide node. Leaf: the lane's triangle. Empty: 0.
+    pub link: [u32; LANES],
+    /// The box of all lanes; of a leaf of several nodes, of all of them.
+    pub bounds: Aabb,
+    /// The node of the binary tree that this one stands for.
+    pub root: u32,
+    /// Leaf: how many triangles there are in this node and those that follow of the same leaf, at
+    /// least 1: more than eight mean that the leaf goes on in the next node. Interior: 0.
+    pub count: u32,
+}
+
+const _: () = assert!(size_of::<WideNode>() == 256);
+
+impl WideNode {
+    /// No lane is in use.
+    pub const EMPTY: Self = Self {
+        min: [[f32::INFINITY; LANES]; 3],
+        max: [[f32::NEG_INFINITY; LANES]; 3],
+        link: [0; LANES],
+        bounds: Aabb::EMPTY,
+        root: 0,
+        count: 0,
+    };
+
+    /// Whether its lanes are triangles.
+    #[must_use]
+    pub fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+
+    /// Puts a box and what it stands for into a lane.
+    pub fn set(&mut self, lane: usize, bounds: &Aabb, link: u32) {
+        for axis in 0..3 {
+            self.min[axis][lane] = bounds.min[axis];
+            self.max[axis][lane] = bounds.max[axis];
+        }
+        self.link[lane] = link;
+    }
+
+    /// Makes a lane empty.
+    pub fn clear(&mut self, lane: usize) {
+        self.set(lane, &Aabb::EMPTY, 0);
+    }
+
+    /// Whether nothing is in the lane.
+    #[must_use]
+    pub fn is_empty(&self, lane: usize) -> bool {
+        self.min[0][lane] > self.max[0][lane]
+    }
+}
+
+/// The wide nodes of a binary tree.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wide {
+    /// The wide nodes. The first one stands for the root of the whole tree.
+    pub nodes: Vec<WideNode>,
+    /// Per node of the binary tree: the wide node in which it is. That is its own if it is the
+    /// root of one, else that of which it is an opened node or below whose leaf it lies.
+    pub of: Vec<u32>,
+}
+
+impl Wide {
+    /// Collapses the binary tree over `corners`, both as a body has them.
+    ///
+    /// Time is linear in the number of nodes and triangles.
+    ///
+    /// # Panics
+    ///
+    /// If the nodes are not a tree over these triangles, as [`crate::file::check_body`] holds.
+    #[must_use]
+    pub fn of(nodes: &[Node], corners: &[Corners]) -> Self {
+        if nodes.is_empty() {
+            return Self::default();
+        }
+        let below = below(nodes);
+        let blocks = |root: usize| {
+            let whole = if is_wide_leaf(nodes, &below, root) { below[root].triangles } else { 1 };
+            (whole as usize).div_ceil(LANES)
+        };
+        let mut wide = vec![WideNode::EMPTY; blocks(0)];
+        let mut of = vec![0; nodes.len()];
+        let mut open = vec![(0_usize, 0_usize)];
+        while let Some((root, at)) = open.pop() {
+            of[root] = at as u32;
+            if is_wide_leaf(nodes, &below, root) {
+                of[root..root + below[root].nodes as usize].fill(at as u32);
+                fill_leaf(&mut wide[at..], &nodes[root], root, &below[root], corners);
+                continue;
+            }
+            let lanes = opened(nodes, &below, root, |node| of[node] = at as u32);
+            let mut node = WideNode { bounds: nodes[root].bounds, ..WideNode::EMPTY };
+            node.root = root as u32;
+            let mut next = wide.len();
+            for (lane, &child) in lanes.as_slice().iter().enumerate() {
+                node.set(lane, &nodes[child].bounds, next as u32);
+                open.push((child, next));
+                next += blocks(child);
+            }
+            wide[at] = node;
+            wide.resize(next, WideNode::EMPTY);
+        }
+        Self { nodes: wide, of }
+    }
+}
+
+/// What lies below a node of the binary tree, itself included.
+#[derive(Clone, Copy, Default)]
+struct Below {
+    first: u32,
+    triangles: u32,
+    nodes: u32,
+}
+
+fn below(nodes: &[Node]) -> Vec<Below> {
+    let mut below = vec![Below::default(); nodes.len()];
+    // Children stand behind their parents.
+    for (at, node) in nodes.iter().enumerate().rev() {
+        below[at] = if node.is_leaf() {
+            Below { first: node.link, triangles: node.count, nodes: 1 }
+        } else {
+            let (left, right) = (below[at + 1], below[node.link as usize]);
+            Below {
+                first: left.first,
+                triangles: left.triangles + right.triangles,
+                nodes: 1 + left.nodes + right.nodes,
+            }
+        };
+    }
+    below
+}
+
+fn is_wide_leaf(nodes: &[Node], below: &[Below], node: usize) -> bool {
+    nodes[node].is_leaf() || below[node].triangles as usize <= LANES
+}
+
+/// Up to eight nodes.
+struct Lanes {
+    nodes: [usize; LANES],
+    count: usize,
+}
+
+impl Lanes {
+    fn as_slice(&self) -> &[usize] {
+        &self.nodes[..self.count]
+    }
+
+    /// Puts two nodes where one was, the others in order as they are.
+    fn replace(&mut self, at: usize, [left, right]: [usize; 2]) {
+        self.nodes.copy_within(at + 1..self.count, at + 2);
+        self.nodes[at] = left;
+        self.nodes[at + 1] = right;
+        self.count += 1;
+    }
+}
+
+/// Opens `root`, then the node of largest surface, until there are eight or none can be opened.
+fn opened(nodes: &[Node], below: &[Below], root: usize, mut told: impl FnMut(usize)) -> Lanes {
+    let mut lanes = Lanes { nodes: [0; LANES], count: 1 };
+    lanes.nodes[0] = root;
+    while lanes.count < LANES {
+        let mut largest = None;
+        for (lane, &node) in lanes.as_slice().iter().enumerate() {
+            let area = nodes[node].bounds.half_area();
+            if !is_wide_leaf(nodes, below, node) && largest.is_none_or(|(most, _)| area > most) {
+                largest = Some((area, lane));
+            }
+        }
+        let Some((_, lane)) = largest else { break };
+        let node = lanes.nodes[lane];
+        told(node);
+        lanes.replace(lane, [node + 1, nodes[node].link as usize]);
+    }
+    lanes
+}
+
+fn fill_leaf(wide: &mut [WideNode], node: &Node, root: usize, below: &Below, corners: &[Corners]) {
+    let (first, count) = (below.first as usize, below.triangles as usize);
+    for (block, wide) in wide.iter_mut().enumerate().take(count.div_ceil(LANES)) {
+        let done = block * LANES;
+        *wide = WideNode { bounds: node.bounds, ..WideNode::EMPTY };
+        (wide.root, wide.count) = (root as u32, (count - done) as u32);
+        for lane in 0..LANES.min(count - done) {
+            let triangle = first + done + lane;
+            wide.set(lane, &Aabb::of(&corners[triangle]), triangle as u32);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
