@@ -30,6 +30,7 @@ pub mod kernel;
 pub mod placement;
 pub mod section;
 pub mod support;
+pub mod together;
 
 mod descent;
 mod hits;

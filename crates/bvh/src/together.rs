@@ -1,0 +1,403 @@
+//! One task on several threads of this process.
+//!
+//! Nothing is dealt out beforehand and nothing is estimated. The thread that asks begins with all
+//! of both bodies, and whoever has nothing to do says so. The others hear it between two tests:
+//! while no pairs lie open, one of them stops its job and lays what is left of it open. So work is
+//! split where the contact is, only while somebody wants it, and a small task not at all. This is
+//! work stealing in which the victim gives: Acar, Charguéraud and Rainey, *Scheduling Parallel
+//! Programs by Work Stealing with Private Deques* (PPoPP 2013).
+//!
+//! ```text
+//! run ── roots ──▶ job ── complete ──▶ the largest open pair; if there is none, wait
+//!                   │                              ▲
+//!                   └─ somebody waits: what remains ──▶ open pairs ──▶ job of who waits
+//! ```
+//!
+//! A waiting thread spins, then yields, then sleeps: the next task finds it awake if it comes soon,
+//! and an idle crew costs nothing.
+//!
+//! # Invariants
+//!
+//! - The outcome of a task, but for its counters, and the triangles hit are the same for any number
+//!   of threads: jobs merge by sum, union and maximum. `together/tests.rs`.
+//! - The work ends: a job that is stopped leaves smaller pairs, or is done again without being
+//!   disturbed.
+//! - Nobody waits for a thread that panicked: its panic goes on in the thread that asked.
+
+use crate::hits::Hits;
+use crate::{Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task};
+use crossbeam::utils::{Backoff, CachePadded};
+use geometry::Supports;
+use std::any::Any;
+use std::mem;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// Tests that a job does at least before it is stopped for others: to stop, to wake somebody and to
+/// begin again takes as long as some thousand.
+const TESTS_MIN: u64 = 4 * crate::kernel::BEAT_TESTS;
+
+/// How often a waiting thread offers its core to others before it sleeps: for a fraction of a
+/// millisecond, much longer than a task's last jobs and what passes between two tasks.
+const YIELDS_MAX: u32 = 1000;
+
+/// Threads that answer questions together; [`with`] makes them.
+#[derive(Debug)]
+pub struct Together<'c, 't> {
+    crew: &'c Crew<'t>,
+    own: Own,
+    /// Of the last task.
+    found: Found,
+    seen: Hits,
+}
+
+/// What the threads share.
+#[derive(Debug, Default)]
+struct Crew<'t> {
+    state: Mutex<State<'t>>,
+    changed: Condvar,
+    /// Counts what threads wait for: open pairs, the end of a task, the end of all. Changes under
+    /// the lock alone.
+    changes: CachePadded<AtomicU64>,
+    /// Threads that wait, beyond those for which a pair is open.
+    wanting: CachePadded<AtomicUsize>,
+    /// [`Question::Touches`] has its answer.
+    is_answered: CachePadded<AtomicBool>,
+}
+
+#[derive(Debug, Default)]
+struct State<'t> {
+    task: Option<Task<'t>>,
+    /// Pairs that nobody works on; the first of a stopped job, the largest, comes last.
+    open: Vec<NodePair>,
+    working: usize,
+    waiting: usize,
+    sleeping: usize,
+    /// Of the threads that have stopped working.
+    found: Found,
+    panic: Option<Box<dyn Any + Send>>,
+    is_over: bool,
+}
+
+/// What jobs found.
+#[derive(Debug)]
+struct Found {
+    outcome: Outcome,
+    /// Of A and of B; a triangle at most once per job.
+    hits: [Vec<u32>; 2],
+    jobs: u64,
+}
+
+/// What a thread has for itself.
+#[derive(Debug)]
+struct Own {
+    kernel: Kernel,
+    found: Found,
+}
+
+/// The sink of a job: it keeps hits, and hears whether somebody waits.
+struct Ear<'e, 't> {
+    crew: &'e Crew<'t>,
+    /// Where hits go; nowhere if they are not asked for.
+    hits: Option<&'e mut [Vec<u32>; 2]>,
+    question: Question,
+    /// Whether the job may be stopped for those who wait.
+    shares: bool,
+}
+
+/// Lets `ask` put tasks to so many threads, its own included; 0 is 1.
+///
+/// `kernel` makes the kernel of each thread. It must have room for the bodies of all tasks to come,
+/// see [`Kernel::run`].
+///
+/// # Panics
+///
+/// If `ask` does, if a job does, or if a thread cannot be started.
+pub fn with<'t, R>(
+    threads: usize,
+    kernel: impl Fn() -> Kernel,
+    ask: impl FnOnce(&mut Together<'_, 't>) -> R,
+) -> R {
+    let crew = Crew::default();
+    let own = || Own { kernel: kernel(), found: Found::default() };
+    thread::scope(|scope| {
+        // When it goes, the others end: so it must go however this ends.
+        let mut together =
+            Together { crew: &crew, own: own(), found: Found::default(), seen: Hits::with_room(0) };
+        for _ in 1..threads {
+            let (crew, own) = (&crew, own());
+            scope.spawn(move || crew.help(own));
+        }
+        ask(&mut together)
+    })
+}
+
+impl<'t> Together<'_, 't> {
+    /// Answers `task`: the merge of all jobs below the roots. Nothing is allocated but where more
+    /// pairs lie open, or more triangles are hit, than ever before.
+    ///
+    /// # Panics
+    ///
+    /// As [`Kernel::run`], in whichever thread.
+    pub fn run(&mut self, task: &Task<'t>) -> Outcome {
+        self.found.clear();
+        self.crew.begin(task);
+        let mut next = Some(NodePair::ROOTS);
+        while let Some(pair) = next {
+            self.crew.work(&mut self.own, task, pair);
+            next = self.crew.wait_for_the_rest(&mut self.found);
+        }
+        if self.found.jobs > 1 {
+            for hits in &mut self.found.hits {
+                let numbers = hits.iter().max().map_or(0, |most| most + 1);
+                self.seen.ensure_room(numbers as usize);
+                self.seen.clear(&(0..numbers));
+                hits.retain(|triangle| self.seen.insert(*triangle));
+            }
+        }
+        let Outcome { pairs, .. } = self.found.outcome;
+        let is_one = task.question == Question::Touches;
+        Outcome { pairs: if is_one { pairs.min(1) } else { pairs }, ..self.found.outcome }
+    }
+
+    /// The triangles of one body that the last task hit, by number in leaf order: each once, in no
+    /// particular order. Kept for [`Question::Sets`] alone.
+    #[must_use]
+    pub fn hits(&self, side: Side) -> &[u32] {
+        &self.found.hits[side as usize]
+    }
+
+    /// Jobs that the last task took: 1 if nobody wanted a part of it. It depends on who had time.
+    #[must_use]
+    pub fn jobs(&self) -> u64 {
+        self.found.jobs
+    }
+}
+
+impl Drop for Together<'_, '_> {
+    fn drop(&mut self) {
+        let mut state = self.crew.lock();
+        state.is_over = true;
+        state.open.clear();
+        self.crew.tell(&state);
+    }
+}
+
+impl<'t> Crew<'t> {
+    /// The state is changed in one go wherever it is, so a panic leaves it whole.
+    fn lock(&self) -> MutexGuard<'_, State<'t>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn begin(&self, task: &Task<'t>) {
+        let mut state = self.lock();
+        state.task = Some(*task);
+        state.working = 1;
+        self.is_answered.store(false, Ordering::Relaxed);
+    }
+
+    /// The life of all threads but the one that asks.
+    fn help(&self, mut own: Own) {
+        while let Some((task, pair)) = self.wait(State::job_or_end) {
+            // Scratch that a panic leaves behind is not used again: this thread ends.
+            let worked = catch_unwind(AssertUnwindSafe(|| self.work(&mut own, &task, pair)));
+            if let Err(panic) = worked {
+                let mut state = self.lock();
+                state.panic = Some(panic);
+                self.tell(&state);
+                return;
+            }
+        }
+    }
+
+    /// Works on `pair`, then on whatever is open; hands in what it found when nothing is.
+    fn work(&self, own: &mut Own, task: &Task<'t>, mut pair: NodePair) {
+        loop {
+            own.run(self, task, pair);
+            let mut state = self.lock();
+            let rest = own.kernel.remaining();
+            if self.is_answered.load(Ordering::Relaxed) {
+                state.open.clear();
+            } else if !rest.is_empty() {
+                state.open.extend(rest.iter().rev());
+                self.tell(&state);
+            }
+            if let Some(next) = state.open.pop() {
+                self.count(&state);
+                pair = next;
+                continue;
+            }
+            state.found.take(&mut own.found);
+            state.working -= 1;
+            if state.working == 0 {
+                self.tell(&state);
+            }
+            return;
+        }
+    }
+
+    /// For the thread that asks: an open pair, or else, when nobody works any more, what was found.
+    fn wait_for_the_rest(&self, found: &mut Found) -> Option<NodePair> {
+        let next = self.wait(|state| {
+            if let Some(panic) = state.panic.take() {
+                return Some(Err(panic));
+            }
+            if let Some((_, pair)) = state.job() {
+                return Some(Ok(Some(pair)));
+            }
+            (state.working == 0).then(|| {
+                mem::swap(found, &mut state.found);
+                Ok(None)
+            })
+        });
+        next.unwrap_or_else(|panic| resume_unwind(panic))
+    }
+
+    /// Waits until `ready` has something, which it sees again after every change.
+    fn wait<T>(&self, mut ready: impl FnMut(&mut State<'t>) -> Option<T>) -> T {
+        let mut state = self.lock();
+        state.waiting += 1;
+        loop {
+            if let Some(value) = ready(&mut state) {
+                state.waiting -= 1;
+                self.count(&state);
+                return value;
+            }
+            self.count(&state);
+            let seen = self.changes.load(Ordering::Relaxed);
+            drop(state);
+            let backoff = Backoff::new();
+            for _ in 0..YIELDS_MAX {
+                if self.changes.load(Ordering::Relaxed) != seen {
+                    break;
+                }
+                backoff.snooze();
+            }
+            state = self.lock();
+            while self.changes.load(Ordering::Relaxed) == seen {
+                state.sleeping += 1;
+                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                state.sleeping -= 1;
+            }
+        }
+    }
+
+    /// Lets all who wait look again.
+    fn tell(&self, state: &State<'t>) {
+        self.count(state);
+        self.changes.fetch_add(1, Ordering::Relaxed);
+        if state.sleeping > 0 {
+            self.changed.notify_all();
+        }
+    }
+
+    /// Counts who waits in vain. After every change of `open` or `waiting`, under the lock.
+    fn count(&self, state: &State<'t>) {
+        let wanting = state.waiting.saturating_sub(state.open.len());
+        self.wanting.store(wanting, Ordering::Relaxed);
+    }
+}
+
+impl<'t> State<'t> {
+    /// The next job for a thread that waits, which works from now on.
+    fn job(&mut self) -> Option<(Task<'t>, NodePair)> {
+        let job = (self.task?, self.open.pop()?);
+        self.working += 1;
+        Some(job)
+    }
+
+    /// The same, or nothing for ever.
+    fn job_or_end(&mut self) -> Option<Option<(Task<'t>, NodePair)>> {
+        if self.is_over { Some(None) } else { self.job().map(Some) }
+    }
+}
+
+impl Own {
+    /// Runs the job below `pair`; what remains of it is not `pair` alone.
+    fn run(&mut self, crew: &Crew<'_>, task: &Task<'_>, pair: NodePair) {
+        // Where two large leaves meet, a job may be stopped before it got anywhere.
+        for shares in [true, false] {
+            let hits = (task.question == Question::Sets).then_some(&mut self.found.hits);
+            let mut ear = Ear { crew, hits, question: task.question, shares };
+            let outcome = self.kernel.run(task, pair, u64::MAX, &mut ear);
+            self.found.add(&outcome);
+            self.found.jobs += 1;
+            if self.kernel.remaining() != [pair] {
+                return;
+            }
+        }
+    }
+}
+
+impl Sink for Ear<'_, '_> {
+    fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()> {
+        if let Some(hits) = &mut self.hits {
+            hits[side as usize].push(triangle);
+        }
+        if self.question == Question::Touches {
+            self.crew.is_answered.store(true, Ordering::Relaxed);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn beat(&mut self, tests: u64) -> ControlFlow<()> {
+        let is_wanted =
+            self.shares && tests >= TESTS_MIN && self.crew.wanting.load(Ordering::Relaxed) > 0;
+        if is_wanted || self.crew.is_answered.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl Default for Found {
+    fn default() -> Self {
+        Self { outcome: NOTHING, hits: Default::default(), jobs: 0 }
+    }
+}
+
+/// The outcome of no job.
+const NOTHING: Outcome = Outcome {
+    end: End::Complete,
+    counters: Counters { nb: 0, np: 0 },
+    pairs: 0,
+    hash: 0,
+    zones_a: 0,
+    zones_b: 0,
+    supports: Supports::EMPTY,
+};
+
+impl Found {
+    fn clear(&mut self) {
+        self.outcome = NOTHING;
+        self.hits.iter_mut().for_each(Vec::clear);
+        self.jobs = 0;
+    }
+
+    /// Includes what `other` found, and leaves it nothing.
+    fn take(&mut self, other: &mut Self) {
+        self.add(&other.outcome);
+        for (hits, more) in self.hits.iter_mut().zip(&mut other.hits) {
+            hits.append(more);
+        }
+        self.jobs += other.jobs;
+        other.clear();
+    }
+
+    /// Includes the outcome of a job, which ends here: what it left is another's.
+    fn add(&mut self, other: &Outcome) {
+        let all = &mut self.outcome;
+        all.counters.add(&other.counters);
+        all.pairs += other.pairs;
+        all.hash = all.hash.wrapping_add(other.hash);
+        all.zones_a |= other.zones_a;
+        all.zones_b |= other.zones_b;
+        all.supports.merge(&other.supports);
+    }
+}
+
+#[cfg(test)]
+mod tests;
