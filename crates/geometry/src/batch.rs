@@ -56,6 +56,8 @@ pub struct Batch<'a> {
     pose: &'a RelativePose,
     a: &'a [Corners],
     b: &'a [Corners],
+    /// The rotation, rounded.
+    rotation: [[f32; 3]; 3],
     /// ρ and |t| (m): see the module.
     rotation_max: f32,
     translation_max: f32,
@@ -72,6 +74,7 @@ impl<'a> Batch<'a> {
             pose,
             a,
             b,
+            rotation: pose.rotation.map(|row| row.map(|x| x as f32)),
             rotation_max: up(rows.into_iter().fold(1.0, f64::max)),
             translation_max: up(offsets.into_iter().fold(1e-20, f64::max)),
         }
@@ -111,76 +114,81 @@ impl<'a> Batch<'a> {
 #[inline(always)]
 pub fn intersecting<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> u64 {
     assert!(pairs.len() <= BATCH, "a batch of {} pairs", pairs.len());
+    let Some(first) = pairs.first() else { return 0 };
+    let mut padded = [*first; BATCH];
+    padded[..pairs.len()].copy_from_slice(pairs);
+    let lanes = Single::<S>::LEN;
     let (mut hits, mut doubt) = (0, 0);
-    for (i, group) in pairs.chunks(Single::<S>::LEN).enumerate() {
-        let [some_hits, some_doubt] = sifted(simd, batch, group);
-        hits |= some_hits << (i * Single::<S>::LEN);
-        doubt |= some_doubt << (i * Single::<S>::LEN);
+    for start in (0..pairs.len()).step_by(lanes) {
+        let [hit, open] = sifted(simd, batch, &padded[start..start + lanes]);
+        hits |= hit << start;
+        doubt |= open << start;
     }
+    let given = u64::MAX >> (BATCH - pairs.len());
+    (hits, doubt) = (hits & given, doubt & given);
     if doubt == 0 { hits } else { hits | batch.exactly(pairs, doubt) }
 }
 
-/// The pairs of one vector that certainly intersect, and those that are in doubt.
+/// Of as many pairs as there are lanes: those that certainly intersect, and those in doubt.
 #[inline(always)]
 fn sifted<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> [u64; 2] {
-    let last = pairs.len() - 1;
-    let [a0, a1, a2] = gather(simd, batch.a, |lane| pairs[lane.min(last)][0]);
-    let [b0, b1, b2] = gather(simd, batch.b, |lane| pairs[lane.min(last)][1]);
-
+    let pairs = &pairs[..Single::<S>::LEN];
+    let [a0, a1, a2] = gather(simd, batch.a, |lane| pairs[lane][0]);
     let (e1, e2) = (a1.minus(a0), a2.minus(a0));
-    let (g1, g2) = (b1.minus(b0), b2.minus(b0));
-    let (f1, f2) = (turned(batch.pose, g1), turned(batch.pose, g2));
-    let d = between(batch.pose, a0, b0);
+    let size_a = e1.reach().max(e2.reach());
 
+    let [b0, b1, b2] = gather(simd, batch.b, |lane| pairs[lane][1]);
+    let (g1, g2) = (b1.minus(b0), b2.minus(b0));
     let edge_b = g1.reach().max(g2.reach());
     let magnitude = (b0.reach() + edge_b) * batch.rotation_max + batch.translation_max;
-    let size_a = e1.reach().max(e2.reach());
     let size_b = edge_b * batch.rotation_max + magnitude * DOUBLE;
+    let d = between(batch.pose, a0, b0);
+    let (f1, f2) = (turned(batch, g1), turned(batch, g2));
     let size_d = d.reach() + magnitude * DOUBLE;
     let size = size_a + size_b + size_d;
-    let (normal_a, normal_b) = (e1.cross(e2), f1.cross(f2));
-    let (to_a, to_b) = (normal_b.dot(d), normal_a.dot(d));
-    let sides_a = [-to_a, normal_b.dot(e1) - to_a, normal_b.dot(e2) - to_a];
+    let sound = size.simd_le(SIZE_MAX);
+
+    let normal_a = e1.cross(e2);
+    let to_b = normal_a.dot(d);
     let sides_b = [to_b, normal_a.dot(f1) + to_b, normal_a.dot(f2) + to_b];
-    let bound_a = bound(size_b * size_b * (size_a + size_d) * SIDE_ERROR, size);
-    let bound_b = bound(size_a * size_a * (size_b + size_d) * SIDE_ERROR, size);
-    let apart = one_side(sides_a, bound_a) | one_side(sides_b, bound_b);
-    let given = u64::MAX >> (63 - last);
-    let open = !apart.to_bitmask() & given;
-    if open == 0 {
+    let bound_b = size_a * size_a * (size_b + size_d) * SIDE_ERROR + UNDERFLOW;
+    let normal_b = f1.cross(f2);
+    let to_a = normal_b.dot(d);
+    let sides_a = [-to_a, normal_b.dot(e1) - to_a, normal_b.dot(e2) - to_a];
+    let bound_a = size_b * size_b * (size_a + size_d) * SIDE_ERROR + UNDERFLOW;
+    let apart = sound & (one_side(sides_a, bound_a) | one_side(sides_b, bound_b));
+    if apart.all_true() {
         return [0, 0];
     }
 
-    // As in `triangle::crossing`, but for one exchange: there both triangles may be mirrored, here
-    // B's edges are exchanged if one is, and the signs turned if A is.
-    let ([pa, qa, ra], mirror_b) = turned_to_apex([e1.minus(e1), e1, e2], sides_a);
-    let ([pb, qb, rb], mirror_a) = turned_to_apex([d, d.plus(f1), d.plus(f2)], sides_b);
+    // As in `triangle::crossing`, but there each triangle is mirrored where it has to be; here B's
+    // edges are exchanged if one alone is, and the signs turned if A is.
+    let a = Apex::of([e1.minus(e1), e1, e2], sides_a);
+    let b = Apex::of([d, d.plus(f1), d.plus(f2)], sides_b);
+    let (mirror_a, mirror_b) = (a.mirrored ^ b.below, b.mirrored ^ a.below);
     let crossed = mirror_a ^ mirror_b;
-    let (qb, rb) = (rb.only(crossed, qb), qb.only(crossed, rb));
-    let w = pb.minus(pa);
-    let i_to_k = qa.minus(pa).cross(w).dot(qb.minus(pb));
-    let l_to_j = ra.minus(pa).cross(w).dot(pb.minus(rb));
-    let bound = bound(size_a * size_b * size * EDGE_ERROR, size);
-    let i_to_k = mirror_a.select(-i_to_k, i_to_k);
-    let l_to_j = mirror_a.select(-l_to_j, l_to_j);
-    let most = i_to_k.max(l_to_j);
-    let certain = beyond(sides_a, bound_a) & beyond(sides_b, bound_b);
+    let (qb, rb) = (b.r.only(crossed, b.q), b.q.only(crossed, b.r));
+    let w = b.p.minus(a.p);
+    let i_to_k = a.q.minus(a.p).cross(w).dot(qb.minus(b.p));
+    let l_to_j = a.r.minus(a.p).cross(w).dot(b.p.minus(rb));
+    let most = mirror_a.select(-i_to_k.min(l_to_j), i_to_k.max(l_to_j));
+    let bound = size_a * size_b * size * EDGE_ERROR + UNDERFLOW;
+    let certain = !apart & sound & beyond(sides_a, bound_a) & beyond(sides_b, bound_b);
     let hit = certain & most.simd_lt(-bound);
-    let miss = certain & most.simd_gt(bound);
-    let hits = hit.to_bitmask() & open;
-    [hits, open & !hits & !miss.to_bitmask()]
+    let decided = apart | hit | (certain & most.simd_gt(bound));
+    [hit.to_bitmask(), (!decided).to_bitmask()]
 }
 
 /// Rotates a direction of B into A's frame, in f32.
 #[inline(always)]
-fn turned<S: Simd>(pose: &RelativePose, v: Vector<S>) -> Vector<S> {
-    let ([x, y, z], [rx, ry, rz]) = (v.0, &pose.rotation);
+fn turned<S: Simd>(batch: &Batch<'_>, v: Vector<S>) -> Vector<S> {
+    let ([x, y, z], [rx, ry, rz]) = (v.0, &batch.rotation);
     Vector([along(rx, x, y, z), along(ry, x, y, z), along(rz, x, y, z)])
 }
 
 #[inline(always)]
-fn along<S: Simd, V: SimdFloat<S, Element = f32>>(r: &[f64; 3], x: V, y: V, z: V) -> V {
-    x * r[0] as f32 + y * r[1] as f32 + z * r[2] as f32
+fn along<S: Simd, V: SimdFloat<S, Element = f32>>(r: &[f32; 3], x: V, y: V, z: V) -> V {
+    x * r[0] + y * r[1] + z * r[2]
 }
 
 /// From corners of A to corners of B, in A's frame: [`RelativePose::point`] in f64, then rounded.
@@ -211,13 +219,6 @@ fn moved<S: Simd, V: SimdFloat<S, Element = f64>>(
     ((x * r[0] + y * r[1]) + z * r[2]) + pose.translation[i]
 }
 
-/// What an error bound comes to, for a pair whose sizes have this sum.
-#[inline(always)]
-fn bound<S: Simd, V: SimdFloat<S, Element = f32>>(error: V, size: V) -> V {
-    let simd = size.token();
-    size.simd_le(SIZE_MAX).select(error + UNDERFLOW, V::splat(simd, f32::INFINITY))
-}
-
 /// Where all three are certainly on one side of a plane.
 #[inline(always)]
 fn one_side<S: Simd, V: SimdFloat<S, Element = f32>>(sides: [V; 3], bound: V) -> V::Mask {
@@ -232,20 +233,30 @@ fn beyond<S: Simd, V: SimdFloat<S, Element = f32>>(sides: [V; 3], bound: V) -> V
     p.abs().min(q.abs()).min(r.abs()).simd_gt(bound)
 }
 
-/// The corners from the one on that is alone on its side, and whether that is the negative side.
-#[inline(always)]
-fn turned_to_apex<S: Simd>(
-    [p, q, r]: [Vector<S>; 3],
-    sides: [Single<S>; 3],
-) -> ([Vector<S>; 3], Mask<S>) {
-    let [p_side, q_side, r_side] = sides;
-    let (above_p, above_q, above_r) =
-        (p_side.simd_gt(0.0), q_side.simd_gt(0.0), r_side.simd_gt(0.0));
-    let (pq, pr, qr) = (above_p ^ above_q, above_p ^ above_r, above_q ^ above_r);
-    let (p_alone, q_alone) = (pq & pr, pq & qr);
-    let below = (above_p & above_q) | (above_p & above_r) | (above_q & above_r);
-    let p_on = p.only(p_alone, q.only(q_alone, r));
-    let q_on = q.only(p_alone, r.only(q_alone, p));
-    let r_on = r.only(p_alone, p.only(q_alone, q));
-    ([p_on, q_on, r_on], below)
+/// A triangle seen from the corner that is alone on its side of a plane.
+struct Apex<S: Simd> {
+    p: Vector<S>,
+    /// The other two, in the triangle's own order unless `mirrored`.
+    q: Vector<S>,
+    r: Vector<S>,
+    mirrored: Mask<S>,
+    /// Whether it is alone on the negative side.
+    below: Mask<S>,
+}
+
+impl<S: Simd> Apex<S> {
+    #[inline(always)]
+    fn of([p, q, r]: [Vector<S>; 3], [side_p, side_q, side_r]: [Single<S>; 3]) -> Self {
+        let (above_p, above_q, above_r) =
+            (side_p.simd_gt(0.0), side_q.simd_gt(0.0), side_r.simd_gt(0.0));
+        let (p_is, r_is) =
+            ((above_p ^ above_q) & (above_p ^ above_r), (above_p ^ above_r) & (above_q ^ above_r));
+        Self {
+            p: p.only(p_is, r.only(r_is, q)),
+            q: q.only(p_is, p),
+            r: q.only(r_is, r),
+            mirrored: !(p_is | r_is),
+            below: (above_p & above_q) | (above_r & (above_p | above_q)),
+        }
+    }
 }
