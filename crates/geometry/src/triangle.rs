@@ -8,7 +8,8 @@
 //! ```text
 //! boxes --> sides of the two planes --> two edge signs            (crossing: nearly always)
 //!                 \--> all sides 0: exact, by dimension           (planar: coplanar, degenerate)
-//! each sign: f64 with an error bound (orient) --> adaptive (exact) --> for any range (wide)
+//! each sign: f64 with an error bound (orient) --> whole numbers (lattice), where they suffice
+//!                                             \--> adaptive (exact) --> for any range (wide)
 //! ```
 //!
 //! # Invariants
@@ -26,6 +27,7 @@
 mod contact;
 mod crossing;
 mod exact;
+mod lattice;
 mod orient;
 mod planar;
 #[cfg(test)]
@@ -38,6 +40,18 @@ use orient::Orient;
 use planar::{Flat, Piercing};
 
 pub use contact::Contact;
+
+/// A corner of a pair: one of [`A`] or of [`B`].
+type Corner = usize;
+
+/// A's corners.
+const A: [Corner; 3] = [0, 1, 2];
+
+/// B's corners.
+const B: [Corner; 3] = [3, 4, 5];
+
+/// −1, 0 or 1.
+type Sign = i8;
 
 /// A triangle in the frame of the test, f64, in metres. Any three points: it may be degenerate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,12 +76,18 @@ pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
     if !box_a.overlaps(&box_b) {
         return false;
     }
-    let orient = Orient::within(&box_a, &box_b);
-    match position(a, b, &orient) {
+    let orient = Orient::of([a, b], [&box_a, &box_b]);
+    let clear = match Sides::certain(&orient) {
+        // Neighbours on one surface, or equal bodies at one place: the common case of doubt.
+        Err(_) if orient.share_a_corner() => return true,
+        Err(doubtful) => doubtful.resolved(&orient),
+        Ok(position) => position,
+    };
+    match clear {
         Position::Apart => false,
         Position::Crossing(crossing) => crossing.meet(&orient),
-        Position::Piercing(piercing) => piercing.meet(),
-        Position::Flat(flat) => flat.meet(),
+        Position::Piercing(piercing) => piercing.meet(&orient),
+        Position::Flat(flat) => flat.meet(&orient),
     }
 }
 
@@ -87,55 +107,73 @@ pub fn contact(a: &Triangle, b: &Triangle) -> Contact {
     }
     let (low, high) = (box_a.min.max(box_b.min), box_a.max.min(box_b.max));
     let mut push = |point: DVec3| contact.push(point.max(low).min(high));
-    let orient = Orient::within(&box_a, &box_b);
-    match position(a, b, &orient) {
+    let orient = Orient::of([a, b], [&box_a, &box_b]);
+    match Sides::certain(&orient).unwrap_or_else(|doubtful| doubtful.resolved(&orient)) {
         Position::Apart => {}
         Position::Crossing(crossing) => crossing.ends(&orient, &mut push),
         Position::Piercing(piercing) => piercing.point(&orient, &mut push),
-        Position::Flat(flat) => flat.corners(&mut push),
+        Position::Flat(flat) => flat.corners(&orient, &mut push),
     }
     contact
 }
 
 /// How two triangles lie to each other: what is left to decide.
-enum Position<'t> {
+enum Position {
     /// One lies strictly on one side of the other's plane.
     Apart,
     /// Two true triangles in planes that cross in a line; each reaches that line.
-    Crossing(Crossing<'t>),
+    Crossing(Crossing),
     /// A true triangle, and a segment whose ends are not both in its plane nor on one side of it.
     Piercing(Piercing),
     /// All in one plane, on one line, or one point.
     Flat(Flat),
 }
 
-#[inline]
-fn position<'t>(a: &'t Triangle, b: &'t Triangle, orient: &Orient) -> Position<'t> {
-    let certain_a = orient.certain_sides(&b.0, &a.0);
-    if one_side(certain_a) {
-        return Position::Apart;
+/// On which side of the other's plane the corners lie, as far as f64 can tell: 0 is in doubt.
+struct Sides {
+    of_a: [Sign; 3],
+    of_b: [Sign; 3],
+}
+
+impl Sides {
+    /// The position, where no rounding hides it.
+    #[inline]
+    fn certain(orient: &Orient<'_>) -> Result<Position, Self> {
+        let of_a = orient.certain_sides(B, A);
+        if one_side(of_a) {
+            return Ok(Position::Apart);
+        }
+        let of_b = orient.certain_sides(A, B);
+        if one_side(of_b) {
+            return Ok(Position::Apart);
+        }
+        if of_a.contains(&0) || of_b.contains(&0) {
+            return Err(Self { of_a, of_b });
+        }
+        Ok(Position::Crossing(Crossing::new(of_a, of_b)))
     }
-    let certain_b = orient.certain_sides(&a.0, &b.0);
-    if one_side(certain_b) {
-        return Position::Apart;
+
+    /// The position, with the doubtful sides taken exactly.
+    #[cold]
+    fn resolved(&self, orient: &Orient<'_>) -> Position {
+        let of_a = orient.sides(self.of_a, B, A);
+        if one_side(of_a) {
+            return Position::Apart;
+        }
+        let of_b = orient.sides(self.of_b, A, B);
+        if one_side(of_b) {
+            return Position::Apart;
+        }
+        // A degenerate triangle has no plane: all sides of it are 0.
+        if of_a == [0; 3] || of_b == [0; 3] {
+            return planar::position(orient);
+        }
+        Position::Crossing(Crossing::new(of_a, of_b))
     }
-    let sides_a = orient::sides(certain_a, &b.0, &a.0);
-    if one_side(sides_a) {
-        return Position::Apart;
-    }
-    let sides_b = orient::sides(certain_b, &a.0, &b.0);
-    if one_side(sides_b) {
-        return Position::Apart;
-    }
-    // A degenerate triangle has no plane: all sides of it are 0.
-    if sides_a == [0; 3] || sides_b == [0; 3] {
-        return planar::position(a, b);
-    }
-    Position::Crossing(Crossing::new(a, sides_a, b, sides_b))
 }
 
 /// Whether all three are strictly on one side.
-fn one_side(sides: [exact::Sign; 3]) -> bool {
+fn one_side(sides: [Sign; 3]) -> bool {
     let [p, q, r] = sides;
     p != 0 && p == q && p == r
 }

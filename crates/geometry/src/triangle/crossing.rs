@@ -10,59 +10,48 @@
 //!            k ======B====== l        meet if k ≤ i and j ≤ l
 //! ```
 
-use super::exact::Sign;
-use super::{Orient, Triangle};
+use super::{A, B, Corner, Orient, Sign};
 use crate::DVec3;
 
 /// Two triangles, neither degenerate, in different planes, each with corners on both closed sides
 /// of the other's plane: turned as the module says.
-pub(super) struct Crossing<'t> {
-    a: [&'t DVec3; 3],
-    b: [&'t DVec3; 3],
+pub(super) struct Crossing {
+    a: [Corner; 3],
+    b: [Corner; 3],
 }
 
-impl<'t> Crossing<'t> {
+impl Crossing {
     /// `sides_a` are those of A's corners to B's plane, `sides_b` the other way round; neither are
     /// all zero, nor all strictly on one side.
     #[inline]
-    pub(super) fn new(
-        a: &'t Triangle,
-        sides_a: [Sign; 3],
-        b: &'t Triangle,
-        sides_b: [Sign; 3],
-    ) -> Self {
+    pub(super) fn new(sides_a: [Sign; 3], sides_b: [Sign; 3]) -> Self {
         let (apex_a, mirror_b) = apex(sides_a);
         let (apex_b, mirror_a) = apex(sides_b);
-        Self { a: turned(&a.0, apex_a, mirror_a), b: turned(&b.0, apex_b, mirror_b) }
-    }
-
-    /// p, q, r of A and of B.
-    fn corners(&self) -> ([DVec3; 3], [DVec3; 3]) {
-        (self.a.map(|corner| *corner), self.b.map(|corner| *corner))
+        Self { a: turned(A, apex_a, mirror_a), b: turned(B, apex_b, mirror_b) }
     }
 
     /// Whether the intervals share a point.
     #[inline]
-    pub(super) fn meet(&self, orient: &Orient) -> bool {
-        let ([pa, qa, ra], [pb, qb, rb]) = self.corners();
-        orient.sign(pa, qa, pb, qb) <= 0 && orient.sign(pa, ra, pb, rb) >= 0
+    pub(super) fn meet(&self, orient: &Orient<'_>) -> bool {
+        let ([pa, qa, ra], [pb, qb, rb]) = (self.a, self.b);
+        orient.sign([pa, qa, pb, qb]) <= 0 && orient.sign([pa, ra, pb, rb]) >= 0
     }
 
     /// Calls `push` with the ends of the common interval, if there is one: one or two points.
-    pub(super) fn ends(&self, orient: &Orient, mut push: impl FnMut(DVec3)) {
-        let (a, b) = self.corners();
+    pub(super) fn ends(&self, orient: &Orient<'_>, mut push: impl FnMut(DVec3)) {
+        let (a, b) = (self.a, self.b);
         let ([pa, qa, ra], [pb, qb, rb]) = (a, b);
-        let (i_to_k, j_to_l) = (orient.sign(pa, qa, pb, qb), orient.sign(pa, ra, pb, rb));
+        let (i_to_k, j_to_l) = (orient.sign([pa, qa, pb, qb]), orient.sign([pa, ra, pb, rb]));
         if i_to_k > 0 || j_to_l < 0 {
             return;
         }
-        let upper_is_i = orient.sign(pa, qa, pb, rb) >= 0;
-        push(if upper_is_i { orient.cut(&b, pa, qa) } else { orient.cut(&a, pb, rb) });
+        let upper_is_i = orient.sign([pa, qa, pb, rb]) >= 0;
+        push(if upper_is_i { orient.cut(b, pa, qa) } else { orient.cut(a, pb, rb) });
         if i_to_k == 0 || j_to_l == 0 {
             return;
         }
-        let lower_is_k = orient.sign(pa, ra, pb, qb) > 0;
-        push(if lower_is_k { orient.cut(&a, pb, qb) } else { orient.cut(&b, pa, ra) });
+        let lower_is_k = orient.sign([pa, ra, pb, qb]) > 0;
+        push(if lower_is_k { orient.cut(a, pb, qb) } else { orient.cut(b, pa, ra) });
     }
 }
 
@@ -102,9 +91,9 @@ const fn find_apex(sides: [Sign; 3]) -> (usize, bool) {
 }
 
 /// The corners from `apex` on, the other two exchanged if `mirror`.
-fn turned(corners: &[DVec3; 3], apex: usize, mirror: bool) -> [&DVec3; 3] {
+fn turned(corners: [Corner; 3], apex: usize, mirror: bool) -> [Corner; 3] {
     const NEXT: [usize; 3] = [1, 2, 0];
     let (q, r) = (NEXT[apex], NEXT[NEXT[apex]]);
     let (q, r) = if mirror { (r, q) } else { (q, r) };
-    [&corners[apex], &corners[q], &corners[r]]
+    [corners[apex], corners[q], corners[r]]
 }

@@ -8,8 +8,10 @@
 //! filters: A. Meyer, S. Pion, *FPG: A code generator for fast and certified geometric
 //! predicates*, 2008.)
 
-use super::exact::{self, Sign};
+use super::exact::Exact;
+use super::{A, B, Corner, Sign, Triangle};
 use crate::{Bounds, DVec3};
+use core::cell::OnceCell;
 
 /// Beyond these extents (m), a product of three could overflow: all signs are taken exactly.
 const EXTENT_MAX: f64 = f64::from_bits((1023 + 300) << 52); // 2^300
@@ -21,42 +23,54 @@ const UNDERFLOW: f64 = f64::from_bits((1023 - 700) << 52); // 2^-700
 const ERROR: f64 = f64::from_bits((1023 - 47) << 52);
 
 /// Signs of determinants of the corners of one pair of triangles.
-pub(super) struct Orient {
+pub(super) struct Orient<'t> {
+    corners: [&'t DVec3; 6],
+    /// The greatest extent (m) of the box around both.
+    extent: f64,
     /// Values beyond this have the sign of the true value.
     bound: f64,
+    /// Made when first needed: seldom.
+    exact: OnceCell<Exact>,
 }
 
-/// On which side of `plane` the points lie, given the sides that are certain.
-pub(super) fn sides(certain: [Sign; 3], plane: &[DVec3; 3], points: &[DVec3; 3]) -> [Sign; 3] {
-    let [a, b, c] = *plane;
-    let mut sides = certain;
-    for (side, point) in sides.iter_mut().zip(points) {
-        if *side == 0 {
-            *side = exact::orient3d(a, b, c, *point);
-        }
-    }
-    sides
-}
-
-impl Orient {
-    /// For points in these two boxes.
-    pub(super) fn within(a: &Bounds, b: &Bounds) -> Self {
-        let extent = a.max.max(b.max) - a.min.min(b.min);
+impl<'t> Orient<'t> {
+    /// Of the corners of two triangles, which have these boxes.
+    #[inline]
+    pub(super) fn of([a, b]: [&'t Triangle; 2], [box_a, box_b]: [&Bounds; 2]) -> Self {
+        let ([a0, a1, a2], [b0, b1, b2]) = (&a.0, &b.0);
+        let extent = box_a.max.max(box_b.max) - box_a.min.min(box_b.min);
         let sound = extent.x <= EXTENT_MAX && extent.y <= EXTENT_MAX && extent.z <= EXTENT_MAX;
         let bound = ERROR * extent.x * extent.y * extent.z + UNDERFLOW;
-        Self { bound: if sound { bound } else { f64::INFINITY } }
+        Self {
+            corners: [a0, a1, a2, b0, b1, b2],
+            extent: extent.max_element(),
+            bound: if sound { bound } else { f64::INFINITY },
+            exact: OnceCell::new(),
+        }
+    }
+
+    /// Where a corner is.
+    pub(super) fn at(&self, corner: Corner) -> DVec3 {
+        *self.corners[corner]
+    }
+
+    /// The same signs, exactly at once.
+    pub(super) fn exact(&self) -> &Exact {
+        self.exact.get_or_init(|| Exact::of(self.corners.map(|corner| *corner), self.extent))
     }
 
     /// Six times the volume of the tetrahedron abcd, rounded: positive if d lies on the side of
     /// the normal (b − a) × (c − a).
-    fn value(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
-        (b - a).cross(c - a).dot(d - a)
+    fn value(&self, [a, b, c, d]: [Corner; 4]) -> f64 {
+        let a = self.at(a);
+        (self.at(b) - a).cross(self.at(c) - a).dot(self.at(d) - a)
     }
 
     /// The sign of [`Orient::value`] without rounding.
-    pub(super) fn sign(&self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
-        match self.certain(Self::value(a, b, c, d)) {
-            0 => exact::orient3d(a, b, c, d),
+    #[inline]
+    pub(super) fn sign(&self, corners: [Corner; 4]) -> Sign {
+        match self.certain(self.value(corners)) {
+            0 => self.exact().orient3d(corners),
             sign => sign,
         }
     }
@@ -67,25 +81,48 @@ impl Orient {
     }
 
     /// On which side of `plane` the points lie; 0 where rounding hides it.
-    pub(super) fn certain_sides(&self, plane: &[DVec3; 3], points: &[DVec3; 3]) -> [Sign; 3] {
-        let normal = (plane[1] - plane[0]).cross(plane[2] - plane[0]);
-        let side = |point: DVec3| self.certain(normal.dot(point - plane[0]));
+    #[inline]
+    pub(super) fn certain_sides(&self, [a, b, c]: [Corner; 3], points: [Corner; 3]) -> [Sign; 3] {
+        let a = self.at(a);
+        let normal = (self.at(b) - a).cross(self.at(c) - a);
+        let side = |point: Corner| self.certain(normal.dot(self.at(point) - a));
         [side(points[0]), side(points[1]), side(points[2])]
+    }
+
+    /// On which side of `plane` the points lie, given the sides that are certain.
+    pub(super) fn sides(
+        &self,
+        certain: [Sign; 3],
+        [a, b, c]: [Corner; 3],
+        points: [Corner; 3],
+    ) -> [Sign; 3] {
+        let mut sides = certain;
+        for (side, point) in sides.iter_mut().zip(points) {
+            if *side == 0 {
+                *side = self.exact().orient3d([a, b, c, point]);
+            }
+        }
+        sides
+    }
+
+    /// Whether some corner of A is one of B.
+    pub(super) fn share_a_corner(&self) -> bool {
+        A.iter().any(|i| B.iter().any(|k| self.corners[*i] == self.corners[*k]))
     }
 
     /// Where the segment pq meets the plane, p and q being on different sides of it or one of them
     /// on it, not both.
-    pub(super) fn cut(&self, plane: &[DVec3; 3], p: DVec3, q: DVec3) -> DVec3 {
+    pub(super) fn cut(&self, plane: [Corner; 3], p: Corner, q: Corner) -> DVec3 {
         // The fraction's error is about the bound over this sum: below 2^-33, else take it exactly.
         const WELL_CONDITIONED: f64 = (1_u64 << 33) as f64;
-        let [a, b, c] = *plane;
-        let (side_p, side_q) = (Self::value(a, b, c, p), Self::value(a, b, c, q));
+        let [a, b, c] = plane;
+        let (side_p, side_q) = (self.value([a, b, c, p]), self.value([a, b, c, q]));
         let fraction = if side_p.abs() + side_q.abs() > WELL_CONDITIONED * self.bound {
             side_p / (side_p - side_q)
         } else {
-            exact::cut_fraction3d(plane, p, q)
+            self.exact().cut_fraction3d(plane, p, q)
         };
-        along(p, q, fraction)
+        along(self.at(p), self.at(q), fraction)
     }
 }
 

@@ -4,35 +4,37 @@
 //! projection that drops one coordinate: on raw coordinates, so nothing is rounded, and one-to-one
 //! on the plane, because three of the points keep an area.
 
-use super::exact::{self, Point2, Sign};
-use super::{Orient, Position, Triangle, orient};
+use super::exact::Exact;
+use super::{A, B, Corner, Orient, Position, Sign, orient};
 use crate::DVec3;
 
 /// The corners of a triangle without repetition: three of a true one, two ends of a segment, or a
 /// point.
+#[derive(Clone, Copy)]
 struct Hull {
-    corners: [DVec3; 3],
+    corners: [Corner; 3],
     count: usize,
+    /// Of a true triangle: a coordinate without which it still has an area.
+    projection: Option<usize>,
 }
 
 /// A segment pq, and a true triangle whose plane separates p and q, or holds one of them.
 pub(super) struct Piercing {
-    p: DVec3,
-    q: DVec3,
-    triangle: [DVec3; 3],
+    p: Corner,
+    q: Corner,
+    triangle: [Corner; 3],
 }
 
 /// Two hulls in one plane, or on one line.
 pub(super) struct Flat {
     a: Hull,
     b: Hull,
-    /// None if all is on one line.
-    plane: Option<Plane>,
+    /// The coordinate that a projection of the plane drops; none if all is on one line.
+    drop: Option<usize>,
 }
 
 /// How the corners of each hull lie to the edges of the other, in a projection.
 struct Plane {
-    /// The coordinate that the projection drops.
     drop: usize,
     /// `[i][k]`: on which side of A's edge i B's corner k lies.
     b_to_a: [[Sign; 3]; 3],
@@ -41,26 +43,29 @@ struct Plane {
 }
 
 /// The position of two triangles of which at least one has no corner off the other's plane.
-#[cold]
-pub(super) fn position(a: &Triangle, b: &Triangle) -> Position<'static> {
-    let (a, b) = (Hull::of(a), Hull::of(b));
+pub(super) fn position(orient: &Orient<'_>) -> Position {
+    let (a, b) = (Hull::of(orient, A), Hull::of(orient, B));
     match (a.count, b.count) {
-        (3, 3) => Flat::of(a, b),
-        (3, _) => against_triangle(b, a),
-        (_, 3) => against_triangle(a, b),
+        (3, 3) => Position::Flat(Flat::of(orient, a, b)),
+        (3, _) => against_triangle(orient, b, a),
+        (_, 3) => against_triangle(orient, a, b),
         _ => {
             let ([p, q], [r, s]) = (a.ends(), b.ends());
-            if exact::orient3d(p, q, r, s) == 0 { Flat::of(a, b) } else { Position::Apart }
+            if orient.exact().orient3d([p, q, r, s]) == 0 {
+                Position::Flat(Flat::of(orient, a, b))
+            } else {
+                Position::Apart
+            }
         }
     }
 }
 
 /// A segment or point against a true triangle.
-fn against_triangle(segment: Hull, triangle: Hull) -> Position<'static> {
+fn against_triangle(orient: &Orient<'_>, segment: Hull, triangle: Hull) -> Position {
     let [a, b, c] = triangle.corners;
     let [p, q] = segment.ends();
-    match [p, q].map(|end| exact::orient3d(a, b, c, end)) {
-        [0, 0] => Flat::of(segment, triangle),
+    match [p, q].map(|end| orient.exact().orient3d([a, b, c, end])) {
+        [0, 0] => Position::Flat(Flat::of(orient, segment, triangle)),
         [1, 1] | [-1, -1] => Position::Apart,
         _ => Position::Piercing(Piercing { p, q, triangle: triangle.corners }),
     }
@@ -68,103 +73,113 @@ fn against_triangle(segment: Hull, triangle: Hull) -> Position<'static> {
 
 impl Piercing {
     /// Whether the segment meets the triangle: it passes no edge on the wrong side.
-    pub(super) fn meet(&self) -> bool {
+    pub(super) fn meet(&self, orient: &Orient<'_>) -> bool {
         let [a, b, c] = self.triangle;
-        inside([(a, b), (b, c), (c, a)].map(|(from, to)| exact::orient3d(self.p, self.q, from, to)))
+        let side = |(from, to)| orient.exact().orient3d([self.p, self.q, from, to]);
+        inside([(a, b), (b, c), (c, a)].map(side))
     }
 
     /// Calls `push` with the common point, if there is one.
-    pub(super) fn point(&self, orient: &Orient, mut push: impl FnMut(DVec3)) {
-        if self.meet() {
-            push(orient.cut(&self.triangle, self.p, self.q));
+    pub(super) fn point(&self, orient: &Orient<'_>, mut push: impl FnMut(DVec3)) {
+        if self.meet(orient) {
+            push(orient.cut(self.triangle, self.p, self.q));
         }
     }
 }
 
 impl Flat {
-    fn of(a: Hull, b: Hull) -> Position<'static> {
-        let plane = projection(&a, &b).map(|drop| Plane {
-            drop,
-            b_to_a: sides(&b, &a, drop),
-            a_to_b: sides(&a, &b, drop),
-        });
-        Position::Flat(Self { a, b, plane })
+    fn of(orient: &Orient<'_>, a: Hull, b: Hull) -> Self {
+        let of_triangle = a.projection.or(b.projection);
+        let ([p, q, _], [r, s, _]) = (a.corners, b.corners);
+        let of_segments = || {
+            (0..3).find(|drop| {
+                let area = |triple| orient.exact().orient2d(*drop, triple) != 0;
+                area([p, q, r]) || area([p, q, s]) || area([r, s, p])
+            })
+        };
+        Self { a, b, drop: of_triangle.or_else(of_segments) }
     }
 
     /// Whether the hulls share a point, given that their boxes do.
-    pub(super) fn meet(&self) -> bool {
-        // On a line, boxes overlap only where the sets do.
-        let Some(plane) = &self.plane else { return true };
-        self.edge_pairs().any(|(i, k)| {
-            // Each touches or straddles the other's line. On one line, only if the boxes overlap.
-            let (p, q) = self.a.edge(i);
-            let (r, s) = self.b.edge(k);
-            plane.straddle(i, k).iter().all(|product| *product <= 0)
-                && p.min(q).cmple(r.max(s)).all()
-                && r.min(s).cmple(p.max(q)).all()
-        }) || self.a.holds(self.b.corners[0], plane.b_to_a.map(|edge| edge[0]))
-            || self.b.holds(self.a.corners[0], plane.a_to_b.map(|edge| edge[0]))
+    ///
+    /// Convex sets in a plane are apart only if the line through an edge of one separates them. On
+    /// a line, boxes overlap only where the sets do.
+    pub(super) fn meet(&self, orient: &Orient<'_>) -> bool {
+        let Some(drop) = self.drop else { return true };
+        let exact = orient.exact();
+        !self.a.has_edge_before(&self.b, exact, drop)
+            && !self.b.has_edge_before(&self.a, exact, drop)
     }
 
     /// Calls `push` with the corners of the overlap: corners of one hull that the other holds (some
     /// twice), and proper crossings of edges. Without repetition at most six.
-    pub(super) fn corners(&self, mut push: impl FnMut(DVec3)) {
+    pub(super) fn corners(&self, orient: &Orient<'_>, mut push: impl FnMut(DVec3)) {
+        let exact = orient.exact();
+        let plane = self.drop.map(|drop| Plane {
+            drop,
+            b_to_a: sides(&self.b, &self.a, exact, drop),
+            a_to_b: sides(&self.a, &self.b, exact, drop),
+        });
         let side = |table: fn(&Plane) -> &[[Sign; 3]; 3], corner: usize| {
-            self.plane.as_ref().map_or([0; 3], |plane| table(plane).map(|edge| edge[corner]))
+            plane.as_ref().map_or([0; 3], |plane| table(plane).map(|edge| edge[corner]))
         };
         for (i, corner) in self.a.corners().iter().enumerate() {
-            if self.b.holds(*corner, side(|plane| &plane.a_to_b, i)) {
-                push(*corner);
+            if self.b.holds(orient, *corner, side(|plane| &plane.a_to_b, i)) {
+                push(orient.at(*corner));
             }
         }
         for (k, corner) in self.b.corners().iter().enumerate() {
-            if self.a.holds(*corner, side(|plane| &plane.b_to_a, k)) {
-                push(*corner);
+            if self.a.holds(orient, *corner, side(|plane| &plane.b_to_a, k)) {
+                push(orient.at(*corner));
             }
         }
-        let Some(plane) = &self.plane else { return };
-        for (i, k) in self.edge_pairs().filter(|(i, k)| plane.straddle(*i, *k) == [-1, -1]) {
-            let (p, q) = self.a.edge(i);
-            let (r, s) = self.b.edge(k);
-            let [p2, q2, r2, s2] = [p, q, r, s].map(|point| flat(point, plane.drop));
-            push(orient::along(p, q, exact::cut_fraction2d(r2, s2, p2, q2)));
+        let Some(plane) = &plane else { return };
+        for i in 0..self.a.edges() {
+            for k in 0..self.b.edges() {
+                if plane.cross(i, k) {
+                    let ([p, q], edge) = (self.a.edge(i), self.b.edge(k));
+                    let fraction = exact.cut_fraction2d(plane.drop, edge, p, q);
+                    push(orient::along(orient.at(p), orient.at(q), fraction));
+                }
+            }
         }
-    }
-
-    fn edge_pairs(&self) -> impl Iterator<Item = (usize, usize)> {
-        (0..self.a.edges()).flat_map(|i| (0..self.b.edges()).map(move |k| (i, k)))
     }
 }
 
 impl Plane {
-    /// For A's edge i and B's edge k: −1 if the ends of the other lie strictly on both sides of its
-    /// line, 0 if one of them lies on it; first for the line of A's edge, then for that of B's.
-    fn straddle(&self, i: usize, k: usize) -> [Sign; 2] {
+    /// Whether the ends of A's edge i lie strictly on both sides of the line of B's edge k, and the
+    /// other way round.
+    fn cross(&self, i: usize, k: usize) -> bool {
         let (a, b) = (&self.a_to_b[k], &self.b_to_a[i]);
-        [b[k] * b[(k + 1) % 3], a[i] * a[(i + 1) % 3]]
+        b[k] * b[(k + 1) % 3] < 0 && a[i] * a[(i + 1) % 3] < 0
     }
 }
 
 impl Hull {
-    fn of(triangle: &Triangle) -> Self {
-        let corners = triangle.0;
-        let [a, b, c] = corners;
-        if (0..3).any(|drop| exact::orient2d(flat(a, drop), flat(b, drop), flat(c, drop)) != 0) {
-            return Self { corners, count: 3 };
+    fn of(orient: &Orient<'_>, corners: [Corner; 3]) -> Self {
+        for drop in 0..3 {
+            if orient.exact().orient2d(drop, corners) != 0 {
+                return Self { corners, count: 3, projection: Some(drop) };
+            }
         }
         // Along a line the lexicographic order is the order on the line.
-        let before = |p: &DVec3, q: &DVec3| (p.x, p.y, p.z) < (q.x, q.y, q.z);
-        let low = [b, c].into_iter().fold(a, |low, p| if before(&p, &low) { p } else { low });
-        let high = [b, c].into_iter().fold(a, |high, p| if before(&high, &p) { p } else { high });
-        Self { corners: [low, high, high], count: if low == high { 1 } else { 2 } }
+        let before = |p: Corner, q: Corner| {
+            let (p, q) = (orient.at(p), orient.at(q));
+            (p.x, p.y, p.z) < (q.x, q.y, q.z)
+        };
+        let [a, b, c] = corners;
+        let low = [b, c].into_iter().fold(a, |low, p| if before(p, low) { p } else { low });
+        let high = [b, c].into_iter().fold(a, |high, p| if before(high, p) { p } else { high });
+        let count = if orient.at(low) == orient.at(high) { 1 } else { 2 };
+        Self { corners: [low, high, high], count, projection: None }
     }
 
-    fn corners(&self) -> &[DVec3] {
+    fn corners(&self) -> &[Corner] {
         &self.corners[..self.count]
     }
 
     /// The ends of a segment; twice a point.
-    fn ends(&self) -> [DVec3; 2] {
+    fn ends(&self) -> [Corner; 2] {
         [self.corners[0], self.corners[1]]
     }
 
@@ -173,51 +188,42 @@ impl Hull {
         if self.count == 3 { 3 } else { 1 }
     }
 
-    fn edge(&self, i: usize) -> (DVec3, DVec3) {
-        (self.corners[i], self.corners[(i + 1) % 3])
+    fn edge(&self, i: usize) -> [Corner; 2] {
+        [self.corners[i], self.corners[(i + 1) % 3]]
+    }
+
+    /// Whether `other` lies strictly beyond the line of an edge: of a segment, on either side.
+    fn has_edge_before(&self, other: &Self, exact: &Exact, drop: usize) -> bool {
+        let inner = if self.count == 3 { exact.orient2d(drop, self.corners) } else { 0 };
+        (0..self.edges()).any(|i| {
+            let [p, q] = self.edge(i);
+            let side = |corner: Corner| exact.orient2d(drop, [p, q, corner]);
+            let first = side(other.corners[0]);
+            first != 0
+                && first != inner
+                && other.corners()[1..].iter().all(|corner| side(*corner) == first)
+        })
     }
 
     /// Whether it holds a point of its plane (or its line) that lies on these sides of its edges.
-    fn holds(&self, point: DVec3, sides: [Sign; 3]) -> bool {
+    fn holds(&self, orient: &Orient<'_>, point: Corner, sides: [Sign; 3]) -> bool {
         if self.count == 3 {
             return inside(sides);
         }
-        let [p, q] = self.ends();
+        let [p, q] = self.ends().map(|end| orient.at(end));
+        let point = orient.at(point);
         sides[0] == 0 && p.min(q).cmple(point).all() && point.cmple(p.max(q)).all()
     }
 }
 
 /// `[i][k]`: on which side of edge i of `hull` corner k of `other` lies.
-fn sides(other: &Hull, hull: &Hull, drop: usize) -> [[Sign; 3]; 3] {
-    let corners = other.corners.map(|corner| flat(corner, drop));
+fn sides(other: &Hull, hull: &Hull, exact: &Exact, drop: usize) -> [[Sign; 3]; 3] {
     let mut sides = [[0; 3]; 3];
     for (i, sides) in sides.iter_mut().enumerate().take(hull.edges()) {
-        let (p, q) = hull.edge(i);
-        *sides = corners.map(|corner| exact::orient2d(flat(p, drop), flat(q, drop), corner));
+        let [p, q] = hull.edge(i);
+        *sides = other.corners.map(|corner| exact.orient2d(drop, [p, q, corner]));
     }
     sides
-}
-
-/// A coordinate that can be dropped without flattening the common plane of the hulls; none if all
-/// is on one line.
-fn projection(a: &Hull, b: &Hull) -> Option<usize> {
-    let ([p, q, t], [r, s, u]) = (a.corners, b.corners);
-    let triples = [[p, q, t], [r, s, u], [p, q, r], [p, q, s], [r, s, p]];
-    (0..3).find(|drop| {
-        triples.iter().any(|triple| {
-            let [x, y, z] = triple.map(|point| flat(point, *drop));
-            exact::orient2d(x, y, z) != 0
-        })
-    })
-}
-
-/// Drops a coordinate; the handedness does not matter, as long as it is one and the same.
-fn flat(point: DVec3, drop: usize) -> Point2 {
-    match drop {
-        0 => [point.y, point.z],
-        1 => [point.z, point.x],
-        _ => [point.x, point.y],
-    }
 }
 
 /// Whether no two of the signs are opposite.

@@ -102,9 +102,10 @@ proptest! {
     /// The adaptive predicates and the wide sum agree, so neither is wrong by itself.
     #[test]
     fn adaptive_and_wide_signs_agree(a in point(), b in point(), c in point(), d in point()) {
-        prop_assert_eq!(orient3d(a, b, c, d), Wide::orient3d(a, b, c, d).sign());
+        let points = [a, b, c, d];
+        prop_assert_eq!(orient3d(points), Wide::orient3d(points).sign());
         let [p, q, r] = [a, b, c].map(|p| [p.x, p.y]);
-        prop_assert_eq!(orient2d(p, q, r), Wide::orient2d(p, q, r).sign());
+        prop_assert_eq!(orient2d([p, q, r]), Wide::orient2d([p, q, r]).sign());
     }
 
     /// A NaN or an infinity gives some answer: no panic, no endless loop.

@@ -5,7 +5,8 @@
 //! last resort, for coordinates so small or large that floating point would under- or overflow,
 //! and the source of well-rounded cuts where planes are nearly parallel.
 
-use super::exact::{Point2, Sign};
+use super::Sign;
+use super::exact::Point2;
 use crate::DVec3;
 
 /// 2⁻³²²² (a product of three least denormals) up to 2³⁰⁷⁷ (24 products of three numbers below
@@ -21,7 +22,7 @@ pub(super) struct Wide([u64; LIMBS]);
 
 impl Wide {
     /// det(b − a, c − a, d − a), expanded into products of coordinates, so without differences.
-    pub(super) fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Self {
+    pub(super) fn orient3d([a, b, c, d]: [DVec3; 4]) -> Self {
         let mut sum = Self([0; LIMBS]);
         sum.add_volume(b, c, d, false);
         sum.add_volume(a, c, d, true);
@@ -31,7 +32,7 @@ impl Wide {
     }
 
     /// det(b − a, c − a), likewise.
-    pub(super) fn orient2d(a: Point2, b: Point2, c: Point2) -> Self {
+    pub(super) fn orient2d([a, b, c]: [Point2; 3]) -> Self {
         let mut sum = Self([0; LIMBS]);
         for (p, q) in [(a, b), (b, c), (c, a)] {
             sum.add([p[0], q[1], 1.0], false);
@@ -96,18 +97,8 @@ impl Wide {
         if self.is_negative() { -1 } else { Sign::from(self.0.iter().any(|digit| *digit != 0)) }
     }
 
-    /// |p| / (|p| + |q|), within a few units in the last place; 0 if both are 0.
-    pub(super) fn share(p: &Self, q: &Self) -> f64 {
-        let ((p, exponent_p), (q, exponent_q)) = (p.magnitude(), q.magnitude());
-        if p == 0.0 {
-            return 0.0;
-        }
-        // 1 / (1 + |q|/|p|): a quotient out of f64's range is 0 or infinite, and the share 1 or 0.
-        1.0 / (1.0 + libm::scalbn(q / p, exponent_q - exponent_p))
-    }
-
-    /// Its magnitude as m·2^e: (m, e), with m in [2⁶³, 2⁶⁴] rounded, or 0.
-    fn magnitude(&self) -> (f64, i32) {
+    /// Its magnitude.
+    pub(super) fn magnitude(&self) -> Magnitude {
         let mut digits = self.0;
         if self.is_negative() {
             let mut carry = true;
@@ -115,16 +106,41 @@ impl Wide {
                 (*digit, carry) = (!*digit).overflowing_add(u64::from(carry));
             }
         }
-        let Some(top) = digits.iter().rposition(|digit| *digit != 0) else { return (0.0, 0) };
+        let Some(top) = digits.iter().rposition(|digit| *digit != 0) else {
+            return Magnitude::of(0, 0);
+        };
         let below = if top == 0 { 0 } else { digits[top - 1] };
-        let zeros = digits[top].leading_zeros();
-        let pair = (u128::from(digits[top]) << 64 | u128::from(below)) << zeros;
-        ((pair >> 64) as u64 as f64, 64 * top as i32 - zeros as i32)
+        Magnitude::of(u128::from(digits[top]) << 64 | u128::from(below), 64 * top as i32)
+    }
+}
+
+/// A magnitude m·2^e, rounded: m in [2⁶³, 2⁶⁴], or 0.
+#[derive(Clone, Copy)]
+pub(super) struct Magnitude {
+    m: f64,
+    exponent: i32,
+}
+
+impl Magnitude {
+    /// That of `digits`·2^`exponent`, up to a factor that is the same for all.
+    pub(super) fn of(digits: u128, exponent: i32) -> Self {
+        let zeros = digits.leading_zeros();
+        let m = (digits.checked_shl(zeros).unwrap_or(0) >> 64) as u64 as f64;
+        Self { m, exponent: exponent - zeros as i32 }
+    }
+
+    /// p / (p + q), within a few units in the last place; 0 if both are 0.
+    pub(super) fn share(p: Self, q: Self) -> f64 {
+        if p.m == 0.0 {
+            return 0.0;
+        }
+        // 1 / (1 + q/p): a quotient out of f64's range is 0 or infinite, and the share 1 or 0.
+        1.0 / (1.0 + libm::scalbn(q.m / p.m, q.exponent - p.exponent))
     }
 }
 
 /// A finite f64 as sign, integer and exponent of two: (negative, m, e), ±m·2^e.
-fn parts(value: f64) -> (bool, u64, i32) {
+pub(super) fn parts(value: f64) -> (bool, u64, i32) {
     let bits = value.to_bits();
     let exponent = ((bits >> 52) & 0x7ff) as i32;
     let fraction = bits & ((1 << 52) - 1);
