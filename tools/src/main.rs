@@ -1,9 +1,14 @@
 //! `cargo x`: one door for the tasks of this workspace.
 //!
-//! Each task starts cargo, whose output is shown if it fails. This program takes no part in the
-//! product: nothing that ships depends on it.
+//! Each task starts cargo or what cargo has built. This program takes no part in the product:
+//! nothing that ships depends on it.
 
+mod bench;
+mod built;
 mod check;
+mod compare;
+mod count;
+mod machine;
 mod oracle;
 mod step;
 
@@ -40,6 +45,28 @@ enum Task {
         #[arg(long, value_name = "S", default_value_t = 1)]
         seed: u64,
     },
+    /// Time the kernels with criterion: triangle tests, queries, tree builds.
+    Bench {
+        /// Shorter runs, wider margins.
+        #[arg(long)]
+        quick: bool,
+        /// Only benchmarks whose names contain this.
+        filter: Option<String>,
+    },
+    /// Count the kernels' instructions with valgrind and compare them with the record.
+    ///
+    /// More than 3 % more of them fail. The record is tools/results/instructions.tsv.
+    Count {
+        /// Write the record instead.
+        #[arg(long)]
+        record: bool,
+    },
+    /// Measure our kernel beside other libraries, in one interleaved run on one core.
+    ///
+    /// The peers are C++ drivers that are compiled here if the Debian packages are installed
+    /// (libembree-dev, libfcl-dev libeigen3-dev; for the exact oracle libcgal-dev libgmp-dev
+    /// libmpfr-dev), and parry3d. Fails if an answer of ours is wrong.
+    Compare(compare::Options),
 }
 
 fn main() -> Result<ExitCode> {
@@ -49,5 +76,8 @@ fn main() -> Result<ExitCode> {
             check::run(check::STEPS.iter().filter(|step| step.name != check::DOCS))
         }
         Task::Oracle { pairs, seed } => oracle::run(pairs, seed),
+        Task::Bench { quick, filter } => bench::run(quick, filter.as_deref()),
+        Task::Count { record } => count::run(record),
+        Task::Compare(options) => compare::run(&options),
     }
 }

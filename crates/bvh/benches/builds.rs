@@ -1,0 +1,27 @@
+//! Tree builds: time per triangle, on one thread and on two.
+
+use bvh::{BuildOptions, build};
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput};
+use model::Build;
+use model::generate::{Shape, generate};
+use std::hint::black_box;
+
+fn main() {
+    let mut criterion = Criterion::default().configure_from_args().sample_size(20);
+    for count in [10_000, 100_000] {
+        let sedan = generate(Shape::Sedan, count, 0).expect("a count that can be generated");
+        let triangles = sedan.corners;
+        let mut group = criterion.benchmark_group(format!("build/{count}"));
+        group.sampling_mode(SamplingMode::Flat);
+        group.throughput(Throughput::Elements(u64::from(count)));
+        for (name, split) in [("seed", Build::Seed), ("sah", Build::Sah)] {
+            for threads in [1, 2] {
+                let options = BuildOptions { build: split, leaf_size: 4, threads };
+                group.bench_function(BenchmarkId::new(name, threads), |bencher| {
+                    bencher.iter(|| build(black_box(&triangles), &options, &|_| ()));
+                });
+            }
+        }
+    }
+    criterion.final_summary();
+}

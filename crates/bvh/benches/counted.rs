@@ -1,0 +1,94 @@
+//! Workloads whose instructions `cargo x count` counts: without arguments their names, one per
+//! line; with a name that one, once to warm up and once inside of [`measured`].
+
+mod posed;
+mod scene;
+
+use bvh::{BuildOptions, Question, build};
+use fearless_simd::dispatch;
+use geometry::batch::{self, Batch};
+use geometry::simd::Level;
+use geometry::{DVec3, Directions, triangle};
+use model::Build;
+use posed::Posed;
+use scene::Scene;
+use std::hint::black_box;
+
+/// Large enough to leave the beginnings behind, small enough for an emulated processor.
+const SCENE: &str = "cars-10k-deep";
+
+/// What makes a workload ready.
+type Prepare = fn() -> Box<dyn FnMut() -> u64>;
+
+const WORKLOADS: &[(&str, Prepare)] = &[
+    ("pairs", || ask(Build::Sah, Question::Pairs)),
+    ("pairs, seed's split", || ask(Build::Seed, Question::Pairs)),
+    ("pairs and supports", || {
+        let directions = Directions::around(DVec3::X, DVec3::Z);
+        let mut posed = Posed::new(SCENE, Build::Sah, 4);
+        Box::new(move || posed.ask(Question::Pairs, Some(&directions)).hash)
+    }),
+    ("sets", || ask(Build::Sah, Question::Sets)),
+    ("touches", || ask(Build::Sah, Question::Touches)),
+    ("boxes", || {
+        let posed = Posed::new(SCENE, Build::Sah, 4);
+        Box::new(move || posed.leaves().len() as u64)
+    }),
+    ("triangles in batches", || {
+        let posed = Posed::new(SCENE, Build::Sah, 1);
+        let candidates = posed.candidates();
+        let level = Level::new();
+        Box::new(move || {
+            let (a, b, pose) = posed.parts();
+            let batch = Batch::new(pose, a.corners, b.corners);
+            let hits = |pairs| dispatch!(level, simd => batch::intersecting(simd, &batch, pairs));
+            candidates.chunks(batch::BATCH).map(|pairs| u64::from(hits(pairs).count_ones())).sum()
+        })
+    }),
+    ("triangles one by one", || {
+        let posed = Posed::new(SCENE, Build::Sah, 1);
+        let candidates = posed.candidates();
+        Box::new(move || {
+            let (a, b, pose) = posed.parts();
+            let batch = Batch::new(pose, a.corners, b.corners);
+            let hit = |pair: &&[u32; 2]| {
+                let [a, b] = batch.triangles(**pair);
+                triangle::intersect(&a, &b)
+            };
+            candidates.iter().filter(hit).count() as u64
+        })
+    }),
+    ("build, seed's split", || grow(Build::Seed)),
+    ("build, sah", || grow(Build::Sah)),
+];
+
+fn ask(build: Build, question: Question) -> Box<dyn FnMut() -> u64> {
+    let mut posed = Posed::new(SCENE, build, 4);
+    Box::new(move || posed.ask(question, None).counters.tests())
+}
+
+fn grow(split: Build) -> Box<dyn FnMut() -> u64> {
+    let triangles = Scene::named(SCENE).a;
+    let options = BuildOptions { build: split, leaf_size: 4, threads: 1 };
+    Box::new(move || build(&triangles, &options, &|_| ()).map_or(0, |tree| tree.depth.into()))
+}
+
+/// Instructions between entry and return are counted; callgrind finds it by this name.
+#[inline(never)]
+fn measured(work: &mut dyn FnMut() -> u64) -> u64 {
+    black_box(work())
+}
+
+#[expect(clippy::print_stdout, reason = "the names are what it is asked for")]
+fn main() {
+    // `cargo bench` adds options for harnesses; a workload is no option.
+    let Some(name) = std::env::args().skip(1).find(|word| !word.starts_with('-')) else {
+        WORKLOADS.iter().for_each(|(name, _)| println!("{name}"));
+        return;
+    };
+    let (_, prepare) =
+        WORKLOADS.iter().find(|workload| workload.0 == name).expect("one of the names it lists");
+    let mut work = prepare();
+    black_box(work());
+    black_box(measured(&mut work));
+}

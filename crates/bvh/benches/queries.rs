@@ -1,0 +1,97 @@
+//! Queries: the walk over boxes alone, the triangle tests alone, and all three questions.
+
+mod posed;
+mod scene;
+
+use bvh::Question;
+use criterion::{BenchmarkId, Criterion, Throughput};
+use fearless_simd::dispatch;
+use geometry::batch::{self, Batch};
+use geometry::{DVec3, Directions, simd, triangle};
+use model::Build;
+use posed::Posed;
+use std::hint::black_box;
+
+/// Triangles in a leaf, as by default.
+const LEAF_SIZE: u32 = 4;
+
+fn main() {
+    let mut criterion = Criterion::default().configure_from_args();
+    boxes(&mut criterion);
+    triangles(&mut criterion);
+    queries(&mut criterion);
+    criterion.final_summary();
+}
+
+/// Down both trees to the leaves: time per pair of leaves that remains.
+fn boxes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("boxes");
+    for scene in ["cars-10k-deep", "cars-100k-deep", "cars-100k-miss"] {
+        let posed = Posed::new(scene, Build::Sah, LEAF_SIZE);
+        group.throughput(Throughput::Elements(posed.leaves().len() as u64));
+        group.bench_function(scene, |bencher| bencher.iter(|| black_box(&posed).leaves()));
+    }
+}
+
+/// The triangle tests of a crash, in the order of the walk: one by one and in batches.
+fn triangles(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("triangles of a crash");
+    let posed = Posed::new("cars-10k-deep", Build::Sah, 1);
+    let candidates = posed.candidates();
+    let (a, b, pose) = posed.parts();
+    let batch = Batch::new(pose, a.corners, b.corners);
+    group.throughput(Throughput::Elements(candidates.len() as u64));
+    group.bench_function("one by one", |bencher| {
+        bencher.iter(|| {
+            let hit = |pair: &&[u32; 2]| {
+                let [a, b] = batch.triangles(**pair);
+                triangle::intersect(&a, &b)
+            };
+            black_box(&candidates).iter().filter(hit).count()
+        });
+    });
+    for level in simd::levels() {
+        group.bench_function(BenchmarkId::new("batch", simd::name(level)), |bencher| {
+            bencher.iter(|| {
+                let batches = black_box(&candidates).chunks(batch::BATCH);
+                let hits =
+                    |pairs| dispatch!(level, simd => batch::intersecting(simd, &batch, pairs));
+                batches.map(|pairs| hits(pairs).count_ones()).sum::<u32>()
+            });
+        });
+    }
+}
+
+/// Whole queries: time per hit, or per query where nothing is hit.
+fn queries(criterion: &mut Criterion) {
+    let directions = Directions::around(DVec3::X, DVec3::Z);
+    let scenes = [
+        "cars-10k-scratch",
+        "cars-10k-deep",
+        "cars-100k-miss",
+        "cars-100k-scratch",
+        "cars-100k-deep",
+        "comb",
+    ];
+    for scene in scenes {
+        let mut group = criterion.benchmark_group(scene);
+        let mut posed = Posed::new(scene, Build::Sah, LEAF_SIZE);
+        let hits = posed.ask(Question::Pairs, None).pairs;
+        group.throughput(Throughput::Elements(hits.max(1)));
+        let questions = [
+            ("pairs", Question::Pairs, None),
+            ("pairs and supports", Question::Pairs, Some(&directions)),
+            ("sets", Question::Sets, None),
+            ("touches", Question::Touches, None),
+        ];
+        for (name, question, directions) in questions {
+            group.bench_function(name, |bencher| {
+                bencher.iter(|| posed.ask(question, black_box(directions)));
+            });
+        }
+        let mut posed = Posed::new(scene, Build::Seed, LEAF_SIZE);
+        group.bench_function("pairs, seed's split", |bencher| {
+            bencher.iter(|| posed.ask(Question::Pairs, black_box(None)));
+        });
+    }
+}

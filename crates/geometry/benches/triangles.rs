@@ -1,0 +1,133 @@
+//! The triangle test by what a pair turns out to be: one by one, and in batches at every level.
+//!
+//! All pairs have boxes that overlap, as those that a walk leaves over.
+
+use criterion::{BenchmarkId, Criterion, Throughput};
+use fearless_simd::dispatch;
+use geometry::batch::{self, Batch};
+use geometry::{Aabb, Corners, DVec3, Pose, RelativePose, Triangle, hash, simd, triangle};
+use std::hint::black_box;
+
+/// Pairs of each kind: more than a branch predictor learns by heart.
+const PAIRS: usize = 4096;
+
+/// What a pair turns out to be.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// One triangle on one side of the other's plane.
+    Apart,
+    /// Each across the other's plane, but they do not meet.
+    Miss,
+    /// Each across the other's plane, and they meet.
+    Hit,
+    /// A corner in common.
+    Corner,
+    /// Both in one plane, which is tilted; about half of them meet.
+    Coplanar,
+}
+
+const KINDS: &[(&str, Kind)] = &[
+    ("apart", Kind::Apart),
+    ("miss", Kind::Miss),
+    ("hit", Kind::Hit),
+    ("corner", Kind::Corner),
+    ("coplanar", Kind::Coplanar),
+];
+
+fn main() {
+    let mut criterion = Criterion::default().configure_from_args();
+    let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+    for (name, kind) in KINDS {
+        let (a, b) = pairs(*kind);
+        let numbers: Vec<[u32; 2]> = (0..PAIRS as u32).map(|i| [i, i]).collect();
+        let batch = Batch::new(&pose, &a, &b);
+        let mut group = criterion.benchmark_group(format!("triangles/{name}"));
+        group.throughput(Throughput::Elements(PAIRS as u64));
+        group.bench_function("one by one", |bencher| {
+            let wide: Vec<[Triangle; 2]> = numbers.iter().map(|n| batch.triangles(*n)).collect();
+            let meet = |pair: &&[Triangle; 2]| triangle::intersect(&pair[0], &pair[1]);
+            bencher.iter(|| black_box(&wide).iter().filter(meet).count());
+        });
+        for level in simd::levels() {
+            group.bench_function(BenchmarkId::new("batch", simd::name(level)), |bencher| {
+                let hits =
+                    |pairs| dispatch!(level, simd => batch::intersecting(simd, &batch, pairs));
+                bencher.iter(|| {
+                    let batches = black_box(&numbers).chunks(batch::BATCH);
+                    batches.map(|pairs| hits(pairs).count_ones()).sum::<u32>()
+                });
+            });
+        }
+    }
+    criterion.final_summary();
+}
+
+/// Random pairs of a kind, those of other kinds thrown away.
+fn pairs(kind: Kind) -> (Vec<Corners>, Vec<Corners>) {
+    let mut random = Random(kind as u64);
+    let (mut all_a, mut all_b) = (Vec::new(), Vec::new());
+    while all_a.len() < PAIRS {
+        let (a, mut b) = match kind {
+            Kind::Coplanar => (random.in_plane(), random.in_plane()),
+            _ => (random.triangle(), random.triangle()),
+        };
+        if let Kind::Corner = kind {
+            b[1] = a[2];
+        }
+        if boxes_overlap(&a, &b) && is(kind, &a, &b) {
+            all_a.push(a);
+            all_b.push(b);
+        }
+    }
+    (all_a, all_b)
+}
+
+fn is(kind: Kind, a: &Corners, b: &Corners) -> bool {
+    let (a, b) = (wide(a), wide(b));
+    let across = crosses(&a, &b) && crosses(&b, &a);
+    match kind {
+        Kind::Apart => !across,
+        Kind::Miss => across && !triangle::intersect(&a, &b),
+        Kind::Hit => across && triangle::intersect(&a, &b),
+        Kind::Corner | Kind::Coplanar => true,
+    }
+}
+
+/// Whether corners of `t` lie on both sides of the plane of `plane`; random ones never lie in it.
+fn crosses(plane: &Triangle, t: &Triangle) -> bool {
+    let [p, q, r] = plane.0;
+    let normal = (q - p).cross(r - p);
+    let above = t.0.map(|corner| normal.dot(corner - p) > 0.0);
+    above != [above[0]; 3]
+}
+
+fn boxes_overlap(a: &Corners, b: &Corners) -> bool {
+    Aabb::of(a).bounds().overlaps(&Aabb::of(b).bounds())
+}
+
+fn wide(corners: &Corners) -> Triangle {
+    Triangle(corners.map(|corner| DVec3::from_array(corner.map(f64::from))))
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    /// A multiple of 1/256 in [0, 1): sums of a few are exact.
+    fn step(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(1 << 32);
+        (hash::splitmix64(self.0) >> 56) as f32 / 256.0
+    }
+
+    fn triangle(&mut self) -> Corners {
+        [0; 3].map(|_| [0; 3].map(|_| self.step() + self.step() / 256.0))
+    }
+
+    /// In the plane z = x + y / 2.
+    fn in_plane(&mut self) -> Corners {
+        [0; 3].map(|_| {
+            let (x, y) = (self.step(), self.step());
+            [x, y, x + y / 2.0]
+        })
+    }
+}

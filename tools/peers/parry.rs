@@ -1,0 +1,164 @@
+//! A driver for parry3d, in the manner of `case.hpp`: `Bvh::leaf_pairs` finds the candidates, our
+//! exact triangle test decides them.
+//!
+//! Its trees are f32 and know no pose, so a box of B is turned into A's frame at each test, as
+//! parry's own mesh intersection does, and loosened by what f32 may have lost.
+
+use anyhow::{Context as _, Result, bail};
+use geometry::{Corners, DVec3, Pose, RelativePose, Triangle, hash, triangle};
+use parry3d::bounding_volume::{Aabb, BoundingVolume as _};
+use parry3d::math::{Mat3, Pose as Pose32, Rotation, Vector};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+struct Options {
+    folder: PathBuf,
+    repeat: usize,
+    cold: bool,
+}
+
+fn main() -> Result<()> {
+    let options = options()?;
+    let folder = &options.folder;
+    let (a, b) = (read_stl(&folder.join("a.stl"))?, read_stl(&folder.join("b.stl"))?);
+    let pose = read_poses(&folder.join("pose.txt"))?;
+
+    let start = now();
+    let (tree_a, tree_b) = (tree(&a), tree(&b));
+    let build_ms = ms_since(start);
+
+    let posed = pose32(&pose)?;
+    // Coordinates of either body in A's frame go through a few roundings of f32.
+    let reach = |tree: &Bvh| tree.root_aabb().maxs.abs().max(tree.root_aabb().mins.abs());
+    let size = (reach(&tree_a) + reach(&tree_b) + posed.translation.abs()).element_sum();
+    let slack = 8.0 * f32::EPSILON * size;
+
+    let mut pairs = Vec::new();
+    let mut np = 0_u64;
+    let mut times = Vec::new();
+    // One run to warm up.
+    for run in 0..=options.repeat {
+        if options.cold {
+            flush_caches();
+        }
+        let start = now();
+        pairs.clear();
+        np = 0;
+        let near = |x: &BvhNode, y: &BvhNode| {
+            x.aabb().intersects(&y.aabb().transform_by(&posed).loosened(slack))
+        };
+        for (i, j) in tree_a.leaf_pairs(&tree_b, near) {
+            np += 1;
+            let (p, q) = (wide(&a[i as usize]), pose.triangle(&b[j as usize]));
+            if triangle::intersect(&p, &q) {
+                pairs.push((i, j));
+            }
+        }
+        if run > 0 {
+            times.push(ms_since(start));
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    let query_ms = times[times.len() / 2];
+
+    let case = folder.file_name().context("the case has no name")?.to_string_lossy();
+    let hash = pairs.iter().fold(0_u64, |sum, (i, j)| sum.wrapping_add(hash::pair_term(*i, *j)));
+    let line = serde_json::json!({
+        "peer": "parry", "case": case, "build_ms": build_ms, "pose_ms": 0.0, "query_ms": query_ms,
+        "pairs": pairs.len(), "hash": format!("{hash:016x}"), "nb": 0, "np": np,
+    });
+    #[expect(clippy::print_stdout, reason = "this line is what the driver is for")]
+    {
+        println!("{line}");
+    }
+    Ok(())
+}
+
+fn options() -> Result<Options> {
+    let mut options = Options { folder: PathBuf::new(), repeat: 9, cold: false };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--cold" => options.cold = true,
+            "--repeat" => {
+                let count = words.next().context("--repeat needs a count")?;
+                options.repeat = count.parse().with_context(|| format!("--repeat {count}"))?;
+            }
+            _ => options.folder = word.into(),
+        }
+    }
+    if options.repeat == 0 {
+        bail!("--repeat needs a count of at least 1");
+    }
+    Ok(options)
+}
+
+fn read_stl(path: &Path) -> Result<Vec<Corners>> {
+    /// Before the triangles: a text nobody reads, and their number.
+    const HEADER: usize = 80 + 4;
+    /// A normal nobody reads, three corners, two spare bytes.
+    const RECORD: usize = 50;
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let records = bytes.get(HEADER..).unwrap_or_default().chunks_exact(RECORD);
+    let float = |bytes: &[u8], at: usize| {
+        f32::from_le_bytes(std::array::from_fn(|byte| bytes[12 + 4 * at + byte]))
+    };
+    let corners =
+        |record: &[u8]| std::array::from_fn(|k| std::array::from_fn(|c| float(record, 3 * k + c)));
+    Ok(records.map(corners).collect())
+}
+
+/// The world poses of A and B, to B seen from A.
+fn read_poses(path: &Path) -> Result<RelativePose> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let numbers: Vec<f64> =
+        text.split_whitespace().map(str::parse).collect::<Result<_, _>>().context("pose.txt")?;
+    if numbers.len() != 24 {
+        bail!("{}: {} numbers, not 24", path.display(), numbers.len());
+    }
+    let [a, b] = [0, 12].map(|from| Pose {
+        rotation: std::array::from_fn(|i| std::array::from_fn(|j| numbers[from + 4 * i + j])),
+        translation: std::array::from_fn(|i| numbers[from + 4 * i + 3]),
+    });
+    Ok(RelativePose::between(&a, &b))
+}
+
+fn tree(triangles: &[Corners]) -> Bvh {
+    let box_of = |corners: &Corners| {
+        let [p, q, r] = corners.map(Vector::from_array);
+        Aabb::new(p.min(q).min(r), p.max(q).max(r))
+    };
+    Bvh::from_iter(BvhBuildStrategy::Binned, triangles.iter().map(box_of).enumerate())
+}
+
+fn pose32(pose: &RelativePose) -> Result<Pose32> {
+    let column = |j: usize| Vector::from_array(pose.rotation.map(|row| row[j] as f32));
+    let rotation = Rotation::from_mat3(&Mat3::from_cols(column(0), column(1), column(2)));
+    let translation = Vector::from_array(pose.translation.map(|t| t as f32));
+    if !translation.is_finite() {
+        bail!("the pose is not finite");
+    }
+    Ok(Pose32::from_parts(translation, rotation))
+}
+
+fn wide(corners: &Corners) -> Triangle {
+    Triangle(corners.map(|corner| DVec3::from_array(corner.map(f64::from))))
+}
+
+/// Pushes everything else out of the caches, by writing to 64 MiB.
+fn flush_caches() {
+    let mut large = vec![0_u64; (64 << 20) / size_of::<u64>()];
+    large.iter_mut().step_by(8).for_each(|word| *word += 1);
+    black_box(&large);
+}
+
+#[expect(clippy::disallowed_methods, reason = "a measuring aid: nothing is decided by it")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+fn ms_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}

@@ -1,0 +1,20 @@
+//! `cargo x bench`: criterion's benchmarks of the kernels, with criterion's own report.
+//!
+//! For a person who changes a kernel and watches one machine. What may gate a change is
+//! `cargo x count`; what says how we stand is `cargo x compare`.
+
+use crate::step::cargo;
+use anyhow::{Context as _, Result};
+use std::process::ExitCode;
+
+/// Runs the benchmarks whose names contain `filter`, all if there is none.
+pub(crate) fn run(quick: bool, filter: Option<&str>) -> Result<ExitCode> {
+    let status = cargo()
+        .args(["bench", "--package", "geometry", "--package", "bvh"])
+        .args(["--bench", "triangles", "--bench", "queries", "--bench", "builds", "--"])
+        .args(quick.then_some("--quick"))
+        .args(filter)
+        .status()
+        .context("cannot start cargo")?;
+    Ok(if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

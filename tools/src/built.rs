@@ -1,0 +1,45 @@
+//! What cargo builds for us, and where things lie.
+
+use crate::step::cargo;
+use anyhow::{Context as _, Result, bail};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// Where the workspace lies, and what is made from it.
+#[derive(Debug)]
+pub(crate) struct Workspace {
+    /// Its root.
+    pub(crate) root: PathBuf,
+    /// Where cargo puts what it makes.
+    pub(crate) target: PathBuf,
+}
+
+impl Workspace {
+    /// Asks cargo.
+    pub(crate) fn find() -> Result<Self> {
+        let said = output(cargo().args(["metadata", "--no-deps", "--format-version", "1"]))?;
+        let known: Value = serde_json::from_str(&said).context("cargo metadata")?;
+        let folder = |key: &str| known[key].as_str().map(PathBuf::from).context("cargo metadata");
+        Ok(Self { root: folder("workspace_root")?, target: folder("target_directory")? })
+    }
+}
+
+/// Has cargo build one program; `command` starts cargo with all that it needs to know but the
+/// format of its messages.
+pub(crate) fn executable(command: &mut Command) -> Result<PathBuf> {
+    let said = output(command.arg("--message-format=json-render-diagnostics"))?;
+    let messages = said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let mut made = messages.filter_map(|message| Some(message["executable"].as_str()?.into()));
+    made.next_back().with_context(|| format!("{command:?} made no program"))
+}
+
+/// What a command writes, if it succeeds; what it has to complain about goes to the terminal.
+pub(crate) fn output(command: &mut Command) -> Result<String> {
+    let done = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let done = done.with_context(|| format!("cannot start {command:?}"))?;
+    if !done.status.success() {
+        bail!("{command:?}: {}", done.status);
+    }
+    Ok(String::from_utf8(done.stdout)?)
+}
