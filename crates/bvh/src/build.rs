@@ -7,10 +7,11 @@ mod body;
 mod grow;
 mod sah;
 mod seed;
+mod team;
 
 pub use body::{body, rebuild};
 
-use geometry::{Aabb, Corners};
+use geometry::Corners;
 use model::{Build, Node};
 
 /// Most triangles that a leaf may hold.
@@ -118,12 +119,11 @@ pub fn build(
     check(corners, options)?;
     let job =
         grow::Job { leaf_size: options.leaf_size as usize, threads: options.threads, progress };
-    let (mut nodes, order) = match options.build {
+    let (nodes, order, depth) = match options.build {
         Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
         Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
         Build::Sah => sah::grow(corners, &job),
     };
-    let depth = close(&mut nodes, &order, corners);
     Ok(Tree { nodes, order, depth })
 }
 
@@ -145,33 +145,6 @@ fn check(corners: &[Corners], options: &BuildOptions) -> Result<(), BuildError> 
         Some(triangle) => Err(BuildError::NotFinite { triangle }),
         None => Ok(()),
     }
-}
-
-/// Computes all boxes from the leaves up; says how deep the tree is.
-///
-/// Children stand behind their parents, so one pass backwards sees every child first.
-fn close(nodes: &mut [Node], order: &[u32], corners: &[Corners]) -> u32 {
-    let mut heights = vec![1_u32; nodes.len()];
-    for i in (0..nodes.len()).rev() {
-        let Node { link, count, .. } = nodes[i];
-        let (left, right) = (i + 1, link as usize);
-        let bounds = if count > 0 {
-            order[right..right + count as usize]
-                .iter()
-                .map(|&triangle| Aabb::of(&corners[triangle as usize]))
-                .fold(Aabb::EMPTY, |sum, box_| sum.union(&box_))
-        } else {
-            heights[i] = 1 + heights[left].max(heights[right]);
-            nodes[left].bounds.union(&nodes[right].bounds)
-        };
-        nodes[i].bounds = without_negative_zero(bounds);
-    }
-    heights[0]
-}
-
-/// Which zero is the lesser is up to the machine; so that trees have the same bytes, all are +0.
-fn without_negative_zero(box_: Aabb) -> Aabb {
-    Aabb { min: box_.min.map(|x| x + 0.0), max: box_.max.map(|x| x + 0.0) }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! From a mesh to a body: the tree is built, and every array brought into leaf order.
 
 use super::{BuildError, BuildOptions, Tree, build};
-use model::{Body, BodyView, Mesh, Meta, Wide, Zones};
+use model::{Body, BodyView, Mesh, Meta, Zones};
 
 /// Builds the tree of a mesh and brings everything into leaf order.
 ///
@@ -30,7 +30,6 @@ pub fn body(
         }
     }
     let Tree { nodes, order, depth } = build(&mesh.corners, options, progress)?;
-    let corners = permuted(&mesh.corners, &order);
     Ok(Body {
         meta: Meta {
             parts: mesh.parts,
@@ -40,9 +39,8 @@ pub fn body(
             depth,
             ..meta
         },
-        wide: Wide::of(&nodes, &corners),
         nodes,
-        corners,
+        corners: permuted(&mesh.corners, &order),
         source_ids: permuted(&mesh.source_ids, &order),
         part_of: permuted(&mesh.part_of, &order),
         zones: permuted(&zones, &order),

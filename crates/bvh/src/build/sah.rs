@@ -1,150 +1,344 @@
 //! The binned surface-area heuristic.
 //!
-//! Triangles are sorted into bins by the centre of their box; of all cuts between two bins, along
-//! all three axes, the one with the least `half_area(left)·n(left) + half_area(right)·n(right)` is
-//! taken. Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). Where all
-//! centres are the same no bin tells anything, and the triangles are halved as they stand.
+//! Triangles are sorted into bins by the centre of their box, along all three axes in one pass; of
+//! all cuts between two bins, the one with the least `half_area(left)·n(left) +
+//! half_area(right)·n(right)` is taken, of equal ones the most balanced, then the lowest axis. Wald,
+//! *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). Where no cut has a cost,
+//! because all centres are the same or areas overflow f32, the triangles are halved as they stand.
+//!
+//! A cut writes both halves to another buffer, in the order in which they were: no branch to guess,
+//! and the triangles of a leaf still ascend. What is summed up over triangles are counts and
+//! maxima alone, so it does not matter in which parts they were looked at, or by whom.
 
-use super::grow::{self, Job, Parts};
+use super::grow::{self, Cut, Job, Parts};
+use super::team;
 use geometry::{Aabb, Corners};
 use model::Node;
 use std::ops::Range;
 
-/// Most bins per axis. A range of fewer triangles has as many bins as triangles.
-const BINS: usize = 32;
+/// Bins per axis.
+const BINS: usize = 16;
+/// Bins per axis where triangles are few.
+const BINS_FEW: usize = 8;
+/// Up to here triangles are few.
+const FEW: usize = 16;
 
-#[derive(Clone, Copy)]
-struct Item {
-    bounds: Aabb,
-    id: u32,
+/// How far a box reaches (m) along −x, −y, −z, a fourth lane, x, y, z, and another one.
+///
+/// So the box of two boxes is the greater of both, lane by lane, and the compiler has plain vectors
+/// to work on. Of a triangle, the last lane holds the bits of its number, the fourth one holds 1:
+/// a difference of both is no subnormal number, with which some machines are slow.
+type Reach = [f32; 8];
+
+const NOTHING: Reach = [f32::NEG_INFINITY; 8];
+
+fn reach(corners: &Corners, id: u32) -> Reach {
+    let Aabb { min, max } = Aabb::of(corners);
+    [-min[0], -min[1], -min[2], 1.0, max[0], max[1], max[2], f32::from_bits(id)]
 }
 
-impl Item {
-    /// Twice the centre of the box (m): f64 holds it without overflow.
-    fn centre(&self, axis: usize) -> f64 {
-        f64::from(self.bounds.min[axis]) + f64::from(self.bounds.max[axis])
+fn include(sum: &mut Reach, other: &Reach) {
+    for (x, y) in sum.iter_mut().zip(other) {
+        *x = if *y > *x { *y } else { *x };
     }
 }
 
-#[derive(Clone, Copy)]
-struct Bin {
-    bounds: Aabb,
-    count: usize,
+fn bounds(reach: &Reach) -> Aabb {
+    Aabb { min: [-reach[0], -reach[1], -reach[2]], max: [reach[4], reach[5], reach[6]] }
 }
 
-const NO_ITEMS: Bin = Bin { bounds: Aabb::EMPTY, count: 0 };
-
-impl Bin {
-    fn add(&mut self, other: &Self) {
-        self.bounds = self.bounds.union(&other.bounds);
-        self.count += other.count;
-    }
-
-    /// What it costs to meet these triangles, in f64: the area of huge boxes overflows f32.
-    fn cost(&self) -> f64 {
-        if self.count == 0 { 0.0 } else { self.bounds.bounds().half_area() * self.count as f64 }
-    }
+/// Half the surface area (m²); infinite for [`NOTHING`].
+fn half_area(reach: &Reach) -> f32 {
+    let [x, y, z] = [0, 1, 2].map(|axis| reach[axis] + reach[axis + 4]);
+    x * y + y * z + z * x
 }
 
-/// How centres along one axis fall into bins.
-#[derive(Clone, Copy)]
+/// Twice the centre (m), and a fourth lane.
+fn centre(reach: &Reach) -> [f32; 4] {
+    std::array::from_fn(|lane| reach[lane + 4] - reach[lane])
+}
+
+/// The reach of a point.
+fn reach_of_point(point: &[f32; 4]) -> Reach {
+    std::array::from_fn(|lane| if lane < 4 { -point[lane] } else { point[lane - 4] })
+}
+
+/// How centres fall into bins: to the nearest of so many posts, the first at the lowest centre and
+/// the last at the highest one.
 struct Scale {
-    axis: usize,
-    low: f64,
-    per_metre: f64,
-    bins: usize,
+    low: [f32; 4],
+    per_metre: [f32; 4],
 }
+
+/// From here on floats are whole: a sum with this one is rounded to the nearest whole number, which
+/// then stands in its lowest bits.
+const WHOLE: f32 = 8_388_608.0;
 
 impl Scale {
-    /// `None` if all centres are the same along this axis.
-    fn of(items: &[Item], axis: usize) -> Option<Self> {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    /// `centres` is the reach of all centres.
+    fn new<const N: usize>(centres: &Reach) -> Self {
+        let low = std::array::from_fn(|lane| -centres[lane]);
+        let per_metre = std::array::from_fn(|lane| {
+            let per_metre = (N - 1) as f32 / (centres[lane + 4] + centres[lane]);
+            // All centres the same, or nearly so: they all fall into the first bin.
+            if per_metre < f32::INFINITY { per_metre } else { 0.0 }
+        });
+        Self { low, per_metre }
+    }
+
+    /// Where a centre falls, lane by lane, in the lowest bits.
+    fn places(&self, centre: &[f32; 4]) -> [u32; 4] {
+        std::array::from_fn(|lane| {
+            ((centre[lane] - self.low[lane]) * self.per_metre[lane] + WHOLE).to_bits()
+        })
+    }
+
+    fn bin<const N: usize>(&self, item: &Reach, axis: usize) -> usize {
+        let centre = item[axis + 4] - item[axis];
+        ((centre - self.low[axis]) * self.per_metre[axis] + WHOLE).to_bits() as usize % N
+    }
+}
+
+/// What fell into the bins of the three axes.
+#[derive(Clone)]
+struct Bins<const N: usize> {
+    reach: [[Reach; N]; 3],
+    count: [[u32; N]; 3],
+}
+
+/// Where to cut: between two bins of one axis.
+struct Best {
+    cost: f32,
+    skew: u32,
+    axis: usize,
+    /// The first bin of the right half.
+    bin: usize,
+}
+
+impl<const N: usize> Bins<N> {
+    const EMPTY: Self = Self { reach: [[NOTHING; N]; 3], count: [[0; N]; 3] };
+
+    fn fill(&mut self, items: &[Reach], scale: &Scale) {
         for item in items {
-            low = low.min(item.centre(axis));
-            high = high.max(item.centre(axis));
+            let places = scale.places(&centre(item));
+            let axes = self.reach.iter_mut().zip(&mut self.count);
+            for ((reach, count), place) in axes.zip(places) {
+                let bin = place as usize % N;
+                include(&mut reach[bin], item);
+                count[bin] += 1;
+            }
         }
-        let bins = items.len().min(BINS);
-        (low < high).then(|| Self { axis, low, per_metre: bins as f64 / (high - low), bins })
     }
 
-    /// The lowest centre falls into the first bin, the highest into the last one.
-    fn bin(&self, item: &Item) -> usize {
-        // A cast of a float saturates, so no value falls outside.
-        (((item.centre(self.axis) - self.low) * self.per_metre) as usize).min(self.bins - 1)
+    fn add(&mut self, other: &Self) {
+        for axis in 0..3 {
+            for bin in 0..N {
+                include(&mut self.reach[axis][bin], &other.reach[axis][bin]);
+                self.count[axis][bin] += other.count[axis][bin];
+            }
+        }
+    }
+
+    /// The best cut, if any has a cost.
+    fn best(&self, count: usize) -> Option<Best> {
+        let none = Best { cost: f32::INFINITY, skew: u32::MAX, axis: 0, bin: 0 };
+        let mut best = none;
+        for axis in 0..3 {
+            let (reaches, counts) = (&self.reach[axis], &self.count[axis]);
+            let mut costs = [0.0; N];
+            let (mut reach, mut right) = (NOTHING, 0);
+            for bin in (1..N).rev() {
+                include(&mut reach, &reaches[bin]);
+                right += counts[bin];
+                costs[bin] = half_area(&reach) * right as f32;
+            }
+            let (mut reach, mut left) = (NOTHING, 0);
+            for bin in 1..N {
+                include(&mut reach, &reaches[bin - 1]);
+                left += counts[bin - 1];
+                // An empty half costs ∞ · 0, which is not a number, and is less than nothing.
+                let cost = half_area(&reach) * left as f32 + costs[bin];
+                // Triangles on one line have no area: only balance keeps their tree shallow.
+                let skew = (2 * left).abs_diff(count as u32);
+                if cost < best.cost || (cost == best.cost && skew < best.skew) {
+                    best = Best { cost, skew, axis, bin };
+                }
+            }
+        }
+        (best.cost < f32::INFINITY).then_some(best)
+    }
+
+    /// How many triangles fell before and behind a cut, and their boxes.
+    fn halves(&self, cut: &Best) -> [(usize, Reach); 2] {
+        [0..cut.bin, cut.bin..N].map(|half| {
+            let mut reach = NOTHING;
+            self.reach[cut.axis][half.clone()].iter().for_each(|other| include(&mut reach, other));
+            (self.count[cut.axis][half].iter().sum::<u32>() as usize, reach)
+        })
     }
 }
 
-struct Items<'a>(&'a mut [Item]);
-
-/// Grows the tree over `corners`; also says which triangle goes where.
-pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> (Vec<Node>, Vec<u32>) {
-    let mut items: Vec<Item> =
-        corners.iter().zip(0..).map(|(c, id)| Item { bounds: Aabb::of(c), id }).collect();
-    let nodes = grow::grow(Items(&mut items), job);
-    (nodes, items.iter().map(|item| item.id).collect())
-}
-
-/// The best cut along one axis: its cost, and the first bin of the right half.
-fn best(items: &[Item], scale: &Scale) -> (f64, usize) {
-    let mut bins = [NO_ITEMS; BINS];
+/// Writes the items of either half where they belong; returns the reach of their centres.
+fn divide(
+    items: &[Reach],
+    [left, right]: [&mut [Reach]; 2],
+    goes_right: impl Fn(&Reach) -> bool,
+) -> [Reach; 2] {
+    let mut centres = [NOTHING; 2];
+    let (mut l, mut r) = (0, 0);
     for item in items {
-        bins[scale.bin(item)].add(&Bin { bounds: item.bounds, count: 1 });
-    }
-    let bins = &bins[..scale.bins];
-    let mut costs = [0.0; BINS];
-    let mut rest = NO_ITEMS;
-    for (bin, cost) in bins.iter().zip(&mut costs).rev() {
-        rest.add(bin);
-        *cost = rest.cost();
-    }
-    let mut best = (f64::INFINITY, usize::MAX, 1);
-    let mut left = NO_ITEMS;
-    for (at, bin) in bins.iter().enumerate().take(scale.bins - 1) {
-        left.add(bin);
-        let cost = left.cost() + costs[at + 1];
-        // Triangles on one line have no area: only balance keeps their tree shallow.
-        let skew = (2 * left.count).abs_diff(items.len());
-        if cost < best.0 || (cost == best.0 && skew < best.1) {
-            best = (cost, skew, at + 1);
+        let goes_right = goes_right(item);
+        // Both halves are written for every item and one of them kept, but at their ends.
+        if let Some(place) = left.get_mut(l) {
+            *place = *item;
+        }
+        if let Some(place) = right.get_mut(r) {
+            *place = *item;
+        }
+        l += usize::from(!goes_right);
+        r += usize::from(goes_right);
+        let centre = reach_of_point(&centre(item));
+        let [of_left, of_right] = &mut centres;
+        for lane in 0..8 {
+            let (x, y) = (centre[lane], f32::NEG_INFINITY);
+            let (near, far) = if goes_right { (y, x) } else { (x, y) };
+            of_left[lane] = if near > of_left[lane] { near } else { of_left[lane] };
+            of_right[lane] = if far > of_right[lane] { far } else { of_right[lane] };
         }
     }
-    (best.0, best.2)
+    centres
+}
+
+/// What is known of a range.
+pub(super) struct Known {
+    reach: Reach,
+    /// Of the doubled centres of its triangles.
+    centres: Reach,
+    /// Whether the items are in the second buffer.
+    second: bool,
+}
+
+/// Two buffers of the same length: a range is in one of them.
+struct Items<'a>([&'a mut [Reach]; 2]);
+
+/// Grows the tree over `corners`: nodes, the order of triangles, depth.
+pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
+    let n = corners.len();
+    let (mut first, mut second) = (vec![[0.0; 8]; n], vec![[0.0; 8]; n]);
+    let share = team::share(n, job.threads);
+    let tasks = first.chunks_mut(share).zip(corners.chunks(share)).zip((0..).step_by(share));
+    let known = team::each(tasks.collect(), |((items, corners), first)| {
+        let (mut sum, mut centres) = (NOTHING, NOTHING);
+        for ((item, corners), id) in items.iter_mut().zip(corners).zip(first..) {
+            *item = reach(corners, id);
+            include(&mut sum, item);
+            include(&mut centres, &reach_of_point(&centre(item)));
+        }
+        [sum, centres]
+    });
+    let [reach, centres] = both(&known);
+    let known = Known { reach, centres, second: false };
+    grow::grow(Items([&mut first, &mut second]), known, job)
+}
+
+/// The sums of pairs.
+fn both(pairs: &[[Reach; 2]]) -> [Reach; 2] {
+    let mut sums = [NOTHING; 2];
+    for pair in pairs {
+        sums.iter_mut().zip(pair).for_each(|(sum, reach)| include(sum, reach));
+    }
+    sums
+}
+
+impl Items<'_> {
+    fn cut_with<const N: usize>(
+        &mut self,
+        range: Range<usize>,
+        known: Known,
+        threads: usize,
+    ) -> Cut<Known> {
+        let [first, second] = &mut self.0;
+        let (from, to) = if known.second { (second, first) } else { (first, second) };
+        let (from, to) = (&from[range.clone()], &mut to[range]);
+        let scale = Scale::new::<N>(&known.centres);
+        let share = team::share(from.len(), threads);
+        let mut bins = Bins::<N>::EMPTY;
+        let mut parts = Vec::new();
+        if threads > 1 {
+            parts = team::each(from.chunks(share).collect(), |items| {
+                let mut bins = Bins::<N>::EMPTY;
+                bins.fill(items, &scale);
+                bins
+            });
+            parts.iter().for_each(|part| bins.add(part));
+        } else {
+            bins.fill(from, &scale);
+        }
+        let Some(best) = bins.best(from.len()) else { return halved(from, known) };
+        let [(left, reach_left), (_, reach_right)] = bins.halves(&best);
+        let goes_right = |item: &Reach| scale.bin::<N>(item, best.axis) >= best.bin;
+        let (mut near, mut far) = to.split_at_mut(left);
+        let [centres_left, centres_right] = if threads > 1 {
+            let mut tasks = Vec::new();
+            for (items, bins) in from.chunks(share).zip(&parts) {
+                let [(left, _), (right, _)] = bins.halves(&best);
+                let (l, r);
+                (l, near) = near.split_at_mut(left);
+                (r, far) = far.split_at_mut(right);
+                tasks.push((items, [l, r]));
+            }
+            both(&team::each(tasks, |(items, halves)| divide(items, halves, goes_right)))
+        } else {
+            divide(from, [near, far], goes_right)
+        };
+        let second = !known.second;
+        Cut {
+            bounds: bounds(&known.reach),
+            left,
+            known: [
+                Known { reach: reach_left, centres: centres_left, second },
+                Known { reach: reach_right, centres: centres_right, second },
+            ],
+        }
+    }
+}
+
+/// Both halves as they stand.
+fn halved(items: &[Reach], known: Known) -> Cut<Known> {
+    let left = items.len() / 2;
+    let (near, far) = items.split_at(left);
+    let known_of = |items: &[Reach]| {
+        let pairs: Vec<_> =
+            items.iter().map(|item| [*item, reach_of_point(&centre(item))]).collect();
+        let [reach, centres] = both(&pairs);
+        Known { reach, centres, second: known.second }
+    };
+    Cut { bounds: bounds(&known.reach), left, known: [known_of(near), known_of(far)] }
 }
 
 impl Parts for Items<'_> {
+    type Known = Known;
+
     fn len(&self) -> usize {
-        self.0.len()
+        self.0[0].len()
     }
 
-    fn cut(&mut self, range: Range<usize>) -> usize {
-        let items = &mut self.0[range];
-        let mut chosen: Option<(f64, usize, Scale)> = None;
-        for scale in (0..3).filter_map(|axis| Scale::of(items, axis)) {
-            let (cost, at) = best(items, &scale);
-            if chosen.is_none_or(|(least, ..)| cost < least) {
-                chosen = Some((cost, at, scale));
-            }
+    fn cut(&mut self, range: Range<usize>, known: Known, threads: usize) -> Cut<Known> {
+        if range.len() > FEW {
+            self.cut_with::<BINS>(range, known, threads)
+        } else {
+            self.cut_with::<BINS_FEW>(range, known, 1)
         }
-        let Some((_, at, scale)) = chosen else { return items.len() / 2 };
-        // The first bin is never empty, and neither is the last one: both halves get something.
-        let (mut left, mut right) = (0, items.len());
-        while left < right {
-            if scale.bin(&items[left]) < at {
-                left += 1;
-            } else {
-                right -= 1;
-                items.swap(left, right);
-            }
-        }
-        left
     }
 
     fn split_at(self, at: usize) -> (Self, Self) {
-        let (left, right) = self.0.split_at_mut(at);
-        (Self(left), Self(right))
+        let [first, second] = self.0.map(|items| items.split_at_mut(at));
+        (Self([first.0, second.0]), Self([first.1, second.1]))
     }
 
-    fn settle(&mut self, range: Range<usize>) {
-        self.0[range].sort_unstable_by_key(|item| item.id);
+    fn settle(&mut self, range: Range<usize>, known: Known, ids: &mut [u32]) -> Aabb {
+        let items = &self.0[usize::from(known.second)][range];
+        ids.iter_mut().zip(items).for_each(|(id, item)| *id = item[7].to_bits());
+        bounds(&known.reach)
     }
 }

@@ -11,7 +11,7 @@
 //! Triangles are sorted once per axis. A cut then divides the other two orders stably, so that they
 //! stay sorted: O(n) per level of the tree.
 
-use super::grow::{self, Job, Parts};
+use super::grow::{self, Cut, Job, Parts};
 use geometry::{Aabb, Corners};
 use model::Node;
 use std::ops::{Range, RangeInclusive};
@@ -46,11 +46,14 @@ struct Entry {
 
 /// The best cut of one axis.
 struct Best {
-    /// `len(left) + len(rest)` (m).
-    sum: f64,
+    /// `[len(left) + len(rest)] / len(parent)`; infinite where the parent has no length, since no
+    /// cut along that axis can help.
+    ratio: f64,
     /// How far k is from the middle: |2k − n|.
     skew: usize,
     k: usize,
+    /// Where the parent begins and ends (m).
+    extent: [f32; 2],
 }
 
 /// Some triangles in three orders: the same triangles in each, sorted along x, y, z.
@@ -67,15 +70,14 @@ struct Orders<'a> {
 }
 
 /// Grows the tree over `corners`; also says which triangle goes where.
-pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> (Vec<Node>, Vec<u32>) {
+pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
     let n = corners.len();
     let [mut x, mut y, mut z] = sorted(corners, job.threads);
     let (mut spare, mut lows) = (vec![Entry::default(); n], vec![0.0; n]);
     let right: Vec<AtomicBool> = std::iter::repeat_with(AtomicBool::default).take(n).collect();
     let along = [x.as_mut_slice(), &mut y, &mut z];
     let orders = Orders { cuts, along, spare: &mut spare, lows: &mut lows, right: &right };
-    let nodes = grow::grow(orders, job);
-    (nodes, x.iter().map(|entry| entry.id).collect())
+    grow::grow(orders, (), job)
 }
 
 /// The three orders of all triangles.
@@ -114,9 +116,8 @@ fn rank(x: f32) -> u32 {
     if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
 }
 
-/// The best cut of one order, and its ratio: infinite where the parent has no length, since no cut
-/// along that axis can help.
-fn best(order: &[Entry], lows: &mut [f32], allowed: RangeInclusive<usize>) -> (f64, Best) {
+/// The best cut of one order.
+fn best(order: &[Entry], lows: &mut [f32], allowed: RangeInclusive<usize>) -> Best {
     let n = order.len();
     let (first, last) = allowed.into_inner();
     let mut low = f32::INFINITY;
@@ -124,49 +125,54 @@ fn best(order: &[Entry], lows: &mut [f32], allowed: RangeInclusive<usize>) -> (f
         low = low.min(entry.low);
         *slot = low;
     }
-    let high = f64::from(order[n - 1].high);
+    let high = order[n - 1].high;
     let mut low = order[..first - 1].iter().fold(f32::INFINITY, |low, entry| low.min(entry.low));
-    let mut best = Best { sum: f64::INFINITY, skew: n, k: first };
-    for k in first..=last {
-        let end = order[k - 1];
+    let (mut least, mut skew, mut k) = (f64::INFINITY, n, first);
+    for at in first..=last {
+        let end = order[at - 1];
         low = low.min(end.low);
         let left = f64::from(end.high) - f64::from(low);
-        let sum = left + (high - f64::from(lows[k]));
-        let skew = (2 * k).abs_diff(n);
-        if sum < best.sum || (sum == best.sum && skew < best.skew) {
-            best = Best { sum, skew, k };
+        let sum = left + (f64::from(high) - f64::from(lows[at]));
+        let skew_at = (2 * at).abs_diff(n);
+        if sum < least || (sum == least && skew_at < skew) {
+            (least, skew, k) = (sum, skew_at, at);
         }
     }
-    let whole = high - f64::from(low.min(lows[last]));
-    (if whole > 0.0 { best.sum / whole } else { f64::INFINITY }, best)
+    let low = low.min(lows[last]);
+    let whole = f64::from(high) - f64::from(low);
+    let ratio = if whole > 0.0 { least / whole } else { f64::INFINITY };
+    Best { ratio, skew, k, extent: [low, high] }
 }
 
 impl Orders<'_> {
-    /// The best cut of `range`: its axis and k.
-    fn choose(&mut self, range: &Range<usize>) -> (usize, usize) {
+    /// The best cut of `range`: its axis and k; and the box of all triangles.
+    fn choose(&mut self, range: &Range<usize>) -> (usize, usize, Aabb) {
         let allowed = self.cuts.among(range.len());
-        let (mut axis, (mut ratio, mut found)) = (
-            0,
-            best(&self.along[0][range.clone()], &mut self.lows[range.clone()], allowed.clone()),
-        );
+        let found = [0, 1, 2].map(|axis| {
+            let order = &self.along[axis][range.clone()];
+            best(order, &mut self.lows[range.clone()], allowed.clone())
+        });
+        let mut axis = 0;
         for other in 1..3 {
-            let order = &self.along[other][range.clone()];
-            let (r, b) = best(order, &mut self.lows[range.clone()], allowed.clone());
-            if r < ratio || (r == ratio && b.skew < found.skew) {
-                (axis, ratio, found) = (other, r, b);
+            let (new, old) = (&found[other], &found[axis]);
+            if new.ratio < old.ratio || (new.ratio == old.ratio && new.skew < old.skew) {
+                axis = other;
             }
         }
-        (axis, found.k)
+        let [min, max] = [0, 1].map(|end| [0, 1, 2].map(|axis: usize| found[axis].extent[end]));
+        (axis, found[axis].k, Aabb { min, max })
     }
 }
 
 impl Parts for Orders<'_> {
+    type Known = ();
+
     fn len(&self) -> usize {
         self.spare.len()
     }
 
-    fn cut(&mut self, range: Range<usize>) -> usize {
-        let (axis, k) = self.choose(&range);
+    fn cut(&mut self, range: Range<usize>, (): (), _threads: usize) -> Cut<()> {
+        let (axis, k, bounds) = self.choose(&range);
         for (i, entry) in self.along[axis][range.clone()].iter().enumerate() {
             self.right[entry.id as usize].store(i >= k, Ordering::Relaxed);
         }
@@ -184,7 +190,7 @@ impl Parts for Orders<'_> {
             }
             order[left..].copy_from_slice(&self.spare[range.start..range.start + right]);
         }
-        k
+        Cut { bounds, left: k, known: [(), ()] }
     }
 
     fn split_at(self, at: usize) -> (Self, Self) {
@@ -197,7 +203,11 @@ impl Parts for Orders<'_> {
         )
     }
 
-    fn settle(&mut self, range: Range<usize>) {
-        self.along[0][range].sort_unstable_by_key(|entry| entry.id);
+    fn settle(&mut self, range: Range<usize>, (): (), ids: &mut [u32]) -> Aabb {
+        let along = [0, 1, 2].map(|axis: usize| &self.along[axis][range.clone()]);
+        ids.iter_mut().zip(along[0]).for_each(|(id, entry)| *id = entry.id);
+        ids.sort_unstable();
+        let min = along.map(|order| order.iter().fold(f32::INFINITY, |low, e| low.min(e.low)));
+        Aabb { min, max: along.map(|order| order[order.len() - 1].high) }
     }
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::fixtures::{any_build, body_of, meta, options, soup, torus, triangles};
 use crate::section;
+use geometry::Aabb;
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
