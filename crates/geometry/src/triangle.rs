@@ -87,7 +87,7 @@ pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
         Position::Apart => false,
         Position::Crossing(crossing) => crossing.meet(&orient),
         Position::Piercing(piercing) => piercing.meet(&orient),
-        Position::Flat(flat) => flat.meet(&orient),
+        Position::Flat(flat) => flat.meet(),
     }
 }
 
@@ -156,16 +156,22 @@ impl Sides {
     /// The position, with the doubtful sides taken exactly.
     #[cold]
     fn resolved(&self, orient: &Orient<'_>) -> Position {
-        let of_a = orient.sides(self.of_a, B, A);
+        let exact = |certain: [Sign; 3], plane: [Corner; 3], points: [Corner; 3]| {
+            if certain.contains(&0) { orient.exact().sides(plane, points) } else { certain }
+        };
+        let of_a = exact(self.of_a, B, A);
         if one_side(of_a) {
             return Position::Apart;
         }
-        let of_b = orient.sides(self.of_b, A, B);
+        // All in B's plane, or B has none: it is degenerate.
+        if of_a == [0; 3] {
+            return planar::position(orient);
+        }
+        let of_b = exact(self.of_b, A, B);
         if one_side(of_b) {
             return Position::Apart;
         }
-        // A degenerate triangle has no plane: all sides of it are 0.
-        if of_a == [0; 3] || of_b == [0; 3] {
+        if of_b == [0; 3] {
             return planar::position(orient);
         }
         Position::Crossing(Crossing::new(of_a, of_b))

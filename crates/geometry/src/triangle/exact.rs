@@ -9,7 +9,7 @@
 //! nothing does. Other coordinates do occur, where a rotation by a minute angle meets a zero;
 //! [`Wide`] takes them.
 
-use super::lattice::Lattice;
+use super::lattice::{Lattice, area};
 use super::wide::{Magnitude, Wide};
 use super::{Corner, Sign};
 use crate::DVec3;
@@ -23,66 +23,104 @@ const ROBUST: core::ops::RangeInclusive<f64> =
     f64::from_bits((1023 - 248) << 52)..=f64::from_bits((1023 + 248) << 52);
 
 /// The corners of a pair, for exact signs.
-pub(super) struct Exact {
-    corners: [DVec3; 6],
+pub(super) struct Exact<'t> {
+    corners: [&'t DVec3; 6],
     lattice: Option<Lattice>,
 }
 
-impl Exact {
+/// The corners of a pair without one coordinate, for exact signs.
+pub(super) enum Projection {
+    /// On the lattice.
+    Whole([[i64; 2]; 6]),
+    /// As they are.
+    Float([Point2; 6]),
+}
+
+impl<'t> Exact<'t> {
     /// `extent` (m) bounds all differences of coordinates.
-    pub(super) fn of(corners: [DVec3; 6], extent: f64) -> Self {
-        let lattice = Lattice::of(&corners, extent);
-        Self { corners, lattice }
+    pub(super) fn of(corners: [&'t DVec3; 6], extent: f64) -> Self {
+        Self { corners, lattice: Lattice::of(&corners, extent) }
     }
 
     /// The sign of det(b − a, c − a, d − a): 1 if d lies on the side of the normal
     /// (b − a) × (c − a) of the plane abc, 0 if it lies in that plane or a, b, c on one line.
-    pub(super) fn orient3d(&self, corners: [Corner; 4]) -> Sign {
+    pub(super) fn side(&self, plane: [Corner; 3], d: Corner) -> Sign {
+        self.sides(plane, [d])[0]
+    }
+
+    /// [`Exact::side`] of some corners.
+    pub(super) fn sides<const N: usize>(
+        &self,
+        plane: [Corner; 3],
+        corners: [Corner; N],
+    ) -> [Sign; N] {
+        let [a, b, c] = plane;
         match &self.lattice {
-            Some(lattice) => lattice.volume(corners).sign(),
-            None => orient3d(corners.map(|i| self.corners[i])),
+            Some(lattice) => {
+                let normal = lattice.normal(plane);
+                corners.map(|d| lattice.height(&normal, a, d).sign())
+            }
+            None => corners.map(|d| orient3d([a, b, c, d].map(|i| *self.corners[i]))),
         }
     }
 
-    /// The sign of det(b − a, c − a) without the coordinate `drop`: 1 if a, b, c turn
-    /// counter-clockwise, 0 if they are on one line.
-    pub(super) fn orient2d(&self, drop: usize, corners: [Corner; 3]) -> Sign {
+    /// The signs of the normal (b − a) × (c − a): of the areas without each of the coordinates.
+    pub(super) fn normal_signs(&self, plane: [Corner; 3]) -> [Sign; 3] {
         match &self.lattice {
-            Some(lattice) => lattice.area(drop, corners).signum() as Sign,
-            None => orient2d(corners.map(|i| flat(self.corners[i], drop))),
+            Some(lattice) => lattice.normal(plane).map(|n| n.signum() as Sign),
+            None => [0, 1, 2].map(|drop| self.without(drop).turn(plane)),
+        }
+    }
+
+    /// Without the coordinate `drop`.
+    pub(super) fn without(&self, drop: usize) -> Projection {
+        let (x, y) = kept(drop);
+        match &self.lattice {
+            Some(lattice) => Projection::Whole(lattice.without(drop)),
+            None => Projection::Float(self.corners.map(|corner| [corner[x], corner[y]])),
         }
     }
 
     /// How far along pq its cut with the plane lies, in [0, 1]: the exact fraction, rounded.
     ///
     /// p and q must not be both in the plane, nor on the same side of it.
-    pub(super) fn cut_fraction3d(&self, [a, b, c]: [Corner; 3], p: Corner, q: Corner) -> f64 {
+    pub(super) fn cut_fraction(&self, plane: [Corner; 3], p: Corner, q: Corner) -> f64 {
+        let [a, b, c] = plane;
         let [p, q] = [p, q].map(|end| match &self.lattice {
-            Some(lattice) => lattice.volume([a, b, c, end]).magnitude(),
-            None => Wide::orient3d([a, b, c, end].map(|i| self.corners[i])).magnitude(),
-        });
-        Magnitude::share(p, q)
-    }
-
-    /// How far along pq its cut with the line ab lies: see [`Exact::cut_fraction3d`].
-    pub(super) fn cut_fraction2d(
-        &self,
-        drop: usize,
-        [a, b]: [Corner; 2],
-        p: Corner,
-        q: Corner,
-    ) -> f64 {
-        let [p, q] = [p, q].map(|end| match &self.lattice {
-            Some(lattice) => Magnitude::of(lattice.area(drop, [a, b, end]).unsigned_abs(), 0),
-            None => Wide::orient2d([a, b, end].map(|i| flat(self.corners[i], drop))).magnitude(),
+            Some(lattice) => lattice.height(&lattice.normal(plane), a, end).magnitude(),
+            None => Wide::orient3d([a, b, c, end].map(|i| *self.corners[i])).magnitude(),
         });
         Magnitude::share(p, q)
     }
 }
 
-/// Drops a coordinate; the handedness does not matter, as long as it is one and the same.
-fn flat(point: DVec3, drop: usize) -> Point2 {
-    [point[(drop + 1) % 3], point[(drop + 2) % 3]]
+impl Projection {
+    /// The sign of det(b − a, c − a): 1 if a, b, c turn counter-clockwise, 0 if they are on one
+    /// line.
+    #[inline]
+    pub(super) fn turn(&self, corners: [Corner; 3]) -> Sign {
+        match self {
+            Self::Whole(points) => area(corners.map(|i| points[i])).signum() as Sign,
+            Self::Float(points) => orient2d(corners.map(|i| points[i])),
+        }
+    }
+
+    /// How far along pq its cut with the line ab lies: see [`Exact::cut_fraction`].
+    pub(super) fn cut_fraction(&self, [a, b]: [Corner; 2], p: Corner, q: Corner) -> f64 {
+        let [p, q] = [p, q].map(|end| match self {
+            Self::Whole(points) => {
+                Magnitude::of(area([a, b, end].map(|i| points[i])).unsigned_abs(), 0)
+            }
+            Self::Float(points) => Wide::orient2d([a, b, end].map(|i| points[i])).magnitude(),
+        });
+        Magnitude::share(p, q)
+    }
+}
+
+/// The two coordinates left without `drop`; the handedness does not matter, as long as it is one
+/// and the same.
+pub(super) fn kept(drop: usize) -> (usize, usize) {
+    [(1, 2), (2, 0), (0, 1)][drop]
 }
 
 fn in_range(coordinate: f64) -> bool {
@@ -93,7 +131,7 @@ fn sign(value: f64) -> Sign {
     Sign::from(value > 0.0) - Sign::from(value < 0.0)
 }
 
-/// [`Exact::orient3d`] without a lattice.
+/// [`Exact::side`] without a lattice.
 pub(super) fn orient3d(points: [DVec3; 4]) -> Sign {
     if points.iter().all(|p| in_range(p.x) && in_range(p.y) && in_range(p.z)) {
         let [a, b, c, d] = points.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
@@ -104,7 +142,7 @@ pub(super) fn orient3d(points: [DVec3; 4]) -> Sign {
     }
 }
 
-/// [`Exact::orient2d`] without a lattice.
+/// [`Projection::turn`] without a lattice.
 pub(super) fn orient2d(points: [Point2; 3]) -> Sign {
     if points.iter().all(|p| in_range(p[0]) && in_range(p[1])) {
         let [a, b, c] = points.map(|p| Coord { x: p[0], y: p[1] });

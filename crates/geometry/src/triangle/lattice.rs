@@ -5,6 +5,7 @@
 //! an area is below 2¹²¹ and a volume below 2¹⁸⁴: a few multiplications, without any rounding.
 //! The coordinates themselves may be larger; they are kept modulo 2⁶⁴, which no difference notices.
 
+use super::exact::kept;
 use super::wide::{self, Magnitude};
 use super::{Corner, Sign};
 use crate::DVec3;
@@ -21,59 +22,72 @@ pub(super) struct Whole {
 
 impl Lattice {
     /// The corners, if there is an L; `extent` (m) bounds all differences of coordinates.
-    pub(super) fn of(corners: &[DVec3; 6], extent: f64) -> Option<Self> {
-        // Rounded or not, no difference reaches 2^(e + 1), with e the exponent of the extent.
+    pub(super) fn of(corners: &[&DVec3; 6], extent: f64) -> Option<Self> {
+        // Rounded or not, no difference exceeds 2^53 of the extent's last place.
         let (_, _, exponent) = wide::parts(extent);
         let unit = exponent - 7;
-        let mut whole = [[0; 3]; 6];
-        for (whole, corner) in whole.iter_mut().zip(corners) {
-            for (whole, x) in whole.iter_mut().zip(corner.to_array()) {
-                *whole = multiple(x, unit)?;
+        let mut lattice = Self([[0; 3]; 6]);
+        let mut all_exact = true;
+        for (whole, corner) in lattice.0.iter_mut().zip(corners) {
+            for (i, whole) in whole.iter_mut().enumerate() {
+                let exact;
+                (*whole, exact) = multiple(corner[i], unit);
+                all_exact &= exact;
             }
         }
-        Some(Self(whole))
+        all_exact.then_some(lattice)
     }
 
-    /// det(b − a, c − a, d − a).
+    /// From corner a to corner p.
     #[inline]
-    pub(super) fn volume(&self, [a, b, c, d]: [Corner; 4]) -> Whole {
-        let from_a = |p: Corner| {
-            let (p, a) = (self.0[p], self.0[a]);
-            [0, 1, 2].map(|i| i128::from(p[i].wrapping_sub(a[i])))
-        };
-        let ([bx, by, bz], [cx, cy, cz], d) = (from_a(b), from_a(c), from_a(d));
-        let normal = [by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx];
-        // Each product in two parts: below 2^118 and 2^124.
+    fn difference(&self, a: Corner, p: Corner) -> [i128; 3] {
+        let (a, p) = (&self.0[a], &self.0[p]);
+        [0, 1, 2].map(|i| i128::from(p[i].wrapping_sub(a[i])))
+    }
+
+    /// The normal (b − a) × (c − a).
+    #[inline]
+    pub(super) fn normal(&self, [a, b, c]: [Corner; 3]) -> [i128; 3] {
+        let ([bx, by, bz], [cx, cy, cz]) = (self.difference(a, b), self.difference(a, c));
+        [by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx]
+    }
+
+    /// How far d is along a normal at a: det(b − a, c − a, d − a) for that of abc.
+    #[inline]
+    pub(super) fn height(&self, normal: &[i128; 3], a: Corner, d: Corner) -> Whole {
+        // Each product in two parts: below 2^117 and 2^124.
         let (mut high, mut low) = (0, 0);
-        for (n, d) in normal.into_iter().zip(d) {
+        for (n, d) in normal.iter().zip(self.difference(a, d)) {
             high += (n >> 64) * d;
-            low += i128::from(n as u64) * d;
+            low += i128::from(*n as u64) * d;
         }
         Whole { high: high + (low >> 64), low: low as u64 }
     }
 
-    /// det(b − a, c − a) without the coordinate `drop`.
-    #[inline]
-    pub(super) fn area(&self, drop: usize, [a, b, c]: [Corner; 3]) -> i128 {
-        let [x, y] = [(drop + 1) % 3, (drop + 2) % 3];
-        let [a, b, c] = [self.0[a], self.0[b], self.0[c]];
-        let from_a = |p: [i64; 3], i: usize| i128::from(p[i].wrapping_sub(a[i]));
-        from_a(b, x) * from_a(c, y) - from_a(b, y) * from_a(c, x)
+    /// The corners without the coordinate `drop`.
+    pub(super) fn without(&self, drop: usize) -> [[i64; 2]; 6] {
+        let (x, y) = kept(drop);
+        self.0.map(|corner| [corner[x], corner[y]])
     }
 }
 
-/// `x` in units of 2^(unit), modulo 2⁶⁴, if it is a multiple of it.
-fn multiple(x: f64, unit: i32) -> Option<i64> {
+/// det(b − a, c − a) of points of a projection.
+#[inline]
+pub(super) fn area([a, b, c]: [[i64; 2]; 3]) -> i128 {
+    let from_a = |p: [i64; 2], i: usize| i128::from(p[i].wrapping_sub(a[i]));
+    from_a(b, 0) * from_a(c, 1) - from_a(b, 1) * from_a(c, 0)
+}
+
+/// `x` in units of 2^`unit`, modulo 2⁶⁴, and whether it is a multiple of that.
+#[inline]
+fn multiple(x: f64, unit: i32) -> (i64, bool) {
     let (negative, mantissa, exponent) = wide::parts(x);
     let shift = exponent - unit;
-    let magnitude = if shift >= 0 {
-        mantissa.checked_shl(shift as u32).unwrap_or(0)
-    } else if mantissa == 0 || mantissa.trailing_zeros() as i32 >= -shift {
-        mantissa.checked_shr(shift.unsigned_abs()).unwrap_or(0)
-    } else {
-        return None;
-    };
-    Some(if negative { (magnitude as i64).wrapping_neg() } else { magnitude as i64 })
+    let (up, down) = (shift.max(0) as u32, shift.min(0).unsigned_abs());
+    let shifted = mantissa.checked_shr(down).unwrap_or(0);
+    let exact = shifted.checked_shl(down).unwrap_or(0) == mantissa;
+    let whole = shifted.checked_shl(up).unwrap_or(0) as i64;
+    (if negative { whole.wrapping_neg() } else { whole }, exact)
 }
 
 impl Whole {

@@ -30,7 +30,7 @@ pub(super) struct Orient<'t> {
     /// Values beyond this have the sign of the true value.
     bound: f64,
     /// Made when first needed: seldom.
-    exact: OnceCell<Exact>,
+    exact: OnceCell<Exact<'t>>,
 }
 
 impl<'t> Orient<'t> {
@@ -55,8 +55,8 @@ impl<'t> Orient<'t> {
     }
 
     /// The same signs, exactly at once.
-    pub(super) fn exact(&self) -> &Exact {
-        self.exact.get_or_init(|| Exact::of(self.corners.map(|corner| *corner), self.extent))
+    pub(super) fn exact(&self) -> &Exact<'t> {
+        self.exact.get_or_init(|| Exact::of(self.corners, self.extent))
     }
 
     /// Six times the volume of the tetrahedron abcd, rounded: positive if d lies on the side of
@@ -70,7 +70,10 @@ impl<'t> Orient<'t> {
     #[inline]
     pub(super) fn sign(&self, corners: [Corner; 4]) -> Sign {
         match self.certain(self.value(corners)) {
-            0 => self.exact().orient3d(corners),
+            0 => {
+                let [a, b, c, d] = corners;
+                self.exact().side([a, b, c], d)
+            }
             sign => sign,
         }
     }
@@ -89,22 +92,6 @@ impl<'t> Orient<'t> {
         [side(points[0]), side(points[1]), side(points[2])]
     }
 
-    /// On which side of `plane` the points lie, given the sides that are certain.
-    pub(super) fn sides(
-        &self,
-        certain: [Sign; 3],
-        [a, b, c]: [Corner; 3],
-        points: [Corner; 3],
-    ) -> [Sign; 3] {
-        let mut sides = certain;
-        for (side, point) in sides.iter_mut().zip(points) {
-            if *side == 0 {
-                *side = self.exact().orient3d([a, b, c, point]);
-            }
-        }
-        sides
-    }
-
     /// Whether some corner of A is one of B.
     pub(super) fn share_a_corner(&self) -> bool {
         A.iter().any(|i| B.iter().any(|k| self.corners[*i] == self.corners[*k]))
@@ -120,7 +107,7 @@ impl<'t> Orient<'t> {
         let fraction = if side_p.abs() + side_q.abs() > WELL_CONDITIONED * self.bound {
             side_p / (side_p - side_q)
         } else {
-            self.exact().cut_fraction3d(plane, p, q)
+            self.exact().cut_fraction(plane, p, q)
         };
         along(self.at(p), self.at(q), fraction)
     }

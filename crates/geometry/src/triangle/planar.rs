@@ -4,7 +4,7 @@
 //! projection that drops one coordinate: on raw coordinates, so nothing is rounded, and one-to-one
 //! on the plane, because three of the points keep an area.
 
-use super::exact::Exact;
+use super::exact::Projection;
 use super::{A, B, Corner, Orient, Position, Sign, orient};
 use crate::DVec3;
 
@@ -14,8 +14,9 @@ use crate::DVec3;
 struct Hull {
     corners: [Corner; 3],
     count: usize,
-    /// Of a true triangle: a coordinate without which it still has an area.
-    projection: Option<usize>,
+    /// Of a true triangle: the first coordinate without which it keeps an area, and its turn then.
+    drop: Option<usize>,
+    turn: Sign,
 }
 
 /// A segment pq, and a true triangle whose plane separates p and q, or holds one of them.
@@ -29,13 +30,12 @@ pub(super) struct Piercing {
 pub(super) struct Flat {
     a: Hull,
     b: Hull,
-    /// The coordinate that a projection of the plane drops; none if all is on one line.
-    drop: Option<usize>,
+    /// A projection that keeps the plane's areas; none if all is on one line.
+    projection: Option<Projection>,
 }
 
 /// How the corners of each hull lie to the edges of the other, in a projection.
-struct Plane {
-    drop: usize,
+struct Table {
     /// `[i][k]`: on which side of A's edge i B's corner k lies.
     b_to_a: [[Sign; 3]; 3],
     /// `[k][i]`: on which side of B's edge k A's corner i lies.
@@ -51,7 +51,7 @@ pub(super) fn position(orient: &Orient<'_>) -> Position {
         (_, 3) => against_triangle(orient, a, b),
         _ => {
             let ([p, q], [r, s]) = (a.ends(), b.ends());
-            if orient.exact().orient3d([p, q, r, s]) == 0 {
+            if orient.exact().side([p, q, r], s) == 0 {
                 Position::Flat(Flat::of(orient, a, b))
             } else {
                 Position::Apart
@@ -62,9 +62,8 @@ pub(super) fn position(orient: &Orient<'_>) -> Position {
 
 /// A segment or point against a true triangle.
 fn against_triangle(orient: &Orient<'_>, segment: Hull, triangle: Hull) -> Position {
-    let [a, b, c] = triangle.corners;
     let [p, q] = segment.ends();
-    match [p, q].map(|end| orient.exact().orient3d([a, b, c, end])) {
+    match orient.exact().sides(triangle.corners, [p, q]) {
         [0, 0] => Position::Flat(Flat::of(orient, segment, triangle)),
         [1, 1] | [-1, -1] => Position::Apart,
         _ => Position::Piercing(Piercing { p, q, triangle: triangle.corners }),
@@ -75,7 +74,7 @@ impl Piercing {
     /// Whether the segment meets the triangle: it passes no edge on the wrong side.
     pub(super) fn meet(&self, orient: &Orient<'_>) -> bool {
         let [a, b, c] = self.triangle;
-        let side = |(from, to)| orient.exact().orient3d([self.p, self.q, from, to]);
+        let side = |(from, to)| orient.exact().side([self.p, self.q, from], to);
         inside([(a, b), (b, c), (c, a)].map(side))
     }
 
@@ -89,56 +88,52 @@ impl Piercing {
 
 impl Flat {
     fn of(orient: &Orient<'_>, a: Hull, b: Hull) -> Self {
-        let of_triangle = a.projection.or(b.projection);
         let ([p, q, _], [r, s, _]) = (a.corners, b.corners);
         let of_segments = || {
             (0..3).find(|drop| {
-                let area = |triple| orient.exact().orient2d(*drop, triple) != 0;
-                area([p, q, r]) || area([p, q, s]) || area([r, s, p])
+                let projection = orient.exact().without(*drop);
+                [[p, q, r], [p, q, s], [r, s, p]].iter().any(|triple| projection.turn(*triple) != 0)
             })
         };
-        Self { a, b, drop: of_triangle.or_else(of_segments) }
+        let drop = a.drop.or(b.drop).or_else(of_segments);
+        Self { a, b, projection: drop.map(|drop| orient.exact().without(drop)) }
     }
 
     /// Whether the hulls share a point, given that their boxes do.
     ///
     /// Convex sets in a plane are apart only if the line through an edge of one separates them. On
     /// a line, boxes overlap only where the sets do.
-    pub(super) fn meet(&self, orient: &Orient<'_>) -> bool {
-        let Some(drop) = self.drop else { return true };
-        let exact = orient.exact();
-        !self.a.has_edge_before(&self.b, exact, drop)
-            && !self.b.has_edge_before(&self.a, exact, drop)
+    pub(super) fn meet(&self) -> bool {
+        let Some(projection) = &self.projection else { return true };
+        !self.a.has_edge_before(&self.b, projection) && !self.b.has_edge_before(&self.a, projection)
     }
 
     /// Calls `push` with the corners of the overlap: corners of one hull that the other holds (some
     /// twice), and proper crossings of edges. Without repetition at most six.
     pub(super) fn corners(&self, orient: &Orient<'_>, mut push: impl FnMut(DVec3)) {
-        let exact = orient.exact();
-        let plane = self.drop.map(|drop| Plane {
-            drop,
-            b_to_a: sides(&self.b, &self.a, exact, drop),
-            a_to_b: sides(&self.a, &self.b, exact, drop),
+        let signs = self.projection.as_ref().map(|projection| Table {
+            b_to_a: sides(&self.b, &self.a, projection),
+            a_to_b: sides(&self.a, &self.b, projection),
         });
-        let side = |table: fn(&Plane) -> &[[Sign; 3]; 3], corner: usize| {
-            plane.as_ref().map_or([0; 3], |plane| table(plane).map(|edge| edge[corner]))
+        let side = |table: fn(&Table) -> &[[Sign; 3]; 3], corner: usize| {
+            signs.as_ref().map_or([0; 3], |signs| table(signs).map(|edge| edge[corner]))
         };
         for (i, corner) in self.a.corners().iter().enumerate() {
-            if self.b.holds(orient, *corner, side(|plane| &plane.a_to_b, i)) {
+            if self.b.holds(orient, *corner, side(|signs| &signs.a_to_b, i)) {
                 push(orient.at(*corner));
             }
         }
         for (k, corner) in self.b.corners().iter().enumerate() {
-            if self.a.holds(orient, *corner, side(|plane| &plane.b_to_a, k)) {
+            if self.a.holds(orient, *corner, side(|signs| &signs.b_to_a, k)) {
                 push(orient.at(*corner));
             }
         }
-        let Some(plane) = &plane else { return };
+        let (Some(signs), Some(projection)) = (&signs, &self.projection) else { return };
         for i in 0..self.a.edges() {
             for k in 0..self.b.edges() {
-                if plane.cross(i, k) {
+                if signs.cross(i, k) {
                     let ([p, q], edge) = (self.a.edge(i), self.b.edge(k));
-                    let fraction = exact.cut_fraction2d(plane.drop, edge, p, q);
+                    let fraction = projection.cut_fraction(edge, p, q);
                     push(orient::along(orient.at(p), orient.at(q), fraction));
                 }
             }
@@ -146,7 +141,7 @@ impl Flat {
     }
 }
 
-impl Plane {
+impl Table {
     /// Whether the ends of A's edge i lie strictly on both sides of the line of B's edge k, and the
     /// other way round.
     fn cross(&self, i: usize, k: usize) -> bool {
@@ -157,10 +152,9 @@ impl Plane {
 
 impl Hull {
     fn of(orient: &Orient<'_>, corners: [Corner; 3]) -> Self {
-        for drop in 0..3 {
-            if orient.exact().orient2d(drop, corners) != 0 {
-                return Self { corners, count: 3, projection: Some(drop) };
-            }
+        let normal = orient.exact().normal_signs(corners);
+        if let Some(drop) = normal.iter().position(|sign| *sign != 0) {
+            return Self { corners, count: 3, drop: Some(drop), turn: normal[drop] };
         }
         // Along a line the lexicographic order is the order on the line.
         let before = |p: Corner, q: Corner| {
@@ -171,7 +165,7 @@ impl Hull {
         let low = [b, c].into_iter().fold(a, |low, p| if before(p, low) { p } else { low });
         let high = [b, c].into_iter().fold(a, |high, p| if before(high, p) { p } else { high });
         let count = if orient.at(low) == orient.at(high) { 1 } else { 2 };
-        Self { corners: [low, high, high], count, projection: None }
+        Self { corners: [low, high, high], count, drop: None, turn: 0 }
     }
 
     fn corners(&self) -> &[Corner] {
@@ -193,14 +187,13 @@ impl Hull {
     }
 
     /// Whether `other` lies strictly beyond the line of an edge: of a segment, on either side.
-    fn has_edge_before(&self, other: &Self, exact: &Exact, drop: usize) -> bool {
-        let inner = if self.count == 3 { exact.orient2d(drop, self.corners) } else { 0 };
+    fn has_edge_before(&self, other: &Self, projection: &Projection) -> bool {
         (0..self.edges()).any(|i| {
             let [p, q] = self.edge(i);
-            let side = |corner: Corner| exact.orient2d(drop, [p, q, corner]);
+            let side = |corner: Corner| projection.turn([p, q, corner]);
             let first = side(other.corners[0]);
             first != 0
-                && first != inner
+                && first != self.turn
                 && other.corners()[1..].iter().all(|corner| side(*corner) == first)
         })
     }
@@ -217,11 +210,11 @@ impl Hull {
 }
 
 /// `[i][k]`: on which side of edge i of `hull` corner k of `other` lies.
-fn sides(other: &Hull, hull: &Hull, exact: &Exact, drop: usize) -> [[Sign; 3]; 3] {
+fn sides(other: &Hull, hull: &Hull, projection: &Projection) -> [[Sign; 3]; 3] {
     let mut sides = [[0; 3]; 3];
     for (i, sides) in sides.iter_mut().enumerate().take(hull.edges()) {
         let [p, q] = hull.edge(i);
-        *sides = other.corners.map(|corner| exact.orient2d(drop, [p, q, corner]));
+        *sides = other.corners.map(|corner| projection.turn([p, q, corner]));
     }
     sides
 }
