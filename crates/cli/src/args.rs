@@ -57,6 +57,9 @@ pub(crate) enum Command {
         #[command(flatten)]
         options: EngineArgs,
     },
+    /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
+    #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
+    Intersect(crate::intersect::IntersectArgs),
     /// Bodies: import, look at, check, generate, export.
     Model {
         #[command(subcommand)]

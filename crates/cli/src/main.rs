@@ -7,6 +7,7 @@
 mod args;
 mod bodies;
 mod failure;
+mod intersect;
 mod model;
 mod print;
 mod progress;
@@ -38,6 +39,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
     match &args.command {
         Command::Demo(options) => rank::demo(options, &args.output()),
         Command::Rank { scenario, options } => rank::rank(scenario, options, &args.output()),
+        Command::Intersect(options) => intersect::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {

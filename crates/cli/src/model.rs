@@ -12,12 +12,12 @@
 
 mod check;
 mod export;
-mod facts;
+pub(crate) mod facts;
 mod generate;
 mod import;
 mod info;
-mod open;
-mod reader;
+pub(crate) mod open;
+pub(crate) mod reader;
 mod write;
 
 use crate::args::Output;
@@ -103,7 +103,7 @@ pub(crate) struct TreeArgs {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum BuildName {
+pub(crate) enum BuildName {
     Seed,
     Literal,
     Sah,
@@ -111,12 +111,17 @@ enum BuildName {
 
 impl TreeArgs {
     fn options(self) -> BuildOptions {
-        let build = match self.build {
-            BuildName::Seed => Build::Seed,
-            BuildName::Literal => Build::Literal,
-            BuildName::Sah => Build::Sah,
-        };
-        BuildOptions { build, leaf_size: self.leaf_size, threads: threads() }
+        BuildOptions { build: self.build.into(), leaf_size: self.leaf_size, threads: threads() }
+    }
+}
+
+impl From<BuildName> for Build {
+    fn from(name: BuildName) -> Self {
+        match name {
+            BuildName::Seed => Self::Seed,
+            BuildName::Literal => Self::Literal,
+            BuildName::Sah => Self::Sah,
+        }
     }
 }
 

@@ -58,6 +58,9 @@ pub struct ImportOptions {
     pub kind: Option<Kind>,
     /// Whether a body may have any size: for a look at a file of which nothing is known yet.
     pub any_size: bool,
+    /// Whether triangles with the positions of an earlier one are kept, for whom ids are all there
+    /// is.
+    pub keep_duplicates: bool,
     /// Name of the body; `None` for the file's name without folder and extension.
     pub name: Option<String>,
 }
@@ -143,7 +146,9 @@ pub fn read(
         return Err(whole(Fault::Empty(String::new())));
     }
     let triangles_selected = mesh.corners.len();
-    check::drop_duplicates(&mut mesh);
+    if !options.keep_duplicates {
+        check::drop_duplicates(&mut mesh);
+    }
     check::compact_parts(&mut mesh);
     mesh.degenerate = mesh.corners.iter().filter(|corners| is_degenerate(corners)).count() as u32;
     let guess = guess(&mesh);

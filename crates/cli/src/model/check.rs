@@ -1,15 +1,13 @@
 //! `trolley model check`: which files are sound.
 
 use super::facts::{Facts, shown, thousands, triangles};
-use super::reader::Request;
+use super::reader::{Outcome, Request};
 use super::{LimitArgs, MeshArgs, open};
 use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::print;
 use clap::Args as ClapArgs;
-use model::file;
 use serde::Serialize;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -105,7 +103,7 @@ fn line(verdict: &Verdict) -> String {
 
 /// What a file is, and doubts about it.
 fn look(path: &Path, args: &CheckArgs, output: &Output) -> Result<(String, Vec<String>), Failure> {
-    if is_model(path) {
+    if open::is_model(path) {
         let map = open::bytes(path)?;
         let (meta, view) = open::view(path, map.bytes())?;
         let facts = Facts::new(meta, &view, map.bytes())?;
@@ -114,7 +112,8 @@ fn look(path: &Path, args: &CheckArgs, output: &Output) -> Result<(String, Vec<S
         let what = format!("model file, {}, {x:.2} × {y:.2} × {z:.2} m, {count}", facts.kind);
         return Ok((what, Vec::new()));
     }
-    let (report, _) = Request::new(path, &args.mesh, None, None, args.limits)?.run(output)?;
+    let Outcome { report, .. } =
+        Request::new(path, &args.mesh, None, None, args.limits)?.run(output)?;
     let mut what =
         format!("{}, {}, {}", report.format, report.sentence, triangles(report.triangles));
     if report.duplicates_dropped > 0 {
@@ -125,21 +124,4 @@ fn look(path: &Path, args: &CheckArgs, output: &Output) -> Result<(String, Vec<S
     }
     let doubts = [report.notes, report.doubts].concat();
     Ok((what, doubts))
-}
-
-/// Whether a file is called, or begins like, a model file.
-fn is_model(path: &Path) -> bool {
-    let is_named = path.extension().is_some_and(|end| end == "trolley");
-    is_named || is_regular(path) && begins_like_a_model(path)
-}
-
-/// Opening a pipe would wait for a writer.
-fn is_regular(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|about| about.is_file())
-}
-
-fn begins_like_a_model(path: &Path) -> bool {
-    let mut start = [0; file::MAGIC.len()];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
-    read.is_ok() && start == file::MAGIC
 }

@@ -227,7 +227,7 @@ pub(super) fn triangles(count: usize) -> String {
 }
 
 /// "39,170".
-pub(super) fn thousands(count: usize) -> String {
+pub(crate) fn thousands(count: usize) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (at, digit) in digits.chars().enumerate() {
@@ -240,6 +240,6 @@ pub(super) fn thousands(count: usize) -> String {
 }
 
 /// A text of a stranger's, for a terminal: control characters could move the cursor or worse.
-pub(super) fn shown(text: &str) -> String {
+pub(crate) fn shown(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }

@@ -1,7 +1,7 @@
 //! `trolley model import`: from a mesh to a model file.
 
 use super::facts::{Facts, thousands, triangles};
-use super::reader::{Report, Request};
+use super::reader::{Outcome, Report, Request};
 use super::{LimitArgs, MeshArgs, TreeArgs, open, write};
 use crate::args::Output;
 use crate::failure::{Code, Failure};
@@ -52,7 +52,7 @@ pub(super) fn run(args: &ImportArgs, output: &Output) -> Result<ExitCode, Failur
     let options = args.tree.options();
     let name = args.name.as_deref();
     let request = Request::new(&args.file, &args.mesh, name, Some(&options), args.limits)?;
-    let (report, bytes) = request.run(output)?;
+    let Outcome { report, bytes, .. } = request.run(output)?;
     // What a damaged child sent is not written.
     let (meta, view) = open::view(&args.file, bytes.bytes())
         .map_err(|failure| Failure { code: Code::Internal, ..failure })?;

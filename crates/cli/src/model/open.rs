@@ -3,11 +3,11 @@
 use crate::failure::{Failure, chain};
 use model::{BodyView, Meta, file};
 use runtime::FileMap;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 
 /// Reads a file of any kind.
-pub(super) fn bytes(path: &Path) -> Result<FileMap, Failure> {
+pub(crate) fn bytes(path: &Path) -> Result<FileMap, Failure> {
     // A folder opens, and only reading it fails: say what it is first.
     if path.is_dir() {
         let fault = format!("{}: this is a folder, not a file", path.display());
@@ -40,7 +40,24 @@ fn nearby(path: &Path) -> String {
 }
 
 /// All of a model file, verified.
-pub(super) fn view<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Meta, BodyView<'a>), Failure> {
+pub(crate) fn view<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Meta, BodyView<'a>), Failure> {
     file::view(bytes)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())).help(error.help()))
+}
+
+/// Whether a file is called, or begins like, a model file.
+pub(crate) fn is_model(path: &Path) -> bool {
+    let is_named = path.extension().is_some_and(|end| end == "trolley");
+    is_named || is_regular(path) && begins_like_a_model(path)
+}
+
+/// Opening a pipe would wait for a writer.
+fn is_regular(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|about| about.is_file())
+}
+
+fn begins_like_a_model(path: &Path) -> bool {
+    let mut start = [0; file::MAGIC.len()];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+    read.is_ok() && start == file::MAGIC
 }

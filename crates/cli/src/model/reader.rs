@@ -17,6 +17,7 @@ use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use bvh::BuildOptions;
+use model::import::{Axis, Unit};
 use model::{Build, Kind, file};
 use runtime::{Child, Exit, Spawn, process};
 use serde::{Deserialize, Serialize};
@@ -40,8 +41,10 @@ const END_MS: u64 = 10_000;
 
 /// What to read, and what for.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Request {
+pub(crate) struct Request {
     file: String,
+    /// Whether every triangle is taken as it stands: no side file, nothing dropped, any size.
+    as_it_stands: bool,
     unit_m: f64,
     up: Option<String>,
     forward: Option<String>,
@@ -50,6 +53,8 @@ pub(super) struct Request {
     name: Option<String>,
     /// The tree to build; without one, this is a trial and no model file is made.
     tree: Option<(Build, u32)>,
+    /// Threads that build it.
+    threads: usize,
     memory_bytes: u64,
     cpu_s: u64,
 }
@@ -62,7 +67,17 @@ enum Word {
     /// The file is at fault.
     Refused { fault: String, help: Option<String> },
     /// The file was read; so many bytes of a model file follow.
-    Read { report: Box<Report>, model_bytes: u64 },
+    Read { report: Box<Report>, build_ns: u64, model_bytes: u64 },
+}
+
+/// What a child made of a mesh file.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    pub(super) report: Report,
+    /// The model file; empty for a trial.
+    pub(crate) bytes: file::Aligned,
+    /// Time that building the tree took.
+    pub(crate) build_ns: u64,
 }
 
 /// What was found in a mesh file.
@@ -103,6 +118,7 @@ impl Request {
         let usual = (length.saturating_mul(MEMORY_RATIO) / MB).clamp(MEMORY_MB[0], MEMORY_MB[1]);
         Ok(Self {
             file: text.to_owned(),
+            as_it_stands: false,
             unit_m: mesh.unit.metres(),
             up: mesh.up.map(|axis| axis.to_string()),
             forward: mesh.forward.map(|axis| axis.to_string()),
@@ -110,20 +126,43 @@ impl Request {
             kind: mesh.kind,
             name: name.map(str::to_owned),
             tree: tree.map(|options| (options.build, options.leaf_size)),
+            threads: tree.map_or(1, |options| options.threads),
             memory_bytes: limits.memory_mb.unwrap_or(usual) * MB,
             cpu_s: limits.cpu_s,
         })
     }
 
-    /// Reads the file in a child, and gives the bytes of the model file; none for a trial.
-    pub(super) fn run(&self, output: &Output) -> Result<(Report, file::Aligned), Failure> {
+    /// To take every triangle of a mesh as it stands: the coordinates of the file are metres of
+    /// the body's own frame, ids count from 0 in file order, nothing is left out, and the size
+    /// may be any.
+    pub(crate) fn as_it_stands(
+        file: &Path,
+        tree: &BuildOptions,
+        limits: LimitArgs,
+    ) -> Result<Self, Failure> {
+        let mesh = MeshArgs {
+            unit: Unit::METRE,
+            up: Some(Axis::Z),
+            forward: Some(Axis::X),
+            only: Vec::new(),
+            // The kind does not matter here; this one has no mass, no seats and any shape.
+            kind: Some(Kind::Building),
+        };
+        let request = Self::new(file, &mesh, None, Some(tree), limits)?;
+        Ok(Self { as_it_stands: true, ..request })
+    }
+
+    /// Reads the file in a child.
+    pub(crate) fn run(&self, output: &Output) -> Result<Outcome, Failure> {
         let (mut child, words, stderr) = self.start()?;
         let heard = hear(words, output);
         let exit = child.wait_ms(END_MS)?;
         drop(child);
         let last_words = stderr.join().unwrap_or_default();
         match heard {
-            Some((Word::Read { report, .. }, bytes)) => Ok((*report, bytes)),
+            Some((Word::Read { report, build_ns, .. }, bytes)) => {
+                Ok(Outcome { report: *report, bytes, build_ns })
+            }
             Some((Word::Refused { fault, help }, _)) => {
                 Err(Failure { code: Code::Input, fault, help })
             }
@@ -208,11 +247,11 @@ fn hear(words: PipeReader, output: &Output) -> Option<(Word, file::Aligned)> {
                 bar.add(done.saturating_sub(*before));
                 *before = done;
             }
-            Word::Read { report, model_bytes } => {
+            Word::Read { report, build_ns, model_bytes } => {
                 let mut bytes = Vec::new();
                 words.take(model_bytes).read_to_end(&mut bytes).ok()?;
                 let is_whole = bytes.len() as u64 == model_bytes;
-                let word = Word::Read { report, model_bytes };
+                let word = Word::Read { report, build_ns, model_bytes };
                 return is_whole.then(|| (word, file::Aligned::copy_of(&bytes)));
             }
             word @ Word::Refused { .. } => return Some((word, file::Aligned::default())),

@@ -5,13 +5,15 @@
 
 use super::super::open;
 use super::{Report, Request, Word};
-use crate::bodies;
 use crate::failure::{Code, Failure};
 use crate::print;
 use bvh::BuildOptions;
-use model::import::{self, Axis, BYTES_MAX, Format, ImportError, ImportOptions, Imported, Unit};
+use model::import::{
+    self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
+};
 use model::side::{Side, SideError};
-use model::{Kind, defaults, file};
+use model::{Kind, defaults, file, zones};
+use runtime::clock::now_ns;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,9 +38,9 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
     }));
     let outcome = panic::catch_unwind(AssertUnwindSafe(|| request.read()));
     match outcome.unwrap_or_else(|_payload| Err(request.panicked())) {
-        Ok((report, bytes)) => {
+        Ok((report, build_ns, bytes)) => {
             let model_bytes = bytes.len() as u64;
-            say(&Word::Read { report: Box::new(report), model_bytes })?;
+            say(&Word::Read { report: Box::new(report), build_ns, model_bytes })?;
             print::out_bytes(&bytes)
         }
         Err(Failure { code, fault, help }) => {
@@ -63,18 +65,19 @@ fn by_side(error: &SideError) -> Failure {
 }
 
 impl Request {
-    /// The report, and the model file; no bytes for a trial.
-    fn read(&self) -> Result<(Report, Vec<u8>), Failure> {
+    /// The report, the time to build the tree in nanoseconds, and the model file; no bytes for a
+    /// trial.
+    fn read(&self) -> Result<(Report, u64, Vec<u8>), Failure> {
         let path = Path::new(&self.file);
         check_length(path)?;
         let map = open::bytes(path)?;
-        let side = self.side(path)?;
+        let side = if self.as_it_stands { None } else { self.side(path)? };
         let kind = self.kind.or_else(|| side.as_ref().and_then(Side::kind));
         let format = Format::detect(&self.file, map.bytes()).map_err(|e| by_import(&e))?;
         let folder = folder(path);
         let mut resolve = |name: &str| side_file(&folder, name);
         let mut imported = import::read(format, map.bytes(), &mut resolve, &self.options(kind)?)
-            .map_err(|error| by_import(&error))?;
+            .map_err(|error| self.by_import(&error))?;
         drop(map);
         if let (Some(flag), Some(said)) = (self.kind, side.as_ref().and_then(Side::kind))
             && flag != said
@@ -83,11 +86,11 @@ impl Request {
             imported.report.notes.push(note);
         }
         let report = report(&imported, side.as_ref().map(|_| side_path(path)));
-        let Some((build, leaf_size)) = self.tree else { return Ok((report, Vec::new())) };
+        let Some((build, leaf_size)) = self.tree else { return Ok((report, 0, Vec::new())) };
         let kind = kind.ok_or_else(|| self.kind_missing(path, &imported))?;
-        let options = BuildOptions { build, leaf_size, threads: super::super::threads() };
-        let bytes = self.model_file(imported, kind, side.as_ref(), &options)?;
-        Ok((report, bytes))
+        let options = BuildOptions { build, leaf_size, threads: self.threads };
+        let (build_ns, bytes) = self.model_file(imported, kind, side.as_ref(), &options)?;
+        Ok((report, build_ns, bytes))
     }
 
     fn options(&self, kind: Option<Kind>) -> Result<ImportOptions, Failure> {
@@ -111,7 +114,8 @@ impl Request {
             only: self.only.clone(),
             kind,
             // A trial may look at a file of which nothing is known yet.
-            any_size: self.tree.is_none() && kind.is_none(),
+            any_size: self.as_it_stands || (self.tree.is_none() && kind.is_none()),
+            keep_duplicates: self.as_it_stands,
             name: self.name.clone(),
         })
     }
@@ -122,7 +126,7 @@ impl Request {
         kind: Kind,
         side: Option<&Side>,
         options: &BuildOptions,
-    ) -> Result<Vec<u8>, Failure> {
+    ) -> Result<(u64, Vec<u8>), Failure> {
         let Imported { mesh, report } = imported;
         let origin = defaults::Origin {
             name: &report.name,
@@ -147,9 +151,23 @@ impl Request {
             fault: format!("{}: {}", self.file, failure.fault),
             ..failure
         };
-        let body = bodies::with_tree(mesh, meta, options, &progress).map_err(named)?;
-        file::encode(&body)
-            .map_err(|error| named(Failure::input(error.to_string()).help(error.help())))
+        let zones = zones::of_mesh(&mesh, kind);
+        let begun_ns = now_ns();
+        let body = bvh::body(mesh, meta, zones, options, &progress)
+            .map_err(|error| named(Failure::input(error.to_string())))?;
+        let build_ns = now_ns() - begun_ns;
+        let bytes = file::encode(&body)
+            .map_err(|error| named(Failure::input(error.to_string()).help(error.help())))?;
+        Ok((build_ns, bytes))
+    }
+
+    /// Where no unit can be stated, no unit is the remedy.
+    fn by_import(&self, error: &ImportError) -> Failure {
+        match error.fault {
+            Fault::TooFar { .. } if self.as_it_stands => Failure::input(error.to_string())
+                .help("coordinates are taken as they stand: move the body to its origin"),
+            _ => by_import(error),
+        }
     }
 
     /// The TOML file beside the mesh, if there is one.

@@ -83,7 +83,7 @@ fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
         notes: Vec::new(),
         side_file: None,
     };
-    let word = Word::Read { report: Box::new(report), model_bytes: 4 };
+    let word = Word::Read { report: Box::new(report), build_ns: 5, model_bytes: 4 };
     let mut bytes = serde_json::to_vec(&word).expect("plain data");
     bytes.extend(b"\nabcd");
     let (_, model) = heard(&bytes).expect("whole");
