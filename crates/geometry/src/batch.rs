@@ -27,7 +27,7 @@ mod lanes;
 #[cfg(test)]
 mod tests;
 
-use crate::{Corners, DVec3, RelativePose, Triangle, triangle};
+use crate::{Corners, RelativePose, Triangle, triangle};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use lanes::{Mask, Single, Vector, gather};
@@ -83,8 +83,7 @@ impl<'a> Batch<'a> {
     /// The triangles of a pair as the exact test takes them, both in A's frame.
     #[must_use]
     pub fn triangles(&self, [a, b]: [u32; 2]) -> [Triangle; 2] {
-        let widened = self.a[a as usize].map(|corner| DVec3::from_array(corner.map(f64::from)));
-        [Triangle(widened), self.pose.triangle(&self.b[b as usize])]
+        [Triangle::stored(&self.a[a as usize]), self.pose.triangle(&self.b[b as usize])]
     }
 
     /// The exact test of those `pairs` whose bit is set in `doubt`.

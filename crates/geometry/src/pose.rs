@@ -83,19 +83,20 @@ impl RelativePose {
 
     /// A stored point of B in A's frame: `((R₀x + R₁y) + R₂z) + t`. This defines the input.
     #[must_use]
+    #[inline]
     pub fn point(&self, p: [f32; 3]) -> DVec3 {
-        let [x, y, z] = p.map(f64::from);
-        let row = |i: usize| {
-            let r = &self.rotation[i];
-            ((r[0] * x + r[1] * y) + r[2] * z) + self.translation[i]
-        };
-        DVec3::new(row(0), row(1), row(2))
+        let ([x, y, z], [tx, ty, tz]) = (p.map(f64::from), self.translation);
+        let row = |r: &[f64; 3], t: f64| ((r[0] * x + r[1] * y) + r[2] * z) + t;
+        let [rx, ry, rz] = &self.rotation;
+        DVec3::new(row(rx, tx), row(ry, ty), row(rz, tz))
     }
 
     /// A stored triangle of B in A's frame.
     #[must_use]
+    #[inline]
     pub fn triangle(&self, corners: &Corners) -> Triangle {
-        Triangle(corners.map(|corner| self.point(corner)))
+        let [a, b, c] = *corners;
+        Triangle([self.point(a), self.point(b), self.point(c)])
     }
 
     /// Turns a direction of A's frame into B's: Rᵀ d.

@@ -34,7 +34,7 @@ mod planar;
 mod tests;
 mod wide;
 
-use crate::{Bounds, DVec3};
+use crate::{Bounds, Corners, DVec3};
 use crossing::Crossing;
 use orient::Orient;
 use planar::{Flat, Piercing};
@@ -58,6 +58,15 @@ type Sign = i8;
 pub struct Triangle(pub [DVec3; 3]);
 
 impl Triangle {
+    /// A stored triangle of A: it is in A's frame already, and f64 holds f32 exactly.
+    #[must_use]
+    #[inline]
+    pub fn stored(corners: &Corners) -> Self {
+        let [a, b, c] = *corners;
+        let point = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
+        Self([point(a), point(b), point(c)])
+    }
+
     /// Its box: exact.
     #[must_use]
     pub fn bounds(&self) -> Bounds {

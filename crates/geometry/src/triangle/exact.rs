@@ -58,7 +58,11 @@ impl<'t> Exact<'t> {
         match &self.lattice {
             Some(lattice) => {
                 let normal = lattice.normal(plane);
-                corners.map(|d| lattice.height(&normal, a, d).sign())
+                let mut sides = [0; N];
+                for (side, d) in sides.iter_mut().zip(corners) {
+                    *side = lattice.height(&normal, a, d).sign();
+                }
+                sides
             }
             None => corners.map(|d| orient3d([a, b, c, d].map(|i| *self.corners[i]))),
         }
@@ -100,7 +104,10 @@ impl Projection {
     #[inline]
     pub(super) fn turn(&self, corners: [Corner; 3]) -> Sign {
         match self {
-            Self::Whole(points) => area(corners.map(|i| points[i])).signum() as Sign,
+            Self::Whole(points) => {
+                let [a, b, c] = corners;
+                area([points[a], points[b], points[c]]).signum() as Sign
+            }
             Self::Float(points) => orient2d(corners.map(|i| points[i])),
         }
     }

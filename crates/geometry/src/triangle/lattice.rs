@@ -27,22 +27,18 @@ impl Lattice {
         let (_, _, exponent) = wide::parts(extent);
         let unit = exponent - 7;
         let mut lattice = Self([[0; 3]; 6]);
-        let mut all_exact = true;
         for (whole, corner) in lattice.0.iter_mut().zip(corners) {
-            for (i, whole) in whole.iter_mut().enumerate() {
-                let exact;
-                (*whole, exact) = multiple(corner[i], unit);
-                all_exact &= exact;
-            }
+            let [x, y, z] = corner.to_array();
+            *whole = [multiple(x, unit)?, multiple(y, unit)?, multiple(z, unit)?];
         }
-        all_exact.then_some(lattice)
+        Some(lattice)
     }
 
     /// From corner a to corner p.
     #[inline]
     fn difference(&self, a: Corner, p: Corner) -> [i128; 3] {
-        let (a, p) = (&self.0[a], &self.0[p]);
-        [0, 1, 2].map(|i| i128::from(p[i].wrapping_sub(a[i])))
+        let ([ax, ay, az], [px, py, pz]) = (self.0[a], self.0[p]);
+        [px.wrapping_sub(ax).into(), py.wrapping_sub(ay).into(), pz.wrapping_sub(az).into()]
     }
 
     /// The normal (b − a) × (c − a).
@@ -55,12 +51,11 @@ impl Lattice {
     /// How far d is along a normal at a: det(b − a, c − a, d − a) for that of abc.
     #[inline]
     pub(super) fn height(&self, normal: &[i128; 3], a: Corner, d: Corner) -> Whole {
+        let ([nx, ny, nz], [dx, dy, dz]) = (*normal, self.difference(a, d));
         // Each product in two parts: below 2^117 and 2^124.
-        let (mut high, mut low) = (0, 0);
-        for (n, d) in normal.iter().zip(self.difference(a, d)) {
-            high += (n >> 64) * d;
-            low += i128::from(*n as u64) * d;
-        }
+        let low = |n: i128| i128::from(n as u64);
+        let high = (nx >> 64) * dx + (ny >> 64) * dy + (nz >> 64) * dz;
+        let low = low(nx) * dx + low(ny) * dy + low(nz) * dz;
         Whole { high: high + (low >> 64), low: low as u64 }
     }
 
@@ -78,16 +73,18 @@ pub(super) fn area([a, b, c]: [[i64; 2]; 3]) -> i128 {
     from_a(b, 0) * from_a(c, 1) - from_a(b, 1) * from_a(c, 0)
 }
 
-/// `x` in units of 2^`unit`, modulo 2⁶⁴, and whether it is a multiple of that.
+/// `x` in units of 2^`unit`, modulo 2⁶⁴, if it is a multiple of that.
 #[inline]
-fn multiple(x: f64, unit: i32) -> (i64, bool) {
+fn multiple(x: f64, unit: i32) -> Option<i64> {
     let (negative, mantissa, exponent) = wide::parts(x);
-    let shift = exponent - unit;
-    let (up, down) = (shift.max(0) as u32, shift.min(0).unsigned_abs());
-    let shifted = mantissa.checked_shr(down).unwrap_or(0);
-    let exact = shifted.checked_shl(down).unwrap_or(0) == mantissa;
-    let whole = shifted.checked_shl(up).unwrap_or(0) as i64;
-    (if negative { whole.wrapping_neg() } else { whole }, exact)
+    let magnitude = match exponent - unit {
+        shift @ 0..64 => mantissa << shift,
+        64.. => 0,
+        _ if mantissa == 0 => 0,
+        shift if mantissa.trailing_zeros() >= shift.unsigned_abs() => mantissa >> -shift,
+        _ => return None,
+    };
+    Some(if negative { (magnitude as i64).wrapping_neg() } else { magnitude as i64 })
 }
 
 impl Whole {
