@@ -1,7 +1,8 @@
 //! Building a tree: options, errors, and the way from a mesh to a body in leaf order.
 //!
 //! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and
-//! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other.
+//! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other. `team` shares
+//! work out among threads.
 
 mod body;
 mod grow;
@@ -106,7 +107,7 @@ pub enum BuildError {
 /// threads, every few thousand triangles; the sum is the number of triangles.
 ///
 /// Time is O(n log n) for `Seed` and `Sah`, O(n · depth) for `Literal`; memory beside the result is
-/// at most 64 bytes per triangle.
+/// at most 96 bytes per triangle.
 ///
 /// # Errors
 ///
@@ -116,9 +117,9 @@ pub fn build(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Tree, BuildError> {
-    check(corners, options)?;
-    let job =
-        grow::Job { leaf_size: options.leaf_size as usize, threads: options.threads, progress };
+    let threads = grow::worthwhile(options.threads, corners.len());
+    check(corners, options, threads)?;
+    let job = grow::Job { leaf_size: options.leaf_size as usize, threads, progress };
     let (nodes, order, depth) = match options.build {
         Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
         Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
@@ -127,7 +128,7 @@ pub fn build(
     Ok(Tree { nodes, order, depth })
 }
 
-fn check(corners: &[Corners], options: &BuildOptions) -> Result<(), BuildError> {
+fn check(corners: &[Corners], options: &BuildOptions, threads: usize) -> Result<(), BuildError> {
     let triangles = corners.len();
     if triangles == 0 {
         return Err(BuildError::Empty);
@@ -141,7 +142,11 @@ fn check(corners: &[Corners], options: &BuildOptions) -> Result<(), BuildError> 
     if !(1..=LEAF_SIZE_MAX).contains(&options.leaf_size) {
         return Err(BuildError::LeafSize { leaf_size: options.leaf_size });
     }
-    match corners.iter().position(|t| !t.iter().flatten().all(|x| x.is_finite())) {
+    let share = team::share(triangles, threads);
+    let bad = team::each(corners.chunks(share).collect(), |part| {
+        part.iter().position(|t| !t.iter().flatten().all(|x| x.is_finite()))
+    });
+    match bad.iter().zip((0..).step_by(share)).find_map(|(bad, first)| Some(first + (*bad)?)) {
         Some(triangle) => Err(BuildError::NotFinite { triangle }),
         None => Ok(()),
     }

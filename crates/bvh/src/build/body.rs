@@ -1,6 +1,6 @@
 //! From a mesh to a body: the tree is built, and every array brought into leaf order.
 
-use super::{BuildError, BuildOptions, Tree, build};
+use super::{BuildError, BuildOptions, Tree, build, grow, team};
 use model::{Body, BodyView, Mesh, Meta, Zones};
 
 /// Builds the tree of a mesh and brings everything into leaf order.
@@ -19,16 +19,8 @@ pub fn body(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
     let triangles = mesh.corners.len();
-    let lengths = [
-        ("source ids", mesh.source_ids.len()),
-        ("part numbers", mesh.part_of.len()),
-        ("zone sets", zones.len()),
-    ];
-    for (array, entries) in lengths {
-        if entries != triangles {
-            return Err(BuildError::Lengths { triangles, array, entries });
-        }
-    }
+    belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
+    let threads = grow::worthwhile(options.threads, triangles);
     let Tree { nodes, order, depth } = build(&mesh.corners, options, progress)?;
     Ok(Body {
         meta: Meta {
@@ -40,10 +32,10 @@ pub fn body(
             ..meta
         },
         nodes,
-        corners: permuted(&mesh.corners, &order),
-        source_ids: permuted(&mesh.source_ids, &order),
-        part_of: permuted(&mesh.part_of, &order),
-        zones: permuted(&zones, &order),
+        corners: permuted(&mesh.corners, &order, threads),
+        source_ids: permuted(&mesh.source_ids, &order, threads),
+        part_of: permuted(&mesh.part_of, &order, threads),
+        zones: permuted(&zones, &order, threads),
         dropped: mesh.dropped.iter().map(|&(dropped, kept)| [dropped, kept]).collect(),
     })
 }
@@ -62,20 +54,45 @@ pub fn rebuild(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
-    let mut order: Vec<u32> = (0..view.source_ids.len().min(view.corners.len()) as u32).collect();
+    let triangles = view.corners.len();
+    belong_together(triangles, view.source_ids.len(), view.part_of.len(), view.zones.len())?;
+    let threads = grow::worthwhile(options.threads, triangles);
+    let mut order: Vec<u32> = (0..triangles as u32).collect();
     order.sort_by_key(|&triangle| view.source_ids[triangle as usize]);
     let mesh = Mesh {
-        corners: permuted(view.corners, &order),
-        source_ids: permuted(view.source_ids, &order),
-        part_of: permuted(view.part_of, &order),
+        corners: permuted(view.corners, &order, threads),
+        source_ids: permuted(view.source_ids, &order, threads),
+        part_of: permuted(view.part_of, &order, threads),
         parts: meta.parts.clone(),
         dropped: view.dropped.iter().map(|&[dropped, kept]| (dropped, kept)).collect(),
         degenerate: meta.degenerate,
     };
-    body(mesh, meta.clone(), permuted(view.zones, &order), options, progress)
+    body(mesh, meta.clone(), permuted(view.zones, &order, threads), options, progress)
+}
+
+fn belong_together(
+    triangles: usize,
+    source_ids: usize,
+    part_of: usize,
+    zones: usize,
+) -> Result<(), BuildError> {
+    let lengths = [("source ids", source_ids), ("part numbers", part_of), ("zone sets", zones)];
+    match lengths.into_iter().find(|(_, entries)| *entries != triangles) {
+        Some((array, entries)) => Err(BuildError::Lengths { triangles, array, entries }),
+        None => Ok(()),
+    }
 }
 
 /// `values[order[0]], values[order[1]], ...`
-fn permuted<T: Copy>(values: &[T], order: &[u32]) -> Vec<T> {
-    order.iter().filter_map(|&triangle| values.get(triangle as usize).copied()).collect()
+fn permuted<T: Copy + Default + Send + Sync>(
+    values: &[T],
+    order: &[u32],
+    threads: usize,
+) -> Vec<T> {
+    let mut permuted = vec![T::default(); order.len()];
+    let share = team::share(order.len(), threads);
+    team::each(permuted.chunks_mut(share).zip(order.chunks(share)).collect(), |(places, order)| {
+        places.iter_mut().zip(order).for_each(|(place, &from)| *place = values[from as usize]);
+    });
+    permuted
 }

@@ -46,7 +46,7 @@ pub(super) struct Cut<K> {
 pub(super) struct Job<'a> {
     /// Most triangles in a leaf.
     pub(super) leaf_size: usize,
-    /// Threads; 0 is 1.
+    /// Threads, at least 1.
     pub(super) threads: usize,
     /// Hears of triangles placed since it was last called.
     pub(super) progress: &'a (dyn Fn(u64) + Sync),
@@ -60,6 +60,11 @@ const PIECES: usize = 8;
 const SHARE: usize = 2;
 /// How many triangles are placed between two calls of `progress`.
 const STRIDE: u64 = 8192;
+
+/// How many of `threads` are worth their start for `count` triangles; at least 1.
+pub(super) fn worthwhile(threads: usize, count: usize) -> usize {
+    threads.clamp(1, count / GRAIN_MIN + 1)
+}
 
 /// Triangles that wait for a thread.
 struct Piece<'a, P: Parts> {
@@ -139,7 +144,7 @@ pub(super) fn grow<P: Parts>(
     let count = parts.len();
     let mut order = vec![0; count];
     let whole = Piece { first: 0, parts, known, order: &mut order };
-    let threads = job.threads.clamp(1, count / GRAIN_MIN + 1);
+    let threads = job.threads;
     if threads == 1 {
         let Grown { nodes, depth, .. } = subtree(whole, job);
         return (nodes, order, depth);

@@ -9,9 +9,11 @@
 //! is thousands deep. So the default keeps k within [n/8, 7n/8].
 //!
 //! Triangles are sorted once per axis. A cut then divides the other two orders stably, so that they
-//! stay sorted: O(n) per level of the tree.
+//! stay sorted: O(n) per level of the tree. The three axes do not wait for each other: where several
+//! threads work on one range, each takes an axis.
 
 use super::grow::{self, Cut, Job, Parts};
+use super::team;
 use geometry::{Aabb, Corners};
 use model::Node;
 use std::ops::{Range, RangeInclusive};
@@ -56,64 +58,89 @@ struct Best {
     extent: [f32; 2],
 }
 
-/// Some triangles in three orders: the same triangles in each, sorted along x, y, z.
+/// Triangles sorted along one axis: in one of two buffers, the other one is for the next cut.
+struct Axis<'a> {
+    buffers: [&'a mut [Entry]; 2],
+    /// Least `low` from here on, while a cut is looked for; as long as each buffer.
+    lows: &'a mut [f32],
+}
+
+/// Some triangles in three orders: the same ones along x, y, z.
 struct Orders<'a> {
     cuts: Cuts,
-    along: [&'a mut [Entry]; 3],
-    /// As long as each of `along`.
-    spare: &'a mut [Entry],
-    /// Least `low` from here on, while an axis is looked at; as long as each of `along`.
-    lows: &'a mut [f32],
+    axes: [Axis<'a>; 3],
     /// Per triangle of the whole body: whether the last cut put it right. Threads share the array
     /// but no triangle, so plain loads and stores would do if the language could know.
     right: &'a [AtomicBool],
 }
 
-/// Grows the tree over `corners`; also says which triangle goes where.
+/// Grows the tree over `corners`: nodes, the order of triangles, depth.
 pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
     let n = corners.len();
-    let [mut x, mut y, mut z] = sorted(corners, job.threads);
-    let (mut spare, mut lows) = (vec![Entry::default(); n], vec![0.0; n]);
+    let mut memory = [0, 1, 2].map(|_| ([Vec::new(), Vec::new()], Vec::new()));
+    let second = team::all(numbered(&mut memory), job.threads, |(axis, (buffers, lows))| {
+        *lows = vec![0.0; n];
+        sort(corners, axis, buffers)
+    });
     let right: Vec<AtomicBool> = std::iter::repeat_with(AtomicBool::default).take(n).collect();
-    let along = [x.as_mut_slice(), &mut y, &mut z];
-    let orders = Orders { cuts, along, spare: &mut spare, lows: &mut lows, right: &right };
-    grow::grow(orders, (), job)
+    let axes =
+        memory.each_mut().map(|([first, second], lows)| Axis { buffers: [first, second], lows });
+    grow::grow(Orders { cuts, axes, right: &right }, second, job)
 }
 
-/// The three orders of all triangles.
-fn sorted(corners: &[Corners], threads: usize) -> [Vec<Entry>; 3] {
-    if threads < 2 {
-        return [0, 1, 2].map(|axis| sorted_along(corners, axis));
+fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
+    let [x, y, z] = axes;
+    [(0, x), (1, y), (2, z)]
+}
+
+/// Bits of a digit: a table of counts that stays in the first cache.
+const DIGIT: usize = 11;
+
+/// Sorts triangles by highest vertex along `axis`, equal ones by number, digit by digit from the
+/// lowest one; says whether they end up in the second buffer.
+///
+/// Knuth, *The Art of Computer Programming* 3, section 5.2.5.
+fn sort(corners: &[Corners], axis: usize, buffers: &mut [Vec<Entry>; 2]) -> bool {
+    let digit =
+        |entry: &Entry, at: usize| rank(entry.high) as usize >> (at * DIGIT) & ((1 << DIGIT) - 1);
+    let mut counts = [[0_usize; 1 << DIGIT]; 3];
+    let [from, to] = buffers;
+    from.extend(corners.iter().zip(0..).map(|(corners, id)| {
+        let [x, y, z] = corners.map(|corner| corner[axis]);
+        let entry = Entry { low: lesser(lesser(x, y), z), high: -lesser(lesser(-x, -y), -z), id };
+        counts.iter_mut().enumerate().for_each(|(at, counts)| counts[digit(&entry, at)] += 1);
+        entry
+    }));
+    to.resize(from.len(), Entry::default());
+    let (mut from, mut to, mut second) = (from, to, false);
+    for (at, counts) in counts.iter_mut().enumerate() {
+        if counts.contains(&from.len()) {
+            continue;
+        }
+        let mut start = 0;
+        for count in counts.iter_mut() {
+            start += std::mem::replace(count, start);
+        }
+        for entry in from.iter() {
+            let place = &mut counts[digit(entry, at)];
+            to[*place] = *entry;
+            *place += 1;
+        }
+        (from, to, second) = (to, from, !second);
     }
-    std::thread::scope(|scope| {
-        let [x, y] = [0, 1].map(|axis| scope.spawn(move || sorted_along(corners, axis)));
-        let z = sorted_along(corners, 2);
-        let [x, y] = [x, y].map(|t| t.join().unwrap_or_else(|e| std::panic::resume_unwind(e)));
-        [x, y, z]
-    })
-}
-
-/// Triangles by highest vertex along `axis`, equal ones by number.
-fn sorted_along(corners: &[Corners], axis: usize) -> Vec<Entry> {
-    let box_of = |id: u32| Aabb::of(&corners[id as usize]);
-    // One integer per triangle sorts several times faster than a comparison of floats.
-    let mut keys: Vec<u64> = (0..corners.len() as u32)
-        .map(|id| u64::from(rank(box_of(id).max[axis] + 0.0)) << 32 | u64::from(id))
-        .collect();
-    keys.sort_unstable();
-    keys.into_iter()
-        .map(|key| {
-            let id = (key & u64::from(u32::MAX)) as u32;
-            let box_ = box_of(id);
-            Entry { low: box_.min[axis], high: box_.max[axis], id }
-        })
-        .collect()
+    second
 }
 
 /// An integer that orders as the finite float does: IEEE 754 sorts as sign and magnitude.
 fn rank(x: f32) -> u32 {
-    let bits = x.to_bits();
+    // Both zeros are the same place.
+    let bits = (x + 0.0).to_bits();
     if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
+}
+
+/// Of numbers, the lesser: a single instruction, since neither is NaN.
+fn lesser(x: f32, y: f32) -> f32 {
+    if y < x { y } else { x }
 }
 
 /// The best cut of one order.
@@ -122,92 +149,112 @@ fn best(order: &[Entry], lows: &mut [f32], allowed: RangeInclusive<usize>) -> Be
     let (first, last) = allowed.into_inner();
     let mut low = f32::INFINITY;
     for (entry, slot) in order.iter().zip(lows.iter_mut()).skip(first).rev() {
-        low = low.min(entry.low);
+        low = lesser(low, entry.low);
         *slot = low;
     }
     let high = order[n - 1].high;
-    let mut low = order[..first - 1].iter().fold(f32::INFINITY, |low, entry| low.min(entry.low));
+    let mut low = order[..first - 1].iter().fold(f32::INFINITY, |low, e| lesser(low, e.low));
     let (mut least, mut skew, mut k) = (f64::INFINITY, n, first);
-    for at in first..=last {
-        let end = order[at - 1];
-        low = low.min(end.low);
+    for ((end, rest), at) in order[first - 1..last].iter().zip(&lows[first..=last]).zip(first..) {
+        low = lesser(low, end.low);
         let left = f64::from(end.high) - f64::from(low);
-        let sum = left + (f64::from(high) - f64::from(lows[at]));
-        let skew_at = (2 * at).abs_diff(n);
-        if sum < least || (sum == least && skew_at < skew) {
-            (least, skew, k) = (sum, skew_at, at);
+        let sum = left + (f64::from(high) - f64::from(*rest));
+        if sum <= least {
+            let skew_at = (2 * at).abs_diff(n);
+            if sum < least || skew_at < skew {
+                (least, skew, k) = (sum, skew_at, at);
+            }
         }
     }
-    let low = low.min(lows[last]);
+    let low = lesser(low, lows[last]);
     let whole = f64::from(high) - f64::from(low);
     let ratio = if whole > 0.0 { least / whole } else { f64::INFINITY };
     Best { ratio, skew, k, extent: [low, high] }
 }
 
-impl Orders<'_> {
-    /// The best cut of `range`: its axis and k; and the box of all triangles.
-    fn choose(&mut self, range: &Range<usize>) -> (usize, usize, Aabb) {
-        let allowed = self.cuts.among(range.len());
-        let found = [0, 1, 2].map(|axis| {
-            let order = &self.along[axis][range.clone()];
-            best(order, &mut self.lows[range.clone()], allowed.clone())
-        });
-        let mut axis = 0;
-        for other in 1..3 {
-            let (new, old) = (&found[other], &found[axis]);
-            if new.ratio < old.ratio || (new.ratio == old.ratio && new.skew < old.skew) {
-                axis = other;
-            }
+/// The axis whose best cut wins.
+fn winner(found: &[Best; 3]) -> usize {
+    let mut axis = 0;
+    for other in 1..3 {
+        let (new, old) = (&found[other], &found[axis]);
+        if new.ratio < old.ratio || (new.ratio == old.ratio && new.skew < old.skew) {
+            axis = other;
         }
-        let [min, max] = [0, 1].map(|end| [0, 1, 2].map(|axis: usize| found[axis].extent[end]));
-        (axis, found[axis].k, Aabb { min, max })
+    }
+    axis
+}
+
+/// Writes both halves of an order where they belong.
+fn divide(order: &[Entry], (left, right): (&mut [Entry], &mut [Entry]), is_right: &[AtomicBool]) {
+    let (mut l, mut r) = (0, 0);
+    for entry in order {
+        let goes_right = is_right[entry.id as usize].load(Ordering::Relaxed);
+        // Both halves are written for every entry and one of them kept, but at their ends: no
+        // branch to guess.
+        if let Some(place) = left.get_mut(l) {
+            *place = *entry;
+        }
+        if let Some(place) = right.get_mut(r) {
+            *place = *entry;
+        }
+        l += usize::from(!goes_right);
+        r += usize::from(goes_right);
     }
 }
 
 impl Parts for Orders<'_> {
-    type Known = ();
+    /// Per axis, whether the order is in the second buffer.
+    type Known = [bool; 3];
 
     fn len(&self) -> usize {
-        self.spare.len()
+        self.axes[0].lows.len()
     }
 
-    fn cut(&mut self, range: Range<usize>, (): (), _threads: usize) -> Cut<()> {
-        let (axis, k, bounds) = self.choose(&range);
-        for (i, entry) in self.along[axis][range.clone()].iter().enumerate() {
-            self.right[entry.id as usize].store(i >= k, Ordering::Relaxed);
+    fn cut(&mut self, range: Range<usize>, second: [bool; 3], threads: usize) -> Cut<[bool; 3]> {
+        let allowed = self.cuts.among(range.len());
+        let found = team::all(numbered(&mut self.axes), threads, |(number, axis)| {
+            let order = &axis.buffers[usize::from(second[number])][range.clone()];
+            best(order, &mut axis.lows[range.clone()], allowed.clone())
+        });
+        let (axis, right) = (winner(&found), self.right);
+        let k = found[axis].k;
+        let order = &self.axes[axis].buffers[usize::from(second[axis])][range.clone()];
+        for (i, entry) in order.iter().enumerate() {
+            right[entry.id as usize].store(i >= k, Ordering::Relaxed);
         }
-        for other in (0..3).filter(|&other| other != axis) {
-            let order = &mut self.along[other][range.clone()];
-            // Both halves are written for every entry and one of them kept: no branch to guess.
-            let (mut left, mut right) = (0, 0);
-            for i in 0..order.len() {
-                let entry = order[i];
-                let goes_right = self.right[entry.id as usize].load(Ordering::Relaxed);
-                order[left] = entry;
-                self.spare[range.start + right] = entry;
-                left += usize::from(!goes_right);
-                right += usize::from(goes_right);
+        let known = team::all(numbered(&mut self.axes), threads, |(number, other)| {
+            let second = second[number];
+            let [from, to] = &mut other.buffers;
+            let (from, to) = if second { (to, from) } else { (from, to) };
+            if number == axis {
+                return second;
             }
-            order[left..].copy_from_slice(&self.spare[range.start..range.start + right]);
-        }
-        Cut { bounds, left: k, known: [(), ()] }
+            divide(&from[range.clone()], to[range.clone()].split_at_mut(k), right);
+            !second
+        });
+        let [min, max] = [0, 1].map(|end| found.each_ref().map(|best| best.extent[end]));
+        Cut { bounds: Aabb { min, max }, left: k, known: [known, known] }
     }
 
     fn split_at(self, at: usize) -> (Self, Self) {
-        let [x, y, z] = self.along.map(|order| order.split_at_mut(at));
-        let (spare, lows) = (self.spare.split_at_mut(at), self.lows.split_at_mut(at));
         let (cuts, right) = (self.cuts, self.right);
-        (
-            Self { cuts, along: [x.0, y.0, z.0], spare: spare.0, lows: lows.0, right },
-            Self { cuts, along: [x.1, y.1, z.1], spare: spare.1, lows: lows.1, right },
-        )
+        let [x, y, z] = self.axes.map(|Axis { buffers: [first, second], lows }| {
+            let (first, second) = (first.split_at_mut(at), second.split_at_mut(at));
+            let lows = lows.split_at_mut(at);
+            (
+                Axis { buffers: [first.0, second.0], lows: lows.0 },
+                Axis { buffers: [first.1, second.1], lows: lows.1 },
+            )
+        });
+        (Self { cuts, axes: [x.0, y.0, z.0], right }, Self { cuts, axes: [x.1, y.1, z.1], right })
     }
 
-    fn settle(&mut self, range: Range<usize>, (): (), ids: &mut [u32]) -> Aabb {
-        let along = [0, 1, 2].map(|axis: usize| &self.along[axis][range.clone()]);
+    fn settle(&mut self, range: Range<usize>, second: [bool; 3], ids: &mut [u32]) -> Aabb {
+        let along = [0, 1, 2]
+            .map(|axis| &self.axes[axis].buffers[usize::from(second[axis])][range.clone()]);
         ids.iter_mut().zip(along[0]).for_each(|(id, entry)| *id = entry.id);
         ids.sort_unstable();
-        let min = along.map(|order| order.iter().fold(f32::INFINITY, |low, e| low.min(e.low)));
+        let min = along.map(|order| order.iter().fold(f32::INFINITY, |low, e| lesser(low, e.low)));
         Aabb { min, max: along.map(|order| order[order.len() - 1].high) }
     }
 }

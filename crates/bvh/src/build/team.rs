@@ -18,7 +18,23 @@ pub(super) fn each<T: Send, R: Send>(mut tasks: Vec<T>, run: impl Fn(T) -> R + S
     })
 }
 
-/// Does every task, in as many threads as there are; each takes an equal number of neighbours.
+/// Does every task: each in a thread of its own, or one after the other if there is one thread.
+pub(super) fn all<T: Send, R: Send, const N: usize>(
+    tasks: [T; N],
+    threads: usize,
+    run: impl Fn(T) -> R + Sync,
+) -> [R; N] {
+    if threads < 2 {
+        return tasks.map(run);
+    }
+    let run = &run;
+    thread::scope(|scope| {
+        let started = tasks.map(|task| scope.spawn(move || run(task)));
+        started.map(|t| t.join().unwrap_or_else(|e| resume_unwind(e)))
+    })
+}
+
+/// Does every task, in so many threads; each takes an equal number of neighbours.
 pub(super) fn deal<T: Send>(mut tasks: Vec<T>, threads: usize, run: impl Fn(T) + Sync) {
     let share = tasks.len().div_ceil(threads.max(1)).max(1);
     let mut shares = Vec::new();

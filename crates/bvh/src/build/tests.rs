@@ -83,6 +83,17 @@ fn left_of_root(tree: &Tree) -> Vec<u32> {
     left
 }
 
+/// Checks the first cut of both builds that follow the seed against the naive one.
+fn check_root(corners: &[Corners]) {
+    let n = corners.len();
+    let balanced = (1..n).filter(|k| 8 * k >= n && 8 * k <= 7 * n);
+    let balanced = balanced.clone().min().unwrap()..=balanced.max().unwrap();
+    for (build, cuts) in [(Build::Seed, balanced), (Build::Literal, 1..=n - 1)] {
+        let tree = grown(corners, &options(build, 1));
+        assert_eq!(left_of_root(&tree), naive_cut(corners, cuts).1, "{build:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
 
@@ -96,13 +107,7 @@ proptest! {
     #[test]
     fn the_root_is_cut_as_the_seed_says(corners in triangles(40)) {
         prop_assume!(corners.len() > 1);
-        let n = corners.len();
-        let balanced = (1..n).filter(|k| 8 * k >= n && 8 * k <= 7 * n);
-        let balanced = balanced.clone().min().unwrap()..=balanced.max().unwrap();
-        for (build, cuts) in [(Build::Seed, balanced), (Build::Literal, 1..=n - 1)] {
-            let tree = grown(&corners, &options(build, 1));
-            prop_assert_eq!(left_of_root(&tree), naive_cut(&corners, cuts).1, "{:?}", build);
-        }
+        check_root(&corners);
     }
 
     #[test]
@@ -181,6 +186,7 @@ fn coordinates_at_the_ends_of_f32_build() {
         let zeros = tree.nodes.iter().flat_map(|n| [n.bounds.min, n.bounds.max]).flatten();
         assert!(zeros.filter(|x| *x == 0.0).all(f32::is_sign_positive));
     }
+    check_root(&corners);
 }
 
 #[test]
@@ -231,6 +237,13 @@ fn what_cannot_be_built_is_refused() {
         let mut corners = soup(9, 1.0, 6);
         corners[7][1][2] = bad;
         assert_eq!(refused(&corners, &seed), BuildError::NotFinite { triangle: 7 });
+    }
+    // Of several, the first one is named, whoever finds it.
+    let mut corners = soup(20_000, 0.1, 7);
+    for bad in [19_999, 13_000, 12_000] {
+        corners[bad][2][0] = f32::NAN;
+        let options = BuildOptions { threads: 4, ..seed };
+        assert_eq!(refused(&corners, &options), BuildError::NotFinite { triangle: bad });
     }
     let mesh =
         model::Mesh { corners: one, source_ids: vec![0], part_of: vec![], ..Default::default() };
