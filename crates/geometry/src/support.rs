@@ -6,6 +6,8 @@
 //! sign of a zero, which is always `+0.0`.
 
 use crate::DVec3;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x4};
 
 /// How many directions there are: 72 horizontal ones and ±z.
 pub const DIRECTIONS: usize = 74;
@@ -25,6 +27,8 @@ const UP: usize = 2 * HALF;
 pub struct Directions {
     /// Unit vectors, A's frame. To be read: [`Directions::around`] alone makes them.
     pub d: [DVec3; DIRECTIONS],
+    /// The coordinates of the first half of the horizontal ones, for vectors.
+    half: [[f64; HALF]; 3],
 }
 
 /// The greatest `x·d` (m) seen so far in each direction; negative infinity where nothing was.
@@ -45,7 +49,8 @@ impl Directions {
             d[i] = u * cos + t * sin;
             d[i + HALF] = -d[i];
         }
-        Self { d }
+        let half = [0, 1, 2].map(|axis| core::array::from_fn(|i| d[i][axis]));
+        Self { d, half }
     }
 }
 
@@ -68,6 +73,35 @@ impl Supports {
         raise(&mut vertical[1], -x);
     }
 
+    /// [`Supports::add`] of some points, to the same bits at every width of the vectors. To be
+    /// called from a function that is specialised for `S` already.
+    #[inline(always)]
+    pub fn add_all<S: Simd>(&mut self, simd: S, directions: &Directions, points: &[DVec3]) {
+        let (ahead, rest) = self.0.split_at_mut(HALF);
+        let (behind, vertical) = rest.split_at_mut(HALF);
+        let [dx, dy, dz] = &directions.half;
+        for start in (0..HALF).step_by(4) {
+            let four = start..start + 4;
+            let dx = f64x4::from_slice(simd, &dx[four.clone()]);
+            let dy = f64x4::from_slice(simd, &dy[four.clone()]);
+            let dz = f64x4::from_slice(simd, &dz[four.clone()]);
+            let mut greatest = f64x4::from_slice(simd, &ahead[four.clone()]);
+            let mut greatest_behind = f64x4::from_slice(simd, &behind[four.clone()]);
+            for point in points {
+                let x = (dx * point.x + dy * point.y) + dz * point.z;
+                greatest = raised(greatest, x);
+                greatest_behind = raised(greatest_behind, -x);
+            }
+            greatest.store_slice(&mut ahead[four.clone()]);
+            greatest_behind.store_slice(&mut behind[four]);
+        }
+        for point in points {
+            let x = point.dot(directions.d[UP]);
+            raise(&mut vertical[0], x);
+            raise(&mut vertical[1], -x);
+        }
+    }
+
     /// Includes all that `other` has seen.
     pub fn merge(&mut self, other: &Self) {
         for (support, more) in self.0.iter_mut().zip(&other.0) {
@@ -80,6 +114,13 @@ impl Supports {
 fn raise(support: &mut f64, x: f64) {
     let x = x + 0.0;
     *support = if x > *support { x } else { *support };
+}
+
+/// [`raise`] in lanes.
+#[inline(always)]
+fn raised<S: Simd>(support: f64x4<S>, x: f64x4<S>) -> f64x4<S> {
+    let x = x + 0.0;
+    x.simd_gt(support).select(x, support)
 }
 
 #[cfg(test)]

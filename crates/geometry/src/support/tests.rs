@@ -1,6 +1,8 @@
 //! Laws of the merge, bit for bit, and the directions against their definition.
 
 use super::*;
+use crate::simd;
+use fearless_simd::dispatch;
 use proptest::prelude::*;
 
 fn point() -> impl Strategy<Value = DVec3> {
@@ -54,6 +56,21 @@ proptest! {
             let greatest = points.iter().map(|p| p.dot(*d)).fold(f64::NEG_INFINITY, f64::max);
             prop_assert_eq!(*support, greatest);
             prop_assert_ne!(support.to_bits(), (-0.0_f64).to_bits());
+        }
+    }
+
+    /// At every width, also where something is not a number.
+    #[test]
+    fn all_at_once_is_one_by_one(d in directions(), a in points(), b in points(), nan in 0_usize..9) {
+        let mut more = b;
+        if let Some(point) = more.get_mut(nan) {
+            point.y = f64::NAN;
+        }
+        let whole = bits(&of(&d, &[a.clone(), more.clone()].concat()));
+        for level in simd::levels() {
+            let mut supports = of(&d, &a);
+            dispatch!(level, simd => supports.add_all(simd, &d, &more));
+            prop_assert_eq!(bits(&supports), whole, "at {}", simd::name(level));
         }
     }
 
