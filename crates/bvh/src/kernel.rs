@@ -1,30 +1,39 @@
 //! One job: everything below one node of A and one node of B, to hits, sums and supports.
 //!
-//! The walk pops a pair of nodes, descends the larger one, and keeps the children whose boxes
-//! overlap; where two leaves meet, their triangles are tested. Ericson, *Real-Time Collision
-//! Detection* (2005), section 6.3. It is bounded three times over: by a stack whose size is argued
-//! below, by a budget of tests, and by a sink that may say stop. Whatever ends it early, the pairs
-//! that wait on the stack cover everything that was not tested, and no more.
-//!
-//! ```text
-//! depth d of a tree: nodes on its longest way down. A step pops one pair and pushes at most two,
-//! one level deeper in one tree; so at most one pair waits per level of both trees, and one more:
-//! (depth_a − 1) + (depth_b − 1) + 1.
-//! ```
+//! Two walks give the same answer: `plain` explains how, one pair of boxes at a time; `wide` takes
+//! eight boxes against eight, and triangles in batches. Either is bounded three times over: by a
+//! stack whose size is argued there, by a budget of tests, and by a sink that may say stop.
+//! Whatever ends it early, the pairs that wait on the stack cover everything that was not tested,
+//! and no more.
 
-use crate::descent::{Descent, side_to_open};
 use crate::hits::Hits;
 use crate::{Counters, NodePair, section};
+use fearless_simd::dispatch;
+use found::Found;
+use geometry::simd::Level;
 use geometry::{Directions, RelativePose, Supports};
-use leaves::{Halt, Leaves};
 use model::BodyView;
 use std::ops::ControlFlow;
 
-mod leaves;
+mod boxes;
+mod found;
+mod plain;
+mod wide;
 
-/// Most tests between two calls of [`Sink::beat`], but for those of one triangle of B against one
-/// leaf of A.
-pub const BEAT_TESTS: u64 = 1024;
+pub use found::BEAT_TESTS;
+
+/// Triangles that are tested together at least, as if they were one leaf.
+pub const LEAF_TRIANGLES: usize = model::wide::LANES;
+
+/// How a job walks its trees: the answer is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Walk {
+    /// Eight boxes against eight at once. Bodies beyond the range of f32 are walked plainly.
+    #[default]
+    Wide,
+    /// Two boxes at a time.
+    Plain,
+}
 
 /// What is asked about a pair of bodies at one pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +75,8 @@ pub trait Sink {
     /// A triangle was hit, by its number in leaf order: once per job and triangle.
     ///
     /// A `Break` may mean that this hit was not taken: what it belongs to remains open.
-    /// So a sink must take at least the hits of two leaves, or their job will never be done.
+    /// So a sink must take at least the hits of two leaves, of [`LEAF_TRIANGLES`] triangles each or
+    /// as many as the tree was built with, or their job will never be done.
     fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()>;
 
     /// So many tests were done in this job up to now; called about every [`BEAT_TESTS`].
@@ -116,7 +126,10 @@ pub struct Kernel {
     room: usize,
     hits_a: Hits,
     hits_b: Hits,
-    near: Vec<leaves::Near>,
+    near: Vec<plain::Near>,
+    scratch: wide::Scratch,
+    walk: Walk,
+    level: Level,
 }
 
 impl Kernel {
@@ -129,8 +142,21 @@ impl Kernel {
             room,
             hits_a: Hits::with_room(triangles_a),
             hits_b: Hits::with_room(triangles_b),
-            near: leaves::scratch(),
+            near: plain::scratch(),
+            scratch: wide::Scratch::new(),
+            walk: Walk::default(),
+            level: Level::new(),
         }
+    }
+
+    /// Walks otherwise from now on.
+    pub fn set_walk(&mut self, walk: Walk) {
+        self.walk = walk;
+    }
+
+    /// Uses these vector instructions from now on, and not the widest of this processor.
+    pub fn set_level(&mut self, level: Level) {
+        self.level = level;
     }
 
     /// Makes room for larger bodies, between jobs; allocates only if there was none.
@@ -171,11 +197,18 @@ impl Kernel {
         self.stack.push(start);
         self.hits_a.clear(&section::triangles(task.a.nodes, start.a));
         self.hits_b.clear(&section::triangles(task.b.nodes, start.b));
-        let descent = Descent::new(&task.a, &task.b, &task.pose);
-        let mut leaves =
-            Leaves::new(task, &mut self.hits_a, &mut self.hits_b, &mut self.near, sink);
-        let end = walk(&descent, &mut self.stack, self.room, budget, &mut leaves);
-        leaves.outcome(end)
+        let mut found = Found::new(task, &mut self.hits_a, &mut self.hits_b, sink);
+        let (stack, room) = (&mut self.stack, self.room);
+        let end = match wide::frames(task).filter(|_| self.walk == Walk::Wide) {
+            Some(frames) => {
+                let scratch = &mut self.scratch;
+                dispatch!(self.level, simd => {
+                    wide::walk(simd, frames, stack, room, budget, scratch, &mut found)
+                })
+            }
+            None => plain::walk(stack, room, budget, &mut self.near, &mut found),
+        };
+        found.outcome(end)
     }
 
     /// The pairs that the last job left open, its own included: they cover all that it did not
@@ -187,40 +220,7 @@ impl Kernel {
 }
 
 fn stack_room(depth_a: u32, depth_b: u32) -> usize {
-    // Two, so that the roots alone can always be opened.
-    (depth_a as usize + depth_b as usize).saturating_sub(1).max(2)
-}
-
-fn walk<S: Sink>(
-    descent: &Descent<'_>,
-    stack: &mut Vec<NodePair>,
-    room: usize,
-    budget: u64,
-    leaves: &mut Leaves<'_, S>,
-) -> End {
-    while let Some(&pair) = stack.last() {
-        if leaves.counters.tests() >= budget {
-            return End::OutOfBudget;
-        }
-        if leaves.beat().is_break() {
-            return End::Stopped;
-        }
-        let (node_a, node_b) = descent.nodes(pair);
-        let Some(side) = side_to_open(node_a, node_a.is_leaf(), node_b, node_b.is_leaf()) else {
-            match leaves.test(node_a, node_b) {
-                ControlFlow::Continue(()) => _ = stack.pop(),
-                ControlFlow::Break(Halt::Answered) => stack.clear(),
-                ControlFlow::Break(Halt::Stopped) => return End::Stopped,
-            }
-            continue;
-        };
-        if stack.len() >= room {
-            return End::OutOfBudget;
-        }
-        stack.pop();
-        descent.open(pair, side, &mut leaves.counters, |pair| stack.push(pair));
-    }
-    End::Complete
+    wide::stack_room(depth_a as usize + depth_b as usize)
 }
 
 #[cfg(test)]

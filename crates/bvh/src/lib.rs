@@ -37,7 +37,7 @@ mod hits;
 
 pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild};
 pub use front::{NodePair, front};
-pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task};
+pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};
 pub use placement::Placement;
 
 /// Work done, in the terms of the cost model T = Nb·Cb + Np·Cp.

@@ -84,11 +84,11 @@ proptest! {
     #[test]
     fn a_sink_may_say_stop_at_any_hit(
         a in triangles(24), b in triangles(24), pose in pose(), built in built_options(),
-        hits_max in 2_usize..9,
+        hits_max in 2_usize..40,
     ) {
         let (a, b) = (body_of(&a, &built), body_of(&b, &built));
         // Two leaves may have more hits than a small sink takes, and then would never be done.
-        let hits_max = hits_max.max(2 * built.leaf_size as usize);
+        let hits_max = hits_max.max(2 * LEAF_TRIANGLES.max(built.leaf_size as usize));
         let directions = directions();
         let task = task(&a, &b, pose, Question::Pairs, &directions);
         let small = || Listener { hits_max, ..Listener::new() };

@@ -1,0 +1,134 @@
+//! What a job has found so far, and where its hits go: the same for every walk.
+
+use super::{End, Outcome, Question, Side, Sink, Task};
+use crate::Counters;
+use crate::hits::Hits;
+use geometry::{Supports, Triangle, hash, triangle};
+use std::ops::ControlFlow;
+
+/// Most tests between two calls of [`Sink::beat`], but for those of one step of the walk.
+pub const BEAT_TESTS: u64 = 1024;
+
+/// Why a job ends before everything is tested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Halt {
+    /// The question is answered, whatever else there is.
+    Answered,
+    /// The sink said stop: what was tested last is open again.
+    Stopped,
+}
+
+/// The sums of a job, in which nothing may count twice.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    pairs: u64,
+    hash: u64,
+}
+
+/// What a job has found so far.
+pub(super) struct Found<'a, S> {
+    pub(super) task: &'a Task<'a>,
+    pub(super) hits_a: &'a mut Hits,
+    pub(super) hits_b: &'a mut Hits,
+    pub(super) counters: Counters,
+    /// Should the sink say stop, what belongs together is tested again by somebody else: then the
+    /// sums go back to what they were before. Sets, zones and supports need not.
+    pub(super) sums: Sums,
+    sink: &'a mut S,
+    /// Tests at which the sink hears from us next.
+    beat_at: u64,
+    zones_a: u16,
+    zones_b: u16,
+    supports: Supports,
+}
+
+impl<'a, S: Sink> Found<'a, S> {
+    pub(super) fn new(
+        task: &'a Task<'a>,
+        hits_a: &'a mut Hits,
+        hits_b: &'a mut Hits,
+        sink: &'a mut S,
+    ) -> Self {
+        Self {
+            task,
+            hits_a,
+            hits_b,
+            counters: Counters::default(),
+            sums: Sums::default(),
+            sink,
+            beat_at: BEAT_TESTS,
+            zones_a: 0,
+            zones_b: 0,
+            supports: Supports::EMPTY,
+        }
+    }
+
+    pub(super) fn outcome(self, end: End) -> Outcome {
+        // Which zero is the greater is up to the machine, so all are +0.
+        let supports = Supports(self.supports.0.map(|s| s + 0.0));
+        Outcome {
+            end,
+            counters: self.counters,
+            pairs: self.sums.pairs,
+            hash: self.sums.hash,
+            zones_a: self.zones_a,
+            zones_b: self.zones_b,
+            supports,
+        }
+    }
+
+    /// Tells the sink how far we are, if it is time.
+    #[inline]
+    pub(super) fn beat(&mut self) -> ControlFlow<Halt> {
+        let tests = self.counters.tests();
+        if tests < self.beat_at {
+            return ControlFlow::Continue(());
+        }
+        self.beat_at = tests + BEAT_TESTS;
+        self.sink.beat(tests).map_break(|()| Halt::Stopped)
+    }
+
+    /// Whether the pair cannot add to what is asked.
+    #[inline]
+    pub(super) fn known(&self, a: u32, b: u32) -> bool {
+        self.task.question == Question::Sets && self.hits_a.has(a) && self.hits_b.has(b)
+    }
+
+    /// Takes in that triangle `a` of A and triangle `b` of B intersect.
+    ///
+    /// `triangles` gives both in A's frame; it is called only where the contact is measured.
+    #[inline]
+    pub(super) fn take(
+        &mut self,
+        [a, b]: [u32; 2],
+        triangles: impl FnOnce() -> [Triangle; 2],
+    ) -> ControlFlow<Halt> {
+        if self.task.question == Question::Touches {
+            self.sums.pairs = 1;
+            // The question is answered, whether or not the sink wants more.
+            let _ = (self.sink.hit(Side::A, a), self.sink.hit(Side::B, b));
+            return ControlFlow::Break(Halt::Answered);
+        }
+        let (view_a, view_b) = (&self.task.a, &self.task.b);
+        if self.task.question == Question::Pairs {
+            self.sums.pairs += 1;
+            let ids = (view_a.source_ids[a as usize], view_b.source_ids[b as usize]);
+            self.sums.hash = self.sums.hash.wrapping_add(hash::pair_term(ids.0, ids.1));
+            if let Some(directions) = self.task.directions {
+                let [of_a, of_b] = triangles();
+                for point in triangle::contact(&of_a, &of_b).points() {
+                    self.supports.add(directions, *point);
+                }
+            }
+        }
+        if self.hits_a.insert(a) {
+            self.zones_a |= view_a.zones[a as usize].0;
+            self.sink.hit(Side::A, a).map_break(|()| Halt::Stopped)?;
+        }
+        if self.hits_b.insert(b) {
+            self.zones_b |= view_b.zones[b as usize].0;
+            self.sink.hit(Side::B, b).map_break(|()| Halt::Stopped)?;
+        }
+        ControlFlow::Continue(())
+    }
+}
