@@ -191,7 +191,7 @@ impl Kernel {
         task: &Task<'_>,
         start: NodePair,
         budget: u64,
-        sink: &mut impl Sink,
+        sink: &mut dyn Sink,
     ) -> Outcome {
         self.stack.clear();
         self.stack.push(start);

@@ -26,7 +26,7 @@ pub(super) struct Sums {
 }
 
 /// What a job has found so far.
-pub(super) struct Found<'a, S> {
+pub(super) struct Found<'a> {
     pub(super) task: &'a Task<'a>,
     pub(super) hits_a: &'a mut Hits,
     pub(super) hits_b: &'a mut Hits,
@@ -34,7 +34,7 @@ pub(super) struct Found<'a, S> {
     /// Should the sink say stop, what belongs together is tested again by somebody else: then the
     /// sums go back to what they were before. Sets, zones and supports need not.
     pub(super) sums: Sums,
-    sink: &'a mut S,
+    sink: &'a mut dyn Sink,
     /// Tests at which the sink hears from us next.
     beat_at: u64,
     zones_a: u16,
@@ -42,12 +42,12 @@ pub(super) struct Found<'a, S> {
     supports: Supports,
 }
 
-impl<'a, S: Sink> Found<'a, S> {
+impl<'a> Found<'a> {
     pub(super) fn new(
         task: &'a Task<'a>,
         hits_a: &'a mut Hits,
         hits_b: &'a mut Hits,
-        sink: &'a mut S,
+        sink: &'a mut dyn Sink,
     ) -> Self {
         Self {
             task,

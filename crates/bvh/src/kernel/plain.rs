@@ -6,8 +6,8 @@
 //! pairs of leaves cost a few box tests; each triangle of B is moved into A's frame once per pair
 //! of leaves.
 
+use super::End;
 use super::found::{Found, Halt, Sums};
-use super::{End, Sink};
 use crate::NodePair;
 use crate::descent::{Descent, side_to_open};
 use geometry::{Bounds, Corners, DVec3, Triangle, triangle};
@@ -34,12 +34,12 @@ pub(super) fn scratch() -> Vec<Near> {
 ///
 /// It is never longer than `room`: a step pops one pair and pushes at most two, one level deeper in
 /// one tree, so at most one pair waits per level of both trees, and one more.
-pub(super) fn walk<S: Sink>(
+pub(super) fn walk(
     stack: &mut Vec<NodePair>,
     room: usize,
     budget: u64,
     near: &mut Vec<Near>,
-    found: &mut Found<'_, S>,
+    found: &mut Found<'_>,
 ) -> End {
     let task = found.task;
     let descent = Descent::new(&task.a, &task.b, &task.pose);
@@ -70,12 +70,12 @@ pub(super) fn walk<S: Sink>(
 }
 
 /// Where two leaves meet.
-struct Leaves<'l, 'a, S> {
+struct Leaves<'l, 'a> {
     near: &'l mut Vec<Near>,
-    found: &'l mut Found<'a, S>,
+    found: &'l mut Found<'a>,
 }
 
-impl<S: Sink> Leaves<'_, '_, S> {
+impl Leaves<'_, '_> {
     /// Tests all triangles of one leaf of A against all of one leaf of B.
     fn test(&mut self, leaf_a: &Node, leaf_b: &Node) -> ControlFlow<Halt> {
         let before: Sums = self.found.sums;

@@ -11,7 +11,7 @@
 
 use super::boxes::{self, Frames};
 use super::found::{Found, Halt, Sums};
-use super::{End, Question, Sink, Task};
+use super::{End, Question, Task};
 use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
@@ -70,7 +70,7 @@ struct Lot {
 }
 
 /// One walk. Pairs on its stack are of wide nodes, but when it begins and ends, of binary ones.
-struct Walk<'w, 'a, S> {
+struct Walk<'w, 'a> {
     frames: Frames,
     stack: &'w mut Vec<NodePair>,
     room: usize,
@@ -79,7 +79,7 @@ struct Walk<'w, 'a, S> {
     tree_a: Tree<'w>,
     tree_b: Tree<'w>,
     batch: Batch<'a>,
-    found: &'w mut Found<'a, S>,
+    found: &'w mut Found<'a>,
 }
 
 /// The wide nodes of one body, and the one that a job starts with.
@@ -103,14 +103,14 @@ pub(super) fn frames(task: &Task<'_>) -> Option<Frames> {
 
 /// Walks everything below the one pair on the stack; what is not done when it ends lies there.
 #[simd]
-pub(super) fn walk<V: Simd, S: Sink>(
-    simd: V,
+pub(super) fn walk<S: Simd>(
+    simd: S,
     frames: Frames,
     stack: &mut Vec<NodePair>,
     room: usize,
     budget: u64,
     scratch: &mut Scratch,
-    found: &mut Found<'_, S>,
+    found: &mut Found<'_>,
 ) -> End {
     let task = found.task;
     let Some(start) = stack.pop() else { return End::Complete };
@@ -147,6 +147,12 @@ pub(super) fn walk<V: Simd, S: Sink>(
     end
 }
 
+/// [`batch::intersecting`] as a function of its own: it is large, and called from several places.
+#[simd]
+fn intersecting<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> u64 {
+    batch::intersecting(simd, batch, pairs)
+}
+
 /// The number of the wide node that stands for `root` of the binary tree; where there is none,
 /// `start` is made to be it: the lanes below `root` of the wide node that holds it.
 fn entrance(body: &BodyView<'_>, root: u32, start: &mut WideNode) -> u32 {
@@ -172,9 +178,9 @@ fn entrance(body: &BodyView<'_>, root: u32, start: &mut WideNode) -> u32 {
     START
 }
 
-impl<S: Sink> Walk<'_, '_, S> {
+impl Walk<'_, '_> {
     #[inline(always)]
-    fn run<V: Simd>(&mut self, simd: V, budget: u64) -> ControlFlow<Halt, End> {
+    fn run<S: Simd>(&mut self, simd: S, budget: u64) -> ControlFlow<Halt, End> {
         while let Some(&pair) = self.stack.last() {
             if self.found.counters.tests() + self.waiting.len() as u64 >= budget
                 || self.stack.len() + LANE_PAIRS > self.room
@@ -200,7 +206,7 @@ impl<S: Sink> Walk<'_, '_, S> {
     }
 
     #[inline(always)]
-    fn open_both<V: Simd>(&mut self, simd: V, a: &WideNode, b: &WideNode) {
+    fn open_both<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode) {
         let mut meeting = self.frames.meet(simd, a, b);
         self.count(boxes::used(simd, a), boxes::used(simd, b));
         while meeting != 0 {
@@ -211,7 +217,7 @@ impl<S: Sink> Walk<'_, '_, S> {
     }
 
     #[inline(always)]
-    fn open_a<V: Simd>(&mut self, simd: V, a: &WideNode, b: &WideNode, number_b: u32) {
+    fn open_a<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode, number_b: u32) {
         let mut meeting = self.frames.meet_one_of_b(simd, a, &b.bounds);
         self.count(boxes::used(simd, a), 1);
         while meeting != 0 {
@@ -222,7 +228,7 @@ impl<S: Sink> Walk<'_, '_, S> {
     }
 
     #[inline(always)]
-    fn open_b<V: Simd>(&mut self, simd: V, a: &WideNode, b: &WideNode, number_a: u32) {
+    fn open_b<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode, number_a: u32) {
         let mut meeting = self.frames.meet_one_of_a(simd, &a.bounds, b);
         self.count(1, boxes::used(simd, b));
         while meeting != 0 {
@@ -239,9 +245,9 @@ impl<S: Sink> Walk<'_, '_, S> {
 
     /// Adds the candidates of two leaves.
     #[inline(always)]
-    fn collect<V: Simd>(
+    fn collect<S: Simd>(
         &mut self,
-        simd: V,
+        simd: S,
         a: &WideNode,
         b: &WideNode,
         pair: NodePair,
@@ -262,9 +268,9 @@ impl<S: Sink> Walk<'_, '_, S> {
 
     /// Adds the candidates of two leaves of several nodes each, but for those of the first two.
     #[inline(never)]
-    fn collect_blocks<V: Simd>(
+    fn collect_blocks<S: Simd>(
         &mut self,
-        simd: V,
+        simd: S,
         a: &WideNode,
         b: &WideNode,
         pair: NodePair,
@@ -291,7 +297,7 @@ impl<S: Sink> Walk<'_, '_, S> {
     }
 
     #[inline(always)]
-    fn collect_lanes<V: Simd>(&mut self, simd: V, a: &WideNode, b: &WideNode) {
+    fn collect_lanes<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode) {
         let mut meeting = self.frames.meet(simd, a, b);
         self.count(boxes::used(simd, a), boxes::used(simd, b));
         while meeting != 0 {
@@ -306,7 +312,7 @@ impl<S: Sink> Walk<'_, '_, S> {
 
     /// Tests all that wait; then no lot is open.
     #[inline(always)]
-    fn settle<V: Simd>(&mut self, simd: V) -> ControlFlow<Halt> {
+    fn settle<S: Simd>(&mut self, simd: S) -> ControlFlow<Halt> {
         self.test(simd)?;
         self.lots.clear();
         ControlFlow::Continue(())
@@ -314,11 +320,11 @@ impl<S: Sink> Walk<'_, '_, S> {
 
     /// Tests all that wait.
     #[inline(always)]
-    fn test<V: Simd>(&mut self, simd: V) -> ControlFlow<Halt> {
+    fn test<S: Simd>(&mut self, simd: S) -> ControlFlow<Halt> {
         let mut lot = 0;
         for start in (0..self.waiting.len()).step_by(BATCH) {
             let end = self.waiting.len().min(start + BATCH);
-            let mut hits = batch::intersecting(simd, &self.batch, &self.waiting[start..end]);
+            let mut hits = intersecting(simd, &self.batch, &self.waiting[start..end]);
             self.found.counters.np += (end - start) as u64;
             while hits != 0 {
                 let at = start + hits.trailing_zeros() as usize;
