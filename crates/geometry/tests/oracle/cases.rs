@@ -3,7 +3,11 @@
 //! Each family builds its pairs so that contacts are exact in f64 (small whole numbers, dyadic
 //! fractions), then corners and roles are shuffled. Every third round stretches the axes by powers
 //! of two, which keeps every incidence, up to the ends of the f64 range.
+//!
+//! A [`Group`] has pairs of the same families as bodies have them: stored in f32, B's seen through
+//! a pose.
 
+use geometry::batch::BATCH;
 use geometry::hash::splitmix64;
 use geometry::{DVec3, Pose, RelativePose, Triangle};
 
@@ -64,6 +68,56 @@ pub(crate) fn pair(seed: u64, number: u64) -> Pair {
     }
     let [a, b] = corners.map(Triangle);
     Pair { a, b }
+}
+
+/// As many stored pairs as one batch takes: triangle i of A with triangle i of B.
+#[derive(Debug)]
+pub(crate) struct Group {
+    pub(crate) pose: RelativePose,
+    pub(crate) a: Vec<geometry::Corners>,
+    pub(crate) b: Vec<geometry::Corners>,
+}
+
+/// Group `number` of `seed`; its pair i is of the family of `BATCH`·`number` + i.
+pub(crate) fn group(seed: u64, number: u64) -> Group {
+    let mut dice = Dice(splitmix64(seed) ^ splitmix64(!number));
+    let right = [-90.0, 0.0, 90.0, 180.0];
+    let mut angle = |kind: u64| match kind {
+        0 | 1 => 0.0,
+        2 => right[dice.below(4) as usize],
+        _ => dice.real() * 180.0,
+    };
+    let kind = number % 4;
+    let (yaw, pitch, roll) = (angle(kind), angle(kind), angle(kind));
+    let offset = match kind {
+        0 => DVec3::ZERO,
+        1 | 2 => dice.whole_point(4),
+        _ => dice.real_point() * libm::exp2(dice.whole(12)),
+    };
+    let pose = Pose::from_degrees(yaw, pitch, roll, offset.to_array());
+    let mut group = Group {
+        pose: RelativePose::between(&Pose::IDENTITY, &pose),
+        a: Vec::with_capacity(BATCH),
+        b: Vec::with_capacity(BATCH),
+    };
+    let stored = |point: DVec3| point.to_array().map(|x| x as f32);
+    for i in 0..BATCH as u64 {
+        let mut corners = (FAMILIES[family(BATCH as u64 * number + i)].make)(&mut dice);
+        // Small, as triangles of bodies are beside their distance; now and then at the ends of f32.
+        let exponent = match dice.below(16) {
+            0 => dice.whole(120),
+            1..8 => -(dice.below(16) as f64),
+            _ => 0.0,
+        };
+        let at = if dice.below(2) == 0 { dice.whole_point(3) } else { DVec3::ZERO };
+        for corner in corners.iter_mut().flatten() {
+            *corner = *corner * libm::exp2(exponent) + at;
+        }
+        let [a, b] = corners;
+        group.a.push(a.map(stored));
+        group.b.push(b.map(|corner| stored(pose.direction_to_body(corner - offset))));
+    }
+    group
 }
 
 /// A reproducible source of chance: SplitMix64.

@@ -7,10 +7,9 @@
 
 use crate::cases::Pair;
 use geometry::{DVec3, Triangle};
-use num_bigint::{BigInt, Sign};
+use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use std::collections::BTreeMap;
 
 type Vector<T> = [T; 3];
 
@@ -40,51 +39,55 @@ where
 /// Whether the closed triangles share a point.
 pub(crate) fn meet(pair: &Pair) -> bool {
     let points = integers(pair);
+    // Differences of 29 bits, products of four of them: below 2^122 with all sums.
+    let small = |x: &BigInt| if x.bits() <= 28 { x.to_i128() } else { None };
+    let all: Option<Vec<Vector<i128>>> =
+        points.iter().map(|[x, y, z]| Some([small(x)?, small(y)?, small(z)?])).collect();
+    all.map_or_else(|| hull_holds_zero(&points), |points| hull_holds_zero(&points))
+}
+
+/// Whether 0 lies in the convex hull of the differences of the first three points and the others.
+fn hull_holds_zero<T: Clone + Ord + Signed>(points: &[Vector<T>]) -> bool
+where
+    for<'x> &'x T: core::ops::Mul<&'x T, Output = T>,
+{
     let (a, b) = points.split_at(3);
-    let mut v: Vec<Vector<BigInt>> =
+    let mut v: Vec<Vector<T>> =
         a.iter().flat_map(|p| b.iter().map(move |q| difference(p, q))).collect();
     v.sort();
     v.dedup();
     let n = v.len();
-    let zero = |p: &Vector<BigInt>| p.iter().all(Zero::is_zero);
+    let zero = |p: &Vector<T>| p.iter().all(Zero::is_zero);
 
-    let mut products = BTreeMap::new();
+    // Of i < j, at j(j − 1)/2 + i.
+    let mut products = Vec::with_capacity(36);
     for (j, q) in v.iter().enumerate() {
-        for (i, p) in v[..j].iter().enumerate() {
+        for p in &v[..j] {
             let product = cross(p, q);
             if zero(&product) && !dot(p, q).is_positive() {
                 return true; // on the segment, or one of its ends
             }
-            products.insert((i, j), product);
+            products.push(product);
         }
     }
     if n == 1 {
         return zero(&v[0]);
     }
-    let product = |i: usize, j: usize| &products[&(i, j)];
+    let product = |i: usize, j: usize| &products[j * (j - 1) / 2 + i];
 
     // 1, 0 or −1 for i < j < k.
-    let mut volumes = BTreeMap::new();
+    let mut volumes = [[[0; 9]; 9]; 9];
     for (i, j, k) in triples(n) {
-        let sign = match dot(product(i, j), &v[k]).sign() {
-            Sign::Minus => -1,
-            Sign::Plus => 1,
-            Sign::NoSign if in_triangle(product(j, k), product(i, k), product(i, j)) => {
-                return true;
-            }
-            Sign::NoSign => 0,
-        };
-        volumes.insert((i, j, k), sign);
+        let volume = dot(product(i, j), &v[k]);
+        if volume.is_zero() && in_triangle(product(j, k), product(i, k), product(i, j)) {
+            return true;
+        }
+        volumes[i][j][k] = i32::from(volume.is_positive()) - i32::from(volume.is_negative());
     }
     triples(n).any(|(i, j, k)| {
         (k + 1..n).any(|l| {
             // The barycentric coordinates of 0 have these signs, or all the opposite ones.
-            let shares = [
-                volumes[&(j, k, l)],
-                -volumes[&(i, k, l)],
-                volumes[&(i, j, l)],
-                -volumes[&(i, j, k)],
-            ];
+            let shares = [volumes[j][k][l], -volumes[i][k][l], volumes[i][j][l], -volumes[i][j][k]];
             let some = |sign: i32| shares.contains(&sign);
             some(1) != some(-1)
         })
@@ -97,8 +100,11 @@ fn triples(n: usize) -> impl Iterator<Item = (usize, usize, usize)> {
 }
 
 /// Whether 0, in the plane of u, v, w, lies in their true triangle; given v × w, u × w, u × v.
-fn in_triangle(vw: &Vector<BigInt>, uw: &Vector<BigInt>, uv: &Vector<BigInt>) -> bool {
-    let normal: Vector<BigInt> = core::array::from_fn(|i| &vw[i] - &uw[i] + &uv[i]);
+fn in_triangle<T: Clone + Signed>(vw: &Vector<T>, uw: &Vector<T>, uv: &Vector<T>) -> bool
+where
+    for<'x> &'x T: core::ops::Mul<&'x T, Output = T>,
+{
+    let normal: Vector<T> = core::array::from_fn(|i| vw[i].clone() - uw[i].clone() + uv[i].clone());
     !normal.iter().all(Zero::is_zero)
         && !dot(vw, &normal).is_negative()
         && !dot(uw, &normal).is_positive()

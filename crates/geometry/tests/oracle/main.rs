@@ -1,4 +1,5 @@
-//! Campaign: the triangle test and the contact points against exact arithmetic.
+//! Campaign: the triangle test, alone and in batches, and the contact points against exact
+//! arithmetic.
 //!
 //! Pair number n of a seed is always the same pair, so a difference is replayed by its number. The
 //! sizes are settings, for longer campaigns:
@@ -10,9 +11,12 @@
 mod cases;
 mod exact;
 
-use cases::{FAMILIES, Pair, pair};
-use geometry::DVec3;
+use cases::{FAMILIES, Pair, group, pair};
+use fearless_simd::dispatch;
+use geometry::batch::{BATCH, Batch, intersecting};
 use geometry::triangle::{contact, intersect};
+use geometry::{DVec3, simd};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
 /// A setting of the campaign from the environment.
@@ -21,27 +25,30 @@ fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect("a whole number"))
 }
 
-/// Runs `check` on the pairs numbered 0 to `pairs`, on all cores; how many of each family it found
-/// true.
-fn campaign(pairs: u64, check: impl Fn(u64, &Pair) -> bool + Sync) -> Vec<(u64, u64)> {
-    let seed = setting("ORACLE_SEED", 1);
+/// How many of each family there were, and how many met.
+type Tally = Vec<(u64, u64)>;
+
+/// Runs `check` on the numbers 0 to `count`, on all cores; it says what it found in the tally.
+#[expect(clippy::print_stderr, reason = "a long campaign says how far it is")]
+fn campaign(count: u64, check: impl Fn(u64, &mut Tally) + Sync) -> Tally {
     let threads = thread::available_parallelism().map_or(1, |n| n.get() as u64);
+    let done = AtomicU64::new(0);
+    let run = |part: u64| {
+        let mut tally = vec![(0, 0); FAMILIES.len()];
+        for number in (part..count).step_by(threads as usize) {
+            check(number, &mut tally);
+            let before = done.fetch_add(1, Ordering::Relaxed);
+            let tenths = |done: u64| 10 * done / count;
+            if count >= 100_000 && tenths(before + 1) > tenths(before) {
+                eprintln!("{} of {count}", before + 1);
+            }
+        }
+        tally
+    };
     let mut tally = vec![(0, 0); FAMILIES.len()];
     thread::scope(|scope| {
-        let parts: Vec<_> = (0..threads)
-            .map(|part| {
-                let check = &check;
-                scope.spawn(move || {
-                    let mut tally = vec![(0, 0); FAMILIES.len()];
-                    for number in (part..pairs).step_by(threads as usize) {
-                        let (all, hits) = &mut tally[cases::family(number)];
-                        *all += 1;
-                        *hits += u64::from(check(number, &pair(seed, number)));
-                    }
-                    tally
-                })
-            })
-            .collect();
+        let run = &run;
+        let parts: Vec<_> = (0..threads).map(|part| scope.spawn(move || run(part))).collect();
         for part in parts {
             let part = part.join().expect("a difference, printed above");
             for (sum, more) in tally.iter_mut().zip(part) {
@@ -52,29 +59,70 @@ fn campaign(pairs: u64, check: impl Fn(u64, &Pair) -> bool + Sync) -> Vec<(u64, 
     tally
 }
 
-#[test]
-fn the_test_equals_exact_arithmetic() {
-    let pairs = setting("ORACLE_PAIRS", 20_000);
-    let tally = campaign(pairs, |number, pair| {
-        let truth = exact::meet(pair);
-        assert_eq!(intersect(&pair.a, &pair.b), truth, "pair {number}: {pair:?}");
-        assert_eq!(intersect(&pair.b, &pair.a), truth, "pair {number}, exchanged: {pair:?}");
-        truth
-    });
+fn count(tally: &mut Tally, number: u64, hit: bool) {
+    let (all, hits) = &mut tally[cases::family(number)];
+    *all += 1;
+    *hits += u64::from(hit);
+}
+
+/// Prints a tally of pairs without a difference.
+#[expect(clippy::print_stdout, reason = "the tally is what the campaign is run for")]
+fn report(tally: &Tally) {
     println!("{:<16}{:>10}{:>10}", "family", "pairs", "hits");
-    for (family, (all, hits)) in FAMILIES.iter().zip(&tally) {
+    for (family, (all, hits)) in FAMILIES.iter().zip(tally) {
         println!("{:<16}{all:>10}{hits:>10}", family.name);
         // A family that never meets, or never misses, would test half of what it says.
-        assert!(pairs < 10_000 || (*hits > 0 && hits < all), "{}: {hits} of {all}", family.name);
+        assert!(*all < 600 || (*hits > 0 && hits < all), "{}: {hits} of {all}", family.name);
     }
     let (all, hits) = tally.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
     println!("{:<16}{all:>10}{hits:>10}   no difference", "all");
 }
 
 #[test]
+fn the_test_equals_exact_arithmetic() {
+    let seed = setting("ORACLE_SEED", 1);
+    let tally = campaign(setting("ORACLE_PAIRS", 20_000), |number, tally| {
+        let pair = &pair(seed, number);
+        let truth = exact::meet(pair);
+        assert_eq!(intersect(&pair.a, &pair.b), truth, "pair {number}: {pair:?}");
+        assert_eq!(intersect(&pair.b, &pair.a), truth, "pair {number}, exchanged: {pair:?}");
+        count(tally, number, truth);
+    });
+    report(&tally);
+}
+
+#[test]
+fn the_batch_equals_exact_arithmetic_at_every_level() {
+    let seed = setting("ORACLE_SEED", 1);
+    let groups = setting("ORACLE_PAIRS", 20_000).div_ceil(BATCH as u64);
+    let tally = campaign(groups, |number, tally| {
+        let group = group(seed, number);
+        let batch = Batch::new(&group.pose, &group.a, &group.b);
+        let pairs: [_; BATCH] = core::array::from_fn(|i| [i as u32; 2]);
+        let mut truth = 0;
+        for (i, numbers) in pairs.iter().enumerate() {
+            let [a, b] = batch.triangles(*numbers);
+            let hit = exact::meet(&Pair { a, b });
+            truth |= u64::from(hit) << i;
+            count(tally, BATCH as u64 * number + i as u64, hit);
+        }
+        for level in simd::levels() {
+            let found = dispatch!(level, simd => intersecting(simd, &batch, &pairs));
+            let name = simd::name(level);
+            assert_eq!(found, truth, "group {number} at {name}: {group:?}");
+        }
+    });
+    let levels: Vec<_> = simd::levels().map(simd::name).collect();
+    println!("batches, at {}", levels.join(", "));
+    report(&tally);
+}
+
+#[test]
 fn contact_points_are_the_corners_of_the_intersection() {
+    let seed = setting("ORACLE_SEED", 1);
     let pairs = setting("ORACLE_PAIRS", 20_000) / 16;
-    let tally = campaign(pairs, |number, pair| {
+    let tally = campaign(pairs, |number, tally| {
+        let pair = &pair(seed, number);
         let corners = exact::corners(pair);
         let found = contact(&pair.a, &pair.b);
         let found = found.points();
@@ -103,7 +151,7 @@ fn contact_points_are_the_corners_of_the_intersection() {
                 "pair {number}: {point} is not one of {corners:?}: {pair:?}"
             );
         }
-        !corners.is_empty()
+        count(tally, number, !corners.is_empty());
     });
     let (all, hits) = tally.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
     println!("contact: {all} pairs, {hits} contacts, no difference");
