@@ -2,9 +2,9 @@
 //!
 //! Triangles are sorted into bins by the centre of their box, along all three axes in one pass; of
 //! all cuts between two bins, the one with the least `half_area(left)·n(left) +
-//! half_area(right)·n(right)` is taken, of equal ones the most balanced, then the lowest axis. Wald,
-//! *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). Where no cut has a cost,
-//! because all centres are the same or areas overflow f32, the triangles are halved as they stand.
+//! half_area(right)·n(right)` is taken, of equal ones the most balanced, then the lowest axis.
+//! Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). Where no cut has a
+//! cost, because all centres are the same or f32 overflows, the triangles are halved as they stand.
 //!
 //! A cut writes both halves to another buffer, in the order in which they were: no branch to guess,
 //! and the triangles of a leaf still ascend. What is summed up over triangles are counts and
@@ -75,27 +75,31 @@ struct Scale {
 const WHOLE: f32 = 8_388_608.0;
 
 impl Scale {
-    /// `centres` is the reach of all centres.
-    fn new<const N: usize>(centres: &Reach) -> Self {
-        let low = std::array::from_fn(|lane| -centres[lane]);
-        let per_metre = std::array::from_fn(|lane| {
-            let per_metre = (N - 1) as f32 / (centres[lane + 4] + centres[lane]);
+    /// `centres` is the reach of all centres. `None` if f32 cannot hold what lies between them:
+    /// places must be numbers, the same ones whoever asks.
+    fn new<const N: usize>(centres: &Reach) -> Option<Self> {
+        let extent: [f32; 4] = std::array::from_fn(|lane| centres[lane + 4] + centres[lane]);
+        let per_metre = extent.map(|extent| {
+            let per_metre = (N - 1) as f32 / extent;
             // All centres the same, or nearly so: they all fall into the first bin.
             if per_metre < f32::INFINITY { per_metre } else { 0.0 }
         });
-        Self { low, per_metre }
+        let low = std::array::from_fn(|lane| -centres[lane]);
+        extent[..3].iter().all(|extent| *extent < f32::INFINITY).then_some(Self { low, per_metre })
     }
 
-    /// Where a centre falls, lane by lane, in the lowest bits.
-    fn places(&self, centre: &[f32; 4]) -> [u32; 4] {
-        std::array::from_fn(|lane| {
-            ((centre[lane] - self.low[lane]) * self.per_metre[lane] + WHOLE).to_bits()
-        })
+    /// Where a centre falls along one axis, in the lowest bits.
+    fn place(&self, centre: f32, axis: usize) -> u32 {
+        ((centre - self.low[axis]) * self.per_metre[axis] + WHOLE).to_bits()
+    }
+
+    fn places(&self, item: &Reach) -> [u32; 4] {
+        let centre = centre(item);
+        std::array::from_fn(|lane| self.place(centre[lane], lane))
     }
 
     fn bin<const N: usize>(&self, item: &Reach, axis: usize) -> usize {
-        let centre = item[axis + 4] - item[axis];
-        ((centre - self.low[axis]) * self.per_metre[axis] + WHOLE).to_bits() as usize % N
+        self.place(item[axis + 4] - item[axis], axis) as usize % N
     }
 }
 
@@ -120,7 +124,7 @@ impl<const N: usize> Bins<N> {
 
     fn fill(&mut self, items: &[Reach], scale: &Scale) {
         for item in items {
-            let places = scale.places(&centre(item));
+            let places = scale.places(item);
             let axes = self.reach.iter_mut().zip(&mut self.count);
             for ((reach, count), place) in axes.zip(places) {
                 let bin = place as usize % N;
@@ -228,17 +232,24 @@ pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> (Vec<Node>, Vec<u32>, 
     let share = team::share(n, job.threads);
     let tasks = first.chunks_mut(share).zip(corners.chunks(share)).zip((0..).step_by(share));
     let known = team::each(tasks.collect(), |((items, corners), first)| {
-        let (mut sum, mut centres) = (NOTHING, NOTHING);
-        for ((item, corners), id) in items.iter_mut().zip(corners).zip(first..) {
+        sums(items.iter_mut().zip(corners).zip(first..).map(|((item, corners), id)| {
             *item = reach(corners, id);
-            include(&mut sum, item);
-            include(&mut centres, &reach_of_point(&centre(item)));
-        }
-        [sum, centres]
+            &*item
+        }))
     });
     let [reach, centres] = both(&known);
     let known = Known { reach, centres, second: false };
     grow::grow(Items([&mut first, &mut second]), known, job)
+}
+
+/// The reach of items, and of their centres.
+fn sums<'a>(items: impl IntoIterator<Item = &'a Reach>) -> [Reach; 2] {
+    let [mut reach, mut centres] = [NOTHING; 2];
+    for item in items {
+        include(&mut reach, item);
+        include(&mut centres, &reach_of_point(&centre(item)));
+    }
+    [reach, centres]
 }
 
 /// The sums of pairs.
@@ -260,7 +271,7 @@ impl Items<'_> {
         let [first, second] = &mut self.0;
         let (from, to) = if known.second { (second, first) } else { (first, second) };
         let (from, to) = (&from[range.clone()], &mut to[range]);
-        let scale = Scale::new::<N>(&known.centres);
+        let Some(scale) = Scale::new::<N>(&known.centres) else { return halved(from, known) };
         let share = team::share(from.len(), threads);
         let mut bins = Bins::<N>::EMPTY;
         let mut parts = Vec::new();
@@ -308,9 +319,7 @@ fn halved(items: &[Reach], known: Known) -> Cut<Known> {
     let left = items.len() / 2;
     let (near, far) = items.split_at(left);
     let known_of = |items: &[Reach]| {
-        let pairs: Vec<_> =
-            items.iter().map(|item| [*item, reach_of_point(&centre(item))]).collect();
-        let [reach, centres] = both(&pairs);
+        let [reach, centres] = sums(items);
         Known { reach, centres, second: known.second }
     };
     Cut { bounds: bounds(&known.reach), left, known: [known_of(near), known_of(far)] }

@@ -9,8 +9,8 @@
 //! is thousands deep. So the default keeps k within [n/8, 7n/8].
 //!
 //! Triangles are sorted once per axis. A cut then divides the other two orders stably, so that they
-//! stay sorted: O(n) per level of the tree. The three axes do not wait for each other: where several
-//! threads work on one range, each takes an axis.
+//! stay sorted: O(n) per level of the tree. Where several threads work on one range, each takes an
+//! axis.
 
 use super::grow::{self, Cut, Job, Parts};
 use super::team;

@@ -190,6 +190,18 @@ fn coordinates_at_the_ends_of_f32_build() {
 }
 
 #[test]
+fn no_unit_makes_a_tree_deep() {
+    // Centres overflow, areas overflow, areas vanish, extents are subnormal.
+    for scale in [2.7e38, 1e25, 1e-25, 1e-42] {
+        let corners: Vec<Corners> =
+            soup(5000, 0.5, 8).iter().map(|t| t.map(|p| p.map(|x| x * scale))).collect();
+        let tree = grown(&corners, &options(Build::Sah, 2));
+        check(&tree, &corners, 2);
+        assert!(tree.depth <= 20, "{scale}: {}", tree.depth);
+    }
+}
+
+#[test]
 fn progress_adds_up_to_all_triangles() {
     let corners = soup(30_000, 0.02, 3);
     for threads in [1, 4] {
