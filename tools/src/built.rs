@@ -1,9 +1,10 @@
-//! What cargo builds for us, and where things lie.
+//! Programs that we have built, commands that we run, files that we write.
 
 use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Where the workspace lies, and what is made from it.
@@ -42,4 +43,11 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
         bail!("{command:?}: {}", done.status);
     }
     Ok(String::from_utf8(done.stdout)?)
+}
+
+/// Writes a file, making its folder if there is none.
+pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().context("a file without a folder")?;
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    fs::write(path, text).with_context(|| path.display().to_string())
 }

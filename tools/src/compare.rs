@@ -18,17 +18,16 @@ mod row;
 #[cfg(test)]
 mod tests;
 
-use crate::built::{self, Workspace};
+use crate::built::{self, Workspace, write};
 use crate::machine;
 use crate::step::cargo;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use cases::Case;
 use log::Log;
 use page::Page;
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// What to compare.
@@ -93,7 +92,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     }
 
     let machine = machine::describe(&workspace.root)?;
-    skipped.extend(faults.iter().map(|((_, row), fault)| format!("{row}: {fault}")));
+    skipped.extend(
+        faults
+            .iter()
+            .map(|((section, row), fault)| format!("{row}, {}: left out: {fault}", section.name())),
+    );
     let page = Page {
         machine: &machine,
         versions: &peers::versions(),
@@ -153,13 +156,6 @@ fn peers(
         }
     }
     Ok(peers)
-}
-
-fn write(path: &Path, text: &str) -> Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    fs::write(path, text).with_context(|| path.display().to_string())
 }
 
 /// A line of progress, beside the page.

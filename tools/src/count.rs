@@ -11,7 +11,7 @@ mod record;
 #[cfg(test)]
 mod tests;
 
-use crate::built::{self, Workspace, output};
+use crate::built::{self, Workspace, output, write};
 use crate::machine;
 use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
@@ -74,7 +74,7 @@ pub(crate) fn run(record: bool) -> Result<ExitCode> {
         counted.0.push(Entry { benchmark, instructions: now, commit, rustc });
     }
     if record {
-        fs::write(&path, counted.to_string()).with_context(|| path.display().to_string())?;
+        write(&path, &counted.to_string())?;
         writeln!(out, "written to {RECORD}")?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -100,9 +100,8 @@ impl Log {
         let mut lines = vec![json!({ "machine": machine })];
         lines.extend(truths.iter().map(|(case, truth)| json!({ "case": case, "exact": truth })));
         lines.extend(self.0.iter().map(|Run { section, row, case, round, measured }| {
-            let section = format!("{section:?}").to_lowercase();
             json!({
-                "section": section, "row": row, "case": case, "round": round, "measured": measured
+                "section": section.name(), "row": row, "case": case, "round": round, "measured": measured
             })
         }));
         Ok(lines.iter().map(|line| format!("{line}\n")).collect())

@@ -22,6 +22,17 @@ pub(crate) enum Section {
     Threads,
 }
 
+impl Section {
+    /// Its name in files and messages.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Warm => "warm",
+            Self::Cold => "cold",
+            Self::Threads => "threads",
+        }
+    }
+}
+
 /// Who runs.
 #[derive(Clone, Debug)]
 pub(crate) enum Program {
@@ -46,6 +57,8 @@ pub(crate) struct Row {
 const OUR_OPTIONS: &[(&str, &[&str])] = &[
     ("", &[]),
     (" sah", &["--build", "sah"]),
+    // What every processor of its kind has.
+    #[cfg(target_arch = "x86_64")]
     (" sah, sse2", &["--build", "sah", "--simd", "sse2"]),
     (" sah, sets", &["--build", "sah", "--question", "sets"]),
     (" sah, touches", &["--build", "sah", "--question", "touches"]),

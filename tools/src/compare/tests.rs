@@ -4,6 +4,7 @@ use super::*;
 use cases::{poses, stl};
 use geometry::Pose;
 use log::Measured;
+use std::path::Path;
 
 fn line(json: &str) -> Measured {
     serde_json::from_str(json).unwrap()
