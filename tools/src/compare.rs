@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Rows take turns within a round, so that what disturbs the machine disturbs all of them; what
-//! counts is the median over the rounds, and ratios more than times. A driver reads its case, builds
-//! its trees, repeats the query and prints one line of JSON; reading is in none of its times.
+//! counts is the median over the rounds, and ratios more than times. A driver reads its case,
+//! builds its trees, repeats the query and prints one line of JSON; no time includes reading.
 
 mod cases;
 mod log;
@@ -40,7 +40,8 @@ pub(crate) struct Options {
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// How often every row takes its turn on every case.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
     /// The core that everything but the runs on two threads is pinned to.
     #[arg(long, value_name = "N", default_value_t = 0)]

@@ -72,7 +72,7 @@ impl Log {
         self.0.push(Run { section, row, case: case.to_owned(), round, measured });
     }
 
-    /// The medians of a row on a case over all rounds, with the last answer; `None` if it never ran.
+    /// The medians of a row on a case over all rounds, with the last answer; `None` without any.
     pub(crate) fn median(&self, row: &Row, case: &str) -> Option<Measured> {
         let key = row.key();
         let runs: Vec<&Measured> = self
@@ -101,7 +101,11 @@ impl Log {
         lines.extend(truths.iter().map(|(case, truth)| json!({ "case": case, "exact": truth })));
         lines.extend(self.0.iter().map(|Run { section, row, case, round, measured }| {
             json!({
-                "section": section.name(), "row": row, "case": case, "round": round, "measured": measured
+                "section": section.name(),
+                "row": row,
+                "case": case,
+                "round": round,
+                "measured": measured,
             })
         }));
         Ok(lines.iter().map(|line| format!("{line}\n")).collect())

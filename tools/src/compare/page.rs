@@ -187,11 +187,11 @@ impl Page<'_> {
 }
 
 const HOW_TO_READ: &str = "\
-All intersecting triangle pairs of two posed bodies (or, where it says so, the sets of triangles hit,
-or whether any is). Times are medians in milliseconds over the rounds, in which all rows took turns;
-trust the ratios, not the absolutes. `ratio` is the query against the first row; `with pose` is the
-same with what a new pose costs before it can be queried: a rebuild of B for Embree, nothing for the
-others. `build` is of both trees. Reading files is in no column.";
+All intersecting triangle pairs of two posed bodies (or, where it says so, the sets of triangles
+hit, or whether any is). Times are medians in milliseconds over the rounds, in which all rows took
+turns; trust the ratios, not the absolutes. `ratio` is the query against the first row; `with pose`
+is the same with what a new pose costs before it can be queried: a rebuild of B for Embree, nothing
+for the others. `build` is of both trees. No column includes reading files.";
 
 fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
