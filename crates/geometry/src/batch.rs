@@ -1,8 +1,9 @@
 //! The exact triangle test of many pairs at once.
 //!
-//! A pair per lane in f32, relative to a corner of its own, with a bound of all errors: that decides
-//! all but a few in ten thousand. Those, and every pair that touches, share a corner or lies in one
-//! plane, go to [`triangle::intersect`]. So the answer is the exact one, at every width of vectors.
+//! A pair per lane in f32, relative to corners of its own, with a bound of all errors: of a car
+//! crash that decides all but two in a thousand. Those, and every pair that touches, shares a corner
+//! or lies in one plane, go to [`triangle::intersect`]. So the answer is the exact one, at every
+//! width of the vectors.
 //!
 //! # Errors
 //!
@@ -18,8 +19,9 @@
 //!   a bit added, so that all sizes are beyond denormals and relative errors are what they say.
 //! - A side of A's plane, (e₁ × e₂)·(d + f), is off by at most 80 u·La²(Lb + Ld); one of B's plane by
 //!   103 u·Lb²(La + Ld); 128 u allows for the bound's own rounding.
-//! - The edge determinant (p × w)·q, with p and q differences of two corners and w between corners
-//!   of both, is off by 484 u·La·Lb(La + Lb + Ld); 512 u are allowed.
+//! - The edge determinant (p × w)·q, with p between corners of A, q between corners of B, each as
+//!   seen from its own first corner, and w from A to B, is off by 484 u·La·Lb(La + Lb + Ld); 512 u
+//!   are allowed.
 //! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond, all
 //!   is in doubt.
 
@@ -162,12 +164,13 @@ fn sifted<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> [u64; 2] {
 
     // As in `triangle::crossing`, but there each triangle is mirrored where it has to be; here B's
     // edges are exchanged if one alone is, and the signs turned if A is.
-    let a = Apex::of([e1.minus(e1), e1, e2], sides_a);
-    let b = Apex::of([d, d.plus(f1), d.plus(f2)], sides_b);
+    let origin = e1.minus(e1);
+    let a = Apex::of([origin, e1, e2], sides_a);
+    let b = Apex::of([origin, f1, f2], sides_b);
     let (mirror_a, mirror_b) = (a.mirrored ^ b.below, b.mirrored ^ a.below);
     let crossed = mirror_a ^ mirror_b;
     let (qb, rb) = (b.r.only(crossed, b.q), b.q.only(crossed, b.r));
-    let w = b.p.minus(a.p);
+    let w = d.plus(b.p).minus(a.p);
     let i_to_k = a.q.minus(a.p).cross(w).dot(qb.minus(b.p));
     let l_to_j = a.r.minus(a.p).cross(w).dot(b.p.minus(rb));
     let most = mirror_a.select(-i_to_k.min(l_to_j), i_to_k.max(l_to_j));

@@ -1,7 +1,8 @@
 //! Laws of the test and of the contact that need no oracle. The oracle is in `tests/oracle`.
 
-use super::exact::{orient2d, orient3d};
-use super::wide::Wide;
+use super::exact::{kept, orient2d, orient3d};
+use super::lattice::{Lattice, area};
+use super::wide::{Magnitude, Wide};
 use super::*;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -106,6 +107,37 @@ proptest! {
         prop_assert_eq!(orient3d(points), Wide::orient3d(points).sign());
         let [p, q, r] = [a, b, c].map(|p| [p.x, p.y]);
         prop_assert_eq!(orient2d([p, q, r]), Wide::orient2d([p, q, r]).sign());
+    }
+
+    /// Where the corners are on a lattice, it gives the signs and the fractions of the wide sum.
+    #[test]
+    fn lattice_and_wide_numbers_agree(a in triangle(), b in triangle(), far in point(), e in -60_i32..60) {
+        let moved = |p: &DVec3| (*p + far.round()) * libm::scalbn(1.0, e);
+        let [a, b] = [a, b].map(|t| Triangle(t.0.map(|p| moved(&p))));
+        let corners = [a.0, b.0].concat();
+        let corners: [&DVec3; 6] = core::array::from_fn(|i| &corners[i]);
+        let (low, high) = corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
+            (l.min(**p), h.max(**p))
+        });
+        let Some(lattice) = Lattice::of(&corners, (high - low).max_element()) else { return Ok(()) };
+        for [p, q, r, s, t] in [[0, 1, 2, 3, 4], [3, 4, 5, 0, 1], [0, 3, 1, 4, 2], [5, 2, 1, 3, 0]] {
+            let normal = lattice.normal([p, q, r]);
+            let heights = [s, t].map(|end| lattice.height(&normal, p, end));
+            let wide = [s, t].map(|end| Wide::orient3d([p, q, r, end].map(|i| *corners[i])));
+            prop_assert_eq!(heights[0].sign(), wide[0].sign());
+            let share = Magnitude::share(heights[0].magnitude(), heights[1].magnitude());
+            let wide = Magnitude::share(wide[0].magnitude(), wide[1].magnitude());
+            prop_assert_eq!(share.to_bits(), wide.to_bits());
+            for (drop, n) in normal.iter().enumerate() {
+                let projected = [p, q, r].map(|i| {
+                    let (x, y) = kept(drop);
+                    [corners[i][x], corners[i][y]]
+                });
+                prop_assert_eq!(n.signum() as Sign, Wide::orient2d(projected).sign());
+                let whole = lattice.without(drop);
+                prop_assert_eq!(area([whole[p], whole[q], whole[r]]), *n);
+            }
+        }
     }
 
     /// A NaN or an infinity gives some answer: no panic, no endless loop.
