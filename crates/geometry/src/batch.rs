@@ -1,9 +1,9 @@
 //! The exact triangle test of many pairs at once.
 //!
 //! A pair per lane in f32, relative to corners of its own, with a bound of all errors: of a car
-//! crash that decides all but two in a thousand. Those, and every pair that touches, shares a corner
-//! or lies in one plane, go to [`triangle::intersect`]. So the answer is the exact one, at every
-//! width of the vectors.
+//! crash that decides all but two in a thousand. Those, and every pair that touches, shares a
+//! corner or lies in one plane, go to [`triangle::intersect`]. So the answer is the exact one, at
+//! every width of the vectors.
 //!
 //! # Errors
 //!
@@ -17,13 +17,13 @@
 //!   are defined by sums in f64, each off by 2⁻⁵¹ M with M = ρ·|b| + |t|, ρ the greatest sum of
 //!   magnitudes of a row of R. Lb is ρ times the greatest coordinate of B's edges and 2⁻²⁴ M; M has
 //!   a bit added, so that all sizes are beyond denormals and relative errors are what they say.
-//! - A side of A's plane, (e₁ × e₂)·(d + f), is off by at most 80 u·La²(Lb + Ld); one of B's plane by
-//!   103 u·Lb²(La + Ld); 128 u allows for the bound's own rounding.
+//! - A side of A's plane, (e₁ × e₂)·(d + f), is off by at most 80 u·La²(Lb + Ld); one of B's plane
+//!   by 103 u·Lb²(La + Ld); 128 u allows for the bound's own rounding.
 //! - The edge determinant (p × w)·q, with p between corners of A, q between corners of B, each as
 //!   seen from its own first corner, and w from A to B, is off by 484 u·La·Lb(La + Lb + Ld); 512 u
 //!   are allowed.
-//! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond, all
-//!   is in doubt.
+//! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond,
+//!   all is in doubt.
 
 mod lanes;
 #[cfg(test)]

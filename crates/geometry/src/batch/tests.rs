@@ -87,7 +87,8 @@ proptest! {
         };
         let b: Vec<_> = (0..8).map(|i| small([i as f32 * 0.3, 1.0, -0.5])).collect();
         // A's stand where B's do, after B is posed.
-        let a: Vec<_> = b.iter().map(|c| small(pose.point(c[0]).to_array().map(|x| x as f32))).collect();
+        let near = |c: &Corners| pose.point(c[0]).to_array().map(|x| x as f32);
+        let a: Vec<_> = b.iter().map(|c| small(near(c))).collect();
         let pairs: Vec<_> = (0..64).map(|i| [i / 8, i % 8]).collect();
         assert_exact(&Batch::new(&pose, &a, &b), &pairs);
     }

@@ -61,7 +61,12 @@ proptest! {
 
     /// At every width, also where something is not a number.
     #[test]
-    fn all_at_once_is_one_by_one(d in directions(), a in points(), b in points(), nan in 0_usize..9) {
+    fn all_at_once_is_one_by_one(
+        d in directions(),
+        a in points(),
+        b in points(),
+        nan in 0_usize..9,
+    ) {
         let mut more = b;
         if let Some(point) = more.get_mut(nan) {
             point.y = f64::NAN;

@@ -111,16 +111,20 @@ proptest! {
 
     /// Where the corners are on a lattice, it gives the signs and the fractions of the wide sum.
     #[test]
-    fn lattice_and_wide_numbers_agree(a in triangle(), b in triangle(), far in point(), e in -60_i32..60) {
-        let moved = |p: &DVec3| (*p + far.round()) * libm::scalbn(1.0, e);
-        let [a, b] = [a, b].map(|t| Triangle(t.0.map(|p| moved(&p))));
-        let corners = [a.0, b.0].concat();
-        let corners: [&DVec3; 6] = core::array::from_fn(|i| &corners[i]);
-        let (low, high) = corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
-            (l.min(**p), h.max(**p))
-        });
-        let Some(lattice) = Lattice::of(&corners, (high - low).max_element()) else { return Ok(()) };
-        for [p, q, r, s, t] in [[0, 1, 2, 3, 4], [3, 4, 5, 0, 1], [0, 3, 1, 4, 2], [5, 2, 1, 3, 0]] {
+    fn lattice_and_wide_numbers_agree(
+        a in triangle(),
+        b in triangle(),
+        far in point(),
+        e in -60_i32..60,
+    ) {
+        let moved = |p: DVec3| (p + far.round()) * libm::scalbn(1.0, e);
+        let [a, b] = [a, b].map(|t| Triangle(t.0.map(moved)));
+        let ([a0, a1, a2], [b0, b1, b2]) = (&a.0, &b.0);
+        let corners = [a0, a1, a2, b0, b1, b2];
+        let (box_a, box_b) = (a.bounds(), b.bounds());
+        let extent = box_a.max.max(box_b.max) - box_a.min.min(box_b.min);
+        let Some(lattice) = Lattice::of(&corners, extent.max_element()) else { return Ok(()) };
+        for [p, q, r, s, t] in [[0, 1, 2, 3, 4], [3, 4, 5, 0, 1], [0, 3, 1, 4, 2]] {
             let normal = lattice.normal([p, q, r]);
             let heights = [s, t].map(|end| lattice.height(&normal, p, end));
             let wide = [s, t].map(|end| Wide::orient3d([p, q, r, end].map(|i| *corners[i])));

@@ -105,7 +105,7 @@ pub(crate) fn group(seed: u64, number: u64) -> Group {
         let mut corners = (FAMILIES[family(BATCH as u64 * number + i)].make)(&mut dice);
         // Small, as triangles of bodies are beside their distance; now and then at the ends of f32.
         let exponent = match dice.below(16) {
-            0 => dice.whole(120),
+            0 => dice.whole(120) - 20.0,
             1..8 => -(dice.below(16) as f64),
             _ => 0.0,
         };
