@@ -5,6 +5,7 @@
 
 mod support;
 
+use geometry::simd::{self, Simd};
 use geometry::{Corners, Pose, RelativePose};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -32,7 +33,7 @@ struct Crash {
 }
 
 impl Crash {
-    /// A sedan in the side of a pick-up.
+    /// A sedan in the side of an SUV.
     fn new() -> Self {
         let place = Place::new();
         let of = |name: &str| place.path().join(name);
@@ -44,7 +45,7 @@ impl Crash {
             done(&["model", "export", model, "-o", mesh]);
         }
         let a = Pose::from_degrees(40.0, -3.0, 2.0, [12.5, -7.25, 0.3]);
-        let ahead = [0, 1, 2].map(|i| a.translation[i] + 3.1 * a.rotation[i][0]);
+        let ahead = [0, 1, 2].map(|i| a.translation[i] + 2.4 * a.rotation[i][0]);
         let b = Pose::from_degrees(131.0, 1.5, -4.0, ahead);
         let poses = place.write("poses.txt", &rows(&[a, b]));
         Self { place, models, meshes, poses, relative: RelativePose::between(&a, &b) }
@@ -99,20 +100,21 @@ fn assert_sets(line: &Value, truth: &Found, what: &str) {
 fn every_build_leaf_size_and_crew_finds_what_brute_force_finds() {
     let crash = Crash::new();
     let truth = crash.truth();
-    assert!(truth[2].0 > 200, "{truth:?}: they hardly touch");
-    for (build, leaf_size, threads, files) in [
-        ("seed", "1", "1", &crash.meshes),
-        ("seed", "4", "2", &crash.meshes),
-        ("seed", "64", "3", &crash.meshes),
-        ("literal", "2", "1", &crash.meshes),
-        ("literal", "8", "2", &crash.meshes),
-        ("sah", "1", "3", &crash.meshes),
-        ("sah", "4", "1", &crash.meshes),
-        ("sah", "8", "2", &crash.meshes),
-        ("sah", "2", "2", &crash.models),
-        ("seed", "64", "1", &crash.models),
+    assert!(truth[2].0 > 100, "{truth:?}: they hardly touch");
+    for (build, leaf_size, threads, walk, files) in [
+        ("seed", "1", "1", "wide", &crash.meshes),
+        ("seed", "4", "2", "plain", &crash.meshes),
+        ("seed", "64", "3", "wide", &crash.meshes),
+        ("literal", "2", "1", "plain", &crash.meshes),
+        ("literal", "8", "2", "wide", &crash.meshes),
+        ("sah", "1", "3", "plain", &crash.meshes),
+        ("sah", "4", "1", "wide", &crash.meshes),
+        ("sah", "8", "2", "wide", &crash.meshes),
+        ("sah", "2", "2", "wide", &crash.models),
+        ("seed", "64", "1", "plain", &crash.models),
     ] {
-        let flags = ["--build", build, "--leaf-size", leaf_size, "--threads", threads];
+        let how = ["--threads", threads, "--walk", walk];
+        let flags = [&["--build", build, "--leaf-size", leaf_size][..], &how].concat();
         let ask = |question| {
             let more = [&flags[..], &["--question", question, "--repeat", "3"]].concat();
             let line = crash.ask(files, &more);
@@ -127,6 +129,26 @@ fn every_build_leaf_size_and_crew_finds_what_brute_force_finds() {
         assert_sets(&ask("sets"), &truth, &what);
         let touches = ask("touches");
         assert_eq!((&touches["pairs"], &touches["hash"]), (&1.into(), &"".into()), "{what}");
+    }
+}
+
+#[test]
+fn every_level_of_this_processor_gives_the_same_and_others_are_refused() {
+    let crash = Crash::new();
+    let truth = crash.truth();
+    let [a, b, poses] = [&crash.meshes[0], &crash.meshes[1], &crash.poses].map(|path| utf8(path));
+    for simd in Simd::ALL {
+        let args = ["intersect", a, b, "--poses", poses, "--json", "--simd", simd.name()];
+        let output = trolley().args(args).output().unwrap();
+        let Ok(level) = simd.level() else {
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(78), "{simd}: {message}");
+            assert!(message.contains(simd.name()) && message.contains("auto"), "{message}");
+            continue;
+        };
+        let line = json(&output);
+        assert_pairs(&line, &truth, simd.name());
+        assert_eq!(line["simd"], simd::name(level));
     }
 }
 
@@ -245,7 +267,9 @@ fn what_is_no_good_is_named_with_its_place_and_remedy() {
         }
         assert_eq!(text(&output.stdout), "", "{says:?}");
     }
-    for flags in [["--leaf-size", "0"], ["--threads", "0"], ["--question", "why"]] {
+    for flags in
+        [["--leaf-size", "0"], ["--threads", "0"], ["--question", "why"], ["--simd", "mmx"]]
+    {
         let args = [&["intersect", a.as_str(), &a, "--poses", &poses][..], &flags].concat();
         let output = trolley().args(args).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{flags:?}: {}", text(&output.stderr));

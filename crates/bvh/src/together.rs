@@ -323,8 +323,7 @@ impl Own {
             let hits = (task.question == Question::Sets).then_some(&mut self.found.hits);
             let mut ear = Ear { crew, hits, question: task.question, shares };
             let outcome = self.kernel.run(task, pair, u64::MAX, &mut ear);
-            self.found.add(&outcome);
-            self.found.jobs += 1;
+            self.found.add(&outcome, 1);
             if self.kernel.remaining() != [pair] {
                 return;
             }
@@ -372,23 +371,28 @@ const NOTHING: Outcome = Outcome {
 
 impl Found {
     fn clear(&mut self) {
-        self.outcome = NOTHING;
         self.hits.iter_mut().for_each(Vec::clear);
         self.jobs = 0;
     }
 
     /// Includes what `other` found, and leaves it nothing.
     fn take(&mut self, other: &mut Self) {
-        self.add(&other.outcome);
+        self.add(&other.outcome, other.jobs);
         for (hits, more) in self.hits.iter_mut().zip(&mut other.hits) {
             hits.append(more);
         }
-        self.jobs += other.jobs;
         other.clear();
     }
 
-    /// Includes the outcome of a job, which ends here: what it left is another's.
-    fn add(&mut self, other: &Outcome) {
+    /// Includes the outcome of so many jobs, more than none. What they left open is others'.
+    fn add(&mut self, other: &Outcome, jobs: u64) {
+        let is_first = self.jobs == 0;
+        self.jobs += jobs;
+        if is_first {
+            // Most tasks are one job: it need not be merged with nothing.
+            self.outcome = Outcome { end: End::Complete, ..*other };
+            return;
+        }
         let all = &mut self.outcome;
         all.counters.add(&other.counters);
         all.pairs += other.pairs;

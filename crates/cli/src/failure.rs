@@ -96,6 +96,12 @@ impl From<runtime::OsError> for Failure {
     }
 }
 
+impl From<geometry::simd::Unavailable> for Failure {
+    fn from(error: geometry::simd::Unavailable) -> Self {
+        Self::new(Code::Configuration, error.to_string())
+    }
+}
+
 impl From<worker::WorkerError> for Failure {
     fn from(error: worker::WorkerError) -> Self {
         let code = match &error {

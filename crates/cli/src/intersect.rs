@@ -20,10 +20,12 @@ use crate::model::{BuildName, LimitArgs, open};
 use crate::print;
 use answer::{Answer, Asked, Found};
 use bodies::Body;
+use bvh::kernel::Walk;
 use bvh::together::{self, Together};
 use bvh::{Kernel, Outcome, Question, Side, Task};
 use clap::{Args as ClapArgs, ValueEnum};
 use geometry::hash::splitmix64;
+use geometry::simd::{self, Level, Simd};
 use geometry::{Pose, RelativePose};
 use model::BodyView;
 use runtime::clock::now_ns;
@@ -31,6 +33,9 @@ use serde::Serialize;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// What is written to push everything else out of the caches: more than a last level holds.
+const STREAMED_BYTES: usize = 64 << 20;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -58,7 +63,7 @@ dropped or merged, and ids are numbers of triangles in file order, from 0. In a 
 With --json, one line:
   peer, schema       \"trolley\", 1
   case               name of the folder of A
-  question, build, leaf_size, simd, threads
+  question, build, leaf_size, simd, walk, threads, cold
                      as asked for, or what was chosen
   triangles_a, triangles_b
                      triangles of the bodies
@@ -97,12 +102,39 @@ pub(crate) struct IntersectArgs {
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     repeat: u32,
+    /// Empty the caches before each timed query: the first crash of the day meets them so.
+    #[arg(long)]
+    cold: bool,
     /// Threads that build and query.
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=256))]
     threads: u16,
+    /// Vector instructions of the kernel: auto, avx512, avx2, sse4, sse2 or neon.
+    #[arg(long, default_value_t)]
+    simd: Simd,
+    /// How the trees are walked.
+    #[arg(long, default_value = "wide")]
+    walk: WalkName,
     #[command(flatten)]
     limits: LimitArgs,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+enum WalkName {
+    /// Eight boxes against eight at once.
+    Wide,
+    /// Two boxes at a time, without vectors: the reference.
+    Plain,
+}
+
+impl From<WalkName> for Walk {
+    fn from(name: WalkName) -> Self {
+        match name {
+            WalkName::Wide => Self::Wide,
+            WalkName::Plain => Self::Plain,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
@@ -128,6 +160,7 @@ impl From<QuestionName> for Question {
 
 pub(crate) fn run(args: &IntersectArgs, output: &Output) -> Result<ExitCode, Failure> {
     // What is quick to refuse comes first.
+    let level = args.simd.level()?;
     let poses = read_poses(&args.poses)?;
     let files = [args.a.as_path(), args.b.as_path()];
     for file in files {
@@ -141,10 +174,12 @@ pub(crate) fn run(args: &IntersectArgs, output: &Output) -> Result<ExitCode, Fai
         triangles: [a.view()?.corners.len(), b.view()?.corners.len()],
         question: args.question,
         tree,
-        simd: "none",
+        simd: simd::name(level),
+        walk: args.walk,
+        cold: args.cold,
         build_ns: a.build_ns + b.build_ns,
         repeat: args.repeat,
-        asked: ask(args, [&a, &b], &poses)?,
+        asked: ask(args, level, [&a, &b], &poses)?,
     };
     let text = if output.json { answer.json()? } else { answer.text() };
     print::out(&text)
@@ -161,15 +196,31 @@ fn read_poses(path: &Path) -> Result<[Pose; 2], Failure> {
 }
 
 /// Asks once to warm up, and then as often as is said, each time as if the poses were new.
-fn ask(args: &IntersectArgs, bodies: [&Body; 2], poses: &[Pose; 2]) -> Result<Asked, Failure> {
+fn ask(
+    args: &IntersectArgs,
+    level: Level,
+    bodies: [&Body; 2],
+    poses: &[Pose; 2],
+) -> Result<Asked, Failure> {
     let views @ [a, b] = [bodies[0].view()?, bodies[1].view()?];
     let [depth_a, depth_b] = bodies.map(|body| body.meta.depth);
-    let kernel = || Kernel::with_room(depth_a, depth_b, a.corners.len(), b.corners.len());
+    let kernel = || {
+        let mut kernel = Kernel::with_room(depth_a, depth_b, a.corners.len(), b.corners.len());
+        kernel.set_level(level);
+        kernel.set_walk(args.walk.into());
+        kernel
+    };
     let question = args.question.into();
     together::with(args.threads.into(), kernel, |together| {
         let first = query(together, views, poses, question);
-        let all: Vec<Asked> =
-            (0..args.repeat).map(|_| query(together, views, poses, question)).collect();
+        let mut streamed = vec![0_u64; if args.cold { STREAMED_BYTES / 8 } else { 0 }];
+        let timed = (0..args.repeat).map(|_| {
+            // One word per cache line.
+            streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
+            black_box(&mut streamed);
+            query(together, views, poses, question)
+        });
+        let all: Vec<Asked> = timed.collect();
         let (Some(last), true) = (all.last(), all.iter().all(|asked| asked.found == first.found))
         else {
             let fault = "the same query found different things: this is a mistake of ours";

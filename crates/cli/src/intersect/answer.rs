@@ -1,6 +1,6 @@
 //! What was found, and how it is shown: a few lines for people, one line of JSON for programs.
 
-use super::QuestionName;
+use super::{QuestionName, WalkName};
 use crate::failure::{Code, Failure};
 use crate::model::facts::{shown, thousands};
 use bvh::{BuildOptions, Counters};
@@ -37,9 +37,12 @@ pub(super) struct Answer<'a> {
     pub(super) question: QuestionName,
     pub(super) tree: BuildOptions,
     pub(super) simd: &'static str,
+    pub(super) walk: WalkName,
     /// Both trees.
     pub(super) build_ns: u64,
     pub(super) repeat: u32,
+    /// Whether the caches were emptied before each query.
+    pub(super) cold: bool,
     pub(super) asked: Asked,
 }
 
@@ -63,7 +66,9 @@ struct Line<'a> {
     build: Build,
     leaf_size: u32,
     simd: &'static str,
+    walk: WalkName,
     threads: usize,
+    cold: bool,
     jobs: u64,
     triangles_a: usize,
     triangles_b: usize,
@@ -107,7 +112,9 @@ impl Answer<'_> {
             build: self.tree.build,
             leaf_size: self.tree.leaf_size,
             simd: self.simd,
+            walk: self.walk,
             threads: self.tree.threads,
+            cold: self.cold,
             jobs: self.asked.jobs,
             triangles_a: self.triangles[0],
             triangles_b: self.triangles[1],
@@ -144,38 +151,32 @@ impl Answer<'_> {
         };
         let count = |tests: u64| thousands(usize::try_from(tests).unwrap_or(usize::MAX));
         let BuildOptions { build, leaf_size, threads } = self.tree;
+        let Asked { counters, jobs, pose_ns, query_ns, .. } = self.asked;
+        let query = format!(
+            "{}, {}median of {}; a new pose {}",
+            time(query_ns),
+            if self.cold { "cold caches, " } else { "" },
+            self.repeat,
+            time(pose_ns)
+        );
+        let tests = format!("{} of boxes, {} of triangles", count(counters.nb), count(counters.np));
+        let trees = format!(
+            "{}, {leaf_size} triangles in a leaf at most, built in {}",
+            name(build),
+            time(self.build_ns)
+        );
+        let vectors = match self.walk {
+            WalkName::Wide => self.simd.to_owned(),
+            WalkName::Plain => "none: the plain walk".to_owned(),
+        };
         let rows = [
             ("A", body(0)),
             ("B", body(1)),
-            (
-                "query",
-                format!(
-                    "{} (median of {}), a new pose {}",
-                    time(self.asked.query_ns),
-                    self.repeat,
-                    time(self.asked.pose_ns)
-                ),
-            ),
-            (
-                "tests",
-                format!(
-                    "{} of boxes, {} of triangles",
-                    count(self.asked.counters.nb),
-                    count(self.asked.counters.np)
-                ),
-            ),
-            (
-                "trees",
-                format!(
-                    "{}, at most {leaf_size} triangles in a leaf, built in {}",
-                    name(build),
-                    time(self.build_ns)
-                ),
-            ),
-            (
-                "threads",
-                format!("{threads}, jobs {}, vector instructions {}", self.asked.jobs, self.simd),
-            ),
+            ("query", query),
+            ("tests", tests),
+            ("trees", trees),
+            ("threads", format!("{threads}, jobs {jobs}")),
+            ("vectors", vectors),
             ("hash", hash),
         ];
         let rows = rows.map(|(name, value)| format!("  {name:<8}{value}\n"));

@@ -5,6 +5,7 @@ use super::*;
 fn request() -> Request {
     Request {
         file: "car.obj".to_owned(),
+        as_it_stands: false,
         unit_m: 1.0,
         up: None,
         forward: None,
@@ -12,6 +13,7 @@ fn request() -> Request {
         kind: None,
         name: None,
         tree: None,
+        threads: 1,
         memory_bytes: 2048 * MB,
         cpu_s: 120,
     }
