@@ -23,7 +23,7 @@ mod wide;
 pub use found::BEAT_TESTS;
 
 /// Triangles that are tested together at least, as if they were one leaf.
-pub const LEAF_TRIANGLES: usize = model::wide::LANES;
+pub const LEAF_TRIANGLES: usize = model::wide::LEAF_TRIANGLES;
 
 /// How a job walks its trees: the answer is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

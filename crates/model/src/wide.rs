@@ -1,8 +1,10 @@
 //! The wide tree: the binary tree with several levels at a time, for tests of eight boxes at once.
 //!
-//! Every wide node stands for one node of the binary tree, its *root*. Where that holds more than
-//! eight triangles and is no leaf, it is opened, then the largest of what came out, until there are
-//! eight: these are the lanes. Anything smaller is a wide leaf, whose lanes are triangles.
+//! Every wide node stands for one node of the binary tree, its *root*. Where that holds more
+//! triangles than a wide leaf and is no leaf, it is opened, then the largest of what came out, until
+//! there are eight: these are the lanes. Anything smaller is a wide leaf: as many wide nodes, one
+//! behind the other, as it takes for each triangle to have a lane. So nearly all lanes are in use,
+//! however the binary tree was split.
 //! (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*, IEEE Symposium on Interactive Ray
 //! Tracing 2008, collapse binary trees in the same way.)
 //!
@@ -16,6 +18,9 @@ use geometry::{Aabb, Corners};
 /// Lanes of a wide node.
 pub const LANES: usize = 8;
 
+/// Most triangles of a wide leaf, unless a leaf of the binary tree has more.
+pub const LEAF_TRIANGLES: usize = 48;
+
 /// Eight boxes side by side, 256 bytes.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -26,7 +31,7 @@ pub struct WideNode {
     pub max: [[f32; LANES]; 3],
     /// Interior: the lane's wide node. Leaf: the lane's triangle. Empty: 0.
     pub link: [u32; LANES],
-    /// The box of all lanes; of a leaf of several nodes, of all of them.
+    /// The box of all lanes; in a leaf of several nodes, of all of these.
     pub bounds: Aabb,
     /// The node of the binary tree that this one stands for.
     pub root: u32,
@@ -156,7 +161,7 @@ fn below(nodes: &[Node]) -> Vec<Below> {
 }
 
 fn is_wide_leaf(nodes: &[Node], below: &[Below], node: usize) -> bool {
-    nodes[node].is_leaf() || below[node].triangles as usize <= LANES
+    nodes[node].is_leaf() || below[node].triangles as usize <= LEAF_TRIANGLES
 }
 
 /// Up to eight nodes.

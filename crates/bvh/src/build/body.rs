@@ -1,7 +1,7 @@
 //! From a mesh to a body: the tree is built, and every array brought into leaf order.
 
 use super::{BuildError, BuildOptions, Tree, build, grow, team};
-use model::{Body, BodyView, Mesh, Meta, Zones};
+use model::{Body, BodyView, Mesh, Meta, Wide, Zones};
 
 /// Builds the tree of a mesh and brings everything into leaf order.
 ///
@@ -22,6 +22,7 @@ pub fn body(
     belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
     let threads = grow::worthwhile(options.threads, triangles);
     let Tree { nodes, order, depth } = build(&mesh.corners, options, progress)?;
+    let corners = permuted(&mesh.corners, &order, threads);
     Ok(Body {
         meta: Meta {
             parts: mesh.parts,
@@ -31,8 +32,9 @@ pub fn body(
             depth,
             ..meta
         },
+        wide: Wide::of(&nodes, &corners),
         nodes,
-        corners: permuted(&mesh.corners, &order, threads),
+        corners,
         source_ids: permuted(&mesh.source_ids, &order, threads),
         part_of: permuted(&mesh.part_of, &order, threads),
         zones: permuted(&zones, &order, threads),

@@ -13,8 +13,12 @@
 //! into B's frame, that R is not quite a rotation counts too: what [`RelativePose::point`] moved by
 //! R comes back by Rᵀ, which misses by (RᵀR − I) times the point.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
+use crate::build::LEAF_SIZE_MAX;
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, u32x8};
+use fearless_simd_macros::simd;
+use geometry::batch::BATCH;
 use geometry::{Aabb, DVec3, RelativePose};
+use model::wide::{LANES, LEAF_TRIANGLES};
 use model::{BodyView, WideNode};
 
 /// 32 u.
@@ -45,6 +49,23 @@ pub(super) struct Frames {
 struct Boxes<S: Simd> {
     min: [f32x8<S>; 3],
     max: [f32x8<S>; 3],
+}
+
+/// Candidates that wait at most: each triangle of A adds as many as a leaf of B has, and a vector
+/// is stored whole.
+pub(super) const WAITING: usize = BATCH + LEAF_MAX + LANES;
+
+/// Most triangles of a leaf, wide or binary.
+pub(super) const LEAF_MAX: usize = LEAF_SIZE_MAX as usize;
+const _: () = assert!(LEAF_TRIANGLES <= LEAF_MAX && LEAF_MAX <= u64::BITS as usize);
+
+/// Boxes of triangles side by side, without gaps: those of one leaf that may meet another leaf.
+#[derive(Clone, Debug)]
+pub(super) struct Packed {
+    min: [[f32; Self::ROOM]; 3],
+    max: [[f32; Self::ROOM]; 3],
+    triangles: [u32; Self::ROOM],
+    len: usize,
 }
 
 impl Frames {
@@ -82,7 +103,7 @@ impl Frames {
     }
 
     /// Which boxes of `a` can meet which of `b`: bit 8i + j for lane i of A and lane j of B.
-    #[inline(always)]
+    #[simd]
     pub(super) fn meet<S: Simd>(&self, simd: S, a: &WideNode, b: &WideNode) -> u64 {
         let (of_a, of_b) = (Boxes::of(simd, a), Boxes::of(simd, b));
         let moved = self.to_a.moved(simd, &of_b);
@@ -95,8 +116,40 @@ impl Frames {
             & of_b.meet_each(simd, &[x.into(), y.into(), z.into()], &[u.into(), v.into(), w.into()])
     }
 
+    /// Packs those triangles of two leaves, each of several nodes, that may meet one of the other
+    /// leaf, all in A's frame. Each leaf is tested against what is left of the other.
+    #[simd]
+    pub(super) fn pack<S: Simd>(
+        &self,
+        simd: S,
+        (a, b): (&[WideNode], &[WideNode]),
+        (of_a, of_b): (&mut Packed, &mut Packed),
+    ) {
+        let all_a = Boxes::splat(simd, &a[0].bounds);
+        let all_a_in_b = self.to_b.moved(simd, &all_a);
+        (of_a.len, of_b.len) = (0, 0);
+        for node in b {
+            let boxes = Boxes::of(simd, node);
+            let meeting = boxes.overlapping(&all_a_in_b);
+            let moved = self.to_a.moved(simd, &boxes);
+            of_b.add(simd, &moved, meeting & moved.overlapping(&all_a), &node.link);
+        }
+        if of_b.len == 0 {
+            return;
+        }
+        let all_b = of_b.close(simd);
+        for node in a {
+            let boxes = Boxes::of(simd, node);
+            of_a.add(simd, &boxes, boxes.overlapping(&all_b), &node.link);
+        }
+        if of_a.len > 0 {
+            let all_a = of_a.close(simd);
+            of_b.keep(simd, &all_a);
+        }
+    }
+
     /// Which boxes of `a` can meet the one box of B: bit i for lane i.
-    #[inline(always)]
+    #[simd]
     pub(super) fn meet_one_of_b<S: Simd>(&self, simd: S, a: &WideNode, b: &Aabb) -> u64 {
         let (of_a, of_b) = (Boxes::of(simd, a), Boxes::splat(simd, b));
         let in_a = self.to_a.moved(simd, &of_b).overlap(&of_a);
@@ -104,7 +157,7 @@ impl Frames {
     }
 
     /// Which boxes of `b` can meet the one box of A: bit j for lane j.
-    #[inline(always)]
+    #[simd]
     pub(super) fn meet_one_of_a<S: Simd>(&self, simd: S, a: &Aabb, b: &WideNode) -> u64 {
         let (of_a, of_b) = (Boxes::splat(simd, a), Boxes::of(simd, b));
         let in_a = self.to_a.moved(simd, &of_b).overlap(&of_a);
@@ -174,7 +227,7 @@ fn sum<S: Simd>(simd: S, row: &[f32; 3], v: &[f32x8<S>; 3], last: f32) -> f32x8<
 impl<S: Simd> Boxes<S> {
     #[inline(always)]
     fn of(simd: S, node: &WideNode) -> Self {
-        Self { min: lanes(simd, &node.min), max: lanes(simd, &node.max) }
+        Self { min: lanes(simd, &node.min, 0..LANES), max: lanes(simd, &node.max, 0..LANES) }
     }
 
     #[inline(always)]
@@ -200,18 +253,31 @@ impl<S: Simd> Boxes<S> {
     /// moved, is NaN.
     #[inline(always)]
     fn overlap(&self, other: &Self) -> u64 {
+        self.overlapping(other).to_bitmask()
+    }
+
+    #[inline(always)]
+    fn overlapping(&self, other: &Self) -> mask32x8<S> {
         let x = self.min[0].simd_le(other.max[0]) & other.min[0].simd_le(self.max[0]);
         let y = self.min[1].simd_le(other.max[1]) & other.min[1].simd_le(self.max[1]);
         let z = self.min[2].simd_le(other.max[2]) & other.min[2].simd_le(self.max[2]);
-        (x & y & z).to_bitmask()
+        x & y & z
     }
 }
 
 /// Three coordinates of eight points.
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, of: &[[f32; 8]; 3]) -> [f32x8<S>; 3] {
+fn lanes<S: Simd, const N: usize>(
+    simd: S,
+    of: &[[f32; N]; 3],
+    at: std::ops::Range<usize>,
+) -> [f32x8<S>; 3] {
     let [x, y, z] = of;
-    [f32x8::from_slice(simd, x), f32x8::from_slice(simd, y), f32x8::from_slice(simd, z)]
+    [
+        f32x8::from_slice(simd, &x[at.clone()]),
+        f32x8::from_slice(simd, &y[at.clone()]),
+        f32x8::from_slice(simd, &z[at]),
+    ]
 }
 
 /// The same point eight times.
@@ -219,4 +285,127 @@ fn lanes<S: Simd>(simd: S, of: &[[f32; 8]; 3]) -> [f32x8<S>; 3] {
 fn same<S: Simd>(simd: S, point: &[f32; 3]) -> [f32x8<S>; 3] {
     let [x, y, z] = *point;
     [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)]
+}
+
+impl Packed {
+    /// One more vector than triangles, since vectors are stored whole.
+    const ROOM: usize = LEAF_MAX + LANES;
+
+    pub(super) const EMPTY: Self = Self {
+        min: [[0.0; Self::ROOM]; 3],
+        max: [[0.0; Self::ROOM]; 3],
+        triangles: [0; Self::ROOM],
+        len: 0,
+    };
+
+    /// The triangles.
+    pub(super) fn triangles(&self) -> &[u32] {
+        &self.triangles[..self.len]
+    }
+
+    /// Adds some of eight triangles.
+    #[inline(always)]
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        boxes: &Boxes<S>,
+        which: mask32x8<S>,
+        triangles: &[u32; LANES],
+    ) {
+        let at = self.len;
+        for axis in 0..3 {
+            boxes.min[axis].compress(which).store_slice(&mut self.min[axis][at..at + LANES]);
+            boxes.max[axis].compress(which).store_slice(&mut self.max[axis][at..at + LANES]);
+        }
+        let triangles = u32x8::from_slice(simd, triangles).compress(which);
+        triangles.store_slice(&mut self.triangles[at..at + LANES]);
+        self.len += which.to_bitmask().count_ones() as usize;
+    }
+
+    /// Makes what follows the last triangle meet nothing. Returns the box of all, eight times.
+    #[inline(always)]
+    fn close<S: Simd>(&mut self, simd: S) -> Boxes<S> {
+        let nothing = Boxes::splat(simd, &Aabb::EMPTY);
+        let at = self.len;
+        for axis in 0..3 {
+            nothing.min[axis].store_slice(&mut self.min[axis][at..at + LANES]);
+            nothing.max[axis].store_slice(&mut self.max[axis][at..at + LANES]);
+        }
+        let mut all = nothing;
+        for at in (0..self.len).step_by(LANES) {
+            let boxes = self.eight(simd, at);
+            for axis in 0..3 {
+                all.min[axis] = all.min[axis].min(boxes.min[axis]);
+                all.max[axis] = all.max[axis].max(boxes.max[axis]);
+            }
+        }
+        let [u, v, w] = all.min;
+        let [x, y, z] = all.max;
+        Boxes {
+            min: same(simd, &[u.reduce_min(), v.reduce_min(), w.reduce_min()]),
+            max: same(simd, &[x.reduce_max(), y.reduce_max(), z.reduce_max()]),
+        }
+    }
+
+    /// Drops those that do not meet `other`.
+    #[inline(always)]
+    fn keep<S: Simd>(&mut self, simd: S, other: &Boxes<S>) {
+        let len = std::mem::take(&mut self.len);
+        for at in (0..len).step_by(LANES) {
+            // What is written lies before what is read next.
+            let boxes = self.eight(simd, at);
+            let mut triangles = [0; LANES];
+            triangles.copy_from_slice(&self.triangles[at..at + LANES]);
+            self.add(simd, &boxes, boxes.overlapping(other), &triangles);
+        }
+        self.close(simd);
+    }
+
+    #[inline(always)]
+    fn eight<S: Simd>(&self, simd: S, at: usize) -> Boxes<S> {
+        Boxes {
+            min: lanes(simd, &self.min, at..at + LANES),
+            max: lanes(simd, &self.max, at..at + LANES),
+        }
+    }
+
+    /// Pairs of triangles whose boxes meet: of those of A from the one at `row` on, one by one, and
+    /// those of B. Writes them to `out` behind the `count` that are there, until there are
+    /// [`BATCH`] or no triangle of A is left; returns the next row and how many there are then.
+    ///
+    /// `only` says which of B a triangle of A is to be tested with, bit j for the jth.
+    #[simd]
+    pub(super) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        b: &Self,
+        mut row: usize,
+        only: impl Fn(u32) -> u64,
+        out: &mut [[u32; 2]; WAITING],
+        mut count: usize,
+    ) -> (usize, usize) {
+        while row < self.len && count < BATCH {
+            let (min, max) = (&self.min, &self.max);
+            let one = Boxes {
+                min: same(simd, &[min[0][row], min[1][row], min[2][row]]),
+                max: same(simd, &[max[0][row], max[1][row], max[2][row]]),
+            };
+            let only = only(self.triangles[row]);
+            let triangle = u32x8::splat(simd, self.triangles[row]);
+            for at in (0..b.len).step_by(LANES) {
+                let mut meeting = one.overlapping(&b.eight(simd, at));
+                if only != u64::MAX {
+                    meeting = meeting & mask32x8::from_bitmask(simd, only >> at & 0xff);
+                }
+                let others = u32x8::from_slice(simd, &b.triangles[at..at + LANES]);
+                let (low, high) = triangle.interleave(others.compress(meeting));
+                let pairs = out[count..count + LANES].as_flattened_mut();
+                low.store_slice(&mut pairs[..LANES]);
+                high.store_slice(&mut pairs[LANES..]);
+                count += meeting.to_bitmask().count_ones() as usize;
+            }
+            row += 1;
+        }
+        (row, count)
+    }
 }

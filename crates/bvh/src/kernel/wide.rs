@@ -5,11 +5,13 @@
 //!                                                   \-> leaves: candidates --64 at a time--> exact
 //! ```
 //!
-//! It finds what the plain walk finds. Pairs of triangles whose boxes meet wait until there are
-//! enough for a batch; a *lot* is those of one pair of leaves, so that whatever ends the walk early
-//! can open the pair of leaves again whose candidates were not all tested.
+//! It finds what the plain walk finds. Where two leaves meet, those triangles of each are packed
+//! that may meet the other leaf, and then each of A is tested against eight of B at once. Pairs of
+//! triangles whose boxes meet wait until there are enough for a batch; a *lot* is those of one pair
+//! of leaves, so that whatever ends the walk early can open the pair of leaves again whose
+//! candidates were not all tested.
 
-use super::boxes::{self, Frames};
+use super::boxes::{self, Frames, LEAF_MAX, Packed, WAITING};
 use super::found::{Found, Halt, Sums};
 use super::{End, Question, Task};
 use crate::{NodePair, section};
@@ -23,11 +25,12 @@ use std::ops::ControlFlow;
 /// Pairs of lanes of two wide nodes.
 const LANE_PAIRS: usize = LANES * LANES;
 
-/// Candidates that wait at most: a pair of leaves may add all its lanes to what is no batch yet.
-const WAITING: usize = BATCH + LANE_PAIRS;
+/// Wide nodes of a leaf.
+const BLOCKS: usize = LEAF_MAX / LANES;
 
-/// The number of the node that a job starts with, where it is a part of a wide node.
-const START: u32 = u32::MAX;
+/// The number of the first node of what a job starts with, where that is part of a wide node or
+/// wide leaf.
+const START: u32 = u32::MAX - BLOCKS as u32;
 
 /// Most entries of a stack for trees with so many levels together.
 ///
@@ -42,19 +45,23 @@ pub(super) fn stack_room(levels: usize) -> usize {
 /// Scratch of the wide walk, allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    waiting: Vec<[u32; 2]>,
+    waiting: [[u32; 2]; WAITING],
     lots: Vec<Lot>,
-    start_a: WideNode,
-    start_b: WideNode,
+    packed_a: Packed,
+    packed_b: Packed,
+    start_a: [WideNode; BLOCKS],
+    start_b: [WideNode; BLOCKS],
 }
 
 impl Scratch {
     pub(super) fn new() -> Self {
         Self {
-            waiting: Vec::with_capacity(WAITING),
+            waiting: [[0; 2]; WAITING],
             lots: Vec::with_capacity(WAITING),
-            start_a: WideNode::EMPTY,
-            start_b: WideNode::EMPTY,
+            packed_a: Packed::EMPTY,
+            packed_b: Packed::EMPTY,
+            start_a: [WideNode::EMPTY; BLOCKS],
+            start_b: [WideNode::EMPTY; BLOCKS],
         }
     }
 }
@@ -74,8 +81,12 @@ struct Walk<'w, 'a> {
     frames: Frames,
     stack: &'w mut Vec<NodePair>,
     room: usize,
-    waiting: &'w mut Vec<[u32; 2]>,
+    /// Candidates: the first `count` of these.
+    waiting: &'w mut [[u32; 2]; WAITING],
+    count: usize,
     lots: &'w mut Vec<Lot>,
+    packed_a: &'w mut Packed,
+    packed_b: &'w mut Packed,
     tree_a: Tree<'w>,
     tree_b: Tree<'w>,
     batch: Batch<'a>,
@@ -85,13 +96,19 @@ struct Walk<'w, 'a> {
 /// The wide nodes of one body, and the one that a job starts with.
 struct Tree<'w> {
     nodes: &'w [WideNode],
-    start: &'w WideNode,
+    start: &'w [WideNode],
 }
 
 impl<'w> Tree<'w> {
+    /// The node of this number, and those behind it.
+    #[inline(always)]
+    fn from(&self, number: u32) -> &'w [WideNode] {
+        if number == START { self.start } else { &self.nodes[number as usize..] }
+    }
+
     #[inline(always)]
     fn node(&self, number: u32) -> &'w WideNode {
-        if number == START { self.start } else { &self.nodes[number as usize] }
+        &self.from(number)[0]
     }
 }
 
@@ -114,8 +131,7 @@ pub(super) fn walk<S: Simd>(
 ) -> End {
     let task = found.task;
     let Some(start) = stack.pop() else { return End::Complete };
-    let Scratch { waiting, lots, start_a, start_b } = scratch;
-    waiting.clear();
+    let Scratch { waiting, lots, packed_a, packed_b, start_a, start_b } = scratch;
     lots.clear();
     stack.push(NodePair {
         a: entrance(&task.a, start.a, start_a),
@@ -126,7 +142,10 @@ pub(super) fn walk<S: Simd>(
         stack,
         room,
         waiting,
+        count: 0,
         lots,
+        packed_a,
+        packed_b,
         tree_a: Tree { nodes: task.a.wide, start: start_a },
         tree_b: Tree { nodes: task.b.wide, start: start_b },
         batch: Batch::new(&task.pose, task.a.corners, task.b.corners),
@@ -154,35 +173,44 @@ fn intersecting<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> u64 
 }
 
 /// The number of the wide node that stands for `root` of the binary tree; where there is none,
-/// `start` is made to be it: the lanes below `root` of the wide node that holds it.
-fn entrance(body: &BodyView<'_>, root: u32, start: &mut WideNode) -> u32 {
+/// `start` is made to be it: the lanes below `root` of the wide node or leaf that holds it.
+fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
     let at = body.wide_of[root as usize];
     let holder = &body.wide[at as usize];
     if holder.root == root {
         return at;
     }
-    *start = WideNode { bounds: body.nodes[root as usize].bounds, root, ..*holder };
+    let bounds = body.nodes[root as usize].bounds;
     let (nodes, triangles) =
         (section::nodes_of(body.nodes, root), section::triangles(body.nodes, root));
-    for lane in (0..LANES).filter(|lane| !holder.is_empty(*lane)) {
-        let link = holder.link[lane];
-        let below = if holder.is_leaf() {
-            triangles.contains(&link)
-        } else {
-            nodes.contains(&body.wide[link as usize].root)
-        };
-        if !below {
-            start.clear(lane);
+    for (node, holder) in start.iter_mut().zip(blocks(&body.wide[at as usize..])) {
+        *node = WideNode { bounds, root, ..*holder };
+        for lane in (0..LANES).filter(|lane| !holder.is_empty(*lane)) {
+            let link = holder.link[lane];
+            let below = if holder.is_leaf() {
+                triangles.contains(&link)
+            } else {
+                nodes.contains(&body.wide[link as usize].root)
+            };
+            if !below {
+                node.clear(lane);
+            }
         }
     }
     START
+}
+
+/// The nodes of the leaf that begins here; an interior node is alone.
+#[inline(always)]
+fn blocks(nodes: &[WideNode]) -> &[WideNode] {
+    &nodes[..(nodes[0].count as usize).div_ceil(LANES).max(1)]
 }
 
 impl Walk<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, budget: u64) -> ControlFlow<Halt, End> {
         while let Some(&pair) = self.stack.last() {
-            if self.found.counters.tests() + self.waiting.len() as u64 >= budget
+            if self.found.counters.tests() + self.count as u64 >= budget
                 || self.stack.len() + LANE_PAIRS > self.room
             {
                 self.settle(simd)?;
@@ -198,7 +226,7 @@ impl Walk<'_, '_> {
                 (false, false) => self.open_both(simd, a, b),
                 (false, true) => self.open_a(simd, a, b, pair.b),
                 (true, false) => self.open_b(simd, a, b, pair.a),
-                (true, true) => self.collect(simd, a, b, pair)?,
+                (true, true) => self.collect(simd, pair)?,
             }
         }
         self.settle(simd)?;
@@ -245,69 +273,48 @@ impl Walk<'_, '_> {
 
     /// Adds the candidates of two leaves.
     #[inline(always)]
-    fn collect<S: Simd>(
-        &mut self,
-        simd: S,
-        a: &WideNode,
-        b: &WideNode,
-        pair: NodePair,
-    ) -> ControlFlow<Halt> {
-        let from = self.waiting.len();
-        self.lots.push(Lot { pair, from, before: None });
-        self.collect_lanes(simd, a, b);
-        if a.count.max(b.count) as usize > LANES {
-            self.collect_blocks(simd, a, b, pair)?;
+    fn collect<S: Simd>(&mut self, simd: S, pair: NodePair) -> ControlFlow<Halt> {
+        let (a, b) = (blocks(self.tree_a.from(pair.a)), blocks(self.tree_b.from(pair.b)));
+        self.frames.pack(simd, (a, b), (self.packed_a, self.packed_b));
+        let (count_a, count_b) = (self.packed_a.triangles().len(), self.packed_b.triangles().len());
+        self.found.counters.nb += u64::from(a[0].count + b[0].count) + (count_a * count_b) as u64;
+        if count_a == 0 || count_b == 0 {
+            return ControlFlow::Continue(());
         }
-        if self.waiting.len() == from {
-            self.lots.pop();
-        } else if self.waiting.len() >= BATCH || self.found.task.question == Question::Touches {
+        let from = self.count;
+        self.lots.push(Lot { pair, from, before: None });
+        let sets = self.found.task.question == Question::Sets;
+        let fresh = if sets { self.fresh() } else { u64::MAX };
+        let mut row = 0;
+        loop {
+            let hits_a = &*self.found.hits_a;
+            let only = |a| if sets && hits_a.has(a) { fresh } else { u64::MAX };
+            (row, self.count) =
+                self.packed_a.meet(simd, self.packed_b, row, only, self.waiting, self.count);
+            if self.count < BATCH {
+                break;
+            }
+            self.test(simd)?;
+            // What was tested so far belongs to this lot, at the last.
+            self.lots.drain(..self.lots.len() - 1);
+            self.lots[0].from = 0;
+            if let ControlFlow::Break(halt) = self.found.beat() {
+                self.found.sums = self.lots[0].before.unwrap_or(self.found.sums);
+                self.reopen(0);
+                return ControlFlow::Break(halt);
+            }
+        }
+        self.lots.pop_if(|lot| lot.from == self.count);
+        if self.found.task.question == Question::Touches {
             self.settle(simd)?;
         }
         ControlFlow::Continue(())
     }
 
-    /// Adds the candidates of two leaves of several nodes each, but for those of the first two.
-    #[inline(never)]
-    fn collect_blocks<S: Simd>(
-        &mut self,
-        simd: S,
-        a: &WideNode,
-        b: &WideNode,
-        pair: NodePair,
-    ) -> ControlFlow<Halt> {
-        let blocks = |node: &WideNode| node.count.div_ceil(LANES as u32);
-        for (i, j) in (0..blocks(a)).flat_map(|i| (0..blocks(b)).map(move |j| (i, j))).skip(1) {
-            if let ControlFlow::Break(halt) = self.found.beat() {
-                // Only this lot can have been tested in part.
-                self.found.sums = self.lots[0].before.unwrap_or(self.found.sums);
-                self.reopen(0);
-                return ControlFlow::Break(halt);
-            }
-            if self.waiting.len() > WAITING - LANE_PAIRS {
-                self.test(simd)?;
-                // What was tested so far belongs to this lot, at the last.
-                self.lots.drain(..self.lots.len() - 1);
-                self.lots[0].from = 0;
-            }
-            let a = if i == 0 { a } else { &self.tree_a.nodes[(pair.a + i) as usize] };
-            let b = if j == 0 { b } else { &self.tree_b.nodes[(pair.b + j) as usize] };
-            self.collect_lanes(simd, a, b);
-        }
-        ControlFlow::Continue(())
-    }
-
-    #[inline(always)]
-    fn collect_lanes<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode) {
-        let mut meeting = self.frames.meet(simd, a, b);
-        self.count(boxes::used(simd, a), boxes::used(simd, b));
-        while meeting != 0 {
-            let at = meeting.trailing_zeros() as usize;
-            let (a, b) = (a.link[at / LANES], b.link[at % LANES]);
-            if !self.found.known(a, b) {
-                self.waiting.push([a, b]);
-            }
-            meeting &= meeting - 1;
-        }
+    /// Which of B's packed triangles are not known to be hit, bit j for the jth.
+    fn fresh(&self) -> u64 {
+        let triangles = self.packed_b.triangles().iter().enumerate();
+        triangles.fold(0, |fresh, (j, &b)| fresh | u64::from(!self.found.hits_b.has(b)) << j)
     }
 
     /// Tests all that wait; then no lot is open.
@@ -322,8 +329,8 @@ impl Walk<'_, '_> {
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S) -> ControlFlow<Halt> {
         let mut lot = 0;
-        for start in (0..self.waiting.len()).step_by(BATCH) {
-            let end = self.waiting.len().min(start + BATCH);
+        for start in (0..self.count).step_by(BATCH) {
+            let end = self.count.min(start + BATCH);
             let mut hits = intersecting(simd, &self.batch, &self.waiting[start..end]);
             self.found.counters.np += (end - start) as u64;
             while hits != 0 {
@@ -343,7 +350,7 @@ impl Walk<'_, '_> {
                 hits &= hits - 1;
             }
         }
-        self.waiting.clear();
+        self.count = 0;
         ControlFlow::Continue(())
     }
 
@@ -353,6 +360,6 @@ impl Walk<'_, '_> {
         for lot in self.lots.drain(..).skip(lot) {
             self.stack.push(lot.pair);
         }
-        self.waiting.clear();
+        self.count = 0;
     }
 }
