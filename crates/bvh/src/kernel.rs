@@ -22,6 +22,11 @@ mod wide;
 
 pub use found::BEAT_TESTS;
 
+/// Most tests of one step, which nothing interrupts: all boxes of two leaves against each other,
+/// all boxes of each against the other leaf, and a batch of triangles.
+pub const STEP_TESTS: u64 =
+    (boxes::LEAF_MAX * boxes::LEAF_MAX + 2 * boxes::LEAF_MAX) as u64 + boxes::WAITING as u64;
+
 /// Triangles that are tested together at least, as if they were one leaf.
 pub const LEAF_TRIANGLES: usize = model::wide::LEAF_TRIANGLES;
 

@@ -198,10 +198,8 @@ fn a_beat_comes_at_least_every_so_many_tests() {
     let outcome = kernel_for(&body, &body).run(&task, NodePair::ROOTS, ALL, &mut listener);
     let marks = [0].iter().chain(&listener.beats).copied().chain([outcome.counters.tests()]);
     let gaps = marks.clone().zip(marks.skip(1)).map(|(from, to)| to - from);
-    // One triangle against one leaf: a box test and a triangle test each, and the leaf's own boxes.
-    let slack = 3 * 64 + 2;
     assert!(listener.beats.len() > 100);
-    assert!(gaps.clone().all(|gap| gap <= BEAT_TESTS + slack), "{:?}", gaps.max());
+    assert!(gaps.clone().all(|gap| gap <= BEAT_TESTS + STEP_TESTS), "{:?}", gaps.max());
 }
 
 #[test]
