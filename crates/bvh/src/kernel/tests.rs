@@ -211,14 +211,18 @@ fn a_beat_may_say_stop_and_nothing_is_lost() {
     let directions = directions();
     let task = task(&a, &b, pose, Question::Pairs, &directions);
     let mut kernel = kernel_for(&a, &b);
-    let mut stopped = Listener { beats_max: 3, ..Listener::new() };
-    let first = kernel.run(&task, NodePair::ROOTS, ALL, &mut stopped);
-    assert_eq!((first.end, stopped.beats.len()), (End::Stopped, 4));
-    let rest = kernel.remaining().to_vec();
-    let mut all = run_all(&mut kernel, &task, &rest, ALL, Listener::new);
-    all.add(&first);
-    all.hits.append(&mut named(&task, &stopped.heard));
-    assert_eq!(all.finish(), brute_force(&a.view(), &b.view(), &pose));
+    let expected = brute_force(&a.view(), &b.view(), &pose);
+    // Between two leaves as well as in the middle of them.
+    for beats_max in 0..24 {
+        let mut stopped = Listener { beats_max, ..Listener::new() };
+        let first = kernel.run(&task, NodePair::ROOTS, ALL, &mut stopped);
+        assert_eq!((first.end, stopped.beats.len()), (End::Stopped, beats_max + 1));
+        let rest = kernel.remaining().to_vec();
+        let mut all = run_all(&mut kernel, &task, &rest, ALL, Listener::new);
+        all.add(&first);
+        all.hits.append(&mut named(&task, &stopped.heard));
+        assert!(all.finish() == expected, "stopped at beat {beats_max}");
+    }
 }
 
 /// The bound in the header: no walk over these trees needs a deeper stack.

@@ -216,10 +216,7 @@ impl Walk<'_, '_> {
                 self.settle(simd)?;
                 return ControlFlow::Continue(End::OutOfBudget);
             }
-            if let ControlFlow::Break(halt) = self.found.beat() {
-                self.reopen(0);
-                return ControlFlow::Break(halt);
-            }
+            self.beat()?;
             self.stack.pop();
             let (a, b) = (self.tree_a.node(pair.a), self.tree_b.node(pair.b));
             match (a.is_leaf(), b.is_leaf()) {
@@ -298,11 +295,7 @@ impl Walk<'_, '_> {
             // What was tested so far belongs to this lot, at the last.
             self.lots.drain(..self.lots.len() - 1);
             self.lots[0].from = 0;
-            if let ControlFlow::Break(halt) = self.found.beat() {
-                self.found.sums = self.lots[0].before.unwrap_or(self.found.sums);
-                self.reopen(0);
-                return ControlFlow::Break(halt);
-            }
+            self.beat()?;
         }
         self.lots.pop_if(|lot| lot.from == self.count);
         if self.found.task.question == Question::Touches {
@@ -352,6 +345,18 @@ impl Walk<'_, '_> {
         }
         self.count = 0;
         ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn beat(&mut self) -> ControlFlow<Halt> {
+        let beaten = self.found.beat();
+        if beaten.is_break() {
+            // The first lot may have been tested in part, the others were not.
+            let before = self.lots.first().and_then(|lot| lot.before);
+            self.found.sums = before.unwrap_or(self.found.sums);
+            self.reopen(0);
+        }
+        beaten
     }
 
     /// Puts the pairs of leaves from this lot on back on the stack: the walk ends.
