@@ -204,7 +204,7 @@ fn a_beat_comes_at_least_every_so_many_tests() {
 
 #[test]
 fn a_beat_may_say_stop_and_nothing_is_lost() {
-    let (a, b) = (soup(400, 0.4, 9), soup(400, 0.4, 10));
+    let (a, b) = (soup(900, 0.4, 9), soup(900, 0.4, 10));
     let built = options(Build::Seed, 16);
     let (a, b) = (body_of(&a, &built), body_of(&b, &built));
     let pose = turned(70.0, [0.2, 0.3, 0.0]);
@@ -213,7 +213,7 @@ fn a_beat_may_say_stop_and_nothing_is_lost() {
     let mut kernel = kernel_for(&a, &b);
     let expected = brute_force(&a.view(), &b.view(), &pose);
     // Between two leaves as well as in the middle of them.
-    for beats_max in 0..24 {
+    for beats_max in 0..20 {
         let mut stopped = Listener { beats_max, ..Listener::new() };
         let first = kernel.run(&task, NodePair::ROOTS, ALL, &mut stopped);
         assert_eq!((first.end, stopped.beats.len()), (End::Stopped, beats_max + 1));
