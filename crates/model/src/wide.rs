@@ -8,6 +8,9 @@
 //! (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*, IEEE Symposium on Interactive Ray
 //! Tracing 2008, collapse binary trees in the same way.)
 //!
+//! The triangles of a leaf are a patch of a surface, mostly a flat one, which a box hardly fits where
+//! it lies askew. So a leaf has a [`Slab`] besides: the space between two parallel planes.
+//!
 //! It follows from nodes and triangles alone, so [`crate::file`] checks it by making it anew. It is
 //! stored all the same: a mapped file is ready to be walked.
 
@@ -29,8 +32,9 @@ pub struct WideNode {
     pub min: [[f32; LANES]; 3],
     /// Greatest x, y, z of each lane (m).
     pub max: [[f32; LANES]; 3],
-    /// Interior: the lane's wide node. Leaf: the lane's triangle. Empty: 0.
-    pub link: [u32; LANES],
+    /// Interior: the lane's wide node, 0 where it is empty. Leaf: the triangle of the first lane, the
+    /// others follow; then the bits of its slab. See [`WideNode::child`], [`WideNode::triangle`].
+    link: [u32; LANES],
     /// The box of all lanes; in a leaf of several nodes, of all of these.
     pub bounds: Aabb,
     /// The node of the binary tree that this one stands for.
@@ -59,18 +63,45 @@ impl WideNode {
         self.count > 0
     }
 
-    /// Puts a box and what it stands for into a lane.
-    pub fn set(&mut self, lane: usize, bounds: &Aabb, link: u32) {
+    /// The wide node of a lane, if this is no leaf.
+    #[must_use]
+    #[inline]
+    pub fn child(&self, lane: usize) -> u32 {
+        self.link[lane]
+    }
+
+    /// The triangle of a lane, if this is a leaf: that of the first lane, and so on.
+    #[must_use]
+    #[inline]
+    pub fn triangle(&self, lane: usize) -> u32 {
+        self.link[0] + lane as u32
+    }
+
+    /// The slab of the leaf, if this is its first node.
+    #[must_use]
+    #[inline]
+    pub fn slab(&self) -> Slab {
+        let [x, y, z, low, high] =
+            [self.link[1], self.link[2], self.link[3], self.link[4], self.link[5]]
+                .map(f32::from_bits);
+        Slab { normal: [x, y, z], low, high }
+    }
+
+    fn set_slab(&mut self, slab: &Slab) {
+        let [x, y, z] = slab.normal;
+        self.link[1..6].copy_from_slice(&[x, y, z, slab.low, slab.high].map(f32::to_bits));
+    }
+
+    fn set_box(&mut self, lane: usize, bounds: &Aabb) {
         for axis in 0..3 {
             self.min[axis][lane] = bounds.min[axis];
             self.max[axis][lane] = bounds.max[axis];
         }
-        self.link[lane] = link;
     }
 
     /// Makes a lane empty.
     pub fn clear(&mut self, lane: usize) {
-        self.set(lane, &Aabb::EMPTY, 0);
+        self.set_box(lane, &Aabb::EMPTY);
     }
 
     /// Whether nothing is in the lane.
@@ -123,7 +154,8 @@ impl Wide {
             node.root = root as u32;
             let mut next = wide.len();
             for (lane, &child) in lanes.as_slice().iter().enumerate() {
-                node.set(lane, &nodes[child].bounds, next as u32);
+                node.set_box(lane, &nodes[child].bounds);
+                node.link[lane] = next as u32;
                 open.push((child, next));
                 next += blocks(child);
             }
@@ -206,16 +238,23 @@ fn opened(nodes: &[Node], below: &[Below], root: usize, mut told: impl FnMut(usi
 
 fn fill_leaf(wide: &mut [WideNode], node: &Node, root: usize, below: &Below, corners: &[Corners]) {
     let (first, count) = (below.first as usize, below.triangles as usize);
+    let slab = Slab::around(&corners[first..first + count]);
     for (block, wide) in wide.iter_mut().enumerate().take(count.div_ceil(LANES)) {
         let done = block * LANES;
         *wide = WideNode { bounds: node.bounds, ..WideNode::EMPTY };
         (wide.root, wide.count) = (root as u32, (count - done) as u32);
+        wide.link[0] = (first + done) as u32;
         for lane in 0..LANES.min(count - done) {
-            let triangle = first + done + lane;
-            wide.set(lane, &Aabb::of(&corners[triangle]), triangle as u32);
+            wide.set_box(lane, &Aabb::of(&corners[first + done + lane]));
+        }
+        if block == 0 {
+            wide.set_slab(&slab);
         }
     }
 }
 
+mod slab;
 #[cfg(test)]
 mod tests;
+
+pub use slab::Slab;

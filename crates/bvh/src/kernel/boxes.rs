@@ -18,7 +18,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, u32x8};
 use fearless_simd_macros::simd;
 use geometry::batch::BATCH;
 use geometry::{Aabb, DVec3, RelativePose};
-use model::wide::{LANES, LEAF_TRIANGLES};
+use model::wide::{LANES, LEAF_TRIANGLES, Slab};
 use model::{BodyView, WideNode};
 
 /// 32 u.
@@ -42,6 +42,27 @@ struct Motion {
 pub(super) struct Frames {
     to_a: Motion,
     to_b: Motion,
+    /// R and t themselves.
+    rows: [DVec3; 3],
+    shift: DVec3,
+    /// Added to both sides of a slab (m).
+    slack: f64,
+}
+
+/// Eight times a slab in A's frame.
+#[derive(Clone, Copy)]
+struct Slabs<S: Simd> {
+    normal: [f32x8<S>; 3],
+    normal_abs: [f32x8<S>; 3],
+    low: f32x8<S>,
+    high: f32x8<S>,
+}
+
+/// Eight boxes in one frame, each as its middle and how far it reaches from there.
+#[derive(Clone, Copy)]
+struct Centred<S: Simd> {
+    middle: [f32x8<S>; 3],
+    reach: [f32x8<S>; 3],
 }
 
 /// Eight boxes in one frame.
@@ -99,6 +120,9 @@ impl Frames {
         Some(Self {
             to_a: Motion::new(rows, t, size_in_a * ROUNDING),
             to_b: Motion::new(columns, DVec3::from_array(back), size_in_b * ROUNDING + lost),
+            rows,
+            shift: t,
+            slack: (size_in_a + reach_a).element_sum() * ROUNDING + 3.0 * lost,
         })
     }
 
@@ -125,14 +149,23 @@ impl Frames {
         (a, b): (&[WideNode], &[WideNode]),
         (of_a, of_b): (&mut Packed, &mut Packed),
     ) {
-        let all_a = Boxes::splat(simd, &a[0].bounds);
-        let all_a_in_b = self.to_b.moved(simd, &all_a);
         (of_a.len, of_b.len) = (0, 0);
+        let all_a = Boxes::splat(simd, &a[0].bounds);
+        let all_b = Boxes::splat(simd, &b[0].bounds);
+        let slab_a = Slabs::splat(simd, &a[0].slab(), self.slack);
+        let slab_b = Slabs::splat(simd, &self.slab_in_a(&b[0].slab()), self.slack);
+        let apart = !(slab_a.crossing(&self.to_a.centred(simd, &all_b))
+            & slab_b.crossing(&all_a.centred(simd)));
+        if apart.any_true() {
+            return;
+        }
+        let all_a_in_b = self.to_b.moved(simd, &all_a);
         for node in b {
             let boxes = Boxes::of(simd, node);
-            let meeting = boxes.overlapping(&all_a_in_b);
-            let moved = self.to_a.moved(simd, &boxes);
-            of_b.add(simd, &moved, meeting & moved.overlapping(&all_a), &node.link);
+            let centred = self.to_a.centred(simd, &boxes);
+            let moved = centred.boxes();
+            let meeting = boxes.overlapping(&all_a_in_b) & moved.overlapping(&all_a);
+            of_b.add(simd, &moved, meeting & slab_a.crossing(&centred), node.triangle(0));
         }
         if of_b.len == 0 {
             return;
@@ -140,11 +173,24 @@ impl Frames {
         let all_b = of_b.close(simd);
         for node in a {
             let boxes = Boxes::of(simd, node);
-            of_a.add(simd, &boxes, boxes.overlapping(&all_b), &node.link);
+            let meeting = boxes.overlapping(&all_b) & slab_b.crossing(&boxes.centred(simd));
+            of_a.add(simd, &boxes, meeting, node.triangle(0));
         }
         if of_a.len > 0 {
             let all_a = of_a.close(simd);
             of_b.keep(simd, &all_a);
+        }
+    }
+
+    /// A slab of B in A's frame; what rounding moves there is less than the slack.
+    fn slab_in_a(&self, slab: &Slab) -> Slab {
+        let normal = DVec3::from_array(slab.normal.map(f64::from));
+        let normal = DVec3::from_array(self.rows.map(|row| row.dot(normal)));
+        let shift = normal.dot(self.shift);
+        Slab {
+            normal: normal.to_array().map(|x| x as f32),
+            low: (f64::from(slab.low) + shift) as f32,
+            high: (f64::from(slab.high) + shift) as f32,
         }
     }
 
@@ -186,19 +232,21 @@ impl Motion {
     /// The boxes in the other frame: larger, and never too small. Empty ones meet nothing there.
     #[inline(always)]
     fn moved<S: Simd>(&self, simd: S, boxes: &Boxes<S>) -> Boxes<S> {
-        let half = f32x8::splat(simd, 0.5);
-        let Boxes { min: [x, y, z], max: [u, v, w] } = *boxes;
-        let centre = [(u + x) * half, (v + y) * half, (w + z) * half];
-        let extent = [(u - x) * half, (v - y) * half, (w - z) * half];
+        self.centred(simd, boxes).boxes()
+    }
+
+    #[inline(always)]
+    fn centred<S: Simd>(&self, simd: S, boxes: &Boxes<S>) -> Centred<S> {
+        let Centred { middle: centre, reach: extent } = boxes.centred(simd);
         let (x, y, z) = (
             self.along(simd, 0, &centre, &extent),
             self.along(simd, 1, &centre, &extent),
             self.along(simd, 2, &centre, &extent),
         );
-        Boxes { min: [x.0, y.0, z.0], max: [x.1, y.1, z.1] }
+        Centred { middle: [x.0, y.0, z.0], reach: [x.1, y.1, z.1] }
     }
 
-    /// Where boxes begin and end along one axis of the other frame.
+    /// Where boxes lie along one axis of the other frame.
     #[inline(always)]
     fn along<S: Simd>(
         &self,
@@ -209,7 +257,37 @@ impl Motion {
     ) -> (f32x8<S>, f32x8<S>) {
         let middle = sum(simd, &self.rows[axis], centre, self.shift[axis]);
         let reach = sum(simd, &self.rows_abs[axis], extent, self.slack[axis]);
-        (middle - reach, middle + reach)
+        (middle, reach)
+    }
+}
+
+impl<S: Simd> Centred<S> {
+    #[inline(always)]
+    fn boxes(&self) -> Boxes<S> {
+        let Self { middle: [x, y, z], reach: [u, v, w] } = *self;
+        Boxes { min: [x - u, y - v, z - w], max: [x + u, y + v, z + w] }
+    }
+}
+
+impl<S: Simd> Slabs<S> {
+    #[inline(always)]
+    fn splat(simd: S, slab: &Slab, slack: f64) -> Self {
+        let [x, y, z] = slab.normal;
+        Self {
+            normal: same(simd, &[x, y, z]),
+            normal_abs: same(simd, &[x.abs(), y.abs(), z.abs()]),
+            low: f32x8::splat(simd, (f64::from(slab.low) - slack) as f32),
+            high: f32x8::splat(simd, (f64::from(slab.high) + slack) as f32),
+        }
+    }
+
+    /// Which boxes may hold a point of the slab; an empty one, whose middle is NaN, does not.
+    #[inline(always)]
+    fn crossing(&self, boxes: &Centred<S>) -> mask32x8<S> {
+        let ([x, y, z], [u, v, w]) = (boxes.middle, boxes.reach);
+        let at = self.normal[0] * x + self.normal[1] * y + self.normal[2] * z;
+        let reach = self.normal_abs[0] * u + self.normal_abs[1] * v + self.normal_abs[2] * w;
+        (at - reach).simd_le(self.high) & self.low.simd_le(at + reach)
     }
 }
 
@@ -233,6 +311,16 @@ impl<S: Simd> Boxes<S> {
     #[inline(always)]
     fn splat(simd: S, box_: &Aabb) -> Self {
         Self { min: same(simd, &box_.min), max: same(simd, &box_.max) }
+    }
+
+    #[inline(always)]
+    fn centred(&self, simd: S) -> Centred<S> {
+        let half = f32x8::splat(simd, 0.5);
+        let Self { min: [x, y, z], max: [u, v, w] } = *self;
+        Centred {
+            middle: [(u + x) * half, (v + y) * half, (w + z) * half],
+            reach: [(u - x) * half, (v - y) * half, (w - z) * half],
+        }
     }
 
     /// Which of the eight meet which of eight others: bit 8i + j for the other i.
@@ -303,22 +391,27 @@ impl Packed {
         &self.triangles[..self.len]
     }
 
-    /// Adds some of eight triangles.
+    /// Adds some of eight triangles, the first of which is `first`.
     #[inline(always)]
-    fn add<S: Simd>(
+    fn add<S: Simd>(&mut self, simd: S, boxes: &Boxes<S>, which: mask32x8<S>, first: u32) {
+        let triangles = u32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]) + first;
+        self.put(simd, boxes, which, triangles);
+    }
+
+    #[inline(always)]
+    fn put<S: Simd>(
         &mut self,
-        simd: S,
+        _simd: S,
         boxes: &Boxes<S>,
         which: mask32x8<S>,
-        triangles: &[u32; LANES],
+        triangles: u32x8<S>,
     ) {
         let at = self.len;
         for axis in 0..3 {
             boxes.min[axis].compress(which).store_slice(&mut self.min[axis][at..at + LANES]);
             boxes.max[axis].compress(which).store_slice(&mut self.max[axis][at..at + LANES]);
         }
-        let triangles = u32x8::from_slice(simd, triangles).compress(which);
-        triangles.store_slice(&mut self.triangles[at..at + LANES]);
+        triangles.compress(which).store_slice(&mut self.triangles[at..at + LANES]);
         self.len += which.to_bitmask().count_ones() as usize;
     }
 
@@ -354,9 +447,8 @@ impl Packed {
         for at in (0..len).step_by(LANES) {
             // What is written lies before what is read next.
             let boxes = self.eight(simd, at);
-            let mut triangles = [0; LANES];
-            triangles.copy_from_slice(&self.triangles[at..at + LANES]);
-            self.add(simd, &boxes, boxes.overlapping(other), &triangles);
+            let triangles = u32x8::from_slice(simd, &self.triangles[at..at + LANES]);
+            self.put(simd, &boxes, boxes.overlapping(other), triangles);
         }
         self.close(simd);
     }

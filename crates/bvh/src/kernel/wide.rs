@@ -184,13 +184,13 @@ fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
     let (nodes, triangles) =
         (section::nodes_of(body.nodes, root), section::triangles(body.nodes, root));
     for (node, holder) in start.iter_mut().zip(blocks(&body.wide[at as usize..])) {
-        *node = WideNode { bounds, root, ..*holder };
+        *node = *holder;
+        (node.bounds, node.root) = (bounds, root);
         for lane in (0..LANES).filter(|lane| !holder.is_empty(*lane)) {
-            let link = holder.link[lane];
             let below = if holder.is_leaf() {
-                triangles.contains(&link)
+                triangles.contains(&holder.triangle(lane))
             } else {
-                nodes.contains(&body.wide[link as usize].root)
+                nodes.contains(&body.wide[holder.child(lane) as usize].root)
             };
             if !below {
                 node.clear(lane);
@@ -236,7 +236,7 @@ impl Walk<'_, '_> {
         self.count(boxes::used(simd, a), boxes::used(simd, b));
         while meeting != 0 {
             let at = meeting.trailing_zeros() as usize;
-            self.stack.push(NodePair { a: a.link[at / LANES], b: b.link[at % LANES] });
+            self.stack.push(NodePair { a: a.child(at / LANES), b: b.child(at % LANES) });
             meeting &= meeting - 1;
         }
     }
@@ -247,7 +247,7 @@ impl Walk<'_, '_> {
         self.count(boxes::used(simd, a), 1);
         while meeting != 0 {
             let at = meeting.trailing_zeros() as usize % LANES;
-            self.stack.push(NodePair { a: a.link[at], b: number_b });
+            self.stack.push(NodePair { a: a.child(at), b: number_b });
             meeting &= meeting - 1;
         }
     }
@@ -258,7 +258,7 @@ impl Walk<'_, '_> {
         self.count(1, boxes::used(simd, b));
         while meeting != 0 {
             let at = meeting.trailing_zeros() as usize % LANES;
-            self.stack.push(NodePair { a: number_a, b: b.link[at] });
+            self.stack.push(NodePair { a: number_a, b: b.child(at) });
             meeting &= meeting - 1;
         }
     }

@@ -9,7 +9,7 @@ fn triangles(wide: &[WideNode], at: u32) -> Vec<u32> {
     let node = &wide[at as usize];
     let lanes = (0..LANES).filter(|lane| !node.is_empty(*lane));
     if node.is_leaf() {
-        let mut all: Vec<u32> = lanes.map(|lane| node.link[lane]).collect();
+        let mut all: Vec<u32> = lanes.map(|lane| node.triangle(lane)).collect();
         assert_eq!(all.len(), LANES.min(node.count as usize));
         if node.count as usize > LANES {
             assert_eq!(wide[at as usize + 1].root, node.root);
@@ -17,7 +17,45 @@ fn triangles(wide: &[WideNode], at: u32) -> Vec<u32> {
         }
         return all;
     }
-    lanes.flat_map(|lane| triangles(wide, node.link[lane])).collect()
+    lanes.flat_map(|lane| triangles(wide, node.child(lane))).collect()
+}
+
+/// No corner lies outside of the slab of its leaf, and the slab is no thicker than it must be.
+fn check_slab(slab: &Slab, body: &Body, root: usize) {
+    let [x, y, z] = slab.normal.map(f64::from);
+    let corners = range(body, root).into_iter().flat_map(|i| body.corners[i as usize]);
+    let along = corners.map(|p| {
+        let [u, v, w] = p.map(f64::from);
+        x * u + y * v + z * w
+    });
+    let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), d| (low.min(d), high.max(d)));
+    let slack = 1e-6 * (1.0 + low.abs().max(high.abs()));
+    assert!(f64::from(slab.low) <= low && low <= f64::from(slab.low) + slack);
+    assert!(f64::from(slab.high) >= high && high >= f64::from(slab.high) - slack);
+    assert!((x * x + y * y + z * z - 1.0).abs() < 1e-6);
+}
+
+/// A flat patch, and both sides of a thin sheet, lie in thin slabs however they are turned.
+#[test]
+fn slabs_of_flat_patches_are_thin() {
+    let sheet = |thickness: f32| -> Vec<Corners> {
+        let point = |i: usize, j: usize, up: f32| {
+            let (x, y) = (i as f32 * 0.1, j as f32 * 0.1);
+            [0.6 * x - 0.8 * up, y, 0.8 * x + 0.6 * up]
+        };
+        let square = |i, j, up| [point(i, j, up), point(i + 1, j, up), point(i, j + 1, up)];
+        let both = |i, j| {
+            let [a, b, c] = square(i, j, thickness);
+            [square(i, j, 0.0), [a, c, b]]
+        };
+        (0..4).flat_map(|i| (0..4).flat_map(move |j| both(i, j))).collect()
+    };
+    for thickness in [0.0, 0.01] {
+        let slab = Slab::around(&sheet(thickness));
+        assert!(slab.high - slab.low < thickness + 1e-5, "{slab:?}");
+    }
+    let point = Slab::around(&[[[1.0, 2.0, 3.0]; 3]]);
+    assert!(point.low <= 3.0 && point.high >= 3.0, "{point:?}");
 }
 
 fn range(body: &Body, node: usize) -> Vec<u32> {
@@ -32,12 +70,12 @@ fn check(body: &Body) {
         let root = node.root as usize;
         assert_eq!(node.bounds, body.nodes[root].bounds);
         for lane in (0..LANES).filter(|lane| !node.is_empty(*lane)) {
-            let link = node.link[lane] as usize;
             let exact = if node.is_leaf() {
-                Aabb::of(&body.corners[link])
+                Aabb::of(&body.corners[node.triangle(lane) as usize])
             } else {
-                assert!(link > at);
-                wide.nodes[link].bounds
+                let child = node.child(lane) as usize;
+                assert!(child > at);
+                wide.nodes[child].bounds
             };
             for axis in 0..3 {
                 assert_eq!(node.min[axis][lane], exact.min[axis]);
@@ -48,6 +86,9 @@ fn check(body: &Body) {
         if !goes_on {
             assert_eq!(triangles(&wide.nodes, at as u32), range(body, root));
             assert_eq!(wide.of[root], at as u32);
+            if node.is_leaf() {
+                check_slab(&node.slab(), body, root);
+            }
         }
     }
     for (node, &at) in wide.of.iter().enumerate() {
