@@ -14,7 +14,7 @@
 //! R comes back by Rᵀ, which misses by (RᵀR − I) times the point.
 
 use crate::build::LEAF_SIZE_MAX;
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, u32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8, u32x8};
 use fearless_simd_macros::simd;
 use geometry::batch::BATCH;
 use geometry::{Aabb, DVec3, RelativePose};
@@ -160,25 +160,30 @@ impl Frames {
             return;
         }
         let all_a_in_b = self.to_b.moved(simd, &all_a);
+        let mut near = Boxes::nothing(simd);
         for node in b {
             let boxes = Boxes::of(simd, node);
             let centred = self.to_a.centred(simd, &boxes);
             let moved = centred.boxes();
-            let meeting = boxes.overlapping(&all_a_in_b) & moved.overlapping(&all_a);
-            of_b.add(simd, &moved, meeting & slab_a.crossing(&centred), node.triangle(0));
+            let meeting = boxes.overlapping(&all_a_in_b)
+                & moved.overlapping(&all_a)
+                & slab_a.crossing(&centred);
+            of_b.add(simd, &moved, meeting, node.triangle(0));
+            near.grow(meeting, &moved);
         }
         if of_b.len == 0 {
             return;
         }
-        let all_b = of_b.close(simd);
+        let all_b = near.all(simd);
+        near = Boxes::nothing(simd);
         for node in a {
             let boxes = Boxes::of(simd, node);
             let meeting = boxes.overlapping(&all_b) & slab_b.crossing(&boxes.centred(simd));
             of_a.add(simd, &boxes, meeting, node.triangle(0));
+            near.grow(meeting, &boxes);
         }
         if of_a.len > 0 {
-            let all_a = of_a.close(simd);
-            of_b.keep(simd, &all_a);
+            of_b.keep(simd, &near.all(simd));
         }
     }
 
@@ -303,6 +308,31 @@ fn sum<S: Simd>(simd: S, row: &[f32; 3], v: &[f32x8<S>; 3], last: f32) -> f32x8<
 }
 
 impl<S: Simd> Boxes<S> {
+    /// Eight times nothing.
+    #[inline(always)]
+    fn nothing(simd: S) -> Self {
+        Self::splat(simd, &Aabb::EMPTY)
+    }
+
+    /// Lane by lane the box of both, of the other only where `which` says so.
+    #[inline(always)]
+    fn grow(&mut self, which: mask32x8<S>, other: &Self) {
+        for axis in 0..3 {
+            let (min, max) = (other.min[axis], other.max[axis]);
+            self.min[axis] = self.min[axis].min(which.select(min, self.min[axis]));
+            self.max[axis] = self.max[axis].max(which.select(max, self.max[axis]));
+        }
+    }
+
+    /// Eight times the box of all lanes.
+    #[inline(always)]
+    fn all(&self, simd: S) -> Self {
+        let ([u, v, w], [x, y, z]) = (self.min, self.max);
+        Self {
+            min: same(simd, &[u.reduce_min(), v.reduce_min(), w.reduce_min()]),
+            max: same(simd, &[x.reduce_max(), y.reduce_max(), z.reduce_max()]),
+        }
+    }
     #[inline(always)]
     fn of(simd: S, node: &WideNode) -> Self {
         Self { min: lanes(simd, &node.min, 0..LANES), max: lanes(simd, &node.max, 0..LANES) }
@@ -415,28 +445,14 @@ impl Packed {
         self.len += which.to_bitmask().count_ones() as usize;
     }
 
-    /// Makes what follows the last triangle meet nothing. Returns the box of all, eight times.
+    /// Makes what follows the last triangle meet nothing.
     #[inline(always)]
-    fn close<S: Simd>(&mut self, simd: S) -> Boxes<S> {
-        let nothing = Boxes::splat(simd, &Aabb::EMPTY);
+    fn close<S: Simd>(&mut self, simd: S) {
+        let nothing = Boxes::nothing(simd);
         let at = self.len;
         for axis in 0..3 {
             nothing.min[axis].store_slice(&mut self.min[axis][at..at + LANES]);
             nothing.max[axis].store_slice(&mut self.max[axis][at..at + LANES]);
-        }
-        let mut all = nothing;
-        for at in (0..self.len).step_by(LANES) {
-            let boxes = self.eight(simd, at);
-            for axis in 0..3 {
-                all.min[axis] = all.min[axis].min(boxes.min[axis]);
-                all.max[axis] = all.max[axis].max(boxes.max[axis]);
-            }
-        }
-        let [u, v, w] = all.min;
-        let [x, y, z] = all.max;
-        Boxes {
-            min: same(simd, &[u.reduce_min(), v.reduce_min(), w.reduce_min()]),
-            max: same(simd, &[x.reduce_max(), y.reduce_max(), z.reduce_max()]),
         }
     }
 
