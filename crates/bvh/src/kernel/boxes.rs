@@ -163,11 +163,13 @@ impl Frames {
         let mut near = Boxes::nothing(simd);
         for node in b {
             let boxes = Boxes::of(simd, node);
+            let meeting = boxes.overlapping(&all_a_in_b);
+            if meeting.all_false() {
+                continue;
+            }
             let centred = self.to_a.centred(simd, &boxes);
             let moved = centred.boxes();
-            let meeting = boxes.overlapping(&all_a_in_b)
-                & moved.overlapping(&all_a)
-                & slab_a.crossing(&centred);
+            let meeting = meeting & moved.overlapping(&all_a) & slab_a.crossing(&centred);
             of_b.add(simd, &moved, meeting, node.triangle(0));
             near.grow(meeting, &moved);
         }
@@ -178,7 +180,11 @@ impl Frames {
         near = Boxes::nothing(simd);
         for node in a {
             let boxes = Boxes::of(simd, node);
-            let meeting = boxes.overlapping(&all_b) & slab_b.crossing(&boxes.centred(simd));
+            let meeting = boxes.overlapping(&all_b);
+            if meeting.all_false() {
+                continue;
+            }
+            let meeting = meeting & slab_b.crossing(&boxes.centred(simd));
             of_a.add(simd, &boxes, meeting, node.triangle(0));
             near.grow(meeting, &boxes);
         }
