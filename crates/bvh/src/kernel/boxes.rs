@@ -176,6 +176,7 @@ impl Frames {
         if of_b.len == 0 {
             return;
         }
+        of_b.close(simd);
         let all_b = near.all(simd);
         near = Boxes::nothing(simd);
         for node in a {
@@ -462,7 +463,7 @@ impl Packed {
         }
     }
 
-    /// Drops those that do not meet `other`.
+    /// Drops those that do not meet `other`; what follows the last one meets nothing, as before.
     #[inline(always)]
     fn keep<S: Simd>(&mut self, simd: S, other: &Boxes<S>) {
         let len = std::mem::take(&mut self.len);
