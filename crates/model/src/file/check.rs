@@ -19,7 +19,8 @@ pub const COORDINATE_MAX_M: f32 = 1.0e6;
 ///
 /// If an array has the wrong length, a coordinate is not finite or beyond [`COORDINATE_MAX_M`], the
 /// nodes are not one tree in preorder whose leaves partition the triangles, a box is not the box of
-/// what it holds, the wide tree is not the one that follows, a part or source id does not exist, or the metadata states other than what is.
+/// what it holds, the wide tree is not the one that follows, a part or source id does not exist, or
+/// the metadata states other than what is.
 pub fn check_body(meta: &Meta, body: &BodyView<'_>) -> Result<(), FileError> {
     check_lengths(body)?;
     check_corners(body)?;
