@@ -1,8 +1,8 @@
 //! The wide tree: the binary tree with several levels at a time, for tests of eight boxes at once.
 //!
 //! Every wide node stands for one node of the binary tree, its *root*. Where that holds more
-//! triangles than a wide leaf and is no leaf, it is opened, then the largest of what came out, until
-//! there are eight: these are the lanes. (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*,
+//! triangles than a wide leaf and is no leaf, it is opened, then the largest of what came out,
+//! until there are eight: these are the lanes. (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*,
 //! IEEE Symposium on Interactive Ray Tracing 2008, collapse binary trees in the same way.) Anything
 //! smaller is a wide leaf: as many wide nodes, one behind the other, as it takes for each triangle
 //! to have a lane. So nearly all lanes are in use, however the binary tree was split.
@@ -31,8 +31,8 @@ pub struct WideNode {
     pub min: [[f32; LANES]; 3],
     /// Greatest x, y, z of each lane (m).
     pub max: [[f32; LANES]; 3],
-    /// Interior: the lane's wide node, 0 where it is empty. Leaf: the triangle of the first lane, the
-    /// others follow; then the bits of its slab. See [`WideNode::child`], [`WideNode::triangle`].
+    /// Interior: the lane's wide node, 0 where it is empty. Leaf: the triangle of the first lane,
+    /// the others follow; then the bits of its slab. See [`WideNode::child`] and the like.
     link: [u32; LANES],
     /// The box of all lanes; in a leaf of several nodes, of all of these.
     pub bounds: Aabb,
