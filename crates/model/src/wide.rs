@@ -2,10 +2,10 @@
 //!
 //! Every wide node stands for one node of the binary tree, its *root*. Where that holds more
 //! triangles than a wide leaf and is no leaf, it is opened, then the largest of what came out,
-//! until there are eight: these are the lanes. (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*,
-//! IEEE Symposium on Interactive Ray Tracing 2008, collapse binary trees in the same way.) Anything
-//! smaller is a wide leaf: as many wide nodes, one behind the other, as it takes for each triangle
-//! to have a lane. So nearly all lanes are in use, however the binary tree was split.
+//! until there are eight: these are the lanes. Anything smaller is a wide leaf: as many wide nodes,
+//! one behind the other, as it takes for each triangle to have a lane. So nearly all lanes are in
+//! use, however the binary tree was split. (I. Wald, C. Benthin, S. Boulos, *Getting Rid of
+//! Packets*, IEEE Symposium on Interactive Ray Tracing 2008, collapse binary trees so.)
 //!
 //! The triangles of a leaf are a patch of a surface, often a flat one, which a box hardly fits
 //! where it lies askew. So a leaf has a [`Slab`] besides: the space between two parallel planes.
