@@ -91,7 +91,7 @@ pub(crate) struct IntersectArgs {
     /// What is asked for.
     #[arg(long, default_value = "pairs")]
     question: QuestionName,
-    /// How the trees are built [default: as in the first model file named, else seed].
+    /// How the trees are built [default: as in the first model file named, else sah].
     #[arg(long)]
     build: Option<BuildName>,
     /// Triangles in a leaf at most [default: as in the first model file named, else 4].

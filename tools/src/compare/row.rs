@@ -56,12 +56,12 @@ pub(crate) struct Row {
 /// What we can be asked, in the order of the page; the first is what the others are compared with.
 const OUR_OPTIONS: &[(&str, &[&str])] = &[
     ("", &[]),
-    (" sah", &["--build", "sah"]),
+    (" seed", &["--build", "seed"]),
     // What every processor of its kind has.
     #[cfg(target_arch = "x86_64")]
-    (" sah, sse2", &["--build", "sah", "--simd", "sse2"]),
-    (" sah, sets", &["--build", "sah", "--question", "sets"]),
-    (" sah, touches", &["--build", "sah", "--question", "touches"]),
+    (" sse2", &["--simd", "sse2"]),
+    (" sets", &["--question", "sets"]),
+    (" touches", &["--question", "touches"]),
 ];
 
 /// All rows, section by section.
