@@ -205,7 +205,7 @@ impl Kernel {
         let mut found = Found::new(task, &mut self.hits_a, &mut self.hits_b, sink);
         let (stack, room) = (&mut self.stack, self.room);
         let end = match wide::frames(task).filter(|_| self.walk == Walk::Wide) {
-            Some(frames) => {
+            Some(ref frames) => {
                 let scratch = &mut self.scratch;
                 dispatch!(self.level, simd => {
                     wide::walk(simd, frames, stack, room, budget, scratch, &mut found)

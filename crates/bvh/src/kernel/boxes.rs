@@ -510,7 +510,7 @@ impl Packed {
             for at in (0..b.len).step_by(LANES) {
                 let mut meeting = one.overlapping(&b.eight(simd, at));
                 if only != u64::MAX {
-                    meeting = meeting & mask32x8::from_bitmask(simd, only >> at & 0xff);
+                    meeting &= mask32x8::from_bitmask(simd, only >> at & 0xff);
                 }
                 let others = u32x8::from_slice(simd, &b.triangles[at..at + LANES]);
                 let (low, high) = triangle.interleave(others.compress(meeting));

@@ -78,7 +78,7 @@ struct Lot {
 
 /// One walk. Pairs on its stack are of wide nodes, but when it begins and ends, of binary ones.
 struct Walk<'w, 'a> {
-    frames: Frames,
+    frames: &'w Frames,
     stack: &'w mut Vec<NodePair>,
     room: usize,
     /// Candidates: the first `count` of these.
@@ -122,7 +122,7 @@ pub(super) fn frames(task: &Task<'_>) -> Option<Frames> {
 #[simd]
 pub(super) fn walk<S: Simd>(
     simd: S,
-    frames: Frames,
+    frames: &Frames,
     stack: &mut Vec<NodePair>,
     room: usize,
     budget: u64,
