@@ -1,8 +1,9 @@
 //! Bodies, poses and the oracle of this crate's tests: every triangle against every other.
 
 use crate::{
-    BuildOptions, Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task, body,
+    BuildOptions, Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task, Walk, body,
 };
+use geometry::simd::{self, Level};
 use geometry::{Corners, DVec3, Directions, Pose, RelativePose, Supports, hash, triangle};
 use model::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
 use proptest::prelude::*;
@@ -251,6 +252,32 @@ pub(crate) fn task<'a>(
 
 pub(crate) fn kernel_for(a: &Body, b: &Body) -> Kernel {
     Kernel::with_room(a.meta.depth, b.meta.depth, a.corners.len(), b.corners.len())
+}
+
+/// How a kernel works: the answer must not depend on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    walk: Walk,
+    level: Level,
+}
+
+impl Way {
+    /// The wide walk with all kinds of vectors that this processor has, and the plain one.
+    pub(crate) fn all() -> Vec<Self> {
+        let wide = simd::levels().map(|level| Self { walk: Walk::Wide, level });
+        wide.chain([Self { walk: Walk::Plain, level: Level::new() }]).collect()
+    }
+
+    pub(crate) fn kernel(self, a: &Body, b: &Body) -> Kernel {
+        let mut kernel = kernel_for(a, b);
+        kernel.set_walk(self.walk);
+        kernel.set_level(self.level);
+        kernel
+    }
+}
+
+pub(crate) fn any_way() -> impl Strategy<Value = Way> {
+    prop::sample::select(Way::all())
 }
 
 /// Source ids of what was heard; each triangle must be heard at most once.

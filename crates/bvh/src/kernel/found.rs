@@ -3,7 +3,7 @@
 use super::{End, Outcome, Question, Side, Sink, Task};
 use crate::Counters;
 use crate::hits::Hits;
-use geometry::{Supports, Triangle, hash, triangle};
+use geometry::{Directions, Supports, hash};
 use std::ops::ControlFlow;
 
 /// Most tests between two calls of [`Sink::beat`], but for those of one step of the walk.
@@ -96,12 +96,12 @@ impl<'a> Found<'a> {
 
     /// Takes in that triangle `a` of A and triangle `b` of B intersect.
     ///
-    /// `triangles` gives both in A's frame; it is called only where the contact is measured.
+    /// `measure` adds their contact to the supports; it is called only where that is asked.
     #[inline]
     pub(super) fn take(
         &mut self,
         [a, b]: [u32; 2],
-        triangles: impl FnOnce() -> [Triangle; 2],
+        measure: impl FnOnce(&mut Supports, &Directions),
     ) -> ControlFlow<Halt> {
         if self.task.question == Question::Touches {
             self.sums.pairs = 1;
@@ -115,10 +115,7 @@ impl<'a> Found<'a> {
             let ids = (view_a.source_ids[a as usize], view_b.source_ids[b as usize]);
             self.sums.hash = self.sums.hash.wrapping_add(hash::pair_term(ids.0, ids.1));
             if let Some(directions) = self.task.directions {
-                let [of_a, of_b] = triangles();
-                for point in triangle::contact(&of_a, &of_b).points() {
-                    self.supports.add(directions, *point);
-                }
+                measure(&mut self.supports, directions);
             }
         }
         if self.hits_a.insert(a) {

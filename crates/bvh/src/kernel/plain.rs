@@ -132,7 +132,11 @@ impl Leaves<'_, '_> {
             }
             self.found.counters.np += 1;
             if triangle::intersect(triangle, &moved) {
-                self.found.take([*a, b], || [*triangle, moved])?;
+                self.found.take([*a, b], |supports, directions| {
+                    for point in triangle::contact(triangle, &moved).points() {
+                        supports.add(directions, *point);
+                    }
+                })?;
             }
         }
         ControlFlow::Continue(())

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::fixtures::{
-    Found, Gathered, Listener, any_build, body_of, brute_force, directions, kernel_for, named,
-    options, pose, run_all, soup, task, torus, triangles,
+    Found, Gathered, Listener, Way, any_build, any_way, body_of, brute_force, directions,
+    kernel_for, named, options, pose, run_all, soup, task, torus, triangles,
 };
 use crate::{BuildOptions, front};
 use geometry::Pose;
@@ -16,6 +16,7 @@ const ALL: u64 = u64::MAX;
 
 /// The union of all jobs of a front, each cut by `budget`.
 fn answer(
+    way: Way,
     a: &Body,
     b: &Body,
     pose: RelativePose,
@@ -27,7 +28,7 @@ fn answer(
     let task = task(a, b, pose, question, &directions);
     let mut starts = Vec::new();
     front(&task.a, &task.b, &pose, depth, &mut starts, &mut Counters::default());
-    run_all(&mut kernel_for(a, b), &task, &starts, budget, Listener::new)
+    run_all(&mut way.kernel(a, b), &task, &starts, budget, Listener::new)
 }
 
 fn turned(yaw: f64, at: [f64; 3]) -> RelativePose {
@@ -48,20 +49,20 @@ proptest! {
     #[test]
     fn pairs_are_those_of_brute_force(
         a in triangles(32), b in triangles(32), pose in pose(), depth in 0_u32..13,
-        of_a in built_options(), of_b in built_options(), budget in any_budget(),
+        of_a in built_options(), of_b in built_options(), budget in any_budget(), way in any_way(),
     ) {
         let (a, b) = (body_of(&a, &of_a), body_of(&b, &of_b));
-        let found = answer(&a, &b, pose, Question::Pairs, depth, budget).finish();
+        let found = answer(way, &a, &b, pose, Question::Pairs, depth, budget).finish();
         prop_assert_eq!(found, brute_force(&a.view(), &b.view(), &pose));
     }
 
     #[test]
     fn sets_are_those_of_brute_force(
         a in triangles(32), b in triangles(32), pose in pose(), depth in 0_u32..13,
-        of_a in built_options(), of_b in built_options(), budget in any_budget(),
+        of_a in built_options(), of_b in built_options(), budget in any_budget(), way in any_way(),
     ) {
         let (a, b) = (body_of(&a, &of_a), body_of(&b, &of_b));
-        let found = answer(&a, &b, pose, Question::Sets, depth, budget).finish();
+        let found = answer(way, &a, &b, pose, Question::Sets, depth, budget).finish();
         let all = brute_force(&a.view(), &b.view(), &pose);
         prop_assert_eq!((found.hits, found.zones), (all.hits, all.zones));
         prop_assert_eq!((found.pairs, found.hash), (0, 0));
@@ -70,10 +71,10 @@ proptest! {
     #[test]
     fn touches_if_and_only_if_there_is_a_pair(
         a in triangles(6), b in triangles(6), pose in pose(), depth in 0_u32..4,
-        built in built_options(), budget in prop_oneof![Just(ALL), 1_u64..100],
+        built in built_options(), budget in prop_oneof![Just(ALL), 1_u64..100], way in any_way(),
     ) {
         let (a, b) = (body_of(&a, &built), body_of(&b, &built));
-        let found = answer(&a, &b, pose, Question::Touches, depth, budget).finish();
+        let found = answer(way, &a, &b, pose, Question::Touches, depth, budget).finish();
         let all = brute_force(&a.view(), &b.view(), &pose);
         prop_assert_eq!(found.pairs > 0, all.pairs > 0);
         prop_assert!(found.hits.is_subset(&all.hits));
@@ -84,7 +85,7 @@ proptest! {
     #[test]
     fn a_sink_may_say_stop_at_any_hit(
         a in triangles(24), b in triangles(24), pose in pose(), built in built_options(),
-        hits_max in 2_usize..40,
+        hits_max in 2_usize..40, way in any_way(),
     ) {
         let (a, b) = (body_of(&a, &built), body_of(&b, &built));
         // Two leaves may have more hits than a small sink takes, and then would never be done.
@@ -92,7 +93,7 @@ proptest! {
         let directions = directions();
         let task = task(&a, &b, pose, Question::Pairs, &directions);
         let small = || Listener { hits_max, ..Listener::new() };
-        let found = run_all(&mut kernel_for(&a, &b), &task, &[NodePair::ROOTS], ALL, small);
+        let found = run_all(&mut way.kernel(&a, &b), &task, &[NodePair::ROOTS], ALL, small);
         prop_assert_eq!(found.finish(), brute_force(&a.view(), &b.view(), &pose));
     }
 
@@ -100,12 +101,12 @@ proptest! {
     #[test]
     fn what_remains_is_what_was_missed(
         a in triangles(24), b in triangles(24), pose in pose(), built in built_options(),
-        budget in 1_u64..200,
+        budget in 1_u64..200, way in any_way(),
     ) {
         let (a, b) = (body_of(&a, &built), body_of(&b, &built));
         let directions = directions();
         let task = task(&a, &b, pose, Question::Pairs, &directions);
-        let mut kernel = kernel_for(&a, &b);
+        let mut kernel = way.kernel(&a, &b);
         let outcome = kernel.run(&task, NodePair::ROOTS, budget, &mut Listener::new());
         let mut covered = BTreeSet::new();
         for pair in kernel.remaining() {
@@ -142,10 +143,13 @@ fn structured_bodies_give_the_same_answer_whatever_the_tree() {
             for (leaf_size, depth) in [(1, 0), (1, 12), (2, 5), (4, 3), (8, 8), (64, 1)] {
                 let built = options(build, leaf_size);
                 let (a, b) = (body_of(&ring, &built), body_of(other, &built));
-                let found = answer(&a, &b, pose, Question::Pairs, depth, 5_000).finish();
-                assert!(found == expected, "{build:?}, leaf size {leaf_size}, depth {depth}");
-                let sets = answer(&a, &b, pose, Question::Sets, depth, ALL);
-                assert_eq!(sets.hits, expected.hits);
+                for way in Way::all() {
+                    let found = answer(way, &a, &b, pose, Question::Pairs, depth, 5_000).finish();
+                    let place = format!("{build:?}, {leaf_size} to a leaf, depth {depth}, {way:?}");
+                    assert!(found == expected, "{place}");
+                    let sets = answer(way, &a, &b, pose, Question::Sets, depth, ALL);
+                    assert!(sets.hits == expected.hits, "{place}");
+                }
             }
         }
     }
@@ -171,9 +175,9 @@ fn generated_bodies_give_the_answer_of_brute_force() {
         for build in [Build::Seed, Build::Literal, Build::Sah] {
             let built = options(build, 4);
             let (a, b) = (body(of_a, &built), body(of_b, &built));
-            for depth in [0, 4, 8, 12] {
-                let found = answer(&a, &b, pose, Question::Pairs, depth, ALL).finish();
-                assert!(found == expected, "{of_a} and {of_b}, {build:?}, depth {depth}");
+            for (depth, way) in [0, 4, 8, 12].into_iter().zip(Way::all().into_iter().cycle()) {
+                let found = answer(way, &a, &b, pose, Question::Pairs, depth, ALL).finish();
+                assert!(found == expected, "{of_a} and {of_b}, {build:?}, depth {depth}, {way:?}");
             }
         }
     }
@@ -185,8 +189,10 @@ fn sets_test_fewer_triangles_than_pairs() {
     let dense = soup(300, 3.0, 7);
     let body = body_of(&dense, &options(Build::Seed, 4));
     let pose = turned(20.0, [0.1, 0.0, 0.0]);
-    let np = |question| answer(&body, &body, pose, question, 0, ALL).counters.np;
-    assert!(2 * np(Question::Sets) < np(Question::Pairs));
+    for way in Way::all() {
+        let np = |question| answer(way, &body, &body, pose, question, 0, ALL).counters.np;
+        assert!(3 * np(Question::Sets) < 2 * np(Question::Pairs), "{way:?}");
+    }
 }
 
 #[test]
@@ -242,6 +248,28 @@ fn the_stack_has_room_for_the_deepest_trees() {
     let mut kernel = kernel_for(&body, &body);
     let outcome = kernel.run(&task, NodePair::ROOTS, ALL, &mut Listener::new());
     assert_eq!(outcome.end, End::Complete);
+}
+
+/// Where f32 has no numbers for what the boxes need, the plain walk takes over: nothing is lost.
+#[test]
+fn bodies_of_any_size_give_the_answer_of_brute_force() {
+    let pose = turned(20.0, [0.3, 0.1, 0.0]);
+    for size in [1e-37, 1e-30, 1e-12, 1e9, 1e29, 3e37] {
+        let scaled = |seed| -> Vec<_> {
+            let corners = soup(60, 0.8, seed).into_iter();
+            corners.map(|corners| corners.map(|corner| corner.map(|x| x * size))).collect()
+        };
+        let built = options(Build::Seed, 4);
+        let (a, b) = (body_of(&scaled(15), &built), body_of(&scaled(16), &built));
+        let pose =
+            RelativePose { translation: pose.translation.map(|t| t * f64::from(size)), ..pose };
+        let expected = brute_force(&a.view(), &b.view(), &pose);
+        assert!(expected.pairs > 10);
+        for way in Way::all() {
+            let found = answer(way, &a, &b, pose, Question::Pairs, 0, ALL).finish();
+            assert!(found == expected, "{size} m, {way:?}");
+        }
+    }
 }
 
 /// Too small a stack is a budget like another: the job ends early, and its rest can be done.

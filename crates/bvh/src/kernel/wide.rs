@@ -18,6 +18,7 @@ use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use geometry::batch::{self, BATCH, Batch};
+use geometry::{Directions, Supports, triangle};
 use model::wide::LANES;
 use model::{BodyView, WideNode};
 use std::ops::ControlFlow;
@@ -170,6 +171,19 @@ pub(super) fn walk<S: Simd>(
 #[simd]
 fn intersecting<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> u64 {
     batch::intersecting(simd, batch, pairs)
+}
+
+/// Adds the contact of two triangles that intersect.
+#[simd]
+fn measure<S: Simd>(
+    simd: S,
+    batch: &Batch<'_>,
+    pair: [u32; 2],
+    supports: &mut Supports,
+    directions: &Directions,
+) {
+    let [a, b] = batch.triangles(pair);
+    supports.add_all(simd, directions, triangle::contact(&a, &b).points());
 }
 
 /// The number of the wide node that stands for `root` of the binary tree; where there is none,
@@ -333,7 +347,10 @@ impl Walk<'_, '_> {
                 }
                 let before = *self.lots[lot].before.get_or_insert(self.found.sums);
                 let (batch, pair) = (&self.batch, self.waiting[at]);
-                if let ControlFlow::Break(halt) = self.found.take(pair, || batch.triangles(pair)) {
+                let taken = self.found.take(pair, |supports, directions| {
+                    measure(simd, batch, pair, supports, directions);
+                });
+                if let ControlFlow::Break(halt) = taken {
                     if halt == Halt::Stopped {
                         self.found.sums = before;
                         self.reopen(lot);
