@@ -26,7 +26,7 @@ pub(crate) fn body_of(mesh: &Mesh) -> Body {
             leaf_size: 2,
             depth,
         },
-        wide: Wide::of(&nodes, &mesh.corners),
+        wide: Wide::of(&nodes, &mesh.corners, 1),
         nodes,
         corners: mesh.corners.clone(),
         source_ids: mesh.source_ids.clone(),

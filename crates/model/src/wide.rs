@@ -123,13 +123,14 @@ pub struct Wide {
 impl Wide {
     /// Collapses the binary tree over `corners`, both as a body has them.
     ///
-    /// Time is linear in the number of nodes and triangles.
+    /// Time is linear in the number of nodes and triangles; so many threads share most of it, and
+    /// what comes out does not depend on them.
     ///
     /// # Panics
     ///
     /// If the nodes are not a tree over these triangles, as [`crate::file::check_body`] holds.
     #[must_use]
-    pub fn of(nodes: &[Node], corners: &[Corners]) -> Self {
+    pub fn of(nodes: &[Node], corners: &[Corners], threads: usize) -> Self {
         if nodes.is_empty() {
             return Self::default();
         }
@@ -140,12 +141,13 @@ impl Wide {
         };
         let mut wide = vec![WideNode::EMPTY; blocks(0)];
         let mut of = vec![0; nodes.len()];
+        let mut leaves = Vec::new();
         let mut open = vec![(0_usize, 0_usize)];
         while let Some((root, at)) = open.pop() {
             of[root] = at as u32;
             if is_wide_leaf(nodes, &below, root) {
                 of[root..root + below[root].nodes as usize].fill(at as u32);
-                fill_leaf(&mut wide[at..], &nodes[root], root, &below[root], corners);
+                leaves.push((at, root));
                 continue;
             }
             let lanes = opened(nodes, &below, root, |node| of[node] = at as u32);
@@ -161,8 +163,40 @@ impl Wide {
             wide[at] = node;
             wide.resize(next, WideNode::EMPTY);
         }
+        fill_leaves(&mut wide, leaves, threads, |wide, root| {
+            fill_leaf(wide, &nodes[root], root, &below[root], corners);
+        });
         Self { nodes: wide, of }
     }
+}
+
+/// Has all leaves filled, given as the wide node at which each begins and its root.
+fn fill_leaves(
+    wide: &mut [WideNode],
+    mut leaves: Vec<(usize, usize)>,
+    threads: usize,
+    fill: impl Fn(&mut [WideNode], usize) + Sync,
+) {
+    leaves.sort_unstable();
+    let share = leaves.len().div_ceil(threads.max(1)).max(1);
+    let fill = &fill;
+    let work = move |wide: &mut [WideNode], start: usize, leaves: &[(usize, usize)]| {
+        leaves.iter().for_each(|&(at, root)| fill(&mut wide[at - start..], root));
+    };
+    std::thread::scope(|scope| {
+        let mut rest = wide;
+        // From behind: each share has the nodes from its first leaf on.
+        for (number, leaves) in leaves.chunks(share).enumerate().rev() {
+            let start = leaves[0].0;
+            let (before, own) = rest.split_at_mut(start);
+            rest = before;
+            if number == 0 {
+                work(own, start, leaves);
+            } else {
+                scope.spawn(move || work(own, start, leaves));
+            }
+        }
+    });
 }
 
 /// What lies below a node of the binary tree, itself included.

@@ -32,7 +32,7 @@ pub fn body(
             depth,
             ..meta
         },
-        wide: Wide::of(&nodes, &corners),
+        wide: Wide::of(&nodes, &corners, threads),
         nodes,
         corners,
         source_ids: permuted(&mesh.source_ids, &order, threads),
