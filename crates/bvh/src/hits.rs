@@ -1,4 +1,4 @@
-//! Which triangles of one body were hit: a set of bits, cleared only where the next job looks.
+//! Which triangles of one body were hit: a set of bits, emptied in as long as it took to fill.
 
 use std::ops::Range;
 
@@ -8,6 +8,8 @@ const BITS: usize = u64::BITS as usize;
 #[derive(Clone, Debug)]
 pub(crate) struct Hits {
     words: Vec<u64>,
+    /// The words that are not 0.
+    used: Vec<u32>,
     /// First triangle of the range.
     first: usize,
 }
@@ -15,7 +17,8 @@ pub(crate) struct Hits {
 impl Hits {
     /// Room for ranges of `triangles` triangles.
     pub(crate) fn with_room(triangles: usize) -> Self {
-        Self { words: vec![0; triangles.div_ceil(BITS)], first: 0 }
+        let words = triangles.div_ceil(BITS);
+        Self { words: vec![0; words], used: Vec::with_capacity(words), first: 0 }
     }
 
     /// Makes room for ranges of `triangles` triangles, and forgets everything.
@@ -25,14 +28,17 @@ impl Hits {
         }
     }
 
-    /// Empties the set and looks at `range` from now on. Takes time with the range, not the room.
+    /// Empties the set and looks at `range` from now on. Takes time with what was in the set.
     ///
     /// # Panics
     ///
     /// If there is no room for the range.
     pub(crate) fn clear(&mut self, range: &Range<u32>) {
+        for word in self.used.drain(..) {
+            self.words[word as usize] = 0;
+        }
         self.first = range.start as usize;
-        self.words[..range.len().div_ceil(BITS)].fill(0);
+        assert!(range.len() <= self.words.len() * BITS, "no room for the triangles of this job");
     }
 
     /// Whether the triangle is in the set.
@@ -45,6 +51,9 @@ impl Hits {
     pub(crate) fn insert(&mut self, triangle: u32) -> bool {
         let at = triangle as usize - self.first;
         let (word, bit) = (&mut self.words[at / BITS], 1 << (at % BITS));
+        if *word == 0 {
+            self.used.push((at / BITS) as u32);
+        }
         let new = *word & bit == 0;
         *word |= bit;
         new

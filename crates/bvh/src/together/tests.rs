@@ -108,7 +108,7 @@ fn who_waits_gets_a_part_and_the_answer_stays_the_same() {
 }
 
 #[test]
-#[should_panic(expected = "out of range")]
+#[should_panic(expected = "no room for the triangles")]
 fn a_panic_of_the_thread_that_asks_ends_the_crew() {
     let (a, b, pose) = chain();
     let directions = directions();
@@ -117,7 +117,7 @@ fn a_panic_of_the_thread_that_asks_ends_the_crew() {
 }
 
 #[test]
-#[should_panic(expected = "out of range")]
+#[should_panic(expected = "no room for the triangles")]
 fn a_panic_of_another_thread_goes_on_in_the_one_that_asks() {
     let (a, b, pose) = chain();
     let directions = directions();
