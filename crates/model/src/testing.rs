@@ -26,7 +26,7 @@ pub(crate) fn body_of(mesh: &Mesh) -> Body {
             leaf_size: 2,
             depth,
         },
-        wide: Wide::of(&nodes, &mesh.corners, 1),
+        wide: Wide::of(&nodes, &mesh.corners),
         nodes,
         corners: mesh.corners.clone(),
         source_ids: mesh.source_ids.clone(),

@@ -123,14 +123,29 @@ pub struct Wide {
 impl Wide {
     /// Collapses the binary tree over `corners`, both as a body has them.
     ///
-    /// Time is linear in the number of nodes and triangles; so many threads share most of it, and
-    /// what comes out does not depend on them.
+    /// Time is linear in the number of nodes and triangles.
     ///
     /// # Panics
     ///
     /// If the nodes are not a tree over these triangles, as [`crate::file::check_body`] holds.
     #[must_use]
-    pub fn of(nodes: &[Node], corners: &[Corners], threads: usize) -> Self {
+    pub fn of(nodes: &[Node], corners: &[Corners]) -> Self {
+        Self::shared(nodes, corners, 1, |shares| shares.into_iter().for_each(Share::fill))
+    }
+
+    /// [`Wide::of`], where `run` has every one of so many shares of the leaves filled, in any order
+    /// and by any thread.
+    ///
+    /// # Panics
+    ///
+    /// As [`Wide::of`].
+    #[must_use]
+    pub fn shared(
+        nodes: &[Node],
+        corners: &[Corners],
+        shares: usize,
+        run: impl FnOnce(Vec<Share<'_>>),
+    ) -> Self {
         if nodes.is_empty() {
             return Self::default();
         }
@@ -163,44 +178,54 @@ impl Wide {
             wide[at] = node;
             wide.resize(next, WideNode::EMPTY);
         }
-        fill_leaves(&mut wide, leaves, threads, |wide, root| {
-            fill_leaf(wide, &nodes[root], root, &below[root], corners);
-        });
+        leaves.sort_unstable();
+        let (start, below) = (0, &below);
+        let all = Share { wide: &mut wide, start, leaves: &leaves, nodes, below, corners };
+        run(all.cut(shares));
         Self { nodes: wide, of }
     }
 }
 
-/// Has all leaves filled, given as the wide node at which each begins and its root.
-fn fill_leaves(
-    wide: &mut [WideNode],
-    mut leaves: Vec<(usize, usize)>,
-    threads: usize,
-    fill: impl Fn(&mut [WideNode], usize) + Sync,
-) {
-    leaves.sort_unstable();
-    let share = leaves.len().div_ceil(threads.max(1)).max(1);
-    let fill = &fill;
-    let work = move |wide: &mut [WideNode], start: usize, leaves: &[(usize, usize)]| {
-        leaves.iter().for_each(|&(at, root)| fill(&mut wide[at - start..], root));
-    };
-    std::thread::scope(|scope| {
-        let mut rest = wide;
+/// Some leaves of a wide tree that wait to be filled, and the wide nodes among which they lie.
+#[derive(Debug)]
+pub struct Share<'s> {
+    wide: &'s mut [WideNode],
+    /// Number of the first of these.
+    start: usize,
+    /// The wide node at which each begins, and its root.
+    leaves: &'s [(usize, usize)],
+    nodes: &'s [Node],
+    below: &'s [Below],
+    corners: &'s [Corners],
+}
+
+impl<'s> Share<'s> {
+    /// Cuts the leaves, in order, into so many shares of neighbours.
+    fn cut(self, shares: usize) -> Vec<Share<'s>> {
+        let share = self.leaves.len().div_ceil(shares.max(1)).max(1);
+        let mut cut = Vec::new();
+        let mut rest = self.wide;
         // From behind: each share has the nodes from its first leaf on.
-        for (number, leaves) in leaves.chunks(share).enumerate().rev() {
+        for leaves in self.leaves.chunks(share).rev() {
             let start = leaves[0].0;
-            let (before, own) = rest.split_at_mut(start);
+            let (before, wide) = rest.split_at_mut(start);
             rest = before;
-            if number == 0 {
-                work(own, start, leaves);
-            } else {
-                scope.spawn(move || work(own, start, leaves));
-            }
+            cut.push(Share { wide, start, leaves, ..self });
         }
-    });
+        cut
+    }
+
+    /// Fills these leaves.
+    pub fn fill(self) {
+        for &(at, root) in self.leaves {
+            let wide = &mut self.wide[at - self.start..];
+            fill_leaf(wide, &self.nodes[root], root, &self.below[root], self.corners);
+        }
+    }
 }
 
 /// What lies below a node of the binary tree, itself included.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Below {
     first: u32,
     triangles: u32,

@@ -1,6 +1,7 @@
 //! From a mesh to a body: the tree is built, and every array brought into leaf order.
 
 use super::{BuildError, BuildOptions, Tree, build, grow, team};
+use model::wide::Share;
 use model::{Body, BodyView, Mesh, Meta, Wide, Zones};
 
 /// Builds the tree of a mesh and brings everything into leaf order.
@@ -32,7 +33,9 @@ pub fn body(
             depth,
             ..meta
         },
-        wide: Wide::of(&nodes, &corners, threads),
+        wide: Wide::shared(&nodes, &corners, threads, |shares| {
+            team::each(shares, Share::fill);
+        }),
         nodes,
         corners,
         source_ids: permuted(&mesh.source_ids, &order, threads),

@@ -132,7 +132,7 @@ fn check_boxes(body: &BodyView<'_>) -> Result<(), FileError> {
 
 /// The binary tree is sound here, so the wide one can be made from it again.
 fn check_wide(body: &BodyView<'_>) -> Result<(), FileError> {
-    let wide = Wide::of(body.nodes, body.corners, 1);
+    let wide = Wide::of(body.nodes, body.corners);
     if body.wide != wide.nodes || body.wide_of != wide.of {
         return Err(malformed("wide nodes", "they do not follow from the nodes"));
     }

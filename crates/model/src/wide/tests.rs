@@ -111,19 +111,22 @@ fn a_large_leaf_takes_several_nodes() {
     for count in [8, 9, 16, 17, 64] {
         let mut body = body_of(&mesh_of(strip(count)));
         body.nodes = vec![Node { bounds: body.nodes[0].bounds, link: 0, count: count as u32 }];
-        body.wide = Wide::of(&body.nodes, &body.corners, 1);
+        body.wide = Wide::of(&body.nodes, &body.corners);
         assert_eq!(body.wide.nodes.len(), count.div_ceil(LANES));
         check(&body);
     }
 }
 
 #[test]
-fn threads_do_not_change_it() {
+fn shares_do_not_change_it() {
     for count in [1, 60, 200, 5000] {
         let body = body_of(&mesh_of(strip(count)));
-        for threads in [0, 2, 3, 9] {
-            let wide = Wide::of(&body.nodes, &body.corners, threads);
-            assert!(wide == body.wide, "{count} triangles, {threads} threads");
+        for shares in [0, 2, 3, 9] {
+            let wide = Wide::shared(&body.nodes, &body.corners, shares, |cut| {
+                assert!(cut.len() <= shares.max(1));
+                cut.into_iter().rev().for_each(Share::fill);
+            });
+            assert!(wide == body.wide, "{count} triangles, {shares} shares");
         }
     }
 }
@@ -142,5 +145,5 @@ fn lanes_are_well_filled() {
 
 #[test]
 fn nothing_has_no_wide_nodes() {
-    assert_eq!(Wide::of(&[], &[], 2), Wide::default());
+    assert_eq!(Wide::of(&[], &[]), Wide::default());
 }
