@@ -13,13 +13,15 @@
 //! into B's frame, that R is not quite a rotation counts too: what [`RelativePose::point`] moved by
 //! R comes back by Rᵀ, which misses by (RᵀR − I) times the point.
 
-use crate::build::LEAF_SIZE_MAX;
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8, u32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8};
 use fearless_simd_macros::simd;
-use geometry::batch::BATCH;
 use geometry::{Aabb, DVec3, RelativePose};
-use model::wide::{LANES, LEAF_TRIANGLES, Slab};
+use model::wide::{LANES, Slab};
 use model::{BodyView, WideNode};
+
+mod packed;
+
+pub(super) use packed::{LEAF_MAX, Packed, WAITING};
 
 /// 32 u.
 const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
@@ -70,23 +72,6 @@ struct Centred<S: Simd> {
 struct Boxes<S: Simd> {
     min: [f32x8<S>; 3],
     max: [f32x8<S>; 3],
-}
-
-/// Candidates that wait at most: each triangle of A adds as many as a leaf of B has, and a vector
-/// is stored whole.
-pub(super) const WAITING: usize = BATCH + LEAF_MAX + LANES;
-
-/// Most triangles of a leaf, wide or binary.
-pub(super) const LEAF_MAX: usize = LEAF_SIZE_MAX as usize;
-const _: () = assert!(LEAF_TRIANGLES <= LEAF_MAX && LEAF_MAX <= u64::BITS as usize);
-
-/// Boxes of triangles side by side, without gaps: those of one leaf that may meet another leaf.
-#[derive(Clone, Debug)]
-pub(super) struct Packed {
-    min: [[f32; Self::ROOM]; 3],
-    max: [[f32; Self::ROOM]; 3],
-    triangles: [u32; Self::ROOM],
-    len: usize,
 }
 
 impl Frames {
@@ -149,7 +134,8 @@ impl Frames {
         (a, b): (&[WideNode], &[WideNode]),
         (of_a, of_b): (&mut Packed, &mut Packed),
     ) {
-        (of_a.len, of_b.len) = (0, 0);
+        of_a.clear();
+        of_b.clear();
         let all_a = Boxes::splat(simd, &a[0].bounds);
         let all_b = Boxes::splat(simd, &b[0].bounds);
         let slab_a = Slabs::splat(simd, &a[0].slab(), self.slack);
@@ -173,7 +159,7 @@ impl Frames {
             of_b.add(simd, &moved, meeting, node.triangle(0));
             near.grow(meeting, &moved);
         }
-        if of_b.len == 0 {
+        if of_b.triangles().is_empty() {
             return;
         }
         of_b.close(simd);
@@ -189,7 +175,7 @@ impl Frames {
             of_a.add(simd, &boxes, meeting, node.triangle(0));
             near.grow(meeting, &boxes);
         }
-        if of_a.len > 0 {
+        if !of_a.triangles().is_empty() {
             of_b.keep(simd, &near.all(simd));
         }
     }
@@ -340,6 +326,7 @@ impl<S: Simd> Boxes<S> {
             max: same(simd, &[x.reduce_max(), y.reduce_max(), z.reduce_max()]),
         }
     }
+
     #[inline(always)]
     fn of(simd: S, node: &WideNode) -> Self {
         Self { min: lanes(simd, &node.min, 0..LANES), max: lanes(simd, &node.max, 0..LANES) }
@@ -410,117 +397,4 @@ fn lanes<S: Simd, const N: usize>(
 fn same<S: Simd>(simd: S, point: &[f32; 3]) -> [f32x8<S>; 3] {
     let [x, y, z] = *point;
     [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)]
-}
-
-impl Packed {
-    /// One more vector than triangles, since vectors are stored whole.
-    const ROOM: usize = LEAF_MAX + LANES;
-
-    pub(super) const EMPTY: Self = Self {
-        min: [[0.0; Self::ROOM]; 3],
-        max: [[0.0; Self::ROOM]; 3],
-        triangles: [0; Self::ROOM],
-        len: 0,
-    };
-
-    /// The triangles.
-    pub(super) fn triangles(&self) -> &[u32] {
-        &self.triangles[..self.len]
-    }
-
-    /// Adds some of eight triangles, the first of which is `first`.
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, boxes: &Boxes<S>, which: mask32x8<S>, first: u32) {
-        let triangles = u32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]) + first;
-        self.put(simd, boxes, which, triangles);
-    }
-
-    #[inline(always)]
-    fn put<S: Simd>(
-        &mut self,
-        _simd: S,
-        boxes: &Boxes<S>,
-        which: mask32x8<S>,
-        triangles: u32x8<S>,
-    ) {
-        let at = self.len;
-        for axis in 0..3 {
-            boxes.min[axis].compress(which).store_slice(&mut self.min[axis][at..at + LANES]);
-            boxes.max[axis].compress(which).store_slice(&mut self.max[axis][at..at + LANES]);
-        }
-        triangles.compress(which).store_slice(&mut self.triangles[at..at + LANES]);
-        self.len += which.to_bitmask().count_ones() as usize;
-    }
-
-    /// Makes what follows the last triangle meet nothing.
-    #[inline(always)]
-    fn close<S: Simd>(&mut self, simd: S) {
-        let nothing = Boxes::nothing(simd);
-        let at = self.len;
-        for axis in 0..3 {
-            nothing.min[axis].store_slice(&mut self.min[axis][at..at + LANES]);
-            nothing.max[axis].store_slice(&mut self.max[axis][at..at + LANES]);
-        }
-    }
-
-    /// Drops those that do not meet `other`; what follows the last one meets nothing, as before.
-    #[inline(always)]
-    fn keep<S: Simd>(&mut self, simd: S, other: &Boxes<S>) {
-        let len = std::mem::take(&mut self.len);
-        for at in (0..len).step_by(LANES) {
-            // What is written lies before what is read next.
-            let boxes = self.eight(simd, at);
-            let triangles = u32x8::from_slice(simd, &self.triangles[at..at + LANES]);
-            self.put(simd, &boxes, boxes.overlapping(other), triangles);
-        }
-        self.close(simd);
-    }
-
-    #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, at: usize) -> Boxes<S> {
-        Boxes {
-            min: lanes(simd, &self.min, at..at + LANES),
-            max: lanes(simd, &self.max, at..at + LANES),
-        }
-    }
-
-    /// Pairs of triangles whose boxes meet: of those of A from the one at `row` on, one by one, and
-    /// those of B. Writes them to `out` behind the `count` that are there, until there are
-    /// [`BATCH`] or no triangle of A is left; returns the next row and how many there are then.
-    ///
-    /// `only` says which of B a triangle of A is to be tested with, bit j for the jth.
-    #[simd]
-    pub(super) fn meet<S: Simd>(
-        &self,
-        simd: S,
-        b: &Self,
-        mut row: usize,
-        only: impl Fn(u32) -> u64,
-        out: &mut [[u32; 2]; WAITING],
-        mut count: usize,
-    ) -> (usize, usize) {
-        while row < self.len && count < BATCH {
-            let (min, max) = (&self.min, &self.max);
-            let one = Boxes {
-                min: same(simd, &[min[0][row], min[1][row], min[2][row]]),
-                max: same(simd, &[max[0][row], max[1][row], max[2][row]]),
-            };
-            let only = only(self.triangles[row]);
-            let triangle = u32x8::splat(simd, self.triangles[row]);
-            for at in (0..b.len).step_by(LANES) {
-                let mut meeting = one.overlapping(&b.eight(simd, at));
-                if only != u64::MAX {
-                    meeting &= mask32x8::from_bitmask(simd, only >> at & 0xff);
-                }
-                let others = u32x8::from_slice(simd, &b.triangles[at..at + LANES]);
-                let (low, high) = triangle.interleave(others.compress(meeting));
-                let pairs = out[count..count + LANES].as_flattened_mut();
-                low.store_slice(&mut pairs[..LANES]);
-                high.store_slice(&mut pairs[LANES..]);
-                count += meeting.to_bitmask().count_ones() as usize;
-            }
-            row += 1;
-        }
-        (row, count)
-    }
 }
