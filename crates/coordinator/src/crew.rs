@@ -8,23 +8,25 @@
 //! Order at start: seal store, status page, services, processes, greetings. Order at stop: stop
 //! flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
+mod error;
+mod report;
 mod station;
+
+pub use error::CrewError;
+pub use report::{CrewReport, WorkerReport};
 
 use crate::gather::Part;
 use crate::work::{PartOf, Work};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
-use dispatch::{
-    BestMatchLoad, Counts, Dispatcher, Effect, Event, Patience, Progress, Queues, Transfer,
-};
+use dispatch::{BestMatchLoad, Counts, Dispatcher, Effect, Event, Patience, Progress, Queues};
 use protocol::job::{Job, write_batch};
 use protocol::result::{read_hits, read_last};
 use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Task};
-use runtime::{Exit, Poller, SealedMemory, StatusMemory, Wake, clock};
-use serde::Serialize;
+use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
 use station::Station;
 use std::path::{Path, PathBuf};
-use transport::{Domain, OpenError, UseError};
+use transport::{Domain, UseError};
 
 /// How workers are started.
 #[derive(Clone, Debug)]
@@ -45,97 +47,6 @@ pub struct Options {
     pub alpha: f64,
     /// How long a busy worker may stand still.
     pub patience: Patience,
-}
-
-/// A run that could not be finished.
-#[derive(Debug, thiserror::Error)]
-pub enum CrewError {
-    /// The operating system refused.
-    #[error(transparent)]
-    System(#[from] runtime::OsError),
-    /// A channel could not be opened.
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    /// A worker ended before it greeted.
-    #[error("worker {worker} ended at start-up with {exit}: its own message is above")]
-    StillBorn {
-        /// Which one.
-        worker: u8,
-        /// How.
-        exit: Exit,
-    },
-    /// A worker did not greet in time.
-    #[error("worker {worker} did not greet within {seconds} s: is the machine overloaded?")]
-    Mute {
-        /// Which one.
-        worker: u8,
-        /// How long was waited (s).
-        seconds: u64,
-    },
-    /// All workers are gone and jobs are left.
-    #[error(
-        "no worker is left and {open} of {jobs} jobs are open; lost: {lost}. Start again; if it \
-         happens again, run with --in-process to see whether a body is to blame"
-    )]
-    NobodyLeft {
-        /// Jobs left.
-        open: u64,
-        /// Jobs in all.
-        jobs: u64,
-        /// How each worker ended.
-        lost: String,
-    },
-    /// SIGINT or SIGTERM came.
-    #[error("interrupted")]
-    Interrupted,
-}
-
-impl CrewError {
-    /// Whether a setting is at fault, and not the machine.
-    #[must_use]
-    pub fn is_setting(&self) -> bool {
-        matches!(self, Self::Open(OpenError::Name { .. }))
-    }
-}
-
-/// What became of one worker.
-#[derive(Clone, Debug, Serialize)]
-pub struct WorkerReport {
-    /// Worker number.
-    pub worker: u8,
-    /// Process id.
-    pub pid: u32,
-    /// The core it was pinned to.
-    pub core: Option<usize>,
-    /// Jobs it finished.
-    pub jobs: u64,
-    /// Box and triangle tests of long jobs, as it counted them.
-    pub tests: u64,
-    /// Batches sent to it.
-    pub batches: u64,
-    /// Bytes of these, headers included.
-    pub batch_bytes: u64,
-    /// Result messages taken from it.
-    pub results: u64,
-    /// Bytes of these, headers included.
-    pub result_bytes: u64,
-    /// Time that its jobs took by the clock on the wall (ns).
-    pub busy_ns: u64,
-    /// How it ended, if it was lost.
-    pub lost: Option<String>,
-}
-
-/// What a run took.
-#[derive(Clone, Debug)]
-pub struct CrewReport {
-    /// Jobs, batches, fence.
-    pub counts: Counts,
-    /// The transfer ledger.
-    pub transfer: Transfer,
-    /// Messages that were turned away: foreign, stale or corrupt.
-    pub rejected: u64,
-    /// Each worker.
-    pub workers: Vec<WorkerReport>,
 }
 
 /// How long workers may take to greet (ns): a process start, and a few opened files.

@@ -1,0 +1,55 @@
+//! Why a run could not be finished.
+
+use runtime::Exit;
+use transport::OpenError;
+
+/// A run that could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum CrewError {
+    /// The operating system refused.
+    #[error(transparent)]
+    System(#[from] runtime::OsError),
+    /// A channel could not be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A worker ended before it greeted.
+    #[error("worker {worker} ended at start-up with {exit}: its own message is above")]
+    StillBorn {
+        /// Which one.
+        worker: u8,
+        /// How.
+        exit: Exit,
+    },
+    /// A worker did not greet in time.
+    #[error("worker {worker} did not greet within {seconds} s: is the machine overloaded?")]
+    Mute {
+        /// Which one.
+        worker: u8,
+        /// How long was waited (s).
+        seconds: u64,
+    },
+    /// All workers are gone and jobs are left.
+    #[error(
+        "no worker is left and {open} of {jobs} jobs are open; lost: {lost}. Start again; if it \
+         happens again, run with --in-process to see whether a body is to blame"
+    )]
+    NobodyLeft {
+        /// Jobs left.
+        open: u64,
+        /// Jobs in all.
+        jobs: u64,
+        /// How each worker ended.
+        lost: String,
+    },
+    /// SIGINT or SIGTERM came.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl CrewError {
+    /// Whether a setting is at fault, and not the machine.
+    #[must_use]
+    pub fn is_setting(&self) -> bool {
+        matches!(self, Self::Open(OpenError::Name { .. }))
+    }
+}
