@@ -1,5 +1,4 @@
-//! The triangles of one leaf that may meet another leaf, side by side, and one such leaf against the
-//! other.
+//! The triangles of one leaf that may meet another, side by side, and two such leaves compared.
 
 use super::{Boxes, lanes, same};
 use crate::build::LEAF_SIZE_MAX;
