@@ -4,11 +4,12 @@
 mod posed;
 mod scene;
 
+use bvh::build::LEAF_SIZE_MAX;
 use bvh::{BuildOptions, Question, build};
 use fearless_simd::dispatch;
-use geometry::batch::{self, Batch};
+use geometry::patch::{self, meet_all};
 use geometry::simd::Level;
-use geometry::{DVec3, Directions, triangle};
+use geometry::{DVec3, Directions, Patch, triangle};
 use model::Build;
 use posed::Posed;
 use scene::Scene;
@@ -34,15 +35,21 @@ const WORKLOADS: &[(&str, Prepare)] = &[
         let posed = Posed::new(SCENE, Build::Sah, 4);
         Box::new(move || posed.leaves().len() as u64)
     }),
-    ("triangles in batches", || {
-        let posed = Posed::new(SCENE, Build::Sah, 1);
-        let candidates = posed.candidates();
+    ("triangles in patches", || {
+        let posed = Posed::new(SCENE, Build::Sah, LEAF_SIZE_MAX);
+        let leaf_pairs = posed.leaf_pairs();
         let level = Level::new();
+        let mut patches = [Patch::default(), Patch::default()];
         Box::new(move || {
             let (a, b, pose) = posed.parts();
-            let batch = Batch::new(pose, a.corners, b.corners);
-            let hits = |pairs| dispatch!(level, simd => batch::intersecting(simd, &batch, pairs));
-            candidates.chunks(batch::BATCH).map(|pairs| u64::from(hits(pairs).count_ones())).sum()
+            let posed = patch::Posed::new(pose, a.corners, b.corners);
+            let mut hits = 0;
+            for pair in &leaf_pairs {
+                dispatch!(level, simd => {
+                    meet_all(simd, &posed, &mut patches, pair.clone(), &mut |_| hits += 1);
+                });
+            }
+            hits
         })
     }),
     ("triangles one by one", || {
@@ -50,9 +57,9 @@ const WORKLOADS: &[(&str, Prepare)] = &[
         let candidates = posed.candidates();
         Box::new(move || {
             let (a, b, pose) = posed.parts();
-            let batch = Batch::new(pose, a.corners, b.corners);
+            let posed = patch::Posed::new(pose, a.corners, b.corners);
             let hit = |pair: &&[u32; 2]| {
-                let [a, b] = batch.triangles(**pair);
+                let [a, b] = posed.triangles(**pair);
                 triangle::intersect(&a, &b)
             };
             candidates.iter().filter(hit).count() as u64

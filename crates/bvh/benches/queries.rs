@@ -4,10 +4,11 @@ mod posed;
 mod scene;
 
 use bvh::Question;
+use bvh::build::LEAF_SIZE_MAX;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
-use geometry::batch::{self, Batch};
-use geometry::{DVec3, Directions, simd, triangle};
+use geometry::patch::{self, meet_all};
+use geometry::{DVec3, Directions, Patch, simd, triangle};
 use model::Build;
 use posed::Posed;
 use std::hint::black_box;
@@ -33,30 +34,38 @@ fn boxes(criterion: &mut Criterion) {
     }
 }
 
-/// The triangle tests of a crash, in the order of the walk: one by one and in batches.
+/// The triangle tests of a crash: candidates one by one, and whole leaves in patches.
 fn triangles(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("triangles of a crash");
-    let posed = Posed::new("cars-10k-deep", Build::Sah, 1);
-    let candidates = posed.candidates();
-    let (a, b, pose) = posed.parts();
-    let batch = Batch::new(pose, a.corners, b.corners);
+    let single = Posed::new("cars-10k-deep", Build::Sah, 1);
+    let candidates = single.candidates();
     group.throughput(Throughput::Elements(candidates.len() as u64));
     group.bench_function("one by one", |bencher| {
+        let (a, b, pose) = single.parts();
+        let posed = patch::Posed::new(pose, a.corners, b.corners);
         bencher.iter(|| {
             let hit = |pair: &&[u32; 2]| {
-                let [a, b] = batch.triangles(**pair);
+                let [a, b] = posed.triangles(**pair);
                 triangle::intersect(&a, &b)
             };
             black_box(&candidates).iter().filter(hit).count()
         });
     });
+    let leaves = Posed::new("cars-10k-deep", Build::Sah, LEAF_SIZE_MAX);
+    let leaf_pairs = leaves.leaf_pairs();
+    let (a, b, pose) = leaves.parts();
+    let posed = patch::Posed::new(pose, a.corners, b.corners);
     for level in simd::levels() {
-        group.bench_function(BenchmarkId::new("batch", simd::name(level)), |bencher| {
+        let mut patches = [Patch::default(), Patch::default()];
+        group.bench_function(BenchmarkId::new("patches", simd::name(level)), |bencher| {
             bencher.iter(|| {
-                let batches = black_box(&candidates).chunks(batch::BATCH);
-                let hits =
-                    |pairs| dispatch!(level, simd => batch::intersecting(simd, &batch, pairs));
-                batches.map(|pairs| hits(pairs).count_ones()).sum::<u32>()
+                let mut hits = 0;
+                for pair in black_box(&leaf_pairs) {
+                    dispatch!(level, simd => {
+                        meet_all(simd, &posed, &mut patches, pair.clone(), &mut |_| hits += 1);
+                    });
+                }
+                hits
             });
         });
     }

@@ -1,8 +1,8 @@
 //! One job: everything below one node of A and one node of B, to hits, sums and supports.
 //!
 //! Two walks give the same answer: `plain` explains how, one pair of boxes at a time; `wide` takes
-//! eight boxes against eight, and triangles in batches. Either is bounded three times over: by a
-//! stack whose size is argued there, by a budget of tests, and by a sink that may say stop.
+//! eight boxes against eight, and one triangle against eight. Either is bounded three times over:
+//! by a stack whose size is argued there, by a budget of tests, and by a sink that may say stop.
 //! Whatever ends it early, the pairs that wait on the stack cover everything that was not tested,
 //! and no more.
 
@@ -23,9 +23,8 @@ mod wide;
 pub use found::BEAT_TESTS;
 
 /// Most tests of one step, which nothing interrupts: all boxes of two leaves against each other,
-/// all boxes of each against the other leaf, and a batch of triangles.
-pub const STEP_TESTS: u64 =
-    (boxes::LEAF_MAX * boxes::LEAF_MAX + 2 * boxes::LEAF_MAX) as u64 + boxes::WAITING as u64;
+/// all boxes of each against the other leaf, and all triangles.
+pub const STEP_TESTS: u64 = (2 * boxes::LEAF_MAX * boxes::LEAF_MAX + 2 * boxes::LEAF_MAX) as u64;
 
 /// Triangles that are tested together at least, as if they were one leaf.
 pub const LEAF_TRIANGLES: usize = model::wide::LEAF_TRIANGLES;

@@ -1,11 +1,13 @@
-//! The triangle test by what a pair turns out to be: one by one, and in batches at every level.
+//! The triangle test by what a pair turns out to be: one by one, and in patches at every level.
 //!
 //! All pairs have boxes that overlap, as those that a walk leaves over.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
-use geometry::batch::{self, Batch};
-use geometry::{Aabb, Corners, DVec3, Pose, RelativePose, Triangle, hash, simd, triangle};
+use geometry::patch::{LANES, meet_all};
+use geometry::{
+    Aabb, Corners, DVec3, Patch, Pose, Posed, RelativePose, Triangle, hash, simd, triangle,
+};
 use std::hint::black_box;
 
 /// Pairs of each kind: more than a branch predictor learns by heart.
@@ -40,21 +42,28 @@ fn main() {
     for (name, kind) in KINDS {
         let (a, b) = pairs(*kind);
         let numbers: Vec<[u32; 2]> = (0..PAIRS as u32).map(|i| [i, i]).collect();
-        let batch = Batch::new(&pose, &a, &b);
+        let posed = Posed::new(&pose, &a, &b);
         let mut group = criterion.benchmark_group(format!("triangles/{name}"));
         group.throughput(Throughput::Elements(PAIRS as u64));
         group.bench_function("one by one", |bencher| {
-            let wide: Vec<[Triangle; 2]> = numbers.iter().map(|n| batch.triangles(*n)).collect();
+            let wide: Vec<[Triangle; 2]> = numbers.iter().map(|n| posed.triangles(*n)).collect();
             let meet = |pair: &&[Triangle; 2]| triangle::intersect(&pair[0], &pair[1]);
             bencher.iter(|| black_box(&wide).iter().filter(meet).count());
         });
+        // Eight of A against eight of B: most pairs are not of the kind, as in a walk.
         for level in simd::levels() {
-            group.bench_function(BenchmarkId::new("batch", simd::name(level)), |bencher| {
-                let hits =
-                    |pairs| dispatch!(level, simd => batch::intersecting(simd, &batch, pairs));
+            group.bench_function(BenchmarkId::new("patches", simd::name(level)), |bencher| {
+                let mut patches = [Patch::default(), Patch::default()];
                 bencher.iter(|| {
-                    let batches = black_box(&numbers).chunks(batch::BATCH);
-                    batches.map(|pairs| hits(pairs).count_ones()).sum::<u32>()
+                    let mut hits = 0;
+                    for start in (0..PAIRS as u32).step_by(LANES) {
+                        let range = start..start + LANES as u32;
+                        dispatch!(level, simd => {
+                            let ranges = (range.clone(), range.clone());
+                            meet_all(simd, &posed, &mut patches, ranges, &mut |_| hits += 1);
+                        });
+                    }
+                    hits
                 });
             });
         }

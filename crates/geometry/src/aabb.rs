@@ -48,6 +48,34 @@ impl Aabb {
         }
     }
 
+    /// What lies in both: [empty](Aabb::is_empty) where they do not overlap.
+    #[must_use]
+    #[inline]
+    pub fn intersection(&self, other: &Self) -> Self {
+        let ([a, b, c], [d, e, f]) = (self.min, self.max);
+        let ([g, h, i], [j, k, l]) = (other.min, other.max);
+        Self { min: [a.max(g), b.max(h), c.max(i)], max: [d.min(j), e.min(k), f.min(l)] }
+    }
+
+    /// Larger by `margin` (m) on all sides, but for rounding.
+    #[must_use]
+    #[inline]
+    pub fn enlarged(&self, margin: f32) -> Self {
+        let ([u, v, w], [x, y, z]) = (self.min, self.max);
+        Self {
+            min: [u - margin, v - margin, w - margin],
+            max: [x + margin, y + margin, z + margin],
+        }
+    }
+
+    /// Whether no point is in it.
+    #[must_use]
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        let Self { min, max } = self;
+        min[0] > max[0] || min[1] > max[1] || min[2] > max[2]
+    }
+
     /// Length along an axis (0, 1, 2), in metres; negative infinity for the empty box.
     #[must_use]
     pub fn extent(&self, axis: usize) -> f32 {

@@ -9,21 +9,24 @@
 //!   to right, never fused, never rounded again ([`RelativePose::point`]). That defines the input.
 //! - On that input [`triangle::intersect`] is exact: closed triangles, touching counts, coplanar
 //!   overlap counts, a degenerate triangle is the segment or point that it is.
-//! - [`batch::intersecting`] says the same of many pairs at once, and [`Supports::add_all`] gives
+//! - [`patch::meet`] says the same of one triangle against eight, and [`Supports::add_all`] gives
 //!   the same bits as point by point, with any vector instructions ([`simd`]).
 //! - Boxes only ever grow when rounded: no intersecting pair lies outside of them.
 
 pub mod aabb;
-pub mod batch;
+
 pub mod hash;
+pub mod lanes;
+pub mod patch;
 pub mod pose;
 pub mod simd;
 pub mod support;
 pub mod triangle;
 
 pub use aabb::{Aabb, Bounds};
-pub use batch::Batch;
+
 pub use glam::{DMat3, DVec3};
+pub use patch::{Patch, Posed};
 pub use pose::{Pose, RelativePose};
 pub use support::{Directions, Supports};
 pub use triangle::Triangle;

@@ -21,7 +21,7 @@
 //! - [`contact()`] has at least one point for every pair that intersects, and none outside of the
 //!   intersection of the two triangles' boxes.
 //!
-//! This module knows nothing of trees and SIMD; it is the reference that [`crate::batch`] equals.
+//! This module knows nothing of trees and SIMD; it is the reference that [`crate::patch`] equals.
 
 mod contact;
 mod crossing;

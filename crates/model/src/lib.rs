@@ -25,4 +25,4 @@ pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones};
 pub use meta::{Build, Kind, Meta, Seat};
-pub use wide::{Wide, WideNode};
+pub use wide::{Wide, WideLeaf, WideNode};

@@ -4,7 +4,7 @@ use crate::scene::Scene;
 use bvh::{BuildOptions, Counters, Kernel, NodePair, Outcome, Question, Sink, Task, body, front};
 use geometry::{Corners, Directions, Pose, RelativePose};
 use model::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// Two bodies with trees, one pose, and scratch for queries.
 pub(crate) struct Posed {
@@ -42,8 +42,16 @@ impl Posed {
 
     /// The pairs of triangles that a query has to test. Trees must have one triangle to a leaf.
     pub(crate) fn candidates(&self) -> Vec<[u32; 2]> {
-        let triangle = |body: &Body, node: u32| body.nodes[node as usize].link;
-        let pair = |pair: &NodePair| [triangle(&self.a, pair.a), triangle(&self.b, pair.b)];
+        self.leaf_pairs().into_iter().map(|(a, b)| [a.start, b.start]).collect()
+    }
+
+    /// The triangles of every pair of leaves whose boxes overlap.
+    pub(crate) fn leaf_pairs(&self) -> Vec<(Range<u32>, Range<u32>)> {
+        let triangles = |body: &Body, node: u32| {
+            let leaf = body.nodes[node as usize];
+            leaf.link..leaf.link + leaf.count
+        };
+        let pair = |pair: &NodePair| (triangles(&self.a, pair.a), triangles(&self.b, pair.b));
         self.leaves().iter().map(pair).collect()
     }
 

@@ -1,33 +1,32 @@
-//! The wide walk: both trees descended together, eight boxes against eight, triangles in batches.
+//! The wide walk: both trees descended together, eight boxes against eight, and one triangle
+//! against eight.
 //!
 //! ```text
 //! pop a pair of wide nodes --boxes::meet--> 64 bits --> interior: pairs of children, pushed
-//!                                                   \-> leaves: candidates --64 at a time--> exact
+//!                                                   \-> leaves: patches --one by eight--> exact
 //! ```
 //!
-//! It finds what the plain walk finds. Where two leaves meet, those triangles of each are packed
-//! that may meet the other leaf, and then each of A is tested against eight of B at once. Pairs of
-//! triangles whose boxes meet wait until there are enough for a batch; a *lot* is those of one pair
-//! of leaves, so that whatever ends the walk early can open the pair of leaves again whose
-//! candidates were not all tested.
+//! It finds what the plain walk finds. Where two leaves meet, those triangles of each that may meet
+//! the other leaf are put side by side in a frame close to both ([`geometry::patch`]), and each of
+//! A is tested against eight of B at once.
 
-use super::boxes::{self, Frames, LEAF_MAX, Packed, WAITING};
-use super::found::{Found, Halt, Sums};
+use super::boxes::{self, Frames, LEAF_MAX};
+use super::found::{Found, Halt};
 use super::{End, Question, Task};
 use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
-use geometry::batch::{self, BATCH, Batch};
-use geometry::{Directions, Supports, triangle};
-use model::wide::LANES;
-use model::{BodyView, WideNode};
+use geometry::patch::{self, Close, LANES as EIGHT};
+use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
+use model::wide::{LANES, LEAF_LANES};
+use model::{BodyView, WideLeaf, WideNode};
 use std::ops::ControlFlow;
 
 /// Pairs of lanes of two wide nodes.
 const LANE_PAIRS: usize = LANES * LANES;
 
 /// Wide nodes of a leaf.
-const BLOCKS: usize = LEAF_MAX / LANES;
+const BLOCKS: usize = LEAF_MAX.div_ceil(LEAF_LANES);
 
 /// The number of the first node of what a job starts with, where that is part of a wide node or
 /// wide leaf.
@@ -46,10 +45,8 @@ pub(super) fn stack_room(levels: usize) -> usize {
 /// Scratch of the wide walk, allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    waiting: [[u32; 2]; WAITING],
-    lots: Vec<Lot>,
-    packed_a: Packed,
-    packed_b: Packed,
+    patch_a: Patch,
+    patch_b: Patch,
     start_a: [WideNode; BLOCKS],
     start_b: [WideNode; BLOCKS],
 }
@@ -57,24 +54,12 @@ pub(super) struct Scratch {
 impl Scratch {
     pub(super) fn new() -> Self {
         Self {
-            waiting: [[0; 2]; WAITING],
-            lots: Vec::with_capacity(WAITING),
-            packed_a: Packed::EMPTY,
-            packed_b: Packed::EMPTY,
+            patch_a: Patch::default(),
+            patch_b: Patch::default(),
             start_a: [WideNode::EMPTY; BLOCKS],
             start_b: [WideNode::EMPTY; BLOCKS],
         }
     }
-}
-
-/// The candidates of one pair of leaves.
-#[derive(Clone, Copy, Debug)]
-struct Lot {
-    pair: NodePair,
-    /// Its first candidate among those that wait.
-    from: usize,
-    /// The sums before its first hit.
-    before: Option<Sums>,
 }
 
 /// One walk. Pairs on its stack are of wide nodes, but when it begins and ends, of binary ones.
@@ -82,15 +67,11 @@ struct Walk<'w, 'a> {
     frames: &'w Frames,
     stack: &'w mut Vec<NodePair>,
     room: usize,
-    /// Candidates: the first `count` of these.
-    waiting: &'w mut [[u32; 2]; WAITING],
-    count: usize,
-    lots: &'w mut Vec<Lot>,
-    packed_a: &'w mut Packed,
-    packed_b: &'w mut Packed,
+    patch_a: &'w mut Patch,
+    patch_b: &'w mut Patch,
     tree_a: Tree<'w>,
     tree_b: Tree<'w>,
-    batch: Batch<'a>,
+    posed: Posed<'a>,
     found: &'w mut Found<'a>,
 }
 
@@ -132,8 +113,7 @@ pub(super) fn walk<S: Simd>(
 ) -> End {
     let task = found.task;
     let Some(start) = stack.pop() else { return End::Complete };
-    let Scratch { waiting, lots, packed_a, packed_b, start_a, start_b } = scratch;
-    lots.clear();
+    let Scratch { patch_a, patch_b, start_a, start_b } = scratch;
     stack.push(NodePair {
         a: entrance(&task.a, start.a, start_a),
         b: entrance(&task.b, start.b, start_b),
@@ -142,14 +122,11 @@ pub(super) fn walk<S: Simd>(
         frames,
         stack,
         room,
-        waiting,
-        count: 0,
-        lots,
-        packed_a,
-        packed_b,
+        patch_a,
+        patch_b,
         tree_a: Tree { nodes: task.a.wide, start: start_a },
         tree_b: Tree { nodes: task.b.wide, start: start_b },
-        batch: Batch::new(&task.pose, task.a.corners, task.b.corners),
+        posed: Posed::new(&task.pose, task.a.corners, task.b.corners),
         found,
     };
     let end = match walk.run(simd, budget) {
@@ -167,22 +144,16 @@ pub(super) fn walk<S: Simd>(
     end
 }
 
-/// [`batch::intersecting`] as a function of its own: it is large, and called from several places.
-#[simd]
-fn intersecting<S: Simd>(simd: S, batch: &Batch<'_>, pairs: &[[u32; 2]]) -> u64 {
-    batch::intersecting(simd, batch, pairs)
-}
-
 /// Adds the contact of two triangles that intersect.
 #[simd]
 fn measure<S: Simd>(
     simd: S,
-    batch: &Batch<'_>,
+    posed: &Posed<'_>,
     pair: [u32; 2],
     supports: &mut Supports,
     directions: &Directions,
 ) {
-    let [a, b] = batch.triangles(pair);
+    let [a, b] = posed.triangles(pair);
     supports.add_all(simd, directions, triangle::contact(&a, &b).points());
 }
 
@@ -194,53 +165,54 @@ fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
     if holder.root == root {
         return at;
     }
-    let bounds = body.nodes[root as usize].bounds;
     let (nodes, triangles) =
         (section::nodes_of(body.nodes, root), section::triangles(body.nodes, root));
-    for (node, holder) in start.iter_mut().zip(blocks(&body.wide[at as usize..])) {
-        *node = *holder;
-        (node.bounds, node.root) = (bounds, root);
-        for lane in (0..LANES).filter(|lane| !holder.is_empty(*lane)) {
-            let below = if holder.is_leaf() {
-                triangles.contains(&holder.triangle(lane))
-            } else {
-                nodes.contains(&body.wide[holder.child(lane) as usize].root)
-            };
-            if !below {
-                node.clear(lane);
-            }
+    if holder.leaf().is_some() {
+        let count = leaf(&body.wide[at as usize..]).len();
+        start[..count].copy_from_slice(&body.wide[at as usize..][..count]);
+        for leaf in start[..count].iter_mut().filter_map(WideNode::leaf_mut) {
+            leaf.root = root;
+            let first = leaf.first;
+            let here = |lane: &usize| triangles.contains(&(first + *lane as u32));
+            (0..LEAF_LANES).filter(|lane| !here(lane)).for_each(|lane| leaf.clear(lane));
+        }
+        return START;
+    }
+    let node = &mut start[0];
+    *node = *holder;
+    (node.bounds, node.root) = (body.nodes[root as usize].bounds, root);
+    for lane in (0..LANES).filter(|lane| !holder.is_empty(*lane)) {
+        if !nodes.contains(&body.wide[holder.child(lane) as usize].root) {
+            node.clear(lane);
         }
     }
     START
 }
 
-/// The nodes of the leaf that begins here; an interior node is alone.
+/// The leaf that begins here: one node or several.
 #[inline(always)]
-fn blocks(nodes: &[WideNode]) -> &[WideNode] {
-    &nodes[..(nodes[0].count as usize).div_ceil(LANES).max(1)]
+fn leaf(nodes: &[WideNode]) -> &[WideLeaf] {
+    let count = nodes[0].leaf().map_or(0, |leaf| leaf.count as usize);
+    WideLeaf::all(&nodes[..count.div_ceil(LEAF_LANES)])
 }
 
 impl Walk<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, budget: u64) -> ControlFlow<Halt, End> {
         while let Some(&pair) = self.stack.last() {
-            if self.found.counters.tests() + self.count as u64 >= budget
-                || self.stack.len() + LANE_PAIRS > self.room
-            {
-                self.settle(simd)?;
+            if self.found.counters.tests() >= budget || self.stack.len() + LANE_PAIRS > self.room {
                 return ControlFlow::Continue(End::OutOfBudget);
             }
-            self.beat()?;
+            self.found.beat()?;
             self.stack.pop();
             let (a, b) = (self.tree_a.node(pair.a), self.tree_b.node(pair.b));
-            match (a.is_leaf(), b.is_leaf()) {
-                (false, false) => self.open_both(simd, a, b),
-                (false, true) => self.open_a(simd, a, b, pair.b),
-                (true, false) => self.open_b(simd, a, b, pair.a),
-                (true, true) => self.collect(simd, pair)?,
+            match (a.leaf(), b.leaf()) {
+                (None, None) => self.open_both(simd, a, b),
+                (None, Some(leaf)) => self.open_a(simd, a, &leaf.bounds, pair.b),
+                (Some(leaf), None) => self.open_b(simd, &leaf.bounds, b, pair.a),
+                (Some(_), Some(_)) => self.collect(simd, pair)?,
             }
         }
-        self.settle(simd)?;
         ControlFlow::Continue(End::Complete)
     }
 
@@ -256,8 +228,8 @@ impl Walk<'_, '_> {
     }
 
     #[inline(always)]
-    fn open_a<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode, number_b: u32) {
-        let mut meeting = self.frames.meet_one_of_b(simd, a, &b.bounds);
+    fn open_a<S: Simd>(&mut self, simd: S, a: &WideNode, b: &Aabb, number_b: u32) {
+        let mut meeting = self.frames.meet_one_of_b(simd, a, b);
         self.count(boxes::used(simd, a), 1);
         while meeting != 0 {
             let at = meeting.trailing_zeros() as usize % LANES;
@@ -267,8 +239,8 @@ impl Walk<'_, '_> {
     }
 
     #[inline(always)]
-    fn open_b<S: Simd>(&mut self, simd: S, a: &WideNode, b: &WideNode, number_a: u32) {
-        let mut meeting = self.frames.meet_one_of_a(simd, &a.bounds, b);
+    fn open_b<S: Simd>(&mut self, simd: S, a: &Aabb, b: &WideNode, number_a: u32) {
+        let mut meeting = self.frames.meet_one_of_a(simd, a, b);
         self.count(1, boxes::used(simd, b));
         while meeting != 0 {
             let at = meeting.trailing_zeros() as usize % LANES;
@@ -282,106 +254,60 @@ impl Walk<'_, '_> {
         self.found.counters.nb += u64::from(lanes_a.count_ones() * lanes_b.count_ones());
     }
 
-    /// Adds the candidates of two leaves.
+    /// Tests the triangles of two leaves. Where the sink wants no more, the pair is open again.
     #[inline(always)]
     fn collect<S: Simd>(&mut self, simd: S, pair: NodePair) -> ControlFlow<Halt> {
-        let (a, b) = (blocks(self.tree_a.from(pair.a)), blocks(self.tree_b.from(pair.b)));
-        self.frames.pack(simd, (a, b), (self.packed_a, self.packed_b));
-        let (count_a, count_b) = (self.packed_a.triangles().len(), self.packed_b.triangles().len());
-        self.found.counters.nb += u64::from(a[0].count + b[0].count) + (count_a * count_b) as u64;
-        if count_a == 0 || count_b == 0 {
+        let (a, b) = (leaf(self.tree_a.from(pair.a)), leaf(self.tree_b.from(pair.b)));
+        let patches = (&mut *self.patch_a, &mut *self.patch_b);
+        self.found.counters.nb += u64::from(a[0].count + b[0].count);
+        let Some(close) = self.frames.pack(simd, &self.posed, (a, b), patches) else {
             return ControlFlow::Continue(());
+        };
+        let before = self.found.sums;
+        let tested = self.test(simd, &close);
+        if let ControlFlow::Break(Halt::Stopped) = tested {
+            self.found.sums = before;
+            self.stack.push(pair);
         }
-        let from = self.count;
-        self.lots.push(Lot { pair, from, before: None });
+        tested
+    }
+
+    /// Tests all of one patch against all of the other.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, close: &Close) -> ControlFlow<Halt> {
+        let (a, b) = (&*self.patch_a, &*self.patch_b);
         let sets = self.found.task.question == Question::Sets;
         let fresh = if sets { self.fresh() } else { u64::MAX };
-        let mut row = 0;
-        loop {
-            let hits_a = &*self.found.hits_a;
-            let only = |a| if sets && hits_a.has(a) { fresh } else { u64::MAX };
-            (row, self.count) =
-                self.packed_a.meet(simd, self.packed_b, row, only, self.waiting, self.count);
-            if self.count < BATCH {
-                break;
+        self.found.counters.nb += (a.triangles().len() * b.triangles().len()) as u64;
+        for (row, &triangle) in a.triangles().iter().enumerate() {
+            let mut meeting = b.meeting(simd, &a.one_box(simd, row));
+            if sets && self.found.hits_a.has(triangle) {
+                meeting &= fresh;
             }
-            self.test(simd)?;
-            // What was tested so far belongs to this lot, at the last.
-            self.lots.drain(..self.lots.len() - 1);
-            self.lots[0].from = 0;
-            self.beat()?;
-        }
-        self.lots.pop_if(|lot| lot.from == self.count);
-        if self.found.task.question == Question::Touches {
-            self.settle(simd)?;
+            self.found.counters.np += u64::from(meeting.count_ones());
+            while meeting != 0 {
+                let at = meeting.trailing_zeros() as usize / EIGHT * EIGHT;
+                let lanes = meeting >> at & 0xff;
+                meeting &= !(0xff << at);
+                let others = &b.triangles()[at..];
+                let near = (&self.posed, close);
+                let mut hits = patch::meet(simd, near, (a, row), (b, at), lanes);
+                while hits != 0 {
+                    let pair = [triangle, others[hits.trailing_zeros() as usize]];
+                    let posed = &self.posed;
+                    self.found.take(pair, |supports, directions| {
+                        measure(simd, posed, pair, supports, directions);
+                    })?;
+                    hits &= hits - 1;
+                }
+            }
         }
         ControlFlow::Continue(())
     }
 
-    /// Which of B's packed triangles are not known to be hit, bit j for the jth.
+    /// Which of B's triangles are not known to be hit, bit j for the jth place.
     fn fresh(&self) -> u64 {
-        let triangles = self.packed_b.triangles().iter().enumerate();
+        let triangles = self.patch_b.triangles().iter().enumerate();
         triangles.fold(0, |fresh, (j, &b)| fresh | u64::from(!self.found.hits_b.has(b)) << j)
-    }
-
-    /// Tests all that wait; then no lot is open.
-    #[inline(always)]
-    fn settle<S: Simd>(&mut self, simd: S) -> ControlFlow<Halt> {
-        self.test(simd)?;
-        self.lots.clear();
-        ControlFlow::Continue(())
-    }
-
-    /// Tests all that wait.
-    #[inline(always)]
-    fn test<S: Simd>(&mut self, simd: S) -> ControlFlow<Halt> {
-        let mut lot = 0;
-        for start in (0..self.count).step_by(BATCH) {
-            let end = self.count.min(start + BATCH);
-            let mut hits = intersecting(simd, &self.batch, &self.waiting[start..end]);
-            self.found.counters.np += (end - start) as u64;
-            while hits != 0 {
-                let at = start + hits.trailing_zeros() as usize;
-                while self.lots.get(lot + 1).is_some_and(|next| next.from <= at) {
-                    lot += 1;
-                }
-                let before = *self.lots[lot].before.get_or_insert(self.found.sums);
-                let (batch, pair) = (&self.batch, self.waiting[at]);
-                let taken = self.found.take(pair, |supports, directions| {
-                    measure(simd, batch, pair, supports, directions);
-                });
-                if let ControlFlow::Break(halt) = taken {
-                    if halt == Halt::Stopped {
-                        self.found.sums = before;
-                        self.reopen(lot);
-                    }
-                    return ControlFlow::Break(halt);
-                }
-                hits &= hits - 1;
-            }
-        }
-        self.count = 0;
-        ControlFlow::Continue(())
-    }
-
-    #[inline(always)]
-    fn beat(&mut self) -> ControlFlow<Halt> {
-        let beaten = self.found.beat();
-        if beaten.is_break() {
-            // The first lot may have been tested in part, the others were not.
-            let before = self.lots.first().and_then(|lot| lot.before);
-            self.found.sums = before.unwrap_or(self.found.sums);
-            self.reopen(0);
-        }
-        beaten
-    }
-
-    /// Puts the pairs of leaves from this lot on back on the stack: the walk ends.
-    #[cold]
-    fn reopen(&mut self, lot: usize) {
-        for lot in self.lots.drain(..).skip(lot) {
-            self.stack.push(lot.pair);
-        }
-        self.count = 0;
     }
 }

@@ -1,4 +1,4 @@
-//! Campaign: the triangle test, alone and in batches, and the contact points against exact
+//! Campaign: the triangle test, alone and in patches, and the contact points against exact
 //! arithmetic.
 //!
 //! Pair number n of a seed is always the same pair, so a difference is replayed by its number. The
@@ -13,9 +13,9 @@ mod exact;
 
 use cases::{FAMILIES, Pair, group, pair};
 use fearless_simd::dispatch;
-use geometry::batch::{BATCH, Batch, intersecting};
+use geometry::patch::{Posed, ROOM, meet_all};
 use geometry::triangle::{contact, intersect};
-use geometry::{DVec3, simd};
+use geometry::{DVec3, Patch, simd};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
@@ -91,29 +91,41 @@ fn the_test_equals_exact_arithmetic() {
     report(&tally);
 }
 
+/// The pairs of a group are tested alone, and among the others: then sizes of all kinds are in one
+/// patch.
 #[test]
-fn the_batch_equals_exact_arithmetic_at_every_level() {
+fn patches_equal_exact_arithmetic_at_every_level() {
     let seed = setting("ORACLE_SEED", 1);
-    let groups = setting("ORACLE_PAIRS", 20_000).div_ceil(BATCH as u64);
+    let groups = setting("ORACLE_PAIRS", 20_000).div_ceil(ROOM as u64);
     let tally = campaign(groups, |number, tally| {
         let group = group(seed, number);
-        let batch = Batch::new(&group.pose, &group.a, &group.b);
-        let pairs: [_; BATCH] = core::array::from_fn(|i| [i as u32; 2]);
-        let mut truth = 0;
-        for (i, numbers) in pairs.iter().enumerate() {
-            let [a, b] = batch.triangles(*numbers);
+        let posed = Posed::new(&group.pose, &group.a, &group.b);
+        let mut truth = 0_u64;
+        for i in 0..ROOM as u32 {
+            let [a, b] = posed.triangles([i; 2]);
             let hit = exact::meet(&Pair { a, b });
             truth |= u64::from(hit) << i;
-            count(tally, BATCH as u64 * number + i as u64, hit);
+            count(tally, ROOM as u64 * number + u64::from(i), hit);
         }
+        let mut patches = [Patch::default(), Patch::default()];
         for level in simd::levels() {
-            let found = dispatch!(level, simd => intersecting(simd, &batch, &pairs));
-            let name = simd::name(level);
-            assert_eq!(found, truth, "group {number} at {name}: {group:?}");
+            for size in [1, 8] {
+                let mut found = 0_u64;
+                let mut hit = |[a, b]: [u32; 2]| found |= u64::from(a == b) << a;
+                for start in (0..ROOM as u32).step_by(size) {
+                    let range = start..start + size as u32;
+                    dispatch!(level, simd => {
+                        let ranges = (range.clone(), range.clone());
+                        meet_all(simd, &posed, &mut patches, ranges, &mut hit);
+                    });
+                }
+                let name = simd::name(level);
+                assert_eq!(found, truth, "group {number}, {size} at {name}: {group:?}");
+            }
         }
     });
     let levels: Vec<_> = simd::levels().map(simd::name).collect();
-    println!("batches, at {}", levels.join(", "));
+    println!("patches, at {}", levels.join(", "));
     report(&tally);
 }
 

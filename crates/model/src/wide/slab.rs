@@ -1,9 +1,11 @@
 //! The space between two parallel planes in which some triangles lie.
 
+use bytemuck::{Pod, Zeroable};
 use geometry::{Corners, DVec3};
 
 /// All points x with `low ≤ normal·x ≤ high`, body frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Slab {
     /// A unit vector, but for rounding; any direction will do.
     pub normal: [f32; 3],

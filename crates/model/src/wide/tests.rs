@@ -7,16 +7,17 @@ use crate::testing::{body_of, mesh_of, strip};
 /// All triangles below a wide node, in the order of its lanes.
 fn triangles(wide: &[WideNode], at: u32) -> Vec<u32> {
     let node = &wide[at as usize];
-    let lanes = (0..LANES).filter(|lane| !node.is_empty(*lane));
-    if node.is_leaf() {
-        let mut all: Vec<u32> = lanes.map(|lane| node.triangle(lane)).collect();
-        assert_eq!(all.len(), LANES.min(node.count as usize));
-        if node.count as usize > LANES {
-            assert_eq!(wide[at as usize + 1].root, node.root);
+    if let Some(leaf) = node.leaf() {
+        let lanes = (0..LEAF_LANES).filter(|lane| !leaf.is_empty(*lane));
+        let mut all: Vec<u32> = lanes.map(|lane| leaf.first + lane as u32).collect();
+        assert_eq!(all.len(), LEAF_LANES.min(leaf.count as usize));
+        if leaf.count as usize > LEAF_LANES {
+            assert_eq!(wide[at as usize + 1].root, leaf.root);
             all.extend(triangles(wide, at + 1));
         }
         return all;
     }
+    let lanes = (0..LANES).filter(|lane| !node.is_empty(*lane));
     lanes.flat_map(|lane| triangles(wide, node.child(lane))).collect()
 }
 
@@ -69,25 +70,28 @@ fn check(body: &Body) {
     for (at, node) in wide.nodes.iter().enumerate() {
         let root = node.root as usize;
         assert_eq!(node.bounds, body.nodes[root].bounds);
-        for lane in (0..LANES).filter(|lane| !node.is_empty(*lane)) {
-            let exact = if node.is_leaf() {
-                Aabb::of(&body.corners[node.triangle(lane) as usize])
-            } else {
-                let child = node.child(lane) as usize;
-                assert!(child > at);
-                wide.nodes[child].bounds
-            };
-            for axis in 0..3 {
-                assert_eq!(node.min[axis][lane], exact.min[axis]);
-                assert_eq!(node.max[axis][lane], exact.max[axis]);
-            }
-        }
-        let goes_on = at > 0 && wide.nodes[at - 1].count as usize > LANES;
+        let goes_on = at > 0 && wide.nodes[at - 1].leaf().is_some_and(|l| l.count as usize > 32);
         if !goes_on {
             assert_eq!(triangles(&wide.nodes, at as u32), range(body, root));
             assert_eq!(wide.of[root], at as u32);
-            if node.is_leaf() {
-                check_slab(&node.slab(), body, root);
+        }
+        if let Some(leaf) = node.leaf() {
+            check_slab(&leaf.slab, body, root);
+            let grid = Grid::over(&leaf.bounds);
+            for lane in (0..LEAF_LANES).filter(|lane| !leaf.is_empty(*lane)) {
+                let exact = Aabb::of(&body.corners[leaf.first as usize + lane]);
+                let stored = [leaf.min, leaf.max].map(|of| of.map(|axis| axis[lane]));
+                assert_eq!(stored, grid.cells(&exact));
+            }
+            continue;
+        }
+        for lane in (0..LANES).filter(|lane| !node.is_empty(*lane)) {
+            let child = node.child(lane) as usize;
+            assert!(child > at);
+            let exact = wide.nodes[child].bounds;
+            for axis in 0..3 {
+                assert_eq!(node.min[axis][lane], exact.min[axis]);
+                assert_eq!(node.max[axis][lane], exact.max[axis]);
             }
         }
     }
@@ -108,11 +112,11 @@ fn it_holds_what_the_binary_tree_holds() {
 /// A leaf of more triangles than lanes goes on in the nodes that follow.
 #[test]
 fn a_large_leaf_takes_several_nodes() {
-    for count in [8, 9, 16, 17, 64] {
+    for count in [31, 32, 33, 64, 65] {
         let mut body = body_of(&mesh_of(strip(count)));
         body.nodes = vec![Node { bounds: body.nodes[0].bounds, link: 0, count: count as u32 }];
         body.wide = Wide::of(&body.nodes, &body.corners);
-        assert_eq!(body.wide.nodes.len(), count.div_ceil(LANES));
+        assert_eq!(body.wide.nodes.len(), count.div_ceil(LEAF_LANES));
         check(&body);
     }
 }
@@ -131,16 +135,35 @@ fn shares_do_not_change_it() {
     }
 }
 
+/// The corners of a triangle take 36 bytes.
 #[test]
-fn lanes_are_well_filled() {
+fn it_is_smaller_than_the_triangles() {
     let body = body_of(&mesh_of(strip(4096)));
-    let used: usize = body
-        .wide
-        .nodes
-        .iter()
-        .map(|node| (0..LANES).filter(|lane| !node.is_empty(*lane)).count())
-        .sum();
-    assert!(used * 10 > body.wide.nodes.len() * LANES * 9, "{used}");
+    let bytes = size_of_val(&body.wide.nodes[..]);
+    assert!(bytes < 30 * body.corners.len(), "{bytes} bytes");
+}
+
+/// What a grid says of a coordinate never falls as that grows, wherever it is: so boxes that meet
+/// meet in cells. And cells are no larger than they need be.
+#[test]
+fn cells_do_not_fall_along_an_axis() {
+    let boxes = [[-0.7, 0.1], [3.0, 3.0], [0.0, 1e-42], [-1e30, 1e30], [1e7, 1e7 + 1.0]];
+    for [low, high] in boxes {
+        let cell = |x: f32| {
+            let grid = Grid::over(&Aabb { min: [low; 3], max: [high; 3] });
+            grid.cells(&Aabb { min: [x; 3], max: [x; 3] })[0][0]
+        };
+        let steps = (-2000..=2000).map(|i| low + (high - low) * (i as f32 / 1000.0));
+        let around = [low, high].into_iter().flat_map(|x| [x.next_down(), x, x.next_up()]);
+        let far = [f32::MIN, -1.0, 0.0, 1.0, f32::MAX];
+        let mut all: Vec<f32> = steps.chain(around).chain(far).collect();
+        all.sort_by(f32::total_cmp);
+        assert!(all.is_sorted_by_key(|x| cell(*x)), "{low} to {high}");
+        assert_eq!((cell(low), cell(f32::MAX)), (0, u8::MAX - 1));
+        if high - low > 1e-30 {
+            assert!(cell(low + (high - low) * 0.49) < 126 && cell(low + (high - low) * 0.51) > 128);
+        }
+    }
 }
 
 #[test]

@@ -1,8 +1,9 @@
-//! The law: at every level, in any order and number, the batch says what the exact test says.
+//! The law: at every level, however triangles are put together, patches say what the exact test
+//! says.
 
 use super::*;
 use crate::{Pose, hash::splitmix64, simd};
-use fearless_simd::dispatch;
+use fearless_simd::{Level, dispatch};
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -41,19 +42,42 @@ fn pose() -> impl Strategy<Value = RelativePose> {
     })
 }
 
-fn exact(batch: &Batch<'_>, pairs: &[[u32; 2]]) -> u64 {
-    pairs.iter().enumerate().fold(0, |hits, (i, pair)| {
-        let [a, b] = batch.triangles(*pair);
-        hits | u64::from(triangle::intersect(&a, &b)) << i
-    })
+/// All pairs, by the exact test.
+fn exact(posed: &Posed<'_>) -> Vec<[u32; 2]> {
+    let (of_a, of_b) = (posed.a.len() as u32, posed.b.len() as u32);
+    let pairs = (0..of_a).flat_map(|a| (0..of_b).map(move |b| [a, b]));
+    let hit = |pair: &[u32; 2]| {
+        let [a, b] = posed.triangles(*pair);
+        triangle::intersect(&a, &b)
+    };
+    pairs.filter(hit).collect()
+}
+
+/// All pairs, by patches of so many triangles.
+fn by_patches(level: Level, posed: &Posed<'_>, size: usize) -> Vec<[u32; 2]> {
+    let cut = |count: usize| (0..count).step_by(size).map(move |at| at..count.min(at + size));
+    let whole = |range: Range<usize>| range.start as u32..range.end as u32;
+    let (mut patches, mut hits) = ([Patch::default(), Patch::default()], Vec::new());
+    for a in cut(posed.a.len()) {
+        for b in cut(posed.b.len()) {
+            let ranges = (whole(a.clone()), whole(b));
+            dispatch!(level, simd => {
+                meet_all(simd, posed, &mut patches, ranges, &mut |pair| hits.push(pair));
+            });
+        }
+    }
+    hits.sort_unstable();
+    hits
 }
 
 #[track_caller]
-fn assert_exact(batch: &Batch<'_>, pairs: &[[u32; 2]]) {
-    let expected = exact(batch, pairs);
+fn assert_exact(posed: &Posed<'_>) {
+    let expected = exact(posed);
     for level in simd::levels() {
-        let found = dispatch!(level, simd => intersecting(simd, batch, pairs));
-        assert_eq!(found, expected, "at {}: {batch:?} {pairs:?}", simd::name(level));
+        for size in [1, 5, ROOM] {
+            let found = by_patches(level, posed, size);
+            assert_eq!(found, expected, "{size} at {}: {posed:?}", simd::name(level));
+        }
     }
 }
 
@@ -61,16 +85,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
-    fn a_batch_is_its_pairs_one_by_one(
+    fn patches_say_what_the_exact_test_says(
         pose in pose(),
-        a in prop::collection::vec(corners(), 1..20),
-        b in prop::collection::vec(corners(), 1..20),
-        numbers in prop::collection::vec((0_u32..20, 0_u32..20), 0..=BATCH),
+        a in prop::collection::vec(corners(), 1..12),
+        b in prop::collection::vec(corners(), 1..12),
     ) {
-        let batch = Batch::new(&pose, &a, &b);
-        let (of_a, of_b) = (a.len() as u32, b.len() as u32);
-        let pairs: Vec<_> = numbers.iter().map(|(i, k)| [i % of_a, k % of_b]).collect();
-        assert_exact(&batch, &pairs);
+        assert_exact(&Posed::new(&pose, &a, &b));
     }
 
     /// Small triangles of a large body, as bodies have them: nearly every lane decides.
@@ -89,8 +109,7 @@ proptest! {
         // A's stand where B's do, after B is posed.
         let near = |c: &Corners| pose.point(c[0]).to_array().map(|x| x as f32);
         let a: Vec<_> = b.iter().map(|c| small(near(c))).collect();
-        let pairs: Vec<_> = (0..64).map(|i| [i / 8, i % 8]).collect();
-        assert_exact(&Batch::new(&pose, &a, &b), &pairs);
+        assert_exact(&Posed::new(&pose, &a, &b));
     }
 }
 
@@ -104,11 +123,17 @@ fn what_is_clear_is_decided_by_the_lanes() {
     let (a, b) = ([flat], [across(0.0), across(5.0), flat]);
     for (pose, doubt) in [(turned, 0b000), (Pose::IDENTITY, 0b100)] {
         let pose = RelativePose::between(&Pose::IDENTITY, &pose);
-        let batch = Batch::new(&pose, &a, &b);
-        let pairs: [_; BATCH] = core::array::from_fn(|i| [0, i.min(2) as u32]);
+        let posed = Posed::new(&pose, &a, &b);
+        let around = Aabb { min: [-1.0, -1.0, -1.0], max: [1.0, 1.5, 6.0] };
+        let close = posed.close(&around, &around);
+        let [mut patch_a, mut patch_b] = [Patch::default(), Patch::default()];
         for level in simd::levels() {
-            let [hits, open] = dispatch!(level, simd => sifted(simd, &batch, &pairs));
-            let found = [hits & 0b011, open & 0b111];
+            let [hits, open] = dispatch!(level, simd => {
+                patch_a.take_a(simd, (&posed, &close), (0, 0b1), &All(simd));
+                patch_b.take_b(simd, (&posed, &close), (0, 0b111), &All(simd));
+                sift(simd, &close, (&patch_a, 0), (&patch_b, 0), 0b111)
+            });
+            let found = [hits & 0b011, open];
             assert_eq!(found, [0b001, doubt], "at {}", simd::name(level));
         }
     }
