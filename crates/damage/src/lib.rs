@@ -125,6 +125,7 @@ pub use interval::{Range, Work};
 pub use party::{Aboard, Party, PartyError, PersonId, crew};
 pub use path::{Apart, Meeting, Path, Stop, plan};
 pub use policy::Policy;
+pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::{Ground, Note, Place, RankError, Ranking, State, rank};
 pub use rule::{Rule, Stake};
 pub use search::{First, Search};
