@@ -47,7 +47,12 @@ impl Args {
 pub(crate) enum Command {
     /// Rank seven crashes between bodies that the program generates itself.
     #[command(after_help = "Example:\n  trolley demo --workers 2")]
-    Demo(#[command(flatten)] EngineArgs),
+    Demo {
+        #[command(flatten)]
+        answer: AnswerArgs,
+        #[command(flatten)]
+        options: EngineArgs,
+    },
     /// Rank the crashes that a scenario file describes.
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
         trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name")]
@@ -55,7 +60,14 @@ pub(crate) enum Command {
         /// Scenario, TOML: see `trolley schema`.
         scenario: PathBuf,
         #[command(flatten)]
+        answer: AnswerArgs,
+        #[command(flatten)]
         options: EngineArgs,
+    },
+    /// Policies and injury curves: would they be accepted, and what do they say?
+    Policy {
+        #[command(subcommand)]
+        verb: crate::policy::Verb,
     },
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
@@ -80,6 +92,26 @@ pub(crate) enum Command {
         /// How it was started.
         word: String,
     },
+}
+
+/// What is done with an answer, and what may be assumed for it.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub(crate) struct AnswerArgs {
+    /// Print the chain from contact to rank, with every source, and what would flip the winner.
+    #[arg(long)]
+    pub(crate) explain: bool,
+    /// Take parties of unknown kind as fixed to the ground, with nobody in them; the answer says
+    /// so. Without it a scenario that has any is refused.
+    #[arg(long, value_name = "unknown=fixed")]
+    pub(crate) assume: Option<Assume>,
+}
+
+/// What may be assumed of what nobody knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Assume {
+    /// Unknown things are fixed to the ground.
+    #[value(name = "unknown=fixed")]
+    UnknownFixed,
 }
 
 /// Settings of the engine; each overrides the scenario's. None changes a complete answer.

@@ -9,8 +9,9 @@ use damage::{
     CandidateHarm, Contact, DeltaV, Note, Party, Place, Range, Ranking, State, Unevaluable, Work,
 };
 use geometry::DVec3;
-use model::Kind;
+use model::{Kind, Meta};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What was asked, answered.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,6 +26,8 @@ pub struct Answer {
     pub tie_class: Vec<String>,
     /// What must be said besides.
     pub notes: Vec<Note>,
+    /// What was assumed because nobody knows it, in sentences.
+    pub assumptions: Vec<String>,
     /// What is missing: candidates whose contact is not fully known.
     pub missing: Vec<String>,
 }
@@ -50,6 +53,12 @@ pub struct Row {
     pub is_other_fixed: bool,
     /// What the contact is like.
     pub contact: Contact,
+    /// Names of the parts hit from first contact to e, in the bodies' order: of the ego, of the
+    /// other.
+    pub parts: [Vec<String>; 2],
+    /// Crush by stiffness beside the depth, where somebody configured it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crush: Option<damage::Crush>,
     /// Closing speed (m/s).
     pub closing_m_s: f64,
     /// Change of velocity of the ego and of the other (m/s).
@@ -109,16 +118,18 @@ pub struct PoseRow {
 }
 
 impl Answer {
-    pub(crate) fn new(
+    pub(crate) fn new<'m>(
         request: &Request,
         ranking: &Ranking,
         harms: &[CandidateHarm],
         cases: &[Case],
+        metas: &dyn Fn(u32) -> &'m Meta,
     ) -> Self {
         let name = |number: usize| request.candidates[number].name.clone();
         let rows = ranking.places.iter().enumerate().map(|(at, place)| {
             let next = ranking.places.get(at + 1).map(|next| next.candidate);
-            row(request, place, next, &harms[place.candidate], &cases[place.candidate])
+            let (harm, case) = (&harms[place.candidate], &cases[place.candidate]);
+            row(request, place, next, harm, case, metas)
         });
         let missing = (0..cases.len())
             .filter(|number| harms[*number].is_open || harms[*number].unevaluable.is_some());
@@ -128,17 +139,29 @@ impl Answer {
             ranking: rows.collect(),
             tie_class: ranking.tie_class.iter().map(|number| name(*number)).collect(),
             notes: ranking.notes.clone(),
+            assumptions: assumptions(request),
             missing: missing.map(name).collect(),
         }
     }
 }
 
-fn row(
+/// One sentence per party of unknown kind.
+fn assumptions(request: &Request) -> Vec<String> {
+    let unknown = request.candidates.iter().filter(|candidate| candidate.is_assumed_fixed);
+    let names: BTreeSet<&str> = unknown.map(|candidate| candidate.other_name.as_str()).collect();
+    let sentence = |name: &str| {
+        format!("\"{name}\" is of unknown kind: taken as fixed to the ground, with nobody in it")
+    };
+    names.into_iter().map(sentence).collect()
+}
+
+fn row<'m>(
     request: &Request,
     place: &Place,
     next: Option<usize>,
     harm: &CandidateHarm,
     case: &Case,
+    metas: &dyn Fn(u32) -> &'m Meta,
 ) -> Row {
     let candidate = &request.candidates[place.candidate];
     let why = place
@@ -146,6 +169,11 @@ fn row(
         .as_ref()
         .zip(next)
         .map(|(ground, next)| ground.sentence(&candidate.name, &request.candidates[next].name));
+    let [parts_a, parts_b] = case.parts();
+    let names = |model: u32, parts: BTreeSet<u16>| {
+        let known = &metas(model).parts;
+        parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
+    };
     Row {
         name: candidate.name.clone(),
         other: candidate.other_name.clone(),
@@ -156,6 +184,8 @@ fn row(
         sides: sides(candidate, harm),
         is_other_fixed: candidate.b.mass_kg.is_none(),
         contact: harm.contact.clone(),
+        parts: [names(candidate.model_a, parts_a), names(candidate.model_b, parts_b)],
+        crush: harm.crush,
         closing_m_s: harm.closing_m_s,
         delta_v_m_s: harm.delta_v,
         energy_j: harm.energy_j,
@@ -172,6 +202,7 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let normal = DVec3::from_array(patch.normal);
     let up = candidate.approach.directions.d[damage::approach::UP];
     let side = |party: &Party, outward: DVec3| match party.kind {
+        Kind::Wall | Kind::Pole | Kind::Building if candidate.is_assumed_fixed => "unknown",
         Kind::Wall | Kind::Pole | Kind::Building => party.kind.name(),
         Kind::Pedestrian => "person",
         _ => match party.bearing(outward, up) {

@@ -7,8 +7,9 @@ use crate::gather::{Gathered, SetSummary};
 use crate::request::Candidate;
 use damage::{Evidence, First, Meeting, Search, Seen, Stop};
 use geometry::Supports;
-use model::Zones;
+use model::{BodyView, Zones};
 use protocol::Question;
+use std::collections::BTreeSet;
 
 /// What a task is for.
 #[derive(Clone, Copy, Debug)]
@@ -20,9 +21,11 @@ pub(crate) enum Aim {
 }
 
 /// A pose of the survey, done.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Surveyed {
     pub(crate) sets: SetSummary,
+    /// Parts hit, of A and of B; empty at poses past e.
+    pub(crate) parts: [BTreeSet<u16>; 2],
     pub(crate) pairs: u64,
     pub(crate) hash: u64,
     pub(crate) seen: Seen,
@@ -101,7 +104,12 @@ impl Case {
         }
     }
 
-    pub(crate) fn surveyed(&mut self, number: usize, sets: SetSummary, found: &Gathered) {
+    pub(crate) fn surveyed(
+        &mut self,
+        number: usize,
+        found: &Gathered,
+        (a, b): (&BodyView<'_>, &BodyView<'_>),
+    ) {
         let Stage::Surveying { stops, .. } = &mut self.stage else { return };
         let Some((stop, surveyed)) = stops.get_mut(number) else { return };
         let zones = |bits: u16| if stop.zones { Zones(bits) } else { Zones(0) };
@@ -111,7 +119,25 @@ impl Case {
             zones_a: zones(found.zones_a),
             zones_b: zones(found.zones_b),
         };
-        *surveyed = Some(Surveyed { sets, pairs: found.pairs, hash: found.hash, seen });
+        *surveyed = Some(Surveyed {
+            sets: found.summary(a, b),
+            parts: if stop.zones { found.parts(a, b) } else { Default::default() },
+            pairs: found.pairs,
+            hash: found.hash,
+            seen,
+        });
+    }
+
+    /// Numbers of all parts hit from first contact to e, ascending: of A, of B.
+    pub(crate) fn parts(&self) -> [BTreeSet<u16>; 2] {
+        let mut parts = [BTreeSet::new(), BTreeSet::new()];
+        if let Stage::Surveying { stops, .. } = &self.stage {
+            for surveyed in stops.iter().filter_map(|(_, surveyed)| surveyed.as_ref()) {
+                parts[0].extend(&surveyed.parts[0]);
+                parts[1].extend(&surveyed.parts[1]);
+            }
+        }
+        parts
     }
 
     /// What is known of the contact by now.

@@ -6,6 +6,7 @@ use geometry::{Supports, support::DIRECTIONS};
 use model::BodyView;
 use protocol::Side;
 use protocol::result::{Last, read_hit};
+use std::collections::BTreeSet;
 
 /// A set of triangles, one bit each.
 #[derive(Clone, Debug, Default)]
@@ -97,6 +98,14 @@ impl Gathered {
             self.supports.merge(&Supports(*supports));
         }
         sound
+    }
+
+    /// Numbers of the parts that the hits belong to, ascending: of A, of B.
+    pub(crate) fn parts(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> [BTreeSet<u16>; 2] {
+        let of = |hits: &Hits, body: &BodyView<'_>| {
+            hits.iter().filter_map(|triangle| body.part_of.get(triangle).copied()).collect()
+        };
+        [of(&self.hits_a, a), of(&self.hits_b, b)]
     }
 
     /// Counts and order-free hashes of both hit sets, over source ids.

@@ -22,12 +22,15 @@
 mod answer;
 mod case;
 mod crew;
+mod explain;
 mod gather;
 mod here;
 mod request;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
+
+pub use explain::{Chain, Explanation, PersonChain, PolicyStep};
 
 pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
 pub use here::run_here;

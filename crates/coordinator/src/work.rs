@@ -2,10 +2,11 @@
 
 use crate::answer::Answer;
 use crate::case::{Aim, Case};
+use crate::explain::Explanation;
 use crate::gather::{Gathered, Part};
 use crate::request::{Request, RequestError};
 use bvh::{Counters, front, section};
-use damage::{Basis, CandidateHarm, Encounter, assess};
+use damage::{Basis, CandidateHarm, Encounter, Ranking, assess};
 use dispatch::{Closed, Spec};
 use model::{BodyView, Meta};
 use protocol::{Question, Section, Task, TaskId};
@@ -88,7 +89,24 @@ impl<'w> Work<'w> {
     /// # Errors
     ///
     /// If a candidate cannot be assessed or ranked at all: then the request is refused.
-    pub fn answer(&self) -> Result<(Answer, Vec<CandidateHarm>), RequestError> {
+    pub fn answer(&self) -> Result<Answer, RequestError> {
+        let (harms, ranking) = self.judge()?;
+        let metas = |model: u32| &self.bodies[model as usize].0;
+        Ok(Answer::new(self.request, &ranking, &harms, &self.cases, &metas))
+    }
+
+    /// The answer's chain of figures, from contact to policy, and what would flip the winner.
+    ///
+    /// # Errors
+    ///
+    /// As [`Work::answer`].
+    pub fn explanation(&self) -> Result<Explanation, RequestError> {
+        let (harms, ranking) = self.judge()?;
+        Ok(Explanation::new(self.request, &ranking, &harms)?)
+    }
+
+    /// Harm of every candidate, and their order.
+    fn judge(&self) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
         let request = self.request;
         let basis = Basis {
             curves: &request.curves,
@@ -110,7 +128,7 @@ impl<'w> Work<'w> {
         }
         let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
         let ranking = damage::rank(&request.policy, &stakes, &harms)?;
-        Ok((Answer::new(request, &ranking, &harms, &self.cases), harms))
+        Ok((harms, ranking))
     }
 
     /// Asks for whatever a candidate needs next.
@@ -187,8 +205,8 @@ impl<'w> Work<'w> {
             }
             Aim::Probe { travel_m } => self.learn(case, travel_m, false),
             Aim::Survey { stop } => {
-                let (a, b) = self.views(&wire);
-                self.cases[case].surveyed(stop, found.summary(a, b), &found);
+                let views = self.views(&wire);
+                self.cases[case].surveyed(stop, &found, views);
             }
         }
     }

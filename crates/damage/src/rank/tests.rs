@@ -35,6 +35,8 @@ pub(in crate::rank) fn candidate(risks: &[Work], energy_j: Work) -> CandidateHar
         contact: Contact { touch: Touch::Yes, near_miss: false, hull_gap_m: 0.0, patch: None },
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
+        levers_m: [[0.0; 2]; 2],
+        crush: None,
         force_degrees: [0.0; 2],
         energy_j,
         persons: risks.iter().enumerate().map(person).collect(),
