@@ -62,7 +62,8 @@ const ALONE: &[(&str, &[&str])] = &[
 /// Crates that may contain `unsafe`.
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
 /// Crates without I/O, clock and waiting.
-const PURE: &[&str] = &["geometry", "protocol", "model", "bvh", "damage", "scenario", "dispatch"];
+const PURE: &[&str] =
+    &["geometry", "protocol", "model", "bvh", "damage", "scenario", "dispatch", "record"];
 /// Longest line, in characters.
 const COLUMNS_MAX: usize = 100;
 

@@ -77,6 +77,11 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::model::Verb,
     },
+    /// Decision records: look at, check, make again.
+    Record {
+        #[command(subcommand)]
+        verb: crate::record::Verb,
+    },
     /// Print the JSON Schema of scenarios.
     Schema,
     /// Print completions for a shell.
@@ -104,6 +109,9 @@ pub(crate) struct AnswerArgs {
     /// so. Without it a scenario that has any is refused.
     #[arg(long, value_name = "unknown=fixed")]
     pub(crate) assume: Option<Assume>,
+    /// Add a decision record to this folder: what was asked, decided, and by what.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) record: Option<PathBuf>,
 }
 
 /// What may be assumed of what nobody knows.

@@ -15,6 +15,7 @@ mod policy;
 mod print;
 mod progress;
 mod rank;
+mod record;
 mod run;
 mod table;
 
@@ -45,6 +46,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
             rank::rank(scenario, answer, options, &args.output())
         }
         Command::Policy { verb } => policy::run(verb, &args.output()),
+        Command::Record { verb } => record::run(verb, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Schema => print::out(&scenario::schema()),

@@ -4,12 +4,13 @@ use crate::args::{AnswerArgs, Assume, EngineArgs, Output};
 use crate::bodies;
 use crate::failure::{Code, Failure, chain};
 use crate::inputs::{self, Inputs, Read};
+use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
 use crate::{explain, print, table};
-use coordinator::Request;
+use coordinator::{Request, Work};
 use damage::State;
 use runtime::clock;
-use scenario::{Overrides, Scenario};
+use scenario::{FileRef, Overrides, Scenario};
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
@@ -88,6 +89,10 @@ fn check_unknown(file: &str, scenario: &Scenario, asked: &AnswerArgs) -> Result<
     }
 }
 
+fn compact(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(|error| Failure::new(Code::Internal, error.to_string()))
+}
+
 fn answer(
     path: &Path,
     text: &str,
@@ -105,7 +110,10 @@ fn answer(
     if scenario.deadline.is_some() {
         tracing::warn!("deadline_ms is not kept yet: the answer comes when all work is done");
     }
-    let bodies = bodies::load(&scenario, &engine, path, output)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let beside = |_: usize, reference: &FileRef| folder.join(&reference.path);
+    let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
+    let named = asked.record.as_ref().map(|_| record::bodies(&scenario, &bodies)).transpose()?;
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(bodies);
@@ -118,16 +126,36 @@ fn answer(
         plan_ms: run::milliseconds(clock::now_ns() - loaded_ns),
         ..Stages::default()
     };
+    let work = Work::new(&request, &views, engine.depth);
+    let work = if asked.record.is_some() { work.with_ledger() } else { work };
     let (work, ran) = if options.in_process {
-        run::here(&request, &views, &engine, &mut stages)
+        run::here(work, &engine, &views, &mut stages)
     } else {
-        run::crew(&request, &views, &engine, &store, options, &mut stages)?
+        run::crew(work, &engine, &views, &store, options, &mut stages)?
     };
     let before_ns = clock::now_ns();
     let answer = work.answer()?;
     stages.assess_ms = run::milliseconds(clock::now_ns() - before_ns);
-    let explanation = asked.explain.then(|| work.explanation()).transpose()?;
+    let explains = asked.explain || asked.record.is_some();
+    let explanation = explains.then(|| work.explanation()).transpose()?;
     let run = Run { stages, ..ran };
+    if let (Some(folder), Some(bodies)) = (&asked.record, &named) {
+        let made = Made {
+            inputs: &inputs,
+            engine: &engine,
+            bodies,
+            work: &work,
+            run: &run,
+            unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
+            answer: compact(&answer)?,
+            explanation: compact(&explanation)?,
+        };
+        let path = record::write(folder, made)?;
+        if !output.json && !output.quiet {
+            print::err(&format!("recorded as {}", path.display()));
+        }
+    }
+    let explanation = explanation.filter(|_| asked.explain);
     if output.json {
         let document = Document {
             schema: "trolley.rank/1",

@@ -3,7 +3,7 @@
 use crate::BUILD;
 use crate::args::EngineArgs;
 use crate::failure::{Code, Failure};
-use coordinator::{Crew, Options, Request, Work, WorkerReport, run_here};
+use coordinator::{Crew, Options, Work, WorkerReport, run_here};
 use dispatch::Patience;
 use model::{BodyView, Meta};
 use runtime::{SealedMemory, affinity, clock};
@@ -109,13 +109,12 @@ fn with_effort(run: Run, work: &Work<'_>) -> Run {
 
 /// Does all the work in this process.
 pub(crate) fn here<'w>(
-    request: &'w Request,
-    bodies: &'w [(Meta, BodyView<'w>)],
+    mut work: Work<'w>,
     engine: &Engine,
+    bodies: &'w [(Meta, BodyView<'w>)],
     stages: &mut Stages,
 ) -> (Work<'w>, Run) {
     let begun_ns = clock::now_ns();
-    let mut work = Work::new(request, bodies, engine.depth);
     let jobs = run_here(&mut work, bodies);
     stages.work_ms = milliseconds(clock::now_ns() - begun_ns);
     let mut run = blank(bodies, engine, "in-process");
@@ -126,9 +125,9 @@ pub(crate) fn here<'w>(
 
 /// Does the work with a crew of worker processes.
 pub(crate) fn crew<'w>(
-    request: &'w Request,
-    bodies: &'w [(Meta, BodyView<'w>)],
+    mut work: Work<'w>,
     engine: &Engine,
+    bodies: &'w [(Meta, BodyView<'w>)],
     store: &SealedMemory,
     options: &EngineArgs,
     stages: &mut Stages,
@@ -161,7 +160,6 @@ pub(crate) fn crew<'w>(
     };
     let mut crew = Crew::start(store, &options)?;
     let started_ns = clock::now_ns();
-    let mut work = Work::new(request, bodies, engine.depth);
     let report = crew.run(&mut work)?;
     let worked_ns = clock::now_ns();
     drop(crew);

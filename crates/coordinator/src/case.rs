@@ -140,6 +140,12 @@ impl Case {
         parts
     }
 
+    /// Whether all poses of the survey are done.
+    pub(crate) fn is_done(&self) -> bool {
+        matches!(&self.stage, Stage::Surveying { stops, .. }
+            if stops.iter().all(|(_, surveyed)| surveyed.is_some()))
+    }
+
     /// What is known of the contact by now.
     pub(crate) fn evidence(&self) -> Evidence {
         let (search, stops) = match &self.stage {
@@ -156,9 +162,7 @@ impl Case {
                 evidence.add_hits(stop.travel_m, &surveyed.seen);
             }
         }
-        let is_done = matches!(&self.stage, Stage::Surveying { stops, .. }
-            if stops.iter().all(|(_, surveyed)| surveyed.is_some()));
-        if self.is_unknown || !is_done {
+        if self.is_unknown || !self.is_done() {
             evidence.add_open_everywhere();
         }
         evidence

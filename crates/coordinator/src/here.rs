@@ -11,7 +11,7 @@ use protocol::result::{End, Last, hit};
 use protocol::{Side, Summary};
 
 #[derive(Default)]
-struct Hits(Vec<u32>);
+pub(crate) struct Hits(Vec<u32>);
 
 impl Sink for Hits {
     fn hit(&mut self, side: bvh::Side, triangle: u32) -> ControlFlow<()> {
@@ -51,7 +51,7 @@ pub fn run_here(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
     }
 }
 
-fn run(
+pub(crate) fn run(
     kernel: &mut Kernel,
     work: &mut Work<'_>,
     bodies: &[(Meta, BodyView<'_>)],

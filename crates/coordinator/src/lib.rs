@@ -25,6 +25,8 @@ mod crew;
 mod explain;
 mod gather;
 mod here;
+mod ledger;
+mod replay;
 mod request;
 mod work;
 
@@ -34,5 +36,7 @@ pub use explain::{Chain, Explanation, PersonChain, PolicyStep};
 
 pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
 pub use here::run_here;
+pub use ledger::Ledger;
+pub use replay::replay;
 pub use request::{Request, RequestError};
 pub use work::{Effort, Work};

@@ -2,8 +2,8 @@
 
 use crate::answer::Answer;
 use crate::case::{Aim, Case};
-use crate::explain::Explanation;
 use crate::gather::{Gathered, Part};
+use crate::ledger::Ledger;
 use crate::request::{Request, RequestError};
 use bvh::{Counters, front, section};
 use damage::{Basis, CandidateHarm, Encounter, Ranking, assess};
@@ -12,11 +12,14 @@ use model::{BodyView, Meta};
 use protocol::{Question, Section, Task, TaskId};
 use std::collections::VecDeque;
 
+mod keep;
+
 /// One question about one pose of one candidate.
 #[derive(Clone, Debug)]
-struct Errand {
-    case: usize,
-    aim: Aim,
+pub(crate) struct Errand {
+    pub(crate) case: usize,
+    pub(crate) aim: Aim,
+    pub(crate) travel_m: f64,
     wire: Task,
     open: u32,
     is_moot: bool,
@@ -48,6 +51,7 @@ pub struct Work<'w> {
     pairs: Vec<bvh::NodePair>,
     aims: Vec<(Aim, f64, Question)>,
     effort: Effort,
+    ledger: Option<Ledger>,
 }
 
 impl<'w> Work<'w> {
@@ -65,6 +69,7 @@ impl<'w> Work<'w> {
             pairs: Vec::new(),
             aims: Vec::new(),
             effort: Effort::default(),
+            ledger: None,
         };
         for case in 0..work.cases.len() {
             work.advance(case);
@@ -93,16 +98,6 @@ impl<'w> Work<'w> {
         let (harms, ranking) = self.judge()?;
         let metas = |model: u32| &self.bodies[model as usize].0;
         Ok(Answer::new(self.request, &ranking, &harms, &self.cases, &metas))
-    }
-
-    /// The answer's chain of figures, from contact to policy, and what would flip the winner.
-    ///
-    /// # Errors
-    ///
-    /// As [`Work::answer`].
-    pub fn explanation(&self) -> Result<Explanation, RequestError> {
-        let (harms, ranking) = self.judge()?;
-        Ok(Explanation::new(self.request, &ranking, &harms)?)
     }
 
     /// Harm of every candidate, and their order.
@@ -153,6 +148,7 @@ impl<'w> Work<'w> {
             self.errands.push(Errand {
                 case,
                 aim,
+                travel_m,
                 wire,
                 open: 0,
                 is_moot: false,
@@ -207,6 +203,9 @@ impl<'w> Work<'w> {
             Aim::Survey { stop } => {
                 let views = self.views(&wire);
                 self.cases[case].surveyed(stop, &found, views);
+                if self.cases[case].is_done() {
+                    self.note();
+                }
             }
         }
     }
@@ -261,7 +260,11 @@ impl dispatch::Work for Work<'_> {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         errand.is_unknown |= how == Closed::Abandoned;
         errand.open -= 1;
-        if errand.open == 0 {
+        let is_last = errand.open == 0;
+        if let Some(ledger) = &mut self.ledger {
+            ledger.close(errand, job, how);
+        }
+        if is_last {
             self.finish(job.task.0);
         }
     }
