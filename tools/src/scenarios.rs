@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! derived_alternatives.json ─ cases ─▶ scenario files ─ trolley rank ─▶ answers ─┐
-//! models ─ bodies: imported, scaled to the stated size ─▲      boxes, formula ───┴─▶ page, pictures
+//! models ─ bodies: imported, scaled to the stated size ─▲     boxes, formula ───┴─▶ page, pictures
 //! ```
 //!
 //! The data is other people's: it is read where it lies, and nothing of it is kept but figures.

@@ -1,7 +1,7 @@
 //! Bodies of the models folder, chosen by type and scaled to a stated length and width.
 //!
 //! A mesh is imported once, exported, scaled in plan (height by the mean of both factors), put with
-//! its middle on the origin, and imported again: mass, centre and gyration follow from its new size.
+//! its middle on the origin, and imported again: mass, centre and gyration follow from its size.
 
 use crate::built;
 use anyhow::{Context as _, Result};

@@ -101,8 +101,8 @@ fn alternative(case: &Value) -> Option<Alternative> {
     })
 }
 
-/// `OSC_PedestrianCollision`: no sweep finds its pedestrian, a circle. Step 55 of the recording, read
-/// off by hand: as it drives on, half a second of braking earlier, and one metre further left.
+/// `OSC_PedestrianCollision`: no sweep finds its pedestrian, a circle. Step 55 of the recording,
+/// read off by hand: as it drives on, half a second of braking earlier, and one metre further left.
 fn pedestrian(name: String) -> Scene {
     let yaw: f64 = 1.7973;
     let at = [31.59, -21.6421];

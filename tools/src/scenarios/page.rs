@@ -11,9 +11,9 @@ const HEAD: &str = "\
 # Alternatives from recorded traffic, ranked with real bodies
 
 Written by `cargo x scenarios`. Poses and speeds are first contacts of an ego box that was swept
-along braked and steered arcs through recorded traffic (CommonRoad); bodies are public meshes, chosen
-by type and scaled to the stated length and width. Both are other people's data, and not part of this
-project. Everything is ranked by the default policy, a placeholder, so the orders below are examples
+along braked and steered arcs through recorded traffic (CommonRoad); bodies are public meshes,
+chosen by type and scaled to the stated length and width. Both are other people's data, and not part
+of this project. Everything is ranked by the default policy, a placeholder, so the orders below are examples
 of the method, not verdicts.
 
 *boxes*: the stated rectangles overlap within 1 m of the given pose. *formula*: the harm formula of
@@ -100,7 +100,8 @@ fn section(text: &mut String, one: &Ranked, lines: &[Line<'_>]) {
     }
     text.push_str(
         "| # | alternative | other | contact | depth m | v_n | ΔV ego / other m/s | worst-off | \
-         harm % | range % | boxes | formula % (rank) |\n|--:|---|---|---|--:|--:|--:|---|--:|--:|---|--:|\n",
+         harm % | range % | boxes | formula % (rank) |\n\
+         |--:|---|---|---|--:|--:|--:|---|--:|--:|---|--:|\n",
     );
     for (at, line) in lines.iter().enumerate() {
         let _w = writeln!(text, "{}", table_row(at + 1, line));
@@ -267,16 +268,16 @@ fn reason(ours: &Line<'_>, theirs: &Line<'_>) -> String {
     let counted = ours.chain["persons"].as_array().map_or(0, Vec::len);
     if counted < 2 && ours.alternative.other.speed == 0.0 {
         return format!(
-            "It counts somebody with \"{}\", which stands still: here nobody is with it unless that \
-             is stated.",
+            "It counts somebody with \"{}\", which stands still: here nobody is with it unless \
+             that is stated.",
             ours.alternative.party
         );
     }
     let [a, b] = [ours, theirs].map(|line| share(line.chain));
     if (a - b).abs() > 0.1 {
         return format!(
-            "At the contact only {:.0} % of that is across it in \"{}\", and {:.0} % in \"{}\"; the \
-             rest slides.",
+            "At the contact only {:.0} % of that is across it in \"{}\", and {:.0} % in \"{}\"; \
+             the rest slides.",
             100.0 * a,
             ours.alternative.name,
             100.0 * b,

@@ -54,8 +54,8 @@ pub(crate) fn pictures(ranked: &[Ranked], bodies: &Bodies) -> Result<Vec<Picture
             "the boxes overlap, and no triangle of either body touches the other".to_owned()
         } else {
             format!(
-                "boxes call it a crash at {:.1} m/s; the bodies slide along each other, with {:.0} % \
-                 of that across the contact",
+                "boxes call it a crash at {:.1} m/s; the bodies slide along each other, with \
+                 {:.0} % of that across the contact",
                 closing(&alternative),
                 100.0 * share
             )
