@@ -135,6 +135,13 @@ fn parts_and_zones_of_what_was_hit_are_named() {
         for side in 0..2 {
             let parts = row["parts"][side].as_array().unwrap();
             assert_eq!(!parts.is_empty(), touches, "{}", row["name"]);
+            // What is hit from f to e is the union of what is hit at the poses between.
+            let key = ["hits_a", "hits_b"][side];
+            let poses = row["poses"].as_array().unwrap();
+            let at: Vec<u64> = poses.iter().map(|pose| pose[key].as_u64().unwrap()).collect();
+            let (most, sum) = (at.iter().max().copied().unwrap_or(0), at.iter().sum::<u64>());
+            let all = row["hits"][side].as_u64().unwrap();
+            assert!((most..=sum).contains(&all), "{}: {all} of {at:?}", row["name"]);
         }
     }
 }

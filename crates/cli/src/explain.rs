@@ -114,6 +114,14 @@ fn contact(lines: &mut Vec<String>, chain: &Chain) {
         chain.normal_m_s,
         chain.tangential_m_s
     ));
+    let pairs: Vec<String> =
+        chain.poses.iter().map(|(travel, pairs)| format!("{pairs} at {travel:.3} m")).collect();
+    let [width, span, height, depth] = chain.patch_m;
+    lines.push(format!(
+        "  triangles {} pairs: patch {width:.3} m across the normal, {span:.3} along it, \
+         {height:.3} high; depth {depth:.3} m",
+        pairs.join(", ")
+    ));
     let [a, b] = chain.levers_m;
     lines.push(format!(
         "  bodies    m {} kg, k {} m, h {} m, q {} m (ego / {})",

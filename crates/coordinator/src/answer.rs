@@ -9,7 +9,7 @@ use damage::{
     CandidateHarm, Contact, DeltaV, Note, Party, Place, Range, Ranking, State, Unevaluable, Work,
 };
 use geometry::DVec3;
-use model::{Kind, Meta};
+use model::{BodyView, Kind, Meta};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -53,6 +53,10 @@ pub struct Row {
     pub is_other_fixed: bool,
     /// What the contact is like.
     pub contact: Contact,
+    /// How many triangles are hit from first contact to e: of the ego, of the other.
+    pub hits: [u64; 2],
+    /// Hashes of these sets.
+    pub hashes: [String; 2],
     /// Names of the parts hit from first contact to e, in the bodies' order: of the ego, of the
     /// other.
     pub parts: [Vec<String>; 2],
@@ -118,18 +122,18 @@ pub struct PoseRow {
 }
 
 impl Answer {
-    pub(crate) fn new<'m>(
+    pub(crate) fn new<'b>(
         request: &Request,
         ranking: &Ranking,
         harms: &[CandidateHarm],
         cases: &[Case],
-        metas: &dyn Fn(u32) -> &'m Meta,
+        bodies: &'b [(Meta, BodyView<'b>)],
     ) -> Self {
         let name = |number: usize| request.candidates[number].name.clone();
         let rows = ranking.places.iter().enumerate().map(|(at, place)| {
             let next = ranking.places.get(at + 1).map(|next| next.candidate);
             let (harm, case) = (&harms[place.candidate], &cases[place.candidate]);
-            row(request, place, next, harm, case, metas)
+            row(request, place, next, harm, case, bodies)
         });
         let missing = (0..cases.len())
             .filter(|number| harms[*number].is_open || harms[*number].unevaluable.is_some());
@@ -155,13 +159,13 @@ fn assumptions(request: &Request) -> Vec<String> {
     names.into_iter().map(sentence).collect()
 }
 
-fn row<'m>(
+fn row(
     request: &Request,
     place: &Place,
     next: Option<usize>,
     harm: &CandidateHarm,
     case: &Case,
-    metas: &dyn Fn(u32) -> &'m Meta,
+    bodies: &[(Meta, BodyView<'_>)],
 ) -> Row {
     let candidate = &request.candidates[place.candidate];
     let why = place
@@ -169,9 +173,12 @@ fn row<'m>(
         .as_ref()
         .zip(next)
         .map(|(ground, next)| ground.sentence(&candidate.name, &request.candidates[next].name));
-    let [parts_a, parts_b] = case.parts();
-    let names = |model: u32, parts: BTreeSet<u16>| {
-        let known = &metas(model).parts;
+    let [(meta_a, a), (meta_b, b)] =
+        [candidate.model_a, candidate.model_b].map(|model| &bodies[model as usize]);
+    let [parts_a, parts_b] = case.hit.parts(a, b);
+    let hit = case.hit.summary(a, b);
+    let names = |meta: &Meta, parts: BTreeSet<u16>| {
+        let known = &meta.parts;
         parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
     };
     Row {
@@ -184,7 +191,9 @@ fn row<'m>(
         sides: sides(candidate, harm),
         is_other_fixed: candidate.b.mass_kg.is_none(),
         contact: harm.contact.clone(),
-        parts: [names(candidate.model_a, parts_a), names(candidate.model_b, parts_b)],
+        hits: [hit.hits_a, hit.hits_b],
+        hashes: [hit.hash_a, hit.hash_b].map(hex),
+        parts: [names(meta_a, parts_a), names(meta_b, parts_b)],
         crush: harm.crush,
         closing_m_s: harm.closing_m_s,
         delta_v_m_s: harm.delta_v,
@@ -231,11 +240,14 @@ fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
     harm.persons.iter().map(row).collect()
 }
 
+fn hex(hash: u64) -> String {
+    format!("{hash:016x}")
+}
+
 fn poses(case: &Case) -> Vec<PoseRow> {
     let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
     let row = |(stop, surveyed): &(damage::Stop, Option<crate::case::Surveyed>)| {
         let found = surveyed.as_ref()?;
-        let hex = |hash: u64| format!("{hash:016x}");
         Some(PoseRow {
             travel_m: stop.travel_m,
             hits_a: found.sets.hits_a,

@@ -3,13 +3,12 @@
 //! Which tasks follow depends on what earlier ones found, never on the order in which they were
 //! answered: [`damage::Search`] sees to that.
 
-use crate::gather::{Gathered, SetSummary};
+use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
 use damage::{Evidence, First, Meeting, Search, Seen, Stop};
 use geometry::Supports;
 use model::{BodyView, Zones};
 use protocol::Question;
-use std::collections::BTreeSet;
 
 /// What a task is for.
 #[derive(Clone, Copy, Debug)]
@@ -21,11 +20,9 @@ pub(crate) enum Aim {
 }
 
 /// A pose of the survey, done.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Surveyed {
     pub(crate) sets: SetSummary,
-    /// Parts hit, of A and of B; empty at poses past e.
-    pub(crate) parts: [BTreeSet<u16>; 2],
     pub(crate) pairs: u64,
     pub(crate) hash: u64,
     pub(crate) seen: Seen,
@@ -48,6 +45,8 @@ pub(crate) struct Case {
     pub(crate) stage: Stage,
     /// A job was abandoned: what it would have found is not known.
     pub(crate) is_unknown: bool,
+    /// Triangles hit from first contact to e.
+    pub(crate) hit: Union,
 }
 
 impl Case {
@@ -58,7 +57,7 @@ impl Case {
             }
             Meeting::Never(_) | Meeting::AlreadyOverlapping => Stage::Settled,
         };
-        Self { stage, is_unknown: false }
+        Self { stage, is_unknown: false, hit: Union::default() }
     }
 
     /// The tasks that have to be done now and were not asked for before.
@@ -121,23 +120,13 @@ impl Case {
         };
         *surveyed = Some(Surveyed {
             sets: found.summary(a, b),
-            parts: if stop.zones { found.parts(a, b) } else { Default::default() },
             pairs: found.pairs,
             hash: found.hash,
             seen,
         });
-    }
-
-    /// Numbers of all parts hit from first contact to e, ascending: of A, of B.
-    pub(crate) fn parts(&self) -> [BTreeSet<u16>; 2] {
-        let mut parts = [BTreeSet::new(), BTreeSet::new()];
-        if let Stage::Surveying { stops, .. } = &self.stage {
-            for surveyed in stops.iter().filter_map(|(_, surveyed)| surveyed.as_ref()) {
-                parts[0].extend(&surveyed.parts[0]);
-                parts[1].extend(&surveyed.parts[1]);
-            }
+        if stop.zones {
+            self.hit.include(found);
         }
-        parts
     }
 
     /// Whether all poses of the survey are done.

@@ -7,6 +7,7 @@
 //!
 //! It depends on nothing but what the answer depends on.
 
+use crate::case::{Case, Stage};
 use crate::request::{Candidate, Request};
 use damage::curve::{Curve, Unit};
 use damage::dynamics::Response;
@@ -74,6 +75,10 @@ pub struct Chain {
     pub probability: f64,
     /// Everybody in it.
     pub persons: Vec<PersonChain>,
+    /// Travel and intersecting pairs of triangles at each pose that forms the contact patch.
+    pub poses: Vec<(f64, u64)>,
+    /// Length of that patch across the normal, along it and upwards, and the depth (m).
+    pub patch_m: [f64; 4],
     /// The policy's steps for this candidate.
     pub steps: Vec<PolicyStep>,
     /// Why it comes before the next.
@@ -127,6 +132,7 @@ impl Explanation {
         request: &Request,
         ranking: &Ranking,
         harms: &[CandidateHarm],
+        cases: &[Case],
     ) -> Result<Self, RankError> {
         let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
         let stability = damage::stability(&request.policy, &stakes, harms, &request.curves)?;
@@ -142,6 +148,7 @@ impl Explanation {
             let why = place.why.as_ref().zip(next);
             let values = steps.iter().zip(&place.steps);
             Chain {
+                poses: poses(&cases[place.candidate]),
                 why: why.map(|(ground, next)| ground.sentence(name(place.candidate), name(next))),
                 steps: values
                     .map(|(step, value)| PolicyStep { step: step.clone(), value: *value })
@@ -164,6 +171,13 @@ impl Explanation {
     }
 }
 
+/// Pairs at the poses of the patch.
+fn poses(case: &Case) -> Vec<(f64, u64)> {
+    let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
+    let of_patch = stops.iter().filter(|(stop, _)| stop.patch);
+    of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
+}
+
 /// All of a chain but its place in the order.
 fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chain {
     let parties = [&candidate.a, &candidate.b];
@@ -184,6 +198,10 @@ fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chai
         force_degrees: harm.force_degrees,
         probability: harm.probability,
         persons: harm.persons.iter().map(|p| person(request, harm, p)).collect(),
+        poses: Vec::new(),
+        patch_m: patch.map_or([0.0; 4], |patch| {
+            [patch.width_m, patch.span_m, patch.height_m, patch.depth_m].map(Work::hi)
+        }),
         steps: Vec::new(),
         why: None,
     }

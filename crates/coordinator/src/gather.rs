@@ -100,23 +100,46 @@ impl Gathered {
         sound
     }
 
-    /// Numbers of the parts that the hits belong to, ascending: of A, of B.
+    /// Counts and order-free hashes of both hit sets, over source ids.
+    pub(crate) fn summary(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
+        summary([&self.hits_a, &self.hits_b], a, b)
+    }
+}
+
+/// Triangles hit at any of several poses: of A, of B.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Union([Hits; 2]);
+
+impl Union {
+    /// Includes the hits of one pose.
+    pub(crate) fn include(&mut self, found: &Gathered) {
+        for (all, hits) in self.0.iter_mut().zip([&found.hits_a, &found.hits_b]) {
+            all.0.resize(all.0.len().max(hits.0.len()), 0);
+            all.0.iter_mut().zip(&hits.0).for_each(|(all, hits)| *all |= hits);
+        }
+    }
+
+    /// Counts and order-free hashes, over source ids.
+    pub(crate) fn summary(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
+        summary([&self.0[0], &self.0[1]], a, b)
+    }
+
+    /// Numbers of the parts that they belong to, ascending.
     pub(crate) fn parts(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> [BTreeSet<u16>; 2] {
         let of = |hits: &Hits, body: &BodyView<'_>| {
             hits.iter().filter_map(|triangle| body.part_of.get(triangle).copied()).collect()
         };
-        [of(&self.hits_a, a), of(&self.hits_b, b)]
+        [of(&self.0[0], a), of(&self.0[1], b)]
     }
+}
 
-    /// Counts and order-free hashes of both hit sets, over source ids.
-    pub(crate) fn summary(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
-        let sum = |hits: &Hits, body: &BodyView<'_>| {
-            hits.iter().fold((0_u64, 0_u64), |(count, hash), triangle| {
-                let id = u64::from(body.source_ids[triangle]);
-                (count + 1, hash.wrapping_add(splitmix64(id)))
-            })
-        };
-        let ((hits_a, hash_a), (hits_b, hash_b)) = (sum(&self.hits_a, a), sum(&self.hits_b, b));
-        SetSummary { hits_a, hits_b, hash_a, hash_b }
-    }
+fn summary(hits: [&Hits; 2], a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
+    let sum = |hits: &Hits, body: &BodyView<'_>| {
+        hits.iter().fold((0_u64, 0_u64), |(count, hash), triangle| {
+            let id = u64::from(body.source_ids[triangle]);
+            (count + 1, hash.wrapping_add(splitmix64(id)))
+        })
+    };
+    let ((hits_a, hash_a), (hits_b, hash_b)) = (sum(hits[0], a), sum(hits[1], b));
+    SetSummary { hits_a, hits_b, hash_a, hash_b }
 }

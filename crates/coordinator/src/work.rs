@@ -96,8 +96,7 @@ impl<'w> Work<'w> {
     /// If a candidate cannot be assessed or ranked at all: then the request is refused.
     pub fn answer(&self) -> Result<Answer, RequestError> {
         let (harms, ranking) = self.judge()?;
-        let metas = |model: u32| &self.bodies[model as usize].0;
-        Ok(Answer::new(self.request, &ranking, &harms, &self.cases, &metas))
+        Ok(Answer::new(self.request, &ranking, &harms, &self.cases, self.bodies))
     }
 
     /// Harm of every candidate, and their order.

@@ -170,6 +170,10 @@ impl Checker<'_> {
                 undefined("ego", key, parties, "ego = \"…\" says which one is the vehicle");
             return Err(misfit).at(&path);
         };
+        if parties[index].is_unknown {
+            let help = "leave kind out: the ego knows what it is";
+            return Err(Misfit::new("ego", "the ego is of unknown kind", help)).at(&path);
+        }
         if let Source::Generate { shape, .. } = parties[index].source {
             rules::ego_fits(shape.kind()).at(&path)?;
         }

@@ -13,8 +13,8 @@ const HEAD: &str = "\
 Written by `cargo x scenarios`. Poses and speeds are first contacts of an ego box that was swept
 along braked and steered arcs through recorded traffic (CommonRoad); bodies are public meshes,
 chosen by type and scaled to the stated length and width. Both are other people's data, and not part
-of this project. Everything is ranked by the default policy, a placeholder, so the orders below are examples
-of the method, not verdicts.
+of this project. Everything is ranked by the default policy, a placeholder, so the orders below are
+examples of the method, not verdicts.
 
 *boxes*: the stated rectangles overlap within 1 m of the given pose. *formula*: the harm formula of
 TUM from its published coefficients, mean over one person on either side, and its rank; it takes the

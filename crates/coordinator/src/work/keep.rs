@@ -48,6 +48,6 @@ impl Work<'_> {
     /// As [`Work::answer`].
     pub fn explanation(&self) -> Result<Explanation, RequestError> {
         let (harms, ranking) = self.judge()?;
-        Ok(Explanation::new(self.request, &ranking, &harms)?)
+        Ok(Explanation::new(self.request, &ranking, &harms, &self.cases)?)
     }
 }

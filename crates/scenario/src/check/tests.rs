@@ -229,6 +229,18 @@ fn the_main_faults_read_like_this() {
 }
 
 #[test]
+fn what_is_unknown_has_neither_mass_nor_persons_and_is_not_the_ego() {
+    let unknown = "kind = \"unknown\"";
+    let ego = refusal("[parties.car]\nmass_kg = 1500", &format!("[parties.car]\n{unknown}"));
+    assert!(ego.contains("neither mass nor persons"), "{ego}");
+    let mass = refusal(unknown, &format!("{unknown}\nmass_kg = 80"));
+    assert!(mass.contains("f.toml:35:8: ") && mass.contains("neither mass nor persons"), "{mass}");
+    let walker = changed("ego = \"car\"", "ego = \"walker\"");
+    let error = parse(&walker).expect_err("nobody knows it").to_string();
+    assert!(error.contains("f.toml:6:7: the ego is of unknown kind"), "{error}");
+}
+
+#[test]
 fn zero_and_too_many_candidates_are_refused() {
     let (head, _) = FULL.split_once("[[candidates]]").unwrap();
     let none = "f.toml:1:1: no candidates: there is nothing to rank\n  help: add [[candidates]]";

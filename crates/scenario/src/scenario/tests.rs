@@ -299,7 +299,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
         "f.toml:21:1: a truck has no seat \"rear-right\"\n  help: seats of a truck: front-left, \
          front-right"
     );
-    let text = FULL.replace("file = \"bodies/walker.trolley\"", "file = \"w\"\nmass_kg = 90");
+    let text = FULL.replace("kind = \"unknown\"", "mass_kg = 90");
     let heavy = parse(&text).unwrap();
     let error = heavy.check_kinds("f.toml", &kinds(Kind::Wall)).unwrap_err();
     assert_eq!(error.place, Place { line: 33, column: 1 });
