@@ -102,6 +102,10 @@ fn every_figure_follows_from_those_before_it() {
         assert!((rounded(said) - rounded(bayes)).abs() <= 1.0, "{said} {bayes}");
         assert_eq!(chain["steps"][0]["value"], row["work"]);
         assert_eq!(chain["why"], row["why"]);
+        if let Some(who) = chain["separates"].as_object() {
+            let (here, there) = (who["here"].as_f64().unwrap(), who["there"].as_f64().unwrap());
+            assert!(here != there, "{who:?}");
+        }
     }
     assert!(touching >= 4, "{touching} crashes are too few to tell");
     let stability = &explanation["stability"];

@@ -183,3 +183,30 @@ fn a_worker_killed_at_start_up_is_seen_at_once_whenever_it_dies() {
         assert!(!said.contains("silent") && !said.contains("hung"), "after {delay} ms: {said}");
     }
 }
+
+/// The record of a run that lost a worker names the loss, and is replayed bit for bit.
+#[test]
+fn a_record_of_a_run_that_lost_a_worker_is_replayed() {
+    let place = Place::new();
+    let records = place.path().join("records");
+    let record = records.join("000000.record");
+    let (records, record) = (records.to_str().unwrap(), record.to_str().unwrap());
+    for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
+        let _none_yet = std::fs::remove_dir_all(records);
+        let path = place.write("heavy.toml", &heavy(triangles));
+        let started = start(path.to_str().unwrap(), 3, &["--record", records]);
+        let Some(started) = started else { continue };
+        signal(started.workers[1], Signal::KILL);
+        if lost(&started.finish()) == 0 {
+            continue;
+        }
+        let shown = trolley().args(["record", "show", record, "--json"]).output().unwrap();
+        let faults = json(&shown)["faults"].to_string();
+        assert!(faults.contains("was lost"), "{faults}");
+        let replayed = trolley().args(["record", "replay", record, "--json"]).output().unwrap();
+        assert!(replayed.status.success(), "{}", text(&replayed.stderr));
+        assert_eq!(json(&replayed)["same"], true);
+        return;
+    }
+    panic!("no run took long enough to be disturbed");
+}

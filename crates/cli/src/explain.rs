@@ -102,6 +102,13 @@ fn candidate(lines: &mut Vec<String>, chain: &Chain) {
     });
     lines.push(format!("  policy    {}", steps.collect::<Vec<_>>().join("; ")));
     lines.extend(chain.why.iter().map(|why| format!("  therefore {why}")));
+    if let Some(who) = &chain.separates {
+        let seat = who.seat.map_or(String::new(), |seat| format!(" {seat}"));
+        lines.push(format!(
+            "            the greatest difference is {}{seat}: {:.5} here, {:.5} there",
+            who.party, who.here, who.there
+        ));
+    }
 }
 
 fn contact(lines: &mut Vec<String>, chain: &Chain) {

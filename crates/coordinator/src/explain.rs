@@ -13,7 +13,7 @@ use damage::curve::{Curve, Unit};
 use damage::dynamics::Response;
 use damage::evidence::Touch;
 use damage::injury::Quantity;
-use damage::{CandidateHarm, Parameters, RankError, Ranking, Stability, Work};
+use damage::{CandidateHarm, Ground, Parameters, RankError, Ranking, Stability, Work};
 use serde::Serialize;
 
 /// Everything that the order was made from.
@@ -83,6 +83,23 @@ pub struct Chain {
     pub steps: Vec<PolicyStep>,
     /// Why it comes before the next.
     pub why: Option<String>,
+    /// The person whose risk differs most between the two, where persons decided.
+    pub separates: Option<Separation>,
+}
+
+/// The person whose risk differs most between a candidate and the next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Separation {
+    /// Party.
+    pub party: String,
+    /// Seat; none on foot.
+    pub seat: Option<&'static str>,
+    /// Risk in the candidate.
+    pub here: f64,
+    /// Risk in the next one.
+    pub there: f64,
+    /// In a weighted sum: the rule that separates them most.
+    pub rule: Option<&'static str>,
 }
 
 /// One person from speed to risk.
@@ -149,6 +166,9 @@ impl Explanation {
             let values = steps.iter().zip(&place.steps);
             Chain {
                 poses: poses(&cases[place.candidate]),
+                separates: why.and_then(|(ground, next)| {
+                    separation(request, ground, &harms[place.candidate], &harms[next])
+                }),
                 why: why.map(|(ground, next)| ground.sentence(name(place.candidate), name(next))),
                 steps: values
                     .map(|(step, value)| PolicyStep { step: step.clone(), value: *value })
@@ -204,7 +224,30 @@ fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chai
         }),
         steps: Vec::new(),
         why: None,
+        separates: None,
     }
+}
+
+/// Who decided between two candidates, if persons did.
+fn separation(
+    request: &Request,
+    ground: &Ground,
+    here: &CandidateHarm,
+    there: &CandidateHarm,
+) -> Option<Separation> {
+    let Ground::Least { person: Some(id), rule, .. } = ground else { return None };
+    let person = request.persons.get(id.0)?;
+    let risk = |harm: &CandidateHarm| {
+        let found = harm.persons.iter().find(|person| person.id == *id);
+        found.map_or(0.0, |person| harm.probability * person.work.hi())
+    };
+    Some(Separation {
+        party: person.party.clone(),
+        seat: person.seat.map(model::Seat::name),
+        here: risk(here),
+        there: risk(there),
+        rule: rule.map(|rule| rule.name()),
+    })
 }
 
 fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) -> PersonChain {

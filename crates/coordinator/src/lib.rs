@@ -32,7 +32,7 @@ mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
-pub use explain::{Chain, Explanation, PersonChain, PolicyStep};
+pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 
 pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
 pub use here::run_here;
