@@ -130,6 +130,7 @@ fn what_is_cut_foreign_of_another_version_or_removed_is_told_apart() {
     let records = recorded(&place, &[&["--in-process"][..]; 3]);
     let file = records.join("000001.record");
     let good = std::fs::read(&file).unwrap();
+    let third = std::fs::read(records.join("000002.record")).unwrap();
     let newer = [&good[..8], &[7, 0, 0, 0], &good[12..]].concat();
     let cases: [(&[u8], &str); 4] = [
         (&good[..good.len() / 2], "was cut"),
@@ -150,6 +151,16 @@ fn what_is_cut_foreign_of_another_version_or_removed_is_told_apart() {
             assert!(error.contains("000001.record") && error.contains(says), "{args:?}: {error}");
         }
     }
+    // Nothing is added to a chain whose end cannot be read.
+    std::fs::write(records.join("000002.record"), b"hello").unwrap();
+    let scenario = place.path().join("six.toml");
+    let output = run(&["rank", path(&scenario), "--in-process", "--record", path(&records)]);
+    let error = text(&output.stderr);
+    assert_eq!((output.status.code(), output.stdout.is_empty()), (Some(65), true), "{error}");
+    assert!(error.contains("000002.record"), "{error}");
+    let file_in_the_way = run(&["rank", path(&scenario), "--record", path(&scenario)]);
+    assert_eq!(file_in_the_way.status.code(), Some(71));
+    std::fs::write(records.join("000002.record"), &third).unwrap();
     std::fs::remove_file(&file).unwrap();
     let output = command(&["record", "verify", path(&records)]);
     let error = text(&output.stderr);

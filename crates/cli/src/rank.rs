@@ -104,6 +104,7 @@ fn answer(
     let inputs = Inputs::of(path, text)?;
     let Read { scenario, policy, curves } = inputs.read()?;
     check_unknown(&inputs.scenario.name, &scenario, asked)?;
+    asked.record.as_deref().map(record::ready).transpose()?;
     let engine = scenario.engine.apply(&overrides(options)?).map_err(|misfit| {
         Failure::new(Code::Configuration, misfit.fault.clone()).help(misfit.help)
     })?;
@@ -139,22 +140,22 @@ fn answer(
     let explains = asked.explain || asked.record.is_some();
     let explanation = explains.then(|| work.explanation()).transpose()?;
     let run = Run { stages, ..ran };
-    if let (Some(folder), Some(bodies)) = (&asked.record, &named) {
-        let made = Made {
-            inputs: &inputs,
-            engine: &engine,
-            bodies,
-            work: &work,
-            run: &run,
-            unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
-            answer: compact(&answer)?,
-            explanation: compact(&explanation)?,
-        };
-        let path = record::write(folder, made)?;
-        if !output.json && !output.quiet {
-            print::err(&format!("recorded as {}", path.display()));
+    let recorded = match (&asked.record, &named) {
+        (Some(folder), Some(bodies)) => {
+            let made = Made {
+                inputs: &inputs,
+                engine: &engine,
+                bodies,
+                work: &work,
+                run: &run,
+                unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
+                answer: compact(&answer)?,
+                explanation: compact(&explanation)?,
+            };
+            record::write(folder, made).map(Some)
         }
-    }
+        _ => Ok(None),
+    };
     let explanation = explanation.filter(|_| asked.explain);
     if output.json {
         let document = Document {
@@ -171,6 +172,13 @@ fn answer(
         if let Some(explanation) = &explanation {
             print::out(&format!("\n{}", explain::text(explanation)))?;
         }
+    }
+    // An answer that could not be recorded is shown, and then the failure.
+    if let Some(path) = recorded?
+        && !output.json
+        && !output.quiet
+    {
+        print::err(&format!("recorded as {}", path.display()));
     }
     Ok(match answer.state {
         State::Complete | State::Certified => ExitCode::SUCCESS,

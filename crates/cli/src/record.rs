@@ -97,10 +97,16 @@ pub(crate) fn bodies(scenario: &Scenario, loaded: &[Loaded]) -> Result<Vec<Body>
     scenario.parties.iter().zip(loaded).map(one).collect()
 }
 
+/// Whether a folder can take a record: better known before the work than after it.
+pub(crate) fn ready(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+    tempfile::tempfile_in(folder).map_err(|error| unwritable(folder, &error))?;
+    end(folder).map(drop)
+}
+
 /// Writes the next record of a folder; returns its path.
 pub(crate) fn write(folder: &Path, made: Made<'_>) -> Result<PathBuf, Failure> {
     let record = content(made);
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
     // Somebody else may take the number meanwhile: then the next one is ours.
     for _ in 0..100 {
         let (number, last) = end(folder)?;
@@ -196,7 +202,8 @@ fn records(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             paths.push(path);
         }
     }
-    paths.sort();
+    // By number: the millionth has one digit more.
+    paths.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
     Ok(paths)
 }
 

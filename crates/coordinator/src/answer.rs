@@ -122,12 +122,12 @@ pub struct PoseRow {
 }
 
 impl Answer {
-    pub(crate) fn new<'b>(
+    pub(crate) fn new(
         request: &Request,
         ranking: &Ranking,
         harms: &[CandidateHarm],
         cases: &[Case],
-        bodies: &'b [(Meta, BodyView<'b>)],
+        bodies: &[(Meta, BodyView<'_>)],
     ) -> Self {
         let name = |number: usize| request.candidates[number].name.clone();
         let rows = ranking.places.iter().enumerate().map(|(at, place)| {
