@@ -100,7 +100,8 @@ pub(crate) struct EngineArgs {
     /// Triangles in a leaf at most.
     #[arg(long, value_name = "N")]
     pub(crate) leaf_size: Option<i64>,
-    /// How jobs are matched to workers: best-match-load.
+    /// How jobs are matched to workers: best-match-load, best-match, random-match, lowest-match or
+    /// round-robin.
     #[arg(long)]
     pub(crate) scheme: Option<String>,
     /// Weight of the match against the load, 0 to 1.
@@ -112,6 +113,8 @@ pub(crate) struct EngineArgs {
     /// Jobs on their way to one worker at most.
     #[arg(long, value_name = "N")]
     pub(crate) queue: Option<i64>,
+    #[command(flatten)]
+    pub(crate) transfer: crate::transfer::TransferArgs,
     /// Seed of every choice that is called random.
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<i64>,

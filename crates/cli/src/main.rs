@@ -14,6 +14,7 @@ mod progress;
 mod rank;
 mod run;
 mod table;
+mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};

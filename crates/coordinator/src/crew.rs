@@ -16,10 +16,12 @@ pub use error::CrewError;
 pub use report::{CrewReport, WorkerReport};
 
 use crate::gather::Part;
-use crate::work::{PartOf, Work};
+use crate::work::{Errands, PartOf};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
-use dispatch::{BestMatchLoad, Counts, Dispatcher, Effect, Event, Patience, Progress, Queues};
+use dispatch::{
+    Cache, Counts, Dispatcher, Effect, Entry, Event, Matching, Patience, Progress, Queues, Scheme,
+};
 use protocol::job::{Job, write_batch};
 use protocol::result::{read_hits, read_last};
 use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Task};
@@ -39,12 +41,14 @@ pub struct Options {
     pub build: String,
     /// The core of each worker; `None`: wherever the system puts it.
     pub cores: Vec<Option<usize>>,
-    /// Jobs per message.
-    pub batch: u32,
-    /// Jobs on their way to one worker at most.
-    pub queue: u32,
-    /// Weight of the match against the load in Best Match-Load.
-    pub alpha: f64,
+    /// Who gets which job.
+    pub matching: Matching,
+    /// Jobs per message, on their way to one worker at most, and how long a message waits.
+    pub queues: Queues,
+    /// How much the ledger says that a worker holds.
+    pub cache: Cache,
+    /// Whether to write down who got which job.
+    pub log: bool,
     /// How long a busy worker may stand still.
     pub patience: Patience,
 }
@@ -74,7 +78,7 @@ pub struct Crew {
     status: StatusMemory,
     poller: Poller,
     domain: Domain,
-    dispatcher: Dispatcher<BestMatchLoad>,
+    dispatcher: Dispatcher<Box<dyn Scheme>>,
     boot: Boot,
     request: u64,
     patience: Patience,
@@ -109,15 +113,18 @@ impl Crew {
         let mut poller = Poller::new()?;
         poller.catch_signals()?;
         let domain = Domain::create(&options.instance, boot)?;
-        let queues = Queues { capacity: options.queue, batch: options.batch };
         let workers = options.cores.len();
-        let scheme = BestMatchLoad { alpha: options.alpha };
+        let scheme = options.matching.scheme();
+        let mut dispatcher = Dispatcher::new(scheme, options.queues, options.cache, workers);
+        if options.log {
+            dispatcher.keep_log();
+        }
         let mut crew = Self {
             stations: Vec::with_capacity(workers),
             status,
             poller,
             domain,
-            dispatcher: Dispatcher::new(scheme, queues, workers),
+            dispatcher,
             boot,
             request: 0,
             patience: options.patience,
@@ -131,8 +138,8 @@ impl Crew {
             let launch = Launch {
                 who,
                 boot,
-                batch: options.batch,
-                queue: options.queue,
+                batch: options.queues.batch,
+                queue: options.queues.capacity,
                 domain: crew.domain.text().to_owned(),
             };
             let bell = crew.poller.add_event(worker as u32)?;
@@ -193,12 +200,15 @@ impl Crew {
     /// # Errors
     ///
     /// If no worker is left, or a signal came.
-    pub fn run(&mut self, work: &mut Work<'_>) -> Result<CrewReport, CrewError> {
+    pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
         self.request += 1;
         self.rejected = 0;
         self.dispatcher.begin();
+        for station in &mut self.stations {
+            station.begin(&self.status);
+        }
         let mut effects = Vec::new();
-        let mut progress = self.dispatcher.step(Event::Poll, work, &mut effects);
+        let mut progress = self.step(Event::Poll, work, &mut effects);
         for number in 0..self.stations.len() {
             if self.stations[number].is_alive() {
                 let who = self.stations[number].who;
@@ -217,6 +227,10 @@ impl Crew {
                 self.sleep(0)?;
                 progress = self.look_after(now, work, &mut effects, progress)?;
             }
+            let due_ns = self.dispatcher.due_ns();
+            if due_ns.is_some_and(|due_ns| due_ns <= now) {
+                progress = self.step(Event::Poll, work, &mut effects);
+            }
             while let Some(worker) = self.ended.pop() {
                 progress = self.bury(worker, work, &mut effects)?;
             }
@@ -226,7 +240,8 @@ impl Crew {
             if taken {
                 backoff.reset();
             } else if backoff.is_completed() {
-                self.sleep(NAP_NS)?;
+                let nap_ns = due_ns.map_or(NAP_NS, |due_ns| due_ns.saturating_sub(now).min(NAP_NS));
+                self.sleep(nap_ns)?;
             } else {
                 backoff.snooze();
             }
@@ -246,6 +261,12 @@ impl Crew {
         Ok(self.report(counts))
     }
 
+    /// Who got which job in the last request, if that is written down.
+    #[must_use]
+    pub fn log(&self) -> &[Entry] {
+        self.dispatcher.log()
+    }
+
     fn report(&self, counts: Counts) -> CrewReport {
         CrewReport {
             counts,
@@ -256,14 +277,14 @@ impl Crew {
     }
 
     /// One event, and everything that follows from it.
-    fn step(
+    fn step<W: Errands>(
         &mut self,
         event: Event<'_, PartOf<'_>>,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
-        let mut progress = self.dispatcher.step(event, work, effects);
-        while let Some(Effect::Send { to, jobs }) = effects.pop() {
+        let mut progress = self.dispatcher.step(clock::now_ns(), event, work, effects);
+        while let Some(Effect::Send { to, jobs, .. }) = effects.pop() {
             let Err(error) = self.send(to, &jobs, work) else { continue };
             // No queue is ever overfilled, so the channel is broken, or its worker was buried
             // since.
@@ -272,16 +293,17 @@ impl Crew {
                 station.kill(&format!("its job channel broke ({error})"));
             }
             let (who, started) = station.bury(&self.status);
-            progress = self.dispatcher.step(Event::Lost { who, started }, work, effects);
+            let event = Event::Lost { who, started };
+            progress = self.dispatcher.step(clock::now_ns(), event, work, effects);
         }
         progress
     }
 
-    fn send(
+    fn send<W: Errands>(
         &mut self,
         to: Incarnation,
         jobs: &[(JobId, u8)],
-        work: &Work<'_>,
+        work: &W,
     ) -> Result<(), UseError> {
         let BatchWriter { tasks, jobs: rows, words } = &mut self.batch;
         tasks.clear();
@@ -313,9 +335,9 @@ impl Crew {
     }
 
     /// Takes all results there are by now. Says whether there was one.
-    fn take_results(
+    fn take_results<W: Errands>(
         &mut self,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
         mut progress: Progress,
     ) -> (bool, Progress) {
@@ -329,10 +351,10 @@ impl Crew {
     }
 
     /// Takes one message from one worker; `None` if there is none.
-    fn take_one(
+    fn take_one<W: Errands>(
         &mut self,
         number: usize,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Option<Progress> {
         let mut scratch = std::mem::take(&mut self.scratch);
@@ -349,12 +371,12 @@ impl Crew {
         progress
     }
 
-    fn handle(
+    fn handle<W: Errands>(
         &mut self,
         number: usize,
         head: &Head,
         words: &[u64],
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
         let (from, job) = (self.stations[number].who, JobId(head.job));
@@ -403,10 +425,10 @@ impl Crew {
     }
 
     /// Looks at every worker's pulse, and kills who stands still.
-    fn look_after(
+    fn look_after<W: Errands>(
         &mut self,
         now: u64,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
         mut progress: Progress,
     ) -> Result<Progress, CrewError> {
@@ -423,10 +445,10 @@ impl Crew {
     }
 
     /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.
-    fn bury(
+    fn bury<W: Errands>(
         &mut self,
         number: usize,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Result<Progress, CrewError> {
         if !self.stations[number].is_alive() || self.stations[number].wait_end()?.is_none() {

@@ -30,6 +30,6 @@ mod work;
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
 pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
-pub use here::run_here;
+pub use here::{run_here, run_watched};
 pub use request::{Request, RequestError};
-pub use work::{Effort, Work};
+pub use work::{Effort, Errands, PartOf, Work};

@@ -11,6 +11,12 @@ use model::{BodyView, Meta};
 use protocol::{Question, Section, Task, TaskId};
 use std::collections::VecDeque;
 
+/// Work that workers can do: its tasks travel, and its results come as parts of messages.
+pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
+    /// The task as it travels; `None` if there is no such task.
+    fn task(&self, task: TaskId) -> Option<&Task>;
+}
+
 /// One question about one pose of one candidate.
 #[derive(Clone, Debug)]
 struct Errand {
@@ -75,12 +81,6 @@ impl<'w> Work<'w> {
     #[must_use]
     pub fn effort(&self) -> Effort {
         self.effort
-    }
-
-    /// The task as it travels; `None` if there is no such task.
-    #[must_use]
-    pub fn task(&self, task: TaskId) -> Option<&Task> {
-        self.errands.get(task.0 as usize).map(|errand| &errand.wire)
     }
 
     /// The answer that follows from what is known by now.
@@ -199,6 +199,12 @@ impl<'w> Work<'w> {
         for errand in self.errands.iter_mut().filter(|errand| errand.case == case) {
             errand.is_moot = errand.is_moot || !self.cases[case].needs(errand.aim);
         }
+    }
+}
+
+impl Errands for Work<'_> {
+    fn task(&self, task: TaskId) -> Option<&Task> {
+        self.errands.get(task.0 as usize).map(|errand| &errand.wire)
     }
 }
 

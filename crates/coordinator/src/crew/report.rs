@@ -20,10 +20,14 @@ pub struct WorkerReport {
     pub batches: u64,
     /// Bytes of these, headers included.
     pub batch_bytes: u64,
+    /// Cache lines that these lie in.
+    pub batch_lines: u64,
     /// Result messages taken from it.
     pub results: u64,
     /// Bytes of these, headers included.
     pub result_bytes: u64,
+    /// Cache lines that these lie in.
+    pub result_lines: u64,
     /// Time that its jobs took by the clock on the wall (ns).
     pub busy_ns: u64,
     /// How it ended, if it was lost.
