@@ -60,6 +60,11 @@ pub(crate) enum Command {
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
     Intersect(crate::intersect::IntersectArgs),
+    /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
+    #[command(after_help = crate::measure::EXAMPLES)]
+    Measure(crate::measure::MeasureArgs),
+    /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
+    Calibrate(crate::measure::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
     Model {
         #[command(subcommand)]

@@ -8,6 +8,7 @@ mod args;
 mod bodies;
 mod failure;
 mod intersect;
+mod measure;
 mod model;
 mod print;
 mod progress;
@@ -41,6 +42,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Demo(options) => rank::demo(options, &args.output()),
         Command::Rank { scenario, options } => rank::rank(scenario, options, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
+        Command::Calibrate(options) => measure::calibrate(options),
+        Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {

@@ -13,7 +13,7 @@ mod report;
 mod station;
 
 pub use error::CrewError;
-pub use report::{CrewReport, WorkerReport};
+pub use report::{CrewReport, Duty, WorkerReport};
 
 use crate::gather::Part;
 use crate::work::{Errands, PartOf};
@@ -82,7 +82,10 @@ pub struct Crew {
     boot: Boot,
     request: u64,
     patience: Patience,
+    /// There is no core without a worker: to spin would take a worker's time.
+    shares_core: bool,
     rejected: u64,
+    duty: Duty,
     /// Workers whose end was told and who are not buried yet: it is told once.
     ended: Vec<usize>,
     scratch: Vec<u64>,
@@ -128,7 +131,9 @@ impl Crew {
             boot,
             request: 0,
             patience: options.patience,
+            shares_core: runtime::affinity::allowed_cores().len() <= workers,
             rejected: 0,
+            duty: Duty::default(),
             ended: Vec::new(),
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
@@ -201,20 +206,19 @@ impl Crew {
     ///
     /// If no worker is left, or a signal came.
     pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
+        let begun_ns = clock::now_ns();
         self.request += 1;
         self.rejected = 0;
+        self.duty = Duty::default();
         self.dispatcher.begin();
         for station in &mut self.stations {
             station.begin(&self.status);
         }
+        for station in self.stations.iter().filter(|station| station.is_alive()) {
+            self.dispatcher.admit(station.who);
+        }
         let mut effects = Vec::new();
         let mut progress = self.step(Event::Poll, work, &mut effects);
-        for number in 0..self.stations.len() {
-            if self.stations[number].is_alive() {
-                let who = self.stations[number].who;
-                progress = self.step(Event::Ready(who), work, &mut effects);
-            }
-        }
         let backoff = Backoff::new();
         let mut looked = clock::now_ns();
         while progress == Progress::Working {
@@ -239,13 +243,14 @@ impl Crew {
             }
             if taken {
                 backoff.reset();
-            } else if backoff.is_completed() {
+            } else if self.shares_core || backoff.is_completed() {
                 let nap_ns = due_ns.map_or(NAP_NS, |due_ns| due_ns.saturating_sub(now).min(NAP_NS));
                 self.sleep(nap_ns)?;
             } else {
                 backoff.snooze();
             }
         }
+        self.duty.run_ns = clock::now_ns() - begun_ns;
         let counts = self.dispatcher.counts();
         if progress == Progress::Stranded {
             let lost = self.stations.iter().filter_map(|station| {
@@ -269,6 +274,7 @@ impl Crew {
 
     fn report(&self, counts: Counts) -> CrewReport {
         CrewReport {
+            duty: self.duty,
             counts,
             transfer: self.dispatcher.transfer(),
             rejected: self.rejected,
@@ -283,9 +289,16 @@ impl Crew {
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
-        let mut progress = self.dispatcher.step(clock::now_ns(), event, work, effects);
+        let begun_ns = clock::now_ns();
+        let mut progress = self.dispatcher.step(begun_ns, event, work, effects);
+        let mut stepped_ns = clock::now_ns();
+        self.duty.step_ns += stepped_ns - begun_ns;
         while let Some(Effect::Send { to, jobs, .. }) = effects.pop() {
-            let Err(error) = self.send(to, &jobs, work) else { continue };
+            let sent = self.send(to, &jobs, work);
+            let sent_ns = clock::now_ns();
+            self.duty.send_ns += sent_ns - stepped_ns;
+            stepped_ns = sent_ns;
+            let Err(error) = sent else { continue };
             // No queue is ever overfilled, so the channel is broken, or its worker was buried
             // since.
             let station = &mut self.stations[usize::from(to.worker)];
@@ -358,7 +371,11 @@ impl Crew {
         effects: &mut Vec<Effect>,
     ) -> Option<Progress> {
         let mut scratch = std::mem::take(&mut self.scratch);
+        let begun_ns = clock::now_ns();
         let taken = self.stations[number].take(&self.status, &mut scratch);
+        if matches!(taken, Ok(Some(_))) {
+            self.duty.take_ns += clock::now_ns() - begun_ns;
+        }
         let progress = match taken {
             Ok(Some(Ok(head))) => Some(self.handle(number, &head, &scratch, work, effects)),
             Ok(Some(Err(reject))) => {

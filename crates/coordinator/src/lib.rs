@@ -24,12 +24,14 @@ mod case;
 mod crew;
 mod gather;
 mod here;
+mod pairs;
 mod request;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
-pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
+pub use crew::{Crew, CrewError, CrewReport, Duty, Options, WorkerReport, seal};
 pub use here::{run_here, run_watched};
+pub use pairs::{PairWork, PoseFound, Spent};
 pub use request::{Request, RequestError};
 pub use work::{Effort, Errands, PartOf, Work};

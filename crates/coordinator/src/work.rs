@@ -228,10 +228,7 @@ impl dispatch::Work for Work<'_> {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         let Some(found) = &mut errand.found else { return };
         let sound = found.fold(part.0, &mut self.effort.jobs);
-        let is_whole = part
-            .0
-            .last
-            .is_none_or(|last| last.summary.end == protocol::result::End::Complete as u32);
+        let is_whole = part.is_whole();
         let touched = found.touched;
         errand.is_unknown |= !sound || !is_whole;
         if let Aim::Probe { travel_m } = errand.aim
@@ -263,3 +260,11 @@ impl dispatch::Work for Work<'_> {
 /// One part of a result, taken apart.
 #[derive(Clone, Copy, Debug)]
 pub struct PartOf<'p>(pub(crate) Part<'p>);
+
+impl PartOf<'_> {
+    /// Whether its job did all that was asked for, as far as this part says.
+    pub(crate) fn is_whole(&self) -> bool {
+        let complete = protocol::result::End::Complete as u32;
+        self.0.last.is_none_or(|last| last.summary.end == complete)
+    }
+}

@@ -187,6 +187,16 @@ impl<S: Scheme> Dispatcher<S> {
         }
     }
 
+    /// Takes one event at `now_ns` (ns, monotonic), asks `work` for jobs, says what to do.
+    /// all who are there at the start get their share.
+    pub fn admit(&mut self, who: Incarnation) {
+        let core = self.cores.get_mut(usize::from(who.worker));
+        // Who was ready before this request has jobs already.
+        if let Some(core) = core.filter(|core| core.who != Some(who)) {
+            *core = Core { who: Some(who), ..Core::default() };
+        }
+    }
+
     /// From now on writes down who got which job: what [`Dispatcher::transfer`] follows from.
     pub fn keep_log(&mut self) {
         self.log.get_or_insert_default();
@@ -245,11 +255,7 @@ impl<S: Scheme> Dispatcher<S> {
     ) -> Progress {
         match event {
             Event::Poll => {}
-            Event::Ready(who) => {
-                if let Some(core) = self.cores.get_mut(usize::from(who.worker)) {
-                    *core = Core { who: Some(who), ..Core::default() };
-                }
-            }
+            Event::Ready(who) => self.admit(who),
             Event::Part { from, job, attempt, part, last, body } => {
                 self.take(from, job, attempt, (part, last), body, work);
             }

@@ -86,7 +86,7 @@ impl Scheme for BestMatchLoad {
     }
 }
 
-/// Lowest Match: the fewest resident sections; ties as in [`BestMatchLoad`]. The seed's bad example.
+/// Lowest Match: the fewest resident sections; ties as in [`BestMatchLoad`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LowestMatch;
 

@@ -81,6 +81,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     let mut words = Vec::with_capacity(sizes.job_words);
     while let Some(head) = desk.next_batch(&link, &mut words)? {
         desk.work_off(&head, &words)?;
+        outlet.ring();
     }
     line.state.store(State::Bye as u32, Ordering::Release);
     Ok(())

@@ -1,7 +1,7 @@
 //! The dispatcher against a seeded world that loses, repeats, splits and kills.
 
 use super::*;
-use crate::{BestMatchLoad, Matching};
+use crate::{BestMatchLoad, Matching, RoundRobin};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -253,6 +253,23 @@ fn without_workers_the_request_is_stranded_and_a_late_worker_saves_it() {
     let who = Incarnation { worker: 1, inc: 3 };
     assert_eq!(dispatcher.step(0, Event::Ready(who), &mut work, &mut effects), Progress::Working);
     assert_eq!(effects.len(), 2, "{effects:?}");
+}
+
+#[test]
+fn a_worker_that_says_twice_that_it_is_ready_keeps_its_jobs() {
+    let queues = Queues { capacity: 2, batch: 2, linger_ns: 0 };
+    let mut dispatcher = Dispatcher::new(RoundRobin::default(), queues, Cache::Unlimited, 1);
+    let who = Incarnation { worker: 0, inc: 0 };
+    let mut effects = Vec::new();
+    for _request in 0..2 {
+        dispatcher.begin();
+        let mut work = Waves { left: vec![5], ..Waves::default() };
+        dispatcher.step(0, Event::Poll, &mut work, &mut effects);
+        dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
+        dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
+        assert_eq!(effects.len(), 1, "{effects:?}");
+        effects.clear();
+    }
 }
 
 #[test]

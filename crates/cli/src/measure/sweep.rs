@@ -1,0 +1,351 @@
+//! The sweep over one pair: schemes, depths, buffers, workers and ways of transfer, measured with
+//! the cores there are and simulated with four.
+
+use super::bench::{Alone, Bench, Way};
+use super::calibrate::{QUEUES, calibrate};
+use super::row::{Mode, Row};
+use crate::failure::{Code, Failure};
+use crate::progress::Progress;
+use dispatch::{Cache, Matching, Queues};
+use scenario::Scheme;
+use serde::Serialize;
+use simulate::{Costs, Home, Setup};
+
+/// Workers of the quad-core machine.
+pub(crate) const CORES: u8 = 4;
+/// Share of both bodies that a copying worker can hold, in percent: the seed's systems ran out of
+/// memory, and so does this one.
+const BUDGET_PERCENT: u64 = 60;
+/// Depth at which costs are calibrated.
+pub(crate) const FINE: u32 = 8;
+
+/// What is swept.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) depths: Vec<u32>,
+    /// Queue capacities; a batch is a quarter of them.
+    pub(crate) buffers: Vec<u32>,
+    pub(crate) seed: u64,
+    pub(crate) alpha: f64,
+}
+
+/// A prediction beside what it predicts.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Check {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) predicted_ms: f64,
+    pub(crate) measured_ms: f64,
+    /// Each over the in-process kernel of its kind.
+    pub(crate) predicted_speed_up: f64,
+    pub(crate) measured_speed_up: f64,
+}
+
+impl Check {
+    /// How far the predicted speed-up is off: 0.1 is 10 %.
+    pub(crate) fn error(&self) -> f64 {
+        self.predicted_speed_up / self.measured_speed_up - 1.0
+    }
+}
+
+/// Where the time of a run went, per core: shares of the run's time.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Shares {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) run_ms: f64,
+    pub(crate) speed_up: f64,
+    /// Kernel time over all workers, and that of the in-process kernel (ms).
+    pub(crate) kernel_ms: f64,
+    pub(crate) kernel_alone_ms: f64,
+    /// Least and most that one worker worked (ms).
+    pub(crate) worker_least_ms: f64,
+    pub(crate) worker_most_ms: f64,
+    pub(crate) descent_ms: f64,
+    pub(crate) fold_ms: f64,
+    pub(crate) decide_ms: f64,
+    pub(crate) send_ms: f64,
+    pub(crate) take_ms: f64,
+}
+
+/// What is known of one pair.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Swept {
+    pub(crate) pair: String,
+    pub(crate) triangles: [usize; 2],
+    pub(crate) poses: usize,
+    pub(crate) pairs_found: u64,
+    pub(crate) model_bytes: u64,
+    pub(crate) costs: Costs,
+    /// The in-process kernel (ms), its best depth.
+    pub(crate) alone_ms: f64,
+    /// Median of its repeats (ms).
+    pub(crate) alone_median_ms: f64,
+    pub(crate) alone_depth: u32,
+    /// The same by the cost model (ms).
+    pub(crate) alone_predicted_ms: f64,
+    pub(crate) checks: Vec<Check>,
+    pub(crate) shares: Vec<Shares>,
+    pub(crate) rows: Vec<Row>,
+}
+
+/// How many steps of progress a sweep has.
+pub(crate) fn steps(plan: &Plan) -> u64 {
+    (plan.depths.len() * (Scheme::ALL.len() + 2) + plan.buffers.len() + 1) as u64
+}
+
+/// The scheme as the dispatcher knows it.
+fn matching(scheme: Scheme, plan: &Plan) -> Result<Matching, Failure> {
+    Ok(match scheme {
+        Scheme::BestMatchLoad => Matching::BestMatchLoad(plan.alpha),
+        Scheme::BestMatch => Matching::BestMatch,
+        Scheme::RandomMatch => Matching::RandomMatch(plan.seed),
+        Scheme::LowestMatch => Matching::LowestMatch,
+        Scheme::RoundRobin => Matching::RoundRobin,
+        other => return Err(Failure::new(Code::Internal, other.name())),
+    })
+}
+
+/// Sweeps a pair.
+pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Swept, Failure> {
+    let costs = calibrate(bench, FINE)?;
+    bar.add(1);
+    let mut alone = Vec::new();
+    for depth in &plan.depths {
+        alone.push((*depth, bench.alone(*depth)?));
+        bar.add(1);
+    }
+    let whole = bench.alone(0)?;
+    let all = alone.iter().map(|(depth, alone)| (alone, *depth)).chain([(&whole, 0)]);
+    let (best, best_depth) = all.min_by(|a, b| a.0.ns.total_cmp(&b.0.ns)).unwrap_or((&whole, 0));
+    let mut sweep = Sweep {
+        bench,
+        plan,
+        bar,
+        costs,
+        alone_ns: best.ns,
+        predicted_ns: predicted(&whole, &costs),
+        model_bytes: bench.model_bytes(),
+        rows: Vec::new(),
+        checks: Vec::new(),
+        shares: Vec::new(),
+    };
+    for (depth, alone) in &alone {
+        sweep.depth(*depth, alone)?;
+    }
+    sweep.buffers(&alone)?;
+    let [a, b] = [0, 1].map(|body: usize| bench.bodies[body].1.corners.len());
+    Ok(Swept {
+        pair: bench.pair.name.clone(),
+        triangles: [a, b],
+        poses: bench.pair.poses.len(),
+        pairs_found: bench.pairs(),
+        model_bytes: sweep.model_bytes,
+        costs,
+        alone_ms: best.ns / 1e6,
+        alone_median_ms: best.median_ns / 1e6,
+        alone_depth: best_depth,
+        alone_predicted_ms: sweep.predicted_ns / 1e6,
+        checks: sweep.checks,
+        shares: sweep.shares,
+        rows: sweep.rows,
+    })
+}
+
+/// The in-process kernel by the cost model (ns).
+fn predicted(alone: &Alone, costs: &Costs) -> f64 {
+    let task =
+        |task: &simulate::TaskTrace| costs.task_ns + costs.descent_ns * task.descent_nb as f64;
+    let job = |job: &simulate::JobTrace| {
+        costs.kernel_ns(job.nb, job.np, job.hits) + costs.fold_hit_ns * job.hits as f64
+    };
+    alone.trace.tasks.iter().map(task).sum::<f64>() + alone.trace.jobs().map(job).sum::<f64>()
+}
+
+struct Sweep<'s> {
+    bench: &'s Bench<'s>,
+    plan: &'s Plan,
+    bar: &'s Progress,
+    costs: Costs,
+    alone_ns: f64,
+    predicted_ns: f64,
+    model_bytes: u64,
+    rows: Vec<Row>,
+    checks: Vec<Check>,
+    shares: Vec<Shares>,
+}
+
+impl Sweep<'_> {
+    /// Every scheme at one depth: two workers for real, four on virtual cores.
+    fn depth(&mut self, depth: u32, alone: &Alone) -> Result<(), Failure> {
+        let usual = matching(Scheme::BestMatchLoad, self.plan)?;
+        for scheme in Scheme::ALL {
+            let matching = matching(scheme, self.plan)?;
+            self.measure(scheme, matching, 2, depth, QUEUES)?;
+            let budget = Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100);
+            for (transfer, cache) in [("zero-copy", Cache::Unlimited), ("copy", budget)] {
+                for home in [Home::Own, Home::Shared] {
+                    self.simulate(scheme, matching, depth, alone, QUEUES, (transfer, cache), home);
+                }
+            }
+            self.bar.add(1);
+        }
+        self.measure(Scheme::BestMatchLoad, usual, 1, depth, QUEUES)?;
+        for (workers, home) in [(1, Home::Own), (2, Home::Shared)] {
+            let setup =
+                Setup { workers, home, matching: usual, queues: QUEUES, cache: Cache::Unlimited };
+            let predicted = simulate::run(&alone.trace, &self.costs, &setup);
+            let ran = self.shares.iter().find(|s| s.workers == workers && s.depth == depth);
+            let measured_ms = ran.map_or(f64::NAN, |shares| shares.run_ms);
+            let predicted_ms = predicted.time_ns / 1e6;
+            self.checks.push(Check {
+                workers,
+                depth,
+                predicted_ms,
+                measured_ms,
+                predicted_speed_up: self.predicted_ns / predicted.time_ns,
+                measured_speed_up: self.alone_ns / 1e6 / measured_ms,
+            });
+        }
+        self.bar.add(1);
+        Ok(())
+    }
+
+    /// Best Match-Load with every buffer at its best depth.
+    fn buffers(&mut self, alone: &[(u32, Alone)]) -> Result<(), Failure> {
+        let scheme = Scheme::BestMatchLoad;
+        let matching = matching(scheme, self.plan)?;
+        let best = self.rows.iter().filter(|row| {
+            (row.mode, row.transfer) == (Mode::SimulatedOwnCore, "zero-copy")
+                && row.scheme == scheme.name()
+        });
+        let best =
+            best.max_by(|a, b| a.speed_up.unwrap_or(0.0).total_cmp(&b.speed_up.unwrap_or(0.0)));
+        let Some(depth) = best.map(|row| row.depth) else { return Ok(()) };
+        let Some((_, alone)) = alone.iter().find(|(known, _)| *known == depth) else {
+            return Ok(());
+        };
+        for capacity in &self.plan.buffers {
+            let batch = (capacity / 4).max(1);
+            let queues = Queues { capacity: *capacity, batch, linger_ns: 0 };
+            if queues != QUEUES {
+                self.measure(scheme, matching, 2, depth, queues)?;
+                let transfer = ("zero-copy", Cache::Unlimited);
+                for home in [Home::Own, Home::Shared] {
+                    self.simulate(scheme, matching, depth, alone, queues, transfer, home);
+                }
+            }
+            self.bar.add(1);
+        }
+        Ok(())
+    }
+
+    fn measure(
+        &mut self,
+        scheme: Scheme,
+        matching: Matching,
+        workers: u8,
+        depth: u32,
+        queues: Queues,
+    ) -> Result<(), Failure> {
+        let way = Way { workers, depth, matching, queues, cache: Cache::Unlimited };
+        let ran = self.bench.crew(&way)?;
+        let (report, duty) = (&ran.report, ran.report.duty);
+        let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
+        let transfer = report.transfer;
+        let run_ns = duty.run_ns as f64;
+        self.rows.push(Row {
+            pair: self.bench.pair.name.clone(),
+            mode: Mode::Measured,
+            transfer: "zero-copy",
+            scheme: scheme.name(),
+            depth,
+            workers,
+            queue: queues.capacity,
+            batch: queues.batch,
+            time_ms: Some(run_ns / 1e6),
+            median_ms: Some(ran.median_ns / 1e6),
+            speed_up: Some(self.alone_ns / run_ns),
+            jobs: report.counts.jobs,
+            messages: sum(|w| w.batches + w.results),
+            message_bytes: Some(sum(|w| w.batch_bytes + w.result_bytes)),
+            cache_lines: Some(sum(|w| w.batch_lines + w.result_lines)),
+            section_bytes: Some(transfer.section_bytes),
+            relative_to_models: Some(ratio(transfer.section_bytes, self.model_bytes)),
+            relative_to_unshared: Some(ratio(transfer.section_bytes, transfer.unshared_bytes)),
+            thrashed: None,
+        });
+        if scheme == Scheme::BestMatchLoad && queues == QUEUES {
+            let busy = report.workers.iter().map(|worker| worker.busy_ns);
+            let ms = |ns: u64| ns as f64 / 1e6;
+            let decided = duty.step_ns.saturating_sub(ran.spent.descent_ns + ran.spent.fold_ns);
+            self.shares.push(Shares {
+                workers,
+                depth,
+                run_ms: run_ns / 1e6,
+                speed_up: self.alone_ns / run_ns,
+                kernel_ms: ms(busy.clone().sum()),
+                kernel_alone_ms: self.alone_ns / 1e6,
+                worker_least_ms: ms(busy.clone().min().unwrap_or(0)),
+                worker_most_ms: ms(busy.max().unwrap_or(0)),
+                descent_ms: ms(ran.spent.descent_ns),
+                fold_ms: ms(ran.spent.fold_ns),
+                decide_ms: ms(decided),
+                send_ms: ms(duty.send_ns),
+                take_ms: ms(duty.take_ns),
+            });
+        }
+        Ok(())
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "each is one dimension of the sweep")]
+    fn simulate(
+        &mut self,
+        scheme: Scheme,
+        matching: Matching,
+        depth: u32,
+        alone: &Alone,
+        queues: Queues,
+        (transfer, cache): (&'static str, Cache),
+        home: Home,
+    ) {
+        let setup = Setup { workers: CORES, home, matching, queues, cache };
+        let out = simulate::run(&alone.trace, &self.costs, &setup);
+        let has_ended = out.thrash.is_none();
+        let moved = out.transfer.section_bytes;
+        let only = |value: f64| has_ended.then_some(value);
+        self.rows.push(Row {
+            pair: self.bench.pair.name.clone(),
+            mode: match home {
+                Home::Own => Mode::SimulatedOwnCore,
+                Home::Shared => Mode::SimulatedSharedCore,
+            },
+            transfer,
+            scheme: scheme.name(),
+            depth,
+            workers: CORES,
+            queue: queues.capacity,
+            batch: queues.batch,
+            time_ms: only(out.time_ns / 1e6),
+            median_ms: None,
+            speed_up: only(self.predicted_ns / out.time_ns),
+            jobs: out.counts.jobs,
+            messages: out.counts.batches + out.counts.done,
+            message_bytes: None,
+            cache_lines: None,
+            section_bytes: has_ended.then_some(moved),
+            relative_to_models: only(ratio(moved, self.model_bytes)),
+            relative_to_unshared: only(ratio(moved, out.transfer.unshared_bytes)),
+            thrashed: out.thrash.map(|thrash| {
+                format!(
+                    "worker {} held {} of {} bytes and needed {} more",
+                    thrash.core, thrash.held, thrash.budget, thrash.bytes
+                )
+            }),
+        });
+    }
+}
+
+fn ratio(part: u64, whole: u64) -> f64 {
+    part as f64 / whole.max(1) as f64
+}
