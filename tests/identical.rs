@@ -37,6 +37,9 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
         &["--scheme", "lowest-match", "--linger", "200"],
         &["--scheme", "round-robin", "--batch", "3", "--queue", "5", "--linger", "50"],
         &["--cache-bytes", "100000"],
+        &["--transfer", "copy", "--memory-budget", "9000000"],
+        &["--transfer", "copy", "--memory-budget", "9000000", "--scheme", "lowest-match"],
+        &["--transfer", "copy", "--memory-budget", "9000000", "--depth", "3", "--queue", "16"],
         &["--alpha", "0", "--cores", "none"],
         &["--in-process", "--depth", "0", "--build", "sah"],
     ];

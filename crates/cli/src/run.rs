@@ -161,6 +161,7 @@ pub(crate) fn crew<'w>(
         matching: transfer::matching(engine)?,
         queues: handing.queues(engine)?,
         cache: handing.cache(engine.depth, bodies)?,
+        copies: handing.copies(),
         log: handing.job_log.is_some(),
         patience: Patience::default(),
     };

@@ -4,7 +4,7 @@
 
 use crate::failure::{Code, Failure};
 use bvh::section;
-use clap::Args as ClapArgs;
+use clap::{Args as ClapArgs, ValueEnum};
 use dispatch::{Cache, Entry, Matching, Queues};
 use model::{BodyView, Meta};
 use scenario::{Engine, Scheme};
@@ -13,6 +13,20 @@ use std::path::{Path, PathBuf};
 
 /// Longest that a batch may wait (µs): a worker that gets nothing must not look silent.
 const LINGER_MAX_US: u64 = 10_000;
+
+/// Share of all bodies that a copying worker can hold, in percent.
+pub(crate) const BUDGET_PERCENT: u64 = 60;
+
+/// How workers come by the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Mode {
+    /// They read the one sealed store in place.
+    #[default]
+    ZeroCopy,
+    /// Sections are shipped into memory of their own, without eviction, for comparison: the first
+    /// that does not fit ends the run.
+    Copy,
+}
 
 /// What a person may say about transfer, beside the scenario's settings.
 #[derive(Clone, Debug, Default, ClapArgs)]
@@ -24,6 +38,12 @@ pub(crate) struct TransferArgs {
     /// room [default: no limit].
     #[arg(long, value_name = "BYTES")]
     cache_bytes: Option<u64>,
+    /// How workers come by the bodies.
+    #[arg(long, value_name = "MODE", default_value = "zero-copy")]
+    transfer: Mode,
+    /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of bodies].
+    #[arg(long, value_name = "BYTES")]
+    memory_budget: Option<u64>,
     /// Write down who got which job: a CSV file from which the transfer ledger can be recomputed.
     #[arg(long, value_name = "FILE")]
     pub(crate) job_log: Option<PathBuf>,
@@ -50,10 +70,35 @@ impl TransferArgs {
         depth: u32,
         bodies: &[(Meta, BodyView<'_>)],
     ) -> Result<Cache, Failure> {
-        let Some(bytes) = self.cache_bytes else { return Ok(Cache::Unlimited) };
-        let largest = bodies.iter().map(|(_, body)| largest_section(body, depth)).max();
-        fits("--cache-bytes", bytes, depth, largest.unwrap_or(0))?;
-        Ok(Cache::Recent(bytes))
+        let largest = || bodies.iter().map(|(_, body)| largest_section(body, depth)).max();
+        match (self.transfer, self.cache_bytes, self.memory_budget) {
+            (Mode::Copy, Some(_), _) => {
+                let help = "--memory-budget bounds what a worker that copies can hold";
+                Err(setting("--cache-bytes is for zero-copy alone".to_owned()).help(help))
+            }
+            (Mode::ZeroCopy, _, Some(_)) => {
+                let help = "give --transfer copy besides, or --cache-bytes";
+                Err(setting("--memory-budget is for workers that copy".to_owned()).help(help))
+            }
+            (Mode::Copy, None, Some(budget)) => {
+                fits("--memory-budget", budget, depth, largest().unwrap_or(0))?;
+                Ok(Cache::Fixed(budget))
+            }
+            (Mode::Copy, None, None) => {
+                let all: u64 = bodies.iter().map(|(_, body)| section::bytes(body.nodes, 0)).sum();
+                Ok(Cache::Fixed(all * BUDGET_PERCENT / 100))
+            }
+            (Mode::ZeroCopy, Some(bytes), None) => {
+                fits("--cache-bytes", bytes, depth, largest().unwrap_or(0))?;
+                Ok(Cache::Recent(bytes))
+            }
+            (Mode::ZeroCopy, None, None) => Ok(Cache::Unlimited),
+        }
+    }
+
+    /// Whether sections are copied.
+    pub(crate) fn copies(&self) -> bool {
+        self.transfer == Mode::Copy
     }
 }
 

@@ -9,6 +9,7 @@
 //! flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
 mod error;
+mod parcel;
 mod report;
 mod station;
 
@@ -22,9 +23,10 @@ use crossbeam::utils::Backoff;
 use dispatch::{
     Cache, Counts, Dispatcher, Effect, Entry, Event, Matching, Patience, Progress, Queues, Scheme,
 };
+use parcel::{Outgoing, parcels};
 use protocol::job::{Job, write_batch};
 use protocol::result::{read_hits, read_last};
-use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Task};
+use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Section, Task};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
 use station::Station;
 use std::path::{Path, PathBuf};
@@ -47,6 +49,8 @@ pub struct Options {
     pub queues: Queues,
     /// How much the ledger says that a worker holds.
     pub cache: Cache,
+    /// Whether workers get copies of sections, and do not read the store in place.
+    pub copies: bool,
     /// Whether to write down who got which job.
     pub log: bool,
     /// How long a busy worker may stand still.
@@ -84,6 +88,8 @@ pub struct Crew {
     patience: Patience,
     /// There is no core without a worker: to spin would take a worker's time.
     shares_core: bool,
+    /// Per worker; `None` if nothing is copied.
+    outgoing: Option<Vec<Outgoing>>,
     rejected: u64,
     duty: Duty,
     /// Workers whose end was told and who are not buried yet: it is told once.
@@ -132,6 +138,7 @@ impl Crew {
             request: 0,
             patience: options.patience,
             shares_core: runtime::affinity::allowed_cores().len() <= workers,
+            outgoing: options.copies.then(|| (0..workers).map(|_| Outgoing::default()).collect()),
             rejected: 0,
             duty: Duty::default(),
             ended: Vec::new(),
@@ -145,6 +152,7 @@ impl Crew {
                 boot,
                 batch: options.queues.batch,
                 queue: options.queues.capacity,
+                copies: options.copies,
                 domain: crew.domain.text().to_owned(),
             };
             let bell = crew.poller.add_event(worker as u32)?;
@@ -211,6 +219,9 @@ impl Crew {
         self.rejected = 0;
         self.duty = Duty::default();
         self.dispatcher.begin();
+        for outgoing in self.outgoing.iter_mut().flatten() {
+            outgoing.clear();
+        }
         for station in &mut self.stations {
             station.begin(&self.status);
         }
@@ -222,6 +233,7 @@ impl Crew {
         let backoff = Backoff::new();
         let mut looked = clock::now_ns();
         while progress == Progress::Working {
+            let waits = self.flush(work, &mut effects);
             let (taken, after) = self.take_results(work, &mut effects, progress);
             progress = after;
             let now = clock::now_ns();
@@ -241,7 +253,7 @@ impl Crew {
             if progress != Progress::Working {
                 break;
             }
-            if taken {
+            if taken || waits {
                 backoff.reset();
             } else if self.shares_core || backoff.is_completed() {
                 let nap_ns = due_ns.map_or(NAP_NS, |due_ns| due_ns.saturating_sub(now).min(NAP_NS));
@@ -252,6 +264,9 @@ impl Crew {
         }
         self.duty.run_ns = clock::now_ns() - begun_ns;
         let counts = self.dispatcher.counts();
+        if let Some(thrash) = self.dispatcher.thrash() {
+            return Err(CrewError::Thrashed(thrash));
+        }
         if progress == Progress::Stranded {
             let lost = self.stations.iter().filter_map(|station| {
                 let how = station.report.lost.as_deref()?;
@@ -293,8 +308,10 @@ impl Crew {
         let mut progress = self.dispatcher.step(begun_ns, event, work, effects);
         let mut stepped_ns = clock::now_ns();
         self.duty.step_ns += stepped_ns - begun_ns;
-        while let Some(Effect::Send { to, jobs, .. }) = effects.pop() {
-            let sent = self.send(to, &jobs, work);
+        // In order: a batch may need sections that went with the one before it.
+        while !effects.is_empty() {
+            let Effect::Send { to, jobs, fetch } = effects.remove(0);
+            let sent = self.send(to, &jobs, &fetch, work);
             let sent_ns = clock::now_ns();
             self.duty.send_ns += sent_ns - stepped_ns;
             stepped_ns = sent_ns;
@@ -316,6 +333,7 @@ impl Crew {
         &mut self,
         to: Incarnation,
         jobs: &[(JobId, u8)],
+        fetch: &[Section],
         work: &W,
     ) -> Result<(), UseError> {
         let BatchWriter { tasks, jobs: rows, words } = &mut self.batch;
@@ -344,7 +362,39 @@ impl Crew {
             count: rows.len() as u16,
             ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
         };
-        self.stations[usize::from(to.worker)].send(&self.status, head, words)
+        let station = &mut self.stations[usize::from(to.worker)];
+        let Some(outgoing) = &mut self.outgoing else {
+            return station.send(&self.status, head, words);
+        };
+        let outgoing = &mut outgoing[usize::from(to.worker)];
+        for section in fetch {
+            let Some(body) = work.body(section.model) else { continue };
+            let head = Head::new(self.boot, RequestId(self.request), to, Kind::Section);
+            for parcel in parcels(&body, *section) {
+                outgoing.push(head, parcel);
+            }
+        }
+        outgoing.push(head, words.clone());
+        outgoing.flush(station, &self.status)
+    }
+
+    /// Hands over what has waited for room. Says whether something still does.
+    fn flush<W: Errands>(&mut self, work: &mut W, effects: &mut Vec<Effect>) -> bool {
+        let Some(outgoing) = &mut self.outgoing else { return false };
+        let mut broken = None;
+        for (station, outgoing) in self.stations.iter_mut().zip(outgoing.iter_mut()) {
+            if !station.is_alive() {
+                outgoing.clear();
+            } else if let Err(error) = outgoing.flush(station, &self.status) {
+                station.kill(&format!("its job channel broke ({error})"));
+                broken = Some(station.bury(&self.status));
+            }
+        }
+        let waits = outgoing.iter().any(|outgoing| !outgoing.is_empty());
+        if let Some((who, started)) = broken {
+            self.step(Event::Lost { who, started }, work, effects);
+        }
+        waits
     }
 
     /// Takes all results there are by now. Says whether there was one.
@@ -429,7 +479,9 @@ impl Crew {
                 tracing::warn!(worker = number, job = head.job, "a job failed");
                 self.step(Event::Failed { from, job, attempt: head.attempt }, work, effects)
             }
-            Some(Kind::Hello | Kind::Batch) | None => self.step(Event::Poll, work, effects),
+            Some(Kind::Hello | Kind::Batch | Kind::Section) | None => {
+                self.step(Event::Poll, work, effects)
+            }
         }
     }
 

@@ -141,6 +141,10 @@ impl Errands for PairWork<'_> {
     fn task(&self, task: TaskId) -> Option<&Task> {
         self.poses.get(task.0 as usize)?.wire.as_ref()
     }
+
+    fn body(&self, model: u32) -> Option<BodyView<'_>> {
+        self.bodies.get(model as usize).copied()
+    }
 }
 
 impl dispatch::Work for PairWork<'_> {

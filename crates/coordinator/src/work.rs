@@ -15,6 +15,8 @@ use std::collections::VecDeque;
 pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
     /// The task as it travels; `None` if there is no such task.
     fn task(&self, task: TaskId) -> Option<&Task>;
+    /// The body of this number.
+    fn body(&self, model: u32) -> Option<BodyView<'_>>;
 }
 
 /// One question about one pose of one candidate.
@@ -205,6 +207,10 @@ impl<'w> Work<'w> {
 impl Errands for Work<'_> {
     fn task(&self, task: TaskId) -> Option<&Task> {
         self.errands.get(task.0 as usize).map(|errand| &errand.wire)
+    }
+
+    fn body(&self, model: u32) -> Option<BodyView<'_>> {
+        self.bodies.get(model as usize).map(|(_, body)| *body)
     }
 }
 

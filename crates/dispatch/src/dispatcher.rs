@@ -187,8 +187,8 @@ impl<S: Scheme> Dispatcher<S> {
         }
     }
 
-    /// Takes one event at `now_ns` (ns, monotonic), asks `work` for jobs, says what to do.
-    /// all who are there at the start get their share.
+    /// A worker takes jobs from now on. None is placed before the next step, so that all who are
+    /// there at the start get their share.
     pub fn admit(&mut self, who: Incarnation) {
         let core = self.cores.get_mut(usize::from(who.worker));
         // Who was ready before this request has jobs already.

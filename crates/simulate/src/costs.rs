@@ -18,8 +18,10 @@ pub struct Costs {
     pub hit_ns: f64,
     /// Worker: per result message.
     pub send_ns: f64,
-    /// Worker: per byte of a section that it did not hold.
+    /// Worker that copies: per logical byte of a section that it did not hold.
     pub section_byte_ns: f64,
+    /// Coordinator whose workers copy: per logical byte of a section that it ships.
+    pub ship_byte_ns: f64,
     /// Coordinator: per task, before its descent.
     pub task_ns: f64,
     /// Coordinator: per test of two boxes of a descent.

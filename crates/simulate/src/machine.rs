@@ -30,6 +30,8 @@ pub struct Setup {
     pub queues: Queues,
     /// What a core may hold.
     pub cache: Cache,
+    /// Whether sections are copied: then their bytes cost time.
+    pub copies: bool,
 }
 
 /// What came out.
@@ -70,6 +72,7 @@ pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> Outcome {
         jobs: trace.jobs().collect(),
         costs,
         home: setup.home,
+        copies: setup.copies,
         servers: vec![Server::default(); workers],
         now_ns: 0.0,
         coordinator_ns: 0.0,
@@ -98,6 +101,7 @@ struct Machine<'t> {
     jobs: Vec<&'t JobTrace>,
     costs: &'t Costs,
     home: Home,
+    copies: bool,
     servers: Vec<Server>,
     /// The coordinator's time.
     now_ns: f64,
@@ -140,12 +144,17 @@ impl Machine<'_> {
         let (tasks, tests) = std::mem::take(&mut self.replay.descents);
         self.work(self.costs.task_ns * tasks as f64 + self.costs.descent_ns * tests as f64);
         for Effect::Send { to, jobs, fetch } in effects {
-            self.work(self.costs.batch_ns + self.costs.place_ns * jobs.len() as f64);
+            let weight = |section| dispatch::Work::weight(&self.replay, section) as f64;
+            let fetched: f64 = fetch.into_iter().map(weight).sum();
+            let loaded = if self.copies { fetched } else { 0.0 };
+            self.work(
+                self.costs.batch_ns
+                    + self.costs.place_ns * jobs.len() as f64
+                    + self.costs.ship_byte_ns * loaded,
+            );
             let arrives_ns = self.now_ns + self.costs.flight_ns;
             let server = &mut self.servers[usize::from(to.worker)];
             server.free_ns = server.free_ns.max(arrives_ns);
-            let weight = |section| dispatch::Work::weight(&self.replay, section) as f64;
-            let loaded: f64 = fetch.into_iter().map(weight).sum();
             // The sections of a batch are loaded by its jobs; which of them does not matter here.
             let load_ns = self.costs.section_byte_ns * loaded / jobs.len() as f64;
             for (job, attempt) in jobs {

@@ -3,8 +3,8 @@
 use super::pair::{Pair, views};
 use crate::BUILD;
 use crate::failure::{Code, Failure};
-use coordinator::{Crew, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
-use dispatch::{Cache, Matching, Patience, Queues};
+use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
+use dispatch::{Cache, Matching, Patience, Queues, Thrash};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
 use simulate::{JobTrace, Sample, TaskTrace, Trace};
@@ -131,8 +131,13 @@ impl<'p> Bench<'p> {
         Ok(Alone { ns, median_ns, trace: Trace { tasks }, samples, spent })
     }
 
-    /// By a crew; the first run warms up and does not count.
+    /// By a crew that has room for everything.
     pub(crate) fn crew(&self, way: &Way) -> Result<Ran, Failure> {
+        self.run(way)?.map_err(|thrash| CrewError::Thrashed(thrash).into())
+    }
+
+    /// By a crew; the first run warms up and does not count. Inside: a section did not fit.
+    pub(crate) fn run(&self, way: &Way) -> Result<Result<Ran, Thrash>, Failure> {
         let granted = affinity::allowed_cores();
         let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
         let options = Options {
@@ -143,6 +148,7 @@ impl<'p> Bench<'p> {
             matching: way.matching,
             queues: way.queues,
             cache: way.cache,
+            copies: matches!(way.cache, Cache::Fixed(_)),
             log: false,
             patience: Patience::default(),
         };
@@ -150,7 +156,10 @@ impl<'p> Bench<'p> {
         let mut runs = Vec::new();
         for round in 0..=self.repeats {
             let mut work = self.work(way.depth);
-            let report = crew.run(&mut work)?;
+            let report = match crew.run(&mut work) {
+                Err(CrewError::Thrashed(thrash)) => return Ok(Err(thrash)),
+                other => other?,
+            };
             self.check(&work)?;
             if round > 0 {
                 runs.push(Ran { report, spent: work.spent, median_ns: 0.0 });
@@ -159,7 +168,7 @@ impl<'p> Bench<'p> {
         runs.sort_by_key(|ran| ran.report.duty.run_ns);
         let median_ns = runs[runs.len() / 2].report.duty.run_ns as f64;
         let quickest = runs.swap_remove(0);
-        Ok(Ran { median_ns, ..quickest })
+        Ok(Ok(Ran { median_ns, ..quickest }))
     }
 }
 

@@ -32,6 +32,11 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
         cache: Cache::Unlimited,
     };
     let ran = bench.crew(&way)?;
+    // Room for everything: what it takes longer is the copying.
+    let copied = bench.crew(&Way { cache: Cache::Fixed(2 * bench.model_bytes()), ..way })?;
+    let moved = per(copied.report.transfer.section_bytes);
+    let ship_ns = copied.report.duty.send_ns.saturating_sub(ran.report.duty.send_ns) as f64;
+    let longer_ns = copied.report.duty.run_ns.saturating_sub(ran.report.duty.run_ns) as f64;
     let (duty, worker) = (ran.report.duty, &ran.report.workers[0]);
     let (jobs, results) = (per(worker.jobs), per(worker.results));
     let tasks = per(split.trace.tasks.len() as u64);
@@ -47,7 +52,8 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
         triangle_ns,
         hit_ns,
         send_ns: (duty.run_ns.saturating_sub(worker.busy_ns) as f64 / results).min(20_000.0),
-        section_byte_ns: 0.0,
+        section_byte_ns: (longer_ns - ship_ns).max(0.0) / moved,
+        ship_byte_ns: ship_ns / moved,
         task_ns,
         descent_ns: (split.spent.descent_ns as f64 - task_ns * tasks).max(0.0) / tests(&split),
         batch_ns: duty.send_ns as f64 / per(worker.batches),

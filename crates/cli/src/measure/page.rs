@@ -115,6 +115,7 @@ fn one(pair: &Swept, say: &mut impl FnMut(String)) {
             s.take_ms
         ));
     }
+    copied(pair, say);
     say("\nPredicted against measured (ms):\n".to_owned());
     say("| workers | depth | predicted | measured | predicted speed-up | measured | error |"
         .to_owned());
@@ -149,4 +150,33 @@ fn one(pair: &Swept, say: &mut impl FnMut(String)) {
         let _written = write!(list, "{what} {ns:.2}, ");
     }
     say(format!("\nCosts (ns): {}.", list.trim_end_matches(", ")));
+}
+
+/// Zero-copy and copying side by side, measured with two workers on the same jobs.
+fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
+    say("\nZero-copy against copying, two workers, Best Match-Load (ms and kB of messages):\n"
+        .to_owned());
+    say("| depth | zero-copy | copy | time | zero-copy | copy | bytes |".to_owned());
+    say("|--:|--:|--:|--:|--:|--:|--:|".to_owned());
+    let of = |transfer: &str, depth: u32| {
+        pair.rows.iter().find(|row| {
+            (row.mode, row.workers, row.depth) == (Mode::Measured, 2, depth)
+                && (row.scheme, row.transfer) == ("best-match-load", transfer)
+        })
+    };
+    for shares in pair.shares.iter().filter(|shares| shares.workers == 2) {
+        let rows = (of("zero-copy", shares.depth), of("copy", shares.depth));
+        let (Some(shared), Some(copy)) = rows else { continue };
+        let kb = |row: &super::row::Row| row.message_bytes.map(|bytes| bytes as f64 / 1e3);
+        let line = match (shared.time_ms, copy.time_ms, kb(shared), kb(copy)) {
+            (Some(one), Some(two), Some(few), Some(many)) => format!(
+                "{one:.2} | {two:.2} | × {:.2} | {few:.0} | {many:.0} | × {:.1}",
+                two / one,
+                many / few
+            ),
+            (Some(one), _, Some(few), _) => format!("{one:.2} | thrashed | – | {few:.0} | – | –"),
+            _ => continue,
+        };
+        say(format!("| {} | {line} |", shares.depth));
+    }
 }

@@ -6,16 +6,17 @@ use super::calibrate::{QUEUES, calibrate};
 use super::row::{Mode, Row};
 use crate::failure::{Code, Failure};
 use crate::progress::Progress;
-use dispatch::{Cache, Matching, Queues};
+use crate::transfer::BUDGET_PERCENT;
+use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
 use serde::Serialize;
 use simulate::{Costs, Home, Setup};
 
+/// Ways of transfer by name.
+const ZERO_COPY: (&str, Cache) = ("zero-copy", Cache::Unlimited);
+const COPY: &str = "copy";
 /// Workers of the quad-core machine.
 pub(crate) const CORES: u8 = 4;
-/// Share of both bodies that a copying worker can hold, in percent: the seed's systems ran out of
-/// memory, and so does this one.
-const BUDGET_PERCENT: u64 = 60;
 /// Depth at which costs are calibrated.
 pub(crate) const FINE: u32 = 8;
 
@@ -181,19 +182,28 @@ impl Sweep<'_> {
         let usual = matching(Scheme::BestMatchLoad, self.plan)?;
         for scheme in Scheme::ALL {
             let matching = matching(scheme, self.plan)?;
-            self.measure(scheme, matching, 2, depth, QUEUES)?;
             let budget = Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100);
-            for (transfer, cache) in [("zero-copy", Cache::Unlimited), ("copy", budget)] {
+            self.measure(scheme, matching, 2, depth, QUEUES, ZERO_COPY)?;
+            if scheme == Scheme::BestMatchLoad {
+                self.measure(scheme, matching, 2, depth, QUEUES, (COPY, budget))?;
+            }
+            for (transfer, cache) in [ZERO_COPY, (COPY, budget)] {
                 for home in [Home::Own, Home::Shared] {
                     self.simulate(scheme, matching, depth, alone, QUEUES, (transfer, cache), home);
                 }
             }
             self.bar.add(1);
         }
-        self.measure(Scheme::BestMatchLoad, usual, 1, depth, QUEUES)?;
+        self.measure(Scheme::BestMatchLoad, usual, 1, depth, QUEUES, ZERO_COPY)?;
         for (workers, home) in [(1, Home::Own), (2, Home::Shared)] {
-            let setup =
-                Setup { workers, home, matching: usual, queues: QUEUES, cache: Cache::Unlimited };
+            let setup = Setup {
+                workers,
+                home,
+                matching: usual,
+                queues: QUEUES,
+                cache: Cache::Unlimited,
+                copies: false,
+            };
             let predicted = simulate::run(&alone.trace, &self.costs, &setup);
             let ran = self.shares.iter().find(|s| s.workers == workers && s.depth == depth);
             let measured_ms = ran.map_or(f64::NAN, |shares| shares.run_ms);
@@ -229,10 +239,9 @@ impl Sweep<'_> {
             let batch = (capacity / 4).max(1);
             let queues = Queues { capacity: *capacity, batch, linger_ns: 0 };
             if queues != QUEUES {
-                self.measure(scheme, matching, 2, depth, queues)?;
-                let transfer = ("zero-copy", Cache::Unlimited);
+                self.measure(scheme, matching, 2, depth, queues, ZERO_COPY)?;
                 for home in [Home::Own, Home::Shared] {
-                    self.simulate(scheme, matching, depth, alone, queues, transfer, home);
+                    self.simulate(scheme, matching, depth, alone, queues, ZERO_COPY, home);
                 }
             }
             self.bar.add(1);
@@ -247,17 +256,25 @@ impl Sweep<'_> {
         workers: u8,
         depth: u32,
         queues: Queues,
+        (transfer, cache): (&'static str, Cache),
     ) -> Result<(), Failure> {
-        let way = Way { workers, depth, matching, queues, cache: Cache::Unlimited };
-        let ran = self.bench.crew(&way)?;
+        let way = Way { workers, depth, matching, queues, cache };
+        let ran = match self.bench.run(&way)? {
+            Ok(ran) => ran,
+            Err(thrash) => {
+                let row = self.lost(Mode::Measured, transfer, scheme, &way, &thrash);
+                self.rows.push(row);
+                return Ok(());
+            }
+        };
         let (report, duty) = (&ran.report, ran.report.duty);
         let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
-        let transfer = report.transfer;
+        let moved = report.transfer;
         let run_ns = duty.run_ns as f64;
         self.rows.push(Row {
             pair: self.bench.pair.name.clone(),
             mode: Mode::Measured,
-            transfer: "zero-copy",
+            transfer,
             scheme: scheme.name(),
             depth,
             workers,
@@ -270,12 +287,12 @@ impl Sweep<'_> {
             messages: sum(|w| w.batches + w.results),
             message_bytes: Some(sum(|w| w.batch_bytes + w.result_bytes)),
             cache_lines: Some(sum(|w| w.batch_lines + w.result_lines)),
-            section_bytes: Some(transfer.section_bytes),
-            relative_to_models: Some(ratio(transfer.section_bytes, self.model_bytes)),
-            relative_to_unshared: Some(ratio(transfer.section_bytes, transfer.unshared_bytes)),
+            section_bytes: Some(moved.section_bytes),
+            relative_to_models: Some(ratio(moved.section_bytes, self.model_bytes)),
+            relative_to_unshared: Some(ratio(moved.section_bytes, moved.unshared_bytes)),
             thrashed: None,
         });
-        if scheme == Scheme::BestMatchLoad && queues == QUEUES {
+        if scheme == Scheme::BestMatchLoad && queues == QUEUES && transfer != COPY {
             let busy = report.workers.iter().map(|worker| worker.busy_ns);
             let ms = |ns: u64| ns as f64 / 1e6;
             let decided = duty.step_ns.saturating_sub(ran.spent.descent_ns + ran.spent.fold_ns);
@@ -309,40 +326,76 @@ impl Sweep<'_> {
         (transfer, cache): (&'static str, Cache),
         home: Home,
     ) {
-        let setup = Setup { workers: CORES, home, matching, queues, cache };
+        let setup =
+            Setup { workers: CORES, home, matching, queues, cache, copies: transfer == COPY };
         let out = simulate::run(&alone.trace, &self.costs, &setup);
-        let has_ended = out.thrash.is_none();
+        let mode = match home {
+            Home::Own => Mode::SimulatedOwnCore,
+            Home::Shared => Mode::SimulatedSharedCore,
+        };
         let moved = out.transfer.section_bytes;
-        let only = |value: f64| has_ended.then_some(value);
+        if let Some(thrash) = out.thrash {
+            let way = Way { workers: CORES, depth, matching, queues, cache };
+            let row = self.lost(mode, transfer, scheme, &way, &thrash);
+            self.rows.push(row);
+            return;
+        }
         self.rows.push(Row {
             pair: self.bench.pair.name.clone(),
-            mode: match home {
-                Home::Own => Mode::SimulatedOwnCore,
-                Home::Shared => Mode::SimulatedSharedCore,
-            },
+            mode,
             transfer,
             scheme: scheme.name(),
             depth,
             workers: CORES,
             queue: queues.capacity,
             batch: queues.batch,
-            time_ms: only(out.time_ns / 1e6),
+            time_ms: Some(out.time_ns / 1e6),
             median_ms: None,
-            speed_up: only(self.predicted_ns / out.time_ns),
+            speed_up: Some(self.predicted_ns / out.time_ns),
             jobs: out.counts.jobs,
             messages: out.counts.batches + out.counts.done,
             message_bytes: None,
             cache_lines: None,
-            section_bytes: has_ended.then_some(moved),
-            relative_to_models: only(ratio(moved, self.model_bytes)),
-            relative_to_unshared: only(ratio(moved, out.transfer.unshared_bytes)),
-            thrashed: out.thrash.map(|thrash| {
-                format!(
-                    "worker {} held {} of {} bytes and needed {} more",
-                    thrash.core, thrash.held, thrash.budget, thrash.bytes
-                )
-            }),
+            section_bytes: Some(moved),
+            relative_to_models: Some(ratio(moved, self.model_bytes)),
+            relative_to_unshared: Some(ratio(moved, out.transfer.unshared_bytes)),
+            thrashed: None,
         });
+    }
+
+    /// A run that ended because a section did not fit: a reason, and no figure.
+    fn lost(
+        &self,
+        mode: Mode,
+        transfer: &'static str,
+        scheme: Scheme,
+        way: &Way,
+        thrash: &Thrash,
+    ) -> Row {
+        Row {
+            pair: self.bench.pair.name.clone(),
+            mode,
+            transfer,
+            scheme: scheme.name(),
+            depth: way.depth,
+            workers: way.workers,
+            queue: way.queues.capacity,
+            batch: way.queues.batch,
+            time_ms: None,
+            median_ms: None,
+            speed_up: None,
+            jobs: 0,
+            messages: 0,
+            message_bytes: None,
+            cache_lines: None,
+            section_bytes: None,
+            relative_to_models: None,
+            relative_to_unshared: None,
+            thrashed: Some(format!(
+                "worker {} held {} of {} bytes and needed {} more",
+                thrash.core, thrash.held, thrash.budget, thrash.bytes
+            )),
+        }
     }
 }
 

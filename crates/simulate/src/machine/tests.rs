@@ -32,6 +32,7 @@ fn setups() -> impl Strategy<Value = Setup> {
             matching,
             queues: Queues { capacity, batch, linger_ns },
             cache: Cache::Unlimited,
+            copies: linger_ns % 2 == 0,
         },
     )
 }
@@ -43,6 +44,7 @@ const COSTS: Costs = Costs {
     hit_ns: 5.0,
     send_ns: 400.0,
     section_byte_ns: 0.05,
+    ship_byte_ns: 0.1,
     task_ns: 1_000.0,
     descent_ns: 20.0,
     batch_ns: 500.0,
