@@ -3,8 +3,10 @@
 use super::pair::{Pair, views};
 use crate::BUILD;
 use crate::failure::{Code, Failure};
+use bvh::{Kernel, Question, Task, together};
 use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
 use dispatch::{Cache, Matching, Patience, Queues, Thrash};
+use geometry::{DVec3, Directions};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
 use simulate::{JobTrace, Sample, TaskTrace, Trace};
@@ -129,6 +131,32 @@ impl<'p> Bench<'p> {
         let (median_ns, _) = times.get(times.len() / 2).copied().unwrap_or_default();
         let (ns, median_ns) = (ns as f64, median_ns as f64);
         Ok(Alone { ns, median_ns, trace: Trace { tasks }, samples, spent })
+    }
+
+    /// By so many threads of this process that share each pose among them: the baseline without
+    /// processes, messages or depth. The quickest of the repeats (ns).
+    pub(crate) fn threads(&self, threads: usize) -> Result<f64, Failure> {
+        let around = Directions::around(DVec3::X, DVec3::Z);
+        let [(meta_a, a), (meta_b, b)] = &self.bodies[..] else { return Err(unknown()) };
+        let kernel =
+            || Kernel::with_room(meta_a.depth, meta_b.depth, a.corners.len(), b.corners.len());
+        let (mut least_ns, mut pairs) = (u64::MAX, 0);
+        together::with(threads, kernel, |together| {
+            for round in 0..=self.repeats {
+                let begun_ns = clock::now_ns();
+                pairs = 0;
+                for pose in &self.pair.poses {
+                    let question = Question::Pairs;
+                    let directions = Some(&around);
+                    let task = Task { a: *a, b: *b, pose: *pose, question, directions };
+                    pairs += together.run(&task).pairs;
+                }
+                if round > 0 {
+                    least_ns = least_ns.min(clock::now_ns() - begun_ns);
+                }
+            }
+        });
+        if pairs == self.pairs() { Ok(least_ns as f64) } else { Err(unknown()) }
     }
 
     /// By a crew that has room for everything.

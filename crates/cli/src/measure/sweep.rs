@@ -10,7 +10,7 @@ use crate::transfer::BUDGET_PERCENT;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
 use serde::Serialize;
-use simulate::{Costs, Home, Setup};
+use simulate::{Costs, DryRun, Home, Setup, advise};
 
 /// Ways of transfer by name.
 const ZERO_COPY: (&str, Cache) = ("zero-copy", Cache::Unlimited);
@@ -49,6 +49,31 @@ impl Check {
     }
 }
 
+/// A depth that was chosen by a model, and what that cost against the best of the sweep.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Choice {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    /// Whether to distribute at all; if not, one piece goes to one worker.
+    pub(crate) distribute: bool,
+    pub(crate) predicted_ms: f64,
+    /// By the same source: simulated for four cores, measured for two workers.
+    pub(crate) found_ms: f64,
+    pub(crate) best_ms: f64,
+    pub(crate) best_depth: u32,
+    pub(crate) source: &'static str,
+}
+
+impl Choice {
+    /// How much longer than the best of the sweep it takes: 0.1 is 10 %.
+    pub(crate) fn regret(&self) -> f64 {
+        self.found_ms / self.best_ms - 1.0
+    }
+}
+
+/// Depths of the dry runs from which the depth is chosen.
+const DRY: [u32; 3] = [0, 4, 8];
+
 /// Where the time of a run went, per core: shares of the run's time.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Shares {
@@ -83,9 +108,13 @@ pub(crate) struct Swept {
     /// Median of its repeats (ms).
     pub(crate) alone_median_ms: f64,
     pub(crate) alone_depth: u32,
+    /// Threads of one process that share each pose, and what they take (ms).
+    pub(crate) threads: usize,
+    pub(crate) threads_ms: f64,
     /// The same by the cost model (ms).
     pub(crate) alone_predicted_ms: f64,
     pub(crate) checks: Vec<Check>,
+    pub(crate) choices: Vec<Choice>,
     pub(crate) shares: Vec<Shares>,
     pub(crate) rows: Vec<Row>,
 }
@@ -135,6 +164,9 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
         sweep.depth(*depth, alone)?;
     }
     sweep.buffers(&alone)?;
+    let threads = runtime::affinity::allowed_cores().len().max(1);
+    let threads_ns = bench.threads(threads)?;
+    let choices = sweep.choices(&whole, &alone)?;
     let [a, b] = [0, 1].map(|body: usize| bench.bodies[body].1.corners.len());
     Ok(Swept {
         pair: bench.pair.name.clone(),
@@ -146,8 +178,11 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
         alone_ms: best.ns / 1e6,
         alone_median_ms: best.median_ns / 1e6,
         alone_depth: best_depth,
+        threads,
+        threads_ms: threads_ns / 1e6,
         alone_predicted_ms: sweep.predicted_ns / 1e6,
         checks: sweep.checks,
+        choices,
         shares: sweep.shares,
         rows: sweep.rows,
     })
@@ -219,6 +254,47 @@ impl Sweep<'_> {
         }
         self.bar.add(1);
         Ok(())
+    }
+
+    /// The depth that dry runs advise, and what it costs against the best of the sweep.
+    fn choices(&self, whole: &Alone, alone: &[(u32, Alone)]) -> Result<Vec<Choice>, Failure> {
+        let mut dry = Vec::new();
+        for depth in DRY {
+            let known = alone.iter().find(|(known, _)| *known == depth).map(|(_, alone)| alone);
+            let known = if depth == 0 { Some(whole) } else { known };
+            dry.push(match known {
+                Some(alone) => DryRun::of(depth, &alone.trace, &self.costs),
+                None => DryRun::of(depth, &self.bench.alone(depth)?.trace, &self.costs),
+            });
+        }
+        let mut choices = Vec::new();
+        let cases = [(2, Home::Shared, Mode::Measured), (CORES, Home::Own, Mode::SimulatedOwnCore)];
+        for (workers, home, mode) in cases {
+            let deepest = self.plan.depths.iter().copied().max().unwrap_or(0);
+            let Some(advice) = advise(&dry, &self.costs, workers, home, deepest) else { continue };
+            let rows = self.rows.iter().filter(|row| {
+                (row.mode, row.workers, row.queue) == (mode, workers, QUEUES.capacity)
+                    && (row.scheme, row.transfer) == ("best-match-load", ZERO_COPY.0)
+            });
+            let known: Vec<(u32, f64)> =
+                rows.filter_map(|row| Some((row.depth, row.time_ms?))).collect();
+            // The sweep may have left the advised depth out: then the nearest one that it has.
+            let near = known.iter().min_by_key(|(depth, _)| depth.abs_diff(advice.depth));
+            let best = known.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+            if let (Some((depth, found_ms)), Some((best_depth, best_ms))) = (near, best) {
+                choices.push(Choice {
+                    workers,
+                    depth: *depth,
+                    distribute: advice.distribute,
+                    predicted_ms: advice.predicted_ns / 1e6,
+                    found_ms: *found_ms,
+                    best_ms: *best_ms,
+                    best_depth: *best_depth,
+                    source: mode.name(),
+                });
+            }
+        }
+        Ok(choices)
     }
 
     /// Best Match-Load with every buffer at its best depth.
