@@ -72,6 +72,11 @@ pub(crate) enum Command {
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
     Intersect(crate::intersect::IntersectArgs),
+    /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
+    #[command(after_help = crate::measure::EXAMPLES)]
+    Measure(crate::measure::MeasureArgs),
+    /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
+    Calibrate(crate::measure::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
     Model {
         #[command(subcommand)]
@@ -140,7 +145,8 @@ pub(crate) struct EngineArgs {
     /// Triangles in a leaf at most.
     #[arg(long, value_name = "N")]
     pub(crate) leaf_size: Option<i64>,
-    /// How jobs are matched to workers: best-match-load.
+    /// How jobs are matched to workers: best-match-load, best-match, random-match, lowest-match or
+    /// round-robin.
     #[arg(long)]
     pub(crate) scheme: Option<String>,
     /// Weight of the match against the load, 0 to 1.
@@ -152,6 +158,8 @@ pub(crate) struct EngineArgs {
     /// Jobs on their way to one worker at most.
     #[arg(long, value_name = "N")]
     pub(crate) queue: Option<i64>,
+    #[command(flatten)]
+    pub(crate) transfer: crate::transfer::TransferArgs,
     /// Seed of every choice that is called random.
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<i64>,

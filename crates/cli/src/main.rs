@@ -10,6 +10,7 @@ mod explain;
 mod failure;
 mod inputs;
 mod intersect;
+mod measure;
 mod model;
 mod policy;
 mod print;
@@ -18,6 +19,7 @@ mod rank;
 mod record;
 mod run;
 mod table;
+mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};
@@ -48,6 +50,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Policy { verb } => policy::run(verb, &args.output()),
         Command::Record { verb } => record::run(verb, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
+        Command::Calibrate(options) => measure::calibrate(options),
+        Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {

@@ -24,8 +24,11 @@ impl Hits {
     }
 
     fn iter(&self) -> impl Iterator<Item = usize> {
-        self.0.iter().enumerate().flat_map(|(at, word)| {
-            (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| at * 64 + bit)
+        let used = self.0.iter().enumerate().filter(|(_, word)| **word != 0);
+        used.flat_map(|(at, word)| {
+            let clear_lowest = |rest: &u64| Some(rest & (rest - 1)).filter(|rest| *rest != 0);
+            std::iter::successors(Some(*word), clear_lowest)
+                .map(move |rest| at * 64 + rest.trailing_zeros() as usize)
         })
     }
 }

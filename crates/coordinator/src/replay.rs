@@ -37,7 +37,7 @@ pub fn replay(
                 // In another order it may be needed here though it was not needed there.
                 Some(End::Done | End::Cut) => {
                     done += 1;
-                    run(&mut kernel, work, bodies, &job, &mut hits, &mut around);
+                    run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut |_, _| {});
                 }
                 Some(End::Abandoned) | None => work.close(&job, Closed::Abandoned),
             }

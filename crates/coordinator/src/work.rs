@@ -14,6 +14,14 @@ use std::collections::VecDeque;
 
 mod keep;
 
+/// Work that workers can do: its tasks travel, and its results come as parts of messages.
+pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
+    /// The task as it travels; `None` if there is no such task.
+    fn task(&self, task: TaskId) -> Option<&Task>;
+    /// The body of this number.
+    fn body(&self, model: u32) -> Option<BodyView<'_>>;
+}
+
 /// One question about one pose of one candidate.
 #[derive(Clone, Debug)]
 pub(crate) struct Errand {
@@ -81,12 +89,6 @@ impl<'w> Work<'w> {
     #[must_use]
     pub fn effort(&self) -> Effort {
         self.effort
-    }
-
-    /// The task as it travels; `None` if there is no such task.
-    #[must_use]
-    pub fn task(&self, task: TaskId) -> Option<&Task> {
-        self.errands.get(task.0 as usize).map(|errand| &errand.wire)
     }
 
     /// The answer that follows from what is known by now.
@@ -218,6 +220,16 @@ impl<'w> Work<'w> {
     }
 }
 
+impl Errands for Work<'_> {
+    fn task(&self, task: TaskId) -> Option<&Task> {
+        self.errands.get(task.0 as usize).map(|errand| &errand.wire)
+    }
+
+    fn body(&self, model: u32) -> Option<BodyView<'_>> {
+        self.bodies.get(model as usize).map(|(_, body)| *body)
+    }
+}
+
 impl dispatch::Work for Work<'_> {
     type Part<'p> = PartOf<'p>;
 
@@ -238,10 +250,7 @@ impl dispatch::Work for Work<'_> {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         let Some(found) = &mut errand.found else { return };
         let sound = found.fold(part.0, &mut self.effort.jobs);
-        let is_whole = part
-            .0
-            .last
-            .is_none_or(|last| last.summary.end == protocol::result::End::Complete as u32);
+        let is_whole = part.is_whole();
         let touched = found.touched;
         errand.is_unknown |= !sound || !is_whole;
         if let Aim::Probe { travel_m } = errand.aim
@@ -277,3 +286,11 @@ impl dispatch::Work for Work<'_> {
 /// One part of a result, taken apart.
 #[derive(Clone, Copy, Debug)]
 pub struct PartOf<'p>(pub(crate) Part<'p>);
+
+impl PartOf<'_> {
+    /// Whether its job did all that was asked for, as far as this part says.
+    pub(crate) fn is_whole(&self) -> bool {
+        let complete = protocol::result::End::Complete as u32;
+        self.0.last.is_none_or(|last| last.summary.end == complete)
+    }
+}

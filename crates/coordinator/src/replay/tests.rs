@@ -76,7 +76,7 @@ fn run_badly(
             } else if gives_up() {
                 work.close(&job, Closed::Abandoned);
             } else {
-                run(&mut kernel, work, bodies, &job, &mut hits, &mut around);
+                run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut |_, _| {});
             }
         }
     }
