@@ -1,5 +1,5 @@
 //! A complete answer is a pure function of bodies, scenario, policy and curves: the same bytes for
-//! any number of workers, depth, build, leaf size, batch and queue, and without workers.
+//! any number of workers, scheme, depth, build, leaf size, buffers and cache, and without workers.
 
 mod support;
 
@@ -32,6 +32,14 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
         &["--leaf-size", "1"],
         &["--batch", "1", "--queue", "1"],
         &["--alpha", "1"],
+        &["--scheme", "best-match", "--queue", "16"],
+        &["--scheme", "random-match", "--seed", "7"],
+        &["--scheme", "lowest-match", "--linger", "200"],
+        &["--scheme", "round-robin", "--batch", "3", "--queue", "5", "--linger", "50"],
+        &["--cache-bytes", "100000"],
+        &["--transfer", "copy", "--memory-budget", "9000000"],
+        &["--transfer", "copy", "--memory-budget", "9000000", "--scheme", "lowest-match"],
+        &["--transfer", "copy", "--memory-budget", "9000000", "--depth", "3", "--queue", "16"],
         &["--alpha", "0", "--cores", "none"],
         &["--in-process", "--depth", "0", "--build", "sah"],
     ];

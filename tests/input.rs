@@ -101,6 +101,13 @@ fn settings_on_the_command_line_obey_the_same_rules() {
         (&["--batch", "0"], "batch"),
         (&["--batch", "64", "--queue", "8"], "queue"),
         (&["--build", "magic"], "build"),
+        (&["--scheme", "worst-match"], "scheme"),
+        (&["--queue", "0"], "queue"),
+        (&["--linger", "20000"], "linger"),
+        (&["--cache-bytes", "1000"], "cache-bytes"),
+        (&["--memory-budget", "99999999"], "memory-budget"),
+        (&["--transfer", "copy", "--memory-budget", "1000"], "memory-budget"),
+        (&["--transfer", "copy", "--cache-bytes", "99999999"], "cache-bytes"),
         (&["--cores", "0,x", "--workers", "2"], "cores"),
         (&["--cores", "0,900", "--workers", "2"], "core"),
     ] {
@@ -111,6 +118,37 @@ fn settings_on_the_command_line_obey_the_same_rules() {
         assert_eq!(output.status.code(), Some(78), "{args:?}: {error}");
         assert!(error.contains(says) && error.contains("help:"), "{args:?}: {error}");
     }
+}
+
+#[test]
+fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(2000));
+    // Room for the largest section at this depth, and not for what one worker needs in all.
+    let args = ["--workers", "1", "--transfer", "copy", "--memory-budget", "90000", "--depth", "6"];
+    let output = run(&[&["rank", path.to_str().unwrap(), "--json"], &args[..]].concat());
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(69), "{error}");
+    assert!(error.contains("thrashed: worker 0 holds") && error.contains("of 90000"), "{error}");
+    assert!(error.contains("help:") && output.stdout.is_empty(), "{error}");
+}
+
+#[test]
+fn a_log_that_cannot_be_written_is_an_error() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(600));
+    let log = place.path().join("no/such/folder/log.csv");
+    let output = run(&[
+        "rank",
+        path.to_str().unwrap(),
+        "--workers",
+        "1",
+        "--job-log",
+        log.to_str().unwrap(),
+    ]);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(71), "{error}");
+    assert!(error.contains("log.csv") && error.contains("help:"), "{error}");
 }
 
 #[test]

@@ -64,13 +64,14 @@ impl Started {
 fn disturbed(
     place: &Place,
     workers: usize,
+    extra: &[&str],
     disturb: impl Fn(&Started),
     is_hit: impl Fn(&Output) -> bool,
 ) -> (Output, String) {
     for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
         let path = place.write("heavy.toml", &heavy(triangles));
         let path = path.to_str().unwrap().to_owned();
-        let Some(started) = start(&path, workers, &[]) else { continue };
+        let Some(started) = start(&path, workers, extra) else { continue };
         disturb(&started);
         let output = started.finish();
         if is_hit(&output) {
@@ -97,7 +98,16 @@ fn reference(path: &str) -> String {
 fn a_killed_worker_changes_nothing_in_the_answer() {
     let place = Place::new();
     let kill = |run: &Started| signal(run.workers[1], Signal::KILL);
-    let (output, path) = disturbed(&place, 4, kill, |output| lost(output) == 1);
+    let (output, path) = disturbed(&place, 4, &[], kill, |output| lost(output) == 1);
+    assert_eq!(answer(&output), reference(&path));
+}
+
+#[test]
+fn a_killed_worker_that_copied_changes_nothing_in_the_answer() {
+    let place = Place::new();
+    let kill = |run: &Started| signal(run.workers[1], Signal::KILL);
+    let copy = ["--transfer", "copy", "--memory-budget", "999999999"];
+    let (output, path) = disturbed(&place, 3, &copy, kill, |output| lost(output) == 1);
     assert_eq!(answer(&output), reference(&path));
 }
 
@@ -105,7 +115,7 @@ fn a_killed_worker_changes_nothing_in_the_answer() {
 fn three_of_four_may_die() {
     let place = Place::new();
     let kill = |run: &Started| run.workers[..3].iter().for_each(|pid| signal(*pid, Signal::KILL));
-    let (output, path) = disturbed(&place, 4, kill, |output| lost(output) == 3);
+    let (output, path) = disturbed(&place, 4, &[], kill, |output| lost(output) == 3);
     assert_eq!(answer(&output), reference(&path));
 }
 
@@ -113,7 +123,7 @@ fn three_of_four_may_die() {
 fn a_stopped_worker_is_found_and_replaced_by_the_others() {
     let place = Place::new();
     let stop = |run: &Started| signal(run.workers[0], Signal::STOP);
-    let (output, path) = disturbed(&place, 2, stop, |output| lost(output) == 1);
+    let (output, path) = disturbed(&place, 2, &[], stop, |output| lost(output) == 1);
     assert!(text(&output.stdout).contains("stopped"), "{}", text(&output.stdout));
     assert_eq!(answer(&output), reference(&path));
 }
@@ -122,7 +132,7 @@ fn a_stopped_worker_is_found_and_replaced_by_the_others() {
 fn without_any_worker_left_there_is_a_clear_error() {
     let place = Place::new();
     let kill = |run: &Started| run.workers.iter().for_each(|pid| signal(*pid, Signal::KILL));
-    let (output, _) = disturbed(&place, 2, kill, |output| !output.status.success());
+    let (output, _) = disturbed(&place, 2, &[], kill, |output| !output.status.success());
     assert_eq!(output.status.code(), Some(69));
     assert!(text(&output.stderr).contains("no worker is left"), "{}", text(&output.stderr));
     assert!(text(&output.stdout).is_empty());
@@ -132,7 +142,7 @@ fn without_any_worker_left_there_is_a_clear_error() {
 fn an_interrupted_run_says_so_and_leaves_nothing() {
     let place = Place::new();
     let interrupt = |run: &Started| signal(run.child.id(), Signal::INT);
-    let (output, _) = disturbed(&place, 2, interrupt, |output| !output.status.success());
+    let (output, _) = disturbed(&place, 2, &[], interrupt, |output| !output.status.success());
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
 }
 
@@ -182,4 +192,31 @@ fn a_worker_killed_at_start_up_is_seen_at_once_whenever_it_dies() {
         let said = text(&output.stdout);
         assert!(!said.contains("silent") && !said.contains("hung"), "after {delay} ms: {said}");
     }
+}
+
+/// The record of a run that lost a worker names the loss, and is replayed bit for bit.
+#[test]
+fn a_record_of_a_run_that_lost_a_worker_is_replayed() {
+    let place = Place::new();
+    let records = place.path().join("records");
+    let record = records.join("000000.record");
+    let (records, record) = (records.to_str().unwrap(), record.to_str().unwrap());
+    for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
+        let _none_yet = std::fs::remove_dir_all(records);
+        let path = place.write("heavy.toml", &heavy(triangles));
+        let started = start(path.to_str().unwrap(), 3, &["--record", records]);
+        let Some(started) = started else { continue };
+        signal(started.workers[1], Signal::KILL);
+        if lost(&started.finish()) == 0 {
+            continue;
+        }
+        let shown = trolley().args(["record", "show", record, "--json"]).output().unwrap();
+        let faults = json(&shown)["faults"].to_string();
+        assert!(faults.contains("was lost"), "{faults}");
+        let replayed = trolley().args(["record", "replay", record, "--json"]).output().unwrap();
+        assert!(replayed.status.success(), "{}", text(&replayed.stderr));
+        assert_eq!(json(&replayed)["same"], true);
+        return;
+    }
+    panic!("no run took long enough to be disturbed");
 }

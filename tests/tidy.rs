@@ -42,6 +42,7 @@ const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "clie
 /// Crates that may use but a few of ours.
 const ONLY: &[(&str, &[&str])] = &[
     ("dispatch", &["protocol"]),
+    ("simulate", &["dispatch", "protocol"]),
     ("transport", &["protocol"]),
     ("runtime", &["protocol"]),
     ("client", &["protocol", "transport"]),
@@ -58,11 +59,14 @@ const ALONE: &[(&str, &[&str])] = &[
     ("earcut", &["model"]),
     ("robust", &["geometry"]),
     ("clap", &["cli", "tools"]),
+    ("kuva", &["cli"]),
 ];
 /// Crates that may contain `unsafe`.
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
 /// Crates without I/O, clock and waiting.
-const PURE: &[&str] = &["geometry", "protocol", "model", "bvh", "damage", "scenario", "dispatch"];
+const PURE: &[&str] = &[
+    "geometry", "protocol", "model", "bvh", "damage", "scenario", "dispatch", "record", "simulate",
+];
 /// Longest line, in characters.
 const COLUMNS_MAX: usize = 100;
 

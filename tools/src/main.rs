@@ -10,6 +10,7 @@ mod compare;
 mod count;
 mod machine;
 mod oracle;
+mod scenarios;
 mod step;
 
 use anyhow::Result;
@@ -67,6 +68,10 @@ enum Task {
     /// (libembree-dev, libfcl-dev libeigen3-dev; for the exact oracle libcgal-dev libgmp-dev
     /// libmpfr-dev), and parry3d. Fails if an answer of ours is wrong.
     Compare(compare::Options),
+    /// Rank alternatives from recorded traffic with real bodies, beside boxes and a formula.
+    ///
+    /// Needs the data, which is not part of this project; writes a page and pictures.
+    Scenarios(scenarios::Options),
 }
 
 fn main() -> Result<ExitCode> {
@@ -79,5 +84,6 @@ fn main() -> Result<ExitCode> {
         Task::Bench { quick, filter } => bench::run(quick, filter.as_deref()),
         Task::Count { record } => count::run(record),
         Task::Compare(options) => compare::run(&options),
+        Task::Scenarios(options) => scenarios::run(&options),
     }
 }

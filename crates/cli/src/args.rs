@@ -47,7 +47,12 @@ impl Args {
 pub(crate) enum Command {
     /// Rank seven crashes between bodies that the program generates itself.
     #[command(after_help = "Example:\n  trolley demo --workers 2")]
-    Demo(#[command(flatten)] EngineArgs),
+    Demo {
+        #[command(flatten)]
+        answer: AnswerArgs,
+        #[command(flatten)]
+        options: EngineArgs,
+    },
     /// Rank the crashes that a scenario file describes.
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
         trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name")]
@@ -55,15 +60,32 @@ pub(crate) enum Command {
         /// Scenario, TOML: see `trolley schema`.
         scenario: PathBuf,
         #[command(flatten)]
+        answer: AnswerArgs,
+        #[command(flatten)]
         options: EngineArgs,
+    },
+    /// Policies and injury curves: would they be accepted, and what do they say?
+    Policy {
+        #[command(subcommand)]
+        verb: crate::policy::Verb,
     },
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
     Intersect(crate::intersect::IntersectArgs),
+    /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
+    #[command(after_help = crate::measure::EXAMPLES)]
+    Measure(crate::measure::MeasureArgs),
+    /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
+    Calibrate(crate::measure::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
     Model {
         #[command(subcommand)]
         verb: crate::model::Verb,
+    },
+    /// Decision records: look at, check, make again.
+    Record {
+        #[command(subcommand)]
+        verb: crate::record::Verb,
     },
     /// Print the JSON Schema of scenarios.
     Schema,
@@ -80,6 +102,29 @@ pub(crate) enum Command {
         /// How it was started.
         word: String,
     },
+}
+
+/// What is done with an answer, and what may be assumed for it.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub(crate) struct AnswerArgs {
+    /// Print the chain from contact to rank, with every source, and what would flip the winner.
+    #[arg(long)]
+    pub(crate) explain: bool,
+    /// Take parties of unknown kind as fixed to the ground, with nobody in them; the answer says
+    /// so. Without it a scenario that has any is refused.
+    #[arg(long, value_name = "unknown=fixed")]
+    pub(crate) assume: Option<Assume>,
+    /// Add a decision record to this folder: what was asked, decided, and by what.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) record: Option<PathBuf>,
+}
+
+/// What may be assumed of what nobody knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Assume {
+    /// Unknown things are fixed to the ground.
+    #[value(name = "unknown=fixed")]
+    UnknownFixed,
 }
 
 /// Settings of the engine; each overrides the scenario's. None changes a complete answer.
@@ -100,7 +145,8 @@ pub(crate) struct EngineArgs {
     /// Triangles in a leaf at most.
     #[arg(long, value_name = "N")]
     pub(crate) leaf_size: Option<i64>,
-    /// How jobs are matched to workers: best-match-load.
+    /// How jobs are matched to workers: best-match-load, best-match, random-match, lowest-match or
+    /// round-robin.
     #[arg(long)]
     pub(crate) scheme: Option<String>,
     /// Weight of the match against the load, 0 to 1.
@@ -112,6 +158,8 @@ pub(crate) struct EngineArgs {
     /// Jobs on their way to one worker at most.
     #[arg(long, value_name = "N")]
     pub(crate) queue: Option<i64>,
+    #[command(flatten)]
+    pub(crate) transfer: crate::transfer::TransferArgs,
     /// Seed of every choice that is called random.
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<i64>,

@@ -7,21 +7,26 @@ use bvh::BuildOptions;
 use model::generate::{Shape, call, generate};
 use model::{Kind, Mesh, Meta, defaults, file, zones};
 use runtime::FileMap;
-use scenario::{Engine, Scenario, Source};
-use std::path::Path;
+use scenario::{Engine, FileRef, Scenario, Source};
+use std::path::{Path, PathBuf};
 
 /// A body on its way into the model store.
 pub(crate) struct Loaded {
     pub(crate) kind: Kind,
     /// A model file, aligned as one.
     pub(crate) bytes: file::Aligned,
+    /// Content hash of the model file that it was opened from.
+    pub(crate) source_hash: Option<String>,
 }
 
 /// Loads or generates every party's body, with the tree that the engine asks for.
+///
+/// `file` is the scenario's name in errors; `find` says where the model file of a party is.
 pub(crate) fn load(
     scenario: &Scenario,
     engine: &Engine,
-    path: &Path,
+    file: &str,
+    find: &dyn Fn(usize, &FileRef) -> PathBuf,
     output: &Output,
 ) -> Result<Vec<Loaded>, Failure> {
     let generated = scenario.parties.iter().map(|party| match party.source {
@@ -35,7 +40,7 @@ pub(crate) fn load(
         threads: runtime::affinity::allowed_cores().len(),
     };
     let mut loaded = Vec::new();
-    for party in &scenario.parties {
+    for (number, party) in scenario.parties.iter().enumerate() {
         let body = match &party.source {
             Source::Generate { shape, triangles, seed } => {
                 let body = generate_body(*shape, *triangles, *seed, &options, &|_| {});
@@ -43,15 +48,10 @@ pub(crate) fn load(
                 encoded(&body?)?
             }
             Source::File(reference) => {
-                let folder = path.parent().unwrap_or(Path::new(""));
-                let name = folder.join(&reference.path);
-                open(&name, &options).map_err(|failure| Failure {
+                open(&find(number, reference), &options).map_err(|failure| Failure {
                     fault: format!(
-                        "{}:{}: party \"{}\": {}",
-                        path.display(),
-                        reference.place,
-                        party.name,
-                        failure.fault
+                        "{file}:{}: party \"{}\": {}",
+                        reference.place, party.name, failure.fault
                     ),
                     ..failure
                 })?
@@ -60,7 +60,7 @@ pub(crate) fn load(
         loaded.push(body);
     }
     let kinds: Vec<Kind> = loaded.iter().map(|body| body.kind).collect();
-    scenario.check_kinds(&path.display().to_string(), &kinds)?;
+    scenario.check_kinds(file, &kinds)?;
     Ok(loaded)
 }
 
@@ -74,12 +74,14 @@ fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failure> {
         Failure::input(format!("{}: {error}", path.display())).help(error.help())
     };
     let (meta, view) = file::view(map.bytes()).map_err(bad)?;
+    let source_hash = Some(file::content_hash(map.bytes()).map_err(bad)?);
     if meta.build == options.build && meta.leaf_size == options.leaf_size {
-        return Ok(Loaded { kind: meta.kind, bytes: file::Aligned::copy_of(map.bytes()) });
+        let bytes = file::Aligned::copy_of(map.bytes());
+        return Ok(Loaded { kind: meta.kind, bytes, source_hash });
     }
     let body = bvh::rebuild(view, &meta, options, &|_| {})
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-    encoded(&body)
+    Ok(Loaded { source_hash, ..encoded(&body)? })
 }
 
 /// Generates a body and gives it a tree; `progress` as in [`bvh::build()`].
@@ -120,5 +122,5 @@ pub(crate) fn with_tree(
 fn encoded(body: &model::Body) -> Result<Loaded, Failure> {
     let bytes =
         file::encode(body).map_err(|error| Failure::input(error.to_string()).help(error.help()))?;
-    Ok(Loaded { kind: body.meta.kind, bytes: file::Aligned::copy_of(&bytes) })
+    Ok(Loaded { kind: body.meta.kind, bytes: file::Aligned::copy_of(&bytes), source_hash: None })
 }

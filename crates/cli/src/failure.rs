@@ -135,6 +135,10 @@ impl From<coordinator::CrewError> for Failure {
                 Some("shared memory must be writable and large enough: df -h /dev/shm"),
             ),
             CrewError::StillBorn { .. } | CrewError::Mute { .. } => (Code::Resources, None),
+            CrewError::Thrashed(_) => (
+                Code::Resources,
+                Some("more --depth makes sections smaller, --memory-budget gives more room"),
+            ),
             CrewError::NobodyLeft { .. } => (Code::Resources, None),
             CrewError::Interrupted => (Code::Interrupted, None),
         };

@@ -12,7 +12,7 @@
 
 mod answer;
 mod bodies;
-mod poses;
+pub(crate) mod poses;
 
 use crate::args::Output;
 use crate::failure::{Code, Failure};

@@ -6,14 +6,20 @@
 
 mod args;
 mod bodies;
+mod explain;
 mod failure;
+mod inputs;
 mod intersect;
+mod measure;
 mod model;
+mod policy;
 mod print;
 mod progress;
 mod rank;
+mod record;
 mod run;
 mod table;
+mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};
@@ -37,9 +43,15 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<ExitCode, Failure> {
     match &args.command {
-        Command::Demo(options) => rank::demo(options, &args.output()),
-        Command::Rank { scenario, options } => rank::rank(scenario, options, &args.output()),
+        Command::Demo { answer, options } => rank::demo(answer, options, &args.output()),
+        Command::Rank { scenario, answer, options } => {
+            rank::rank(scenario, answer, options, &args.output())
+        }
+        Command::Policy { verb } => policy::run(verb, &args.output()),
+        Command::Record { verb } => record::run(verb, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
+        Command::Calibrate(options) => measure::calibrate(options),
+        Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {

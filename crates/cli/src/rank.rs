@@ -1,12 +1,14 @@
 //! `trolley demo` and `trolley rank`: from a scenario to a printed answer.
 
-use crate::args::{EngineArgs, Output};
+use crate::args::{AnswerArgs, Assume, EngineArgs, Output};
 use crate::bodies;
 use crate::failure::{Code, Failure, chain};
+use crate::inputs::{self, Inputs, Read};
+use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
-use crate::{print, table};
-use coordinator::Request;
-use damage::{Curves, Policy, State};
+use crate::{explain, print, table};
+use coordinator::{Request, Work};
+use damage::State;
 use runtime::clock;
 use scenario::{FileRef, Overrides, Scenario};
 use serde::Serialize;
@@ -20,32 +22,27 @@ const DEMO: &str = include_str!("../../../config/scenarios/demo.toml");
 struct Document<'a> {
     schema: &'static str,
     answer: &'a coordinator::Answer,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanation: Option<&'a coordinator::Explanation>,
     run: &'a Run,
 }
 
-pub(crate) fn demo(options: &EngineArgs, output: &Output) -> Result<ExitCode, Failure> {
-    answer(Path::new("config/scenarios/demo.toml"), DEMO, options, output)
+pub(crate) fn demo(
+    asked: &AnswerArgs,
+    options: &EngineArgs,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    answer(Path::new("config/scenarios/demo.toml"), DEMO, asked, options, output)
 }
 
 pub(crate) fn rank(
     path: &Path,
+    asked: &AnswerArgs,
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let text = read(path)?;
-    answer(path, &text, options, output)
-}
-
-/// Reads a text file that a person wrote.
-fn read(path: &Path) -> Result<String, Failure> {
-    let about = std::fs::metadata(path)
-        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-    if about.len() > scenario::TEXT_BYTES_MAX as u64 {
-        let fault = format!("{}: {} bytes are too many", path.display(), about.len());
-        return Err(Failure::input(fault).help("is this the right file?"));
-    }
-    std::fs::read_to_string(path)
-        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))
+    let text = inputs::text(path)?;
+    answer(path, &text, asked, options, output)
 }
 
 fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
@@ -75,53 +72,49 @@ fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
     })
 }
 
-/// The text of a file that the scenario names.
-fn named(path: &Path, reference: &FileRef) -> Result<(String, String), Failure> {
-    let name = path.parent().unwrap_or(Path::new("")).join(&reference.path);
-    let text = read(&name).map_err(|failure| Failure {
-        fault: format!("{}:{}: {}", path.display(), reference.place, failure.fault),
-        ..failure
-    })?;
-    Ok((name.display().to_string(), text))
+/// Refuses what nobody knows, unless something may be assumed of it.
+fn check_unknown(file: &str, scenario: &Scenario, asked: &AnswerArgs) -> Result<(), Failure> {
+    let Some(party) = scenario.parties.iter().find(|party| party.is_unknown) else {
+        return Ok(());
+    };
+    match asked.assume {
+        Some(Assume::UnknownFixed) => Ok(scenario.check_fixed(file)?),
+        None => {
+            let fault = format!("{file}:{}: \"{}\" is of unknown kind", party.place, party.name);
+            Err(Failure::new(Code::Refused, fault).help(
+                "say what it is, or let it be taken as fixed to the ground with nobody in it: \
+                 --assume unknown=fixed",
+            ))
+        }
+    }
 }
 
-fn judged_by(path: &Path, scenario: &Scenario) -> Result<(Policy, Curves), Failure> {
-    let broken = |fault: damage::Fault| Failure::input(fault.to_string());
-    let policy = match &scenario.policy {
-        None => Policy::shipped(),
-        Some(reference) => {
-            let (name, text) = named(path, reference)?;
-            Policy::parse(&name, &text)
-        }
-    };
-    let curves = match &scenario.curves {
-        None => Curves::shipped(),
-        Some(reference) => {
-            let (name, text) = named(path, reference)?;
-            Curves::parse(&name, &text)
-        }
-    };
-    let (policy, curves) = (policy.map_err(broken)?, curves.map_err(broken)?);
-    curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
-    Ok((policy, curves))
+fn compact(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }
 
 fn answer(
     path: &Path,
     text: &str,
+    asked: &AnswerArgs,
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let begun_ns = clock::now_ns();
-    let scenario = Scenario::parse(&path.display().to_string(), text)?;
+    let inputs = Inputs::of(path, text)?;
+    let Read { scenario, policy, curves } = inputs.read()?;
+    check_unknown(&inputs.scenario.name, &scenario, asked)?;
+    asked.record.as_deref().map(record::ready).transpose()?;
     let engine = scenario.engine.apply(&overrides(options)?).map_err(|misfit| {
         Failure::new(Code::Configuration, misfit.fault.clone()).help(misfit.help)
     })?;
-    let (policy, curves) = judged_by(path, &scenario)?;
     if scenario.deadline.is_some() {
         tracing::warn!("deadline_ms is not kept yet: the answer comes when all work is done");
     }
-    let bodies = bodies::load(&scenario, &engine, path, output)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let beside = |_: usize, reference: &FileRef| folder.join(&reference.path);
+    let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
+    let named = asked.record.as_ref().map(|_| record::bodies(&scenario, &bodies)).transpose()?;
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(bodies);
@@ -134,22 +127,58 @@ fn answer(
         plan_ms: run::milliseconds(clock::now_ns() - loaded_ns),
         ..Stages::default()
     };
+    let work = Work::new(&request, &views, engine.depth);
+    let work = if asked.record.is_some() { work.with_ledger() } else { work };
     let (work, ran) = if options.in_process {
-        run::here(&request, &views, &engine, &mut stages)
+        run::here(work, &engine, &views, &mut stages)
     } else {
-        run::crew(&request, &views, &engine, &store, options, &mut stages)?
+        run::crew(work, &engine, &views, &store, options, &mut stages)?
     };
     let before_ns = clock::now_ns();
-    let (answer, _) = work.answer()?;
+    let answer = work.answer()?;
     stages.assess_ms = run::milliseconds(clock::now_ns() - before_ns);
+    let explains = asked.explain || asked.record.is_some();
+    let explanation = explains.then(|| work.explanation()).transpose()?;
     let run = Run { stages, ..ran };
+    let recorded = match (&asked.record, &named) {
+        (Some(folder), Some(bodies)) => {
+            let made = Made {
+                inputs: &inputs,
+                engine: &engine,
+                bodies,
+                work: &work,
+                run: &run,
+                unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
+                answer: compact(&answer)?,
+                explanation: compact(&explanation)?,
+            };
+            record::write(folder, made).map(Some)
+        }
+        _ => Ok(None),
+    };
+    let explanation = explanation.filter(|_| asked.explain);
     if output.json {
-        let document = Document { schema: "trolley.rank/1", answer: &answer, run: &run };
+        let document = Document {
+            schema: "trolley.rank/1",
+            answer: &answer,
+            explanation: explanation.as_ref(),
+            run: &run,
+        };
         let text = serde_json::to_string_pretty(&document)
             .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
         print::out(&text)?;
     } else {
         print::out(&table::ranking(&scenario, &answer, &run))?;
+        if let Some(explanation) = &explanation {
+            print::out(&format!("\n{}", explain::text(explanation)))?;
+        }
+    }
+    // An answer that could not be recorded is shown, and then the failure.
+    if let Some(path) = recorded?
+        && !output.json
+        && !output.quiet
+    {
+        print::err(&format!("recorded as {}", path.display()));
     }
     Ok(match answer.state {
         State::Complete | State::Certified => ExitCode::SUCCESS,

@@ -3,7 +3,8 @@
 use crate::BUILD;
 use crate::args::EngineArgs;
 use crate::failure::{Code, Failure};
-use coordinator::{Crew, Options, Request, Work, WorkerReport, run_here};
+use crate::transfer;
+use coordinator::{Crew, Options, Work, WorkerReport, run_here};
 use dispatch::Patience;
 use model::{BodyView, Meta};
 use runtime::{SealedMemory, affinity, clock};
@@ -58,6 +59,7 @@ pub(crate) struct Run {
     /// Bytes of sections that a core did not hold yet, and if none were ever held.
     pub(crate) section_bytes: u64,
     pub(crate) section_bytes_unshared: u64,
+    pub(crate) sections_evicted: u64,
     pub(crate) workers: Vec<WorkerReport>,
 }
 
@@ -92,6 +94,7 @@ fn blank(bodies: &[(Meta, BodyView<'_>)], engine: &Engine, mode: &'static str) -
         parts_fenced: 0,
         section_bytes: 0,
         section_bytes_unshared: 0,
+        sections_evicted: 0,
         workers: Vec::new(),
     }
 }
@@ -109,13 +112,12 @@ fn with_effort(run: Run, work: &Work<'_>) -> Run {
 
 /// Does all the work in this process.
 pub(crate) fn here<'w>(
-    request: &'w Request,
-    bodies: &'w [(Meta, BodyView<'w>)],
+    mut work: Work<'w>,
     engine: &Engine,
+    bodies: &'w [(Meta, BodyView<'w>)],
     stages: &mut Stages,
 ) -> (Work<'w>, Run) {
     let begun_ns = clock::now_ns();
-    let mut work = Work::new(request, bodies, engine.depth);
     let jobs = run_here(&mut work, bodies);
     stages.work_ms = milliseconds(clock::now_ns() - begun_ns);
     let mut run = blank(bodies, engine, "in-process");
@@ -126,9 +128,9 @@ pub(crate) fn here<'w>(
 
 /// Does the work with a crew of worker processes.
 pub(crate) fn crew<'w>(
-    request: &'w Request,
-    bodies: &'w [(Meta, BodyView<'w>)],
+    mut work: Work<'w>,
     engine: &Engine,
+    bodies: &'w [(Meta, BodyView<'w>)],
     store: &SealedMemory,
     options: &EngineArgs,
     stages: &mut Stages,
@@ -149,21 +151,26 @@ pub(crate) fn crew<'w>(
         run.remarks.push(remark);
     }
     let begun_ns = clock::now_ns();
+    let handing = &options.transfer;
     let options = Options {
         program: Options::own_program().to_owned(),
         instance: options.instance.clone().unwrap_or_else(|| format!("p{}", std::process::id())),
         build: BUILD.to_owned(),
         cores,
-        batch: engine.batch as u32,
-        queue: engine.queue as u32,
-        alpha: engine.alpha,
+        matching: transfer::matching(engine)?,
+        queues: handing.queues(engine)?,
+        cache: handing.cache(engine.depth, bodies)?,
+        copies: handing.copies(),
+        log: handing.job_log.is_some(),
         patience: Patience::default(),
     };
     let mut crew = Crew::start(store, &options)?;
     let started_ns = clock::now_ns();
-    let mut work = Work::new(request, bodies, engine.depth);
     let report = crew.run(&mut work)?;
     let worked_ns = clock::now_ns();
+    if let Some(path) = &handing.job_log {
+        transfer::write_log(path, crew.log())?;
+    }
     drop(crew);
     stages.start_ms = milliseconds(started_ns - begun_ns);
     stages.work_ms = milliseconds(worked_ns - started_ns);
@@ -181,6 +188,7 @@ pub(crate) fn crew<'w>(
         parts_fenced: counts.fence.not_leased + counts.fence.repeated + counts.fence.gap,
         section_bytes: report.transfer.section_bytes,
         section_bytes_unshared: report.transfer.unshared_bytes,
+        sections_evicted: report.transfer.evicted,
         workers: report.workers,
         ..with_effort(run, &work)
     };

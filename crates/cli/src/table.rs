@@ -161,6 +161,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
             others.join(", ")
         ));
     }
+    lines.extend(answer.assumptions.iter().map(|assumed| format!("Assumed: {assumed}.")));
     if !answer.missing.is_empty() {
         lines.push(format!("Not fully known: {}.", answer.missing.join(", ")));
     }
@@ -179,19 +180,23 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         lines.push(format!("Note: worker {} was lost ({how}).", worker.worker));
     }
     let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
-    wrapped.join("\n") + "\nNext: trolley rank --help · trolley model --help\n"
+    wrapped.join("\n")
+        + "\nNext: trolley demo --explain · trolley rank --help · trolley model --help\n"
 }
 
-/// Breaks a line at spaces so that it fits.
-fn wrap(line: &str) -> String {
-    let mut text = String::new();
-    let mut column = 0;
-    for word in line.split(' ') {
+/// Breaks a line at spaces so that it fits; what follows stands two columns further in.
+pub(crate) fn wrap(line: &str) -> String {
+    let words = line.trim_start();
+    let indent = line.len() - words.len();
+    let mut text = " ".repeat(indent);
+    let mut column = indent;
+    for (number, word) in words.split(' ').enumerate() {
         let width = word.chars().count();
-        if column > 0 && column + 1 + width > usize::from(WIDTH) {
-            text.push_str("\n  ");
-            column = 2;
-        } else if column > 0 {
+        if number > 0 && column + 1 + width > usize::from(WIDTH) {
+            text.push('\n');
+            text.push_str(&" ".repeat(indent + 2));
+            column = indent + 2;
+        } else if number > 0 {
             text.push(' ');
             column += 1;
         }

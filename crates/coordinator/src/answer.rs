@@ -9,8 +9,9 @@ use damage::{
     CandidateHarm, Contact, DeltaV, Note, Party, Place, Range, Ranking, State, Unevaluable, Work,
 };
 use geometry::DVec3;
-use model::Kind;
+use model::{BodyView, Kind, Meta};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What was asked, answered.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,6 +26,8 @@ pub struct Answer {
     pub tie_class: Vec<String>,
     /// What must be said besides.
     pub notes: Vec<Note>,
+    /// What was assumed because nobody knows it, in sentences.
+    pub assumptions: Vec<String>,
     /// What is missing: candidates whose contact is not fully known.
     pub missing: Vec<String>,
 }
@@ -50,6 +53,16 @@ pub struct Row {
     pub is_other_fixed: bool,
     /// What the contact is like.
     pub contact: Contact,
+    /// How many triangles are hit from first contact to e: of the ego, of the other.
+    pub hits: [u64; 2],
+    /// Hashes of these sets.
+    pub hashes: [String; 2],
+    /// Names of the parts hit from first contact to e, in the bodies' order: of the ego, of the
+    /// other.
+    pub parts: [Vec<String>; 2],
+    /// Crush by stiffness beside the depth, where somebody configured it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crush: Option<damage::Crush>,
     /// Closing speed (m/s).
     pub closing_m_s: f64,
     /// Change of velocity of the ego and of the other (m/s).
@@ -114,11 +127,13 @@ impl Answer {
         ranking: &Ranking,
         harms: &[CandidateHarm],
         cases: &[Case],
+        bodies: &[(Meta, BodyView<'_>)],
     ) -> Self {
         let name = |number: usize| request.candidates[number].name.clone();
         let rows = ranking.places.iter().enumerate().map(|(at, place)| {
             let next = ranking.places.get(at + 1).map(|next| next.candidate);
-            row(request, place, next, &harms[place.candidate], &cases[place.candidate])
+            let (harm, case) = (&harms[place.candidate], &cases[place.candidate]);
+            row(request, place, next, harm, case, bodies)
         });
         let missing = (0..cases.len())
             .filter(|number| harms[*number].is_open || harms[*number].unevaluable.is_some());
@@ -128,9 +143,20 @@ impl Answer {
             ranking: rows.collect(),
             tie_class: ranking.tie_class.iter().map(|number| name(*number)).collect(),
             notes: ranking.notes.clone(),
+            assumptions: assumptions(request),
             missing: missing.map(name).collect(),
         }
     }
+}
+
+/// One sentence per party of unknown kind.
+fn assumptions(request: &Request) -> Vec<String> {
+    let unknown = request.candidates.iter().filter(|candidate| candidate.is_assumed_fixed);
+    let names: BTreeSet<&str> = unknown.map(|candidate| candidate.other_name.as_str()).collect();
+    let sentence = |name: &str| {
+        format!("\"{name}\" is of unknown kind: taken as fixed to the ground, with nobody in it")
+    };
+    names.into_iter().map(sentence).collect()
 }
 
 fn row(
@@ -139,6 +165,7 @@ fn row(
     next: Option<usize>,
     harm: &CandidateHarm,
     case: &Case,
+    bodies: &[(Meta, BodyView<'_>)],
 ) -> Row {
     let candidate = &request.candidates[place.candidate];
     let why = place
@@ -146,6 +173,14 @@ fn row(
         .as_ref()
         .zip(next)
         .map(|(ground, next)| ground.sentence(&candidate.name, &request.candidates[next].name));
+    let [(meta_a, a), (meta_b, b)] =
+        [candidate.model_a, candidate.model_b].map(|model| &bodies[model as usize]);
+    let [parts_a, parts_b] = case.hit.parts(a, b);
+    let hit = case.hit.summary(a, b);
+    let names = |meta: &Meta, parts: BTreeSet<u16>| {
+        let known = &meta.parts;
+        parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
+    };
     Row {
         name: candidate.name.clone(),
         other: candidate.other_name.clone(),
@@ -156,6 +191,10 @@ fn row(
         sides: sides(candidate, harm),
         is_other_fixed: candidate.b.mass_kg.is_none(),
         contact: harm.contact.clone(),
+        hits: [hit.hits_a, hit.hits_b],
+        hashes: [hit.hash_a, hit.hash_b].map(hex),
+        parts: [names(meta_a, parts_a), names(meta_b, parts_b)],
+        crush: harm.crush,
         closing_m_s: harm.closing_m_s,
         delta_v_m_s: harm.delta_v,
         energy_j: harm.energy_j,
@@ -172,6 +211,7 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let normal = DVec3::from_array(patch.normal);
     let up = candidate.approach.directions.d[damage::approach::UP];
     let side = |party: &Party, outward: DVec3| match party.kind {
+        Kind::Wall | Kind::Pole | Kind::Building if candidate.is_assumed_fixed => "unknown",
         Kind::Wall | Kind::Pole | Kind::Building => party.kind.name(),
         Kind::Pedestrian => "person",
         _ => match party.bearing(outward, up) {
@@ -200,11 +240,14 @@ fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
     harm.persons.iter().map(row).collect()
 }
 
+fn hex(hash: u64) -> String {
+    format!("{hash:016x}")
+}
+
 fn poses(case: &Case) -> Vec<PoseRow> {
     let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
     let row = |(stop, surveyed): &(damage::Stop, Option<crate::case::Surveyed>)| {
         let found = surveyed.as_ref()?;
-        let hex = |hash: u64| format!("{hash:016x}");
         Some(PoseRow {
             travel_m: stop.travel_m,
             hits_a: found.sets.hits_a,

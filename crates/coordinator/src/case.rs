@@ -3,11 +3,11 @@
 //! Which tasks follow depends on what earlier ones found, never on the order in which they were
 //! answered: [`damage::Search`] sees to that.
 
-use crate::gather::{Gathered, SetSummary};
+use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
 use damage::{Evidence, First, Meeting, Search, Seen, Stop};
 use geometry::Supports;
-use model::Zones;
+use model::{BodyView, Zones};
 use protocol::Question;
 
 /// What a task is for.
@@ -45,6 +45,8 @@ pub(crate) struct Case {
     pub(crate) stage: Stage,
     /// A job was abandoned: what it would have found is not known.
     pub(crate) is_unknown: bool,
+    /// Triangles hit from first contact to e.
+    pub(crate) hit: Union,
 }
 
 impl Case {
@@ -55,7 +57,7 @@ impl Case {
             }
             Meeting::Never(_) | Meeting::AlreadyOverlapping => Stage::Settled,
         };
-        Self { stage, is_unknown: false }
+        Self { stage, is_unknown: false, hit: Union::default() }
     }
 
     /// The tasks that have to be done now and were not asked for before.
@@ -101,7 +103,12 @@ impl Case {
         }
     }
 
-    pub(crate) fn surveyed(&mut self, number: usize, sets: SetSummary, found: &Gathered) {
+    pub(crate) fn surveyed(
+        &mut self,
+        number: usize,
+        found: &Gathered,
+        (a, b): (&BodyView<'_>, &BodyView<'_>),
+    ) {
         let Stage::Surveying { stops, .. } = &mut self.stage else { return };
         let Some((stop, surveyed)) = stops.get_mut(number) else { return };
         let zones = |bits: u16| if stop.zones { Zones(bits) } else { Zones(0) };
@@ -111,7 +118,21 @@ impl Case {
             zones_a: zones(found.zones_a),
             zones_b: zones(found.zones_b),
         };
-        *surveyed = Some(Surveyed { sets, pairs: found.pairs, hash: found.hash, seen });
+        *surveyed = Some(Surveyed {
+            sets: found.summary(a, b),
+            pairs: found.pairs,
+            hash: found.hash,
+            seen,
+        });
+        if stop.zones {
+            self.hit.include(found);
+        }
+    }
+
+    /// Whether all poses of the survey are done.
+    pub(crate) fn is_done(&self) -> bool {
+        matches!(&self.stage, Stage::Surveying { stops, .. }
+            if stops.iter().all(|(_, surveyed)| surveyed.is_some()))
     }
 
     /// What is known of the contact by now.
@@ -130,9 +151,7 @@ impl Case {
                 evidence.add_hits(stop.travel_m, &surveyed.seen);
             }
         }
-        let is_done = matches!(&self.stage, Stage::Surveying { stops, .. }
-            if stops.iter().all(|(_, surveyed)| surveyed.is_some()));
-        if self.is_unknown || !is_done {
+        if self.is_unknown || !self.is_done() {
             evidence.add_open_everywhere();
         }
         evidence

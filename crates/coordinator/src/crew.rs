@@ -9,20 +9,24 @@
 //! flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
 mod error;
+mod parcel;
 mod report;
 mod station;
 
 pub use error::CrewError;
-pub use report::{CrewReport, WorkerReport};
+pub use report::{CrewReport, Duty, WorkerReport};
 
 use crate::gather::Part;
-use crate::work::{PartOf, Work};
+use crate::work::{Errands, PartOf};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
-use dispatch::{BestMatchLoad, Counts, Dispatcher, Effect, Event, Patience, Progress, Queues};
+use dispatch::{
+    Cache, Counts, Dispatcher, Effect, Entry, Event, Matching, Patience, Progress, Queues, Scheme,
+};
+use parcel::{Outgoing, parcels};
 use protocol::job::{Job, write_batch};
 use protocol::result::{read_hits, read_last};
-use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Task};
+use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Section, Task};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
 use station::Station;
 use std::path::{Path, PathBuf};
@@ -39,12 +43,16 @@ pub struct Options {
     pub build: String,
     /// The core of each worker; `None`: wherever the system puts it.
     pub cores: Vec<Option<usize>>,
-    /// Jobs per message.
-    pub batch: u32,
-    /// Jobs on their way to one worker at most.
-    pub queue: u32,
-    /// Weight of the match against the load in Best Match-Load.
-    pub alpha: f64,
+    /// Who gets which job.
+    pub matching: Matching,
+    /// Jobs per message, on their way to one worker at most, and how long a message waits.
+    pub queues: Queues,
+    /// How much the ledger says that a worker holds.
+    pub cache: Cache,
+    /// Whether workers get copies of sections, and do not read the store in place.
+    pub copies: bool,
+    /// Whether to write down who got which job.
+    pub log: bool,
     /// How long a busy worker may stand still.
     pub patience: Patience,
 }
@@ -74,11 +82,16 @@ pub struct Crew {
     status: StatusMemory,
     poller: Poller,
     domain: Domain,
-    dispatcher: Dispatcher<BestMatchLoad>,
+    dispatcher: Dispatcher<Box<dyn Scheme>>,
     boot: Boot,
     request: u64,
     patience: Patience,
+    /// There is no core without a worker: to spin would take a worker's time.
+    shares_core: bool,
+    /// Per worker; `None` if nothing is copied.
+    outgoing: Option<Vec<Outgoing>>,
     rejected: u64,
+    duty: Duty,
     /// Workers whose end was told and who are not buried yet: it is told once.
     ended: Vec<usize>,
     scratch: Vec<u64>,
@@ -109,19 +122,25 @@ impl Crew {
         let mut poller = Poller::new()?;
         poller.catch_signals()?;
         let domain = Domain::create(&options.instance, boot)?;
-        let queues = Queues { capacity: options.queue, batch: options.batch };
         let workers = options.cores.len();
-        let scheme = BestMatchLoad { alpha: options.alpha };
+        let scheme = options.matching.scheme();
+        let mut dispatcher = Dispatcher::new(scheme, options.queues, options.cache, workers);
+        if options.log {
+            dispatcher.keep_log();
+        }
         let mut crew = Self {
             stations: Vec::with_capacity(workers),
             status,
             poller,
             domain,
-            dispatcher: Dispatcher::new(scheme, queues, workers),
+            dispatcher,
             boot,
             request: 0,
             patience: options.patience,
+            shares_core: runtime::affinity::allowed_cores().len() <= workers,
+            outgoing: options.copies.then(|| (0..workers).map(|_| Outgoing::default()).collect()),
             rejected: 0,
+            duty: Duty::default(),
             ended: Vec::new(),
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
@@ -131,8 +150,9 @@ impl Crew {
             let launch = Launch {
                 who,
                 boot,
-                batch: options.batch,
-                queue: options.queue,
+                batch: options.queues.batch,
+                queue: options.queues.capacity,
+                copies: options.copies,
                 domain: crew.domain.text().to_owned(),
             };
             let bell = crew.poller.add_event(worker as u32)?;
@@ -193,21 +213,27 @@ impl Crew {
     /// # Errors
     ///
     /// If no worker is left, or a signal came.
-    pub fn run(&mut self, work: &mut Work<'_>) -> Result<CrewReport, CrewError> {
+    pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
+        let begun_ns = clock::now_ns();
         self.request += 1;
         self.rejected = 0;
+        self.duty = Duty::default();
         self.dispatcher.begin();
-        let mut effects = Vec::new();
-        let mut progress = self.dispatcher.step(Event::Poll, work, &mut effects);
-        for number in 0..self.stations.len() {
-            if self.stations[number].is_alive() {
-                let who = self.stations[number].who;
-                progress = self.step(Event::Ready(who), work, &mut effects);
-            }
+        for outgoing in self.outgoing.iter_mut().flatten() {
+            outgoing.clear();
         }
+        for station in &mut self.stations {
+            station.begin(&self.status);
+        }
+        for station in self.stations.iter().filter(|station| station.is_alive()) {
+            self.dispatcher.admit(station.who);
+        }
+        let mut effects = Vec::new();
+        let mut progress = self.step(Event::Poll, work, &mut effects);
         let backoff = Backoff::new();
         let mut looked = clock::now_ns();
         while progress == Progress::Working {
+            let waits = self.flush(work, &mut effects);
             let (taken, after) = self.take_results(work, &mut effects, progress);
             progress = after;
             let now = clock::now_ns();
@@ -217,21 +243,30 @@ impl Crew {
                 self.sleep(0)?;
                 progress = self.look_after(now, work, &mut effects, progress)?;
             }
+            let due_ns = self.dispatcher.due_ns();
+            if due_ns.is_some_and(|due_ns| due_ns <= now) {
+                progress = self.step(Event::Poll, work, &mut effects);
+            }
             while let Some(worker) = self.ended.pop() {
                 progress = self.bury(worker, work, &mut effects)?;
             }
             if progress != Progress::Working {
                 break;
             }
-            if taken {
+            if taken || waits {
                 backoff.reset();
-            } else if backoff.is_completed() {
-                self.sleep(NAP_NS)?;
+            } else if self.shares_core || backoff.is_completed() {
+                let nap_ns = due_ns.map_or(NAP_NS, |due_ns| due_ns.saturating_sub(now).min(NAP_NS));
+                self.sleep(nap_ns)?;
             } else {
                 backoff.snooze();
             }
         }
+        self.duty.run_ns = clock::now_ns() - begun_ns;
         let counts = self.dispatcher.counts();
+        if let Some(thrash) = self.dispatcher.thrash() {
+            return Err(CrewError::Thrashed(thrash));
+        }
         if progress == Progress::Stranded {
             let lost = self.stations.iter().filter_map(|station| {
                 let how = station.report.lost.as_deref()?;
@@ -246,8 +281,15 @@ impl Crew {
         Ok(self.report(counts))
     }
 
+    /// Who got which job in the last request, if that is written down.
+    #[must_use]
+    pub fn log(&self) -> &[Entry] {
+        self.dispatcher.log()
+    }
+
     fn report(&self, counts: Counts) -> CrewReport {
         CrewReport {
+            duty: self.duty,
             counts,
             transfer: self.dispatcher.transfer(),
             rejected: self.rejected,
@@ -256,15 +298,24 @@ impl Crew {
     }
 
     /// One event, and everything that follows from it.
-    fn step(
+    fn step<W: Errands>(
         &mut self,
         event: Event<'_, PartOf<'_>>,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
-        let mut progress = self.dispatcher.step(event, work, effects);
-        while let Some(Effect::Send { to, jobs }) = effects.pop() {
-            let Err(error) = self.send(to, &jobs, work) else { continue };
+        let begun_ns = clock::now_ns();
+        let mut progress = self.dispatcher.step(begun_ns, event, work, effects);
+        let mut stepped_ns = clock::now_ns();
+        self.duty.step_ns += stepped_ns - begun_ns;
+        // In order: a batch may need sections that went with the one before it.
+        while !effects.is_empty() {
+            let Effect::Send { to, jobs, fetch } = effects.remove(0);
+            let sent = self.send(to, &jobs, &fetch, work);
+            let sent_ns = clock::now_ns();
+            self.duty.send_ns += sent_ns - stepped_ns;
+            stepped_ns = sent_ns;
+            let Err(error) = sent else { continue };
             // No queue is ever overfilled, so the channel is broken, or its worker was buried
             // since.
             let station = &mut self.stations[usize::from(to.worker)];
@@ -272,16 +323,18 @@ impl Crew {
                 station.kill(&format!("its job channel broke ({error})"));
             }
             let (who, started) = station.bury(&self.status);
-            progress = self.dispatcher.step(Event::Lost { who, started }, work, effects);
+            let event = Event::Lost { who, started };
+            progress = self.dispatcher.step(clock::now_ns(), event, work, effects);
         }
         progress
     }
 
-    fn send(
+    fn send<W: Errands>(
         &mut self,
         to: Incarnation,
         jobs: &[(JobId, u8)],
-        work: &Work<'_>,
+        fetch: &[Section],
+        work: &W,
     ) -> Result<(), UseError> {
         let BatchWriter { tasks, jobs: rows, words } = &mut self.batch;
         tasks.clear();
@@ -309,13 +362,45 @@ impl Crew {
             count: rows.len() as u16,
             ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
         };
-        self.stations[usize::from(to.worker)].send(&self.status, head, words)
+        let station = &mut self.stations[usize::from(to.worker)];
+        let Some(outgoing) = &mut self.outgoing else {
+            return station.send(&self.status, head, words);
+        };
+        let outgoing = &mut outgoing[usize::from(to.worker)];
+        for section in fetch {
+            let Some(body) = work.body(section.model) else { continue };
+            let head = Head::new(self.boot, RequestId(self.request), to, Kind::Section);
+            for parcel in parcels(&body, *section) {
+                outgoing.push(head, parcel);
+            }
+        }
+        outgoing.push(head, words.clone());
+        outgoing.flush(station, &self.status)
+    }
+
+    /// Hands over what has waited for room. Says whether something still does.
+    fn flush<W: Errands>(&mut self, work: &mut W, effects: &mut Vec<Effect>) -> bool {
+        let Some(outgoing) = &mut self.outgoing else { return false };
+        let mut broken = None;
+        for (station, outgoing) in self.stations.iter_mut().zip(outgoing.iter_mut()) {
+            if !station.is_alive() {
+                outgoing.clear();
+            } else if let Err(error) = outgoing.flush(station, &self.status) {
+                station.kill(&format!("its job channel broke ({error})"));
+                broken = Some(station.bury(&self.status));
+            }
+        }
+        let waits = outgoing.iter().any(|outgoing| !outgoing.is_empty());
+        if let Some((who, started)) = broken {
+            self.step(Event::Lost { who, started }, work, effects);
+        }
+        waits
     }
 
     /// Takes all results there are by now. Says whether there was one.
-    fn take_results(
+    fn take_results<W: Errands>(
         &mut self,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
         mut progress: Progress,
     ) -> (bool, Progress) {
@@ -329,14 +414,18 @@ impl Crew {
     }
 
     /// Takes one message from one worker; `None` if there is none.
-    fn take_one(
+    fn take_one<W: Errands>(
         &mut self,
         number: usize,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Option<Progress> {
         let mut scratch = std::mem::take(&mut self.scratch);
+        let begun_ns = clock::now_ns();
         let taken = self.stations[number].take(&self.status, &mut scratch);
+        if matches!(taken, Ok(Some(_))) {
+            self.duty.take_ns += clock::now_ns() - begun_ns;
+        }
         let progress = match taken {
             Ok(Some(Ok(head))) => Some(self.handle(number, &head, &scratch, work, effects)),
             Ok(Some(Err(reject))) => {
@@ -349,12 +438,12 @@ impl Crew {
         progress
     }
 
-    fn handle(
+    fn handle<W: Errands>(
         &mut self,
         number: usize,
         head: &Head,
         words: &[u64],
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
         let (from, job) = (self.stations[number].who, JobId(head.job));
@@ -390,7 +479,9 @@ impl Crew {
                 tracing::warn!(worker = number, job = head.job, "a job failed");
                 self.step(Event::Failed { from, job, attempt: head.attempt }, work, effects)
             }
-            Some(Kind::Hello | Kind::Batch) | None => self.step(Event::Poll, work, effects),
+            Some(Kind::Hello | Kind::Batch | Kind::Section) | None => {
+                self.step(Event::Poll, work, effects)
+            }
         }
     }
 
@@ -403,10 +494,10 @@ impl Crew {
     }
 
     /// Looks at every worker's pulse, and kills who stands still.
-    fn look_after(
+    fn look_after<W: Errands>(
         &mut self,
         now: u64,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
         mut progress: Progress,
     ) -> Result<Progress, CrewError> {
@@ -423,10 +514,10 @@ impl Crew {
     }
 
     /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.
-    fn bury(
+    fn bury<W: Errands>(
         &mut self,
         number: usize,
-        work: &mut Work<'_>,
+        work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Result<Progress, CrewError> {
         if !self.stations[number].is_alive() || self.stations[number].wait_end()?.is_none() {

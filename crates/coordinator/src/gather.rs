@@ -6,6 +6,7 @@ use geometry::{Supports, support::DIRECTIONS};
 use model::BodyView;
 use protocol::Side;
 use protocol::result::{Last, read_hit};
+use std::collections::BTreeSet;
 
 /// A set of triangles, one bit each.
 #[derive(Clone, Debug, Default)]
@@ -23,8 +24,11 @@ impl Hits {
     }
 
     fn iter(&self) -> impl Iterator<Item = usize> {
-        self.0.iter().enumerate().flat_map(|(at, word)| {
-            (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| at * 64 + bit)
+        let used = self.0.iter().enumerate().filter(|(_, word)| **word != 0);
+        used.flat_map(|(at, word)| {
+            let clear_lowest = |rest: &u64| Some(rest & (rest - 1)).filter(|rest| *rest != 0);
+            std::iter::successors(Some(*word), clear_lowest)
+                .map(move |rest| at * 64 + rest.trailing_zeros() as usize)
         })
     }
 }
@@ -101,13 +105,44 @@ impl Gathered {
 
     /// Counts and order-free hashes of both hit sets, over source ids.
     pub(crate) fn summary(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
-        let sum = |hits: &Hits, body: &BodyView<'_>| {
-            hits.iter().fold((0_u64, 0_u64), |(count, hash), triangle| {
-                let id = u64::from(body.source_ids[triangle]);
-                (count + 1, hash.wrapping_add(splitmix64(id)))
-            })
-        };
-        let ((hits_a, hash_a), (hits_b, hash_b)) = (sum(&self.hits_a, a), sum(&self.hits_b, b));
-        SetSummary { hits_a, hits_b, hash_a, hash_b }
+        summary([&self.hits_a, &self.hits_b], a, b)
     }
+}
+
+/// Triangles hit at any of several poses: of A, of B.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Union([Hits; 2]);
+
+impl Union {
+    /// Includes the hits of one pose.
+    pub(crate) fn include(&mut self, found: &Gathered) {
+        for (all, hits) in self.0.iter_mut().zip([&found.hits_a, &found.hits_b]) {
+            all.0.resize(all.0.len().max(hits.0.len()), 0);
+            all.0.iter_mut().zip(&hits.0).for_each(|(all, hits)| *all |= hits);
+        }
+    }
+
+    /// Counts and order-free hashes, over source ids.
+    pub(crate) fn summary(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
+        summary([&self.0[0], &self.0[1]], a, b)
+    }
+
+    /// Numbers of the parts that they belong to, ascending.
+    pub(crate) fn parts(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> [BTreeSet<u16>; 2] {
+        let of = |hits: &Hits, body: &BodyView<'_>| {
+            hits.iter().filter_map(|triangle| body.part_of.get(triangle).copied()).collect()
+        };
+        [of(&self.0[0], a), of(&self.0[1], b)]
+    }
+}
+
+fn summary(hits: [&Hits; 2], a: &BodyView<'_>, b: &BodyView<'_>) -> SetSummary {
+    let sum = |hits: &Hits, body: &BodyView<'_>| {
+        hits.iter().fold((0_u64, 0_u64), |(count, hash), triangle| {
+            let id = u64::from(body.source_ids[triangle]);
+            (count + 1, hash.wrapping_add(splitmix64(id)))
+        })
+    };
+    let ((hits_a, hash_a), (hits_b, hash_b)) = (sum(hits[0], a), sum(hits[1], b));
+    SetSummary { hits_a, hits_b, hash_a, hash_b }
 }

@@ -1,17 +1,18 @@
 //! All jobs in this process, one after the other: no workers, no channels. For comparison.
 
 use crate::gather::Part;
-use crate::work::{PartOf, Work};
+use crate::work::{Errands, PartOf};
 use bvh::{Kernel, NodePair, Outcome, Question, Sink};
 use core::ops::ControlFlow;
-use dispatch::{Closed, Spec, Work as _};
+use dispatch::{Closed, Spec};
 use geometry::{Directions, RelativePose};
 use model::{BodyView, Meta};
 use protocol::result::{End, Last, hit};
 use protocol::{Side, Summary};
+use runtime::clock;
 
 #[derive(Default)]
-struct Hits(Vec<u32>);
+pub(crate) struct Hits(Vec<u32>);
 
 impl Sink for Hits {
     fn hit(&mut self, side: bvh::Side, triangle: u32) -> ControlFlow<()> {
@@ -29,7 +30,16 @@ impl Sink for Hits {
 }
 
 /// Runs a request to its end in this process. Returns how many jobs there were.
-pub fn run_here(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
+pub fn run_here<W: Errands>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
+    run_watched(work, bodies, |_, _| {})
+}
+
+/// The same, and tells `watch` what each job said of itself before it is folded.
+pub fn run_watched<W: Errands>(
+    work: &mut W,
+    bodies: &[(Meta, BodyView<'_>)],
+    mut watch: impl FnMut(&Spec, &Summary),
+) -> u64 {
     let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
     let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
     let mut kernel = Kernel::with_room(depth, depth, triangles, triangles);
@@ -46,19 +56,21 @@ pub fn run_here(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
                 work.close(&job, Closed::Cut);
                 continue;
             }
-            run(&mut kernel, work, bodies, &job, &mut hits, &mut around);
+            run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut watch);
         }
     }
 }
 
-fn run(
+pub(crate) fn run<W: Errands>(
     kernel: &mut Kernel,
-    work: &mut Work<'_>,
+    work: &mut W,
     bodies: &[(Meta, BodyView<'_>)],
     job: &Spec,
     hits: &mut Hits,
     around: &mut Option<(u32, Directions)>,
+    watch: &mut impl FnMut(&Spec, &Summary),
 ) {
+    let begun_ns = clock::now_ns();
     let Some(task) = work.task(job.task).copied() else { return };
     let made = match around.take() {
         Some(made) if made.0 == task.task => made,
@@ -81,7 +93,9 @@ fn run(
     hits.0.clear();
     let start = NodePair { a: job.a.node, b: job.b.node };
     let outcome = kernel.run(&asked, start, u64::MAX, hits);
-    let summary = summary(&outcome);
+    let wall_ns = clock::now_ns() - begun_ns;
+    let summary = Summary { wall_ns, hits: hits.0.len() as u32, ..summary(&outcome) };
+    watch(job, &summary);
     let supports = directions.map(|_| &outcome.supports.0);
     let last = Some(Last { summary, supports, hits: &hits.0 });
     work.fold(job, PartOf(Part { hits: &hits.0, last }));

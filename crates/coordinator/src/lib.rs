@@ -22,14 +22,22 @@
 mod answer;
 mod case;
 mod crew;
+mod explain;
 mod gather;
 mod here;
+mod ledger;
+mod pairs;
+mod replay;
 mod request;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
-pub use crew::{Crew, CrewError, CrewReport, Options, WorkerReport, seal};
-pub use here::run_here;
+pub use crew::{Crew, CrewError, CrewReport, Duty, Options, WorkerReport, seal};
+pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
+pub use here::{run_here, run_watched};
+pub use ledger::Ledger;
+pub use pairs::{PairWork, PoseFound, Spent};
+pub use replay::replay;
 pub use request::{Request, RequestError};
-pub use work::{Effort, Work};
+pub use work::{Effort, Errands, PartOf, Work};

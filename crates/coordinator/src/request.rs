@@ -4,11 +4,12 @@ use bvh::support;
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
 use damage::{
-    Aboard, Approach, Curves, Meeting, Parameters, Party, PersonId, Policy, crew, heading, plan,
+    Aboard, Approach, Curves, Meeting, Parameters, Party, PersonId, Policy, Stiffness, crew,
+    heading, plan,
 };
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
-use model::{BodyView, Meta, Seat};
+use model::{BodyView, Kind, Meta, Seat};
 use scenario::{Scenario, State};
 
 /// One candidate, before any work.
@@ -25,6 +26,8 @@ pub(crate) struct Candidate {
     pub(crate) a: Party,
     pub(crate) b: Party,
     pub(crate) probability: f64,
+    /// Nobody knows what B is: it is taken as fixed to the ground.
+    pub(crate) is_assumed_fixed: bool,
 }
 
 /// A person at stake, by name.
@@ -74,7 +77,8 @@ impl Request {
     ///
     /// # Errors
     ///
-    /// If a candidate's approach is unusable.
+    /// If a candidate's approach is unusable. A party of unknown kind is taken as fixed to the
+    /// ground: whoever does not want that refuses the scenario before.
     ///
     /// # Panics
     ///
@@ -92,8 +96,7 @@ impl Request {
             let (state_a, state_b) = (&candidate.ego, &candidate.other.state);
             let pose = RelativePose::between(&state_a.pose, &state_b.pose);
             let party = |number: usize, to_ego: Option<&RelativePose>| {
-                let mass = scenario.parties[number].mass_kg;
-                party(&bodies[number].0, mass, to_ego, aboard[number].clone())
+                party(&bodies[number].0, &scenario.parties[number], to_ego, aboard[number].clone())
             };
             let (a, b) = (party(ego, None), party(other, Some(&pose)));
             let views = (&bodies[ego].1, &bodies[other].1);
@@ -113,12 +116,13 @@ impl Request {
                 a,
                 b,
                 probability: candidate.probability,
+                is_assumed_fixed: scenario.parties[other].is_unknown,
             });
         }
         Ok(Self { candidates, persons, policy, curves, parameters: Parameters::default() })
     }
 
-    /// The name of the policy.
+    /// The policy.
     #[must_use]
     pub fn policy(&self) -> &Policy {
         &self.policy
@@ -143,6 +147,9 @@ fn persons(
         let stated = party.persons.as_deref().or(meta.occupants.as_deref());
         let stake = Stake { is_ego, responsibility: party.responsibility };
         aboard.push(Vec::new());
+        if party.is_unknown {
+            continue;
+        }
         for seat in crew(meta.kind, speed, stated) {
             aboard[number].push(Aboard { id: PersonId(persons.len()), seat });
             persons.push(Person { party: party.name.clone(), seat, stake });
@@ -153,7 +160,7 @@ fn persons(
 
 fn party(
     meta: &Meta,
-    mass_kg: Option<f64>,
+    stated: &scenario::Party,
     to_ego: Option<&RelativePose>,
     persons: Vec<Aboard>,
 ) -> Party {
@@ -169,10 +176,18 @@ fn party(
             (DVec3::new(row(0), row(1), row(2)), DVec3::new(r[0][0], r[1][0], r[2][0]))
         }
     };
-    let mass_kg = if is_fixed(meta.kind) { None } else { mass_kg.or(meta.mass_kg) };
-    let concave = is_concave(meta.kind);
-    let gyration_m = meta.gyration_m;
-    Party { kind: meta.kind, mass_kg, gyration_m, centre_m, forward, concave, persons }
+    // Of what nobody knows, only the shape counts: the rest is assumed to be that of a wall.
+    let kind = if stated.is_unknown { Kind::Wall } else { meta.kind };
+    Party {
+        kind,
+        mass_kg: if is_fixed(kind) { None } else { stated.mass_kg.or(meta.mass_kg) },
+        gyration_m: meta.gyration_m,
+        centre_m,
+        forward,
+        stiffness: stated.crush.map(|[a_n_m, b_n_m2]| Stiffness { a_n_m, b_n_m2 }),
+        concave: is_concave(kind),
+        persons,
+    }
 }
 
 fn approach(

@@ -3,19 +3,31 @@
 use crate::answer::Answer;
 use crate::case::{Aim, Case};
 use crate::gather::{Gathered, Part};
+use crate::ledger::Ledger;
 use crate::request::{Request, RequestError};
 use bvh::{Counters, front, section};
-use damage::{Basis, CandidateHarm, Encounter, assess};
+use damage::{Basis, CandidateHarm, Encounter, Ranking, assess};
 use dispatch::{Closed, Spec};
 use model::{BodyView, Meta};
 use protocol::{Question, Section, Task, TaskId};
 use std::collections::VecDeque;
 
+mod keep;
+
+/// Work that workers can do: its tasks travel, and its results come as parts of messages.
+pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
+    /// The task as it travels; `None` if there is no such task.
+    fn task(&self, task: TaskId) -> Option<&Task>;
+    /// The body of this number.
+    fn body(&self, model: u32) -> Option<BodyView<'_>>;
+}
+
 /// One question about one pose of one candidate.
 #[derive(Clone, Debug)]
-struct Errand {
-    case: usize,
-    aim: Aim,
+pub(crate) struct Errand {
+    pub(crate) case: usize,
+    pub(crate) aim: Aim,
+    pub(crate) travel_m: f64,
     wire: Task,
     open: u32,
     is_moot: bool,
@@ -47,6 +59,7 @@ pub struct Work<'w> {
     pairs: Vec<bvh::NodePair>,
     aims: Vec<(Aim, f64, Question)>,
     effort: Effort,
+    ledger: Option<Ledger>,
 }
 
 impl<'w> Work<'w> {
@@ -64,6 +77,7 @@ impl<'w> Work<'w> {
             pairs: Vec::new(),
             aims: Vec::new(),
             effort: Effort::default(),
+            ledger: None,
         };
         for case in 0..work.cases.len() {
             work.advance(case);
@@ -77,18 +91,18 @@ impl<'w> Work<'w> {
         self.effort
     }
 
-    /// The task as it travels; `None` if there is no such task.
-    #[must_use]
-    pub fn task(&self, task: TaskId) -> Option<&Task> {
-        self.errands.get(task.0 as usize).map(|errand| &errand.wire)
-    }
-
     /// The answer that follows from what is known by now.
     ///
     /// # Errors
     ///
     /// If a candidate cannot be assessed or ranked at all: then the request is refused.
-    pub fn answer(&self) -> Result<(Answer, Vec<CandidateHarm>), RequestError> {
+    pub fn answer(&self) -> Result<Answer, RequestError> {
+        let (harms, ranking) = self.judge()?;
+        Ok(Answer::new(self.request, &ranking, &harms, &self.cases, self.bodies))
+    }
+
+    /// Harm of every candidate, and their order.
+    fn judge(&self) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
         let request = self.request;
         let basis = Basis {
             curves: &request.curves,
@@ -110,7 +124,7 @@ impl<'w> Work<'w> {
         }
         let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
         let ranking = damage::rank(&request.policy, &stakes, &harms)?;
-        Ok((Answer::new(request, &ranking, &harms, &self.cases), harms))
+        Ok((harms, ranking))
     }
 
     /// Asks for whatever a candidate needs next.
@@ -135,6 +149,7 @@ impl<'w> Work<'w> {
             self.errands.push(Errand {
                 case,
                 aim,
+                travel_m,
                 wire,
                 open: 0,
                 is_moot: false,
@@ -187,8 +202,11 @@ impl<'w> Work<'w> {
             }
             Aim::Probe { travel_m } => self.learn(case, travel_m, false),
             Aim::Survey { stop } => {
-                let (a, b) = self.views(&wire);
-                self.cases[case].surveyed(stop, found.summary(a, b), &found);
+                let views = self.views(&wire);
+                self.cases[case].surveyed(stop, &found, views);
+                if self.cases[case].is_done() {
+                    self.note();
+                }
             }
         }
     }
@@ -199,6 +217,16 @@ impl<'w> Work<'w> {
         for errand in self.errands.iter_mut().filter(|errand| errand.case == case) {
             errand.is_moot = errand.is_moot || !self.cases[case].needs(errand.aim);
         }
+    }
+}
+
+impl Errands for Work<'_> {
+    fn task(&self, task: TaskId) -> Option<&Task> {
+        self.errands.get(task.0 as usize).map(|errand| &errand.wire)
+    }
+
+    fn body(&self, model: u32) -> Option<BodyView<'_>> {
+        self.bodies.get(model as usize).map(|(_, body)| *body)
     }
 }
 
@@ -222,10 +250,7 @@ impl dispatch::Work for Work<'_> {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         let Some(found) = &mut errand.found else { return };
         let sound = found.fold(part.0, &mut self.effort.jobs);
-        let is_whole = part
-            .0
-            .last
-            .is_none_or(|last| last.summary.end == protocol::result::End::Complete as u32);
+        let is_whole = part.is_whole();
         let touched = found.touched;
         errand.is_unknown |= !sound || !is_whole;
         if let Aim::Probe { travel_m } = errand.aim
@@ -243,7 +268,11 @@ impl dispatch::Work for Work<'_> {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         errand.is_unknown |= how == Closed::Abandoned;
         errand.open -= 1;
-        if errand.open == 0 {
+        let is_last = errand.open == 0;
+        if let Some(ledger) = &mut self.ledger {
+            ledger.close(errand, job, how);
+        }
+        if is_last {
             self.finish(job.task.0);
         }
     }
@@ -257,3 +286,11 @@ impl dispatch::Work for Work<'_> {
 /// One part of a result, taken apart.
 #[derive(Clone, Copy, Debug)]
 pub struct PartOf<'p>(pub(crate) Part<'p>);
+
+impl PartOf<'_> {
+    /// Whether its job did all that was asked for, as far as this part says.
+    pub(crate) fn is_whole(&self) -> bool {
+        let complete = protocol::result::End::Complete as u32;
+        self.0.last.is_none_or(|last| last.summary.end == complete)
+    }
+}

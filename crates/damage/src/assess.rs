@@ -136,6 +136,8 @@ pub fn assess(
         contact: Contact { touch, near_miss, hull_gap_m: gap + 0.0, patch: None },
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
+        levers_m: [[0.0; 2]; 2],
+        crush: None,
         force_degrees: [0.0; 2],
         energy_j: Work::ZERO,
         persons: Vec::new(),

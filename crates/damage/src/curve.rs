@@ -91,6 +91,16 @@ impl Unit {
         }
     }
 
+    /// The name as files write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MetresPerSecond => "m/s",
+            Self::KilometresPerHour => "km/h",
+            Self::MilesPerHour => "mph",
+        }
+    }
+
     /// A speed (m/s) in this unit.
     #[must_use]
     pub fn of(self, speed_m_s: f64) -> f64 {
@@ -112,6 +122,12 @@ impl Curve {
         }
         let rise = -libm::expm1(-self.b * x);
         (rise / (1.0 + libm::exp(-(self.a + self.b * x)))).clamp(0.0, 1.0)
+    }
+
+    /// The probability as published, not anchored, at a speed (m/s).
+    #[must_use]
+    pub fn published(&self, speed_m_s: f64) -> f64 {
+        1.0 / (1.0 + libm::exp(-(self.a + self.b * self.unit.of(speed_m_s))))
     }
 
     /// Whether the sample supports the curve at this speed (m/s).

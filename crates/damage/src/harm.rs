@@ -5,6 +5,7 @@
 //! values: [`crate::assess()`] makes them, [`crate::rank()`] compares them, nobody changes them.
 
 use crate::contact::Contact;
+use crate::crush::Crush;
 use crate::dynamics::Response;
 use crate::evidence::Touch;
 use crate::injury::{Quantity, Victim};
@@ -76,6 +77,10 @@ pub struct CandidateHarm {
     pub delta_v: [DeltaV; 2],
     /// Impulses and energy with nominal parameters, at the end of open work that does most.
     pub response: Response,
+    /// Lever arms h across and q along the nominal normal (m), those of `response`: of A, of B.
+    pub levers_m: [[f64; 2]; 2],
+    /// Crush by stiffness beside the depth; `None` where a stiffness is not configured.
+    pub crush: Option<Crush>,
     /// Where the force comes from in each body's frame (degrees from forward, left positive).
     pub force_degrees: [f64; 2],
     /// Kinetic energy lost (J): the measure of property damage.

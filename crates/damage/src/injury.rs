@@ -141,6 +141,18 @@ impl Victim {
     }
 }
 
+impl Quantity {
+    /// The name as files write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DeltaV => "delta-v",
+            Self::ClosingNormal => "closing-normal",
+            Self::Closing => "closing",
+        }
+    }
+}
+
 impl Speeds {
     /// One of them (m/s).
     #[must_use]

@@ -40,6 +40,7 @@
 //!     gyration_m: 1.26,
 //!     centre_m: DVec3::ZERO,
 //!     forward: DVec3::X,
+//!     stiffness: None,
 //!     concave: false,
 //!     persons: vec![Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }],
 //! };
@@ -95,6 +96,7 @@
 pub mod approach;
 pub mod assess;
 pub mod contact;
+pub mod crush;
 pub mod curve;
 pub mod dynamics;
 pub mod evidence;
@@ -115,6 +117,7 @@ mod scene;
 pub use approach::{Approach, ApproachError, heading};
 pub use assess::{AssessError, Basis, Encounter, assess};
 pub use contact::{Contact, Patch};
+pub use crush::{Crush, Stiffness};
 pub use curve::Level;
 pub use dynamics::Parameters;
 pub use evidence::{Evidence, Seen, Touch};
@@ -125,6 +128,7 @@ pub use interval::{Range, Work};
 pub use party::{Aboard, Party, PartyError, PersonId, crew};
 pub use path::{Apart, Meeting, Path, Stop, plan};
 pub use policy::Policy;
+pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::{Ground, Note, Place, RankError, Ranking, State, rank};
 pub use rule::{Rule, Stake};
 pub use search::{First, Search};

@@ -3,6 +3,7 @@
 //! Persons carry kind (by their body), seat and nothing else. Fixed objects have no persons and no
 //! mass. It knows nothing of the other party.
 
+use crate::crush::Stiffness;
 use crate::injury::Victim;
 use geometry::DVec3;
 use model::meta::Occupant;
@@ -35,6 +36,8 @@ pub struct Party {
     pub centre_m: DVec3,
     /// Where the body's x axis (forward) points; unit vector.
     pub forward: DVec3,
+    /// Stiffness, if somebody configured it; of no account if fixed.
+    pub stiffness: Option<Stiffness>,
     /// Whether the body is concave in plan, so that its hull says nothing about the normal.
     pub concave: bool,
     /// Who is with it.

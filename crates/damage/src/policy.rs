@@ -140,6 +140,19 @@ impl Policy {
     }
 }
 
+/// As one would say it in a list: "least bayes", "least maximin, within 0.01".
+impl core::fmt::Display for Step {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Accept { at_most } => write!(f, "nobody's upper end above {at_most}"),
+            Self::Least { measure, tolerance } if *tolerance > 0.0 => {
+                write!(f, "least {}, within {tolerance}", measure.name())
+            }
+            Self::Least { measure, .. } => write!(f, "least {}", measure.name()),
+        }
+    }
+}
+
 impl Step {
     /// The same step without tolerance, if it has one.
     fn without_tolerance(&self) -> Option<Self> {

@@ -20,7 +20,9 @@ use crate::rule::{Measure, Rule, Stake};
 use serde::Serialize;
 
 mod figures;
+mod ground;
 mod interval;
+pub mod stability;
 #[cfg(test)]
 mod tests;
 
@@ -38,6 +40,19 @@ pub enum State {
     Degraded,
     /// No candidate has a bound.
     Refused,
+}
+
+impl State {
+    /// The name as answers write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Certified => "certified",
+            Self::Degraded => "degraded",
+            Self::Refused => "refused",
+        }
+    }
 }
 
 /// What the answer must say besides its order.
@@ -163,17 +178,20 @@ pub fn rank(
     stakes: &[Stake],
     candidates: &[CandidateHarm],
 ) -> Result<Ranking, RankError> {
+    let figures = figures_of(stakes, candidates)?;
+    let order = Order { policy, stakes, steps: policy.steps(stakes.len()), figures: &figures };
+    Ok(order.ranking(candidates))
+}
+
+/// The figures of all candidates, checked.
+fn figures_of(stakes: &[Stake], candidates: &[CandidateHarm]) -> Result<Vec<Figures>, RankError> {
     if candidates.is_empty() {
         return Err(RankError::NoCandidates);
     }
     if let Some(i) = stakes.iter().position(|s| !(0.0..=1.0).contains(&s.responsibility)) {
         return Err(RankError::Responsibility(PersonId(i)));
     }
-    let figures = (0..candidates.len())
-        .map(|k| Figures::of(k, &candidates[k], stakes.len()))
-        .collect::<Result<Vec<_>, _>>()?;
-    let order = Order { policy, stakes, steps: policy.steps(stakes.len()), figures };
-    Ok(order.ranking(candidates))
+    (0..candidates.len()).map(|k| Figures::of(k, &candidates[k], stakes.len())).collect()
 }
 
 /// Everything that a ranking is made from.
@@ -181,7 +199,7 @@ struct Order<'a> {
     policy: &'a Policy,
     stakes: &'a [Stake],
     steps: Vec<Step>,
-    figures: Vec<Figures>,
+    figures: &'a [Figures],
 }
 
 /// One rank found: its candidate, and at which step each other one fell out, if it did.
@@ -381,47 +399,5 @@ impl Order<'_> {
             notes.push(Note::EgoOnly);
         }
         notes
-    }
-}
-
-impl Ground {
-    /// One sentence for people, about candidates of these names.
-    #[must_use]
-    pub fn sentence(&self, first: &str, second: &str) -> String {
-        match self {
-            Self::Least { measure: Measure::Energy, first: a, second: b, .. } => format!(
-                "{first} before {second}: no rule on persons separates them, and less property is \
-                 damaged ({:.1} against {:.1} kJ)",
-                a / 1000.0,
-                b / 1000.0
-            ),
-            Self::Least { measure, first: a, second: b, rule, tolerance, .. } => {
-                let name = measure.name();
-                let by = rule.map_or(String::new(), |r| format!(", most of it by {}", r.name()));
-                let within = if *tolerance > 0.0 {
-                    format!(", more than {tolerance} apart from the least")
-                } else {
-                    String::new()
-                };
-                format!("{first} before {second}: {name} {a:.5} against {b:.5}{within}{by}")
-            }
-            Self::Accept { at_most, first: a, second: b, .. } => format!(
-                "{first} before {second}: nobody's risk there passes {at_most} (at most {a:.5}, \
-                 against {b:.5})"
-            ),
-            Self::TieBreak { by: TieBreak::Request, .. } => {
-                format!("{first} before {second}: nothing separates them but the request's order")
-            }
-            Self::TieBreak { by: TieBreak::Energy, first: a, second: b } => format!(
-                "{first} before {second}: equal under the policy; the tie-break takes the lower \
-                 energy ({:.1} against {:.1} kJ)",
-                a / 1000.0,
-                b / 1000.0
-            ),
-            Self::TieBreak { by: TieBreak::High, first: a, second: b } => format!(
-                "{first} before {second}: equal under the policy; the tie-break takes the lower \
-                 upper end of the model range ({a:.5} against {b:.5})"
-            ),
-        }
     }
 }

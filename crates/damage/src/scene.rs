@@ -117,6 +117,7 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
         gyration_m: 1.26,
         centre_m: DVec3::new(centre[0], centre[1], 0.5),
         forward: DVec3::new(cos, sin, 0.0),
+        stiffness: None,
         concave: false,
         persons: vec![Aboard { id: PersonId(person), seat: Some(Seat::FrontLeft) }],
     }
@@ -130,6 +131,7 @@ pub(crate) fn walker(person: usize, centre: [f64; 2]) -> Party {
         gyration_m: 0.2,
         centre_m: DVec3::new(centre[0], centre[1], 0.9),
         forward: DVec3::X,
+        stiffness: None,
         concave: false,
         persons: vec![Aboard { id: PersonId(person), seat: None }],
     }
@@ -143,6 +145,7 @@ pub(crate) fn fixed(kind: Kind, centre: [f64; 2]) -> Party {
         gyration_m: 0.0,
         centre_m: DVec3::new(centre[0], centre[1], 0.5),
         forward: DVec3::X,
+        stiffness: None,
         concave: kind == Kind::Building,
         persons: Vec::new(),
     }

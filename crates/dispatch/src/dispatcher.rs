@@ -15,9 +15,9 @@
 
 mod event;
 
-pub use event::{Effect, Event, Progress};
+pub use event::{Effect, Entry, Event, Progress};
 
-use crate::ledger::{Ledger, Transfer};
+use crate::ledger::{Cache, Ledger, Thrash, Transfer};
 use crate::scheme::{CoreView, Scheme};
 use protocol::{Incarnation, JobId, Section, TaskId};
 use std::collections::VecDeque;
@@ -94,13 +94,15 @@ pub struct Counts {
     pub fence: Fence,
 }
 
-/// Sizes of queues and batches.
+/// Sizes of queues and batches: the three settings that the seed calls "buffer".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Queues {
     /// Most jobs a core may hold.
     pub capacity: u32,
     /// Jobs sent at once; at most `capacity`.
     pub batch: u32,
+    /// How long a batch that is not full waits for more jobs (ns); 0: it is sent at once.
+    pub linger_ns: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,6 +126,10 @@ struct Core {
     who: Option<Incarnation>,
     queued: u32,
     outbox: Vec<(JobId, u8)>,
+    /// Sections that jobs in the outbox need and the core did not hold.
+    fetch: Vec<Section>,
+    /// When the first job of the outbox was put there (ns).
+    since_ns: u64,
 }
 
 /// The dispatcher of one instance: the workers outlive a request, the job table does not.
@@ -131,11 +137,13 @@ struct Core {
 pub struct Dispatcher<S> {
     scheme: S,
     queues: Queues,
+    cache: Cache,
     cores: Vec<Core>,
     slots: Vec<Slot>,
     pending: VecDeque<JobId>,
     open: u64,
     ledger: Ledger,
+    log: Option<Vec<Entry>>,
     counts: Counts,
     fresh: Vec<Spec>,
     views: Vec<CoreView>,
@@ -144,16 +152,18 @@ pub struct Dispatcher<S> {
 impl<S: Scheme> Dispatcher<S> {
     /// A dispatcher for so many cores, none of them ready yet.
     #[must_use]
-    pub fn new(scheme: S, queues: Queues, cores: usize) -> Self {
+    pub fn new(scheme: S, queues: Queues, cache: Cache, cores: usize) -> Self {
         let capacity = queues.capacity.max(1);
         Self {
             scheme,
-            queues: Queues { capacity, batch: queues.batch.clamp(1, capacity) },
+            queues: Queues { capacity, batch: queues.batch.clamp(1, capacity), ..queues },
+            cache,
             cores: vec![Core::default(); cores],
             slots: Vec::new(),
             pending: VecDeque::new(),
             open: 0,
-            ledger: Ledger::new(cores),
+            ledger: Ledger::new(cores, cache),
+            log: None,
             counts: Counts::default(),
             fresh: Vec::new(),
             views: Vec::with_capacity(cores),
@@ -166,11 +176,43 @@ impl<S: Scheme> Dispatcher<S> {
         self.pending.clear();
         self.open = 0;
         self.counts = Counts::default();
-        self.ledger = Ledger::new(self.cores.len());
+        self.ledger = Ledger::new(self.cores.len(), self.cache);
+        if let Some(log) = &mut self.log {
+            log.clear();
+        }
         for core in &mut self.cores {
             core.queued = 0;
             core.outbox.clear();
+            core.fetch.clear();
         }
+    }
+
+    /// A worker takes jobs from now on. None is placed before the next step, so that all who are
+    /// there at the start get their share.
+    pub fn admit(&mut self, who: Incarnation) {
+        let core = self.cores.get_mut(usize::from(who.worker));
+        // Who was ready before this request has jobs already.
+        if let Some(core) = core.filter(|core| core.who != Some(who)) {
+            *core = Core { who: Some(who), ..Core::default() };
+        }
+    }
+
+    /// From now on writes down who got which job: what [`Dispatcher::transfer`] follows from.
+    pub fn keep_log(&mut self) {
+        self.log.get_or_insert_default();
+    }
+
+    /// What was written down since [`Dispatcher::begin`], in order.
+    #[must_use]
+    pub fn log(&self) -> &[Entry] {
+        self.log.as_deref().unwrap_or_default()
+    }
+
+    /// When the next batch has lingered long enough (ns): [`Event::Poll`] sends it then.
+    #[must_use]
+    pub fn due_ns(&self) -> Option<u64> {
+        let waiting = self.cores.iter().filter(|core| !core.outbox.is_empty());
+        waiting.map(|core| core.since_ns.saturating_add(self.queues.linger_ns)).min()
     }
 
     /// The job's spec; `None` if there is no such job.
@@ -197,20 +239,23 @@ impl<S: Scheme> Dispatcher<S> {
         self.ledger.transfer()
     }
 
-    /// Takes one event, asks `work` for jobs, and says what to do.
+    /// The first section that did not fit: then the run is over.
+    #[must_use]
+    pub fn thrash(&self) -> Option<Thrash> {
+        self.ledger.thrash()
+    }
+
+    /// Takes one event at `now_ns` [ns, monotonic], asks `work` for jobs, and says what to do.
     pub fn step<W: Work>(
         &mut self,
+        now_ns: u64,
         event: Event<'_, W::Part<'_>>,
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
         match event {
             Event::Poll => {}
-            Event::Ready(who) => {
-                if let Some(core) = self.cores.get_mut(usize::from(who.worker)) {
-                    *core = Core { who: Some(who), ..Core::default() };
-                }
-            }
+            Event::Ready(who) => self.admit(who),
             Event::Part { from, job, attempt, part, last, body } => {
                 self.take(from, job, attempt, (part, last), body, work);
             }
@@ -234,12 +279,14 @@ impl<S: Scheme> Dispatcher<S> {
             }
         }
         self.refill(work);
-        self.assign(work, effects);
+        self.assign(now_ns, work, effects);
         self.progress()
     }
 
     fn progress(&self) -> Progress {
-        if self.open == 0 {
+        if self.ledger.thrash().is_some() {
+            Progress::Thrashed
+        } else if self.open == 0 {
             Progress::Finished
         } else if self.cores.iter().all(|core| core.who.is_none()) {
             Progress::Stranded
@@ -337,6 +384,9 @@ impl<S: Scheme> Dispatcher<S> {
         }
         *core = Core::default();
         self.ledger.lose(usize::from(who.worker));
+        if let Some(log) = &mut self.log {
+            log.push(Entry::Lost { who });
+        }
         for number in (0..self.slots.len()).rev() {
             let job = JobId(u32::try_from(number).unwrap_or(u32::MAX));
             let slot = &self.slots[number];
@@ -378,8 +428,10 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// Places pending jobs until no core is eligible.
-    fn assign<W: Work>(&mut self, work: &mut W, effects: &mut Vec<Effect>) {
-        while let Some(&job) = self.pending.front() {
+    fn assign<W: Work>(&mut self, now_ns: u64, work: &mut W, effects: &mut Vec<Effect>) {
+        while let Some(&job) = self.pending.front()
+            && self.ledger.thrash().is_none()
+        {
             let spec = self.slots[job.0 as usize].spec;
             if work.is_moot(spec.task) {
                 self.pending.pop_front();
@@ -400,21 +452,34 @@ impl<S: Scheme> Dispatcher<S> {
             let Some(number) = self.scheme.choose(&self.views, self.queues.capacity) else { break };
             let Some(who) = self.cores[number].who else { break };
             self.pending.pop_front();
-            for section in [spec.a, spec.b] {
-                self.ledger.need(number, section, work.weight(section));
-            }
             let slot = &mut self.slots[job.0 as usize];
             slot.state = State::Leased(who);
             slot.parts = 0;
+            let attempt = slot.attempt;
             let core = &mut self.cores[number];
+            let sections = [spec.a, spec.b].map(|section| (section, work.weight(section)));
+            for (section, bytes) in sections {
+                if self.ledger.need(number, section, bytes) {
+                    core.fetch.push(section);
+                }
+            }
+            if let Some(log) = &mut self.log {
+                log.push(Entry::Assigned { job, attempt, who, sections });
+            }
             core.queued += 1;
-            core.outbox.push((job, slot.attempt));
+            if core.outbox.is_empty() {
+                core.since_ns = now_ns;
+            }
+            core.outbox.push((job, attempt));
             if core.outbox.len() >= self.queues.batch as usize {
                 self.flush(number, effects);
             }
         }
         for number in 0..self.cores.len() {
-            self.flush(number, effects);
+            let since_ns = self.cores[number].since_ns;
+            if since_ns.saturating_add(self.queues.linger_ns) <= now_ns {
+                self.flush(number, effects);
+            }
         }
     }
 
@@ -422,7 +487,8 @@ impl<S: Scheme> Dispatcher<S> {
         let core = &mut self.cores[number];
         if let (Some(to), false) = (core.who, core.outbox.is_empty()) {
             self.counts.batches += 1;
-            effects.push(Effect::Send { to, jobs: std::mem::take(&mut core.outbox) });
+            let (jobs, fetch) = (std::mem::take(&mut core.outbox), std::mem::take(&mut core.fetch));
+            effects.push(Effect::Send { to, jobs, fetch });
         }
     }
 }

@@ -10,7 +10,10 @@
 //! - A job is executed at least once and closed exactly once, whatever is lost, late or repeated:
 //!   `dispatcher/tests.rs`.
 //! - Only eligible cores get jobs, so no queue ever overflows: same tests.
-//! - Nothing here depends on a hash order or on time, so equal events give equal effects.
+//! - No core holds more sections than it may, and the ledger equals its recomputation from the log:
+//!   `ledger/tests.rs`, `dispatcher/tests.rs`.
+//! - Nothing here depends on a hash order or reads a clock, so equal events at equal times give
+//!   equal effects.
 
 mod dispatcher;
 mod ledger;
@@ -18,8 +21,8 @@ mod scheme;
 mod supervise;
 
 pub use dispatcher::{
-    Closed, Counts, Dispatcher, Effect, Event, Fence, Progress, Queues, Spec, Work,
+    Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Work,
 };
-pub use ledger::{Ledger, Transfer};
-pub use scheme::{BestMatchLoad, CoreView, Scheme};
+pub use ledger::{Cache, Ledger, Thrash, Transfer};
+pub use scheme::{BestMatchLoad, CoreView, LowestMatch, Matching, RandomMatch, RoundRobin, Scheme};
 pub use supervise::{Patience, Pulse, Verdict, Watch};

@@ -1,4 +1,10 @@
-//! Match schemes: which core gets the next job (Wiseman and Grinberg 2018).
+//! Match schemes: which core gets the next job (Wiseman and Grinberg 2018, section "Best Match").
+//!
+//! match(c, (a, b)) = [a resident on c] + [b resident on c]; load = queued / capacity. Only
+//! eligible cores are looked at: in a contact nearly everything is connected, and without that rule
+//! Best Match would send every job to one core.
+
+use core::fmt::Debug;
 
 /// What a scheme sees of one core when it places one job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,15 +19,58 @@ pub struct CoreView {
     pub has_b: bool,
 }
 
+impl CoreView {
+    /// How many of the job's two sections are resident here.
+    #[must_use]
+    pub fn matched(&self) -> u8 {
+        u8::from(self.has_a) + u8::from(self.has_b)
+    }
+}
+
 /// A match scheme.
-pub trait Scheme {
+pub trait Scheme: Debug {
     /// The core for the next job, among the eligible ones; `None` if there is none, and then the
     /// job waits. `capacity` is the queue size of a core, in jobs.
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize>;
 }
 
+impl Scheme for Box<dyn Scheme> {
+    fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize> {
+        self.as_mut().choose(cores, capacity)
+    }
+}
+
+/// The schemes by name, with their settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Matching {
+    /// [`BestMatchLoad`] with this α.
+    BestMatchLoad(f64),
+    /// The most resident sections: [`BestMatchLoad`] with α = 1.
+    BestMatch,
+    /// [`RandomMatch`] with this seed.
+    RandomMatch(u64),
+    /// [`LowestMatch`].
+    LowestMatch,
+    /// [`RoundRobin`].
+    RoundRobin,
+}
+
+impl Matching {
+    /// The scheme, at its start.
+    #[must_use]
+    pub fn scheme(self) -> Box<dyn Scheme> {
+        match self {
+            Self::BestMatchLoad(alpha) => Box::new(BestMatchLoad { alpha }),
+            Self::BestMatch => Box::new(BestMatchLoad { alpha: 1.0 }),
+            Self::RandomMatch(seed) => Box::new(RandomMatch { state: seed }),
+            Self::LowestMatch => Box::new(LowestMatch),
+            Self::RoundRobin => Box::new(RoundRobin::default()),
+        }
+    }
+}
+
 /// Best Match-Load: the greatest score α·match/2 − (1−α)·load; ties to the lower load, then the
-/// lower core. match counts the resident sections, load = queued / capacity.
+/// lower core. α = 1 is Best Match, α = 0 is least loaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BestMatchLoad {
     /// Weight of the match against the load, in [0, 1].
@@ -30,20 +79,74 @@ pub struct BestMatchLoad {
 
 impl Scheme for BestMatchLoad {
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize> {
-        let mut best: Option<(f64, u32, usize)> = None;
-        for (core, view) in cores.iter().enumerate().filter(|(_, view)| view.eligible) {
-            let matched = f64::from(u8::from(view.has_a) + u8::from(view.has_b));
+        greatest(cores, |view| {
             let load = f64::from(view.queued) / f64::from(capacity.max(1));
-            let score = self.alpha * matched / 2.0 - (1.0 - self.alpha) * load;
-            let better = best.is_none_or(|(top, queued, _)| {
-                score > top || (score == top && view.queued < queued)
-            });
-            if better {
-                best = Some((score, view.queued, core));
-            }
-        }
-        best.map(|(_, _, core)| core)
+            self.alpha * f64::from(view.matched()) / 2.0 - (1.0 - self.alpha) * load
+        })
     }
+}
+
+/// Lowest Match: the fewest resident sections; ties as in [`BestMatchLoad`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LowestMatch;
+
+impl Scheme for LowestMatch {
+    fn choose(&mut self, cores: &[CoreView], _: u32) -> Option<usize> {
+        greatest(cores, |view| -f64::from(view.matched()))
+    }
+}
+
+/// Random Match: any eligible core, all equally likely; equal seeds draw equally.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RandomMatch {
+    /// State of the generator; at the start, the seed.
+    pub state: u64,
+}
+
+impl Scheme for RandomMatch {
+    fn choose(&mut self, cores: &[CoreView], _: u32) -> Option<usize> {
+        let eligible = cores.iter().filter(|view| view.eligible).count() as u64;
+        if eligible == 0 {
+            return None;
+        }
+        // splitmix64 (Steele, Lea and Flood, OOPSLA 2014); the product takes the top bits.
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let drawn = (u128::from(z ^ z >> 31) * u128::from(eligible)) >> 64;
+        let mut left = cores.iter().enumerate().filter(|(_, view)| view.eligible);
+        left.nth(drawn as usize).map(|(core, _)| core)
+    }
+}
+
+/// The next eligible core after the last one chosen, around: looks at nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RoundRobin {
+    next: usize,
+}
+
+impl Scheme for RoundRobin {
+    fn choose(&mut self, cores: &[CoreView], _: u32) -> Option<usize> {
+        let around = (0..cores.len()).map(|step| (self.next + step) % cores.len());
+        let chosen = around.clone().find(|core| cores[*core].eligible)?;
+        self.next = chosen + 1;
+        Some(chosen)
+    }
+}
+
+/// The eligible core with the greatest score; ties to the lower load, then the lower number.
+fn greatest(cores: &[CoreView], score: impl Fn(&CoreView) -> f64) -> Option<usize> {
+    let mut best: Option<(f64, u32, usize)> = None;
+    for (core, view) in cores.iter().enumerate().filter(|(_, view)| view.eligible) {
+        let score = score(view);
+        let better = best
+            .is_none_or(|(top, queued, _)| score > top || (score == top && view.queued < queued));
+        if better {
+            best = Some((score, view.queued, core));
+        }
+    }
+    best.map(|(_, _, core)| core)
 }
 
 #[cfg(test)]

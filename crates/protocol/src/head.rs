@@ -74,13 +74,15 @@ pub enum Kind {
     Hello = 3,
     /// A job that failed without killing the worker: a caught panic.
     Nack = 4,
+    /// Pieces of bodies for a worker that copies.
+    Section = 5,
 }
 
 impl Kind {
     /// The kind with this number.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Batch, Self::Result, Self::Hello, Self::Nack]
+        [Self::Batch, Self::Result, Self::Hello, Self::Nack, Self::Section]
             .into_iter()
             .find(|kind| *kind as u8 == number)
     }

@@ -20,6 +20,8 @@ pub struct Launch {
     pub batch: u32,
     /// Most jobs that it holds.
     pub queue: u32,
+    /// Whether it works on copies of sections that are sent to it, not on the store in place.
+    pub copies: bool,
     /// Where its channels are: text made and read by the transport.
     pub domain: String,
 }
@@ -28,28 +30,32 @@ impl Launch {
     /// The word.
     #[must_use]
     pub fn to_word(&self) -> String {
-        let Self { who, boot, batch, queue, domain } = self;
-        format!("{}.{}:{:x}:{batch}:{queue}:{domain}", who.worker, who.inc, boot.0)
+        let Self { who, boot, batch, queue, copies, domain } = self;
+        let copies = u8::from(*copies);
+        format!("{}.{}:{:x}:{batch}:{queue}:{copies}:{domain}", who.worker, who.inc, boot.0)
     }
 
     /// Reads the word; `None` if it was not written by [`Launch::to_word`].
     #[must_use]
     pub fn from_word(word: &str) -> Option<Self> {
-        let mut fields = word.splitn(5, ':');
+        let mut fields = word.splitn(6, ':');
         let (worker, inc) = fields.next()?.split_once('.')?;
         Some(Self {
             who: Incarnation { worker: worker.parse().ok()?, inc: inc.parse().ok()? },
             boot: Boot(u64::from_str_radix(fields.next()?, 16).ok()?),
             batch: fields.next()?.parse().ok()?,
             queue: fields.next()?.parse().ok()?,
+            copies: fields.next()?.parse::<u8>().ok()? == 1,
             domain: fields.next()?.to_owned(),
         })
     }
 
-    /// Words that a batch message must have room for: every job may bring a task of its own.
+    /// Words that a message to the worker must have room for: every job may bring a task of its
+    /// own, and sections are sent in large parcels.
     #[must_use]
     pub fn batch_words(&self) -> usize {
-        crate::job::batch_words(self.batch as usize, self.batch as usize)
+        let batch = crate::job::batch_words(self.batch as usize, self.batch as usize);
+        if self.copies { batch.max(PARCEL_WORDS) } else { batch }
     }
 
     /// Batches that may lie in a job channel at once: one per job in the worst case.
@@ -58,6 +64,9 @@ impl Launch {
         self.queue as usize
     }
 }
+
+/// Words of a parcel of sections: 64 KiB.
+pub const PARCEL_WORDS: usize = 8192;
 
 /// Words of a result message: 16 KiB, room for about 3,900 hits; more go in further parts.
 pub const RESULT_WORDS: usize = 2048;
@@ -77,10 +86,11 @@ mod tests {
             boot: Boot(0xfeed_beef_0123),
             batch: 16,
             queue: 64,
+            copies: true,
             domain: "/dev/shm/trolley.demo:with:colons".to_owned(),
         };
         assert_eq!(Launch::from_word(&launch.to_word()), Some(launch));
         assert_eq!(Launch::from_word(""), None);
-        assert_eq!(Launch::from_word("1:2:3:4:5"), None);
+        assert_eq!(Launch::from_word("1:2:3:4:5:6"), None);
     }
 }

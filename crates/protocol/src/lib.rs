@@ -1,8 +1,8 @@
 //! Plain-data messages between the processes, and the names of things in them.
 //!
 //! Every message is a slice of 64-bit words behind a 64-byte [`Head`]; what the words mean is said
-//! by [`job`] (coordinator to worker) and [`result`] (worker to coordinator). The [`status`] page
-//! is the one thing that both sides may look at while it changes.
+//! by [`job`] and [`parcel`] (coordinator to worker) and [`result`] (worker to coordinator). The
+//! [`status`] page is the one thing that both sides may look at while it changes.
 //!
 //! # Invariants
 //!
@@ -15,6 +15,7 @@ pub mod head;
 pub mod id;
 pub mod job;
 pub mod launch;
+pub mod parcel;
 pub mod result;
 pub mod status;
 
@@ -22,6 +23,7 @@ pub use head::{Head, Kind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{Job, Question, Task};
 pub use launch::Launch;
+pub use parcel::{Array, Piece};
 pub use result::{Side, Summary};
 pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
 

@@ -127,6 +127,12 @@ impl Checker<'_> {
                 return Err(Misfit::new("file", fault, help)).at(&path);
             }
         };
+        if raw.kind.as_ref().is_some_and(|kind| kind != "unknown") {
+            let fault = format!("kind {} is not an input", quoted(&raw.kind.unwrap_or_default()));
+            let help = "a body knows its kind; write kind = \"unknown\" if nobody knows it";
+            return Err(Misfit::new("kind", fault, help)).at(&path.key("kind"));
+        }
+        let is_unknown = raw.kind.is_some();
         let mass_kg = number(raw.mass_kg, "mass_kg", limit::MASS_KG, &path)?;
         let responsibility = number(raw.responsibility, "responsibility", limit::SHARE, &path)?;
         let kind = match source {
@@ -137,9 +143,22 @@ impl Checker<'_> {
             rules::mass_fits(kind, mass_kg).at(&path.key("mass_kg"))?;
         }
         let persons = raw.persons.map(|list| list_persons(&list, kind, &path)).transpose()?;
-        let place = self.place(&path);
-        let responsibility = responsibility.unwrap_or(0.0);
-        Ok(Party { name: key, place, source, mass_kg, persons, responsibility })
+        if is_unknown && (mass_kg.is_some() || persons.is_some()) {
+            let fault = "a party of unknown kind has neither mass nor persons";
+            let help = "leave mass_kg and persons out, or kind = \"unknown\"";
+            return Err(Misfit::new("kind", fault, help)).at(&path.key("kind"));
+        }
+        let crush = raw.crush.map(|Table(crush)| stiffness(&crush, &path.key("crush")));
+        Ok(Party {
+            place: self.place(&path),
+            name: key,
+            source,
+            mass_kg,
+            persons,
+            responsibility: responsibility.unwrap_or(0.0),
+            is_unknown,
+            crush: crush.transpose()?,
+        })
     }
 
     fn ego(&self, written: Option<String>, parties: &[Party]) -> Result<PartyIndex, Fault> {
@@ -151,6 +170,10 @@ impl Checker<'_> {
                 undefined("ego", key, parties, "ego = \"…\" says which one is the vehicle");
             return Err(misfit).at(&path);
         };
+        if parties[index].is_unknown {
+            let help = "leave kind out: the ego knows what it is";
+            return Err(Misfit::new("ego", "the ego is of unknown kind", help)).at(&path);
+        }
         if let Source::Generate { shape, .. } = parties[index].source {
             rules::ego_fits(shape.kind()).at(&path)?;
         }
@@ -192,6 +215,13 @@ fn generated(raw: &raw::Generate, path: &Path) -> Result<Source, Fault> {
     let triangles = limit::TRIANGLES.whole("triangles", raw.triangles).at(&path.key("triangles"))?;
     let seed = limit::SEED.whole("seed", raw.seed.unwrap_or(0)).at(&path.key("seed"))?;
     Ok(Source::Generate { shape, triangles, seed })
+}
+
+/// A and B of a body.
+fn stiffness(raw: &raw::Crush, path: &Path) -> Result<[f64; 2], Fault> {
+    let a = limit::CRUSH_A.check("a_n_m", raw.a_n_m).at(&path.key("a_n_m"))?;
+    let b = limit::CRUSH_B.check("b_n_m2", raw.b_n_m2).at(&path.key("b_n_m2"))?;
+    Ok([a + 0.0, b])
 }
 
 /// Persons by their seats, in a body of this kind if that is known.

@@ -11,21 +11,43 @@ use model::Build;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// How jobs are matched to workers.
+/// How jobs are matched to workers: the schemes of Wiseman and Grinberg, and one that looks at
+/// nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scheme {
-    /// Best Match-Load of Wiseman and Grinberg: the worker that holds most of a job's sections,
-    /// weighed against how much it has to do already.
+    /// The worker that holds most of a job's sections, weighed against how much it has to do
+    /// already.
     BestMatchLoad,
+    /// The worker that holds most of a job's sections.
+    BestMatch,
+    /// Any worker.
+    RandomMatch,
+    /// The worker that holds fewest of a job's sections.
+    LowestMatch,
+    /// One after the other.
+    RoundRobin,
 }
 
 impl Scheme {
+    /// All of them, the default first.
+    pub const ALL: [Self; 5] = [
+        Self::BestMatchLoad,
+        Self::BestMatch,
+        Self::RandomMatch,
+        Self::LowestMatch,
+        Self::RoundRobin,
+    ];
+
     /// Its name in a scenario.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::BestMatchLoad => "best-match-load",
+            Self::BestMatch => "best-match",
+            Self::RandomMatch => "random-match",
+            Self::LowestMatch => "lowest-match",
+            Self::RoundRobin => "round-robin",
         }
     }
 }

@@ -32,6 +32,10 @@ pub(crate) const PITCH_DEG: Limit<f64> = limit(-90.0, 90.0, "°");
 pub(crate) const ROLL_DEG: Limit<f64> = limit(-180.0, 180.0, "°");
 /// A toy to a goods train: beyond lies a wrong unit.
 pub(crate) const MASS_KG: Limit<f64> = limit(0.1, 1e6, " kg");
+/// From paper to a locomotive; published cars have 20,000 to 100,000.
+pub(crate) const CRUSH_A: Limit<f64> = limit(0.0, 1e8, " N/m");
+/// Published cars have 200,000 to 2,000,000; below 1,000 crush would be longer than any body.
+pub(crate) const CRUSH_B: Limit<f64> = limit(1e3, 1e10, " N/m²");
 /// A probability.
 pub(crate) const SHARE: Limit<f64> = limit(0.0, 1.0, "");
 /// What the generator can shape (500) and what a model may hold (1,000,000).

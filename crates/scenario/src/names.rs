@@ -49,7 +49,7 @@ impl Word for Build {
 }
 
 impl Word for Scheme {
-    const ALL: &'static [Self] = &[Self::BestMatchLoad];
+    const ALL: &'static [Self] = &Scheme::ALL;
 
     fn word(self) -> &'static str {
         self.name()

@@ -64,6 +64,10 @@ pub(crate) struct Party {
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) file: Option<String>,
     pub(crate) generate: Option<Table<Generate>>,
+    /// Only "unknown": nobody knows what this is, and the body is its shape alone. Such a scenario
+    /// is refused unless the command line says what to assume.
+    #[schemars(extend("const" = "unknown"))]
+    pub(crate) kind: Option<String>,
     /// Mass [kg]. Default: that of the model.
     #[schemars(range(min = limit::MASS_KG.least, max = limit::MASS_KG.most))]
     pub(crate) mass_kg: Option<f64>,
@@ -73,6 +77,20 @@ pub(crate) struct Party {
     /// Share of responsibility that the planner ascribes to the party's persons, 0 to 1. Default 0.
     #[schemars(range(min = limit::SHARE.least, max = limit::SHARE.most))]
     pub(crate) responsibility: Option<f64>,
+    pub(crate) crush: Option<Table<Crush>>,
+}
+
+/// Stiffness of a body for a check of the depth: force per width = A + B times crush. No value is
+/// built in; it never changes a ranking.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Crush {
+    /// A [N/m]: force per width at which permanent crush begins.
+    #[schemars(range(min = limit::CRUSH_A.least, max = limit::CRUSH_A.most))]
+    pub(crate) a_n_m: f64,
+    /// B [N/m²]: what each metre of crush adds to it.
+    #[schemars(range(min = limit::CRUSH_B.least, max = limit::CRUSH_B.most))]
+    pub(crate) b_n_m2: f64,
 }
 
 /// A body of the built-in generator.

@@ -68,6 +68,10 @@ pub struct Party {
     pub persons: Option<Vec<Occupant>>,
     /// Share of responsibility of its persons, 0 to 1.
     pub responsibility: f64,
+    /// Nobody knows what it is: its body is its shape alone.
+    pub is_unknown: bool,
+    /// Stiffness A (N/m) and B (N/m²) for the check of depth.
+    pub crush: Option<[f64; 2]>,
 }
 
 /// Where a body's triangles come from.
@@ -133,6 +137,23 @@ impl Scenario {
             return Err(ScenarioError::new(file, Place::START, fault, help));
         }
         check::scenario(file, text)
+    }
+
+    /// Whether every party of unknown kind can be taken for something fixed to the ground.
+    ///
+    /// # Errors
+    ///
+    /// The first that moves: nothing can be assumed of it.
+    pub fn check_fixed(&self, file: &str) -> Result<(), ScenarioError> {
+        for candidate in &self.candidates {
+            let moves = candidate.other.state.velocity_m_s != DVec3::ZERO;
+            if moves && self.parties[candidate.other.party.0].is_unknown {
+                let fault = "a party of unknown kind that moves cannot be taken as fixed";
+                let help = "say what it is, or leave this candidate out";
+                return Err(ScenarioError::new(file, candidate.place, fault, help));
+            }
+        }
+        Ok(())
     }
 
     /// Whether the bodies that were opened can play their parts; `kinds[i]` is that of

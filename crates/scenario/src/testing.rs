@@ -37,6 +37,10 @@ seat = "rear-right"
 
 [parties.walker]
 file = "bodies/walker.trolley"
+kind = "unknown"
+[parties.walker.crush]
+a_n_m = 40000
+b_n_m2 = 500000.5
 
 [parties.post.generate]
 shape = "pole"

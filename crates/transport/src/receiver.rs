@@ -20,11 +20,13 @@ pub struct Receiver {
     peer: Incarnation,
     messages: Cell<u64>,
     bytes: Cell<u64>,
+    lines: Cell<u64>,
 }
 
 impl Receiver {
     pub(crate) fn new(port: Input, boot: Boot, peer: Incarnation) -> Self {
-        Self { port, boot, peer, messages: Cell::new(0), bytes: Cell::new(0) }
+        let (messages, bytes, lines) = (Cell::new(0), Cell::new(0), Cell::new(0));
+        Self { port, boot, peer, messages, bytes, lines }
     }
 
     pub(crate) fn connect(&self, channel: &str) -> Result<(), OpenError> {
@@ -51,12 +53,15 @@ impl Receiver {
         };
         let head = sample.user_header().read();
         let room = sample.payload().len();
+        let mut lines = crate::lines(&raw const *sample.user_header() as usize, size_of::<Head>());
         if let Some(payload) = sample.payload().get(..head.len as usize) {
+            lines += crate::lines(payload.as_ptr() as usize, size_of_val(payload));
             scratch.extend_from_slice(payload);
         }
         drop(sample);
         let bytes = size_of::<Head>() + size_of_val(scratch.as_slice());
         self.messages.set(self.messages.get() + 1);
+        self.lines.set(self.lines.get() + lines);
         self.bytes.set(self.bytes.get() + bytes as u64);
 
         let checked = self.check(&head, scratch, room);
@@ -78,7 +83,8 @@ impl Receiver {
     /// What was taken.
     #[must_use]
     pub fn traffic(&self) -> Traffic {
-        Traffic { messages: self.messages.get(), bytes: self.bytes.get() }
+        let (messages, bytes) = (self.messages.get(), self.bytes.get());
+        Traffic { messages, bytes, lines: self.lines.get() }
     }
 }
 

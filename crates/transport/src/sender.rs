@@ -17,11 +17,13 @@ pub struct Sender {
     words: usize,
     messages: Cell<u64>,
     bytes: Cell<u64>,
+    lines: Cell<u64>,
 }
 
 impl Sender {
     pub(crate) fn new(port: Output, words: usize) -> Self {
-        Self { port, words, messages: Cell::new(0), bytes: Cell::new(0) }
+        let (messages, bytes, lines) = (Cell::new(0), Cell::new(0), Cell::new(0));
+        Self { port, words, messages, bytes, lines }
     }
 
     pub(crate) fn connect(&self, channel: &str) -> Result<(), OpenError> {
@@ -55,7 +57,8 @@ impl Sender {
     /// What was handed over.
     #[must_use]
     pub fn traffic(&self) -> Traffic {
-        Traffic { messages: self.messages.get(), bytes: self.bytes.get() }
+        let (messages, bytes) = (self.messages.get(), self.bytes.get());
+        Traffic { messages, bytes, lines: self.lines.get() }
     }
 }
 
@@ -97,6 +100,8 @@ impl OpenMessage<'_> {
         let payload = self.sample.payload().get(..used).ok_or(UseError::TooLong)?;
         // Counts modulo 2³²: a gap shows, whatever the number is.
         let head = seal(Head { seq: (sent & 0xffff_ffff) as u32, ..head }, payload);
+        let lines = crate::lines(payload.as_ptr() as usize, size_of_val(payload))
+            + crate::lines(&raw const *self.sample.user_header() as usize, size_of::<Head>());
         *self.sample.user_header_mut() = Wire::new(head);
         match self.sample.send() {
             Ok(1) => {}
@@ -105,6 +110,7 @@ impl OpenMessage<'_> {
         }
         let bytes = size_of::<Head>() + size_of::<u64>() * used;
         self.sender.messages.set(sent + 1);
+        self.sender.lines.set(self.sender.lines.get() + lines);
         self.sender.bytes.set(self.sender.bytes.get() + bytes as u64);
         Ok(())
     }

@@ -53,20 +53,21 @@ impl<'w> Outlet<'w> {
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
         // The coordinator that counts this message sees all that went before it.
         self.line.sent.fetch_add(1, Ordering::SeqCst);
+        Ok(())
+    }
+
+    /// Sends a message without payload, and wakes the coordinator.
+    pub(crate) fn tell(&self, head: Head) -> Result<(), UseError> {
+        if let Some(message) = self.open()? {
+            self.send(message, head, 0)?;
+        }
         self.ring();
         Ok(())
     }
 
-    /// Sends a message without payload.
-    pub(crate) fn tell(&self, head: Head) -> Result<(), UseError> {
-        match self.open()? {
-            Some(message) => self.send(message, head, 0),
-            None => Ok(()),
-        }
-    }
-
-    /// Wakes the coordinator if it sleeps.
-    fn ring(&self) {
+    /// Wakes the coordinator if it sleeps. Not for every result: a wake-up takes as long as some
+    /// jobs, and until the batch is done this worker has something to do.
+    pub(crate) fn ring(&self) {
         if self.coordinator.sleeping.load(Ordering::SeqCst) == 1 {
             self.bell.ring();
         }

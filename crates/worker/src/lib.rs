@@ -7,7 +7,8 @@
 //!
 //! # Invariants
 //!
-//! - A worker keeps nothing between batches but scratch memory: a new incarnation needs no history.
+//! - A worker keeps nothing between batches but scratch memory, and copies of sections where it is
+//!   told to copy: a new incarnation needs no history.
 //! - Hits are written straight into shared memory. A result is loaned only when the coordinator has
 //!   room for it (credits), so no send can fail for a full queue.
 //! - A panic in a job costs that job, not the worker: it answers with a NACK.
@@ -15,6 +16,7 @@
 //! It does not know candidates, requests or harm, and it never parses a mesh.
 
 mod answer;
+mod copy;
 mod serve;
 
 pub use serve::{WorkerError, run};

@@ -1,6 +1,7 @@
 //! The worker's life: inherit, greet, take batches until told to stop.
 
 use crate::answer::{Answer, Outlet, Started};
+use crate::copy::Copies;
 use bvh::{Kernel, NodePair, Question};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
@@ -78,9 +79,13 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     outlet.tell(outlet.head(RequestId(0), Kind::Hello))?;
     line.state.store(State::Ready as u32, Ordering::Release);
     let mut desk = Desk::new(&bodies, &outlet);
+    if launch.copies {
+        desk.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
+    }
     let mut words = Vec::with_capacity(sizes.job_words);
     while let Some(head) = desk.next_batch(&link, &mut words)? {
         desk.work_off(&head, &words)?;
+        outlet.ring();
     }
     line.state.store(State::Bye as u32, Ordering::Release);
     Ok(())
@@ -91,6 +96,8 @@ struct Desk<'w> {
     bodies: &'w [(Meta, BodyView<'w>)],
     outlet: &'w Outlet<'w>,
     kernel: Kernel,
+    /// Set if jobs are done on copies.
+    copies: Option<Copies>,
 }
 
 impl<'w> Desk<'w> {
@@ -98,13 +105,13 @@ impl<'w> Desk<'w> {
         let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
         let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
         let kernel = Kernel::with_room(depth, depth, triangles, triangles);
-        Self { bodies, outlet, kernel }
+        Self { bodies, outlet, kernel, copies: None }
     }
 
     /// Waits for a batch: spins a little, then sleeps until the coordinator changes the futex word.
     /// `None`: stop.
     fn next_batch(
-        &self,
+        &mut self,
         link: &WorkerLink,
         words: &mut Vec<u64>,
     ) -> Result<Option<Head>, WorkerError> {
@@ -117,6 +124,14 @@ impl<'w> Desk<'w> {
             }
             match link.jobs.take(words)? {
                 Some(Ok(head)) if head.kind == Kind::Batch as u8 => return Ok(Some(head)),
+                Some(Ok(head)) if head.kind == Kind::Section as u8 => {
+                    let is_stored = self.copies.as_mut().is_some_and(|copies| copies.store(words));
+                    line.beat.fetch_add(1, Ordering::Relaxed);
+                    if is_stored {
+                        continue;
+                    }
+                    return Err(WorkerError::Batch(Reject::Length));
+                }
                 // Its jobs would stay leased for ever; a worker that ends gives them back.
                 Some(Ok(_)) => return Err(WorkerError::Batch(Reject::Foreign)),
                 Some(Err(reject)) => return Err(WorkerError::Batch(reject)),
@@ -169,7 +184,10 @@ impl<'w> Desk<'w> {
         directions: &Directions,
     ) -> Result<(), UseError> {
         let started_ns = clock::now_ns();
-        let body = |number: u32| self.bodies.get(number as usize).map(|(_, body)| *body);
+        let body = |number: u32| match &self.copies {
+            Some(copies) => copies.body(number),
+            None => self.bodies.get(number as usize).map(|(_, body)| *body),
+        };
         let question = protocol::Question::from_number(task.question);
         let (Some(a), Some(b), Some(question)) = (body(task.model_a), body(task.model_b), question)
         else {

@@ -25,6 +25,8 @@ use std::io::{self, BufRead as _, BufReader, PipeReader, Read};
 use std::os::fd::AsFd as _;
 use std::path::Path;
 
+/// How the operating system says ENOMEM.
+const NO_MEMORY: &str = "(os error 12)";
 /// A megabyte of `--memory-mb`.
 const MB: u64 = 1 << 20;
 /// Memory that reading takes at most, if nothing was said `[MB]`: room for millions of triangles,
@@ -163,6 +165,10 @@ impl Request {
             Some((Word::Read { report, build_ns, .. }, bytes)) => {
                 Ok(Outcome { report: *report, bytes, build_ns })
             }
+            // The limit may strike while the file is read, which is an error and no abort.
+            Some((Word::Refused { fault, .. }, _)) if fault.contains(NO_MEMORY) => {
+                Err(self.took_too_much())
+            }
             Some((Word::Refused { fault, help }, _)) => {
                 Err(Failure { code: Code::Input, fault, help })
             }
@@ -185,17 +191,21 @@ impl Request {
         Ok((child, words, std::thread::spawn(move || start_of(complaints))))
     }
 
+    /// The limit on memory struck.
+    fn took_too_much(&self) -> Failure {
+        let megabytes = self.memory_bytes / MB;
+        let fault = format!("reading it needed more than {megabytes} MB of memory");
+        Failure::input(format!("{}: {fault}", self.file))
+            .help(format!("allow more with --memory-mb {}, or reduce the mesh", 4 * megabytes))
+    }
+
     /// Why a child ended without a report; `exit` is none if it did not end at all.
     fn ended(&self, exit: Option<Exit>, last_words: &str) -> Failure {
         let refuse = |fault: &str, help: String| {
             Failure::input(format!("{}: {fault}", self.file)).help(help)
         };
         if last_words.contains("memory allocation of") {
-            let megabytes = self.memory_bytes / MB;
-            return refuse(
-                &format!("reading it needed more than {megabytes} MB of memory"),
-                format!("allow more with --memory-mb {}, or reduce the mesh", 4 * megabytes),
-            );
+            return self.took_too_much();
         }
         if last_words.contains("overflowed its stack") {
             let help = "something in it is nested too deeply: export the mesh again";

@@ -41,6 +41,13 @@ pub enum CrewError {
         /// How each worker ended.
         lost: String,
     },
+    /// A copied section did not fit the memory of its worker.
+    #[error(
+        "thrashed: worker {core} holds {held} of {budget} bytes and needs {bytes} more for a \
+         section, and nothing is evicted",
+        core = .0.core, held = .0.held, budget = .0.budget, bytes = .0.bytes
+    )]
+    Thrashed(dispatch::Thrash),
     /// SIGINT or SIGTERM came.
     #[error("interrupted")]
     Interrupted,

@@ -20,19 +20,38 @@ pub struct WorkerReport {
     pub batches: u64,
     /// Bytes of these, headers included.
     pub batch_bytes: u64,
+    /// Cache lines that these lie in.
+    pub batch_lines: u64,
     /// Result messages taken from it.
     pub results: u64,
     /// Bytes of these, headers included.
     pub result_bytes: u64,
+    /// Cache lines that these lie in.
+    pub result_lines: u64,
     /// Time that its jobs took by the clock on the wall (ns).
     pub busy_ns: u64,
     /// How it ended, if it was lost.
     pub lost: Option<String>,
 }
 
+/// Where the coordinator's time went in one request; what is missing is waiting.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Duty {
+    /// From the start to the last result folded (ns).
+    pub run_ns: u64,
+    /// Copying results out of their channels and checking them (ns).
+    pub take_ns: u64,
+    /// Deciding, with the descents and folds that follow (ns).
+    pub step_ns: u64,
+    /// Laying out and sending batches (ns).
+    pub send_ns: u64,
+}
+
 /// What a run took.
 #[derive(Clone, Debug)]
 pub struct CrewReport {
+    /// Where the coordinator's time went.
+    pub duty: Duty,
     /// Jobs, batches, fence.
     pub counts: Counts,
     /// The transfer ledger.

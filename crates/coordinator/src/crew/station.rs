@@ -7,7 +7,7 @@ use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
 use protocol::{Head, Incarnation, JobId, Launch, Reject};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
-use transport::{CoordinatorLink, Domain, OpenError, Sizes, UseError};
+use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
 /// One worker's place.
 #[derive(Debug)]
@@ -19,8 +19,19 @@ pub(super) struct Station {
     watch: Watch,
     is_alive: bool,
     seq: u32,
+    /// What was counted before this request: by the worker, and at both ends of its channels.
+    before: Before,
     /// Kept open: the worker holds the other end.
     _bell: EventFd,
+}
+
+/// Counts at the start of a request.
+#[derive(Clone, Copy, Debug, Default)]
+struct Before {
+    jobs: u64,
+    tests: u64,
+    sent: Traffic,
+    taken: Traffic,
 }
 
 /// A station that could not be opened.
@@ -84,8 +95,10 @@ impl Station {
             tests: 0,
             batches: 0,
             batch_bytes: 0,
+            batch_lines: 0,
             results: 0,
             result_bytes: 0,
+            result_lines: 0,
             busy_ns: 0,
             lost: None,
         };
@@ -97,6 +110,7 @@ impl Station {
             watch: Watch::default(),
             is_alive: true,
             seq: 0,
+            before: Before::default(),
             _bell: bell,
         })
     }
@@ -113,12 +127,34 @@ impl Station {
         usize::from(self.who.worker)
     }
 
-    /// What was counted, with what the worker says of itself.
-    pub(super) fn report(&self, status: &StatusMemory) -> WorkerReport {
+    /// Counts from zero.
+    pub(super) fn begin(&mut self, status: &StatusMemory) {
+        self.before = self.counted(status);
+        self.report.busy_ns = 0;
+    }
+
+    fn counted(&self, status: &StatusMemory) -> Before {
         let line = &status.page().workers[self.line()];
-        WorkerReport {
+        Before {
             jobs: line.jobs.load(Ordering::Relaxed),
             tests: line.tests.load(Ordering::Relaxed),
+            sent: self.link.jobs.traffic(),
+            taken: self.link.results.traffic(),
+        }
+    }
+
+    /// What was counted since, with what the worker says of itself.
+    pub(super) fn report(&self, status: &StatusMemory) -> WorkerReport {
+        let (now, before) = (self.counted(status), &self.before);
+        WorkerReport {
+            jobs: now.jobs - before.jobs,
+            tests: now.tests - before.tests,
+            batches: now.sent.messages - before.sent.messages,
+            batch_bytes: now.sent.bytes - before.sent.bytes,
+            batch_lines: now.sent.lines - before.sent.lines,
+            results: now.taken.messages - before.taken.messages,
+            result_bytes: now.taken.bytes - before.taken.bytes,
+            result_lines: now.taken.lines - before.taken.lines,
             ..self.report.clone()
         }
     }
@@ -150,8 +186,6 @@ impl Station {
         message.words().get_mut(..words.len()).ok_or(UseError::Broken)?.copy_from_slice(words);
         message.send(Head { seq: self.seq, ..head }, words.len())?;
         self.seq = self.seq.wrapping_add(1);
-        self.report.batches += 1;
-        self.report.batch_bytes += 64 + 8 * words.len() as u64;
         self.wake(status);
         Ok(())
     }
@@ -184,12 +218,8 @@ impl Station {
             return Ok(None);
         }
         let taken = self.link.results.take(scratch)?;
-        if let Some(arrived) = &taken {
+        if taken.is_some() {
             status.page().coordinator[self.line()].consumed.fetch_add(1, Ordering::Release);
-            if let Ok(head) = arrived {
-                self.report.results += 1;
-                self.report.result_bytes += 64 + 8 * u64::from(head.len);
-            }
         }
         Ok(taken)
     }

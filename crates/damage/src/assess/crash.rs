@@ -2,6 +2,7 @@
 
 use crate::approach::{Approach, UP, cosine, opposite};
 use crate::contact::{Normals, Places, across, describe, levers};
+use crate::crush::Crush;
 use crate::dynamics::{Impact, Parameters, Pick, Response, Side, factor};
 use crate::evidence::{Evidence, Touch};
 use crate::harm::{CandidateHarm, DeltaV};
@@ -154,6 +155,15 @@ impl Crash<'_> {
             describe(self.approach, self.evidence, &self.reach, &self.places, &self.normals);
         let Some(&i) = self.normals.nominal.first() else { return };
         harm.response = self.nominal(i, Lever::Shortest);
+        let arms =
+            levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
+        harm.levers_m = arms.map(|arms| arms.map(Work::lo));
+        harm.crush = harm.contact.patch.as_ref().and_then(|patch| {
+            let of = |party: &Party| party.mass_kg.map(|_| party.stiffness);
+            let plastic = 1.0 - self.parameters.restitution.nominal;
+            let energy_j = 0.5 * plastic * self.speeds(i).0 * harm.response.normal_n_s;
+            Crush::of(self.parties.map(of), energy_j, patch.width_m.hi(), patch.depth_m)
+        });
         let d = &self.approach.directions.d;
         let slides = if cosine(across(i)) < 0.0 { -1.0 } else { 1.0 };
         let from = d[i] * harm.response.normal_n_s

@@ -14,6 +14,7 @@ use model::{Kind, Zones};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+mod defects;
 mod laws;
 
 fn near(value: f64, expected: f64) {

@@ -3,6 +3,8 @@
 use super::*;
 use proptest::prelude::*;
 
+mod coupled;
+
 fn side(mass: f64, h: f64, q: f64, k: f64) -> Side {
     Side { inverse_mass: 1.0 / mass, gyration_m: k, across_m: h, along_m: q }
 }

@@ -11,7 +11,7 @@ use crate::policy::DEFAULT_POLICY;
 use proptest::prelude::*;
 
 /// A candidate with these risks over open work, and ranges twice as wide about them.
-fn candidate(risks: &[Work], energy_j: Work) -> CandidateHarm {
+pub(in crate::rank) fn candidate(risks: &[Work], energy_j: Work) -> CandidateHarm {
     let person = |(i, work): (usize, &Work)| PersonHarm {
         id: PersonId(i),
         party: 0,
@@ -35,6 +35,8 @@ fn candidate(risks: &[Work], energy_j: Work) -> CandidateHarm {
         contact: Contact { touch: Touch::Yes, near_miss: false, hull_gap_m: 0.0, patch: None },
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
+        levers_m: [[0.0; 2]; 2],
+        crush: None,
         force_degrees: [0.0; 2],
         energy_j,
         persons: risks.iter().enumerate().map(person).collect(),
@@ -45,7 +47,7 @@ fn candidate(risks: &[Work], energy_j: Work) -> CandidateHarm {
     }
 }
 
-fn settled(risks: &[f64]) -> CandidateHarm {
+pub(in crate::rank) fn settled(risks: &[f64]) -> CandidateHarm {
     let risks: Vec<Work> = risks.iter().map(|r| Work::exactly(*r)).collect();
     candidate(&risks, Work::exactly(1000.0))
 }
@@ -56,23 +58,23 @@ fn open(ends: &[(f64, f64)]) -> CandidateHarm {
 }
 
 /// A policy with these lines in place of the default's levels.
-fn policy(composition: &str, rest: &str) -> Policy {
+pub(in crate::rank) fn policy(composition: &str, rest: &str) -> Policy {
     let head = DEFAULT_POLICY.split("[[level]]").next().unwrap_or_default();
     let head = head.replace("\"lexicographic\"", &format!("\"{composition}\""));
     Policy::parse("test.toml", &format!("{head}{rest}")).expect("a sound policy")
 }
 
-fn level(rule: &str, tolerance: f64) -> String {
+pub(in crate::rank) fn level(rule: &str, tolerance: f64) -> String {
     format!("[[level]]\nrule = \"{rule}\"\ntolerance = {tolerance:?}\n")
 }
 
-fn weighted(bayes: f64, equality: f64, maximin: f64) -> Policy {
+pub(in crate::rank) fn weighted(bayes: f64, equality: f64, maximin: f64) -> Policy {
     let terms = [("bayes", bayes), ("equality", equality), ("maximin", maximin)];
     let text = terms.map(|(r, w)| format!("[[term]]\nrule = \"{r}\"\nweight = {w:?}\n"));
     policy("weighted", &text.concat())
 }
 
-fn ranked(policy: &Policy, candidates: &[CandidateHarm]) -> Ranking {
+pub(in crate::rank) fn ranked(policy: &Policy, candidates: &[CandidateHarm]) -> Ranking {
     let n = candidates[0].persons.len();
     let mut stakes = vec![Stake::default(); n];
     stakes[0].is_ego = true;
@@ -84,7 +86,7 @@ fn order(ranking: &Ranking) -> Vec<usize> {
 }
 
 /// Ego occupant, occupant of the other car, pedestrian.
-fn k() -> [CandidateHarm; 3] {
+pub(in crate::rank) fn k() -> [CandidateHarm; 3] {
     [[0.01, 0.0, 0.40], [0.20, 0.18, 0.0], [0.35, 0.0, 0.0]].map(|risks| settled(&risks))
 }
 
@@ -278,7 +280,7 @@ fn what_cannot_be_ranked_is_refused() {
     assert_eq!(rank(&policy, &[Stake::default()], &[lost]), Err(RankError::Figure(0)));
 }
 
-fn policies() -> impl Strategy<Value = Policy> {
+pub(in crate::rank) fn policies() -> impl Strategy<Value = Policy> {
     let rules = ["bayes", "equality", "maximin", "responsibility", "ego-only"];
     let tolerance = prop_oneof![Just(0.0), Just(0.05)];
     let one = (0..rules.len(), tolerance).prop_map(move |(r, t)| level(rules[r], t));
@@ -292,7 +294,7 @@ fn policies() -> impl Strategy<Value = Policy> {
 }
 
 /// Risks on a coarse grid, so that ties are common; an open end; and where the truth lies.
-fn risks() -> impl Strategy<Value = Vec<Vec<(f64, f64, bool)>>> {
+pub(in crate::rank) fn risks() -> impl Strategy<Value = Vec<Vec<(f64, f64, bool)>>> {
     let risk = (0..10_u8, prop_oneof![3 => Just(0_u8), 1 => 0..4_u8], any::<bool>());
     let risk = risk.prop_map(|(lo, width, top)| {
         (f64::from(lo) * 0.1, f64::from(lo + width).min(10.0) * 0.1, top)

@@ -1,6 +1,6 @@
 //! What the dispatcher hears, what it asks for, and how far the request is.
 
-use protocol::{Incarnation, JobId};
+use protocol::{Incarnation, JobId, Section};
 
 /// What happened.
 #[derive(Debug)]
@@ -58,6 +58,30 @@ pub enum Effect {
         to: Incarnation,
         /// Jobs, in order, with their attempts.
         jobs: Vec<(JobId, u8)>,
+        /// Sections that these need and the core does not hold, in the order of need: what has to
+        /// be shipped before, where sections are shipped at all.
+        fetch: Vec<Section>,
+    },
+}
+
+/// One line of the log from which the ledger can be recomputed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// A job was given to a worker.
+    Assigned {
+        /// The job.
+        job: JobId,
+        /// Its attempt.
+        attempt: u8,
+        /// To whom.
+        who: Incarnation,
+        /// The sections of A and of B, and what they weigh (bytes).
+        sections: [(Section, u64); 2],
+    },
+    /// A worker was lost with all that it held.
+    Lost {
+        /// Who.
+        who: Incarnation,
     },
 }
 
@@ -70,4 +94,6 @@ pub enum Progress {
     Finished,
     /// Jobs are left, and nobody lives to take them.
     Stranded,
+    /// A section did not fit a memory without eviction, and the run is over.
+    Thrashed,
 }

@@ -1,9 +1,9 @@
 //! The dispatcher against a seeded world that loses, repeats, splits and kills.
 
 use super::*;
-use crate::BestMatchLoad;
+use crate::{BestMatchLoad, Matching, RoundRobin};
 use proptest::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Work whose jobs come in waves: a wave is handed out when the one before it is closed.
 #[derive(Default)]
@@ -51,7 +51,8 @@ impl Work for Waves {
 type Held = (Incarnation, JobId, u8);
 
 struct World {
-    dispatcher: Dispatcher<BestMatchLoad>,
+    dispatcher: Dispatcher<Box<dyn Scheme>>,
+    now_ns: u64,
     work: Waves,
     queues: BTreeMap<Incarnation, Vec<Held>>,
     late: Vec<Held>,
@@ -61,7 +62,7 @@ struct World {
 
 impl World {
     fn carry_out(&mut self, effects: Vec<Effect>) {
-        for Effect::Send { to, jobs } in effects {
+        for Effect::Send { to, jobs, .. } in effects {
             let queue = self.queues.entry(to).or_default();
             queue.extend(jobs.into_iter().map(|(job, attempt)| (to, job, attempt)));
             assert!(queue.len() <= self.queues_max as usize, "a queue overflowed");
@@ -70,7 +71,8 @@ impl World {
 
     fn step(&mut self, event: Event<'_, u16>) -> Progress {
         let mut effects = Vec::new();
-        let progress = self.dispatcher.step(event, &mut self.work, &mut effects);
+        self.now_ns += 1;
+        let progress = self.dispatcher.step(self.now_ns, event, &mut self.work, &mut effects);
         self.carry_out(effects);
         progress
     }
@@ -99,6 +101,56 @@ impl World {
     }
 }
 
+fn matchings() -> impl Strategy<Value = Matching> {
+    prop_oneof![
+        (0.0..=1.0).prop_map(Matching::BestMatchLoad),
+        any::<u64>().prop_map(Matching::RandomMatch),
+        Just(Matching::LowestMatch),
+        Just(Matching::RoundRobin),
+    ]
+}
+
+fn caches() -> impl Strategy<Value = Cache> {
+    prop_oneof![Just(Cache::Unlimited), (0_u64..600).prop_map(Cache::Recent)]
+}
+
+/// What was transferred, by the log alone: a list of sections per core, most recent last.
+fn recomputed(dispatcher: &Dispatcher<Box<dyn Scheme>>, cache: Cache, cores: usize) -> Transfer {
+    let mut held: Vec<Vec<(Section, u64)>> = vec![Vec::new(); cores];
+    let mut sum = Transfer::default();
+    for entry in dispatcher.log() {
+        let (who, sections) = match entry {
+            Entry::Lost { who } => {
+                held[usize::from(who.worker)].clear();
+                continue;
+            }
+            Entry::Assigned { who, sections, .. } => (who, sections),
+        };
+        let list = &mut held[usize::from(who.worker)];
+        for section in sections {
+            sum.unshared_bytes += section.1;
+            if let Some(at) = list.iter().position(|known| known == section) {
+                sum.found += 1;
+                list.remove(at);
+            } else {
+                sum.missed += 1;
+                sum.section_bytes += section.1;
+            }
+            list.push(*section);
+            let Cache::Recent(most) = cache else { continue };
+            if section.1 > most {
+                list.pop();
+                continue;
+            }
+            while list.iter().map(|known| known.1).sum::<u64>() > most {
+                list.remove(0);
+                sum.evicted += 1;
+            }
+        }
+    }
+    sum
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
@@ -106,21 +158,24 @@ proptest! {
     fn every_job_is_closed_exactly_once_whatever_happens(
         waves in prop::collection::vec(1_u32..40, 1..4),
         workers in 1_u8..5,
-        (capacity, batch) in (1_u32..12, 1_u32..6),
+        (capacity, batch, linger_ns) in (1_u32..12, 1_u32..6, 0_u64..20),
+        (matching, cache) in (matchings(), caches()),
         moot in prop::option::of(2_u32..6),
         dice in prop::collection::vec((0_u8..12, any::<prop::sample::Index>()), 0..250),
     ) {
-        let queues = Queues { capacity, batch };
-        let scheme = BestMatchLoad { alpha: 0.5 };
+        let queues = Queues { capacity, batch, linger_ns };
         let jobs: u32 = waves.iter().sum();
+        let cores = usize::from(workers);
         let mut world = World {
-            dispatcher: Dispatcher::new(scheme, queues, usize::from(workers)),
+            dispatcher: Dispatcher::new(matching.scheme(), queues, cache, cores),
+            now_ns: 0,
             work: Waves { left: waves, moot, ..Waves::default() },
             queues: BTreeMap::new(),
             late: Vec::new(),
             inc: 0,
             queues_max: capacity,
         };
+        world.dispatcher.keep_log();
         world.dispatcher.begin();
         let mut progress = Progress::Working;
         for worker in 0..workers {
@@ -133,7 +188,14 @@ proptest! {
         while progress != Progress::Finished {
             let busy: Vec<Incarnation> = world.queues.iter()
                 .filter(|(_, queue)| !queue.is_empty()).map(|(who, _)| *who).collect();
-            prop_assert!(!busy.is_empty(), "jobs are open and nobody holds one");
+            if busy.is_empty() {
+                // A batch may linger, and no longer than it may.
+                let due_ns = world.dispatcher.due_ns();
+                prop_assert!(due_ns.is_some(), "jobs are open and nobody holds one");
+                world.now_ns = due_ns.unwrap();
+                progress = world.step(Event::Poll);
+                continue;
+            }
             let Some((what, which)) = dice.next() else {
                 let held = world.queues.get_mut(&busy[0]).unwrap().remove(0);
                 progress = world.answer(held, &[(0, true)]);
@@ -165,6 +227,7 @@ proptest! {
                 _ => { let held = pop(); world.answer(held, &[(0, true)]) }
             };
         }
+        prop_assert_eq!(world.dispatcher.transfer(), recomputed(&world.dispatcher, cache, cores));
         let counts = world.dispatcher.counts();
         prop_assert_eq!(counts.jobs, u64::from(jobs));
         prop_assert_eq!(counts.done + counts.cut + counts.abandoned, counts.jobs);
@@ -179,31 +242,127 @@ proptest! {
 
 #[test]
 fn without_workers_the_request_is_stranded_and_a_late_worker_saves_it() {
-    let queues = Queues { capacity: 4, batch: 2 };
-    let mut dispatcher = Dispatcher::new(BestMatchLoad { alpha: 0.5 }, queues, 2);
+    let queues = Queues { capacity: 4, batch: 2, linger_ns: 0 };
+    let scheme = BestMatchLoad { alpha: 0.5 };
+    let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, 2);
     let mut work = Waves { left: vec![3], ..Waves::default() };
     let mut effects = Vec::new();
     dispatcher.begin();
-    assert_eq!(dispatcher.step(Event::Poll, &mut work, &mut effects), Progress::Stranded);
+    assert_eq!(dispatcher.step(0, Event::Poll, &mut work, &mut effects), Progress::Stranded);
     assert!(effects.is_empty());
     let who = Incarnation { worker: 1, inc: 3 };
-    assert_eq!(dispatcher.step(Event::Ready(who), &mut work, &mut effects), Progress::Working);
+    assert_eq!(dispatcher.step(0, Event::Ready(who), &mut work, &mut effects), Progress::Working);
     assert_eq!(effects.len(), 2, "{effects:?}");
 }
 
 #[test]
+fn a_worker_that_says_twice_that_it_is_ready_keeps_its_jobs() {
+    let queues = Queues { capacity: 2, batch: 2, linger_ns: 0 };
+    let mut dispatcher = Dispatcher::new(RoundRobin::default(), queues, Cache::Unlimited, 1);
+    let who = Incarnation { worker: 0, inc: 0 };
+    let mut effects = Vec::new();
+    for _request in 0..2 {
+        dispatcher.begin();
+        let mut work = Waves { left: vec![5], ..Waves::default() };
+        dispatcher.step(0, Event::Poll, &mut work, &mut effects);
+        dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
+        dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
+        assert_eq!(effects.len(), 1, "{effects:?}");
+        effects.clear();
+    }
+}
+
+#[test]
 fn a_job_that_takes_two_workers_down_is_abandoned_and_no_other() {
-    let queues = Queues { capacity: 4, batch: 4 };
-    let mut dispatcher = Dispatcher::new(BestMatchLoad { alpha: 0.0 }, queues, 1);
+    let queues = Queues { capacity: 4, batch: 4, linger_ns: 0 };
+    let scheme = BestMatchLoad { alpha: 0.0 };
+    let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, 1);
     let mut work = Waves { left: vec![4], ..Waves::default() };
     dispatcher.begin();
     let mut effects = Vec::new();
     for inc in 0..3 {
         let who = Incarnation { worker: 0, inc };
-        dispatcher.step(Event::Ready(who), &mut work, &mut effects);
+        dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
         let started = Some((JobId(2), inc as u8));
-        dispatcher.step(Event::Lost { who, started }, &mut work, &mut effects);
+        dispatcher.step(0, Event::Lost { who, started }, &mut work, &mut effects);
     }
     assert_eq!(dispatcher.counts().abandoned, 1);
     assert_eq!(work.closed, BTreeMap::from([(2, vec![Closed::Abandoned])]));
+}
+
+/// Jobs in which each section of A meets each of B, as in one contact.
+struct Grid {
+    left: u32,
+    weights: Vec<u64>,
+}
+
+impl Work for Grid {
+    type Part<'p> = ();
+
+    fn more(&mut self, jobs: &mut Vec<Spec>) {
+        let side = self.weights.len() as u32;
+        let section = |model, node| Section { model, node };
+        for at in 0..std::mem::take(&mut self.left) {
+            let at = at % (side * side);
+            let (a, b) = (section(0, at / side), section(1, at % side));
+            jobs.push(Spec { task: TaskId(0), a, b });
+        }
+    }
+    fn is_moot(&self, _: TaskId) -> bool {
+        false
+    }
+    fn fold(&mut self, _: &Spec, (): ()) {}
+    fn close(&mut self, _: &Spec, _: Closed) {}
+    fn weight(&self, section: Section) -> u64 {
+        self.weights[section.node as usize]
+    }
+}
+
+proptest! {
+    #[test]
+    fn residency_never_costs_and_no_memory_is_exceeded(
+        weights in prop::collection::vec(1_u64..100, 2..7),
+        matching in matchings(),
+        (cores, capacity, batch) in (1_usize..5, 1_u32..9, 1_u32..4),
+        budget in prop::option::of(1_u64..900),
+    ) {
+        let side = weights.len() as u32;
+        let all: u64 = 2 * weights.iter().sum::<u64>();
+        let mut work = Grid { left: 3 * side * side, weights };
+        let queues = Queues { capacity, batch, linger_ns: 0 };
+        let cache = budget.map_or(Cache::Unlimited, Cache::Fixed);
+        let mut dispatcher = Dispatcher::new(matching.scheme(), queues, cache, cores);
+        dispatcher.keep_log();
+        dispatcher.begin();
+        let mut effects = Vec::new();
+        for worker in 0..cores {
+            let who = Incarnation { worker: worker as u8, inc: 0 };
+            dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
+        }
+        let (mut sent, mut shipped) = (VecDeque::from(std::mem::take(&mut effects)), Vec::new());
+        let mut progress = Progress::Working;
+        while let Some(Effect::Send { to, jobs, fetch }) = sent.pop_front() {
+            shipped.extend(fetch.into_iter().map(|section| (to, section)));
+            for (job, attempt) in jobs {
+                let event = Event::Part { from: to, job, attempt, part: 0, last: true, body: () };
+                progress = dispatcher.step(0, event, &mut work, &mut effects);
+                sent.extend(effects.drain(..));
+            }
+        }
+        let transfer = dispatcher.transfer();
+        prop_assert!(transfer.section_bytes <= transfer.unshared_bytes);
+        if let Some(thrash) = dispatcher.thrash() {
+            prop_assert_eq!(progress, Progress::Thrashed);
+            prop_assert!(thrash.held <= thrash.budget);
+            prop_assert!(thrash.held + thrash.bytes > thrash.budget);
+            return Ok(());
+        }
+        prop_assert_eq!(progress, Progress::Finished);
+        // Nothing is evicted and nobody dies, so each core gets each section at most once.
+        prop_assert!(transfer.section_bytes <= cores as u64 * all);
+        let once: BTreeSet<_> = shipped.iter().collect();
+        prop_assert_eq!(once.len(), shipped.len());
+        prop_assert_eq!(shipped.len() as u64, transfer.missed);
+        prop_assert_eq!(dispatcher.log().len() as u64, dispatcher.counts().jobs);
+    }
 }

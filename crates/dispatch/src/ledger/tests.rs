@@ -1,34 +1,94 @@
-//! Law of the ledger: it equals the recomputation from the log of what was booked.
+//! Laws of the ledger: it equals the recomputation from the log of what was booked, and no core
+//! ever holds more than it may.
 
 use super::*;
 use proptest::prelude::*;
-use std::collections::BTreeSet;
+
+const CORES: usize = 3;
+
+fn weight(section: Section) -> u64 {
+    24 + u64::from(section.node) * 36
+}
+
+fn caches() -> impl Strategy<Value = Cache> {
+    prop_oneof![
+        Just(Cache::Unlimited),
+        (0_u64..20_000).prop_map(Cache::Recent),
+        (0_u64..60_000).prop_map(Cache::Fixed),
+    ]
+}
+
+/// What a core holds, most recent last: the dumbest list that works.
+#[derive(Clone, Default)]
+struct List(Vec<Section>);
+
+impl List {
+    fn bytes(&self) -> u64 {
+        self.0.iter().map(|section| weight(*section)).sum()
+    }
+
+    /// Whether the section was there; makes room for it, or says that there is none.
+    fn need(&mut self, section: Section, cache: Cache, evicted: &mut u64) -> (bool, bool) {
+        let bytes = weight(section);
+        if let Some(at) = self.0.iter().position(|held| *held == section) {
+            let held = self.0.remove(at);
+            self.0.push(held);
+            return (true, true);
+        }
+        let fits = match cache {
+            Cache::Unlimited => true,
+            Cache::Recent(most) if bytes > most => return (false, true),
+            Cache::Recent(most) => {
+                while self.bytes() + bytes > most {
+                    self.0.remove(0);
+                    *evicted += 1;
+                }
+                true
+            }
+            Cache::Fixed(most) => self.bytes() + bytes <= most,
+        };
+        if fits {
+            self.0.push(section);
+        }
+        (false, fits)
+    }
+}
 
 proptest! {
     #[test]
-    fn equals_the_recomputation_from_the_log(
-        log in prop::collection::vec((0_usize..3, 0_u32..2, 0_u32..200, 0_u8..20), 0..300),
+    fn equals_the_recomputation_from_the_log_and_never_exceeds_capacity(
+        cache in caches(),
+        log in prop::collection::vec((0..CORES, 0_u32..2, 0_u32..200, 0_u8..20), 0..300),
     ) {
-        let mut ledger = Ledger::new(3);
-        let (mut held, mut expected) = (BTreeSet::new(), Transfer::default());
+        let mut ledger = Ledger::new(CORES, cache);
+        let (mut lists, mut expected) = (vec![List::default(); CORES], Transfer::default());
+        let mut has_thrashed = false;
         for (core, model, node, dice) in log {
             let section = Section { model, node };
-            let bytes = 24 + u64::from(node) * 36;
             if dice == 0 {
                 ledger.lose(core);
-                held.retain(|(c, _)| *c != core);
+                lists[core] = List::default();
                 continue;
             }
-            prop_assert_eq!(ledger.holds(core, section), held.contains(&(core, section)));
-            ledger.need(core, section, bytes);
+            let bytes = weight(section);
+            let travels = ledger.need(core, section, bytes);
+            let (found, fits) = lists[core].need(section, cache, &mut expected.evicted);
+            has_thrashed |= !fits;
             expected.unshared_bytes += bytes;
-            if held.insert((core, section)) {
-                expected.section_bytes += bytes;
-                expected.missed += 1;
-            } else {
-                expected.found += 1;
+            expected.found += u64::from(found);
+            expected.missed += u64::from(!found);
+            expected.section_bytes += if found { 0 } else { bytes };
+            prop_assert_eq!(travels, !found);
+            prop_assert_eq!(ledger.held_bytes(core), lists[core].bytes());
+            for held in &lists[core].0 {
+                prop_assert!(ledger.holds(core, *held));
             }
+            if let Cache::Recent(most) | Cache::Fixed(most) = cache {
+                prop_assert!(ledger.held_bytes(core) <= most);
+            }
+            prop_assert!(ledger.transfer().section_bytes <= ledger.transfer().unshared_bytes);
         }
         prop_assert_eq!(ledger.transfer(), expected);
+        prop_assert_eq!(ledger.thrash().is_some(), has_thrashed);
     }
 }

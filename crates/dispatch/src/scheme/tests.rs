@@ -1,4 +1,4 @@
-//! Laws of the schemes: only eligible cores, and each end of α is what it says.
+//! Laws of the schemes: only eligible cores, and each scheme is what its name says.
 
 use super::*;
 use proptest::prelude::*;
@@ -13,30 +13,70 @@ fn views() -> impl Strategy<Value = Vec<CoreView>> {
     )
 }
 
-fn matched(view: &CoreView) -> u32 {
-    u32::from(view.has_a) + u32::from(view.has_b)
+fn matchings() -> impl Strategy<Value = Matching> {
+    prop_oneof![
+        (0.0..=1.0).prop_map(Matching::BestMatchLoad),
+        Just(Matching::BestMatch),
+        any::<u64>().prop_map(Matching::RandomMatch),
+        Just(Matching::LowestMatch),
+        Just(Matching::RoundRobin),
+    ]
+}
+
+/// The core with the least key, by hand: the first of the eligible ones in order.
+fn first_by<K: Ord>(cores: &[CoreView], key: impl Fn(&CoreView) -> K) -> Option<usize> {
+    let mut eligible: Vec<usize> = (0..cores.len()).filter(|c| cores[*c].eligible).collect();
+    eligible.sort_by_key(|core| (key(&cores[*core]), *core));
+    eligible.first().copied()
 }
 
 proptest! {
     #[test]
-    fn an_eligible_core_is_chosen_whenever_there_is_one(cores in views(), alpha in 0.0..=1.0) {
-        let chosen = BestMatchLoad { alpha }.choose(&cores, 64);
+    fn an_eligible_core_is_chosen_whenever_there_is_one(cores in views(), matching in matchings()) {
+        let chosen = matching.scheme().choose(&cores, 64);
         prop_assert_eq!(chosen.is_some(), cores.iter().any(|core| core.eligible));
         prop_assert!(chosen.is_none_or(|core| cores[core].eligible));
     }
 
     #[test]
-    fn alpha_zero_is_least_loaded_and_alpha_one_is_best_match(cores in views()) {
-        let eligible = || cores.iter().filter(|core| core.eligible);
-        if let Some(core) = (BestMatchLoad { alpha: 0.0 }).choose(&cores, 64) {
-            let least = eligible().map(|core| core.queued).min();
-            prop_assert_eq!(Some(cores[core].queued), least);
-        }
-        if let Some(core) = (BestMatchLoad { alpha: 1.0 }).choose(&cores, 64) {
-            let most = eligible().map(matched).max();
-            prop_assert_eq!(Some(matched(&cores[core])), most);
-            let tied = eligible().filter(|core| Some(matched(core)) == most);
-            prop_assert_eq!(Some(cores[core].queued), tied.map(|core| core.queued).min());
+    fn each_end_of_alpha_and_the_lowest_match_are_what_they_say(cores in views()) {
+        let choose = |mut scheme: Box<dyn Scheme>| scheme.choose(&cores, 64);
+        let best = first_by(&cores, |view| (2 - view.matched(), view.queued));
+        prop_assert_eq!(choose(Matching::BestMatchLoad(1.0).scheme()), best);
+        prop_assert_eq!(choose(Matching::BestMatch.scheme()), best);
+        let least = first_by(&cores, |view| view.queued);
+        prop_assert_eq!(choose(Matching::BestMatchLoad(0.0).scheme()), least);
+        let lowest = first_by(&cores, |view| (view.matched(), view.queued));
+        prop_assert_eq!(choose(Matching::LowestMatch.scheme()), lowest);
+    }
+
+    #[test]
+    fn round_robin_serves_every_eligible_core_before_any_twice(cores in views()) {
+        let eligible = cores.iter().filter(|core| core.eligible).count();
+        let mut scheme = RoundRobin::default();
+        let mut turn: Vec<_> = (0..eligible).filter_map(|_| scheme.choose(&cores, 64)).collect();
+        turn.sort_unstable();
+        turn.dedup();
+        prop_assert_eq!(turn.len(), eligible);
+    }
+
+    #[test]
+    fn equal_seeds_draw_equally(cores in views(), seed in any::<u64>()) {
+        let (mut one, mut two) = (RandomMatch { state: seed }, RandomMatch { state: seed });
+        for _ in 0..20 {
+            prop_assert_eq!(one.choose(&cores, 64), two.choose(&cores, 64));
         }
     }
+}
+
+#[test]
+fn random_match_is_even() {
+    let view = CoreView { eligible: true, queued: 0, has_a: false, has_b: true };
+    let cores = [view, CoreView { eligible: false, ..view }, view, view];
+    let (mut scheme, mut drawn) = (RandomMatch { state: 1 }, [0_u32; 4]);
+    for _ in 0..30_000 {
+        drawn[scheme.choose(&cores, 64).unwrap()] += 1;
+    }
+    // Five standard deviations around 10,000 are 408.
+    assert!([0, 2, 3].iter().all(|core| drawn[*core].abs_diff(10_000) < 408), "{drawn:?}");
 }

@@ -22,6 +22,9 @@ const WRONG: &[(&str, &[&str])] = &[
     ("leaf_size", &["0", "65", "1.0"]),
     ("seed", &["-1", "1e3", "\"x\"", "9223372036854775808"]),
     ("mass_kg", &["0", "-1500", "nan", "inf", "1000001", "\"heavy\"", "0.09"]),
+    ("kind", &["\"sedan\"", "\"\"", "\"Unknown\"", "1"]),
+    ("a_n_m", &["-1", "nan", "inf", "1e9", "\"stiff\""]),
+    ("b_n_m2", &["0", "-5", "nan", "1e11", "[1]"]),
     ("responsibility", &["-0.01", "1.01", "nan", "\"all\""]),
     ("shape", &["\"building\"", "\"tram\"", "\"SEDAN\"", "3"]),
     ("triangles", &["499", "1000001", "-2000", "2000.0", "nan"]),
@@ -106,6 +109,8 @@ fn a_missing_key_is_either_optional_or_named() {
         "speed_m_s",
         "velocity_m_s",
         "file",
+        "a_n_m",
+        "b_n_m2",
     ];
     for (number, section, key, _) in settings() {
         match parse(&with_line(number, "")) {
@@ -155,12 +160,12 @@ fn the_main_faults_read_like_this() {
     let cases = [
         (
             ("party = \"walker\"", "party = \"wlaker\""),
-            "f.toml:50:9: party \"wlaker\" is not defined\n  help: parties defined here: car, \
+            "f.toml:54:9: party \"wlaker\" is not defined\n  help: parties defined here: car, \
              post, walker.  Did you mean \"walker\"?",
         ),
         (
             ("party = \"walker\"", "party = \"car\""),
-            "f.toml:50:9: party \"car\" is the ego: it cannot hit itself\n  help: name another \
+            "f.toml:54:9: party \"car\" is the ego: it cannot hit itself\n  help: name another \
              party",
         ),
         (
@@ -189,22 +194,22 @@ fn the_main_faults_read_like_this() {
         ),
         (
             ("speed_m_s = 12", "speed_m_s = \"12 m/s\""),
-            "f.toml:48:13: \"speed_m_s\": found \"12 m/s\", expected a number\n  help: `trolley \
+            "f.toml:52:13: \"speed_m_s\": found \"12 m/s\", expected a number\n  help: `trolley \
              schema` prints every key with its type, unit and range",
         ),
         (
             ("name = \"post\"", "name = \"walker\""),
-            "f.toml:58:8: two candidates are called \"walker\"\n  help: the first stands at 40:1; \
+            "f.toml:62:8: two candidates are called \"walker\"\n  help: the first stands at 44:1; \
              give one another name",
         ),
         (
             ("speed_m_s = 12", "speed_m_s = 12\nvelocity_m_s = [1, 2]"),
-            "f.toml:43:1: the state has both speed_m_s and velocity_m_s\n  help: write speed_m_s = \
+            "f.toml:47:1: the state has both speed_m_s and velocity_m_s\n  help: write speed_m_s = \
              … along the heading, or velocity_m_s = [x, y] in the world",
         ),
         (
             ("speed_m_s = 0", "speed_m_s = 2"),
-            "f.toml:65:13: a pole is fixed to the ground and cannot move\n  help: write speed_m_s \
+            "f.toml:69:13: a pole is fixed to the ground and cannot move\n  help: write speed_m_s \
              = 0",
         ),
         (
@@ -221,6 +226,18 @@ fn the_main_faults_read_like_this() {
     for ((from, to), expected) in cases {
         assert_eq!(refusal(from, to), expected);
     }
+}
+
+#[test]
+fn what_is_unknown_has_neither_mass_nor_persons_and_is_not_the_ego() {
+    let unknown = "kind = \"unknown\"";
+    let ego = refusal("[parties.car]\nmass_kg = 1500", &format!("[parties.car]\n{unknown}"));
+    assert!(ego.contains("neither mass nor persons"), "{ego}");
+    let mass = refusal(unknown, &format!("{unknown}\nmass_kg = 80"));
+    assert!(mass.contains("f.toml:35:8: ") && mass.contains("neither mass nor persons"), "{mass}");
+    let walker = changed("ego = \"car\"", "ego = \"walker\"");
+    let error = parse(&walker).expect_err("nobody knows it").to_string();
+    assert!(error.contains("f.toml:6:7: the ego is of unknown kind"), "{error}");
 }
 
 #[test]

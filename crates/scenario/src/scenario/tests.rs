@@ -24,6 +24,8 @@ fn the_full_scenario_reads_as_it_is_written() {
         mass_kg: None,
         persons: None,
         responsibility: 0.0,
+        is_unknown: false,
+        crush: None,
     };
     let seat = |seat| Occupant { seat: Some(seat) };
     let expected = Scenario {
@@ -58,15 +60,19 @@ fn the_full_scenario_reads_as_it_is_written() {
             },
             party(
                 "post",
-                at(36, 10),
+                at(40, 10),
                 Source::Generate { shape: Shape::Pole, triangles: 500, seed: 0 },
             ),
-            party("walker", at(33, 1), Source::File(file("bodies/walker.trolley", 34, 8))),
+            Party {
+                is_unknown: true,
+                crush: Some([40_000.0, 500_000.5]),
+                ..party("walker", at(33, 1), Source::File(file("bodies/walker.trolley", 34, 8)))
+            },
         ],
         candidates: vec![
             Candidate {
                 name: "walker".to_owned(),
-                place: at(40, 1),
+                place: at(44, 1),
                 probability: 0.75,
                 ego: state(
                     90.0,
@@ -83,7 +89,7 @@ fn the_full_scenario_reads_as_it_is_written() {
             },
             Candidate {
                 name: "post".to_owned(),
-                place: at(57, 1),
+                place: at(61, 1),
                 probability: 1.0,
                 ego: state(0.0, 0.0, 0.0, [0.0; 3], 3.0, 4.0),
                 other: Opponent {
@@ -280,7 +286,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
     let refused = |kinds: &[Kind]| scenario.check_kinds("f.toml", kinds).unwrap_err().to_string();
     assert_eq!(
         refused(&kinds(Kind::Building)),
-        "f.toml:40:1: a building is fixed to the ground and cannot move\n  help: write \
+        "f.toml:44:1: a building is fixed to the ground and cannot move\n  help: write \
          speed_m_s = 0"
     );
     assert_eq!(
@@ -293,7 +299,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
         "f.toml:21:1: a truck has no seat \"rear-right\"\n  help: seats of a truck: front-left, \
          front-right"
     );
-    let text = FULL.replace("file = \"bodies/walker.trolley\"", "file = \"w\"\nmass_kg = 90");
+    let text = FULL.replace("kind = \"unknown\"", "mass_kg = 90");
     let heavy = parse(&text).unwrap();
     let error = heavy.check_kinds("f.toml", &kinds(Kind::Wall)).unwrap_err();
     assert_eq!(error.place, Place { line: 33, column: 1 });

@@ -107,7 +107,8 @@ fn objects(schema: &Value) -> Vec<(&str, &Value)> {
 #[test]
 fn every_key_of_the_schema_stands_in_the_full_scenario_and_is_described() {
     let schema = the_schema();
-    let tables = ["engine", "parties", "candidates", "ego", "other", "generate", "persons"];
+    let tables =
+        ["engine", "parties", "candidates", "ego", "other", "generate", "persons", "crush"];
     let written: Vec<&str> = settings().iter().map(|(_, _, key, _)| *key).collect();
     for (name, object) in objects(&schema) {
         assert_eq!(object["additionalProperties"], Value::Bool(false), "{name}");
@@ -127,6 +128,8 @@ fn units_stand_in_names_and_in_descriptions() {
     for (name, object) in objects(&schema) {
         for (key, property) in object["properties"].as_object().unwrap() {
             let unit = match key.as_str() {
+                key if key.ends_with("_n_m") => "[N/m]",
+                key if key.ends_with("_n_m2") => "[N/m²]",
                 key if key.ends_with("_m_s") => "[m/s]",
                 key if key.ends_with("_m") => "[m]",
                 key if key.ends_with("_deg") => "[degrees]",
@@ -176,6 +179,7 @@ fn what_the_schema_requires_the_parser_requires() {
             "[engine]" => &schema["$defs"]["Engine"],
             "[parties.car.generate]" | "[parties.post.generate]" => &schema["$defs"]["Generate"],
             "[[parties.car.persons]]" => &schema["$defs"]["Person"],
+            "[parties.walker.crush]" => &schema["$defs"]["Crush"],
             "[[candidates]]" => &schema["$defs"]["Candidate"],
             "[candidates.ego]" => &schema["$defs"]["Ego"],
             "[candidates.other]" => &schema["$defs"]["Other"],

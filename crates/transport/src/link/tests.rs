@@ -54,9 +54,21 @@ fn what_is_sent_arrives_in_order_and_whole() {
         }
     }
     let bytes = 50 * 64 + 8 * (0..50).map(|round| round * 6).sum::<u64>();
-    assert_eq!(coordinator.jobs.traffic(), crate::Traffic { messages: 50, bytes });
+    // 64 bytes of header wherever they lie, and payloads that begin anywhere in a line.
+    let crate::Traffic { messages, bytes: sent, lines } = coordinator.jobs.traffic();
+    assert_eq!((messages, sent), (50, bytes));
+    assert!(lines >= bytes / 64 && lines <= bytes / 64 + 3 * 50, "{lines} lines for {bytes} bytes");
     assert_eq!(worker.jobs.traffic(), coordinator.jobs.traffic());
     assert_eq!(worker.results.traffic(), coordinator.results.traffic());
+}
+
+#[test]
+fn cache_lines_are_those_that_are_touched() {
+    for (address, bytes) in (0..130).flat_map(|a| (0..200).map(move |b| (a, b))) {
+        let touched: std::collections::BTreeSet<usize> =
+            (address..address + bytes).map(|byte| byte / 64).collect();
+        assert_eq!(crate::lines(address, bytes), touched.len() as u64, "{bytes} at {address}");
+    }
 }
 
 #[test]

@@ -1,0 +1,234 @@
+//! `--explain` in words: the chain from contact to rank, to be checked with a pocket calculator.
+
+use crate::table::wrap;
+use coordinator::{Chain, Explanation, PersonChain};
+use damage::curve::Unit;
+use damage::evidence::Touch;
+use damage::{Knob, Reserve};
+
+/// What the figures are made with; the same for all candidates.
+const FORMULAS: &str = "\
+Formulas: w_n = Σ(1 + h²/k²)/m, w_t = Σ(1 + q²/k²)/m over both bodies, a fixed one adding 0;
+  J_n = (1+e) v_n / w_n, J_t = min(μ J_n, v_t / w_t), ΔV = √(J_n² + J_t²) / m;
+  P(x) = 1/(1 + exp(-(a + b x))), H = (P(x) - P(0)) / (1 - P(0)), risk R = p H.";
+
+/// The whole explanation; no line is longer than 100 columns.
+pub(crate) fn text(explanation: &Explanation) -> String {
+    let parameters = &explanation.parameters;
+    let mut lines = vec![
+        format!(
+            "How the order came about: policy \"{}\" (board: {}), outcome {}, {} persons at stake.",
+            explanation.policy, explanation.board, explanation.outcome, explanation.persons
+        ),
+        format!("Compared in turn: {}.", explanation.steps.join("; then ")),
+        FORMULAS.to_owned(),
+        format!(
+            "Parameters: e {} in {}–{}, μ {} in {}–{}; masses known to {} %, gyration to {} %, \
+             speeds to {} %.",
+            parameters.restitution.nominal,
+            parameters.restitution.low,
+            parameters.restitution.high,
+            parameters.friction.nominal,
+            parameters.friction.low,
+            parameters.friction.high,
+            100.0 * parameters.mass_share,
+            100.0 * parameters.gyration_share,
+            100.0 * parameters.speed_share
+        ),
+    ];
+    for (at, chain) in explanation.chains.iter().enumerate() {
+        lines.push(String::new());
+        lines.push(format!("{} {}", at + 1, chain.name));
+        candidate(&mut lines, chain);
+    }
+    lines.push(String::new());
+    lines.push("Curves and their sources".to_owned());
+    for curve in &explanation.curves {
+        let unit = curve.unit.name();
+        let note = if curve.note.is_empty() { "" } else { "; " };
+        lines.push(format!(
+            "  {}: {}, a {}, b {} per {unit}, used up to {} {unit}: {} ({}); {}{note}{}",
+            curve.id,
+            curve.outcome.name(),
+            curve.a,
+            curve.b,
+            curve.valid[1],
+            curve.source,
+            curve.year,
+            curve.sample,
+            curve.note
+        ));
+    }
+    lines.push(String::new());
+    stability(&mut lines, explanation);
+    let wrapped: Vec<String> =
+        lines.iter().map(|line| if line == FORMULAS { line.clone() } else { wrap(line) }).collect();
+    wrapped.join("\n")
+}
+
+/// A figure, or "–" for a body that is fixed to the ground.
+fn pair(of: [f64; 2], masses: [Option<f64>; 2], decimals: usize) -> String {
+    let one = |i: usize| match masses[i] {
+        Some(_) => format!("{:.decimals$}", of[i]),
+        None => "–".to_owned(),
+    };
+    format!("{} / {}", one(0), one(1))
+}
+
+fn candidate(lines: &mut Vec<String>, chain: &Chain) {
+    match chain.touch {
+        Touch::No => lines.push(
+            "  contact   none: no triangle of either body at any pose; everybody's risk is 0"
+                .to_owned(),
+        ),
+        Touch::Yes | Touch::Unknown => contact(lines, chain),
+    }
+    let mut left: Vec<&PersonChain> =
+        chain.persons.iter().filter(|person| person.range.high() > 0.0).collect();
+    while let Some(&first) = left.first() {
+        // Who sits in one vehicle and fares alike stands on one line.
+        let alike = |p: &&PersonChain| PersonChain { seat: first.seat, ..(**p).clone() } == *first;
+        let (same, others): (Vec<_>, Vec<_>) = left.into_iter().partition(alike);
+        persons(lines, &same, chain.probability);
+        left = others;
+    }
+    let steps = chain.steps.iter().map(|step| {
+        let value = step.value.hi();
+        if step.step.ends_with("property damage") {
+            format!("{} {:.1} kJ", step.step, value / 1000.0)
+        } else {
+            format!("{} {value:.5}", step.step)
+        }
+    });
+    lines.push(format!("  policy    {}", steps.collect::<Vec<_>>().join("; ")));
+    lines.extend(chain.why.iter().map(|why| format!("  therefore {why}")));
+    if let Some(who) = &chain.separates {
+        let seat = who.seat.map_or(String::new(), |seat| format!(" {seat}"));
+        lines.push(format!(
+            "            the greatest difference is {}{seat}: {:.5} here, {:.5} there",
+            who.party, who.here, who.there
+        ));
+    }
+}
+
+fn contact(lines: &mut Vec<String>, chain: &Chain) {
+    let m = chain.mass_kg;
+    let first = chain.first_m.map_or(String::new(), |s| format!("first at {s:.3} m of travel; "));
+    lines.push(format!(
+        "  contact   {first}closing at {:.3} m/s, normal {:.0}° from it: v_n {:.3}, v_t {:.3} m/s",
+        chain.closing_m_s,
+        chain.normal_degrees.unwrap_or(0.0),
+        chain.normal_m_s,
+        chain.tangential_m_s
+    ));
+    let pairs: Vec<String> =
+        chain.poses.iter().map(|(travel, pairs)| format!("{pairs} at {travel:.3} m")).collect();
+    let [width, span, height, depth] = chain.patch_m;
+    lines.push(format!(
+        "  triangles {} pairs: patch {width:.3} m across the normal, {span:.3} along it, \
+         {height:.3} high; depth {depth:.3} m",
+        pairs.join(", ")
+    ));
+    let [a, b] = chain.levers_m;
+    lines.push(format!(
+        "  bodies    m {} kg, k {} m, h {} m, q {} m (ego / {})",
+        pair(m.map(|m| m.unwrap_or(0.0)), m, 1),
+        pair(chain.gyration_m, m, 3),
+        pair([a[0], b[0]], m, 3),
+        pair([a[1], b[1]], m, 3),
+        chain.other
+    ));
+    lines.push(format!(
+        "  impact    J_n {:.1}, J_t {:.1} N s; ΔV {} m/s; {:.1} kJ lost; force from {}°",
+        chain.response.normal_n_s,
+        chain.response.tangential_n_s,
+        pair(chain.response.delta_v_m_s, m, 3),
+        chain.response.energy_j / 1000.0,
+        pair(chain.force_degrees, m, 0)
+    ));
+}
+
+/// Persons of one party who fare alike.
+fn persons(lines: &mut Vec<String>, alike: &[&PersonChain], probability: f64) {
+    let Some(person) = alike.first() else { return };
+    let seats: Vec<&str> = alike.iter().filter_map(|person| person.seat).collect();
+    let seats = if seats.is_empty() { String::new() } else { format!(" {}", seats.join(" and ")) };
+    lines.push(format!("  person    {}{seats}, as {}", person.party, person.victim));
+    let x = match person.unit {
+        Unit::MetresPerSecond => format!("{:.3} m/s", person.x_m_s),
+        unit => format!("{:.3} m/s = {:.3} {}", person.x_m_s, person.x_in_unit, unit.name()),
+    };
+    let given = if probability < 1.0 { format!("p {probability}, ") } else { String::new() };
+    lines.push(format!(
+        "            {} {x}; curve {}: P {:.5}, P(0) {:.5}, H {:.5}; {given}R {:.5}",
+        person.x.name(),
+        person.curve,
+        person.published,
+        person.at_rest,
+        person.harm.hi(),
+        person.risk
+    ));
+    lines.push(format!(
+        "            range {:.5} to {:.5}: {}; {}",
+        person.range.low(),
+        person.range.high(),
+        person.ends[0],
+        person.ends[1]
+    ));
+}
+
+fn stability(lines: &mut Vec<String>, explanation: &Explanation) {
+    let stability = &explanation.stability;
+    let name = |number: usize| explanation.names[number].as_str();
+    lines.push(format!("What would flip the winner, \"{}\"", name(stability.winner)));
+    for margin in &stability.margins {
+        let step = explanation.steps.get(margin.step).map_or("", String::as_str);
+        let next = match margin.next {
+            Some((who, value)) => format!("next is \"{}\" with {value:.5}", name(who)),
+            None => "nobody else is left".to_owned(),
+        };
+        lines.push(format!("  {step}: {:.5}; {next}", margin.winner));
+    }
+    for reserve in &stability.reserves {
+        let (Some(at), Some(who)) = (reserve.flips_at, reserve.winner) else { continue };
+        lines.push(format!(
+            "  {} is {}; from {} on ({}), \"{}\" wins",
+            knob(&reserve.knob),
+            short(reserve.value),
+            short(at),
+            moved(reserve, at),
+            name(who)
+        ));
+    }
+    let firm = stability.reserves.iter().filter(|reserve| reserve.flips_at.is_none());
+    let firm: Vec<String> = firm.map(|reserve| knob(&reserve.knob)).collect();
+    if !firm.is_empty() {
+        lines.push(format!("  nothing within the range of: {}", firm.join(", ")));
+    }
+}
+
+fn knob(knob: &Knob) -> String {
+    match knob {
+        Knob::Weight { rule } => format!("weight of {}", rule.name()),
+        Knob::Tolerance { level: Some(level) } => format!("tolerance of level {}", level + 1),
+        Knob::Tolerance { level: None } => "tolerance".to_owned(),
+        Knob::Accept { level } => format!("accepted risk of level {}", level + 1),
+        Knob::Intercept { curve } => format!("intercept a of {curve}"),
+        Knob::Slope { curve } => format!("slope b of {curve}"),
+    }
+}
+
+/// How far a number moved, in the terms of its kind.
+fn moved(reserve: &Reserve, at: f64) -> String {
+    match &reserve.knob {
+        Knob::Intercept { .. } => format!("odds × {}", short((at - reserve.value).exp())),
+        Knob::Slope { .. } => format!("× {}", short(at / reserve.value)),
+        _ => format!("{:+.5}", at - reserve.value),
+    }
+}
+
+/// At most five decimals, without trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.5}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,0 +1,205 @@
+//! Real runs: in this process, and by a crew of workers; each repeated, and each checked.
+
+use super::pair::{Pair, views};
+use crate::BUILD;
+use crate::failure::{Code, Failure};
+use bvh::{Kernel, Question, Task, together};
+use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
+use dispatch::{Cache, Matching, Patience, Queues, Thrash};
+use geometry::{DVec3, Directions};
+use model::{BodyView, Meta};
+use runtime::{affinity, clock};
+use simulate::{JobTrace, Sample, TaskTrace, Trace};
+
+/// A pair at work.
+pub(crate) struct Bench<'p> {
+    pub(crate) pair: &'p Pair,
+    pub(crate) bodies: Vec<(Meta, BodyView<'p>)>,
+    /// What is found at each pose: whatever finds something else is wrong.
+    truth: Vec<PoseFound>,
+    repeats: usize,
+}
+
+/// One way of handing out work.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) matching: Matching,
+    pub(crate) queues: Queues,
+    pub(crate) cache: Cache,
+}
+
+/// A crew's run, the quickest of several: what else a machine does only ever adds time.
+pub(crate) struct Ran {
+    pub(crate) report: CrewReport,
+    pub(crate) spent: Spent,
+    /// Median of all (ns).
+    pub(crate) median_ns: f64,
+}
+
+/// What this process alone took at one depth.
+pub(crate) struct Alone {
+    /// The quickest of the repeats, and their median (ns).
+    pub(crate) ns: f64,
+    pub(crate) median_ns: f64,
+    pub(crate) trace: Trace,
+    pub(crate) samples: Vec<Sample>,
+    /// Of the quickest run.
+    pub(crate) spent: Spent,
+}
+
+impl<'p> Bench<'p> {
+    pub(crate) fn new(pair: &'p Pair, repeats: usize) -> Result<Self, Failure> {
+        let bodies = views(&pair.store)?;
+        let mut bench = Self { pair, bodies, truth: Vec::new(), repeats };
+        let mut work = bench.work(0);
+        run_watched(&mut work, &bench.bodies, |_, _| {});
+        bench.truth = work.found().ok_or_else(unknown)?;
+        Ok(bench)
+    }
+
+    /// Intersecting pairs of triangles, over all poses.
+    pub(crate) fn pairs(&self) -> u64 {
+        self.truth.iter().map(|found| found.pairs).sum()
+    }
+
+    /// Bytes of both bodies, as sections weigh them.
+    pub(crate) fn model_bytes(&self) -> u64 {
+        self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
+    }
+
+    fn work(&self, depth: u32) -> PairWork<'p> {
+        PairWork::new([self.bodies[0].1, self.bodies[1].1], &self.pair.poses, depth)
+    }
+
+    fn check(&self, work: &PairWork<'_>) -> Result<(), Failure> {
+        if work.found().ok_or_else(unknown)? == self.truth {
+            return Ok(());
+        }
+        Err(Failure::new(Code::Internal, "two ways of working found different triangles"))
+    }
+
+    /// All in this process, whose jobs are timed one by one: the least of the repeats.
+    pub(crate) fn alone(&self, depth: u32) -> Result<Alone, Failure> {
+        let mut times: Vec<(u64, Spent)> = Vec::new();
+        let mut samples: Vec<Sample> = Vec::new();
+        let mut tasks = Vec::new();
+        for round in 0..=self.repeats {
+            let mut work = self.work(depth);
+            let mut jobs = vec![TaskTrace::default(); self.pair.poses.len()];
+            let mut at = 0;
+            let begun_ns = clock::now_ns();
+            run_watched(&mut work, &self.bodies, |job, said| {
+                let sample = Sample {
+                    nb: said.nb,
+                    np: said.np,
+                    hits: u64::from(said.hits),
+                    ns: said.wall_ns as f64,
+                };
+                if round == 0 {
+                    samples.push(Sample { ns: f64::INFINITY, ..sample });
+                    let weight = |section: protocol::Section| {
+                        let body = &self.bodies[section.model as usize].1;
+                        (section, bvh::section::bytes(body.nodes, section.node))
+                    };
+                    jobs[job.task.0 as usize].jobs.push(JobTrace {
+                        a: weight(job.a),
+                        b: weight(job.b),
+                        nb: sample.nb,
+                        np: sample.np,
+                        hits: sample.hits,
+                    });
+                } else if let Some(known) = samples.get_mut(at) {
+                    known.ns = known.ns.min(sample.ns);
+                }
+                at += 1;
+            });
+            let took_ns = clock::now_ns() - begun_ns;
+            self.check(&work)?;
+            if round == 0 {
+                for (task, nb) in jobs.iter_mut().zip(work.descents()) {
+                    task.descent_nb = nb;
+                }
+                tasks = jobs;
+            } else {
+                times.push((took_ns, work.spent));
+            }
+        }
+        times.sort_by_key(|(ns, _)| *ns);
+        let (ns, spent) = times.first().copied().unwrap_or_default();
+        let (median_ns, _) = times.get(times.len() / 2).copied().unwrap_or_default();
+        let (ns, median_ns) = (ns as f64, median_ns as f64);
+        Ok(Alone { ns, median_ns, trace: Trace { tasks }, samples, spent })
+    }
+
+    /// By so many threads of this process that share each pose among them: the baseline without
+    /// processes, messages or depth. The quickest of the repeats (ns).
+    pub(crate) fn threads(&self, threads: usize) -> Result<f64, Failure> {
+        let around = Directions::around(DVec3::X, DVec3::Z);
+        let [(meta_a, a), (meta_b, b)] = &self.bodies[..] else { return Err(unknown()) };
+        let kernel =
+            || Kernel::with_room(meta_a.depth, meta_b.depth, a.corners.len(), b.corners.len());
+        let (mut least_ns, mut pairs) = (u64::MAX, 0);
+        together::with(threads, kernel, |together| {
+            for round in 0..=self.repeats {
+                let begun_ns = clock::now_ns();
+                pairs = 0;
+                for pose in &self.pair.poses {
+                    let question = Question::Pairs;
+                    let directions = Some(&around);
+                    let task = Task { a: *a, b: *b, pose: *pose, question, directions };
+                    pairs += together.run(&task).pairs;
+                }
+                if round > 0 {
+                    least_ns = least_ns.min(clock::now_ns() - begun_ns);
+                }
+            }
+        });
+        if pairs == self.pairs() { Ok(least_ns as f64) } else { Err(unknown()) }
+    }
+
+    /// By a crew that has room for everything.
+    pub(crate) fn crew(&self, way: &Way) -> Result<Ran, Failure> {
+        self.run(way)?.map_err(|thrash| CrewError::Thrashed(thrash).into())
+    }
+
+    /// By a crew; the first run warms up and does not count. Inside: a section did not fit.
+    pub(crate) fn run(&self, way: &Way) -> Result<Result<Ran, Thrash>, Failure> {
+        let granted = affinity::allowed_cores();
+        let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
+        let options = Options {
+            program: Options::own_program().to_owned(),
+            instance: format!("m{}", std::process::id()),
+            build: BUILD.to_owned(),
+            cores: (0..way.workers).map(core).collect(),
+            matching: way.matching,
+            queues: way.queues,
+            cache: way.cache,
+            copies: matches!(way.cache, Cache::Fixed(_)),
+            log: false,
+            patience: Patience::default(),
+        };
+        let mut crew = Crew::start(&self.pair.store, &options)?;
+        let mut runs = Vec::new();
+        for round in 0..=self.repeats {
+            let mut work = self.work(way.depth);
+            let report = match crew.run(&mut work) {
+                Err(CrewError::Thrashed(thrash)) => return Ok(Err(thrash)),
+                other => other?,
+            };
+            self.check(&work)?;
+            if round > 0 {
+                runs.push(Ran { report, spent: work.spent, median_ns: 0.0 });
+            }
+        }
+        runs.sort_by_key(|ran| ran.report.duty.run_ns);
+        let median_ns = runs[runs.len() / 2].report.duty.run_ns as f64;
+        let quickest = runs.swap_remove(0);
+        Ok(Ok(Ran { median_ns, ..quickest }))
+    }
+}
+
+fn unknown() -> Failure {
+    Failure::new(Code::Internal, "a job was not done, so nothing can be measured")
+}

@@ -1,0 +1,70 @@
+//! What each step costs on this machine, for this pair of bodies.
+//!
+//! The kernel's costs are fitted to jobs that this process timed one by one; the coordinator's are
+//! its own counts divided by what it did, with one worker; what a worker takes per result beside
+//! its kernel is what is left of the run's time where that worker was never idle.
+
+use super::bench::{Alone, Bench, Way};
+use crate::failure::Failure;
+use dispatch::{Cache, Matching, Queues};
+use simulate::{Costs, fit};
+
+/// Buffers of all calibrations: the defaults of the engine.
+pub(crate) const QUEUES: Queues = Queues { capacity: 64, batch: 16, linger_ns: 0 };
+
+/// From the end of a send to its arrival (ns): iceoryx2 0.10 between two busy processes took 325 to
+/// 350 ns on the machines seen so far, and its share in the whole is small.
+const FLIGHT_NS: f64 = 340.0;
+
+/// Measures. `fine` is a depth at which a worker has always something to do.
+pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> {
+    let coarse = bench.alone(0)?;
+    let middle = bench.alone(fine / 2)?;
+    let split = bench.alone(fine)?;
+    let samples: Vec<_> = [&coarse, &middle, &split].iter().flat_map(|a| &a.samples).collect();
+    let samples: Vec<_> = samples.into_iter().copied().collect();
+    let [job_ns, box_ns, triangle_ns, hit_ns] = fit(&samples);
+    let way = Way {
+        workers: 1,
+        depth: fine,
+        matching: Matching::BestMatchLoad(0.5),
+        queues: QUEUES,
+        cache: Cache::Unlimited,
+    };
+    let ran = bench.crew(&way)?;
+    // Room for everything: what it takes longer is the copying.
+    let copied = bench.crew(&Way { cache: Cache::Fixed(2 * bench.model_bytes()), ..way })?;
+    let moved = per(copied.report.transfer.section_bytes);
+    let ship_ns = copied.report.duty.send_ns.saturating_sub(ran.report.duty.send_ns) as f64;
+    let longer_ns = copied.report.duty.run_ns.saturating_sub(ran.report.duty.run_ns) as f64;
+    let (duty, worker) = (ran.report.duty, &ran.report.workers[0]);
+    let (jobs, results) = (per(worker.jobs), per(worker.results));
+    let tasks = per(split.trace.tasks.len() as u64);
+    let tests = |alone: &Alone| per(alone.trace.tasks.iter().map(|t| t.descent_nb).sum());
+    let hits = |alone: &Alone| per(alone.trace.jobs().map(|job| job.hits).sum());
+    let task_ns = coarse.spent.descent_ns as f64 / tasks;
+    let fold_hit_ns = coarse.spent.fold_ns as f64 / hits(&coarse);
+    let folded_ns = ran.spent.fold_ns as f64 - fold_hit_ns * hits(&split);
+    let decided_ns = duty.step_ns.saturating_sub(ran.spent.descent_ns + ran.spent.fold_ns) as f64;
+    Ok(Costs {
+        job_ns,
+        box_ns,
+        triangle_ns,
+        hit_ns,
+        send_ns: (duty.run_ns.saturating_sub(worker.busy_ns) as f64 / results).min(20_000.0),
+        section_byte_ns: (longer_ns - ship_ns).max(0.0) / moved,
+        ship_byte_ns: ship_ns / moved,
+        task_ns,
+        descent_ns: (split.spent.descent_ns as f64 - task_ns * tasks).max(0.0) / tests(&split),
+        batch_ns: duty.send_ns as f64 / per(worker.batches),
+        place_ns: decided_ns / jobs,
+        take_ns: (duty.take_ns as f64 + folded_ns.max(0.0)) / results,
+        fold_hit_ns,
+        flight_ns: FLIGHT_NS,
+    })
+}
+
+/// A count to divide by.
+fn per(count: u64) -> f64 {
+    count.max(1) as f64
+}

@@ -1,0 +1,111 @@
+//! Figures in the style of the seed's Figures 8 and 9: one line per scheme against depth.
+//!
+//! kuva draws them; this module alone names it. Lines differ in colour and in dash, so that they
+//! can be told apart in grey; where a run thrashed the line has a gap, marked at the foot.
+
+use crate::failure::{Code, Failure};
+use kuva::backend::png::PngBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
+use kuva::render::annotations::TextAnnotation;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::render::render_multiple;
+
+/// One line of a figure.
+pub(crate) struct Line {
+    pub(crate) name: String,
+    /// Depth or buffer size, and the value; `None` where the run thrashed.
+    pub(crate) points: Vec<(f64, Option<f64>)>,
+}
+
+/// A figure.
+pub(crate) struct Figure {
+    pub(crate) title: String,
+    pub(crate) subtitle: String,
+    pub(crate) x: &'static str,
+    pub(crate) y: &'static str,
+    /// Whether the values span orders of magnitude.
+    pub(crate) log_x: bool,
+    pub(crate) lines: Vec<Line>,
+}
+
+/// A figure as two files' contents.
+pub(crate) struct Drawn {
+    pub(crate) svg: String,
+    pub(crate) png: Vec<u8>,
+}
+
+/// The same colour and dash for the same scheme everywhere (Okabe and Ito's palette).
+fn style(name: &str) -> (&'static str, LineStyle) {
+    match name {
+        name if name.starts_with("best-match-load") => ("#0072B2", LineStyle::Solid),
+        name if name.starts_with("best-match") => ("#009E73", LineStyle::Dashed),
+        name if name.starts_with("random") => ("#E69F00", LineStyle::DashDot),
+        name if name.starts_with("lowest") => ("#D55E00", LineStyle::Dotted),
+        name if name.starts_with("measured") => ("#000000", LineStyle::Dashed),
+        _ => ("#7F7F7F", LineStyle::Solid),
+    }
+}
+
+/// Pixels to a pixel of the layout: for screens and print.
+const SCALE: f32 = 2.0;
+
+pub(crate) fn draw(figure: &Figure) -> Result<Drawn, Failure> {
+    let known = figure.lines.iter().flat_map(|line| &line.points).filter_map(|point| point.1);
+    let top = known.fold(0.0, f64::max);
+    let mut plots: Vec<Plot> = Vec::new();
+    let mut notes = Vec::new();
+    for line in &figure.lines {
+        let (colour, dash) = style(&line.name);
+        let mut is_first = true;
+        for run in line.points.split(|point| point.1.is_none()) {
+            let run: Vec<(f64, f64)> = run.iter().filter_map(|p| Some((p.0, p.1?))).collect();
+            if run.is_empty() {
+                continue;
+            }
+            plots.push(
+                ScatterPlot::new().with_data(run.clone()).with_color(colour).with_size(2.5).into(),
+            );
+            let mut drawn = LinePlot::new().with_data(run).with_color(colour);
+            drawn = drawn.with_line_style(dash.clone()).with_stroke_width(1.8);
+            if is_first {
+                drawn = drawn.with_legend(line.name.clone());
+            }
+            is_first = false;
+            plots.push(drawn.into());
+        }
+        let lost: Vec<(f64, f64)> =
+            line.points.iter().filter(|p| p.1.is_none()).map(|p| (p.0, 0.0)).collect();
+        if let Some((x, _)) = lost.first() {
+            let word = format!("{} thrashed", line.name);
+            let height = top * (0.05 + 0.05 * notes.len() as f64);
+            notes.push(TextAnnotation::new(word, *x, height).with_color(colour).with_font_size(11));
+            plots.push(ScatterPlot::new().with_data(lost).with_color(colour).with_size(4.0).into());
+        }
+    }
+    let mut layout = Layout::auto_from_plots(&plots)
+        .with_title(figure.title.clone())
+        .with_subtitle(figure.subtitle.clone())
+        .with_x_label(figure.x)
+        .with_y_label(figure.y)
+        .with_width(760.0)
+        .with_height(440.0)
+        .with_y_axis_min(0.0)
+        .with_title_size(15)
+        .with_subtitle_size(11)
+        .with_x_tick_format(TickFormat::Integer)
+        .with_legend_position(LegendPosition::OutsideRightTop);
+    if figure.log_x {
+        layout = layout.with_log_x();
+    }
+    for note in notes {
+        layout = layout.with_annotation(note);
+    }
+    let scene = render_multiple(plots, layout);
+    let png = PngBackend::new()
+        .with_scale(SCALE)
+        .render_scene(&scene)
+        .map_err(|error| Failure::new(Code::Internal, format!("cannot draw a figure: {error}")))?;
+    Ok(Drawn { svg: SvgBackend.render_scene(&scene), png })
+}

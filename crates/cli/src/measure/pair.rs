@@ -1,0 +1,184 @@
+//! Two bodies and the poses at which they are measured.
+//!
+//! A body is a model file, or `shape:triangles` for a generated one. Poses come from a file, or are
+//! found: sixteen directions around A from which B comes until it touches, then so much deeper.
+
+use crate::bodies::generate_body;
+use crate::failure::{Code, Failure, chain};
+use crate::intersect::poses;
+use crate::model::open;
+use bvh::{BuildOptions, Kernel, NodePair, Question, Task};
+use core::ops::ControlFlow;
+use geometry::{Pose, RelativePose};
+use model::generate::Shape;
+use model::{BodyView, Meta, file, store};
+use runtime::SealedMemory;
+use std::path::Path;
+
+/// Directions from which B comes.
+const DIRECTIONS: u32 = 16;
+/// How far B comes at once before it touches (m).
+const STEP_M: f64 = 0.05;
+/// How deep a substantial contact is (m).
+const DEEP_M: f64 = 0.5;
+/// How deep a scratch is (m).
+const SCRATCH_M: f64 = 0.01;
+
+/// What a person wrote: A,B,POSES.
+#[derive(Clone, Debug)]
+pub(crate) struct PairName {
+    a: String,
+    b: String,
+    poses: String,
+}
+
+impl std::str::FromStr for PairName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split(',').map(str::trim).collect::<Vec<_>>()[..] {
+            [a, b, poses] if [a, b, poses].iter().all(|part| !part.is_empty()) => {
+                Ok(Self { a: a.to_owned(), b: b.to_owned(), poses: poses.to_owned() })
+            }
+            _ => Err("write A,B,POSES: bodies as files or shape:triangles; deep, scratch or a \
+                      file of poses"
+                .to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for PairName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let file = |text: &str| {
+            let name = Path::new(text).file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        write!(f, "{},{},{}", file(&self.a), file(&self.b), file(&self.poses))
+    }
+}
+
+/// Two sealed bodies and their poses.
+pub(crate) struct Pair {
+    pub(crate) name: String,
+    pub(crate) store: SealedMemory,
+    pub(crate) poses: Vec<RelativePose>,
+}
+
+impl PairName {
+    /// Loads or generates both bodies, and finds or reads the poses.
+    pub(crate) fn load(&self) -> Result<Pair, Failure> {
+        let bodies = [body(&self.a)?, body(&self.b)?];
+        let files: Vec<&[u8]> = bodies.iter().map(file::Aligned::bytes).collect();
+        let store = coordinator::seal(&files)?;
+        let poses = {
+            let bodies = views(&store)?;
+            match self.poses.as_str() {
+                "deep" => found(&bodies, DEEP_M)?,
+                "scratch" => found(&bodies, SCRATCH_M)?,
+                path => written(Path::new(path))?,
+            }
+        };
+        Ok(Pair { name: self.name(), store, poses })
+    }
+
+    /// A name that a file can have.
+    fn name(&self) -> String {
+        let short = |text: &str| {
+            let stem = Path::new(text).file_stem().unwrap_or_default().to_string_lossy();
+            stem.replace(|c: char| !c.is_ascii_alphanumeric(), "-")
+        };
+        format!("{}-{}-{}", short(&self.a), short(&self.b), short(&self.poses))
+    }
+}
+
+/// The bodies of a store, read in place.
+pub(crate) fn views(store: &SealedMemory) -> Result<Vec<(Meta, BodyView<'_>)>, Failure> {
+    store::open(store.bytes()).map_err(|error| Failure::new(Code::Internal, chain(&error)))
+}
+
+/// A model file in memory.
+fn body(text: &str) -> Result<file::Aligned, Failure> {
+    let generated = text.split_once(':').and_then(|(shape, triangles)| {
+        let shape = Shape::ALL.into_iter().find(|known| known.name() == shape)?;
+        Some((shape, triangles.parse::<u32>().ok()?))
+    });
+    let Some((shape, triangles)) = generated else {
+        let path = Path::new(text);
+        let bytes = file::Aligned::copy_of(open::bytes(path)?.bytes());
+        open::view(path, bytes.bytes())?;
+        return Ok(bytes);
+    };
+    let threads = runtime::affinity::allowed_cores().len();
+    let options = BuildOptions { threads, ..BuildOptions::default() };
+    let body = generate_body(shape, triangles, 1, &options, &|_| {})?;
+    let bytes = file::encode(&body).map_err(|error| Failure::input(error.to_string()))?;
+    Ok(file::Aligned::copy_of(&bytes))
+}
+
+fn written(path: &Path) -> Result<Vec<RelativePose>, Failure> {
+    let map = open::bytes(path)?;
+    if map.bytes().len() > poses::BYTES_MAX {
+        let fault = format!("{}: {} bytes are no poses", path.display(), map.bytes().len());
+        return Err(Failure::input(fault).help("six lines of four numbers: see trolley intersect"));
+    }
+    let [a, b] = poses::parse(&path.display().to_string(), map.bytes())?;
+    Ok(vec![RelativePose::between(&a, &b)])
+}
+
+/// Hears of hits and wants no more.
+struct Enough;
+
+impl bvh::Sink for Enough {
+    fn hit(&mut self, _: bvh::Side, _: u32) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// B comes from every direction, turned a little differently each time, until it is `depth_m` into
+/// A. Directions from which the bodies never touch are left out.
+fn found(bodies: &[(Meta, BodyView<'_>)], depth_m: f64) -> Result<Vec<RelativePose>, Failure> {
+    let [(meta_a, a), (meta_b, b)] = bodies else {
+        return Err(Failure::new(Code::Internal, "a pair is two bodies"));
+    };
+    let rooms = (a.corners.len(), b.corners.len());
+    let mut kernel = Kernel::with_room(meta_a.depth, meta_b.depth, rooms.0, rooms.1);
+    let mut touches = |pose: &RelativePose| {
+        let task =
+            Task { a: *a, b: *b, pose: *pose, question: Question::Touches, directions: None };
+        kernel.run(&task, NodePair::ROOTS, u64::MAX, &mut Enough).pairs > 0
+    };
+    let reach = |body: &BodyView<'_>| {
+        let box_ = body.bounds();
+        (0..2).map(|i| f64::from(box_.min[i].abs().max(box_.max[i].abs()))).fold(0.0, f64::hypot)
+    };
+    let far_m = reach(a) + reach(b) + STEP_M;
+    let mut poses = Vec::new();
+    for number in 0..DIRECTIONS {
+        let degrees = 360.0 * f64::from(number) / f64::from(DIRECTIONS);
+        let turned = Pose::from_degrees(degrees, 0.0, 0.0, [0.0; 3]).rotation;
+        let (x, y) = (turned[0][0], turned[1][0]);
+        let yaw = 180.0 + degrees + 25.0 * f64::from(number % 4);
+        let at = |r: f64| {
+            let placed = Pose::from_degrees(yaw % 360.0, 0.0, 0.0, [r * x, r * y, 0.0]);
+            RelativePose::between(&Pose::IDENTITY, &placed)
+        };
+        let steps = (far_m / STEP_M) as u32;
+        let first = (0..steps).map(|step| far_m - STEP_M * f64::from(step));
+        let Some(mut inside) = first.into_iter().find(|r| touches(&at(*r))) else { continue };
+        let mut outside = inside + STEP_M;
+        while outside - inside > 0.001 {
+            let middle = f64::midpoint(inside, outside);
+            if touches(&at(middle)) { inside = middle } else { outside = middle }
+        }
+        poses.push(at(inside - depth_m));
+    }
+    if poses.is_empty() {
+        return Err(Failure::input("the bodies touch from no direction")
+            .help("name a file of poses instead of deep or scratch"));
+    }
+    Ok(poses)
+}

@@ -1,0 +1,480 @@
+//! The sweep over one pair: schemes, depths, buffers, workers and ways of transfer, measured with
+//! the cores there are and simulated with four.
+
+use super::bench::{Alone, Bench, Way};
+use super::calibrate::{QUEUES, calibrate};
+use super::row::{Mode, Row};
+use crate::failure::{Code, Failure};
+use crate::progress::Progress;
+use crate::transfer::BUDGET_PERCENT;
+use dispatch::{Cache, Matching, Queues, Thrash};
+use scenario::Scheme;
+use serde::Serialize;
+use simulate::{Costs, DryRun, Home, Setup, advise};
+
+/// Ways of transfer by name.
+const ZERO_COPY: (&str, Cache) = ("zero-copy", Cache::Unlimited);
+const COPY: &str = "copy";
+/// Workers of the quad-core machine.
+pub(crate) const CORES: u8 = 4;
+/// Depth at which costs are calibrated.
+pub(crate) const FINE: u32 = 8;
+
+/// What is swept.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) depths: Vec<u32>,
+    /// Queue capacities; a batch is a quarter of them.
+    pub(crate) buffers: Vec<u32>,
+    pub(crate) seed: u64,
+    pub(crate) alpha: f64,
+}
+
+/// A prediction beside what it predicts.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Check {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) predicted_ms: f64,
+    pub(crate) measured_ms: f64,
+    /// Each over the in-process kernel of its kind.
+    pub(crate) predicted_speed_up: f64,
+    pub(crate) measured_speed_up: f64,
+}
+
+impl Check {
+    /// How far the predicted speed-up is off: 0.1 is 10 %.
+    pub(crate) fn error(&self) -> f64 {
+        self.predicted_speed_up / self.measured_speed_up - 1.0
+    }
+}
+
+/// A depth that was chosen by a model, and what that cost against the best of the sweep.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Choice {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    /// Whether to distribute at all; if not, one piece goes to one worker.
+    pub(crate) distribute: bool,
+    pub(crate) predicted_ms: f64,
+    /// By the same source: simulated for four cores, measured for two workers.
+    pub(crate) found_ms: f64,
+    pub(crate) best_ms: f64,
+    pub(crate) best_depth: u32,
+    pub(crate) source: &'static str,
+}
+
+impl Choice {
+    /// How much longer than the best of the sweep it takes: 0.1 is 10 %.
+    pub(crate) fn regret(&self) -> f64 {
+        self.found_ms / self.best_ms - 1.0
+    }
+}
+
+/// Depths of the dry runs from which the depth is chosen.
+const DRY: [u32; 3] = [0, 4, 8];
+
+/// Where the time of a run went, per core: shares of the run's time.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Shares {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) run_ms: f64,
+    pub(crate) speed_up: f64,
+    /// Kernel time over all workers, and that of the in-process kernel (ms).
+    pub(crate) kernel_ms: f64,
+    pub(crate) kernel_alone_ms: f64,
+    /// Least and most that one worker worked (ms).
+    pub(crate) worker_least_ms: f64,
+    pub(crate) worker_most_ms: f64,
+    pub(crate) descent_ms: f64,
+    pub(crate) fold_ms: f64,
+    pub(crate) decide_ms: f64,
+    pub(crate) send_ms: f64,
+    pub(crate) take_ms: f64,
+}
+
+/// What is known of one pair.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Swept {
+    pub(crate) pair: String,
+    pub(crate) triangles: [usize; 2],
+    pub(crate) poses: usize,
+    pub(crate) pairs_found: u64,
+    pub(crate) model_bytes: u64,
+    pub(crate) costs: Costs,
+    /// The in-process kernel (ms), its best depth.
+    pub(crate) alone_ms: f64,
+    /// Median of its repeats (ms).
+    pub(crate) alone_median_ms: f64,
+    pub(crate) alone_depth: u32,
+    /// Threads of one process that share each pose, and what they take (ms).
+    pub(crate) threads: usize,
+    pub(crate) threads_ms: f64,
+    /// The same by the cost model (ms).
+    pub(crate) alone_predicted_ms: f64,
+    pub(crate) checks: Vec<Check>,
+    pub(crate) choices: Vec<Choice>,
+    pub(crate) shares: Vec<Shares>,
+    pub(crate) rows: Vec<Row>,
+}
+
+/// How many steps of progress a sweep has.
+pub(crate) fn steps(plan: &Plan) -> u64 {
+    (plan.depths.len() * (Scheme::ALL.len() + 2) + plan.buffers.len() + 1) as u64
+}
+
+/// The scheme as the dispatcher knows it.
+fn matching(scheme: Scheme, plan: &Plan) -> Result<Matching, Failure> {
+    Ok(match scheme {
+        Scheme::BestMatchLoad => Matching::BestMatchLoad(plan.alpha),
+        Scheme::BestMatch => Matching::BestMatch,
+        Scheme::RandomMatch => Matching::RandomMatch(plan.seed),
+        Scheme::LowestMatch => Matching::LowestMatch,
+        Scheme::RoundRobin => Matching::RoundRobin,
+        other => return Err(Failure::new(Code::Internal, other.name())),
+    })
+}
+
+/// Sweeps a pair.
+pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Swept, Failure> {
+    let costs = calibrate(bench, FINE)?;
+    bar.add(1);
+    let mut alone = Vec::new();
+    for depth in &plan.depths {
+        alone.push((*depth, bench.alone(*depth)?));
+        bar.add(1);
+    }
+    let whole = bench.alone(0)?;
+    let all = alone.iter().map(|(depth, alone)| (alone, *depth)).chain([(&whole, 0)]);
+    let (best, best_depth) = all.min_by(|a, b| a.0.ns.total_cmp(&b.0.ns)).unwrap_or((&whole, 0));
+    let mut sweep = Sweep {
+        bench,
+        plan,
+        bar,
+        costs,
+        alone_ns: best.ns,
+        predicted_ns: predicted(&whole, &costs),
+        model_bytes: bench.model_bytes(),
+        rows: Vec::new(),
+        checks: Vec::new(),
+        shares: Vec::new(),
+    };
+    for (depth, alone) in &alone {
+        sweep.depth(*depth, alone)?;
+    }
+    sweep.buffers(&alone)?;
+    let threads = runtime::affinity::allowed_cores().len().max(1);
+    let threads_ns = bench.threads(threads)?;
+    let choices = sweep.choices(&whole, &alone)?;
+    let [a, b] = [0, 1].map(|body: usize| bench.bodies[body].1.corners.len());
+    Ok(Swept {
+        pair: bench.pair.name.clone(),
+        triangles: [a, b],
+        poses: bench.pair.poses.len(),
+        pairs_found: bench.pairs(),
+        model_bytes: sweep.model_bytes,
+        costs,
+        alone_ms: best.ns / 1e6,
+        alone_median_ms: best.median_ns / 1e6,
+        alone_depth: best_depth,
+        threads,
+        threads_ms: threads_ns / 1e6,
+        alone_predicted_ms: sweep.predicted_ns / 1e6,
+        checks: sweep.checks,
+        choices,
+        shares: sweep.shares,
+        rows: sweep.rows,
+    })
+}
+
+/// The in-process kernel by the cost model (ns).
+fn predicted(alone: &Alone, costs: &Costs) -> f64 {
+    let task =
+        |task: &simulate::TaskTrace| costs.task_ns + costs.descent_ns * task.descent_nb as f64;
+    let job = |job: &simulate::JobTrace| {
+        costs.kernel_ns(job.nb, job.np, job.hits) + costs.fold_hit_ns * job.hits as f64
+    };
+    alone.trace.tasks.iter().map(task).sum::<f64>() + alone.trace.jobs().map(job).sum::<f64>()
+}
+
+struct Sweep<'s> {
+    bench: &'s Bench<'s>,
+    plan: &'s Plan,
+    bar: &'s Progress,
+    costs: Costs,
+    alone_ns: f64,
+    predicted_ns: f64,
+    model_bytes: u64,
+    rows: Vec<Row>,
+    checks: Vec<Check>,
+    shares: Vec<Shares>,
+}
+
+impl Sweep<'_> {
+    /// Every scheme at one depth: two workers for real, four on virtual cores.
+    fn depth(&mut self, depth: u32, alone: &Alone) -> Result<(), Failure> {
+        let usual = matching(Scheme::BestMatchLoad, self.plan)?;
+        for scheme in Scheme::ALL {
+            let matching = matching(scheme, self.plan)?;
+            let budget = Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100);
+            self.measure(scheme, matching, 2, depth, QUEUES, ZERO_COPY)?;
+            if scheme == Scheme::BestMatchLoad {
+                self.measure(scheme, matching, 2, depth, QUEUES, (COPY, budget))?;
+            }
+            for (transfer, cache) in [ZERO_COPY, (COPY, budget)] {
+                for home in [Home::Own, Home::Shared] {
+                    self.simulate(scheme, matching, depth, alone, QUEUES, (transfer, cache), home);
+                }
+            }
+            self.bar.add(1);
+        }
+        self.measure(Scheme::BestMatchLoad, usual, 1, depth, QUEUES, ZERO_COPY)?;
+        for (workers, home) in [(1, Home::Own), (2, Home::Shared)] {
+            let setup = Setup {
+                workers,
+                home,
+                matching: usual,
+                queues: QUEUES,
+                cache: Cache::Unlimited,
+                copies: false,
+            };
+            let predicted = simulate::run(&alone.trace, &self.costs, &setup);
+            let ran = self.shares.iter().find(|s| s.workers == workers && s.depth == depth);
+            let measured_ms = ran.map_or(f64::NAN, |shares| shares.run_ms);
+            let predicted_ms = predicted.time_ns / 1e6;
+            self.checks.push(Check {
+                workers,
+                depth,
+                predicted_ms,
+                measured_ms,
+                predicted_speed_up: self.predicted_ns / predicted.time_ns,
+                measured_speed_up: self.alone_ns / 1e6 / measured_ms,
+            });
+        }
+        self.bar.add(1);
+        Ok(())
+    }
+
+    /// The depth that dry runs advise, and what it costs against the best of the sweep.
+    fn choices(&self, whole: &Alone, alone: &[(u32, Alone)]) -> Result<Vec<Choice>, Failure> {
+        let mut dry = Vec::new();
+        for depth in DRY {
+            let known = alone.iter().find(|(known, _)| *known == depth).map(|(_, alone)| alone);
+            let known = if depth == 0 { Some(whole) } else { known };
+            dry.push(match known {
+                Some(alone) => DryRun::of(depth, &alone.trace, &self.costs),
+                None => DryRun::of(depth, &self.bench.alone(depth)?.trace, &self.costs),
+            });
+        }
+        let mut choices = Vec::new();
+        let cases = [(2, Home::Shared, Mode::Measured), (CORES, Home::Own, Mode::SimulatedOwnCore)];
+        for (workers, home, mode) in cases {
+            let deepest = self.plan.depths.iter().copied().max().unwrap_or(0);
+            let Some(advice) = advise(&dry, &self.costs, workers, home, deepest) else { continue };
+            let rows = self.rows.iter().filter(|row| {
+                (row.mode, row.workers, row.queue) == (mode, workers, QUEUES.capacity)
+                    && (row.scheme, row.transfer) == ("best-match-load", ZERO_COPY.0)
+            });
+            let known: Vec<(u32, f64)> =
+                rows.filter_map(|row| Some((row.depth, row.time_ms?))).collect();
+            // The sweep may have left the advised depth out: then the nearest one that it has.
+            let near = known.iter().min_by_key(|(depth, _)| depth.abs_diff(advice.depth));
+            let best = known.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+            if let (Some((depth, found_ms)), Some((best_depth, best_ms))) = (near, best) {
+                choices.push(Choice {
+                    workers,
+                    depth: *depth,
+                    distribute: advice.distribute,
+                    predicted_ms: advice.predicted_ns / 1e6,
+                    found_ms: *found_ms,
+                    best_ms: *best_ms,
+                    best_depth: *best_depth,
+                    source: mode.name(),
+                });
+            }
+        }
+        Ok(choices)
+    }
+
+    /// Best Match-Load with every buffer at its best depth.
+    fn buffers(&mut self, alone: &[(u32, Alone)]) -> Result<(), Failure> {
+        let scheme = Scheme::BestMatchLoad;
+        let matching = matching(scheme, self.plan)?;
+        let best = self.rows.iter().filter(|row| {
+            (row.mode, row.transfer) == (Mode::SimulatedOwnCore, "zero-copy")
+                && row.scheme == scheme.name()
+        });
+        let best =
+            best.max_by(|a, b| a.speed_up.unwrap_or(0.0).total_cmp(&b.speed_up.unwrap_or(0.0)));
+        let Some(depth) = best.map(|row| row.depth) else { return Ok(()) };
+        let Some((_, alone)) = alone.iter().find(|(known, _)| *known == depth) else {
+            return Ok(());
+        };
+        for capacity in &self.plan.buffers {
+            let batch = (capacity / 4).max(1);
+            let queues = Queues { capacity: *capacity, batch, linger_ns: 0 };
+            if queues != QUEUES {
+                self.measure(scheme, matching, 2, depth, queues, ZERO_COPY)?;
+                for home in [Home::Own, Home::Shared] {
+                    self.simulate(scheme, matching, depth, alone, queues, ZERO_COPY, home);
+                }
+            }
+            self.bar.add(1);
+        }
+        Ok(())
+    }
+
+    fn measure(
+        &mut self,
+        scheme: Scheme,
+        matching: Matching,
+        workers: u8,
+        depth: u32,
+        queues: Queues,
+        (transfer, cache): (&'static str, Cache),
+    ) -> Result<(), Failure> {
+        let way = Way { workers, depth, matching, queues, cache };
+        let ran = match self.bench.run(&way)? {
+            Ok(ran) => ran,
+            Err(thrash) => {
+                let row = self.lost(Mode::Measured, transfer, scheme, &way, &thrash);
+                self.rows.push(row);
+                return Ok(());
+            }
+        };
+        let (report, duty) = (&ran.report, ran.report.duty);
+        let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
+        let moved = report.transfer;
+        let run_ns = duty.run_ns as f64;
+        self.rows.push(Row {
+            pair: self.bench.pair.name.clone(),
+            mode: Mode::Measured,
+            transfer,
+            scheme: scheme.name(),
+            depth,
+            workers,
+            queue: queues.capacity,
+            batch: queues.batch,
+            time_ms: Some(run_ns / 1e6),
+            median_ms: Some(ran.median_ns / 1e6),
+            speed_up: Some(self.alone_ns / run_ns),
+            jobs: report.counts.jobs,
+            messages: sum(|w| w.batches + w.results),
+            message_bytes: Some(sum(|w| w.batch_bytes + w.result_bytes)),
+            cache_lines: Some(sum(|w| w.batch_lines + w.result_lines)),
+            section_bytes: Some(moved.section_bytes),
+            relative_to_models: Some(ratio(moved.section_bytes, self.model_bytes)),
+            relative_to_unshared: Some(ratio(moved.section_bytes, moved.unshared_bytes)),
+            thrashed: None,
+        });
+        if scheme == Scheme::BestMatchLoad && queues == QUEUES && transfer != COPY {
+            let busy = report.workers.iter().map(|worker| worker.busy_ns);
+            let ms = |ns: u64| ns as f64 / 1e6;
+            let decided = duty.step_ns.saturating_sub(ran.spent.descent_ns + ran.spent.fold_ns);
+            self.shares.push(Shares {
+                workers,
+                depth,
+                run_ms: run_ns / 1e6,
+                speed_up: self.alone_ns / run_ns,
+                kernel_ms: ms(busy.clone().sum()),
+                kernel_alone_ms: self.alone_ns / 1e6,
+                worker_least_ms: ms(busy.clone().min().unwrap_or(0)),
+                worker_most_ms: ms(busy.max().unwrap_or(0)),
+                descent_ms: ms(ran.spent.descent_ns),
+                fold_ms: ms(ran.spent.fold_ns),
+                decide_ms: ms(decided),
+                send_ms: ms(duty.send_ns),
+                take_ms: ms(duty.take_ns),
+            });
+        }
+        Ok(())
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "each is one dimension of the sweep")]
+    fn simulate(
+        &mut self,
+        scheme: Scheme,
+        matching: Matching,
+        depth: u32,
+        alone: &Alone,
+        queues: Queues,
+        (transfer, cache): (&'static str, Cache),
+        home: Home,
+    ) {
+        let setup =
+            Setup { workers: CORES, home, matching, queues, cache, copies: transfer == COPY };
+        let out = simulate::run(&alone.trace, &self.costs, &setup);
+        let mode = match home {
+            Home::Own => Mode::SimulatedOwnCore,
+            Home::Shared => Mode::SimulatedSharedCore,
+        };
+        let moved = out.transfer.section_bytes;
+        if let Some(thrash) = out.thrash {
+            let way = Way { workers: CORES, depth, matching, queues, cache };
+            let row = self.lost(mode, transfer, scheme, &way, &thrash);
+            self.rows.push(row);
+            return;
+        }
+        self.rows.push(Row {
+            pair: self.bench.pair.name.clone(),
+            mode,
+            transfer,
+            scheme: scheme.name(),
+            depth,
+            workers: CORES,
+            queue: queues.capacity,
+            batch: queues.batch,
+            time_ms: Some(out.time_ns / 1e6),
+            median_ms: None,
+            speed_up: Some(self.predicted_ns / out.time_ns),
+            jobs: out.counts.jobs,
+            messages: out.counts.batches + out.counts.done,
+            message_bytes: None,
+            cache_lines: None,
+            section_bytes: Some(moved),
+            relative_to_models: Some(ratio(moved, self.model_bytes)),
+            relative_to_unshared: Some(ratio(moved, out.transfer.unshared_bytes)),
+            thrashed: None,
+        });
+    }
+
+    /// A run that ended because a section did not fit: a reason, and no figure.
+    fn lost(
+        &self,
+        mode: Mode,
+        transfer: &'static str,
+        scheme: Scheme,
+        way: &Way,
+        thrash: &Thrash,
+    ) -> Row {
+        Row {
+            pair: self.bench.pair.name.clone(),
+            mode,
+            transfer,
+            scheme: scheme.name(),
+            depth: way.depth,
+            workers: way.workers,
+            queue: way.queues.capacity,
+            batch: way.queues.batch,
+            time_ms: None,
+            median_ms: None,
+            speed_up: None,
+            jobs: 0,
+            messages: 0,
+            message_bytes: None,
+            cache_lines: None,
+            section_bytes: None,
+            relative_to_models: None,
+            relative_to_unshared: None,
+            thrashed: Some(format!(
+                "worker {} held {} of {} bytes and needed {} more",
+                thrash.core, thrash.held, thrash.budget, thrash.bytes
+            )),
+        }
+    }
+}
+
+fn ratio(part: u64, whole: u64) -> f64 {
+    part as f64 / whole.max(1) as f64
+}

@@ -1,0 +1,100 @@
+//! `trolley record show`: what a record holds, for people and for programs.
+
+use super::{hex, json, read};
+use crate::args::Output;
+use crate::failure::{Code, Failure};
+use crate::print;
+use crate::table::wrap;
+use record::{End, Link, Record, Source};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::ExitCode;
+
+pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
+    let (record, link) = read(path)?;
+    let answer = parsed(&record.answer)?;
+    if output.json {
+        let explanation = parsed(&record.explanation)?;
+        let mut document = serde_json::to_value(&record)
+            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        document["schema"] = json!("trolley.record/1");
+        document["number"] = json!(link.number);
+        document["previous"] = json!(hex(&link.previous));
+        document["hash"] = json!(hex(&link.hash));
+        document["answer"] = answer;
+        document["explanation"] = explanation;
+        return print::out(&json(&document)?);
+    }
+    print::out(&words(path, &record, &link, &answer))
+}
+
+fn parsed(text: &str) -> Result<Value, Failure> {
+    serde_json::from_str(text).map_err(|error| Failure::new(Code::Internal, error.to_string()))
+}
+
+fn words(path: &Path, record: &Record, link: &Link, answer: &Value) -> String {
+    let s = &record.settings;
+    let count = |end: End| record.jobs.iter().filter(|job| job.end == end).count();
+    let ms: f64 = record.stages.iter().map(|stage| stage.ms).sum();
+    let mut lines = vec![
+        format!(
+            "{}: record {} of its chain, hash {}",
+            path.display(),
+            link.number,
+            hex(&link.hash)
+        ),
+        format!("after {}", hex(&link.previous)),
+        format!("build     {}", record.build),
+        format!("scenario  {} ({})", record.scenario.name, record.scenario.hash),
+        format!("policy    {} ({})", record.policy.name, record.policy.hash),
+        format!("curves    {} ({})", record.curves.name, record.curves.hash),
+        format!(
+            "settings  {}, {} workers, depth {}, tree {}, leaves of {}, {} (alpha {}), batch {}, \
+             queue {}, seed {}",
+            s.mode,
+            s.workers,
+            s.depth,
+            s.tree,
+            s.leaf_size,
+            s.scheme,
+            s.alpha,
+            s.batch,
+            s.queue,
+            s.seed
+        ),
+    ];
+    for body in &record.bodies {
+        let source = match &body.source {
+            Source::Generated => "generated".to_owned(),
+            Source::File { path, hash } => format!("{path} ({hash})"),
+        };
+        lines.push(format!("body      {}: {source}; with its tree {}", body.party, body.hash));
+    }
+    lines.push(format!(
+        "jobs      {} done, {} not needed, {} given up; {ms:.1} ms in all",
+        count(End::Done),
+        count(End::Cut),
+        count(End::Abandoned)
+    ));
+    for moment in &record.moments {
+        let ends: Vec<String> =
+            moment.work.iter().map(|[lo, hi]| format!("{lo:.4}–{hi:.4}")).collect();
+        lines.push(format!(
+            "after {:.1} ms and {} jobs: {}; {}",
+            moment.at_ns as f64 / 1e6,
+            moment.jobs,
+            moment.state,
+            ends.join(" ")
+        ));
+    }
+    lines.extend(record.faults.iter().map(|fault| format!("note      {fault}")));
+    let state = answer["state"].as_str().unwrap_or_default();
+    lines.push(format!("answer    {state}"));
+    for (at, row) in answer["ranking"].as_array().into_iter().flatten().enumerate() {
+        let name = row["name"].as_str().unwrap_or_default();
+        lines.push(format!("  {} {name}: {} in {}", at + 1, row["work"], row["range"]));
+        lines.extend(row["why"].as_str().map(|why| format!("    {why}")));
+    }
+    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
+    wrapped.join("\n")
+}

@@ -1,0 +1,280 @@
+//! The explanation of an answer: every figure from contact to rank with what it was made from.
+//!
+//! A reader can check each step with a pocket calculator: speeds and lever arms give impulses,
+//! impulses give changes of velocity, a curve with its source gives a probability, a rule of the
+//! policy gives the term that ranks. Values are the ones that decided, copied, never computed anew;
+//! where work is still open they are the upper ends, as in the order itself.
+//!
+//! It depends on nothing but what the answer depends on.
+
+use crate::case::{Case, Stage};
+use crate::request::{Candidate, Request};
+use damage::curve::{Curve, Unit};
+use damage::dynamics::Response;
+use damage::evidence::Touch;
+use damage::injury::Quantity;
+use damage::{CandidateHarm, Ground, Parameters, RankError, Ranking, Stability, Work};
+use serde::Serialize;
+
+/// Everything that the order was made from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Explanation {
+    /// The policy, and who answers for it.
+    pub policy: String,
+    /// Its board.
+    pub board: String,
+    /// The severity that counts.
+    pub outcome: &'static str,
+    /// What is compared, in turn.
+    pub steps: Vec<String>,
+    /// How many persons are at stake, in all candidates together.
+    pub persons: usize,
+    /// Parameters of contact and dynamics.
+    pub parameters: Parameters,
+    /// Nominal curves in use, with their sources.
+    pub curves: Vec<Curve>,
+    /// Candidates, least harm first.
+    pub chains: Vec<Chain>,
+    /// What would have to change for another one to win.
+    pub stability: Stability,
+    /// Names of the candidates in the order of the request: the numbers of `stability`.
+    pub names: Vec<String>,
+}
+
+/// One candidate from contact to rank. Pairs are of the ego and of the other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Chain {
+    /// Its name.
+    pub name: String,
+    /// The other party's name.
+    pub other: String,
+    /// Whether they touch.
+    pub touch: Touch,
+    /// Where the hulls first meet and where triangles first touch, as travel along the relative
+    /// path from the given pose (m).
+    pub first_m: Option<f64>,
+    /// Closing speed (m/s).
+    pub closing_m_s: f64,
+    /// Angle of the contact normal from the closing direction (degrees, left positive).
+    pub normal_degrees: Option<f64>,
+    /// v_n: closing speed along the normal (m/s).
+    pub normal_m_s: f64,
+    /// v_t: sliding speed across it (m/s).
+    pub tangential_m_s: f64,
+    /// Masses (kg); `None`: fixed to the ground.
+    pub mass_kg: [Option<f64>; 2],
+    /// Yaw radii of gyration k (m).
+    pub gyration_m: [f64; 2],
+    /// Lever arms: h across the normal, q along it (m).
+    pub levers_m: [[f64; 2]; 2],
+    /// Impulses, changes of velocity, energy.
+    pub response: Response,
+    /// Principal direction of force in each body's frame (degrees from forward, left positive).
+    pub force_degrees: [f64; 2],
+    /// Probability of the collision, as the planner states it.
+    pub probability: f64,
+    /// Everybody in it.
+    pub persons: Vec<PersonChain>,
+    /// Travel and intersecting pairs of triangles at each pose that forms the contact patch.
+    pub poses: Vec<(f64, u64)>,
+    /// Length of that patch across the normal, along it and upwards, and the depth (m).
+    pub patch_m: [f64; 4],
+    /// The policy's steps for this candidate.
+    pub steps: Vec<PolicyStep>,
+    /// Why it comes before the next.
+    pub why: Option<String>,
+    /// The person whose risk differs most between the two, where persons decided.
+    pub separates: Option<Separation>,
+}
+
+/// The person whose risk differs most between a candidate and the next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Separation {
+    /// Party.
+    pub party: String,
+    /// Seat; none on foot.
+    pub seat: Option<&'static str>,
+    /// Risk in the candidate.
+    pub here: f64,
+    /// Risk in the next one.
+    pub there: f64,
+    /// In a weighted sum: the rule that separates them most.
+    pub rule: Option<&'static str>,
+}
+
+/// One person from speed to risk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PersonChain {
+    /// Party.
+    pub party: String,
+    /// Seat; none on foot.
+    pub seat: Option<&'static str>,
+    /// As whom the curve takes the person.
+    pub victim: &'static str,
+    /// The curve's id.
+    pub curve: String,
+    /// The quantity it takes.
+    pub x: Quantity,
+    /// Its value (m/s).
+    pub x_m_s: f64,
+    /// Its value in the curve's own unit.
+    pub x_in_unit: f64,
+    /// That unit.
+    pub unit: Unit,
+    /// P(x) = 1/(1+exp(-(a+b x))), as published.
+    pub published: f64,
+    /// P(0), which the anchoring takes away.
+    pub at_rest: f64,
+    /// H = (P(x) - P(0))/(1 - P(0)), over open work.
+    pub harm: Work,
+    /// R = p H, the risk that ranks.
+    pub risk: f64,
+    /// The model range of H, and the curves and factors at its ends.
+    pub range: damage::Range,
+    /// "curves × factor" of the lower and of the upper end.
+    pub ends: [String; 2],
+}
+
+/// One step of the policy for one candidate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PolicyStep {
+    /// What is compared.
+    pub step: String,
+    /// Its value, over open work.
+    pub value: Work,
+}
+
+impl Explanation {
+    pub(crate) fn new(
+        request: &Request,
+        ranking: &Ranking,
+        harms: &[CandidateHarm],
+        cases: &[Case],
+    ) -> Result<Self, RankError> {
+        let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
+        let stability = damage::stability(&request.policy, &stakes, harms, &request.curves)?;
+        let steps: Vec<String> =
+            request.policy.steps(stakes.len()).iter().map(ToString::to_string).collect();
+        let used = |curve: &&Curve| {
+            harms.iter().flat_map(|harm| &harm.persons).any(|person| person.curve == curve.id)
+        };
+        let chain = |at: usize| {
+            let place = &ranking.places[at];
+            let next = ranking.places.get(at + 1).map(|next| next.candidate);
+            let name = |number: usize| request.candidates[number].name.as_str();
+            let why = place.why.as_ref().zip(next);
+            let values = steps.iter().zip(&place.steps);
+            Chain {
+                poses: poses(&cases[place.candidate]),
+                separates: why.and_then(|(ground, next)| {
+                    separation(request, ground, &harms[place.candidate], &harms[next])
+                }),
+                why: why.map(|(ground, next)| ground.sentence(name(place.candidate), name(next))),
+                steps: values
+                    .map(|(step, value)| PolicyStep { step: step.clone(), value: *value })
+                    .collect(),
+                ..chain(request, &request.candidates[place.candidate], &harms[place.candidate])
+            }
+        };
+        Ok(Self {
+            policy: request.policy.name.clone(),
+            board: request.policy.board.clone(),
+            outcome: request.policy.outcome.name(),
+            persons: stakes.len(),
+            parameters: request.parameters,
+            curves: request.curves.curves.iter().filter(used).cloned().collect(),
+            chains: (0..ranking.places.len()).map(chain).collect(),
+            stability,
+            names: request.candidates.iter().map(|candidate| candidate.name.clone()).collect(),
+            steps,
+        })
+    }
+}
+
+/// Pairs at the poses of the patch.
+fn poses(case: &Case) -> Vec<(f64, u64)> {
+    let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
+    let of_patch = stops.iter().filter(|(stop, _)| stop.patch);
+    of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
+}
+
+/// All of a chain but its place in the order.
+fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chain {
+    let parties = [&candidate.a, &candidate.b];
+    let patch = harm.contact.patch.as_ref();
+    Chain {
+        name: candidate.name.clone(),
+        other: candidate.other_name.clone(),
+        touch: harm.contact.touch,
+        first_m: patch.map(|patch| patch.first_m.hi()),
+        closing_m_s: harm.closing_m_s,
+        normal_degrees: patch.map(|patch| patch.normal_degrees),
+        normal_m_s: harm.normal_m_s.hi(),
+        tangential_m_s: harm.tangential_m_s.hi(),
+        mass_kg: parties.map(|party| party.mass_kg),
+        gyration_m: parties.map(|party| party.gyration_m),
+        levers_m: harm.levers_m,
+        response: harm.response,
+        force_degrees: harm.force_degrees,
+        probability: harm.probability,
+        persons: harm.persons.iter().map(|p| person(request, harm, p)).collect(),
+        poses: Vec::new(),
+        patch_m: patch.map_or([0.0; 4], |patch| {
+            [patch.width_m, patch.span_m, patch.height_m, patch.depth_m].map(Work::hi)
+        }),
+        steps: Vec::new(),
+        why: None,
+        separates: None,
+    }
+}
+
+/// Who decided between two candidates, if persons did.
+fn separation(
+    request: &Request,
+    ground: &Ground,
+    here: &CandidateHarm,
+    there: &CandidateHarm,
+) -> Option<Separation> {
+    let Ground::Least { person: Some(id), rule, .. } = ground else { return None };
+    let person = request.persons.get(id.0)?;
+    let risk = |harm: &CandidateHarm| {
+        let found = harm.persons.iter().find(|person| person.id == *id);
+        found.map_or(0.0, |person| harm.probability * person.work.hi())
+    };
+    Some(Separation {
+        party: person.party.clone(),
+        seat: person.seat.map(model::Seat::name),
+        here: risk(here),
+        there: risk(there),
+        rule: rule.map(|rule| rule.name()),
+    })
+}
+
+fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) -> PersonChain {
+    let curves = &request.curves;
+    let rung = curves.rung(person.victim, request.policy.outcome).ok();
+    let curve = rung.map(|rung| curves.nominal(rung));
+    let unit = curve.map_or(Unit::MetresPerSecond, |curve| curve.unit);
+    let x_m_s = person.x_m_s.hi();
+    let published = |x: f64| curve.map_or(0.0, |curve| curve.published(x));
+    let end = |end: &damage::injury::End| {
+        let ids: Vec<&str> = end.curves.iter().map(|c| curves.curves[*c].id.as_str()).collect();
+        format!("{} at {} x {}", ids.join(", "), end.times, end.x.name())
+    };
+    PersonChain {
+        party: request.persons[person.id.0].party.clone(),
+        seat: person.seat.map(model::Seat::name),
+        victim: person.victim.name(),
+        curve: person.curve.clone(),
+        x: person.x,
+        x_m_s,
+        x_in_unit: unit.of(x_m_s),
+        unit,
+        published: published(x_m_s),
+        at_rest: published(0.0),
+        harm: person.work,
+        risk: harm.probability * person.work.hi(),
+        range: person.range,
+        ends: rung.map_or_else(Default::default, |rung| [end(&rung.low), end(&rung.high)]),
+    }
+}

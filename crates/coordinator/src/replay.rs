@@ -1,0 +1,49 @@
+//! Making the evidence of a recorded request again, in this process.
+
+use crate::here::{Hits, run};
+use crate::ledger::Ends;
+use crate::work::Work;
+use bvh::Kernel;
+use dispatch::{Closed, Work as _};
+use model::{BodyView, Meta};
+use record::{End, Job, Place};
+
+/// Does the jobs that a ledger says were done, gives up those that were given up, and leaves open
+/// what never ended. Returns how many jobs were done.
+///
+/// Evidence is made from unions and maxima, so the order in which the jobs once ended is of no
+/// account.
+pub fn replay(
+    work: &mut Work<'_>,
+    bodies: &[(Meta, BodyView<'_>)],
+    places: &[Place],
+    jobs: &[Job],
+) -> u64 {
+    let ends = Ends::of(places, jobs);
+    let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
+    let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
+    let mut kernel = Kernel::with_room(depth, depth, triangles, triangles);
+    let (mut hits, mut around) = (Hits::default(), None);
+    let (mut open, mut done) = (Vec::new(), 0);
+    loop {
+        work.more(&mut open);
+        if open.is_empty() {
+            return done;
+        }
+        for job in open.drain(..) {
+            let end = work.errand(job.task).and_then(|errand| ends.end(errand, &job));
+            match end {
+                _ if work.is_moot(job.task) => work.close(&job, Closed::Cut),
+                // In another order it may be needed here though it was not needed there.
+                Some(End::Done | End::Cut) => {
+                    done += 1;
+                    run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut |_, _| {});
+                }
+                Some(End::Abandoned) | None => work.close(&job, Closed::Abandoned),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

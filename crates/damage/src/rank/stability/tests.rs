@@ -1,0 +1,112 @@
+//! Worked flips of K1 to K3, and the law that a flip is one: the winner changes there, not before.
+
+use super::*;
+use crate::rank::tests::{k, level, policies, policy, ranked, risks, settled, weighted};
+use proptest::prelude::*;
+
+fn of(policy: &Policy, candidates: &[CandidateHarm]) -> Stability {
+    let mut stakes = vec![Stake::default(); candidates[0].persons.len()];
+    stakes[0].is_ego = true;
+    let curves = Curves::shipped().expect("sound");
+    stability(policy, &stakes, candidates, &curves).expect("sound candidates")
+}
+
+fn reserve(stability: &Stability, knob: &Knob) -> Reserve {
+    stability.reserves.iter().find(|r| r.knob == *knob).expect("it is moved").clone()
+}
+
+#[test]
+fn k_only_the_weight_of_bayes_flips_a_weighted_winner() {
+    let stability = of(&weighted(0.5, 0.2, 0.3), &k());
+    assert_eq!(stability.winner, 1);
+    let bayes = reserve(&stability, &Knob::Weight { rule: Rule::Bayes });
+    assert!((bayes.flips_at.expect("it flips") - 0.928_57).abs() < 1e-5, "{bayes:?}");
+    assert_eq!(bayes.winner, Some(2));
+    for rule in [Rule::Equality, Rule::Maximin] {
+        assert_eq!(reserve(&stability, &Knob::Weight { rule }).flips_at, None, "{rule:?}");
+    }
+    // 0.21 - 0.15: within a tolerance of as much the third comes into reach, and property decides.
+    assert_eq!(stability.margins[0].next, Some((2, 0.21)));
+}
+
+#[test]
+fn k_an_accepted_risk_flips_where_the_next_becomes_acceptable() {
+    let first = "[[level]]\nrule = \"precaution\"\naccept = 0.3\n";
+    let policy = policy("lexicographic", &(first.to_owned() + &level("bayes", 0.0)));
+    let accept = reserve(&of(&policy, &k()), &Knob::Accept { level: 0 });
+    assert_eq!((accept.flips_at, accept.winner), (Some(0.35), Some(2)));
+}
+
+#[test]
+fn a_tolerance_flips_where_the_next_comes_within_reach() {
+    let two = level("bayes", 0.0) + &level("maximin", 0.0);
+    let stability = of(&policy("lexicographic", &two), &k());
+    assert_eq!(stability.winner, 2);
+    let bayes = reserve(&stability, &Knob::Tolerance { level: Some(0) });
+    assert!((bayes.flips_at.expect("it flips") - 0.01).abs() < 1e-8, "{bayes:?}");
+    assert_eq!(bayes.winner, Some(1));
+}
+
+/// Two pedestrians, struck at 12 m/s and one and a half times as fast, and one occupant.
+#[test]
+fn a_curve_flips_where_its_own_risks_overtake() {
+    let curves = Curves::shipped().expect("sound");
+    let curve = |id: &str| curves.curves.iter().find(|c| c.id == id).expect("shipped").clone();
+    let with = |id: &str, v: f64| {
+        let mut harm = settled(&[curve(id).risk(v)]);
+        harm.persons[0].curve = id.to_owned();
+        harm.persons[0].x_m_s = Work::exactly(v);
+        harm
+    };
+    let candidates = [with("rosen-2010", 12.0), with("tum-lr4s-front", 18.0)];
+    let policy = policy("lexicographic", &level("bayes", 0.0));
+    let stability = of(&policy, &candidates);
+    assert_eq!(stability.winner, 1);
+    for id in ["rosen-2010", "tum-lr4s-front"] {
+        let reserve = reserve(&stability, &Knob::Intercept { curve: id.to_owned() });
+        let a = reserve.flips_at.expect("it flips");
+        let moved = |own: &str, v: f64| {
+            let own = curve(own);
+            Curve { a: if own.id == id { a } else { own.a }, ..own }.risk(v)
+        };
+        let gap = moved("rosen-2010", 12.0) - moved("tum-lr4s-front", 18.0);
+        assert!(gap.abs() < 1e-8, "{id}: {gap}");
+        assert_eq!(reserve.winner, Some(0));
+    }
+}
+
+proptest! {
+    /// On the value's side of a flip the winner stays, on the other it does not.
+    #[test]
+    fn a_flip_of_a_weight_or_tolerance_is_one(policy in policies(), risks in risks()) {
+        let candidates: Vec<_> = risks.iter()
+            .map(|person| settled(&person.iter().map(|r| r.0).collect::<Vec<_>>())).collect();
+        let stability = of(&policy, &candidates);
+        prop_assert_eq!(stability.winner, ranked(&policy, &candidates).places[0].candidate);
+        for reserve in &stability.reserves {
+            let Some(at) = reserve.flips_at else { continue };
+            let with = |x: f64| match (&reserve.knob, &policy.composition) {
+                (Knob::Weight { rule }, Composition::Weighted { terms, tolerance }) => {
+                    let term = Term { rule: *rule, weight: reserve.value };
+                    let (terms, tolerance) = (reweighed(terms, term, x), *tolerance);
+                    let composition = Composition::Weighted { terms, tolerance };
+                    Some(Policy { composition, ..policy.clone() })
+                }
+                (Knob::Tolerance { level: Some(level) }, _) => {
+                    let mut policy = policy.clone();
+                    let Step::Least { tolerance, .. } = &mut policy.levels[*level] else {
+                        return None;
+                    };
+                    *tolerance = x;
+                    Some(policy)
+                }
+                _ => None,
+            };
+            let inside = with(reserve.value + 0.999 * (at - reserve.value));
+            if let Some(inside) = inside.filter(|_| (at - reserve.value).abs() > 1e-6) {
+                let winner = ranked(&inside, &candidates).places[0].candidate;
+                prop_assert_eq!(winner, stability.winner, "{:?}", reserve);
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! What a record holds. Plain values: their meaning is that of the crates which they come from.
+
+use serde::{Deserialize, Serialize};
+
+/// A text that a person wrote.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Text {
+    /// Its name, as it was given.
+    pub name: String,
+    /// BLAKE3 of the text, hexadecimal.
+    pub hash: String,
+    /// The text itself.
+    pub text: String,
+}
+
+/// Where a body came from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Source {
+    /// A model file.
+    File {
+        /// Its path, as the scenario gives it.
+        path: String,
+        /// Content hash of that file.
+        hash: String,
+    },
+    /// The built-in generator, called as the scenario says.
+    Generated,
+}
+
+/// The body of one party.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Body {
+    /// The party.
+    pub party: String,
+    /// Where it came from.
+    pub source: Source,
+    /// Content hash of the body with the tree that was used.
+    pub hash: String,
+}
+
+/// How the work was cut. Workers and channels are named for the reader: no answer depends on them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// "workers" or "in-process".
+    pub mode: String,
+    /// Worker processes.
+    pub workers: u32,
+    /// Distribution depth.
+    pub depth: u32,
+    /// Tree of the bodies.
+    pub tree: String,
+    /// Triangles per leaf at most.
+    pub leaf_size: u32,
+    /// Match scheme.
+    pub scheme: String,
+    /// Its weight of held sections.
+    pub alpha: f64,
+    /// Jobs per message.
+    pub batch: u32,
+    /// Jobs on their way to one worker.
+    pub queue: u32,
+    /// Seed of every choice that is called random.
+    pub seed: u64,
+    /// Parties of unknown kind were taken as fixed to the ground.
+    pub unknown_is_fixed: bool,
+}
+
+/// A question about one pose of one candidate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Number of the candidate.
+    pub candidate: u32,
+    /// Whether a survey asked, or else the search for first contact.
+    pub is_survey: bool,
+    /// Travel along the relative path (m).
+    pub travel_m: f64,
+}
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum End {
+    /// Its result was folded in.
+    Done,
+    /// Its question was answered before: nobody needs it.
+    Cut,
+    /// Given up: what it would have found is not known.
+    Abandoned,
+}
+
+/// A job of the ledger. Jobs that are not in it were open when the answer was given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Job {
+    /// Number in [`Record::places`].
+    pub place: u32,
+    /// Node of the ego's tree.
+    pub a: u32,
+    /// Node of the other's tree.
+    pub b: u32,
+    /// How it ended.
+    pub end: End,
+}
+
+/// What was known at one moment of the work.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Moment {
+    /// Since the work began (ns).
+    pub at_ns: u64,
+    /// Jobs closed by then.
+    pub jobs: u64,
+    /// State of the answer, had it been given then.
+    pub state: String,
+    /// Per candidate of the request: work interval of the policy's leading measure.
+    pub work: Vec<[f64; 2]>,
+}
+
+/// How long a stage took.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// Its name.
+    pub name: String,
+    /// Its length (ms).
+    pub ms: f64,
+}
+
+/// Everything about one request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Name of the build that answered.
+    pub build: String,
+    /// The scenario.
+    pub scenario: Text,
+    /// The policy.
+    pub policy: Text,
+    /// The injury curves.
+    pub curves: Text,
+    /// How the work was cut.
+    pub settings: Settings,
+    /// Bodies, in the order of the scenario's parties.
+    pub bodies: Vec<Body>,
+    /// Questions that had jobs.
+    pub places: Vec<Place>,
+    /// The ledger, in the order in which jobs were closed.
+    pub jobs: Vec<Job>,
+    /// What was known over time.
+    pub moments: Vec<Moment>,
+    /// Stages and their times.
+    pub stages: Vec<Stage>,
+    /// Workers lost, and what else was not as it should be.
+    pub faults: Vec<String>,
+    /// The answer, JSON as it was decided.
+    pub answer: String,
+    /// Its explanation, JSON.
+    pub explanation: String,
+}
+
+/// BLAKE3 of a text, hexadecimal.
+#[must_use]
+pub fn hash_of_text(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
+
+impl Text {
+    /// A text with its hash.
+    #[must_use]
+    pub fn new(name: &str, text: &str) -> Self {
+        Self { name: name.to_owned(), hash: hash_of_text(text), text: text.to_owned() }
+    }
+}

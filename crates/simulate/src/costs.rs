@@ -1,0 +1,126 @@
+//! What each step costs, and how the kernel's costs follow from timed jobs.
+//!
+//! The kernel's part is the seed's model T = Nb·Cb + Np·Cp, with a start of the job and a price per
+//! hit besides: a vectorised walk has a fixed cost that the seed's did not.
+
+use serde::{Deserialize, Serialize};
+
+/// Costs in nanoseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Costs {
+    /// Worker: per job, whatever is in it.
+    pub job_ns: f64,
+    /// Worker: per test of two boxes (the seed's Cb).
+    pub box_ns: f64,
+    /// Worker: per test of two triangles (the seed's Cp).
+    pub triangle_ns: f64,
+    /// Worker: per hit.
+    pub hit_ns: f64,
+    /// Worker: per result message.
+    pub send_ns: f64,
+    /// Worker that copies: per logical byte of a section that it did not hold.
+    pub section_byte_ns: f64,
+    /// Coordinator whose workers copy: per logical byte of a section that it ships.
+    pub ship_byte_ns: f64,
+    /// Coordinator: per task, before its descent.
+    pub task_ns: f64,
+    /// Coordinator: per test of two boxes of a descent.
+    pub descent_ns: f64,
+    /// Coordinator: per batch sent.
+    pub batch_ns: f64,
+    /// Coordinator: per job in it, with its placement.
+    pub place_ns: f64,
+    /// Coordinator: per result message taken.
+    pub take_ns: f64,
+    /// Coordinator: per hit folded.
+    pub fold_hit_ns: f64,
+    /// From the end of sending to the start of taking.
+    pub flight_ns: f64,
+}
+
+impl Costs {
+    /// What the kernel takes for a job [ns].
+    #[must_use]
+    pub fn kernel_ns(&self, nb: u64, np: u64, hits: u64) -> f64 {
+        self.job_ns
+            + self.box_ns * nb as f64
+            + self.triangle_ns * np as f64
+            + self.hit_ns * hits as f64
+    }
+}
+
+/// A job that was timed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Tests of boxes.
+    pub nb: u64,
+    /// Tests of triangles.
+    pub np: u64,
+    /// Hits.
+    pub hits: u64,
+    /// What it took (ns).
+    pub ns: f64,
+}
+
+const TERMS: usize = 4;
+
+/// The kernel's costs that explain the samples best: job, box, triangle, hit.
+///
+/// Least squares of relative errors, over costs that are not negative: terms that come out negative
+/// are left out, one after the other (Lawson and Hanson, *Solving Least Squares Problems*, 1974,
+/// give the exact method; four terms do not need it). All zero without samples.
+#[must_use]
+pub fn fit(samples: &[Sample]) -> [f64; TERMS] {
+    let mut used = [true; TERMS];
+    loop {
+        let costs = solve(samples, used);
+        let negative = (0..TERMS).filter(|term| costs[*term] < 0.0);
+        let Some(worst) = negative.min_by(|a, b| costs[*a].total_cmp(&costs[*b])) else {
+            return costs;
+        };
+        used[worst] = false;
+    }
+}
+
+/// Normal equations by Gauss with pivots; a term that the samples do not tell apart is 0.
+fn solve(samples: &[Sample], used: [bool; TERMS]) -> [f64; TERMS] {
+    // A microsecond: below, clock and caches decide, not the work.
+    const FLOOR_NS: f64 = 1_000.0;
+    let mut rows = [[0.0_f64; TERMS + 1]; TERMS];
+    for sample in samples {
+        let terms = [1.0, sample.nb as f64, sample.np as f64, sample.hits as f64];
+        let weight = 1.0 / (sample.ns + FLOOR_NS);
+        let weight = weight * weight;
+        for i in 0..TERMS {
+            for j in 0..TERMS {
+                rows[i][j] += weight * terms[i] * terms[j];
+            }
+            rows[i][TERMS] += weight * terms[i] * sample.ns;
+        }
+    }
+    let mut pivots = [None; TERMS];
+    for column in (0..TERMS).filter(|column| used[*column]) {
+        let free = (0..TERMS).filter(|row| used[*row] && !pivots.contains(&Some(*row)));
+        let size = |row: &usize| rows[*row][column].abs();
+        let Some(pivot) = free.max_by(|a, b| size(a).total_cmp(&size(b))) else { continue };
+        if rows[pivot][column].abs() < 1e-12 {
+            continue;
+        }
+        pivots[column] = Some(pivot);
+        let by = rows[pivot];
+        for (_, row) in rows.iter_mut().enumerate().filter(|(number, _)| *number != pivot) {
+            let factor = row[column] / by[column];
+            row.iter_mut().zip(by).for_each(|(value, by)| *value -= factor * by);
+        }
+    }
+    let mut costs = [0.0; TERMS];
+    for column in 0..TERMS {
+        if let Some(pivot) = pivots[column] {
+            costs[column] = rows[pivot][TERMS] / rows[pivot][column];
+        }
+    }
+    costs
+}
+
+#[cfg(test)]
+mod tests;

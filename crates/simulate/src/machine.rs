@@ -1,0 +1,187 @@
+//! A machine of virtual cores at work on a trace.
+
+use crate::costs::Costs;
+use crate::trace::{JobTrace, Replay, Trace};
+use dispatch::{
+    Cache, Counts, Dispatcher, Effect, Event, Matching, Progress, Queues, Scheme, Thrash, Transfer,
+};
+use protocol::{Incarnation, JobId};
+use std::collections::VecDeque;
+
+/// Where the coordinator runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Home {
+    /// On a core of its own.
+    Own,
+    /// On the core of worker 0, which stands still while the coordinator has something to do.
+    Shared,
+}
+
+/// What is simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    /// Workers, each on a core of its own.
+    pub workers: u8,
+    /// Where the coordinator runs.
+    pub home: Home,
+    /// Who gets which job.
+    pub matching: Matching,
+    /// Sizes of queues and batches.
+    pub queues: Queues,
+    /// What a core may hold.
+    pub cache: Cache,
+    /// Whether sections are copied: then their bytes cost time.
+    pub copies: bool,
+}
+
+/// What came out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// From the start to the last result folded (ns).
+    pub time_ns: f64,
+    /// What each worker worked (ns).
+    pub busy_ns: Vec<f64>,
+    /// What the coordinator worked (ns).
+    pub coordinator_ns: f64,
+    /// Jobs and batches.
+    pub counts: Counts,
+    /// Sections that travelled.
+    pub transfer: Transfer,
+    /// The section that did not fit: then the run ended there, and its time means nothing.
+    pub thrash: Option<Thrash>,
+}
+
+/// A worker: a server that takes its jobs in order.
+#[derive(Clone, Debug, Default)]
+struct Server {
+    /// When it has done all that it has (ns).
+    free_ns: f64,
+    busy_ns: f64,
+    /// Jobs it has, and when their results are sent (ns).
+    sent: VecDeque<(f64, JobId, u8)>,
+}
+
+/// Runs the trace.
+#[must_use]
+pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> Outcome {
+    let workers = usize::from(setup.workers);
+    let scheme = setup.matching.scheme();
+    let mut machine = Machine {
+        dispatcher: Dispatcher::new(scheme, setup.queues, setup.cache, workers),
+        replay: Replay::new(trace),
+        jobs: trace.jobs().collect(),
+        costs,
+        home: setup.home,
+        copies: setup.copies,
+        servers: vec![Server::default(); workers],
+        now_ns: 0.0,
+        coordinator_ns: 0.0,
+    };
+    machine.dispatcher.begin();
+    for worker in 0..setup.workers {
+        machine.dispatcher.admit(Incarnation { worker, inc: 0 });
+    }
+    let mut progress = machine.step(Event::Poll);
+    while progress == Progress::Working {
+        progress = machine.next();
+    }
+    Outcome {
+        time_ns: machine.now_ns,
+        busy_ns: machine.servers.iter().map(|server| server.busy_ns).collect(),
+        coordinator_ns: machine.coordinator_ns,
+        counts: machine.dispatcher.counts(),
+        transfer: machine.dispatcher.transfer(),
+        thrash: machine.dispatcher.thrash(),
+    }
+}
+
+struct Machine<'t> {
+    dispatcher: Dispatcher<Box<dyn Scheme>>,
+    replay: Replay<'t>,
+    jobs: Vec<&'t JobTrace>,
+    costs: &'t Costs,
+    home: Home,
+    copies: bool,
+    servers: Vec<Server>,
+    /// The coordinator's time.
+    now_ns: f64,
+    coordinator_ns: f64,
+}
+
+impl Machine<'_> {
+    /// The next result, or the next batch that has lingered.
+    fn next(&mut self) -> Progress {
+        let first = |(number, server): (usize, &Server)| {
+            server.sent.front().map(|(sent_ns, ..)| (*sent_ns, number))
+        };
+        let next = self.servers.iter().enumerate().filter_map(first);
+        let next = next.min_by(|a, b| a.0.total_cmp(&b.0));
+        let due = self.dispatcher.due_ns().map(|due_ns| due_ns as f64);
+        match (next, due) {
+            (Some((sent_ns, worker)), due) if due.is_none_or(|due| sent_ns <= due) => {
+                self.now_ns = self.now_ns.max(sent_ns + self.costs.flight_ns);
+                let Some((_, job, attempt)) = self.servers[worker].sent.pop_front() else {
+                    return Progress::Stranded;
+                };
+                let hits = self.jobs[job.0 as usize].hits;
+                self.work(self.costs.take_ns + self.costs.fold_hit_ns * hits as f64);
+                let from = Incarnation { worker: worker as u8, inc: 0 };
+                self.step(Event::Part { from, job, attempt, part: 0, last: true, body: () })
+            }
+            (_, Some(due)) => {
+                self.now_ns = self.now_ns.max(due);
+                self.step(Event::Poll)
+            }
+            // Jobs are open and nobody has one: the dispatcher's own tests rule it out.
+            (_, None) => Progress::Stranded,
+        }
+    }
+
+    fn step(&mut self, event: Event<'_, ()>) -> Progress {
+        let mut effects = Vec::new();
+        let now_ns = self.now_ns as u64;
+        let progress = self.dispatcher.step(now_ns, event, &mut self.replay, &mut effects);
+        let (tasks, tests) = std::mem::take(&mut self.replay.descents);
+        self.work(self.costs.task_ns * tasks as f64 + self.costs.descent_ns * tests as f64);
+        for Effect::Send { to, jobs, fetch } in effects {
+            let weight = |section| dispatch::Work::weight(&self.replay, section) as f64;
+            let fetched: f64 = fetch.into_iter().map(weight).sum();
+            let loaded = if self.copies { fetched } else { 0.0 };
+            self.work(
+                self.costs.batch_ns
+                    + self.costs.place_ns * jobs.len() as f64
+                    + self.costs.ship_byte_ns * loaded,
+            );
+            let arrives_ns = self.now_ns + self.costs.flight_ns;
+            let server = &mut self.servers[usize::from(to.worker)];
+            server.free_ns = server.free_ns.max(arrives_ns);
+            // The sections of a batch are loaded by its jobs; which of them does not matter here.
+            let load_ns = self.costs.section_byte_ns * loaded / jobs.len() as f64;
+            for (job, attempt) in jobs {
+                let JobTrace { nb, np, hits, .. } = *self.jobs[job.0 as usize];
+                let ns = self.costs.kernel_ns(nb, np, hits) + self.costs.send_ns + load_ns;
+                server.free_ns += ns;
+                server.busy_ns += ns;
+                server.sent.push_back((server.free_ns, job, attempt));
+            }
+        }
+        progress
+    }
+
+    /// The coordinator works.
+    fn work(&mut self, ns: f64) {
+        let begun_ns = self.now_ns;
+        self.now_ns += ns;
+        self.coordinator_ns += ns;
+        let (Home::Shared, Some(server)) = (self.home, self.servers.first_mut()) else { return };
+        if server.free_ns > begun_ns {
+            server.free_ns += ns;
+        }
+        for (sent_ns, ..) in server.sent.iter_mut().filter(|(sent_ns, ..)| *sent_ns > begun_ns) {
+            *sent_ns += ns;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

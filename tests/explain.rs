@@ -1,0 +1,178 @@
+//! An explanation can be checked by hand: every figure follows from those before it in the text,
+//! and the last ones are those of the answer.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod support;
+
+use serde_json::Value;
+use support::{Place, json, run, six, text};
+
+fn near(value: &Value, expected: f64, what: &str) {
+    let value = value.as_f64().unwrap();
+    assert!(
+        (value - expected).abs() <= 1e-9 + 1e-9 * expected.abs(),
+        "{what}: {value}, {expected}"
+    );
+}
+
+fn numbers(value: &Value) -> [f64; 2] {
+    [value[0].as_f64().unwrap_or(0.0), value[1].as_f64().unwrap_or(0.0)]
+}
+
+/// From speeds, masses and lever arms to changes of velocity, once more.
+fn check_impact(chain: &Value, e: f64, mu: f64) {
+    let inverse = [0, 1].map(|i| chain["mass_kg"][i].as_f64().map_or(0.0, |m| 1.0 / m));
+    let k = numbers(&chain["gyration_m"]);
+    let arms = [numbers(&chain["levers_m"][0]), numbers(&chain["levers_m"][1])];
+    let w = |arm: usize| -> f64 {
+        (0..2).map(|i| (1.0 + (arms[i][arm] / k[i]).powi(2)) * inverse[i]).sum()
+    };
+    let v_n = chain["normal_m_s"].as_f64().unwrap();
+    let v_t = chain["tangential_m_s"].as_f64().unwrap();
+    let j_n = (1.0 + e) * v_n / w(0);
+    let j_t = (mu * j_n).min(v_t / w(1));
+    let (response, name) = (&chain["response"], chain["name"].as_str().unwrap());
+    near(&response["normal_n_s"], j_n, name);
+    near(&response["tangential_n_s"], j_t, name);
+    for i in 0..2 {
+        near(&response["delta_v_m_s"][i], j_n.hypot(j_t) * inverse[i], name);
+    }
+    let lost = 0.5 * (1.0 - e * e) * v_n * v_n / w(0) + j_t * (v_t - 0.5 * w(1) * j_t);
+    near(&response["energy_j"], lost, name);
+}
+
+/// From a speed to a probability, by the curve as the explanation states it.
+fn check_person(person: &Value, curves: &[Value], chain: &Value) -> f64 {
+    let curve = curves.iter().find(|curve| curve["id"] == person["curve"]).unwrap();
+    let unit = match curve["unit"].as_str().unwrap() {
+        "m/s" => 1.0,
+        "km/h" => 3.6,
+        other => panic!("{other}"),
+    };
+    let x = match person["x"].as_str().unwrap() {
+        "delta-v" => {
+            let ego = person["party"] == "ego";
+            chain["response"]["delta_v_m_s"][usize::from(!ego)].as_f64().unwrap()
+        }
+        "closing-normal" => chain["normal_m_s"].as_f64().unwrap(),
+        other => panic!("{other}"),
+    };
+    let x = if chain["touch"] == "yes" { x } else { 0.0 };
+    near(&person["x_m_s"], x, "x");
+    let (a, b) = (curve["a"].as_f64().unwrap(), curve["b"].as_f64().unwrap());
+    let p = |x: f64| 1.0 / (1.0 + (-(a + b * unit * x)).exp());
+    near(&person["published"], p(x), "P(x)");
+    near(&person["at_rest"], p(0.0), "P(0)");
+    let harm = (p(x) - p(0.0)) / (1.0 - p(0.0));
+    near(&person["harm"][1], harm, "H");
+    assert!(curve["source"].as_str().unwrap().len() > 5 && curve["year"].as_u64().unwrap() > 1990);
+    harm * chain["probability"].as_f64().unwrap()
+}
+
+#[test]
+fn every_figure_follows_from_those_before_it() {
+    let place = Place::new();
+    let path =
+        place.write("six.toml", &six(1500).replacen("ego = {", "probability = 0.5\nego = {", 1));
+    let output = run(&["rank", path.to_str().unwrap(), "--json", "--explain", "--workers", "2"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let document = json(&output);
+    let explanation = &document["explanation"];
+    let parameters = &explanation["parameters"];
+    let e = parameters["restitution"]["nominal"].as_f64().unwrap();
+    let mu = parameters["friction"]["nominal"].as_f64().unwrap();
+    let curves = explanation["curves"].as_array().unwrap();
+    let persons = explanation["persons"].as_f64().unwrap();
+    let chains = explanation["chains"].as_array().unwrap();
+    let mut touching = 0;
+    for (chain, row) in chains.iter().zip(document["answer"]["ranking"].as_array().unwrap()) {
+        assert_eq!(chain["name"], row["name"]);
+        let mut risks = Vec::new();
+        for person in chain["persons"].as_array().unwrap() {
+            risks.push(check_person(person, curves, chain));
+        }
+        if chain["touch"] == "yes" {
+            check_impact(chain, e, mu);
+            touching += 1;
+        }
+        let bayes = risks.iter().sum::<f64>() / persons;
+        let rounded = |x: f64| (x * 1e8).round();
+        assert_eq!(chain["steps"][0]["step"], "least bayes");
+        let said = chain["steps"][0]["value"][1].as_f64().unwrap();
+        assert!((rounded(said) - rounded(bayes)).abs() <= 1.0, "{said} {bayes}");
+        assert_eq!(chain["steps"][0]["value"], row["work"]);
+        assert_eq!(chain["why"], row["why"]);
+        if let Some(who) = chain["separates"].as_object() {
+            let (here, there) = (who["here"].as_f64().unwrap(), who["there"].as_f64().unwrap());
+            assert!(here != there, "{who:?}");
+        }
+    }
+    assert!(touching >= 4, "{touching} crashes are too few to tell");
+    let stability = &explanation["stability"];
+    let winner = stability["winner"].as_u64().unwrap() as usize;
+    assert_eq!(explanation["names"][winner], document["answer"]["ranking"][0]["name"]);
+    assert!(stability["reserves"].as_array().unwrap().len() > 2 * curves.len());
+}
+
+#[test]
+fn an_explanation_in_words_fits_the_terminal_and_names_every_source() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(800));
+    let output = run(&["rank", path.to_str().unwrap(), "--explain", "--in-process"]);
+    let words = text(&output.stdout);
+    let from = words.find("How the order came about").unwrap();
+    for line in words[from..].lines() {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    for said in ["Rosen et al., ESV 09-0132", "What would flip the winner", "J_n", "v_n", "H 0."] {
+        assert!(words[from..].contains(said), "{said}");
+    }
+}
+
+#[test]
+fn parts_and_zones_of_what_was_hit_are_named() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(800));
+    let output = run(&["rank", path.to_str().unwrap(), "--json", "--in-process"]);
+    for row in json(&output)["answer"]["ranking"].as_array().unwrap() {
+        let touches = row["contact"]["touch"] == "yes";
+        for side in 0..2 {
+            let parts = row["parts"][side].as_array().unwrap();
+            assert_eq!(!parts.is_empty(), touches, "{}", row["name"]);
+            // What is hit from f to e is the union of what is hit at the poses between.
+            let key = ["hits_a", "hits_b"][side];
+            let poses = row["poses"].as_array().unwrap();
+            let at: Vec<u64> = poses.iter().map(|pose| pose[key].as_u64().unwrap()).collect();
+            let (most, sum) = (at.iter().max().copied().unwrap_or(0), at.iter().sum::<u64>());
+            let all = row["hits"][side].as_u64().unwrap();
+            assert!((most..=sum).contains(&all), "{}: {all} of {at:?}", row["name"]);
+        }
+    }
+}
+
+/// A thing that nobody knows is refused, or taken as fixed and said to be.
+#[test]
+fn an_unknown_party_is_refused_unless_it_may_be_taken_as_fixed() {
+    let place = Place::new();
+    let good = six(600);
+    let unknown = good.replace("[parties.p1]", "[parties.p1]\nkind = \"unknown\"");
+    let path = place.write("unknown.toml", &unknown);
+    let path = path.to_str().unwrap();
+    let output = run(&["rank", path, "--in-process"]);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{error}");
+    for said in ["unknown.toml:", "\"p1\" is of unknown kind", "--assume unknown=fixed"] {
+        assert!(error.contains(said), "{error}");
+    }
+    let output = run(&["rank", path, "--in-process", "--json", "--assume", "unknown=fixed"]);
+    let document = json(&output);
+    let assumed = document["answer"]["assumptions"].as_array().unwrap();
+    assert_eq!(assumed.len(), 1, "{assumed:?}");
+    let moving = good.replace("[parties.p2]", "[parties.p2]\nkind = \"unknown\"");
+    let path = place.write("moving.toml", &moving);
+    let args = ["rank", path.to_str().unwrap(), "--in-process", "--assume", "unknown=fixed"];
+    let output = run(&args);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(65), "{error}");
+    assert!(error.contains("moves") && error.contains("help"), "{error}");
+}

@@ -1,0 +1,90 @@
+//! A whole measurement of small bodies: its tables, figures and page fit together; and bad input is
+//! refused before anything is measured.
+
+mod support;
+
+use std::path::Path;
+use support::{Place, text, trolley};
+
+const PAIRS: [&str; 2] = ["sedan:3000,suv:3000,deep", "sedan:3000,suv:3000,scratch"];
+
+#[test]
+fn a_measurement_writes_tables_figures_and_a_page_that_fit_together() {
+    let place = Place::new();
+    let out = place.path().join("results");
+    let mut command = trolley();
+    command.args(["measure", "--quick", "--out"]).arg(&out);
+    for pair in PAIRS {
+        command.args(["--pair", pair]);
+    }
+    let output = command.output().expect("it can be started");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).expect(name);
+    let table = read("rows.csv");
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().expect("a line of names").split(',').collect();
+    let column = |name: &str| names.iter().position(|known| *known == name).expect(name);
+    let (mut rows, mut measured, mut by_depth) = (0, 0, std::collections::BTreeMap::new());
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), names.len(), "{line}");
+        let of = |name: &str| fields[column(name)];
+        // What thrashed has a reason and no figure, everything else the reverse.
+        assert_eq!(of("thrashed").is_empty(), !of("speed_up").is_empty(), "{line}");
+        let is_counted = of("mode") == "measured" && of("thrashed").is_empty();
+        assert_eq!(is_counted, !of("message_bytes").is_empty(), "{line}");
+        if of("thrashed").is_empty() {
+            // Whoever works, at one depth there are the same jobs.
+            let jobs = by_depth.entry((of("pair"), of("depth"))).or_insert(of("jobs"));
+            assert_eq!(*jobs, of("jobs"), "{line}");
+            let share: f64 = of("relative_to_unshared").parse().expect("a number");
+            assert!(share > 0.0 && share <= 1.0, "{line}");
+        }
+        rows += 1;
+        measured += u32::from(of("mode") == "measured");
+    }
+    assert!(rows > 100 && measured > 40, "{rows} rows, {measured} measured");
+    let page = read("README.md");
+    for letter in 'a'..='g' {
+        assert!(page.contains(&format!("\n| {letter} | ")), "claim {letter} is not there");
+    }
+    let figures: Vec<&str> =
+        page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    assert_eq!(figures.len(), 6, "{figures:?}");
+    for figure in figures {
+        let png = std::fs::read(out.join(figure)).expect(figure);
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 5_000, "{figure}");
+        let svg = read(&figure.replace(".png", ".svg"));
+        assert!(svg.contains("best-match-load") && svg.contains("distribution depth"), "{figure}");
+    }
+    let document: serde_json::Value =
+        serde_json::from_str(&read("measure.json")).expect("it is JSON");
+    assert_eq!(document["pairs"].as_array().map(Vec::len), Some(2));
+    assert_eq!(document["schema"], "trolley.measure/1");
+}
+
+fn refused(args: &[&str], code: i32, says: &str) {
+    let output = trolley().arg("measure").args(args).output().expect("it can be started");
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {error}");
+    assert!(error.contains(says), "{args:?}: {error}");
+}
+
+#[test]
+fn bad_input_is_refused_with_its_reason() {
+    let place = Place::new();
+    let out = place.path().to_str().expect("a path of letters");
+    let file = place.write("a-file", "not a folder");
+    let below = file.join("results");
+    refused(&["--out", below.to_str().expect("a path")], 71, "a-file");
+    refused(&["--out", out, "--alpha", "1.5"], 78, "--alpha may be 0 to 1");
+    refused(&["--out", out, "--alpha", "nan"], 78, "--alpha may be 0 to 1");
+    refused(&["--out", out, "--pair", "one,two"], 2, "A,B,POSES");
+    refused(&["--out", out, "--pair", "no.trolley,sedan:900,deep"], 65, "no.trolley");
+    refused(&["--out", out, "--pair", "sedan:9,sedan:900,deep"], 65, "triangles");
+    refused(&["--out", out, "--pair", "sedan:900,sedan:900,no.txt"], 65, "no.txt");
+    let bent = place.write("bent.txt", "1 0 0 0\n0 1 0 0\n0 0 2 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n");
+    let pair = format!("sedan:900,sedan:900,{}", bent.display());
+    refused(&["--out", out, "--pair", &pair], 65, "not rigid");
+    assert!(Path::new(out).join("README.md").metadata().is_err(), "nothing was measured");
+}

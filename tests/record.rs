@@ -1,0 +1,169 @@
+//! Decision records of real runs: replayed elsewhere they give the same bytes; what was changed,
+//! cut, exchanged or removed is found and named.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod support;
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+use support::{Place, answer, json, run, six, text, trolley};
+
+fn command(args: &[&str]) -> Output {
+    trolley().args(args).output().unwrap()
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// A scenario with a model file in it, ranked with a record; the folder of records.
+fn recorded(place: &Place, ways: &[&[&str]]) -> PathBuf {
+    let model = place.path().join("suv.trolley");
+    let args = ["model", "generate", "suv", "--triangles", "900", "-o", path(&model)];
+    let made = command(&args);
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    let of_file = "file = \"suv.trolley\"";
+    let good = six(900);
+    let from = good.find("generate = { shape = \"suv\"").unwrap();
+    let to = from + good[from..].find('\n').unwrap();
+    let scenario = format!("{}{of_file}{}", &good[..from], &good[to..]);
+    let scenario = place.write("six.toml", &scenario);
+    let records = place.path().join("records");
+    for way in ways {
+        let mut args = vec!["rank", path(&scenario), "--json", "--record", path(&records)];
+        args.extend(*way);
+        let output = run(&args);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    records
+}
+
+#[test]
+fn a_record_is_replayed_bit_for_bit_in_another_place() {
+    let place = Place::new();
+    let ways: [&[&str]; 3] = [
+        &["--workers", "2"],
+        &["--in-process", "--depth", "5", "--build", "sah"],
+        &["--workers", "3", "--batch", "1", "--queue", "1"],
+    ];
+    let records = recorded(&place, &ways);
+    let verified = command(&["record", "verify", path(&records)]);
+    assert!(verified.status.success(), "{}", text(&verified.stderr));
+    assert!(text(&verified.stdout).contains("3 records"), "{}", text(&verified.stdout));
+    // Elsewhere there are neither scenario nor model under the names that they had.
+    let elsewhere = Place::new();
+    let model = elsewhere.path().join("x.trolley");
+    std::fs::copy(place.path().join("suv.trolley"), model).unwrap();
+    for number in 0..3 {
+        let name = format!("{number:06}.record");
+        let copy = elsewhere.path().join(&name);
+        std::fs::copy(records.join(&name), &copy).unwrap();
+    }
+    drop(place);
+    for number in 0..3 {
+        let copy = elsewhere.path().join(format!("{number:06}.record"));
+        let args = ["record", "replay", path(&copy), "--models", path(elsewhere.path()), "--json"];
+        let output = command(&args);
+        let document = json(&output);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert_eq!((&document["same"], &document["same_build"]), (&true.into(), &true.into()));
+        assert!(document["jobs"].as_u64().unwrap() > 20);
+    }
+    let without = command(&["record", "replay", path(&elsewhere.path().join("000000.record"))]);
+    let error = text(&without.stderr);
+    assert_eq!(without.status.code(), Some(65), "{error}");
+    assert!(error.contains("\"p2\" is missing") && error.contains("--models"), "{error}");
+}
+
+#[test]
+fn a_record_shows_what_was_asked_and_decided() {
+    let place = Place::new();
+    let records = recorded(&place, &[&["--workers", "2"]]);
+    let file = records.join("000000.record");
+    let shown = json(&command(&["record", "show", path(&file), "--json"]));
+    let scenario = place.path().join("six.toml");
+    let ranked = run(&["rank", path(&scenario), "--json", "--in-process"]);
+    let told: serde_json::Value =
+        serde_json::from_str(&format!("{{{}}}", answer(&ranked).trim_end_matches(','))).unwrap();
+    assert_eq!(shown["answer"], told["answer"]);
+    assert_eq!(shown["settings"]["workers"], 2);
+    assert_eq!(shown["bodies"].as_array().unwrap().len(), 7);
+    assert_eq!(shown["scenario"]["hash"].as_str().unwrap().len(), 64);
+    assert!(shown["jobs"].as_array().unwrap().len() > 20);
+    assert!(!shown["moments"].as_array().unwrap().is_empty());
+    assert!(shown["explanation"]["stability"]["reserves"].is_array());
+    let words = text(&command(&["record", "show", path(&file)]).stdout);
+    for said in ["build", "policy", "jobs", "answer    complete", "before"] {
+        assert!(words.contains(said), "{said}: {words}");
+    }
+    assert!(words.lines().all(|line| line.chars().count() <= 140), "{words}");
+}
+
+#[test]
+fn each_of_1000_changed_bytes_is_found_and_the_file_named() {
+    let place = Place::new();
+    let records = recorded(&place, &[&["--in-process", "--depth", "2"], &["--in-process"]]);
+    let file = records.join("000001.record");
+    let good = std::fs::read(&file).unwrap();
+    let mut state = 5;
+    let mut draw = |below: u64| {
+        state = geometry::hash::splitmix64(state);
+        state % below
+    };
+    for _ in 0..1000 {
+        let (at, flip) = (draw(good.len() as u64) as usize, 1 + draw(255) as u8);
+        let mut bad = good.clone();
+        bad[at] ^= flip;
+        std::fs::write(&file, &bad).unwrap();
+        let output = command(&["record", "verify", path(&records)]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(65), "byte {at}: {error}");
+        assert!(error.contains("000001.record") && error.contains("help"), "{error}");
+    }
+    std::fs::write(&file, &good).unwrap();
+    assert!(command(&["record", "verify", path(&records)]).status.success());
+}
+
+#[test]
+fn what_is_cut_foreign_of_another_version_or_removed_is_told_apart() {
+    let place = Place::new();
+    let records = recorded(&place, &[&["--in-process"][..]; 3]);
+    let file = records.join("000001.record");
+    let good = std::fs::read(&file).unwrap();
+    let third = std::fs::read(records.join("000002.record")).unwrap();
+    let newer = [&good[..8], &[7, 0, 0, 0], &good[12..]].concat();
+    let cases: [(&[u8], &str); 4] = [
+        (&good[..good.len() / 2], "was cut"),
+        (b"", "not a decision record"),
+        (b"hello", "not a decision record"),
+        (&newer, "version 7"),
+    ];
+    for (bytes, says) in cases {
+        std::fs::write(&file, bytes).unwrap();
+        for args in [
+            &["record", "verify", path(&records)][..],
+            &["record", "show", path(&file)],
+            &["record", "replay", path(&file)],
+        ] {
+            let output = command(args);
+            let error = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(65), "{args:?}: {error}");
+            assert!(error.contains("000001.record") && error.contains(says), "{args:?}: {error}");
+        }
+    }
+    // Nothing is added to a chain whose end cannot be read.
+    std::fs::write(records.join("000002.record"), b"hello").unwrap();
+    let scenario = place.path().join("six.toml");
+    let output = run(&["rank", path(&scenario), "--in-process", "--record", path(&records)]);
+    let error = text(&output.stderr);
+    assert_eq!((output.status.code(), output.stdout.is_empty()), (Some(65), true), "{error}");
+    assert!(error.contains("000002.record"), "{error}");
+    let file_in_the_way = run(&["rank", path(&scenario), "--record", path(&scenario)]);
+    assert_eq!(file_in_the_way.status.code(), Some(71));
+    std::fs::write(records.join("000002.record"), &third).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    let output = command(&["record", "verify", path(&records)]);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(65), "{error}");
+    assert!(error.contains("number 2") && error.contains("1 should come"), "{error}");
+}
