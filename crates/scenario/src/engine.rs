@@ -101,7 +101,7 @@ impl Engine {
         coordinator_core: None,
         // On four virtual cores the best depth for bodies of 60,000 to 2 million triangles was 3 to
         // 6, and two real workers were the quickest at 3 to 5: `trolley measure`.
-        depth: 5,
+        depth: 4,
         // The scheme that the method's authors found best.
         scheme: Scheme::BestMatchLoad,
         // Held sections and load weigh the same until measured otherwise.
@@ -201,7 +201,7 @@ pub struct Overrides {
     /// Core number of the coordinator. Default: wherever the workers' cores leave room.
     #[schemars(range(min = limit::CORE.least, max = limit::CORE.most))]
     pub coordinator_core: Option<i64>,
-    /// Distribution depth: levels of both trees that the coordinator descends itself. Default 5.
+    /// Distribution depth: levels of both trees that the coordinator descends itself. Default 4.
     #[schemars(range(min = limit::DEPTH.least, max = limit::DEPTH.most))]
     pub depth: Option<i64>,
     /// How jobs are matched to workers. Default best-match-load.

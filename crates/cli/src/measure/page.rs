@@ -17,7 +17,7 @@ pub(crate) fn worst(checks: &[Check]) -> f64 {
     checks.iter().map(|check| check.error().abs()).fold(0.0, f64::max)
 }
 
-/// The greatest speed-up of Best Match-Load in one mode, and where.
+/// The greatest speed-up of Best Match-Load in one mode, over all depths and buffers, and where.
 pub(crate) fn best(swept: &Swept, mode: Mode, workers: u8) -> Option<(f64, u32)> {
     let rows = swept.rows.iter().filter(|row| {
         (row.mode, row.workers) == (mode, workers)
@@ -192,6 +192,7 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
     let of = |transfer: &str, depth: u32| {
         pair.rows.iter().find(|row| {
             (row.mode, row.workers, row.depth) == (Mode::Measured, 2, depth)
+                && row.queue == super::calibrate::QUEUES.capacity
                 && (row.scheme, row.transfer) == ("best-match-load", transfer)
         })
     };

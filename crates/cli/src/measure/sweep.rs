@@ -308,6 +308,9 @@ impl Sweep<'_> {
         for row in self.rows.iter_mut().filter(|row| row.mode == Mode::Measured) {
             row.speed_up = row.time_ms.map(|ms| alone_ms / ms);
         }
+        // Passes have put the quickest runs last.
+        self.rows.sort_by_key(|row| (row.workers, row.queue, row.depth));
+        self.shares.sort_by_key(|shares| (shares.workers, shares.depth));
         for shares in &mut self.shares {
             shares.speed_up = alone_ms / shares.run_ms;
             shares.kernel_alone_ms = alone_ms;
