@@ -111,17 +111,18 @@ pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failu
         names =
             known.collect::<Result<_, String>>().map_err(|e| Failure::new(Code::Internal, e))?;
     }
+    let command = command(args);
     let bar = Progress::new("measuring", names.len() as u64 * sweep::steps(&plan), output);
     let mut swept = Vec::new();
     for name in &names {
         let pair = name.load()?;
-        let bench = Bench::new(&pair, if args.quick { 5 } else { 15 })?;
+        let bench = Bench::new(&pair, if args.quick { 5 } else { 7 })?;
         swept.push(sweep(&bench, &plan, &bar)?);
+        // Whoever stops it here keeps what is finished.
+        write_all(&args.out, &swept, &claims(&swept), &command)?;
     }
     drop(bar);
     let claims = claims(&swept);
-    let command = command(args);
-    write_all(&args.out, &swept, &claims, &command)?;
     if output.json {
         return print::out(&document(&swept, &claims, &command)?);
     }
@@ -132,9 +133,10 @@ fn plan(args: &MeasureArgs) -> Plan {
     let (depths, buffers) = if args.quick {
         (vec![1, 2, 4, 6, 8], vec![4, 16, 64])
     } else {
-        (vec![0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12], vec![1, 2, 4, 8, 16, 32, 64, 128, 256])
+        (vec![0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12], vec![1, 2, 4, 8, 16, 32, 64, 128, 256])
     };
-    Plan { depths, buffers, seed: args.seed, alpha: args.alpha }
+    let passes = if args.quick { 1 } else { 2 };
+    Plan { depths, buffers, passes, seed: args.seed, alpha: args.alpha }
 }
 
 /// The command as it can be given again, without the machine's paths.
@@ -194,8 +196,13 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
         }
     };
     let about = format!(
-        "{}: {} + {} triangles, {} poses, queue 64, batch 16",
-        pair.pair, pair.triangles[0], pair.triangles[1], pair.poses
+        "{}: {} + {} triangles, {} poses, queue {}, batch {}",
+        pair.pair,
+        pair.triangles[0],
+        pair.triangles[1],
+        pair.poses,
+        calibrate::QUEUES.capacity,
+        calibrate::QUEUES.batch
     );
     let speed = |row: &Row| row.speed_up;
     let figure = |title: &str, y, lines| Figure {
@@ -203,15 +210,14 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
         subtitle: about.clone(),
         x: "distribution depth",
         y,
-        log_x: false,
         lines,
     };
     let copying = SCHEMES.map(|scheme| line(scheme, "copy", speed));
     let mut shared: Vec<Line> =
         SCHEMES.iter().map(|scheme| line(scheme, "zero-copy", speed)).collect();
     let measured = pair.rows.iter().filter(|row| {
-        (row.mode, row.workers, row.queue) == (Mode::Measured, 2, 64)
-            && row.scheme == "best-match-load"
+        (row.mode, row.workers, row.queue) == (Mode::Measured, 2, calibrate::QUEUES.capacity)
+            && (row.scheme, row.transfer) == ("best-match-load", "zero-copy")
     });
     shared.push(Line {
         name: "measured, 2 workers".to_owned(),
@@ -245,12 +251,14 @@ fn summary(out: &Path, swept: &[Swept], claims: &[Claim]) -> String {
             })
         };
         lines.push(format!(
-            "{}: alone {:.2} ms; 1 worker {}, 2 workers {}; 4 virtual cores {} ± {:.0} %",
+            "{}: alone {:.2} ms; 1 worker {}, 2 workers {}; 4 virtual cores {} (predictions: \
+             median error {:.0} %, worst {:.0} %)",
             pair.pair,
             pair.alone_ms,
             of(Mode::Measured, 1),
             of(Mode::Measured, 2),
             of(Mode::SimulatedOwnCore, sweep::CORES),
+            100.0 * page::middle(&pair.checks),
             100.0 * page::worst(&pair.checks)
         ));
     }

@@ -69,6 +69,13 @@ impl WideNode {
         (self.count > 0).then(|| bytemuck::cast_mut(self))
     }
 
+    /// How many nodes it is, with those that follow of the same leaf; an interior node is alone.
+    #[must_use]
+    #[inline]
+    pub fn run(&self) -> u32 {
+        self.count.div_ceil(LEAF_LANES as u32).max(1)
+    }
+
     /// The wide node of a lane, if this is no leaf.
     #[must_use]
     #[inline]

@@ -99,18 +99,18 @@ impl Engine {
         // The same file must run on machines with other cores.
         cores: Cores::Granted,
         coordinator_core: None,
-        // Hundreds of jobs for two bodies of 100,000 triangles that touch: more than four workers
-        // take in one batch each, so load can be levelled, and still microseconds of work per job.
-        depth: 8,
+        // On four virtual cores the best depth for bodies of 60,000 to 2 million triangles was 3 to
+        // 6, and two real workers were the quickest at 3 to 5: `trolley measure`.
+        depth: 4,
         // The scheme that the method's authors found best.
         scheme: Scheme::BestMatchLoad,
         // Held sections and load weigh the same until measured otherwise.
         alpha: 0.5,
-        // One message costs 0.3 µs; 16 jobs share it, and more jobs in one no longer help: a single
-        // job per message gave 188,000 jobs per second on two cores, 16 gave 433,000.
-        batch: 16,
-        // Four batches: what the channel's pool of 4 + 1 + 1 chunks holds.
-        queue: 64,
+        // A batch and its results take a few microseconds of both ends, a job tens: four share it.
+        batch: 4,
+        // Four batches. More and the schemes that look at sections let one worker wait while
+        // another has a full queue; with 2 to 16 four virtual cores were the quickest.
+        queue: 16,
         build: Build::Seed,
         // 4 to 8 triangles per leaf were the fastest; 4 also suits machines with four lanes.
         leaf_size: 4,
@@ -201,7 +201,7 @@ pub struct Overrides {
     /// Core number of the coordinator. Default: wherever the workers' cores leave room.
     #[schemars(range(min = limit::CORE.least, max = limit::CORE.most))]
     pub coordinator_core: Option<i64>,
-    /// Distribution depth: levels of both trees that the coordinator descends itself. Default 8.
+    /// Distribution depth: levels of both trees that the coordinator descends itself. Default 4.
     #[schemars(range(min = limit::DEPTH.least, max = limit::DEPTH.most))]
     pub depth: Option<i64>,
     /// How jobs are matched to workers. Default best-match-load.
@@ -211,10 +211,10 @@ pub struct Overrides {
     /// load. Default 0.5.
     #[schemars(range(min = limit::SHARE.least, max = limit::SHARE.most))]
     pub alpha: Option<f64>,
-    /// Jobs per message. Default 16.
+    /// Jobs per message. Default 4.
     #[schemars(range(min = limit::BATCH.least, max = limit::BATCH.most))]
     pub batch: Option<i64>,
-    /// Jobs on their way to one worker at most; at least batch. Default 64.
+    /// Jobs on their way to one worker at most; at least batch. Default 16.
     #[schemars(range(min = limit::QUEUE.least, max = limit::QUEUE.most))]
     pub queue: Option<i64>,
     /// How trees are built. Default seed: the split of Wiseman and Grinberg with a balance rule.

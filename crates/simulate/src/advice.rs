@@ -10,7 +10,7 @@ use crate::trace::Trace;
 use serde::Serialize;
 
 /// Jobs per batch that is reckoned with.
-const BATCH: f64 = 16.0;
+const BATCH: f64 = 4.0;
 
 /// What a dry run at one depth showed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -192,8 +192,7 @@ fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
 /// The leaf that begins here: one node or several.
 #[inline(always)]
 fn leaf(nodes: &[WideNode]) -> &[WideLeaf] {
-    let count = nodes[0].leaf().map_or(0, |leaf| leaf.count as usize);
-    WideLeaf::all(&nodes[..count.div_ceil(LEAF_LANES)])
+    WideLeaf::all(&nodes[..nodes[0].run() as usize])
 }
 
 impl Walk<'_, '_> {

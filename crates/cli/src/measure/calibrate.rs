@@ -10,7 +10,7 @@ use dispatch::{Cache, Matching, Queues};
 use simulate::{Costs, fit};
 
 /// Buffers of all calibrations: the defaults of the engine.
-pub(crate) const QUEUES: Queues = Queues { capacity: 64, batch: 16, linger_ns: 0 };
+pub(crate) const QUEUES: Queues = Queues { capacity: 16, batch: 4, linger_ns: 0 };
 
 /// From the end of a send to its arrival (ns): iceoryx2 0.10 between two busy processes took 325 to
 /// 350 ns on the machines seen so far, and its share in the whole is small.

@@ -1,13 +1,13 @@
 //! Figures in the style of the seed's Figures 8 and 9: one line per scheme against depth.
 //!
 //! kuva draws them; this module alone names it. Lines differ in colour and in dash, so that they
-//! can be told apart in grey; where a run thrashed the line has a gap, marked at the foot.
+//! can be told apart in grey; where a run thrashed the line has a gap, marked at the foot
+//! and in the legend.
 
 use crate::failure::{Code, Failure};
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
-use kuva::render::annotations::TextAnnotation;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
@@ -25,8 +25,6 @@ pub(crate) struct Figure {
     pub(crate) subtitle: String,
     pub(crate) x: &'static str,
     pub(crate) y: &'static str,
-    /// Whether the values span orders of magnitude.
-    pub(crate) log_x: bool,
     pub(crate) lines: Vec<Line>,
 }
 
@@ -52,39 +50,38 @@ fn style(name: &str) -> (&'static str, LineStyle) {
 const SCALE: f32 = 2.0;
 
 pub(crate) fn draw(figure: &Figure) -> Result<Drawn, Failure> {
-    let known = figure.lines.iter().flat_map(|line| &line.points).filter_map(|point| point.1);
-    let top = known.fold(0.0, f64::max);
     let mut plots: Vec<Plot> = Vec::new();
-    let mut notes = Vec::new();
     for line in &figure.lines {
         let (colour, dash) = style(&line.name);
-        let mut is_first = true;
+        let lost: Vec<(f64, f64)> =
+            line.points.iter().filter(|p| p.1.is_none()).map(|p| (p.0, 0.0)).collect();
+        let mut name = Some(match lost.last() {
+            Some((depth, _)) => format!("{}, thrashed to {depth}", line.name),
+            None => line.name.clone(),
+        });
         for run in line.points.split(|point| point.1.is_none()) {
             let run: Vec<(f64, f64)> = run.iter().filter_map(|p| Some((p.0, p.1?))).collect();
             if run.is_empty() {
                 continue;
             }
-            plots.push(
-                ScatterPlot::new().with_data(run.clone()).with_color(colour).with_size(2.5).into(),
-            );
+            let dots = ScatterPlot::new().with_data(run.clone()).with_color(colour).with_size(2.5);
+            plots.push(dots.into());
             let mut drawn = LinePlot::new().with_data(run).with_color(colour);
             drawn = drawn.with_line_style(dash.clone()).with_stroke_width(1.8);
-            if is_first {
-                drawn = drawn.with_legend(line.name.clone());
+            if let Some(name) = name.take() {
+                drawn = drawn.with_legend(name);
             }
-            is_first = false;
             plots.push(drawn.into());
         }
-        let lost: Vec<(f64, f64)> =
-            line.points.iter().filter(|p| p.1.is_none()).map(|p| (p.0, 0.0)).collect();
-        if let Some((x, _)) = lost.first() {
-            let word = format!("{} thrashed", line.name);
-            let height = top * (0.05 + 0.05 * notes.len() as f64);
-            notes.push(TextAnnotation::new(word, *x, height).with_color(colour).with_font_size(11));
-            plots.push(ScatterPlot::new().with_data(lost).with_color(colour).with_size(4.0).into());
+        if !lost.is_empty() {
+            let mut dots = ScatterPlot::new().with_data(lost).with_color(colour).with_size(4.0);
+            if let Some(name) = name.take() {
+                dots = dots.with_legend(name);
+            }
+            plots.push(dots.into());
         }
     }
-    let mut layout = Layout::auto_from_plots(&plots)
+    let layout = Layout::auto_from_plots(&plots)
         .with_title(figure.title.clone())
         .with_subtitle(figure.subtitle.clone())
         .with_x_label(figure.x)
@@ -94,14 +91,9 @@ pub(crate) fn draw(figure: &Figure) -> Result<Drawn, Failure> {
         .with_y_axis_min(0.0)
         .with_title_size(15)
         .with_subtitle_size(11)
+        .with_x_tick_step(2.0)
         .with_x_tick_format(TickFormat::Integer)
         .with_legend_position(LegendPosition::OutsideRightTop);
-    if figure.log_x {
-        layout = layout.with_log_x();
-    }
-    for note in notes {
-        layout = layout.with_annotation(note);
-    }
     let scene = render_multiple(plots, layout);
     let png = PngBackend::new()
         .with_scale(SCALE)

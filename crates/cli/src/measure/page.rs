@@ -5,12 +5,19 @@ use super::row::Mode;
 use super::sweep::{Check, Swept};
 use std::fmt::Write as _;
 
+/// The median error of the predictions, as a share.
+pub(crate) fn middle(checks: &[Check]) -> f64 {
+    let mut errors: Vec<f64> = checks.iter().map(|check| check.error().abs()).collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
 /// The greatest error of the predictions, as a share.
 pub(crate) fn worst(checks: &[Check]) -> f64 {
     checks.iter().map(|check| check.error().abs()).fold(0.0, f64::max)
 }
 
-/// The greatest speed-up of Best Match-Load in one mode, and where.
+/// The greatest speed-up of Best Match-Load in one mode, over all depths and buffers, and where.
 pub(crate) fn best(swept: &Swept, mode: Mode, workers: u8) -> Option<(f64, u32)> {
     let rows = swept.rows.iter().filter(|row| {
         (row.mode, row.workers) == (mode, workers)
@@ -34,8 +41,8 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
          what else a machine does only ever adds time (medians stand in the tables). *Measured* is \
          this machine; the \
          quad-core columns are **simulated**: the same dispatcher on virtual cores, with costs \
-         calibrated here. The error is the worst of all \
-         predicted speed-ups for one and two workers.\n"
+         calibrated here. The error is that of all \
+         speed-ups predicted for one and two workers at all depths: median, worst.\n"
             .to_owned(),
     );
     say("| pair | triangles | pairs found | alone | 1 worker | 2 workers | 4 cores, coordinator \
@@ -48,7 +55,7 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
                 .map_or(String::from("–"), |(value, depth)| format!("{value:.2} (d {depth})"))
         };
         say(format!(
-            "| {} | {} + {} | {} | {:.2} ms | {} | {} | {} | {} | ±{:.0} % |",
+            "| {} | {} + {} | {} | {:.2} ms | {} | {} | {} | {} | {:.0} %, {:.0} % |",
             pair.pair,
             pair.triangles[0],
             pair.triangles[1],
@@ -58,6 +65,7 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
             of(Mode::Measured, 2),
             of(Mode::SimulatedOwnCore, 4),
             of(Mode::SimulatedSharedCore, 4),
+            100.0 * middle(&pair.checks),
             100.0 * worst(&pair.checks),
         ));
     }
@@ -184,6 +192,7 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
     let of = |transfer: &str, depth: u32| {
         pair.rows.iter().find(|row| {
             (row.mode, row.workers, row.depth) == (Mode::Measured, 2, depth)
+                && row.queue == super::calibrate::QUEUES.capacity
                 && (row.scheme, row.transfer) == ("best-match-load", transfer)
         })
     };

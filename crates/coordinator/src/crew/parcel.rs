@@ -103,7 +103,7 @@ fn wide_runs(body: &BodyView<'_>, nodes: &Range<u32>) -> Vec<Range<u32>> {
     at.dedup();
     let mut runs: Vec<Range<u32>> = Vec::new();
     for first in at {
-        let count = body.wide[first as usize].count.div_ceil(model::wide::LANES as u32).max(1);
+        let count = body.wide[first as usize].run();
         match runs.last_mut() {
             Some(run) if run.end >= first => run.end = run.end.max(first + count),
             _ => runs.push(first..first + count),
