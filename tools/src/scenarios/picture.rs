@@ -89,13 +89,17 @@ fn svg(one: &Alternative, bodies: &Bodies) -> Result<String> {
     let end =
         |axis: usize, pick: fn(f64, f64) -> f64| all().map(|p| p[axis]).reduce(pick).unwrap_or(0.0);
     let (left, right) = (end(0, f64::min) - 0.4, end(0, f64::max) + 0.4);
-    let (low, high) = (end(1, f64::min) - 0.8, end(1, f64::max) + 0.4);
+    let (low, high) = (end(1, f64::min) - 0.4, end(1, f64::max) + 0.4);
     let path = |points: &[[f64; 2]]| {
         let point =
             |[x, y]: &[f64; 2]| format!("{:.1},{:.1}", (x - left) * SCALE, (high - y) * SCALE);
         points.iter().map(point).collect::<Vec<_>>().join(" ")
     };
-    let (width, height) = ((right - left) * SCALE, (high - low) * SCALE);
+    let (width, bottom) = ((right - left) * SCALE, (high - low) * SCALE);
+    // The key stands below, a line each: how wide its words are is up to the reader's fonts.
+    let (brown, key) = (format!("brown: {}", one.party), 34.0);
+    let lines = ["blue: ego", brown.as_str(), "dashed: boxes"];
+    let height = bottom + key * (lines.len() as f64 + 1.5);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" \
          width=\"{:.0}\" font-family=\"sans-serif\" font-size=\"26\">\n\
@@ -112,18 +116,19 @@ fn svg(one: &Alternative, bodies: &Bodies) -> Result<String> {
             path(of_box)
         );
     }
-    let (x, y) = (0.2 * SCALE, height - 0.3 * SCALE);
+    let (x, mut y) = (0.2 * SCALE, bottom + 0.5 * key);
     let _w = writeln!(
         svg,
         "<line x1=\"{x:.0}\" y1=\"{y:.0}\" x2=\"{:.0}\" y2=\"{y:.0}\" stroke=\"#000\" \
-         stroke-width=\"4\"/>\n<text x=\"{:.0}\" y=\"{:.0}\">1 m</text>\n<text x=\"{:.0}\" \
-         y=\"{:.0}\">blue: ego; brown: {}; dashed: boxes</text>\n</svg>",
+         stroke-width=\"4\"/>\n<text x=\"{:.0}\" y=\"{:.0}\">1 m</text>",
         x + SCALE,
         x + SCALE + 10.0,
-        y + 8.0,
-        x + SCALE + 90.0,
-        y + 8.0,
-        one.party
+        y + 8.0
     );
+    for line in lines {
+        y += key;
+        let _w = writeln!(svg, "<text x=\"{x:.0}\" y=\"{:.0}\">{line}</text>", y + 8.0);
+    }
+    svg.push_str("</svg>\n");
     Ok(svg)
 }
