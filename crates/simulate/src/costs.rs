@@ -39,7 +39,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// What the kernel takes for a job [ns].
+    /// What the kernel takes for a job (ns).
     #[must_use]
     pub fn kernel_ns(&self, nb: u64, np: u64, hits: u64) -> f64 {
         self.job_ns
