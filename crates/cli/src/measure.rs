@@ -73,6 +73,9 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "N", default_value_t = 7,
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
+    /// Write it to this file besides, for --costs.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
 }
 
 /// Prints what each step costs on this machine.
@@ -80,8 +83,12 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<ExitCode, Failure> {
     let pair = args.pair.load()?;
     let bench = Bench::new(&pair, usize::from(args.repeat))?;
     let costs = calibrate::calibrate(&bench, sweep::FINE)?;
-    let text = serde_json::to_string_pretty(&costs);
-    print::out(&text.map_err(|error| Failure::new(Code::Internal, error.to_string()))?)
+    let text = serde_json::to_string_pretty(&costs)
+        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+    if let Some(path) = &args.out {
+        transfer::write(path, format!("{text}\n").as_bytes())?;
+    }
+    print::out(&text)
 }
 
 #[derive(Serialize)]

@@ -15,11 +15,13 @@
 //! - Nothing here depends on a hash order or reads a clock, so equal events at equal times give
 //!   equal effects.
 
+mod descent;
 mod dispatcher;
 mod ledger;
 mod scheme;
 mod supervise;
 
+pub use descent::Descent;
 pub use dispatcher::{
     Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Work,
 };

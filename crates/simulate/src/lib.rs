@@ -25,7 +25,7 @@ mod costs;
 mod machine;
 mod trace;
 
-pub use advice::{Advice, DryRun, advise};
+pub use advice::{Advice, DryRun, Team, advise, leaf_pairs};
 pub use costs::{Costs, Sample, fit};
 pub use machine::{Home, Outcome, Setup, run};
 pub use trace::{JobTrace, TaskTrace, Trace};

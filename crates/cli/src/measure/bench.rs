@@ -4,12 +4,14 @@ use super::pair::{Pair, views};
 use crate::BUILD;
 use crate::failure::{Code, Failure};
 use bvh::{Kernel, Question, Task, together};
-use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
+use coordinator::{
+    Crew, CrewError, CrewReport, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
+};
 use dispatch::{Cache, Matching, Patience, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
-use simulate::{JobTrace, Sample, TaskTrace, Trace};
+use simulate::{JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
 
 /// A pair at work.
 pub(crate) struct Bench<'p> {
@@ -76,6 +78,13 @@ impl<'p> Bench<'p> {
     /// Bytes of both bodies, as sections weigh them.
     pub(crate) fn model_bytes(&self) -> u64 {
         self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
+    }
+
+    /// Pairs of leaves that would overlap over all poses, by dry runs.
+    pub(crate) fn leaf_pairs(&self) -> f64 {
+        let [(_, a), (_, b)] = &self.bodies[..] else { return 0.0 };
+        let dry = self.pair.poses.iter().map(|pose| DryPair::new(a, b, pose));
+        dry.map(|pair| leaf_pairs(&pair.descents, pair.levels)).sum()
     }
 
     fn work(&self, depth: u32) -> PairWork<'p> {

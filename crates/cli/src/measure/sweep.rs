@@ -10,7 +10,7 @@ use crate::transfer::BUDGET_PERCENT;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
 use serde::Serialize;
-use simulate::{Costs, DryRun, Home, Setup, advise};
+use simulate::{Costs, DryRun, Home, Setup, Team, advise};
 
 /// Ways of transfer by name.
 const ZERO_COPY: (&str, Cache) = ("zero-copy", Cache::Unlimited);
@@ -212,6 +212,7 @@ fn calmer(a: Costs, b: Costs) -> Costs {
     let typical = |costs: &Costs| costs.kernel_ns(1_000, 200, 40);
     let kernel = if typical(&a) <= typical(&b) { a } else { b };
     Costs {
+        leaves_ns: a.leaves_ns.min(b.leaves_ns),
         send_ns: a.send_ns.min(b.send_ns),
         section_byte_ns: a.section_byte_ns.min(b.section_byte_ns),
         ship_byte_ns: a.ship_byte_ns.min(b.ship_byte_ns),
@@ -329,10 +330,12 @@ impl Sweep<'_> {
             });
         }
         let mut choices = Vec::new();
-        let cases = [(2, Home::Shared, Mode::Measured), (CORES, Home::Own, Mode::SimulatedOwnCore)];
-        for (workers, home, mode) in cases {
+        let cases = [(2, 2, Mode::Measured), (CORES, CORES + 1, Mode::SimulatedOwnCore)];
+        for (workers, cores, mode) in cases {
+            let [size, cores] = [workers, cores].map(usize::from);
+            let team = Team { workers: size, cores, queues: QUEUES };
             let deepest = self.plan.depths.iter().copied().max().unwrap_or(0);
-            let Some(advice) = advise(&dry, &self.costs, workers, home, deepest) else { continue };
+            let Some(advice) = advise(&dry, &self.costs, &team, 0..=deepest) else { continue };
             let rows = self.rows.iter().filter(|row| {
                 (row.mode, row.workers, row.queue) == (mode, workers, QUEUES.capacity)
                     && (row.scheme, row.transfer) == ("best-match-load", ZERO_COPY.0)
