@@ -80,6 +80,8 @@ pub(crate) struct CalibrateArgs {
 
 /// Prints what each step costs on this machine.
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<ExitCode, Failure> {
+    // Nobody wants to hear after the measurement that its file cannot be written.
+    args.out.as_deref().map(transfer::ready).transpose()?;
     let pair = args.pair.load()?;
     let bench = Bench::new(&pair, usize::from(args.repeat))?;
     let costs = calibrate::calibrate(&bench, sweep::FINE)?;

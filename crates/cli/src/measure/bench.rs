@@ -5,13 +5,13 @@ use crate::BUILD;
 use crate::failure::{Code, Failure};
 use bvh::{Kernel, Question, Task, together};
 use coordinator::{
-    Crew, CrewError, CrewReport, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
+    Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
 };
 use dispatch::{Cache, Matching, Patience, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
-use simulate::{JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
+use simulate::{Costs, DryRun, JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
 
 /// A pair at work.
 pub(crate) struct Bench<'p> {
@@ -80,11 +80,28 @@ impl<'p> Bench<'p> {
         self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
     }
 
+    /// Dry runs of every pose.
+    fn dry_pairs(&self) -> Vec<DryPair> {
+        let [(_, a), (_, b)] = &self.bodies[..] else { return Vec::new() };
+        self.pair.poses.iter().map(|pose| DryPair::new(a, b, pose)).collect()
+    }
+
     /// Pairs of leaves that would overlap over all poses, by dry runs.
     pub(crate) fn leaf_pairs(&self) -> f64 {
-        let [(_, a), (_, b)] = &self.bodies[..] else { return 0.0 };
-        let dry = self.pair.poses.iter().map(|pose| DryPair::new(a, b, pose));
-        dry.map(|pair| leaf_pairs(&pair.descents, pair.levels)).sum()
+        self.dry_pairs().iter().map(|pair| leaf_pairs(&pair.descents, pair.levels)).sum()
+    }
+
+    /// The whole work by dry runs, at each of their depths.
+    pub(crate) fn dry(&self, costs: &Costs) -> Vec<DryRun> {
+        let pairs = self.dry_pairs();
+        let at = |(number, depth): (usize, &u32)| {
+            let none = DryRun { depth: *depth, ..DryRun::default() };
+            pairs.iter().fold(none, |sum, pair| {
+                let leaves = leaf_pairs(&pair.descents, pair.levels);
+                sum.and(&DryRun::of_descent(&pair.descents[number], leaves, costs))
+            })
+        };
+        DEPTHS.iter().enumerate().map(at).collect()
     }
 
     fn work(&self, depth: u32) -> PairWork<'p> {
