@@ -19,8 +19,8 @@ ego = { position_m = [0, 0, 0], speed_m_s = 9 }
 other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
 "#;
 
-/// Rounds of questions for one candidate: the grid, at most eight halvings of its step of 0.1 m down
-/// to 1 mm, the survey.
+/// Rounds of questions for one candidate: the grid, at most eight halvings of its step of 0.1 m
+/// down to 1 mm, the survey.
 const ROUNDS: u64 = 10;
 
 /// The answer's bytes, and what is said of the run.

@@ -2,8 +2,8 @@
 //!
 //! Between dry runs each quantity is taken to grow by the same factor per level. Workers share the
 //! kernel's time, and wait at the end for one that has just begun the largest job (Graham, *Bounds
-//! on Multiprocessing Timing Anomalies*, 1969), or still has a full queue that nobody takes from it;
-//! the coordinator's time bounds it all from below.
+//! on Multiprocessing Timing Anomalies*, 1969), or still has a full queue that nobody takes from
+//! it; the coordinator's time bounds it all from below.
 
 use crate::costs::Costs;
 use crate::trace::Trace;
