@@ -74,6 +74,12 @@ fn a_large_request_is_spread_and_its_depth_chosen() {
         let cores = run["cores_granted"].as_array().map_or(0, Vec::len);
         assert_eq!(run["choice"]["distributed"], cores > 1, "{run}");
         let busy = run["workers"].as_array().expect("a list");
+        for worker in busy {
+            let hardware = &worker["hardware"];
+            let counted = hardware["instructions"].as_u64().is_some_and(|n| n > 0);
+            let says_why = hardware.as_str().is_some_and(|why| why.starts_with("not available: "));
+            assert!(counted || says_why, "{worker}");
+        }
         assert_eq!(busy.iter().filter(|worker| worker["jobs"] != 0).count(), cores.min(2), "{run}");
         assert_eq!(run["choice"]["depth"], run["depth"]);
         assert_eq!(run["choice"]["depth_is_chosen"], path == chosen);

@@ -164,8 +164,21 @@ fn machine() -> String {
     format!(
         "Machine: {model}, {cores} cores granted; workers pinned to cores in turn, the coordinator \
          wherever there is room. Hardware counters: {}.",
-        "not read: transfer is counted by the ledger and by the channels"
+        hardware()
     )
+}
+
+/// Whether this machine counts instructions and cache misses.
+fn hardware() -> String {
+    match runtime::counters::Counters::of(std::process::id()) {
+        Ok(_) => "available, see `run.workers` of `trolley rank --json`".to_owned(),
+        Err(error) => match coordinator::Hardware::from(error) {
+            coordinator::Hardware::NotAvailable(why) => {
+                format!("{why}; transfer is counted by the ledger and by the channels")
+            }
+            coordinator::Hardware::Counted { .. } => String::new(),
+        },
+    }
 }
 
 fn document(swept: &[Swept], claims: &[Claim], command: &str) -> Result<String, Failure> {

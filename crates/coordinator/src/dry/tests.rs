@@ -32,7 +32,8 @@ fn a_dry_run_counts_the_jobs_of_the_deepest_pose() {
         let mut runs = DryRuns::default();
         for candidate in runs.of(request, bodies, &hashes()) {
             let jobs: Vec<u64> = candidate.pair.descents.iter().map(|d| d.jobs).collect();
-            assert!(jobs[0] == 1 && jobs.is_sorted() && jobs[5] > 8, "{jobs:?}");
+            // Deeper boxes fit better, so there may be fewer of them in the end.
+            assert!(jobs[0] == 1 && jobs[5] > 8, "{jobs:?}");
             let shares: Vec<f64> = candidate.pair.descents.iter().map(|d| d.largest).collect();
             assert!(shares[0] == 1.0 && shares.is_sorted_by(|a, b| a >= b), "{shares:?}");
             assert!(shares[5] * jobs[5] as f64 - 1.0 < 1e-9, "{shares:?}");
