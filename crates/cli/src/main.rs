@@ -12,6 +12,7 @@ mod inputs;
 mod intersect;
 mod measure;
 mod model;
+mod plan;
 mod policy;
 mod print;
 mod progress;

@@ -73,15 +73,24 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "N", default_value_t = 7,
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
+    /// Write it to this file besides, for --costs.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
 }
 
 /// Prints what each step costs on this machine.
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<ExitCode, Failure> {
+    // Nobody wants to hear after the measurement that its file cannot be written.
+    args.out.as_deref().map(transfer::ready).transpose()?;
     let pair = args.pair.load()?;
     let bench = Bench::new(&pair, usize::from(args.repeat))?;
     let costs = calibrate::calibrate(&bench, sweep::FINE)?;
-    let text = serde_json::to_string_pretty(&costs);
-    print::out(&text.map_err(|error| Failure::new(Code::Internal, error.to_string()))?)
+    let text = serde_json::to_string_pretty(&costs)
+        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+    if let Some(path) = &args.out {
+        transfer::write(path, format!("{text}\n").as_bytes())?;
+    }
+    print::out(&text)
 }
 
 #[derive(Serialize)]
@@ -155,8 +164,21 @@ fn machine() -> String {
     format!(
         "Machine: {model}, {cores} cores granted; workers pinned to cores in turn, the coordinator \
          wherever there is room. Hardware counters: {}.",
-        "not read: transfer is counted by the ledger and by the channels"
+        hardware()
     )
+}
+
+/// Whether this machine counts instructions and cache misses.
+fn hardware() -> String {
+    match runtime::counters::Counters::of(std::process::id()) {
+        Ok(_) => "available, see `run.workers` of `trolley rank --json`".to_owned(),
+        Err(error) => match coordinator::Hardware::from(error) {
+            coordinator::Hardware::NotAvailable(why) => {
+                format!("{why}; transfer is counted by the ledger and by the channels")
+            }
+            coordinator::Hardware::Counted { .. } => String::new(),
+        },
+    }
 }
 
 fn document(swept: &[Swept], claims: &[Claim], command: &str) -> Result<String, Failure> {

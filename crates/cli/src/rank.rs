@@ -6,8 +6,8 @@ use crate::failure::{Code, Failure, chain};
 use crate::inputs::{self, Inputs, Read};
 use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
-use crate::{explain, print, table};
-use coordinator::{Request, Work};
+use crate::{explain, plan, print, table};
+use coordinator::{DryRuns, Request, Work};
 use damage::State;
 use runtime::clock;
 use scenario::{FileRef, Overrides, Scenario};
@@ -61,7 +61,7 @@ fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
         workers: options.workers,
         cores,
         coordinator_core: None,
-        depth: options.depth,
+        depth: options.depth.clone(),
         scheme: options.scheme.clone(),
         alpha: options.alpha,
         batch: options.batch,
@@ -116,6 +116,9 @@ fn answer(
     let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
     let named = asked.record.as_ref().map(|_| record::bodies(&scenario, &bodies)).transpose()?;
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
+    let hashes: Result<Vec<String>, _> =
+        files.iter().map(|bytes| model::file::content_hash(bytes)).collect();
+    let hashes = hashes.map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let store = coordinator::seal(&files)?;
     drop(bodies);
     let views = model::store::open(store.bytes())
@@ -127,12 +130,14 @@ fn answer(
         plan_ms: run::milliseconds(clock::now_ns() - loaded_ns),
         ..Stages::default()
     };
-    let work = Work::new(&request, &views, engine.depth);
+    let mut known = DryRuns::default();
+    let plan = plan::plan(engine, options, &request, &views, &hashes, &mut known)?;
+    let work = Work::new(&request, &views, plan.depth);
     let work = if asked.record.is_some() { work.with_ledger() } else { work };
     let (work, ran) = if options.in_process {
-        run::here(work, &engine, &views, &mut stages)
+        run::here(work, &plan, &views, &mut stages)
     } else {
-        run::crew(work, &engine, &views, &store, options, &mut stages)?
+        run::crew(work, &plan, &views, &store, options, &mut stages)?
     };
     let before_ns = clock::now_ns();
     let answer = work.answer()?;
@@ -144,7 +149,7 @@ fn answer(
         (Some(folder), Some(bodies)) => {
             let made = Made {
                 inputs: &inputs,
-                engine: &engine,
+                engine: &plan.engine,
                 bodies,
                 work: &work,
                 run: &run,

@@ -147,7 +147,7 @@ fn content(made: Made<'_>) -> Record {
         settings: Settings {
             mode: run.mode.to_owned(),
             workers: engine.workers as u32,
-            depth: engine.depth,
+            depth: run.depth,
             tree: format!("{:?}", engine.build).to_lowercase(),
             leaf_size: engine.leaf_size,
             scheme: engine.scheme.name().to_owned(),

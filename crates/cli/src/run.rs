@@ -3,6 +3,7 @@
 use crate::BUILD;
 use crate::args::EngineArgs;
 use crate::failure::{Code, Failure};
+use crate::plan::{Choice, Plan};
 use crate::transfer;
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
 use dispatch::Patience;
@@ -35,6 +36,9 @@ pub(crate) struct Run {
     pub(crate) mode: &'static str,
     pub(crate) stages: Stages,
     pub(crate) depth: u32,
+    /// Why this depth, and whether jobs were spread; absent if nothing was left to choose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) choice: Option<Choice>,
     pub(crate) tree: model::Build,
     pub(crate) scheme: &'static str,
     pub(crate) bodies: usize,
@@ -67,12 +71,14 @@ pub(crate) fn milliseconds(ns: u64) -> f64 {
     ns as f64 / 1e6
 }
 
-fn blank(bodies: &[(Meta, BodyView<'_>)], engine: &Engine, mode: &'static str) -> Run {
+fn blank(bodies: &[(Meta, BodyView<'_>)], plan: &Plan, mode: &'static str) -> Run {
+    let engine = &plan.engine;
     Run {
         build: BUILD,
         mode,
         stages: Stages::default(),
-        depth: engine.depth,
+        depth: plan.depth,
+        choice: plan.choice.clone(),
         tree: engine.build,
         scheme: engine.scheme.name(),
         bodies: bodies.len(),
@@ -113,14 +119,14 @@ fn with_effort(run: Run, work: &Work<'_>) -> Run {
 /// Does all the work in this process.
 pub(crate) fn here<'w>(
     mut work: Work<'w>,
-    engine: &Engine,
+    plan: &Plan,
     bodies: &'w [(Meta, BodyView<'w>)],
     stages: &mut Stages,
 ) -> (Work<'w>, Run) {
     let begun_ns = clock::now_ns();
     let jobs = run_here(&mut work, bodies);
     stages.work_ms = milliseconds(clock::now_ns() - begun_ns);
-    let mut run = blank(bodies, engine, "in-process");
+    let mut run = blank(bodies, plan, "in-process");
     run.remarks.push("no workers: all jobs ran in the coordinator's process".to_owned());
     let run = Run { jobs, ..with_effort(run, &work) };
     (work, run)
@@ -129,13 +135,14 @@ pub(crate) fn here<'w>(
 /// Does the work with a crew of worker processes.
 pub(crate) fn crew<'w>(
     mut work: Work<'w>,
-    engine: &Engine,
+    plan: &Plan,
     bodies: &'w [(Meta, BodyView<'w>)],
     store: &SealedMemory,
     options: &EngineArgs,
     stages: &mut Stages,
 ) -> Result<(Work<'w>, Run), Failure> {
-    let mut run = blank(bodies, engine, "workers");
+    let engine = &plan.engine;
+    let mut run = blank(bodies, plan, "workers");
     let granted = run.cores_granted.clone();
     let cores = worker_cores(engine, &granted)?;
     if let Some(core) = engine.coordinator_core {
@@ -159,7 +166,7 @@ pub(crate) fn crew<'w>(
         cores,
         matching: transfer::matching(engine)?,
         queues: handing.queues(engine)?,
-        cache: handing.cache(engine.depth, bodies)?,
+        cache: handing.cache(plan.depth, bodies)?,
         copies: handing.copies(),
         log: handing.job_log.is_some(),
         patience: Patience::default(),

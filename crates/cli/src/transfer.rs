@@ -96,6 +96,13 @@ impl TransferArgs {
         }
     }
 
+    /// Whether workers read the one store in place, and the ledger has no limit.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.transfer == Mode::ZeroCopy
+            && self.cache_bytes.is_none()
+            && self.memory_budget.is_none()
+    }
+
     /// Whether sections are copied.
     pub(crate) fn copies(&self) -> bool {
         self.transfer == Mode::Copy
@@ -168,8 +175,16 @@ pub(crate) fn write_log(path: &Path, log: &[Entry]) -> Result<(), Failure> {
 
 /// Writes a file that a person asked for.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    std::fs::write(path, bytes).map_err(|error| {
-        Failure::new(Code::System, format!("{}: {error}", path.display()))
-            .help("name a file in a folder that exists and that you may write to")
-    })
+    std::fs::write(path, bytes).map_err(|error| unwritable(path, &error))
+}
+
+/// Whether a file can be written; what it holds stays.
+pub(crate) fn ready(path: &Path) -> Result<(), Failure> {
+    let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
+    file.map(drop).map_err(|error| unwritable(path, &error))
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(Code::System, format!("{}: {error}", path.display()))
+        .help("name a file in a folder that exists and that you may write to")
 }

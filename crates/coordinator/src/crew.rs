@@ -14,7 +14,7 @@ mod report;
 mod station;
 
 pub use error::CrewError;
-pub use report::{CrewReport, Duty, WorkerReport};
+pub use report::{CrewReport, Duty, Hardware, WorkerReport};
 
 use crate::gather::Part;
 use crate::work::{Errands, PartOf};

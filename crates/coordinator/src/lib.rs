@@ -22,7 +22,10 @@
 mod answer;
 mod case;
 mod crew;
+mod dry;
 mod explain;
+#[cfg(test)]
+mod fixtures;
 mod gather;
 mod here;
 mod ledger;
@@ -33,7 +36,8 @@ mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
-pub use crew::{Crew, CrewError, CrewReport, Duty, Options, WorkerReport, seal};
+pub use crew::{Crew, CrewError, CrewReport, Duty, Hardware, Options, WorkerReport, seal};
+pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use here::{run_here, run_watched};
 pub use ledger::Ledger;

@@ -12,14 +12,17 @@
 //! - Only eligible cores get jobs, so no queue ever overflows: same tests.
 //! - No core holds more sections than it may, and the ledger equals its recomputation from the log:
 //!   `ledger/tests.rs`, `dispatcher/tests.rs`.
+//! - The largest job that a descent shows has what lies below it: `descent/tests.rs`.
 //! - Nothing here depends on a hash order or reads a clock, so equal events at equal times give
 //!   equal effects.
 
+mod descent;
 mod dispatcher;
 mod ledger;
 mod scheme;
 mod supervise;
 
+pub use descent::Descent;
 pub use dispatcher::{
     Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Work,
 };

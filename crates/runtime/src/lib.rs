@@ -6,6 +6,7 @@
 //! | [`memory`] | the sealed model store, the status page, files read into aligned memory |
 //! | [`process`] | children that die with their parent and are never left as zombies |
 //! | [`affinity`] | which cores there are, and staying on one |
+//! | [`counters`] | instructions and cache misses of a process, where there are counters |
 //! | [`wait`] | one epoll over eventfds, children, a timer and signals |
 //! | [`futex`] | sleeping on a word of the status page |
 //!
@@ -23,6 +24,7 @@
 
 pub mod affinity;
 pub mod clock;
+pub mod counters;
 pub mod error;
 pub mod futex;
 pub mod memory;

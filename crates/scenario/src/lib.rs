@@ -48,7 +48,7 @@ mod schema;
 mod testing;
 
 pub use document::Place;
-pub use engine::{Cores, Engine, Overrides, Scheme};
+pub use engine::{Cores, Depth, Engine, Overrides, Scheme, WrittenDepth};
 pub use error::{Misfit, ScenarioError};
 pub use scenario::{
     Candidate, FileRef, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source, State,

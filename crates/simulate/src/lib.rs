@@ -17,6 +17,8 @@
 //! - Advice on the depth is the best of what is predicted: `advice/tests.rs`.
 //! - Costs are found again from times that follow from them: `costs/tests.rs`.
 //!
+//! Advice ([`advise`]) needs no trace: descents alone ([`dispatch::Descent`]) and costs.
+//!
 //! It knows nothing of caches beyond the ledger's, of memory bandwidth that cores share, or of
 //! other programs on the machine.
 
@@ -25,7 +27,7 @@ mod costs;
 mod machine;
 mod trace;
 
-pub use advice::{Advice, DryRun, advise};
+pub use advice::{Advice, DryRun, Team, advise, leaf_pairs};
 pub use costs::{Costs, Sample, fit};
 pub use machine::{Home, Outcome, Setup, run};
 pub use trace::{JobTrace, TaskTrace, Trace};

@@ -4,12 +4,14 @@ use super::pair::{Pair, views};
 use crate::BUILD;
 use crate::failure::{Code, Failure};
 use bvh::{Kernel, Question, Task, together};
-use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
+use coordinator::{
+    Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
+};
 use dispatch::{Cache, Matching, Patience, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
-use simulate::{JobTrace, Sample, TaskTrace, Trace};
+use simulate::{Costs, DryRun, JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
 
 /// A pair at work.
 pub(crate) struct Bench<'p> {
@@ -76,6 +78,30 @@ impl<'p> Bench<'p> {
     /// Bytes of both bodies, as sections weigh them.
     pub(crate) fn model_bytes(&self) -> u64 {
         self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
+    }
+
+    /// Dry runs of every pose.
+    fn dry_pairs(&self) -> Vec<DryPair> {
+        let [(_, a), (_, b)] = &self.bodies[..] else { return Vec::new() };
+        self.pair.poses.iter().map(|pose| DryPair::new(a, b, pose)).collect()
+    }
+
+    /// Pairs of leaves that would overlap over all poses, by dry runs.
+    pub(crate) fn leaf_pairs(&self) -> f64 {
+        self.dry_pairs().iter().map(|pair| leaf_pairs(&pair.descents, pair.levels)).sum()
+    }
+
+    /// The whole work by dry runs, at each of their depths.
+    pub(crate) fn dry(&self, costs: &Costs) -> Vec<DryRun> {
+        let pairs = self.dry_pairs();
+        let at = |(number, depth): (usize, &u32)| {
+            let none = DryRun { depth: *depth, ..DryRun::default() };
+            pairs.iter().fold(none, |sum, pair| {
+                let leaves = leaf_pairs(&pair.descents, pair.levels);
+                sum.and(&DryRun::of_descent(&pair.descents[number], leaves, costs))
+            })
+        };
+        DEPTHS.iter().enumerate().map(at).collect()
     }
 
     fn work(&self, depth: u32) -> PairWork<'p> {

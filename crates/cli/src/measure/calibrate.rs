@@ -24,6 +24,7 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
     let samples: Vec<_> = [&coarse, &middle, &split].iter().flat_map(|a| &a.samples).collect();
     let samples: Vec<_> = samples.into_iter().copied().collect();
     let [job_ns, box_ns, triangle_ns, hit_ns] = fit(&samples);
+    let kernel_ns = |alone: &Alone| alone.samples.iter().map(|sample| sample.ns).sum::<f64>();
     let way = Way {
         workers: 1,
         depth: fine,
@@ -51,6 +52,7 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
         box_ns,
         triangle_ns,
         hit_ns,
+        leaves_ns: kernel_ns(&coarse) / bench.leaf_pairs().max(1.0),
         send_ns: (duty.run_ns.saturating_sub(worker.busy_ns) as f64 / results).min(20_000.0),
         section_byte_ns: (longer_ns - ship_ns).max(0.0) / moved,
         ship_byte_ns: ship_ns / moved,

@@ -110,7 +110,7 @@ fn one(pair: &Swept, say: &mut impl FnMut(String)) {
     for choice in &pair.choices {
         let verdict = if choice.distribute { "distribute" } else { "do not distribute" };
         say(format!(
-            "Advice from dry runs at depths 0, 4 and 8 for {} workers ({}): {verdict}, depth {}, \
+            "Advice from dry runs (descents alone) for {} workers ({}): {verdict}, depth {}, \
              predicted {:.2} ms; there it takes {:.2} ms, {:.0} % more than the best of the sweep \
              ({:.2} ms at depth {}).\n",
             choice.workers,

@@ -10,7 +10,7 @@ use crate::transfer::BUDGET_PERCENT;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
 use serde::Serialize;
-use simulate::{Costs, DryRun, Home, Setup, advise};
+use simulate::{Costs, Home, Setup, Team, advise};
 
 /// Ways of transfer by name.
 const ZERO_COPY: (&str, Cache) = ("zero-copy", Cache::Unlimited);
@@ -72,9 +72,6 @@ impl Choice {
         self.found_ms / self.best_ms - 1.0
     }
 }
-
-/// Depths of the dry runs from which the depth is chosen.
-const DRY: [u32; 3] = [0, 4, 8];
 
 /// Where the time of a run went, per core: shares of the run's time.
 #[derive(Clone, Debug, Serialize)]
@@ -185,7 +182,7 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
     }
     sweep.buffers(&alone)?;
     sweep.relate();
-    let choices = sweep.choices(&whole, &alone)?;
+    let choices = sweep.choices();
     let [a, b] = [0, 1].map(|body: usize| bench.bodies[body].1.corners.len());
     Ok(Swept {
         pair: bench.pair.name.clone(),
@@ -212,6 +209,7 @@ fn calmer(a: Costs, b: Costs) -> Costs {
     let typical = |costs: &Costs| costs.kernel_ns(1_000, 200, 40);
     let kernel = if typical(&a) <= typical(&b) { a } else { b };
     Costs {
+        leaves_ns: a.leaves_ns.min(b.leaves_ns),
         send_ns: a.send_ns.min(b.send_ns),
         section_byte_ns: a.section_byte_ns.min(b.section_byte_ns),
         ship_byte_ns: a.ship_byte_ns.min(b.ship_byte_ns),
@@ -318,21 +316,15 @@ impl Sweep<'_> {
     }
 
     /// The depth that dry runs advise, and what it costs against the best of the sweep.
-    fn choices(&self, whole: &Alone, alone: &[(u32, Alone)]) -> Result<Vec<Choice>, Failure> {
-        let mut dry = Vec::new();
-        for depth in DRY {
-            let known = alone.iter().find(|(known, _)| *known == depth).map(|(_, alone)| alone);
-            let known = if depth == 0 { Some(whole) } else { known };
-            dry.push(match known {
-                Some(alone) => DryRun::of(depth, &alone.trace, &self.costs),
-                None => DryRun::of(depth, &self.bench.alone(depth)?.trace, &self.costs),
-            });
-        }
+    fn choices(&self) -> Vec<Choice> {
+        let dry = self.bench.dry(&self.costs);
         let mut choices = Vec::new();
-        let cases = [(2, Home::Shared, Mode::Measured), (CORES, Home::Own, Mode::SimulatedOwnCore)];
-        for (workers, home, mode) in cases {
+        let cases = [(2, 2, Mode::Measured), (CORES, CORES + 1, Mode::SimulatedOwnCore)];
+        for (workers, cores, mode) in cases {
+            let [size, cores] = [workers, cores].map(usize::from);
+            let team = Team { workers: size, cores, queues: QUEUES };
             let deepest = self.plan.depths.iter().copied().max().unwrap_or(0);
-            let Some(advice) = advise(&dry, &self.costs, workers, home, deepest) else { continue };
+            let Some(advice) = advise(&dry, &self.costs, &team, 0..=deepest) else { continue };
             let rows = self.rows.iter().filter(|row| {
                 (row.mode, row.workers, row.queue) == (mode, workers, QUEUES.capacity)
                     && (row.scheme, row.transfer) == ("best-match-load", ZERO_COPY.0)
@@ -355,7 +347,7 @@ impl Sweep<'_> {
                 });
             }
         }
-        Ok(choices)
+        choices
     }
 
     /// Best Match-Load with every buffer at its best depth.

@@ -10,7 +10,7 @@ use crate::print;
 use coordinator::{Request, Work};
 use record::{Record, Source};
 use runtime::FileMap;
-use scenario::{Engine, Overrides, Scenario};
+use scenario::{Engine, Overrides, Scenario, WrittenDepth};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -94,7 +94,7 @@ fn again(
     let views = model::store::open(store.bytes())
         .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
-    let mut work = Work::new(&request, &views, engine.depth);
+    let mut work = Work::new(&request, &views, record.settings.depth);
     let jobs = coordinator::replay(&mut work, &views, &record.places, &record.jobs);
     let answer = serde_json::to_string(&work.answer()?)
         .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
@@ -104,7 +104,7 @@ fn again(
 /// The settings that the ledger depends on.
 fn engine(record: &Record) -> Result<Engine, Failure> {
     let changes = Overrides {
-        depth: Some(i64::from(record.settings.depth)),
+        depth: Some(WrittenDepth::Levels(i64::from(record.settings.depth))),
         build: Some(record.settings.tree.clone()),
         leaf_size: Some(i64::from(record.settings.leaf_size)),
         ..Overrides::default()

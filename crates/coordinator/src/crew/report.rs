@@ -1,6 +1,7 @@
 //! What a run took, and what became of each worker.
 
 use dispatch::{Counts, Transfer};
+use runtime::OsError;
 use serde::Serialize;
 
 /// What became of one worker.
@@ -30,8 +31,32 @@ pub struct WorkerReport {
     pub result_lines: u64,
     /// Time that its jobs took by the clock on the wall (ns).
     pub busy_ns: u64,
+    /// What its processor counted while the request was worked on, in user mode.
+    pub hardware: Hardware,
     /// How it ended, if it was lost.
     pub lost: Option<String>,
+}
+
+/// Hardware counters of one worker.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub enum Hardware {
+    /// As the processor counted.
+    Counted {
+        /// Instructions retired.
+        instructions: u64,
+        /// Misses of the last level of cache.
+        cache_misses: u64,
+    },
+    /// "not available", and why.
+    NotAvailable(String),
+}
+
+impl From<OsError> for Hardware {
+    fn from(error: OsError) -> Self {
+        let why = std::error::Error::source(&error).map(ToString::to_string);
+        Self::NotAvailable(format!("not available: {}", why.unwrap_or_else(|| error.to_string())))
+    }
 }
 
 /// Where the coordinator's time went in one request; what is missing is waiting.

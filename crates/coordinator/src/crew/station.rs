@@ -1,11 +1,12 @@
 //! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
 
-use super::{Options, WorkerReport};
+use super::{Hardware, Options, WorkerReport};
 use core::sync::atomic::Ordering;
 use dispatch::{Patience, Pulse, Verdict, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
 use protocol::{Head, Incarnation, JobId, Launch, Reject};
+use runtime::counters::{Counted, Counters};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
@@ -21,6 +22,8 @@ pub(super) struct Station {
     seq: u32,
     /// What was counted before this request: by the worker, and at both ends of its channels.
     before: Before,
+    /// Hardware counters, or why there are none; and what they said before this request.
+    counters: Result<(Counters, Counted), Hardware>,
     /// Kept open: the worker holds the other end.
     _bell: EventFd,
 }
@@ -100,8 +103,10 @@ impl Station {
             result_bytes: 0,
             result_lines: 0,
             busy_ns: 0,
+            hardware: Hardware::Counted { instructions: 0, cache_misses: 0 },
             lost: None,
         };
+        let counters = Counters::of(child.pid()).map_err(Hardware::from);
         Ok(Self {
             who: launch.who,
             report,
@@ -111,6 +116,7 @@ impl Station {
             is_alive: true,
             seq: 0,
             before: Before::default(),
+            counters: counters.map(|counters| (counters, Counted::default())),
             _bell: bell,
         })
     }
@@ -130,6 +136,10 @@ impl Station {
     /// Counts from zero.
     pub(super) fn begin(&mut self, status: &StatusMemory) {
         self.before = self.counted(status);
+        if let Ok((counters, before)) = &mut self.counters {
+            // What cannot be read now cannot be read at the end, and is reported there.
+            *before = counters.read().unwrap_or_default();
+        }
         self.report.busy_ns = 0;
     }
 
@@ -155,8 +165,20 @@ impl Station {
             results: now.taken.messages - before.taken.messages,
             result_bytes: now.taken.bytes - before.taken.bytes,
             result_lines: now.taken.lines - before.taken.lines,
+            hardware: self.hardware(),
             ..self.report.clone()
         }
+    }
+
+    fn hardware(&self) -> Hardware {
+        let (counters, before) = match &self.counters {
+            Ok((counters, before)) => (counters, before),
+            Err(why) => return why.clone(),
+        };
+        counters.read().map_or_else(Hardware::from, |now| Hardware::Counted {
+            instructions: now.instructions.saturating_sub(before.instructions),
+            cache_misses: now.cache_misses.saturating_sub(before.cache_misses),
+        })
     }
 
     /// How it ended, if it has.

@@ -199,7 +199,7 @@ fn what_the_schema_requires_the_parser_requires() {
 
 fn values() -> impl Strategy<Value = String> {
     const WORDS: &[&str] =
-        &["sedan", "suv", "wall", "rider", "front-left", "sah", "car", "post", "é", ""];
+        &["auto", "sedan", "suv", "wall", "rider", "front-left", "sah", "car", "post", "é", ""];
     prop_oneof![
         any::<f64>().prop_map(|x| format!("{x:?}")),
         (-1e3..1e3).prop_map(|x: f64| format!("{x:?}")),

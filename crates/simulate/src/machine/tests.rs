@@ -42,6 +42,7 @@ const COSTS: Costs = Costs {
     box_ns: 2.0,
     triangle_ns: 30.0,
     hit_ns: 5.0,
+    leaves_ns: 200.0,
     send_ns: 400.0,
     section_byte_ns: 0.05,
     ship_byte_ns: 0.1,

@@ -1,0 +1,49 @@
+//! A small request for the tests of several modules: two crashes, and one that passes by.
+
+use crate::request::Request;
+use bvh::BuildOptions;
+use damage::{Curves, Policy};
+use model::generate::{Shape, generate};
+use model::{Body, BodyView, Meta, defaults, zones};
+use scenario::Scenario;
+
+const SCENARIO: &str = r#"
+schema = "trolley.scenario/1"
+name = "replayed"
+[parties]
+ego = { generate = { shape = "sedan", triangles = 900 } }
+pole = { generate = { shape = "pole", triangles = 500 } }
+suv = { generate = { shape = "suv", triangles = 900 } }
+[[candidates]]
+name = "pole"
+ego = { position_m = [0, 0, 0], speed_m_s = 9 }
+other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
+[[candidates]]
+name = "suv"
+ego = { position_m = [0, 0, 0], speed_m_s = 12 }
+other = { party = "suv", position_m = [4.6, 0.4, 0], yaw_deg = 170, speed_m_s = 4 }
+[[candidates]]
+name = "past"
+ego = { position_m = [0, 0, 0], speed_m_s = 12 }
+other = { party = "suv", position_m = [4.6, 3.5, 0], speed_m_s = 4 }
+"#;
+
+fn body(shape: Shape, triangles: u32) -> Body {
+    let mesh = generate(shape, triangles, 0).expect("a known size");
+    let origin = defaults::Origin { name: "b", kind: shape.kind(), origin: "b", hash: "" };
+    let meta = defaults::assemble(origin, &mesh, None).expect("sound");
+    let zones = zones::of_mesh(&mesh, shape.kind());
+    bvh::body(mesh, meta, zones, &BuildOptions::default(), &|_| {}).expect("a tree")
+}
+
+/// The request, and something to do with it.
+pub(crate) fn with<T>(of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T) -> T {
+    let bodies =
+        [(Shape::Sedan, 900), (Shape::Pole, 500), (Shape::Suv, 900)].map(|(s, n)| body(s, n));
+    let views: Vec<_> = bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
+    let scenario = Scenario::parse("replayed.toml", SCENARIO).expect("sound");
+    let policy = Policy::shipped().expect("sound");
+    let curves = Curves::shipped().expect("sound");
+    let request = Request::new(&scenario, &views, policy, curves).expect("sound");
+    of(&request, &views)
+}
