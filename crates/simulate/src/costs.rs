@@ -76,7 +76,7 @@ impl Costs {
         all.all(is_time) && [section_byte_ns, ship_byte_ns, flight_ns].into_iter().all(is_time)
     }
 
-    /// What the kernel takes for a job [ns].
+    /// What the kernel takes for a job (ns).
     #[must_use]
     pub fn kernel_ns(&self, nb: u64, np: u64, hits: u64) -> f64 {
         self.job_ns
