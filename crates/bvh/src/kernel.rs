@@ -26,6 +26,14 @@ pub use found::BEAT_TESTS;
 /// all boxes of each against the other leaf, and all triangles.
 pub const STEP_TESTS: u64 = (2 * boxes::LEAF_MAX * boxes::LEAF_MAX + 2 * boxes::LEAF_MAX) as u64;
 
+/// The budget of [`Kernel::run`] under which a job's tests never exceed `budget`, or one step where
+/// that is more: a step is looked at when it is done.
+#[must_use]
+pub const fn within(budget: u64) -> u64 {
+    let budget = budget.saturating_sub(STEP_TESTS);
+    if budget == 0 { 1 } else { budget }
+}
+
 /// Triangles that are tested together at least, as if they were one leaf.
 pub const LEAF_TRIANGLES: usize = model::wide::LEAF_TRIANGLES;
 

@@ -25,9 +25,11 @@
 //! - Nothing recurses, and [`kernel::Kernel::run`] allocates nothing.
 
 pub mod build;
+pub mod cut;
 pub mod front;
 pub mod kernel;
 pub mod placement;
+pub mod reach;
 pub mod section;
 pub mod support;
 pub mod together;
@@ -36,9 +38,11 @@ mod descent;
 mod hits;
 
 pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild};
+pub use cut::Cut;
 pub use front::{NodePair, front};
 pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};
 pub use placement::Placement;
+pub use reach::reach;
 
 /// Work done, in the terms of the cost model T = Nb·Cb + Np·Cp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -77,6 +77,12 @@ pub(crate) enum Command {
     /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
     #[command(after_help = crate::measure::EXAMPLES)]
     Measure(crate::measure::MeasureArgs),
+    /// Try bounds, deadlines and budgets on requests of chance: tables, and whether all holds.
+    #[command(after_help = crate::certify::EXAMPLES)]
+    Certify {
+        #[command(subcommand)]
+        verb: crate::certify::Verb,
+    },
     /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
     Calibrate(crate::measure::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
@@ -119,6 +125,8 @@ pub(crate) struct AnswerArgs {
     /// Add a decision record to this folder: what was asked, decided, and by what.
     #[arg(long, value_name = "DIR")]
     pub(crate) record: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) terms: crate::terms::TermsArgs,
 }
 
 /// What may be assumed of what nobody knows.

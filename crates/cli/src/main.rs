@@ -6,6 +6,7 @@
 
 mod args;
 mod bodies;
+mod certify;
 mod explain;
 mod failure;
 mod inputs;
@@ -20,6 +21,7 @@ mod rank;
 mod record;
 mod run;
 mod table;
+mod terms;
 mod transfer;
 
 use args::{Args, Command};
@@ -51,6 +53,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Policy { verb } => policy::run(verb, &args.output()),
         Command::Record { verb } => record::run(verb, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
+        Command::Certify { verb } => certify::run(verb, &args.output()),
         Command::Calibrate(options) => measure::calibrate(options),
         Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),

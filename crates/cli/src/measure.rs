@@ -12,7 +12,7 @@ mod calibrate;
 mod claims;
 mod figure;
 mod page;
-mod pair;
+pub(crate) mod pair;
 mod row;
 mod sweep;
 

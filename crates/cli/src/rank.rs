@@ -6,6 +6,7 @@ use crate::failure::{Code, Failure, chain};
 use crate::inputs::{self, Inputs, Read};
 use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
+use crate::terms::{Kept, certain};
 use crate::{explain, plan, print, table};
 use coordinator::{DryRuns, Request, Work};
 use damage::State;
@@ -108,9 +109,7 @@ fn answer(
     let engine = scenario.engine.apply(&overrides(options)?).map_err(|misfit| {
         Failure::new(Code::Configuration, misfit.fault.clone()).help(misfit.help)
     })?;
-    if scenario.deadline.is_some() {
-        tracing::warn!("deadline_ms is not kept yet: the answer comes when all work is done");
-    }
+    let terms = asked.terms.terms(scenario.deadline, asked.record.is_some())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside = |_: usize, reference: &FileRef| folder.join(&reference.path);
     let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
@@ -132,16 +131,27 @@ fn answer(
     };
     let mut known = DryRuns::default();
     let plan = plan::plan(engine, options, &request, &views, &hashes, &mut known)?;
-    let work = Work::new(&request, &views, plan.depth);
+    let work = Work::new(&request, &views, plan.depth).with_terms(terms);
     let work = if asked.record.is_some() { work.with_ledger() } else { work };
-    let (work, ran) = if options.in_process {
-        run::here(work, &plan, &views, &mut stages)
+    let (work, ran, crew) = if options.in_process {
+        let (work, ran) = run::here(work, &plan, &views, &mut stages);
+        (work, ran, None)
     } else {
-        run::crew(work, &plan, &views, &store, options, &mut stages)?
+        let (work, ran, crew) = run::crew(work, &plan, &views, &store, options, &mut stages)?;
+        (work, ran, Some(crew))
     };
     let before_ns = clock::now_ns();
     let answer = work.answer()?;
-    stages.assess_ms = run::milliseconds(clock::now_ns() - before_ns);
+    let answered_ns = clock::now_ns();
+    stages.assess_ms = run::milliseconds(answered_ns - before_ns);
+    let deadline = asked
+        .terms
+        .deadline(scenario.deadline)
+        .map(|due| Kept::of(due, answered_ns.saturating_sub(work.accepted_ns())));
+    // Whoever waits for an answer does not wait for the workers' end.
+    let crew = if deadline.is_some() { crew } else { run::stop(crew, &mut stages) };
+    let [winner_certain, order_certain] = certain(&work);
+    let ran = Run { deadline, winner_certain, order_certain, ..ran };
     let explains = asked.explain || asked.record.is_some();
     let explanation = explains.then(|| work.explanation()).transpose()?;
     let run = Run { stages, ..ran };
@@ -178,6 +188,7 @@ fn answer(
             print::out(&format!("\n{}", explain::text(explanation)))?;
         }
     }
+    run::stop(crew, &mut Stages::default());
     // An answer that could not be recorded is shown, and then the failure.
     if let Some(path) = recorded?
         && !output.json

@@ -4,6 +4,7 @@ use crate::BUILD;
 use crate::args::EngineArgs;
 use crate::failure::{Code, Failure};
 use crate::plan::{Choice, Plan};
+use crate::terms::{Certain, Kept};
 use crate::transfer;
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
 use dispatch::Patience;
@@ -41,6 +42,15 @@ pub(crate) struct Run {
     pub(crate) choice: Option<Choice>,
     pub(crate) tree: model::Build,
     pub(crate) scheme: &'static str,
+    /// How the deadline was kept, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) deadline: Option<Kept>,
+    /// When no open work could change the winner any more; absent if that never was so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) winner_certain: Option<Certain>,
+    /// The same of the whole order, if somebody waited for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) order_certain: Option<Certain>,
     pub(crate) bodies: usize,
     pub(crate) triangles: usize,
     pub(crate) store_bytes: usize,
@@ -81,6 +91,9 @@ fn blank(bodies: &[(Meta, BodyView<'_>)], plan: &Plan, mode: &'static str) -> Ru
         choice: plan.choice.clone(),
         tree: engine.build,
         scheme: engine.scheme.name(),
+        deadline: None,
+        winner_certain: None,
+        order_certain: None,
         bodies: bodies.len(),
         triangles: bodies.iter().map(|(_, body)| body.corners.len()).sum(),
         store_bytes: 0,
@@ -132,7 +145,15 @@ pub(crate) fn here<'w>(
     (work, run)
 }
 
-/// Does the work with a crew of worker processes.
+/// Ends the workers, if there are any.
+pub(crate) fn stop(crew: Option<Crew>, stages: &mut Stages) -> Option<Crew> {
+    let begun_ns = clock::now_ns();
+    drop(crew);
+    stages.stop_ms = milliseconds(clock::now_ns() - begun_ns);
+    None
+}
+
+/// Does the work with a crew of worker processes, which live on until the crew is dropped.
 pub(crate) fn crew<'w>(
     mut work: Work<'w>,
     plan: &Plan,
@@ -140,7 +161,7 @@ pub(crate) fn crew<'w>(
     store: &SealedMemory,
     options: &EngineArgs,
     stages: &mut Stages,
-) -> Result<(Work<'w>, Run), Failure> {
+) -> Result<(Work<'w>, Run, Crew), Failure> {
     let engine = &plan.engine;
     let mut run = blank(bodies, plan, "workers");
     let granted = run.cores_granted.clone();
@@ -178,10 +199,8 @@ pub(crate) fn crew<'w>(
     if let Some(path) = &handing.job_log {
         transfer::write_log(path, crew.log())?;
     }
-    drop(crew);
     stages.start_ms = milliseconds(started_ns - begun_ns);
     stages.work_ms = milliseconds(worked_ns - started_ns);
-    stages.stop_ms = milliseconds(clock::now_ns() - worked_ns);
     let counts = report.counts;
     let run = Run {
         store_bytes: store.bytes().len(),
@@ -199,7 +218,7 @@ pub(crate) fn crew<'w>(
         workers: report.workers,
         ..with_effort(run, &work)
     };
-    Ok((work, run))
+    Ok((work, run, crew))
 }
 
 /// The core of each worker.

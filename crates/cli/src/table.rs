@@ -2,6 +2,7 @@
 
 use crate::plan::Choice;
 use crate::run::Run;
+use crate::terms::{Certain, Kept};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use coordinator::{Answer, PersonRow, Row};
 use damage::State;
@@ -146,6 +147,8 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         "Least harm: {}. {state} ({} jobs in {:.1} ms; policy \"{}\").",
         first.name, run.jobs, run.stages.work_ms, answer.policy
     ));
+    lines.extend(run.winner_certain.as_ref().and_then(|certain| early(answer, certain)));
+    lines.extend(run.deadline.as_ref().map(kept));
     if first.contact.touch == Touch::No {
         lines.push("It touches nothing: not one triangle of either body, at any pose.".to_owned());
     }
@@ -164,7 +167,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     }
     lines.extend(answer.assumptions.iter().map(|assumed| format!("Assumed: {assumed}.")));
     if !answer.missing.is_empty() {
-        lines.push(format!("Not fully known: {}.", answer.missing.join(", ")));
+        lines.push(format!("Not fully known: {}.", answer.missing.join("; ")));
     }
     let near: Vec<&str> = answer
         .ranking
@@ -184,6 +187,24 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
     wrapped.join("\n")
         + "\nNext: trolley demo --explain · trolley rank --help · trolley model --help\n"
+}
+
+/// How early the winner was certain, where that was before the end.
+fn early(answer: &Answer, certain: &Certain) -> Option<String> {
+    let Certain { share, ms, .. } = certain;
+    let is_early = answer.state == State::Complete && *share < 0.95;
+    is_early.then(|| {
+        format!("The winner was certain after {:.0} % of the work, at {ms:.1} ms.", 100.0 * share)
+    })
+}
+
+/// Whether the answer came in time.
+fn kept(kept: &Kept) -> String {
+    let Kept { due_ms, answered_ms, late_ms } = kept;
+    if *late_ms > 0.0 {
+        return format!("Due at {due_ms} ms, answered {late_ms:.1} ms late.");
+    }
+    format!("Due at {due_ms} ms, answered at {answered_ms:.1} ms.")
 }
 
 /// How the work was cut, where that was left to the program.

@@ -28,7 +28,9 @@ pub struct Answer {
     pub notes: Vec<Note>,
     /// What was assumed because nobody knows it, in sentences.
     pub assumptions: Vec<String>,
-    /// What is missing: candidates whose contact is not fully known.
+    /// So many of the first places no open work can change.
+    pub settled_places: usize,
+    /// What is missing, a sentence per candidate whose contact is not fully known.
     pub missing: Vec<String>,
 }
 
@@ -144,7 +146,26 @@ impl Answer {
             tie_class: ranking.tie_class.iter().map(|number| name(*number)).collect(),
             notes: ranking.notes.clone(),
             assumptions: assumptions(request),
-            missing: missing.map(name).collect(),
+            settled_places: ranking.settled,
+            missing: missing
+                .map(|number| format!("{}: {}", name(number), open(&cases[number])))
+                .collect(),
+        }
+    }
+}
+
+/// What is not known of a candidate.
+fn open(case: &Case) -> String {
+    match &case.stage {
+        Stage::Settled => "the bodies overlap before they meet".to_owned(),
+        Stage::Searching { search, .. } => {
+            let (from, to) = search.bracket();
+            let touch = if search.has_touched() { "begins" } else { "would begin" };
+            format!("where contact {touch}, between {from:.3} m and {to:.3} m of travel")
+        }
+        Stage::Surveying { stops, .. } => {
+            let open = stops.iter().filter(|(_, surveyed)| surveyed.is_none()).count();
+            format!("{open} of {} poses from first contact on", stops.len())
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Which tasks follow depends on what earlier ones found, never on the order in which they were
 //! answered: [`damage::Search`] sees to that.
 
+use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
 use damage::{Evidence, First, Meeting, Search, Seen, Stop};
@@ -35,16 +36,15 @@ pub(crate) enum Stage {
     Settled,
     /// First contact is sought; `asked` are the travels that have a task.
     Searching { search: Search, asked: Vec<f64> },
-    /// First contact is known, or known not to be.
-    Surveying { search: Search, stops: Vec<(Stop, Option<Surveyed>)> },
+    /// First contact is known, or known not to be. `task` is the number of the first stop's task;
+    /// the others follow.
+    Surveying { search: Search, stops: Vec<(Stop, Option<Surveyed>)>, task: u32 },
 }
 
 /// One candidate at work.
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
     pub(crate) stage: Stage,
-    /// A job was abandoned: what it would have found is not known.
-    pub(crate) is_unknown: bool,
     /// Triangles hit from first contact to e.
     pub(crate) hit: Union,
 }
@@ -57,11 +57,17 @@ impl Case {
             }
             Meeting::Never(_) | Meeting::AlreadyOverlapping => Stage::Settled,
         };
-        Self { stage, is_unknown: false, hit: Union::default() }
+        Self { stage, hit: Union::default() }
     }
 
-    /// The tasks that have to be done now and were not asked for before.
-    pub(crate) fn advance(&mut self, candidate: &Candidate, aims: &mut Vec<(Aim, f64, Question)>) {
+    /// The tasks that have to be done now and were not asked for before; they get the numbers from
+    /// `task` on.
+    pub(crate) fn advance(
+        &mut self,
+        candidate: &Candidate,
+        task: u32,
+        aims: &mut Vec<(Aim, f64, Question)>,
+    ) {
         let Stage::Searching { search, asked } = &mut self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
         let Some(first) = search.outcome() else {
@@ -83,7 +89,7 @@ impl Case {
         }
         let search = search.clone();
         let stops = stops.into_iter().map(|stop| (stop, None)).collect();
-        self.stage = Stage::Surveying { search, stops };
+        self.stage = Stage::Surveying { search, stops, task };
     }
 
     /// Whether the answer at a probe can still matter.
@@ -111,13 +117,7 @@ impl Case {
     ) {
         let Stage::Surveying { stops, .. } = &mut self.stage else { return };
         let Some((stop, surveyed)) = stops.get_mut(number) else { return };
-        let zones = |bits: u16| if stop.zones { Zones(bits) } else { Zones(0) };
-        let seen = Seen {
-            patch: if stop.patch { found.supports } else { Supports::EMPTY },
-            end: if stop.depth { found.supports } else { Supports::EMPTY },
-            zones_a: zones(found.zones_a),
-            zones_b: zones(found.zones_b),
-        };
+        let seen = seen(stop, &found.supports, [found.zones_a, found.zones_b]);
         *surveyed = Some(Surveyed {
             sets: found.summary(a, b),
             pairs: found.pairs,
@@ -135,25 +135,42 @@ impl Case {
             if stops.iter().all(|(_, surveyed)| surveyed.is_some()))
     }
 
-    /// What is known of the contact by now.
-    pub(crate) fn evidence(&self) -> Evidence {
-        let (search, stops) = match &self.stage {
+    /// What is known of the contact by now. `open` says what is known of a stop's task that is not
+    /// done, and what it may still find.
+    pub(crate) fn evidence(&self, mut open: impl FnMut(u32, &Stop) -> Open) -> Evidence {
+        let (search, stops, task) = match &self.stage {
             Stage::Settled => return Evidence::none((0.0, 0.0)),
-            Stage::Searching { search, .. } => (search, &[][..]),
-            Stage::Surveying { search, stops } => (search, &stops[..]),
+            Stage::Searching { search, .. } => (search, &[][..], None),
+            Stage::Surveying { search, stops, task } => (search, &stops[..], Some(*task)),
         };
         let mut evidence = Evidence::none(search.bracket());
         if search.has_touched() {
             evidence.touched();
         }
-        for (stop, surveyed) in stops {
+        let Some(task) = task else {
+            evidence.add_open_everywhere();
+            return evidence;
+        };
+        for (number, (stop, surveyed)) in stops.iter().enumerate() {
             if let Some(surveyed) = surveyed {
                 evidence.add_hits(stop.travel_m, &surveyed.seen);
+                continue;
             }
-        }
-        if self.is_unknown || !self.is_done() {
-            evidence.add_open_everywhere();
+            let Open { found, reach } = open(task + number as u32, stop);
+            evidence.add_hits(stop.travel_m, &found);
+            evidence.add_open(stop.travel_m, &reach);
         }
         evidence
+    }
+}
+
+/// Hits or reach at a stop, as far as they count there.
+pub(crate) fn seen(stop: &Stop, supports: &Supports, zones: [u16; 2]) -> Seen {
+    let [zones_a, zones_b] = zones.map(|bits| if stop.zones { Zones(bits) } else { Zones(0) });
+    Seen {
+        patch: if stop.patch { *supports } else { Supports::EMPTY },
+        end: if stop.depth { *supports } else { Supports::EMPTY },
+        zones_a,
+        zones_b,
     }
 }

@@ -63,6 +63,9 @@ const GREETING_NS: u64 = 20_000_000_000;
 const NAP_NS: u64 = 20_000_000;
 /// How long a worker may take to end by itself (ns).
 const FAREWELL_MS: u64 = 200;
+/// How long a worker may take to let go of a cancelled request (ns): a step of its job, when it
+/// runs.
+const LETTING_GO_NS: u64 = 2_000_000_000;
 
 /// Puts model files into sealed memory, where every process reads them in place.
 ///
@@ -208,13 +211,45 @@ impl Crew {
         }
     }
 
-    /// Works a request off.
+    /// Waits until all workers have let go of a request that ended early.
+    fn clear(&mut self) -> Result<(), CrewError> {
+        let end = clock::now_ns() + LETTING_GO_NS;
+        loop {
+            let mut scratch = std::mem::take(&mut self.scratch);
+            for station in &mut self.stations {
+                while let Ok(Some(_)) = station.take(&self.status, &mut scratch) {}
+            }
+            self.scratch = scratch;
+            let is_late = |(number, station): (usize, &Station)| {
+                let is_late = !station.has_let_go(&self.status) && !self.ended.contains(&number);
+                (is_late && station.is_alive()).then_some(number)
+            };
+            let mut late = self.stations.iter().enumerate().filter_map(is_late);
+            let Some(number) = late.next() else { return Ok(()) };
+            if clock::now_ns() > end {
+                self.stations[number].kill("did not let go of a cancelled request");
+                self.ended.push(number);
+            }
+            self.sleep(100_000)?;
+        }
+    }
+
+    /// Tells the workers that nobody waits for this request any more.
+    fn cancel(&self) {
+        for line in &self.status.page().coordinator {
+            line.cancelled.store(self.request, Ordering::SeqCst);
+        }
+    }
+
+    /// Works a request off, or as far as it is wanted.
     ///
     /// # Errors
     ///
-    /// If no worker is left, or a signal came.
+    /// If no worker is left and no deadline says when to answer all the same, or a signal came.
     pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
+        self.clear()?;
         let begun_ns = clock::now_ns();
+        work.accept(begun_ns);
         self.request += 1;
         self.rejected = 0;
         self.duty = Duty::default();
@@ -253,9 +288,14 @@ impl Crew {
             if progress != Progress::Working {
                 break;
             }
+            if work.is_over(now) {
+                self.cancel();
+                break;
+            }
             if taken || waits {
                 backoff.reset();
             } else if self.shares_core || backoff.is_completed() {
+                let due_ns = [due_ns, work.deadline_ns()].into_iter().flatten().min();
                 let nap_ns = due_ns.map_or(NAP_NS, |due_ns| due_ns.saturating_sub(now).min(NAP_NS));
                 self.sleep(nap_ns)?;
             } else {
@@ -267,7 +307,7 @@ impl Crew {
         if let Some(thrash) = self.dispatcher.thrash() {
             return Err(CrewError::Thrashed(thrash));
         }
-        if progress == Progress::Stranded {
+        if progress == Progress::Stranded && work.deadline_ns().is_none() {
             let lost = self.stations.iter().filter_map(|station| {
                 let how = station.report.lost.as_deref()?;
                 Some(format!("worker {} by {how}", station.who.worker))
@@ -352,7 +392,7 @@ impl Crew {
                 task: place as u32,
                 node_a: spec.a.node,
                 node_b: spec.b.node,
-                budget: u64::MAX,
+                budget: work.budget(),
                 attempt: u32::from(*attempt),
                 spare: 0,
             });
@@ -408,6 +448,10 @@ impl Crew {
         for number in 0..self.stations.len() {
             while let Some(after) = self.take_one(number, work, effects) {
                 (any, progress) = (true, after);
+                // However fast results come, the answer is due when it is due.
+                if work.is_over(clock::now_ns()) {
+                    return (any, progress);
+                }
             }
         }
         (any, progress)
@@ -471,9 +515,24 @@ impl Crew {
                     attempt: head.attempt,
                     part: head.part,
                     last: last.is_some(),
-                    body: PartOf(Part { hits, last }),
+                    body: PartOf(Part { hits, rest: &[], last }),
                 };
                 self.step(event, work, effects)
+            }
+            Some(Kind::Rest) if words.len() == 1 + head.hits as usize => {
+                let event = Event::Part {
+                    from,
+                    job,
+                    attempt: head.attempt,
+                    part: head.part,
+                    last: false,
+                    body: PartOf(Part { hits: &[], rest: words, last: None }),
+                };
+                self.step(event, work, effects)
+            }
+            Some(Kind::Rest) => {
+                self.distrust(number, "counts that do not fit");
+                self.step(Event::Poll, work, effects)
             }
             Some(Kind::Nack) => {
                 tracing::warn!(worker = number, job = head.job, "a job failed");

@@ -38,11 +38,18 @@ fn body(shape: Shape, triangles: u32) -> Body {
 
 /// The request, and something to do with it.
 pub(crate) fn with<T>(of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T) -> T {
+    with_policy(Policy::shipped().expect("sound"), of)
+}
+
+/// The same under another policy.
+pub(crate) fn with_policy<T>(
+    policy: Policy,
+    of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T,
+) -> T {
     let bodies =
         [(Shape::Sedan, 900), (Shape::Pole, 500), (Shape::Suv, 900)].map(|(s, n)| body(s, n));
     let views: Vec<_> = bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
     let scenario = Scenario::parse("replayed.toml", SCENARIO).expect("sound");
-    let policy = Policy::shipped().expect("sound");
     let curves = Curves::shipped().expect("sound");
     let request = Request::new(&scenario, &views, policy, curves).expect("sound");
     of(&request, &views)

@@ -38,6 +38,8 @@ impl Hits {
 pub(crate) struct Part<'p> {
     /// Hits of this part.
     pub(crate) hits: &'p [u32],
+    /// What its job left open, as a rest travels; empty if nothing, or in another part.
+    pub(crate) rest: &'p [u64],
     /// The rest, if it is the last part.
     pub(crate) last: Option<Last<'p>>,
 }

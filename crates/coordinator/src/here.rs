@@ -2,34 +2,52 @@
 
 use crate::gather::Part;
 use crate::work::{Errands, PartOf};
-use bvh::{Kernel, NodePair, Outcome, Question, Sink};
+use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
 use core::ops::ControlFlow;
 use dispatch::{Closed, Spec};
 use geometry::{Directions, RelativePose};
 use model::{BodyView, Meta};
-use protocol::result::{End, Last, hit};
+use protocol::result::{End, Last, hit, write_rest};
 use protocol::{Side, Summary};
 use runtime::clock;
 
-#[derive(Default)]
-pub(crate) struct Hits(Vec<u32>);
+/// Hits of a job, which ends when the answer is due.
+#[derive(Debug)]
+struct Hits<'h> {
+    hits: &'h mut Vec<u32>,
+    due_ns: Option<u64>,
+}
 
-impl Sink for Hits {
+impl Sink for Hits<'_> {
     fn hit(&mut self, side: bvh::Side, triangle: u32) -> ControlFlow<()> {
         let side = match side {
             bvh::Side::A => Side::A,
             bvh::Side::B => Side::B,
         };
-        self.0.push(hit(side, triangle));
+        self.hits.push(hit(side, triangle));
         ControlFlow::Continue(())
     }
 
     fn beat(&mut self, _: u64) -> ControlFlow<()> {
-        ControlFlow::Continue(())
+        match self.due_ns {
+            Some(due_ns) if clock::now_ns() >= due_ns => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
     }
 }
 
-/// Runs a request to its end in this process. Returns how many jobs there were.
+/// Where jobs are done in this process.
+#[derive(Debug)]
+pub(crate) struct Desk<'b> {
+    bodies: &'b [(Meta, BodyView<'b>)],
+    kernel: Kernel,
+    hits: Vec<u32>,
+    rest: Vec<u64>,
+    around: Option<(u32, Directions)>,
+}
+
+/// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs there
+/// were.
 pub fn run_here<W: Errands>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
     run_watched(work, bodies, |_, _| {})
 }
@@ -40,66 +58,90 @@ pub fn run_watched<W: Errands>(
     bodies: &[(Meta, BodyView<'_>)],
     mut watch: impl FnMut(&Spec, &Summary),
 ) -> u64 {
-    let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
-    let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
-    let mut kernel = Kernel::with_room(depth, depth, triangles, triangles);
-    let (mut jobs, mut hits, mut count) = (Vec::new(), Hits::default(), 0);
-    let mut around: Option<(u32, Directions)> = None;
+    let mut desk = Desk::new(bodies);
+    let (mut jobs, mut count) = (Vec::new(), 0);
+    work.accept(clock::now_ns());
     loop {
         work.more(&mut jobs);
         if jobs.is_empty() {
             return count;
         }
         for job in jobs.drain(..) {
+            if work.is_over(clock::now_ns()) {
+                return count;
+            }
             count += 1;
             if work.is_moot(job.task) {
                 work.close(&job, Closed::Cut);
                 continue;
             }
-            run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut watch);
+            desk.run(work, &job, &mut watch);
         }
     }
 }
 
-pub(crate) fn run<W: Errands>(
-    kernel: &mut Kernel,
-    work: &mut W,
-    bodies: &[(Meta, BodyView<'_>)],
-    job: &Spec,
-    hits: &mut Hits,
-    around: &mut Option<(u32, Directions)>,
-    watch: &mut impl FnMut(&Spec, &Summary),
-) {
-    let begun_ns = clock::now_ns();
-    let Some(task) = work.task(job.task).copied() else { return };
-    let made = match around.take() {
-        Some(made) if made.0 == task.task => made,
-        _ => (task.task, Directions::around(task.u.into(), task.z.into())),
-    };
-    let directions = &around.insert(made).1;
-    let question = protocol::Question::from_number(task.question);
-    let (question, directions) = match question {
-        Some(protocol::Question::Pairs) => (Question::Pairs, Some(directions)),
-        Some(protocol::Question::Sets) => (Question::Sets, None),
-        Some(protocol::Question::Touches) | None => (Question::Touches, None),
-    };
-    let asked = bvh::Task {
-        a: bodies[task.model_a as usize].1,
-        b: bodies[task.model_b as usize].1,
-        pose: RelativePose { rotation: task.rotation, translation: task.translation },
-        question,
-        directions,
-    };
-    hits.0.clear();
-    let start = NodePair { a: job.a.node, b: job.b.node };
-    let outcome = kernel.run(&asked, start, u64::MAX, hits);
-    let wall_ns = clock::now_ns() - begun_ns;
-    let summary = Summary { wall_ns, hits: hits.0.len() as u32, ..summary(&outcome) };
-    watch(job, &summary);
-    let supports = directions.map(|_| &outcome.supports.0);
-    let last = Some(Last { summary, supports, hits: &hits.0 });
-    work.fold(job, PartOf(Part { hits: &hits.0, last }));
-    work.close(job, Closed::Done);
+impl<'b> Desk<'b> {
+    pub(crate) fn new(bodies: &'b [(Meta, BodyView<'b>)]) -> Self {
+        let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
+        let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
+        Self {
+            bodies,
+            kernel: Kernel::with_room(depth, depth, triangles, triangles),
+            hits: Vec::new(),
+            rest: Vec::new(),
+            around: None,
+        }
+    }
+
+    /// Does one job, unless the answer is due before it is done: then it stays open.
+    pub(crate) fn run<W: Errands>(
+        &mut self,
+        work: &mut W,
+        job: &Spec,
+        watch: &mut impl FnMut(&Spec, &Summary),
+    ) {
+        let begun_ns = clock::now_ns();
+        let Some(task) = work.task(job.task).copied() else { return };
+        let made = match self.around.take() {
+            Some(made) if made.0 == task.task => made,
+            _ => (task.task, Directions::around(task.u.into(), task.z.into())),
+        };
+        let directions = &self.around.insert(made).1;
+        let question = protocol::Question::from_number(task.question);
+        let (question, directions) = match question {
+            Some(protocol::Question::Pairs) => (Question::Pairs, Some(directions)),
+            Some(protocol::Question::Sets) => (Question::Sets, None),
+            Some(protocol::Question::Touches) | None => (Question::Touches, None),
+        };
+        let asked = bvh::Task {
+            a: self.bodies[task.model_a as usize].1,
+            b: self.bodies[task.model_b as usize].1,
+            pose: RelativePose { rotation: task.rotation, translation: task.translation },
+            question,
+            directions,
+        };
+        self.hits.clear();
+        let mut sink = Hits { hits: &mut self.hits, due_ns: work.deadline_ns() };
+        let start = NodePair { a: job.a.node, b: job.b.node };
+        let outcome = self.kernel.run(&asked, start, kernel::within(work.budget()), &mut sink);
+        if outcome.end == bvh::End::Stopped {
+            return;
+        }
+        let open = self.kernel.remaining();
+        self.rest.clear();
+        if !open.is_empty() {
+            self.rest.resize(1 + open.len(), 0);
+            write_rest(&mut self.rest, 0, open.iter().map(|pair| (pair.a, pair.b)));
+        }
+        let wall_ns = clock::now_ns() - begun_ns;
+        let (hits, rest) = (self.hits.len() as u32, open.len() as u64);
+        let summary = Summary { wall_ns, hits, rest, ..summary(&outcome) };
+        watch(job, &summary);
+        let supports = directions.map(|_| &outcome.supports.0);
+        let last = Some(Last { summary, supports, hits: &self.hits });
+        work.fold(job, PartOf(Part { hits: &self.hits, rest: &self.rest, last }));
+        work.close(job, Closed::Done);
+    }
 }
 
 fn summary(outcome: &Outcome) -> Summary {

@@ -20,6 +20,7 @@
 //! It does not know formats of files, nor how harm is computed.
 
 mod answer;
+mod bound;
 mod case;
 mod crew;
 mod dry;
@@ -32,6 +33,9 @@ mod ledger;
 mod pairs;
 mod replay;
 mod request;
+mod strategy;
+mod terms;
+mod trial;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
@@ -44,4 +48,7 @@ pub use ledger::Ledger;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;
 pub use request::{Request, RequestError};
-pub use work::{Effort, Errands, PartOf, Work};
+pub use strategy::{Prospect, Pursuit, Strategy};
+pub use terms::{Terms, Until};
+pub use trial::{Chance, Flaw, Verdict, trial};
+pub use work::{Certainty, Effort, Errands, PartOf, Work};

@@ -1,9 +1,8 @@
 //! Making the evidence of a recorded request again, in this process.
 
-use crate::here::{Hits, run};
+use crate::here::Desk;
 use crate::ledger::Ends;
 use crate::work::Work;
-use bvh::Kernel;
 use dispatch::{Closed, Work as _};
 use model::{BodyView, Meta};
 use record::{End, Job, Place};
@@ -20,10 +19,7 @@ pub fn replay(
     jobs: &[Job],
 ) -> u64 {
     let ends = Ends::of(places, jobs);
-    let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
-    let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
-    let mut kernel = Kernel::with_room(depth, depth, triangles, triangles);
-    let (mut hits, mut around) = (Hits::default(), None);
+    let mut desk = Desk::new(bodies);
     let (mut open, mut done) = (Vec::new(), 0);
     loop {
         work.more(&mut open);
@@ -37,7 +33,7 @@ pub fn replay(
                 // In another order it may be needed here though it was not needed there.
                 Some(End::Done | End::Cut) => {
                     done += 1;
-                    run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut |_, _| {});
+                    desk.run(work, &job, &mut |_, _| {});
                 }
                 Some(End::Abandoned) | None => work.close(&job, Closed::Abandoned),
             }

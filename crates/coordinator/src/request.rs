@@ -4,8 +4,8 @@ use bvh::support;
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
 use damage::{
-    Aboard, Approach, Curves, Meeting, Parameters, Party, PersonId, Policy, Stiffness, crew,
-    heading, plan,
+    Aboard, Approach, Curves, Encounter, Meeting, Parameters, Party, PersonId, Policy, Stiffness,
+    crew, heading, plan,
 };
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
@@ -28,6 +28,19 @@ pub(crate) struct Candidate {
     pub(crate) probability: f64,
     /// Nobody knows what B is: it is taken as fixed to the ground.
     pub(crate) is_assumed_fixed: bool,
+}
+
+impl Candidate {
+    /// As [`damage::assess`] takes it.
+    pub(crate) fn encounter(&self) -> Encounter<'_> {
+        Encounter {
+            approach: &self.approach,
+            meeting: &self.meeting,
+            a: &self.a,
+            b: &self.b,
+            probability: self.probability,
+        }
+    }
 }
 
 /// A person at stake, by name.

@@ -1,18 +1,28 @@
 //! The work of one request: tasks become jobs, results become evidence, evidence becomes an answer.
 
 use crate::answer::Answer;
+use crate::bound;
 use crate::case::{Aim, Case};
 use crate::gather::{Gathered, Part};
 use crate::ledger::Ledger;
 use crate::request::{Request, RequestError};
-use bvh::{Counters, front, section};
-use damage::{Basis, CandidateHarm, Encounter, Ranking, assess};
+use crate::strategy::Strategy;
+use crate::terms::Terms;
+use bvh::{Counters, NodePair, front, section};
+use damage::{Basis, CandidateHarm, Evidence, Ranking, assess};
 use dispatch::{Closed, Spec};
+use geometry::{RelativePose, Supports};
 use model::{BodyView, Meta};
+use outlook::Outlook;
+use protocol::result::read_rest;
 use protocol::{Question, Section, Task, TaskId};
 use std::collections::VecDeque;
 
+mod choose;
 mod keep;
+mod outlook;
+
+pub use outlook::Certainty;
 
 /// Work that workers can do: its tasks travel, and its results come as parts of messages.
 pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
@@ -20,6 +30,21 @@ pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
     fn task(&self, task: TaskId) -> Option<&Task>;
     /// The body of this number.
     fn body(&self, model: u32) -> Option<BodyView<'_>>;
+
+    /// The workers are ready, and the clock of a deadline starts (ns, monotonic).
+    fn accept(&mut self, _now_ns: u64) {}
+    /// When the answer is due, if ever (ns, monotonic).
+    fn deadline_ns(&self) -> Option<u64> {
+        None
+    }
+    /// Whether what is still open is not waited for any longer.
+    fn is_over(&self, _now_ns: u64) -> bool {
+        false
+    }
+    /// Most tests of boxes and triangles that a job may take.
+    fn budget(&self) -> u64 {
+        u64::MAX
+    }
 }
 
 /// One question about one pose of one candidate.
@@ -29,11 +54,23 @@ pub(crate) struct Errand {
     pub(crate) aim: Aim,
     pub(crate) travel_m: f64,
     wire: Task,
-    open: u32,
+    /// The descent was made: jobs exist.
+    is_descended: bool,
+    /// Jobs not handed out yet; the last goes first.
+    todo: Vec<NodePair>,
+    /// Jobs handed out and not closed, the oldest first.
+    out: VecDeque<NodePair>,
+    /// Jobs that will not be done: what they would have found is not known.
+    lost: Vec<NodePair>,
+    /// What jobs whose budget was spent have left open, by the job.
+    rests: Vec<(NodePair, Vec<NodePair>)>,
+    /// Jobs that were done.
+    done: u64,
     is_moot: bool,
-    is_unknown: bool,
-    /// Made when its jobs are made, taken when the last one is closed.
+    /// Made when its jobs are made, taken when all of them are done.
     found: Option<Gathered>,
+    /// What its open jobs could still reach when so many were open.
+    reach: Option<(usize, Supports)>,
 }
 
 /// What it took, in the terms of the cost model and beyond.
@@ -52,13 +89,22 @@ pub struct Effort {
 pub struct Work<'w> {
     request: &'w Request,
     bodies: &'w [(Meta, BodyView<'w>)],
+    /// Per body, the zones that its triangles belong to.
+    zones: Vec<u16>,
     depth: u32,
     cases: Vec<Case>,
     errands: Vec<Errand>,
+    /// Tasks with jobs to hand out, in the order in which they were asked for.
     waiting: VecDeque<u32>,
-    pairs: Vec<bvh::NodePair>,
+    pairs: Vec<NodePair>,
     aims: Vec<(Aim, f64, Question)>,
+    /// Jobs there are, those included that were never handed out.
+    slots: usize,
     effort: Effort,
+    terms: Terms,
+    strategy: Box<dyn Strategy>,
+    outlook: Outlook,
+    deadline_ns: Option<u64>,
     ledger: Option<Ledger>,
 }
 
@@ -67,22 +113,35 @@ impl<'w> Work<'w> {
     #[must_use]
     pub fn new(request: &'w Request, bodies: &'w [(Meta, BodyView<'w>)], depth: u32) -> Self {
         let cases = request.candidates.iter().map(Case::new).collect();
+        let terms = Terms::default();
         let mut work = Self {
             request,
             bodies,
+            zones: bodies.iter().map(|(_, body)| bound::zones(body)).collect(),
             depth,
             cases,
             errands: Vec::new(),
             waiting: VecDeque::new(),
             pairs: Vec::new(),
             aims: Vec::new(),
+            slots: 0,
             effort: Effort::default(),
+            terms,
+            strategy: terms.pursuit.strategy(),
+            outlook: Outlook::new(request.candidates.len()),
+            deadline_ns: None,
             ledger: None,
         };
         for case in 0..work.cases.len() {
             work.advance(case);
         }
         work
+    }
+
+    /// The same on other terms.
+    #[must_use]
+    pub fn with_terms(self, terms: Terms) -> Self {
+        Self { terms, strategy: terms.pursuit.strategy(), ..self }
     }
 
     /// What it took so far.
@@ -102,24 +161,23 @@ impl<'w> Work<'w> {
     }
 
     /// Harm of every candidate, and their order.
-    fn judge(&self) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+    pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+        self.judge_by(|case| self.evidence(case), |_| {})
+    }
+
+    /// The same by other evidence, and with harm changed before it is ranked.
+    pub(crate) fn judge_by(
+        &self,
+        evidence: impl Fn(usize) -> Evidence,
+        change: impl Fn(&mut CandidateHarm),
+    ) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
         let request = self.request;
-        let basis = Basis {
-            curves: &request.curves,
-            level: request.policy.outcome,
-            parameters: &request.parameters,
-        };
+        let basis = self.basis();
         let mut harms = Vec::new();
-        for (candidate, case) in request.candidates.iter().zip(&self.cases) {
-            let encounter = Encounter {
-                approach: &candidate.approach,
-                meeting: &candidate.meeting,
-                a: &candidate.a,
-                b: &candidate.b,
-                probability: candidate.probability,
-            };
-            let harm = assess(&encounter, &case.evidence(), &basis)
+        for (case, candidate) in request.candidates.iter().enumerate() {
+            let mut harm = assess(&candidate.encounter(), &evidence(case), &basis)
                 .map_err(|source| RequestError::Assess { name: candidate.name.clone(), source })?;
+            change(&mut harm);
             harms.push(harm);
         }
         let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
@@ -127,10 +185,22 @@ impl<'w> Work<'w> {
         Ok((harms, ranking))
     }
 
+    /// By what harm is computed.
+    fn basis(&self) -> Basis<'w> {
+        let Request { curves, policy, parameters, .. } = self.request;
+        Basis { curves, level: policy.outcome, parameters }
+    }
+
+    /// A candidate at work.
+    pub(crate) fn case(&self, case: usize) -> &Case {
+        &self.cases[case]
+    }
+
     /// Asks for whatever a candidate needs next.
     fn advance(&mut self, case: usize) {
         let candidate = &self.request.candidates[case];
-        self.cases[case].advance(candidate, &mut self.aims);
+        let task = self.errands.len() as u32;
+        self.cases[case].advance(candidate, task, &mut self.aims);
         for (aim, travel_m, question) in std::mem::take(&mut self.aims) {
             let u = candidate.approach.directions.d[0];
             let z = candidate.approach.directions.d[damage::approach::UP];
@@ -151,10 +221,15 @@ impl<'w> Work<'w> {
                 aim,
                 travel_m,
                 wire,
-                open: 0,
+                is_descended: false,
+                todo: Vec::new(),
+                out: VecDeque::new(),
+                lost: Vec::new(),
+                rests: Vec::new(),
+                done: 0,
                 is_moot: false,
-                is_unknown: false,
                 found: None,
+                reach: None,
             });
             self.effort.tasks += 1;
             self.waiting.push_back(task);
@@ -165,41 +240,78 @@ impl<'w> Work<'w> {
         (&self.bodies[task.model_a as usize].1, &self.bodies[task.model_b as usize].1)
     }
 
-    /// Descends for one task; its jobs are put into `jobs`, which may be none.
-    fn descend(&mut self, number: u32, jobs: &mut Vec<Spec>) {
+    /// Descends for one task: its jobs are there to be handed out, which may be none.
+    fn descend(&mut self, number: u32) {
         let wire = self.errands[number as usize].wire;
         let (a, b) = self.views(&wire);
-        let pose =
-            geometry::RelativePose { rotation: wire.rotation, translation: wire.translation };
+        let pose = pose_of(&wire);
         self.pairs.clear();
         front(a, b, &pose, self.depth, &mut self.pairs, &mut self.effort.descent);
+        self.slots += self.pairs.len();
         let errand = &mut self.errands[number as usize];
+        errand.is_descended = true;
         errand.found = Some(Gathered::with_room(a.corners.len(), b.corners.len()));
-        errand.open = self.pairs.len() as u32;
+        errand.todo.extend(self.pairs.iter().rev());
+    }
+
+    /// Hands out jobs of a task, as many as the strategy gives away at once.
+    fn hand_out(&mut self, number: u32, jobs: &mut Vec<Spec>) {
+        if !self.errands[number as usize].is_descended {
+            self.descend(number);
+        }
+        let stride = self.strategy.stride();
+        let errand = &mut self.errands[number as usize];
         let section = |model, node| Section { model, node };
-        jobs.extend(self.pairs.iter().map(|pair| Spec {
-            task: TaskId(number),
-            a: section(wire.model_a, pair.a),
-            b: section(wire.model_b, pair.b),
-        }));
-        if self.pairs.is_empty() {
-            self.finish(number);
+        let keep = errand.todo.len().saturating_sub(stride);
+        for pair in errand.todo.drain(keep..).rev() {
+            errand.out.push_back(pair);
+            jobs.push(Spec {
+                task: TaskId(number),
+                a: section(errand.wire.model_a, pair.a),
+                b: section(errand.wire.model_b, pair.b),
+            });
+        }
+        self.outlook.handed_out(errand.case, jobs.len());
+        if errand.todo.is_empty() {
+            self.waiting.retain(|waiting| *waiting != number);
+            self.finish_if_closed(number);
         }
     }
 
-    /// All jobs of a task are closed: draws the conclusion, and asks for what follows.
-    fn finish(&mut self, number: u32) {
+    /// Jobs of a task that cannot matter and were never handed out.
+    fn drop_moot(&mut self, number: u32) {
         let errand = &mut self.errands[number as usize];
-        let Some(found) = errand.found.take() else { return };
+        let dropped = std::mem::take(&mut errand.todo);
+        if let Some(ledger) = &mut self.ledger {
+            let section = |model, node| Section { model, node };
+            for pair in dropped.iter().rev() {
+                let a = section(errand.wire.model_a, pair.a);
+                let b = section(errand.wire.model_b, pair.b);
+                ledger.close(errand, &Spec { task: TaskId(number), a, b }, Closed::Cut);
+            }
+        }
+        self.finish_if_closed(number);
+    }
+
+    /// If all jobs of a task are closed: draws the conclusion, and asks for what follows.
+    fn finish_if_closed(&mut self, number: u32) {
+        let errand = &mut self.errands[number as usize];
+        if !errand.todo.is_empty() || !errand.out.is_empty() || !errand.is_descended {
+            return;
+        }
         let (case, aim) = (errand.case, errand.aim);
-        let is_unknown = errand.is_unknown && !errand.is_moot;
+        self.outlook.touch(case, true);
+        if errand.is_moot {
+            errand.found = None;
+            return;
+        }
+        if !errand.lost.is_empty() {
+            // It stays as wide as it is: of a probe nothing is known, of a stop what was found.
+            return;
+        }
+        let Some(found) = errand.found.take() else { return };
         let wire = errand.wire;
         match aim {
-            Aim::Probe { .. } if errand.is_moot => {}
-            Aim::Probe { .. } | Aim::Survey { .. } if is_unknown => {
-                // Nothing more is asked for this candidate: it stays as wide as it is.
-                self.cases[case].is_unknown = true;
-            }
             Aim::Probe { travel_m } => self.learn(case, travel_m, false),
             Aim::Survey { stop } => {
                 let views = self.views(&wire);
@@ -214,10 +326,45 @@ impl<'w> Work<'w> {
     fn learn(&mut self, case: usize, travel_m: f64, touches: bool) {
         self.cases[case].learn(travel_m, touches);
         self.advance(case);
-        for errand in self.errands.iter_mut().filter(|errand| errand.case == case) {
-            errand.is_moot = errand.is_moot || !self.cases[case].needs(errand.aim);
+        self.outlook.touch(case, true);
+        for number in 0..self.errands.len() {
+            let errand = &mut self.errands[number];
+            if errand.case == case && !errand.is_moot && !self.cases[case].needs(errand.aim) {
+                errand.is_moot = true;
+                self.waiting.retain(|waiting| *waiting != number as u32);
+                self.drop_moot(number as u32);
+            }
         }
     }
+
+    /// Notes a job as lost: nothing will be known of it.
+    fn lose(&mut self, number: u32, pair: NodePair) {
+        let errand = &mut self.errands[number as usize];
+        if !errand.lost.contains(&pair) {
+            errand.lost.push(pair);
+        }
+    }
+
+    /// What a job left open becomes jobs of the same task, which go out first.
+    fn divide(&mut self, number: u32, rest: &[NodePair]) {
+        let errand = &mut self.errands[number as usize];
+        if self.slots + rest.len() > SLOTS_MAX {
+            errand.lost.extend(rest);
+            return;
+        }
+        self.slots += rest.len();
+        errand.todo.extend(rest);
+        if !errand.todo.is_empty() && !self.waiting.contains(&number) {
+            self.waiting.push_front(number);
+        }
+    }
+}
+
+/// Jobs that a request may have in all: what would be more stays open.
+const SLOTS_MAX: usize = 4 * bvh::front::PAIRS_MAX;
+
+fn pose_of(wire: &Task) -> RelativePose {
+    RelativePose { rotation: wire.rotation, translation: wire.translation }
 }
 
 impl Errands for Work<'_> {
@@ -228,31 +375,50 @@ impl Errands for Work<'_> {
     fn body(&self, model: u32) -> Option<BodyView<'_>> {
         self.bodies.get(model as usize).map(|(_, body)| *body)
     }
+
+    fn accept(&mut self, now_ns: u64) {
+        self.outlook.begin(now_ns);
+        self.deadline_ns = self.terms.deadline_ns.map(|length_ns| now_ns + length_ns);
+    }
+
+    fn deadline_ns(&self) -> Option<u64> {
+        self.deadline_ns
+    }
+
+    fn is_over(&self, now_ns: u64) -> bool {
+        self.outlook.is_decided() || self.deadline_ns.is_some_and(|due_ns| due_ns <= now_ns)
+    }
+
+    fn budget(&self) -> u64 {
+        self.terms.budget
+    }
 }
 
 impl dispatch::Work for Work<'_> {
     type Part<'p> = PartOf<'p>;
 
     fn more(&mut self, jobs: &mut Vec<Spec>) {
-        while jobs.is_empty() {
-            let Some(number) = self.waiting.pop_front() else { return };
-            if !self.errands[number as usize].is_moot {
-                self.descend(number, jobs);
-            }
+        while jobs.is_empty() && !self.outlook.is_decided() {
+            let Some(number) = self.choose() else { return };
+            self.hand_out(number, jobs);
         }
     }
 
     fn is_moot(&self, task: TaskId) -> bool {
-        self.errands[task.0 as usize].is_moot
+        self.outlook.is_decided() || self.errands[task.0 as usize].is_moot
     }
 
     fn fold(&mut self, job: &Spec, part: PartOf<'_>) {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         let Some(found) = &mut errand.found else { return };
+        let pair = NodePair { a: job.a.node, b: job.b.node };
         let sound = found.fold(part.0, &mut self.effort.jobs);
-        let is_whole = part.is_whole();
         let touched = found.touched;
-        errand.is_unknown |= !sound || !is_whole;
+        errand.keep_rest(pair, &part.0);
+        if !sound || !errand.is_whole(pair, &part.0) {
+            self.lose(job.task.0, pair);
+        }
+        let errand = &mut self.errands[job.task.0 as usize];
         if let Aim::Probe { travel_m } = errand.aim
             && touched
             && !errand.is_moot
@@ -260,26 +426,70 @@ impl dispatch::Work for Work<'_> {
             // One hit answers it: the rest of the task is moot.
             let case = errand.case;
             errand.is_moot = true;
+            self.waiting.retain(|waiting| *waiting != job.task.0);
+            self.drop_moot(job.task.0);
             self.learn(case, travel_m, true);
         }
     }
 
     fn close(&mut self, job: &Spec, how: Closed) {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
-        errand.is_unknown |= how == Closed::Abandoned;
-        errand.open -= 1;
-        let is_last = errand.open == 0;
-        if let Some(ledger) = &mut self.ledger {
+        let pair = NodePair { a: job.a.node, b: job.b.node };
+        // Jobs end about in the order in which they went out.
+        if let Some(at) = errand.out.iter().position(|out| *out == pair) {
+            errand.out.remove(at);
+        }
+        let is_moot = errand.is_moot;
+        errand.done += u64::from(how == Closed::Done);
+        let rest = errand.rests.iter().position(|(of, _)| *of == pair);
+        let rest = rest.map(|at| errand.rests.swap_remove(at).1);
+        // Cut because the winner is certain: it is as open as one that never went out.
+        let is_open = how == Closed::Cut && !is_moot;
+        if let Some(ledger) = self.ledger.as_mut().filter(|_| !is_open) {
             ledger.close(errand, job, how);
         }
-        if is_last {
-            self.finish(job.task.0);
+        if how == Closed::Abandoned || is_open {
+            self.lose(job.task.0, pair);
+        } else if let Some(rest) = rest.filter(|_| how == Closed::Done && !is_moot) {
+            self.divide(job.task.0, &rest);
         }
+        self.outlook.touch(self.errands[job.task.0 as usize].case, false);
+        self.finish_if_closed(job.task.0);
+        self.review();
     }
 
     fn weight(&self, section: Section) -> u64 {
         let body = self.bodies.get(section.model as usize);
         body.map_or(0, |(_, body)| section::bytes(body.nodes, section.node))
+    }
+}
+
+impl Errand {
+    /// Keeps what a part says was left open; it may come again.
+    fn keep_rest(&mut self, job: NodePair, part: &Part<'_>) {
+        let words = part.rest;
+        let count = words.len().saturating_sub(1) as u32;
+        let Some((first, pairs)) = read_rest(words, count) else { return };
+        let at = self.rests.iter().position(|(of, _)| *of == job);
+        let at = at.unwrap_or_else(|| {
+            self.rests.push((job, Vec::new()));
+            self.rests.len() - 1
+        });
+        let rest = &mut self.rests[at].1;
+        // Parts come in order: this one goes on where the last one ended, or was seen before.
+        rest.truncate(first as usize);
+        if rest.len() as u64 == first {
+            rest.extend(pairs.map(|(a, b)| NodePair { a, b }));
+        }
+    }
+
+    /// Whether a job did all that was asked for, or left behind all that it did not, as far as this
+    /// part says.
+    fn is_whole(&self, job: NodePair, part: &Part<'_>) -> bool {
+        let Some(last) = part.last else { return true };
+        let kept = self.rests.iter().find(|(of, _)| *of == job).map_or(0, |(_, rest)| rest.len());
+        let is_complete = last.summary.end == protocol::result::End::Complete as u32;
+        kept as u64 == last.summary.rest && (is_complete || kept > 0)
     }
 }
 

@@ -9,6 +9,7 @@
 //! not hold, and hulls may overlap where bodies do not.
 
 use geometry::{DVec3, Directions, Supports};
+use std::sync::LazyLock;
 
 /// How many of the directions are horizontal; direction `i` stands `5°·i` from u.
 pub const HORIZONTAL: usize = 72;
@@ -24,6 +25,10 @@ pub const STANDSTILL_M_S: f64 = 0.1;
 /// Hulls closer than this (m) in either sense count as touching: far above rounding, far below any
 /// measure of a body.
 const TOUCH_M: f64 = 1e-9;
+
+/// What rounding may move a point of contact, or a support, by at most (m): far above it, for bodies
+/// within 1000 km, and far below anything that matters.
+pub const ROUNDING_M: f64 = 1e-7;
 
 /// Two bodies and their relative motion, in A's frame, at the given pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,12 +74,15 @@ pub fn turn(i: usize) -> usize {
 /// at the quarters.
 #[must_use]
 pub fn cosine(i: usize) -> f64 {
-    let t = turn(i);
-    match t {
-        QUARTER => 0.0,
-        t if t > QUARTER => -cosine_of_acute(2 * QUARTER - t),
-        t => cosine_of_acute(t),
-    }
+    /// By [`turn`]: bounds ask for all of them after every result.
+    static COSINES: LazyLock<[f64; HORIZONTAL / 2 + 1]> = LazyLock::new(|| {
+        core::array::from_fn(|t| match t {
+            QUARTER => 0.0,
+            t if t > QUARTER => -cosine_of_acute(2 * QUARTER - t),
+            t => cosine_of_acute(t),
+        })
+    });
+    COSINES[turn(i)]
 }
 
 /// The cosine of `5°·t` for t below [`QUARTER`].
@@ -197,7 +205,8 @@ impl Approach {
     }
 
     /// Supports of everything that contact between travels `from` and `to` could reach, as
-    /// [`crate::Evidence`] holds it: no further out than A, and no further out than B.
+    /// [`crate::Evidence`] holds it: no further out than A, and no further out than B, but for
+    /// [`ROUNDING_M`].
     #[must_use]
     pub fn reach(&self, from_m: f64, to_m: f64) -> Supports {
         let mut reach = Supports::EMPTY;
@@ -205,7 +214,18 @@ impl Approach {
             let shift = |s: f64| if i < HORIZONTAL { 0.5 * s * cosine(i) } else { 0.0 };
             let a = self.supports_a.0[i] + shift(from_m).max(shift(to_m));
             let b = self.supports_b.0[i] - shift(from_m).min(shift(to_m));
-            *support = a.min(b);
+            *support = a.min(b) + ROUNDING_M;
+        }
+        reach
+    }
+
+    /// Supports of everything that contact at one travel could reach, in A's frame at that pose.
+    #[must_use]
+    pub fn reach_at(&self, travel_m: f64) -> Supports {
+        let mut reach = Supports::EMPTY;
+        for (i, support) in reach.0.iter_mut().enumerate() {
+            let moved = if i < HORIZONTAL { travel_m * cosine(i) } else { 0.0 };
+            *support = self.supports_a.0[i].min(self.supports_b.0[i] - moved) + ROUNDING_M;
         }
         reach
     }

@@ -15,9 +15,12 @@ use crate::harm::{CandidateHarm, DeltaV, Unevaluable};
 use crate::injury::{Curves, MissingCurve};
 use crate::interval::{Range, Work};
 use crate::party::{Party, PartyError, PersonId};
-use crate::path::{Meeting, PATCH_M};
+use crate::path::Meeting;
 use crash::Crash;
 
+pub use bounds::{Bounds, Risk, bounds};
+
+mod bounds;
 mod crash;
 mod person;
 #[cfg(test)]
@@ -86,48 +89,15 @@ pub fn assess(
     basis: &Basis<'_>,
 ) -> Result<CandidateHarm, AssessError> {
     check(encounter, basis)?;
-    let Encounter { approach, meeting, a, b, probability } = *encounter;
-    let parameters = basis.parameters;
     let nothing = Evidence::none((0.0, 0.0));
-    let (evidence, touch) = match meeting {
-        Meeting::Path(_) => (evidence, evidence.touch()),
-        Meeting::Never(_) => (&nothing, Touch::No),
-        Meeting::AlreadyOverlapping => (&nothing, Touch::Unknown),
-    };
+    let crash = crash(encounter, evidence, &nothing, basis);
+    let Encounter { approach, meeting, a, b, probability } = *encounter;
+    let (evidence, touch, concave) = (crash.evidence, crash.touch, crash.concave);
+    let parameters = basis.parameters;
     let gap = approach.nearest().gap_m;
     let near_miss = touch == Touch::No && gap < parameters.pose_error_m;
-    let concave = a.concave || b.concave;
-    let (places, raise) = match (meeting, touch) {
-        (Meeting::Path(path), Touch::Yes | Touch::Unknown) => {
-            (Places::along(path, evidence.first_m()), 0.0)
-        }
-        // As if in contact: the hulls meet where they would if poses were off by their error.
-        _ => {
-            let first = approach.entry(parameters.pose_error_m);
-            let r = Work::exactly(first + PATCH_M);
-            let first = Work::exactly(first);
-            let places = Places { first, patch_end: r, crush_end: r, middle: first };
-            (places, parameters.pose_error_m)
-        }
-    };
-    let normals = if concave {
-        Normals::head_on()
-    } else {
-        let r = places.patch_end;
-        Normals::between(approach, r.lo(), r.hi(), raise)
-    };
-    let reach = approach.reach(places.first.lo(), places.patch_end.hi());
-    let crash = Crash {
-        approach,
-        evidence,
-        parties: [a, b],
-        parameters,
-        normals,
-        places,
-        reach,
-        touch,
-        concave,
-    };
+    // Who may yet turn out to pass without contact may pass that near.
+    let missed = (touch == Touch::Unknown && gap < parameters.pose_error_m).then(|| crash.missed());
     let mut harm = CandidateHarm {
         probability,
         closing_m_s: approach.closing_m_s + 0.0,
@@ -157,6 +127,10 @@ pub fn assess(
     for (party, body) in [a, b].into_iter().enumerate() {
         for person in &body.persons {
             let mut one = crash.person(party, person, basis)?;
+            if let Some(missed) = &missed {
+                let high = missed.person(party, person, basis)?.range.high();
+                one.range = Range::new(one.range.low(), one.range.high().max(high));
+            }
             if harm.unevaluable.is_some() {
                 (one.work, one.range) = (Work::new(0.0, 1.0), Range::new(0.0, 1.0));
                 one.high_at_least = 0.0;
@@ -167,6 +141,49 @@ pub fn assess(
         }
     }
     Ok(harm)
+}
+
+/// Everything that the figures are made from. `nothing` is the evidence of bodies that stay apart.
+fn crash<'a>(
+    encounter: &Encounter<'a>,
+    evidence: &'a Evidence,
+    nothing: &'a Evidence,
+    basis: &Basis<'a>,
+) -> Crash<'a> {
+    let Encounter { approach, meeting, a, b, .. } = *encounter;
+    let parameters = basis.parameters;
+    let (evidence, touch) = match meeting {
+        Meeting::Path(_) => (evidence, evidence.touch()),
+        Meeting::Never(_) => (nothing, Touch::No),
+        Meeting::AlreadyOverlapping => (nothing, Touch::Unknown),
+    };
+    let concave = a.concave || b.concave;
+    let (places, raise) = match (meeting, touch) {
+        (Meeting::Path(path), Touch::Yes | Touch::Unknown) => {
+            (Places::along(path, evidence.first_m()), 0.0)
+        }
+        _ => (Places::missed(approach, parameters.pose_error_m), parameters.pose_error_m),
+    };
+    let normals = if concave {
+        Normals::head_on()
+    } else {
+        let r = places.patch_end;
+        Normals::between(approach, r.lo(), r.hi(), raise)
+    };
+    let reach = approach.reach(places.first.lo(), places.patch_end.hi());
+    let crash = Crash {
+        approach,
+        evidence,
+        parties: [a, b],
+        parameters,
+        normals,
+        places,
+        reach,
+        touch,
+        concave,
+        ends: Vec::new(),
+    };
+    crash.with_ends()
 }
 
 fn check(encounter: &Encounter<'_>, basis: &Basis<'_>) -> Result<(), AssessError> {

@@ -13,7 +13,7 @@ use crate::approach::{Approach, HORIZONTAL, QUARTER, UP, cosine, opposite, turn}
 use crate::evidence::{Evidence, Touch};
 use crate::interval::Work;
 use crate::party::Party;
-use crate::path::Path;
+use crate::path::{PATCH_M, Path};
 use geometry::{DVec3, Supports};
 use serde::Serialize;
 
@@ -131,6 +131,14 @@ impl Normals {
 }
 
 impl Places {
+    /// Where bodies that touch nowhere would touch if poses were off by `pose_error_m`.
+    pub(crate) fn missed(approach: &Approach, pose_error_m: f64) -> Self {
+        let first = approach.entry(pose_error_m);
+        let r = Work::exactly(first + PATCH_M);
+        let first = Work::exactly(first);
+        Self { first, patch_end: r, crush_end: r, middle: first }
+    }
+
     /// Along a path, for what is known of the first contact.
     pub(crate) fn along(path: &Path, first_m: (f64, f64)) -> Self {
         let first = Work::new(first_m.0, first_m.1);

@@ -48,6 +48,7 @@ pub struct Evidence {
     inner: Seen,
     outer: Seen,
     is_open: bool,
+    is_patch_open: bool,
     has_touched: bool,
     first_m: (f64, f64),
 }
@@ -86,6 +87,7 @@ impl Evidence {
             inner: Seen::NOTHING,
             outer: Seen::NOTHING,
             is_open: false,
+            is_patch_open: false,
             has_touched: false,
             first_m,
         }
@@ -109,6 +111,7 @@ impl Evidence {
     pub fn add_open(&mut self, travel_m: f64, reach: &Seen) {
         self.outer.merge(&reach.half_way(travel_m));
         self.is_open = true;
+        self.is_patch_open |= reach.patch != Supports::EMPTY;
     }
 
     /// Notes that open work may find contact anywhere that the hulls allow, in any zone: for work
@@ -119,6 +122,7 @@ impl Evidence {
         let all = Seen { patch: anywhere, end: anywhere, zones_a: zones, zones_b: zones };
         self.outer.merge(&all);
         self.is_open = true;
+        self.is_patch_open = true;
     }
 
     /// Includes all that `other` knows. Both must know the same bracket of the first contact, or
@@ -127,6 +131,7 @@ impl Evidence {
         self.inner.merge(&other.inner);
         self.outer.merge(&other.outer);
         self.is_open |= other.is_open;
+        self.is_patch_open |= other.is_patch_open;
         self.has_touched |= other.has_touched;
         let (from, to) = (self.first_m.0.max(other.first_m.0), self.first_m.1.min(other.first_m.1));
         self.first_m = (from, to.max(from));
@@ -146,6 +151,13 @@ impl Evidence {
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.is_open
+    }
+
+    /// Whether open work may still change the patch, and with it a figure that ranks by the work
+    /// interval; zones and depth alone cannot.
+    #[must_use]
+    pub fn is_patch_open(&self) -> bool {
+        self.is_patch_open
     }
 
     /// Between which travels the first contact lies (m).

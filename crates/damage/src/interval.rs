@@ -91,6 +91,12 @@ impl Work {
         Self::new(rising(self.lo), rising(self.hi))
     }
 
+    /// The same as a probability: nothing above 1.
+    #[must_use]
+    pub fn below_one(self) -> Self {
+        self.map(|x| x.min(1.0))
+    }
+
     /// `|x − y|` over all x in this and y in the other interval.
     #[must_use]
     pub fn distance(self, other: Self) -> Self {

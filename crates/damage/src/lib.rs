@@ -115,7 +115,7 @@ pub mod search;
 mod scene;
 
 pub use approach::{Approach, ApproachError, heading};
-pub use assess::{AssessError, Basis, Encounter, assess};
+pub use assess::{AssessError, Basis, Bounds, Encounter, Risk, assess, bounds};
 pub use contact::{Contact, Patch};
 pub use crush::{Crush, Stiffness};
 pub use curve::Level;
@@ -129,6 +129,7 @@ pub use party::{Aboard, Party, PartyError, PersonId, crew};
 pub use path::{Apart, Meeting, Path, Stop, plan};
 pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
+pub use rank::standing::{Standing, needs_high, standing};
 pub use rank::{Ground, Note, Place, RankError, Ranking, State, rank};
 pub use rule::{Rule, Stake};
 pub use search::{First, Search};

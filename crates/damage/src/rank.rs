@@ -12,6 +12,7 @@
 //! Every candidate is ranked, the unevaluable ones at `[0, 1]` for everybody in them. Nothing here
 //! changes a candidate's figures.
 
+use crate::assess::Bounds;
 use crate::harm::CandidateHarm;
 use crate::interval::{Range, Work};
 use crate::party::PersonId;
@@ -23,6 +24,7 @@ mod figures;
 mod ground;
 mod interval;
 pub mod stability;
+pub mod standing;
 #[cfg(test)]
 mod tests;
 
@@ -138,6 +140,8 @@ pub struct Ranking {
     pub places: Vec<Place>,
     /// Candidates that can still win, in the order of the request.
     pub possible: Vec<usize>,
+    /// So many of the first places no open work can change.
+    pub settled: usize,
     /// Candidates that the model cannot tell from the winner, itself included.
     pub tie_class: Vec<usize>,
     /// What must be said besides.
@@ -191,7 +195,8 @@ fn figures_of(stakes: &[Stake], candidates: &[CandidateHarm]) -> Result<Vec<Figu
     if let Some(i) = stakes.iter().position(|s| !(0.0..=1.0).contains(&s.responsibility)) {
         return Err(RankError::Responsibility(PersonId(i)));
     }
-    (0..candidates.len()).map(|k| Figures::of(k, &candidates[k], stakes.len())).collect()
+    let figures = |(k, harm)| Figures::of(k, &Bounds::of(harm), stakes.len());
+    candidates.iter().enumerate().map(figures).collect()
 }
 
 /// Everything that a ranking is made from.
@@ -224,23 +229,21 @@ impl Order<'_> {
             .collect();
         let winner = places[0].range.high();
         let tie_class = |k: &usize| *k == rounds[0].winner || self.leading(*k).1.low() <= winner;
-        let outlook = self.outlook();
         let is_done = |k: &usize| candidates[*k].is_settled() && !candidates[*k].is_open;
+        let (possible, settled) = self.settled(is_done);
         let state = if candidates.iter().all(|c| c.unevaluable.is_some()) {
             State::Refused
         } else if (0..candidates.len()).all(|k| is_done(&k)) {
             State::Complete
-        } else if outlook.possible.len() == 1
-            || (outlook.possible.iter().all(is_done)
-                && outlook.sure.contains(&self.tie_winner(&outlook.possible)))
-        {
+        } else if settled > 0 {
             State::Certified
         } else {
             State::Degraded
         };
         Ranking {
             state,
-            possible: outlook.possible,
+            possible,
+            settled,
             tie_class: (0..candidates.len()).filter(tie_class).collect(),
             notes: self.notes(),
             places,

@@ -48,7 +48,7 @@ pub struct Head {
     pub kind: u8,
     /// 0.
     pub flags: u8,
-    /// Hits in this part of a result.
+    /// Hits in this part of a result; pairs of nodes in a [`Kind::Rest`].
     pub hits: u32,
     /// 0.
     pub spare: u32,
@@ -76,13 +76,15 @@ pub enum Kind {
     Nack = 4,
     /// Pieces of bodies for a worker that copies.
     Section = 5,
+    /// One part of what one job left open: a part of its result like another, never the last.
+    Rest = 6,
 }
 
 impl Kind {
     /// The kind with this number.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Batch, Self::Result, Self::Hello, Self::Nack, Self::Section]
+        [Self::Batch, Self::Result, Self::Hello, Self::Nack, Self::Section, Self::Rest]
             .into_iter()
             .find(|kind| *kind as u8 == number)
     }

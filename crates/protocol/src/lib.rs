@@ -28,7 +28,7 @@ pub use result::{Side, Summary};
 pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
 
 /// Version of all layouts of this crate: part of every header and of every service's attributes.
-pub const LAYOUT: u32 = 1;
+pub const LAYOUT: u32 = 2;
 
 /// How many workers the status page has room for.
 pub const WORKERS_MAX: usize = 16;

@@ -8,7 +8,10 @@
 //! ```text
 //! words of a part:      [hit | hit << 32]...
 //! words of the last:    [hit | hit << 32]... [Summary] ([f64; SUPPORTS] if pairs were asked for)
+//! words of a rest:      [number of the first pair] [node of A | node of B << 32]...
 //! ```
+//!
+//! A job whose budget is spent says what it left open, as pairs of nodes, before its last part.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -54,8 +57,8 @@ pub struct Summary {
     pub supports: u32,
     /// Hits in all parts together.
     pub hits: u32,
-    /// 0.
-    pub spare: u64,
+    /// Pairs of nodes that it left open, in all parts together; 0 unless it ran out of budget.
+    pub rest: u64,
 }
 
 const _: () = assert!(size_of::<Summary>() == 64);
@@ -128,6 +131,34 @@ pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
     let halves: &[u32] = bytemuck::try_cast_slice(words).ok()?;
     let hits = hits as usize;
     (words.len() == hits.div_ceil(2)).then(|| halves.get(..hits)).flatten()
+}
+
+/// Lays pairs of nodes out as a rest, from number `first` on, as many as there is room for. Says how
+/// many those are; they take one word each, and one more.
+pub fn write_rest(
+    words: &mut [u64],
+    first: usize,
+    pairs: impl IntoIterator<Item = (u32, u32)>,
+) -> usize {
+    let Some((number, room)) = words.split_first_mut() else { return 0 };
+    *number = first as u64;
+    let mut count = 0;
+    for (word, (a, b)) in room.iter_mut().zip(pairs) {
+        *word = u64::from(a) | u64::from(b) << 32;
+        count += 1;
+    }
+    count
+}
+
+/// The number of the first pair of a rest, and its pairs of nodes; `None` if there would be another
+/// number of them.
+pub fn read_rest(
+    words: &[u64],
+    count: u32,
+) -> Option<(u64, impl Iterator<Item = (u32, u32)> + Clone)> {
+    let (first, pairs) = words.split_first()?;
+    let read = |word: &u64| ((word & 0xffff_ffff) as u32, (word >> 32) as u32);
+    (pairs.len() == count as usize).then(|| (*first, pairs.iter().map(read)))
 }
 
 /// Writes the hit number `at` of a part, counted from 0; hits are written in order.

@@ -35,6 +35,8 @@ pub struct WorkerLine {
     pub tests: AtomicU64,
     /// Jobs finished.
     pub jobs: AtomicU64,
+    /// Messages taken from its job channel and done with.
+    pub taken: AtomicU64,
     /// A [`State`].
     pub state: AtomicU32,
     /// 1 while it sleeps on [`CoordinatorLine::wake`].
@@ -51,6 +53,8 @@ pub struct WorkerLine {
 pub struct CoordinatorLine {
     /// Result messages taken from this incarnation.
     pub consumed: AtomicU64,
+    /// The last request whose jobs nobody wants any more.
+    pub cancelled: AtomicU64,
     /// Futex word: changes when there may be something to do.
     pub wake: AtomicU32,
     /// 1: finish the job at hand, then end.
@@ -112,7 +116,8 @@ impl WorkerLine {
 
     /// Blanks the line for the next incarnation. Only while no process writes it.
     pub fn reset(&self) {
-        for word in [&self.beat, &self.started, &self.sent, &self.bytes, &self.tests, &self.jobs] {
+        let Self { beat, started, sent, bytes, tests, jobs, taken, .. } = self;
+        for word in [beat, started, sent, bytes, tests, jobs, taken] {
             word.store(0, Ordering::Release);
         }
         for word in [&self.state, &self.sleeping, &self.cpu, &self.inc] {

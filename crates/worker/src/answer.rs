@@ -1,10 +1,10 @@
 //! Writes the hits of one job into shared memory as the kernel finds them.
 
-use bvh::{Outcome, Sink};
+use bvh::{NodePair, Outcome, Sink};
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
-use protocol::result::{End, hit, write_hit, write_last};
+use protocol::result::{End, hit, write_hit, write_last, write_rest};
 use protocol::{CoordinatorLine, Head, Incarnation, Job, Kind, RequestId, Side, Summary};
 use protocol::{WorkerLine, launch, status};
 use transport::{OpenMessage, Sender, UseError};
@@ -32,10 +32,17 @@ impl<'w> Outlet<'w> {
             if self.coordinator.stop.load(Ordering::Acquire) == 1 {
                 return Ok(None);
             }
+            // A cancelled request's results are still taken, so there will be room.
             self.line.beat.fetch_add(1, Ordering::Relaxed);
             self.ring();
             backoff.snooze();
         }
+    }
+
+    /// Whether somebody waits for the jobs of a request.
+    pub(crate) fn is_wanted(&self, request: RequestId) -> bool {
+        self.coordinator.stop.load(Ordering::Relaxed) != 1
+            && self.coordinator.cancelled.load(Ordering::Relaxed) < request.0
     }
 
     pub(crate) fn head(&self, request: RequestId, kind: Kind) -> Head {
@@ -144,16 +151,35 @@ impl<'w> Answer<'w> {
         self.fault.map_or(Ok(()), Err)
     }
 
-    /// Sends the last part.
+    /// Sends what the job left open, in as many parts as it takes.
+    fn leave(&mut self, rest: &[NodePair]) -> Result<(), UseError> {
+        let mut first = 0;
+        self.turn_over()?;
+        while first < rest.len() {
+            let Some(mut message) = self.outlet.open()? else { return Ok(()) };
+            let pairs = rest[first..].iter().map(|pair| (pair.a, pair.b));
+            let count = write_rest(message.words(), first, pairs);
+            let head = Head { hits: count as u32, kind: Kind::Rest as u8, ..self.head(false) };
+            self.outlet.send(message, head, 1 + count)?;
+            self.part += 1;
+            first += count;
+        }
+        Ok(())
+    }
+
+    /// Sends what is left open, then the last part.
     pub(crate) fn finish(
         mut self,
         end: End,
-        outcome: &Outcome,
+        (outcome, rest): (&Outcome, &[NodePair]),
         with_supports: bool,
         wall_ns: u64,
     ) -> Result<(), UseError> {
         if let Some(fault) = self.fault {
             return Err(fault);
+        }
+        if !rest.is_empty() {
+            self.leave(rest)?;
         }
         if self.message.is_none() {
             self.message = self.outlet.open()?;
@@ -169,6 +195,7 @@ impl<'w> Answer<'w> {
             zones_b: outcome.zones_b,
             end: end as u32,
             hits: self.hits_before + self.hits as u32,
+            rest: rest.len() as u64,
             ..Summary::default()
         };
         let supports = with_supports.then_some(&outcome.supports.0);
@@ -197,9 +224,10 @@ impl Sink for Answer<'_> {
         self.outlet.line.beat.fetch_add(1, Ordering::Relaxed);
         self.outlet.line.tests.fetch_add(tests - self.tests, Ordering::Relaxed);
         self.tests = tests;
-        match self.outlet.coordinator.stop.load(Ordering::Relaxed) {
-            1 => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
+        if self.outlet.is_wanted(self.request) {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
         }
     }
 }

@@ -85,6 +85,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     let mut words = Vec::with_capacity(sizes.job_words);
     while let Some(head) = desk.next_batch(&link, &mut words)? {
         desk.work_off(&head, &words)?;
+        line.taken.fetch_add(1, Ordering::Release);
         outlet.ring();
     }
     line.state.store(State::Bye as u32, Ordering::Release);
@@ -127,6 +128,7 @@ impl<'w> Desk<'w> {
                 Some(Ok(head)) if head.kind == Kind::Section as u8 => {
                     let is_stored = self.copies.as_mut().is_some_and(|copies| copies.store(words));
                     line.beat.fetch_add(1, Ordering::Relaxed);
+                    line.taken.fetch_add(1, Ordering::Release);
                     if is_stored {
                         continue;
                     }
@@ -153,6 +155,9 @@ impl<'w> Desk<'w> {
         let (tasks, jobs) = job::read_batch(words).ok_or(WorkerError::Batch(Reject::Length))?;
         let request = RequestId(head.request);
         let mut prepared: Option<(u32, Directions)> = None;
+        if !self.outlet.is_wanted(request) {
+            return Ok(());
+        }
         for job in jobs {
             let task = &tasks[job.task as usize];
             // Directions are made once per task: jobs of a task lie beside each other.
@@ -169,7 +174,7 @@ impl<'w> Desk<'w> {
                 Ok(result) => result?,
                 Err(_) => self.refuse(request, job)?,
             }
-            if self.outlet.coordinator.stop.load(Ordering::Acquire) == 1 {
+            if !self.outlet.is_wanted(request) {
                 return Ok(());
             }
         }
@@ -210,14 +215,16 @@ impl<'w> Desk<'w> {
         };
         let start = NodePair { a: job.node_a, b: job.node_b };
         let mut answer = Answer::new(self.outlet, request, *job);
-        let outcome = self.kernel.run(&task, start, job.budget, &mut answer);
+        let budget = bvh::kernel::within(job.budget);
+        let outcome = self.kernel.run(&task, start, budget, &mut answer);
         let end = match outcome.end {
             bvh::End::Complete => End::Complete,
             bvh::End::OutOfBudget => End::OutOfBudget,
             // Told to stop in the middle: the job is not answered, and whoever asked is gone.
             bvh::End::Stopped => return answer.abandon(),
         };
-        answer.finish(end, &outcome, with_supports, clock::now_ns() - started_ns)
+        let found = (&outcome, self.kernel.remaining());
+        answer.finish(end, found, with_supports, clock::now_ns() - started_ns)
     }
 
     /// Says that a job cannot be run here.

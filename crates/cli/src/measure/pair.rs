@@ -96,8 +96,8 @@ pub(crate) fn views(store: &SealedMemory) -> Result<Vec<(Meta, BodyView<'_>)>, F
     store::open(store.bytes()).map_err(|error| Failure::new(Code::Internal, chain(&error)))
 }
 
-/// A model file in memory.
-fn body(text: &str) -> Result<file::Aligned, Failure> {
+/// A model file in memory: one of that name, or generated.
+pub(crate) fn body(text: &str) -> Result<file::Aligned, Failure> {
     let generated = text.split_once(':').and_then(|(shape, triangles)| {
         let shape = Shape::ALL.into_iter().find(|known| known.name() == shape)?;
         Some((shape, triangles.parse::<u32>().ok()?))

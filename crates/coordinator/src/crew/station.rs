@@ -222,6 +222,12 @@ impl Station {
         }
     }
 
+    /// Whether the worker is done with every message that was sent to it.
+    pub(super) fn has_let_go(&self, status: &StatusMemory) -> bool {
+        let taken = status.page().workers[self.line()].taken.load(Ordering::Acquire);
+        taken as u32 == self.seq
+    }
+
     /// Whether the worker has sent more than was taken.
     pub(super) fn has_mail(&self, status: &StatusMemory) -> bool {
         let page = status.page();

@@ -11,8 +11,7 @@ fn run_badly(
     bodies: &[(Meta, BodyView<'_>)],
     mut gives_up: impl FnMut() -> bool,
 ) {
-    let mut kernel = Kernel::with_room(64, 64, 1000, 1000);
-    let (mut hits, mut around) = (Hits::default(), None);
+    let mut desk = Desk::new(bodies);
     let mut open = Vec::new();
     loop {
         // Two tasks' jobs at a time, the last first: another order than any other run has.
@@ -30,7 +29,7 @@ fn run_badly(
             } else if gives_up() {
                 work.close(&job, Closed::Abandoned);
             } else {
-                run(&mut kernel, work, bodies, &job, &mut hits, &mut around, &mut |_, _| {});
+                desk.run(work, &job, &mut |_, _| {});
             }
         }
     }

@@ -42,6 +42,46 @@ pub(super) struct Crash<'a> {
     pub(super) reach: Supports,
     pub(super) touch: Touch,
     pub(super) concave: bool,
+    /// Per nominal normal: with nominal parameters, and arms at the end that does least, and most.
+    pub(super) ends: Vec<[Response; 2]>,
+}
+
+/// Above what rounding does to a figure on the way from hits to harm, far below any difference that
+/// ranks. Evaluated at two ends, a function that rises in exact arithmetic may fall by an ulp.
+const FIGURE_ROUNDING: f64 = 1e-12;
+
+impl<'a> Crash<'a> {
+    /// The figures at both ends of what is open.
+    pub(super) fn with_ends(self) -> Self {
+        let ends = [Lever::Longest, Lever::Shortest];
+        let of = |&i: &usize| ends.map(|lever| self.nominal(i, lever));
+        Self { ends: self.normals.nominal.iter().map(of).collect(), ..self }
+    }
+
+    /// The same crash if the bodies should turn out to touch nowhere: a near miss, as if in contact
+    /// where poses off by their error would have been.
+    pub(super) fn missed(&self) -> Crash<'a> {
+        let raise = self.parameters.pose_error_m;
+        let places = Places::missed(self.approach, raise);
+        let r = places.patch_end;
+        let normals = if self.concave {
+            Normals::head_on()
+        } else {
+            Normals::between(self.approach, r.lo(), r.hi(), raise)
+        };
+        let reach = self.approach.reach(places.first.lo(), r.hi());
+        let crash = Crash { normals, places, reach, touch: Touch::No, ends: Vec::new(), ..*self };
+        crash.with_ends()
+    }
+
+    /// A work interval, moved out by what rounding may do to its ends while the patch is open.
+    pub(super) fn outward(&self, work: Work) -> Work {
+        if self.touch == Touch::No || !self.evidence.is_patch_open() {
+            return work;
+        }
+        let moved = |end: f64, by: f64| (end + by * (1.0 + end.abs())).max(0.0);
+        Work::new(moved(work.lo(), -FIGURE_ROUNDING), moved(work.hi(), FIGURE_ROUNDING))
+    }
 }
 
 impl Crash<'_> {
@@ -128,6 +168,18 @@ impl Crash<'_> {
         self.unless_apart(hull)
     }
 
+    /// A figure of the response with nominal parameters, over everything that is open.
+    fn over_ends(&self, of: fn(&Response) -> f64) -> Work {
+        let all = self.ends.iter().map(|ends| Work::new(of(&ends[0]), of(&ends[1])));
+        let hull = all.reduce(Work::hull).unwrap_or(Work::ZERO);
+        self.outward(self.unless_apart(hull))
+    }
+
+    /// Kinetic energy lost (J), over everything that is open.
+    pub(super) fn energy(&self) -> Work {
+        self.over_ends(|response| response.energy_j)
+    }
+
     pub(super) fn unless_apart(&self, work: Work) -> Work {
         match self.touch {
             Touch::No => Work::ZERO,
@@ -138,23 +190,21 @@ impl Crash<'_> {
 
     /// Fills in all that is known of a contact.
     pub(super) fn describe(&self, harm: &mut CandidateHarm) {
-        let work = |of: fn(&Response) -> f64| {
-            self.over_nominal(|i| {
-                let ends = [Lever::Longest, Lever::Shortest].map(|l| of(&self.nominal(i, l)));
-                Work::new(ends[0], ends[1])
-            })
-        };
-        let delta_v =
-            [work(|response| response.delta_v_m_s[0]), work(|response| response.delta_v_m_s[1])];
+        let delta_v = [
+            self.over_ends(|response| response.delta_v_m_s[0]),
+            self.over_ends(|response| response.delta_v_m_s[1]),
+        ];
         harm.delta_v = [0, 1]
             .map(|p| DeltaV { work: delta_v[p], range: self.delta_v_range(p).around(delta_v[p]) });
-        harm.energy_j = work(|response| response.energy_j);
+        harm.energy_j = self.energy();
         harm.normal_m_s = self.over_nominal(|i| Work::exactly(self.speeds(i).0));
         harm.tangential_m_s = self.over_nominal(|i| Work::exactly(self.speeds(i).1));
         harm.contact.patch =
             describe(self.approach, self.evidence, &self.reach, &self.places, &self.normals);
-        let Some(&i) = self.normals.nominal.first() else { return };
-        harm.response = self.nominal(i, Lever::Shortest);
+        let (Some(&i), Some(ends)) = (self.normals.nominal.first(), self.ends.first()) else {
+            return;
+        };
+        harm.response = ends[1];
         let arms =
             levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
         harm.levers_m = arms.map(|arms| arms.map(Work::lo));

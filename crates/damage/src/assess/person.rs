@@ -2,7 +2,7 @@
 
 use super::crash::{Crash, Lever};
 use super::{AssessError, Basis};
-use crate::dynamics::Pick;
+use crate::dynamics::{Pick, Response};
 use crate::evidence::Touch;
 use crate::harm::PersonHarm;
 use crate::injury::{Rung, Speeds};
@@ -29,6 +29,7 @@ impl Crash<'_> {
         basis: &Basis<'_>,
     ) -> Result<PersonHarm, AssessError> {
         let (work, x_m_s) = self.nominal_risk(party, basis)?;
+        let work = self.outward(work).below_one();
         let intrusion = is_beside(self.evidence.zones()[party], person.seat);
         let may_intrude = is_beside(self.evidence.zones_at_most()[party], person.seat);
         let possible = &self.normals.possible;
@@ -62,17 +63,22 @@ impl Crash<'_> {
         })
     }
 
+    /// The work interval of the risk of anybody in a party (0: A, 1: B).
+    pub(super) fn risk(&self, party: usize, basis: &Basis<'_>) -> Result<Work, AssessError> {
+        Ok(self.outward(self.nominal_risk(party, basis)?.0).below_one())
+    }
+
     /// Nominal risk and the speed that it is taken at (m/s), over everything that is open.
     fn nominal_risk(&self, party: usize, basis: &Basis<'_>) -> Result<(Work, Work), AssessError> {
         let mut both: Option<(Work, Work)> = None;
-        for &i in &self.normals.nominal {
+        for (&i, ends) in self.normals.nominal.iter().zip(&self.ends) {
             let rung = self.rung(party, self.struck(party, i, 0.0), basis)?;
-            let at = |lever: Lever| Speeds {
-                delta_v: self.nominal(i, lever).delta_v_m_s[party],
+            let at = |end: &Response| Speeds {
+                delta_v: end.delta_v_m_s[party],
                 normal: self.speeds(i).0,
                 closing: self.approach.closing_m_s,
             };
-            let (least, most) = (at(Lever::Longest), at(Lever::Shortest));
+            let [least, most] = [at(&ends[0]), at(&ends[1])];
             let risk = basis.curves.work(rung, &least, &most);
             let x = Work::new(least.get(rung.x), most.get(rung.x));
             both = Some(both.map_or((risk, x), |(r, w)| (r.hull(risk), w.hull(x))));

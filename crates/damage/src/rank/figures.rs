@@ -1,7 +1,7 @@
 //! The figures of one candidate that ranking uses: risks of all persons of the request, rounded.
 
 use super::RankError;
-use crate::harm::CandidateHarm;
+use crate::assess::Bounds;
 use crate::interval::Work;
 
 /// Figures are rounded to this many parts per unit before they are compared: rounding of sums, and
@@ -11,6 +11,10 @@ const PARTS: f64 = 1e9;
 /// A figure, rounded to 1e-9. Never falls when its argument rises.
 pub(super) fn rounded(x: f64) -> f64 {
     (x * PARTS).round() / PARTS + 0.0
+}
+
+fn is_share(x: f64) -> bool {
+    (0.0..=1.0).contains(&x)
 }
 
 /// One candidate, as ranking sees it; every list has one entry per person of the request.
@@ -27,28 +31,26 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Of candidate number `k`, among `n` persons.
-    pub(super) fn of(k: usize, harm: &CandidateHarm, n: usize) -> Result<Self, RankError> {
-        let is_share = |x: f64| (0.0..=1.0).contains(&x);
-        let energy = harm.energy_j;
-        if !(is_share(harm.probability) && energy.lo() >= 0.0 && energy.hi().is_finite()) {
+    pub(super) fn of(k: usize, bounds: &Bounds, n: usize) -> Result<Self, RankError> {
+        let energy = bounds.energy_j;
+        if !(is_share(bounds.probability) && energy.lo() >= 0.0 && energy.hi().is_finite()) {
             return Err(RankError::Figure(k));
         }
         let untouched = || vec![Work::ZERO; n];
         let (mut risks, mut ranges, mut highs) = (untouched(), untouched(), untouched());
-        for person in &harm.persons {
+        for person in &bounds.persons {
             let i = person.id.0;
             if i >= n {
                 return Err(RankError::UnknownPerson { candidate: k, person: person.id });
             }
-            let (work, range) = (person.work, person.range);
-            let ends = [work.lo(), work.hi(), range.low(), range.high(), person.high_at_least];
+            let (work, range, high) = (person.work, person.range, person.high);
+            let ends = [work.lo(), work.hi(), range.low(), range.high(), high.lo(), high.hi()];
             if !ends.into_iter().all(is_share) {
                 return Err(RankError::Figure(k));
             }
-            let risk = |h: f64| rounded(harm.probability * h);
-            risks[i] = work.map(risk);
+            let risk = |h: f64| rounded(bounds.probability * h);
+            (risks[i], highs[i]) = (work.map(risk), high.map(risk));
             ranges[i] = Work::new(risk(range.low()), risk(range.high()));
-            highs[i] = Work::new(risk(person.high_at_least), risk(range.high()));
         }
         Ok(Self { risks, ranges, highs, energy_j: energy.map(rounded) })
     }

@@ -31,10 +31,38 @@ impl Outlook {
 }
 
 impl Order<'_> {
-    /// Takes all steps on intervals.
-    pub(super) fn outlook(&self) -> Outlook {
-        let all: Vec<usize> = (0..self.figures.len()).collect();
-        let mut outlook = Outlook { possible: all.clone(), sure: all };
+    /// Who can still win, and how many of the first places no open work can change.
+    ///
+    /// Ranks are found one by one, as in the order itself: once the first is certain it is removed,
+    /// and the next one is sought among the rest.
+    pub(super) fn settled(&self, is_done: impl Fn(&usize) -> bool) -> (Vec<usize>, usize) {
+        let mut left: Vec<usize> = (0..self.figures.len()).collect();
+        let mut possible = None;
+        let mut settled = 0;
+        while !left.is_empty() {
+            let outlook = self.outlook(&left);
+            let winner = self.certain(&outlook, &is_done);
+            possible.get_or_insert(outlook.possible);
+            let Some(winner) = winner else { break };
+            left.retain(|k| *k != winner);
+            settled += 1;
+        }
+        (possible.unwrap_or_default(), settled)
+    }
+
+    /// The certain winner, if there is one.
+    fn certain(&self, outlook: &Outlook, is_done: &impl Fn(&usize) -> bool) -> Option<usize> {
+        if let [only] = outlook.possible[..] {
+            return Some(only);
+        }
+        let winner = self.tie_winner(&outlook.possible);
+        let is_certain = outlook.possible.iter().all(is_done) && outlook.sure.contains(&winner);
+        is_certain.then_some(winner)
+    }
+
+    /// Takes all steps on intervals, among the candidates left.
+    pub(super) fn outlook(&self, left: &[usize]) -> Outlook {
+        let mut outlook = Outlook { possible: left.to_vec(), sure: left.to_vec() };
         for step in &self.steps {
             match step {
                 Step::Least { measure, tolerance } => {

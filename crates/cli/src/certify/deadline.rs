@@ -1,0 +1,196 @@
+//! How late answers are: a histogram over many requests, among them such of adversarial cost.
+
+use super::requests::{self, Pool};
+use super::{percentile, wrong};
+use crate::BUILD;
+use crate::args::Output;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::terms::{GUARD, guarded};
+use coordinator::{Chance, Crew, Options, Pursuit, Request, Terms, Work, run_here};
+use damage::State;
+use dispatch::{Cache, Matching, Patience, Queues};
+use model::{BodyView, Meta};
+use runtime::{affinity, clock};
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// What is asked.
+#[derive(Debug, clap::Args)]
+pub(crate) struct DeadlineArgs {
+    /// Bodies, as files or shape:triangles; the first is the ego. A second body like the first is
+    /// put right into it [default: seven generated ones].
+    #[arg(long, value_name = "BODY")]
+    body: Vec<String>,
+    /// Requests.
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    requests: u32,
+    /// Each is due so many milliseconds after it was accepted.
+    #[arg(long, value_name = "MS", default_value_t = 20.0)]
+    deadline_ms: f64,
+    /// Which requests.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Worker processes.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    workers: u8,
+    /// Threads that do nothing but take time from everybody.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    load: usize,
+    /// Most tests of a job.
+    #[arg(long, value_name = "TESTS", default_value_t = crate::terms::BUDGET)]
+    budget: u64,
+}
+
+/// Upper ends of the histogram's classes (ms).
+const CLASSES_MS: [f64; 10] = [0.0, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 250.0];
+/// Requests of one round: made once, asked again and again.
+const ROUND: usize = 32;
+
+/// Runs the requests. Says what was found, and whether all answers were as they must be.
+pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failure> {
+    let pool = Pool::load(&args.body)?;
+    let views = pool.views()?;
+    let mut chance = Chance::new(args.seed);
+    let mut asked = Vec::new();
+    while asked.len() < ROUND.min(args.requests as usize) {
+        let candidates = 6 + chance.below(11) as usize;
+        let policy = requests::policy(asked.len())?;
+        asked.extend(requests::request(&views, candidates, &mut chance, policy)?);
+    }
+    if pool.names[0] == pool.names[1] {
+        // Identical bodies, one in the other to the last triangle.
+        let policy = requests::policy(0)?;
+        asked[0] = requests::parse(&requests::interpenetrating(&views), &views, policy)?;
+    }
+    let winners: Result<Vec<Option<String>>, Failure> =
+        asked.iter().map(|request| winner(request, &views)).collect();
+    let winners = winners?;
+    let granted = affinity::allowed_cores();
+    let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
+    let options = Options {
+        program: Options::own_program().to_owned(),
+        instance: format!("d{}", std::process::id()),
+        build: BUILD.to_owned(),
+        cores: (0..args.workers).map(core).collect(),
+        matching: Matching::BestMatchLoad(0.5),
+        queues: Queues { capacity: 8, batch: 4, linger_ns: 0 },
+        cache: Cache::Unlimited,
+        copies: false,
+        log: false,
+        patience: Patience::default(),
+    };
+    let due = Duration::from_secs_f64(args.deadline_ms / 1e3);
+    let terms = Terms {
+        deadline_ns: Some(guarded(due)),
+        pursuit: Pursuit::Deciding,
+        budget: args.budget,
+        ..Terms::default()
+    };
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for _ in 0..args.load {
+            scope.spawn(|| while !over.load(Ordering::Relaxed) {});
+        }
+        let ran = ask(
+            args,
+            (&asked, &winners),
+            &views,
+            terms,
+            || Ok(Crew::start(&pool.store, &options)?),
+            output,
+        );
+        over.store(true, Ordering::Relaxed);
+        let (late, states) = ran?;
+        Ok(page(args, &pool, &late, &states))
+    })
+}
+
+/// The winner of the finished run; `None` where that would take too long to know.
+fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
+    let most_ns = 20_000_000_000;
+    let terms =
+        Terms { deadline_ns: Some(most_ns), budget: crate::terms::BUDGET, ..Terms::default() };
+    let mut work = Work::new(request, views, 5).with_terms(terms);
+    run_here(&mut work, views);
+    let answer = work.answer()?;
+    let first = answer.ranking.first().map(|row| row.name.clone());
+    Ok(first.filter(|_| answer.state == State::Complete))
+}
+
+/// How late each answer was (ms), and how often each state was given.
+type Lateness = (Vec<f64>, [u64; 4]);
+
+fn ask(
+    args: &DeadlineArgs,
+    (asked, winners): (&[Request], &[Option<String>]),
+    views: &[(Meta, BodyView<'_>)],
+    terms: Terms,
+    start: impl Fn() -> Result<Crew, Failure>,
+    output: &Output,
+) -> Result<Lateness, Failure> {
+    let bar = Progress::new("requests", args.requests.into(), output);
+    let mut crew = start()?;
+    let (mut late, mut states) = (Vec::new(), [0; 4]);
+    for number in 0..args.requests as usize {
+        let at = number % asked.len();
+        let mut work = Work::new(&asked[at], views, 5).with_terms(terms);
+        crew.run(&mut work)?;
+        let answer = work.answer()?;
+        let took_ms = (clock::now_ns() - work.accepted_ns()) as f64 / 1e6;
+        late.push(took_ms - args.deadline_ms);
+        states[answer.state as usize] += 1;
+        let is_sure = matches!(answer.state, State::Complete | State::Certified);
+        let first = answer.ranking.first().map(|row| &row.name);
+        if let (true, Some(winner), Some(first)) = (is_sure, &winners[at], first)
+            && winner != first
+        {
+            return Err(wrong(format!("request {number}: {first} was sure, {winner} wins")));
+        }
+        bar.add(1);
+    }
+    Ok((late, states))
+}
+
+fn page(args: &DeadlineArgs, pool: &Pool, late: &[f64], states: &[u64; 4]) -> String {
+    let mut sorted = late.to_vec();
+    let mut text = format!(
+        "{} requests of 6 to 16 candidates between {} bodies ({}), each due after {} ms (put \
+         together {} ms before), {} workers on {} cores, {} threads of load: {} complete, {} \
+         certified, {} degraded, {} refused.\n\n| later than due by (ms) | answers |\n|--:|--:|\n",
+        late.len(),
+        pool.names.len(),
+        super::names(&pool.names),
+        args.deadline_ms,
+        GUARD.as_secs_f64() * 1e3,
+        args.workers,
+        affinity::allowed_cores().len(),
+        args.load,
+        states[0],
+        states[1],
+        states[2],
+        states[3],
+    );
+    let mut least = f64::NEG_INFINITY;
+    for most in CLASSES_MS.into_iter().chain([f64::INFINITY]) {
+        let count = late.iter().filter(|late| **late > least && **late <= most).count();
+        let class = match (least, most) {
+            (f64::NEG_INFINITY, _) => "in time".to_owned(),
+            (_, f64::INFINITY) => format!("more than {least}"),
+            _ => format!("up to {most}"),
+        };
+        let _written = writeln!(text, "| {class} | {count} |");
+        least = most;
+    }
+    let _written = writeln!(
+        text,
+        "\nAgainst the deadline: median {:.2} ms, 99 % by {:.2} ms, 99.9 % by {:.2} ms, the last at \
+         {:.2} ms.",
+        percentile(&mut sorted, 0.5),
+        percentile(&mut sorted, 0.99),
+        percentile(&mut sorted, 0.999),
+        percentile(&mut sorted, 1.0),
+    );
+    text
+}

@@ -1,0 +1,83 @@
+//! What the open jobs of one pose may still find: the outer bound of a task that is not done.
+//!
+//! Where jobs of the pose have been done, what they found is the inner bound, and the boxes of those
+//! that are open the outer one. Where none has, or too many are open to be looked at one by one, it
+//! is the hulls, which hold every contact that there can be. All of it follows from which jobs are
+//! done, never from when: a replay of the same jobs makes the same bounds.
+
+use crate::gather::Gathered;
+use crate::request::Candidate;
+use bvh::{NodePair, reach};
+use damage::approach::ROUNDING_M;
+use damage::{Seen, Stop};
+use geometry::{RelativePose, Supports};
+use model::{BodyView, Zones};
+
+/// Most open jobs of a pose whose boxes are looked at one by one.
+const BOXES_MAX: usize = 512;
+
+/// A pose that is not done.
+pub(crate) struct Open {
+    /// What its done jobs have found.
+    pub(crate) found: Seen,
+    /// What its open ones may still find.
+    pub(crate) reach: Seen,
+}
+
+/// The zones that any triangle of a body belongs to.
+pub(crate) fn zones(body: &BodyView<'_>) -> u16 {
+    body.zones.iter().fold(0, |all, Zones(bits)| all | bits)
+}
+
+/// What the hulls alone say.
+pub(crate) fn hulls(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Seen {
+    crate::case::seen(stop, &candidate.approach.reach_at(stop.travel_m), zones)
+}
+
+impl Open {
+    /// What was found, and nothing more to come: not a bound.
+    pub(crate) fn nothing(found: Seen) -> Self {
+        Self { found, reach: Seen::NOTHING }
+    }
+
+    /// A pose of which no job is done.
+    pub(crate) fn whole(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Self {
+        Self { found: Seen::NOTHING, reach: hulls(candidate, stop, zones) }
+    }
+
+    /// A pose of which some jobs are done, and these are open.
+    pub(crate) fn partly(
+        candidate: &Candidate,
+        stop: &Stop,
+        (found, open): (&Gathered, &Supports),
+        zones: [u16; 2],
+    ) -> Self {
+        let mut supports = candidate.approach.reach_at(stop.travel_m);
+        for (support, most) in supports.0.iter_mut().zip(&open.0) {
+            *support = support.min(*most);
+        }
+        let found_zones = [found.zones_a, found.zones_b];
+        Self {
+            found: crate::case::seen(stop, &found.supports, found_zones),
+            reach: crate::case::seen(stop, &supports, zones),
+        }
+    }
+}
+
+/// Supports of what is below open pairs, in A's frame; without bound where there are too many.
+pub(crate) fn boxes(
+    candidate: &Candidate,
+    bodies: (&BodyView<'_>, &BodyView<'_>),
+    pose: &RelativePose,
+    count: usize,
+    open: impl Iterator<Item = NodePair>,
+) -> Supports {
+    if count > BOXES_MAX {
+        return Supports([f64::INFINITY; geometry::support::DIRECTIONS]);
+    }
+    let mut supports = Supports::EMPTY;
+    for pair in open {
+        reach(bodies, pose, pair, &candidate.approach.directions, ROUNDING_M, &mut supports);
+    }
+    supports
+}

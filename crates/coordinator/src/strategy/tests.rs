@@ -1,0 +1,55 @@
+//! Each strategy is what its name says; none picks who has no work.
+
+use super::*;
+use proptest::prelude::*;
+
+fn prospect(lo: f64, width: f64, has_work: bool, is_possible: bool) -> Prospect {
+    let compared = Work::new(lo, lo + width);
+    Prospect { has_work, is_possible, touch: Touch::Yes, compared, jobs: 0 }
+}
+
+proptest! {
+    #[test]
+    fn whoever_is_chosen_has_work(
+        all in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64, any::<bool>(), any::<bool>()), 1..8),
+        incumbent in any::<prop::sample::Index>(), rounds in 1..5_usize,
+    ) {
+        let prospects: Vec<Prospect> =
+            all.iter().map(|(lo, width, work, can)| prospect(*lo, *width, *work, *can)).collect();
+        let incumbent = incumbent.index(prospects.len());
+        for pursuit in Pursuit::ALL {
+            let mut strategy = pursuit.strategy();
+            for _ in 0..rounds {
+                if let Some(k) = strategy.choose(&prospects, incumbent) {
+                    prop_assert!(prospects[k].has_work, "{pursuit:?} chose {k}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn each_goes_its_way() {
+    let of = |lo, width| prospect(lo, width, true, true);
+    let prospects = [of(0.2, 0.1), of(0.1, 0.9), of(0.05, 0.3), prospect(0.0, 0.0, true, false)];
+    let picks = |pursuit: Pursuit| {
+        let mut strategy = pursuit.strategy();
+        [0; 4].map(|_| strategy.choose(&prospects, 0))
+    };
+    assert_eq!(picks(Pursuit::AsAsked), [None; 4]);
+    assert_eq!(picks(Pursuit::Sequential), [Some(0); 4]);
+    assert_eq!(picks(Pursuit::RoundRobin), [0, 1, 2, 3].map(Some));
+    // The challenger is the possible one with the lowest lower end.
+    assert_eq!(picks(Pursuit::Alternating), [2, 0, 2, 0].map(Some));
+    // It has more to lose than the incumbent.
+    assert_eq!(picks(Pursuit::Deciding), [Some(2); 4]);
+}
+
+#[test]
+fn contact_is_decided_first() {
+    let touched = prospect(0.0, 1.0, true, true);
+    let unknown = Prospect { touch: Touch::Unknown, ..touched };
+    let asked = Prospect { jobs: 3, ..unknown };
+    let mut strategy = Pursuit::Deciding.strategy();
+    assert_eq!(strategy.choose(&[touched, asked, unknown], 0), Some(2));
+}

@@ -1,0 +1,295 @@
+//! Trials of the bounds: a request is worked on in random order, looked at wherever chance will have
+//! it, and every interval seen is held against the finished run.
+//!
+//! What must hold at every look: the final value lies in each interval; no interval is wider than
+//! the one before; and places that were said to be settled are those of the finished run. Jobs are
+//! done in any order, cut by any budget, and now and then lost for good.
+//!
+//! [`Flaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing.
+
+use crate::bound::Open;
+use crate::here::Desk;
+use crate::request::{Request, RequestError};
+use crate::run_here;
+use crate::strategy::Pursuit;
+use crate::terms::Terms;
+use crate::work::Work;
+use damage::{Bounds, CandidateHarm, Ranking, Seen, State, Work as Interval};
+use dispatch::{Closed, Work as _};
+use geometry::hash::splitmix64;
+use model::{BodyView, Meta};
+
+/// A bound that is wrong on purpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// Poses that are not done are taken to add nothing.
+    ForgetsOpenPoses,
+    /// The upper end is taken to be half way up.
+    HalvesWidths,
+}
+
+/// What a trial found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Verdict {
+    /// Looks at the answer.
+    pub stops: u64,
+    /// Looks at which the winner was certain and work was open.
+    pub certified: u64,
+    /// Intervals held against the finished run.
+    pub intervals: u64,
+    /// Intervals that were wider than nothing.
+    pub open_intervals: u64,
+    /// What did not hold, in words.
+    pub violations: Vec<String>,
+}
+
+/// What is random about a trial.
+#[derive(Clone, Copy, Debug)]
+pub struct Chance {
+    state: u64,
+}
+
+impl Chance {
+    /// Equal seeds, equal chances.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self { state: splitmix64(seed) }
+    }
+
+    /// A number below `n`, which is above 0.
+    pub fn below(&mut self, n: u64) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        ((u128::from(splitmix64(self.state)) * u128::from(n)) >> 64) as u64
+    }
+
+    /// A number in `[from, to)`.
+    pub fn between(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * (self.below(1 << 53) as f64 / (1_u64 << 53) as f64)
+    }
+}
+
+/// All figures of one candidate that are intervals, with their names.
+struct Figures(Vec<(String, Interval)>);
+
+/// Lengths of the patch (m) may differ from the bound by what rounding does to points of contact.
+const LENGTH_ROUNDING_M: f64 = 1e-6;
+/// Ends of nested intervals may move out by what rounding does to a risk, and to an energy in units
+/// of itself.
+const FIGURE_ROUNDING: f64 = 1e-11;
+
+impl Figures {
+    fn of(harm: &CandidateHarm, steps: &[Interval]) -> Self {
+        let mut all = Vec::new();
+        for person in &harm.persons {
+            let name = |of: &str| format!("person {}: {of}", person.id.0);
+            all.push((name("risk"), person.work));
+            let high = Interval::new(person.high_at_least, person.range.high());
+            all.push((name("upper end of the range"), high));
+        }
+        all.push(("energy".to_owned(), harm.energy_j));
+        for (party, delta_v) in ["ego", "other"].iter().zip(&harm.delta_v) {
+            all.push((format!("change of velocity of {party}"), delta_v.work));
+        }
+        all.extend(steps.iter().enumerate().map(|(k, step)| (format!("step {k}"), *step)));
+        Self(all)
+    }
+
+    /// Those of the patch, which come and go with it.
+    fn of_patch(harm: &CandidateHarm) -> Self {
+        let Some(patch) = &harm.contact.patch else { return Self(Vec::new()) };
+        let named = [
+            ("first contact", patch.first_m),
+            ("width", patch.width_m),
+            ("height", patch.height_m),
+            ("span", patch.span_m),
+            ("penetration", patch.penetration_m),
+            ("depth", patch.depth_m),
+        ];
+        Self(named.map(|(name, interval)| (name.to_owned(), interval)).to_vec())
+    }
+}
+
+/// The finished run, and what was seen last on the way to it.
+struct Trial {
+    last: (Vec<CandidateHarm>, Ranking),
+    before: Option<(Vec<CandidateHarm>, Ranking)>,
+    verdict: Verdict,
+}
+
+/// Works on a request as chance will have it, and looks at it about `stops` times.
+///
+/// # Errors
+///
+/// If the request cannot be judged.
+pub fn trial(
+    request: &Request,
+    bodies: &[(Meta, BodyView<'_>)],
+    depth: u32,
+    (seed, stops): (u64, u64),
+    flaw: Option<Flaw>,
+) -> Result<Verdict, RequestError> {
+    let mut whole = Work::new(request, bodies, depth);
+    let jobs = run_here(&mut whole, bodies).max(1);
+    let mut trial = Trial { last: whole.judge()?, before: None, verdict: Verdict::default() };
+    let mut chance = Chance::new(seed);
+    let pursuit = Pursuit::ALL[chance.below(Pursuit::ALL.len() as u64) as usize];
+    let budget = [u64::MAX, 10_000, 30_000][chance.below(3) as usize];
+    let loses = [0, 0, 0, 200, 20][chance.below(5) as usize];
+    let terms = Terms { pursuit, budget, ..Terms::default() };
+    let mut work = Work::new(request, bodies, depth).with_terms(terms);
+    let mut desk = Desk::new(bodies);
+    let mut open = Vec::new();
+    trial.look(&work, flaw)?;
+    loop {
+        let mut fresh = Vec::new();
+        if open.is_empty() || chance.below(8) == 0 {
+            work.more(&mut fresh);
+        }
+        open.append(&mut fresh);
+        if open.is_empty() {
+            break;
+        }
+        let job = open.swap_remove(chance.below(open.len() as u64) as usize);
+        if work.is_moot(job.task) {
+            work.close(&job, Closed::Cut);
+        } else if loses > 0 && chance.below(loses) == 0 {
+            work.close(&job, Closed::Abandoned);
+        } else {
+            desk.run(&mut work, &job, &mut |_, _| {});
+        }
+        if chance.below(jobs) < stops {
+            trial.look(&work, flaw)?;
+        }
+    }
+    trial.look(&work, flaw)?;
+    Ok(trial.verdict)
+}
+
+impl Trial {
+    /// Looks at the answer as it would be now.
+    fn look(&mut self, work: &Work<'_>, flaw: Option<Flaw>) -> Result<(), RequestError> {
+        let now = match flaw {
+            None => work.judge()?,
+            Some(flaw) => flawed(work, flaw)?,
+        };
+        self.verdict.stops += 1;
+        self.hold_against_the_end(&now);
+        self.hold_against_what_was_before(&now);
+        self.hold_places(&now.1);
+        if flaw.is_none() {
+            self.hold_standing(work, &now);
+        }
+        self.before = Some(now);
+        Ok(())
+    }
+
+    fn fail(&mut self, what: String) {
+        self.verdict.violations.push(what);
+    }
+
+    fn hold_against_the_end(&mut self, now: &(Vec<CandidateHarm>, Ranking)) {
+        let mut wrong = Vec::new();
+        for (k, (harm, end)) in now.0.iter().zip(&self.last.0).enumerate() {
+            let all = [Figures::of(harm, steps(&now.1, k)), Figures::of_patch(harm)];
+            let ends = [Figures::of(end, steps(&self.last.1, k)), Figures::of_patch(end)];
+            for (figures, rounding) in [(0, 0.0), (1, LENGTH_ROUNDING_M)] {
+                for ((name, seen), (_, end)) in all[figures].0.iter().zip(&ends[figures].0) {
+                    self.verdict.intervals += 1;
+                    self.verdict.open_intervals += u64::from(!seen.is_settled());
+                    // Of a candidate that overlaps from the start there is no final value.
+                    let value = end.hi();
+                    let is_point = end.is_settled();
+                    if is_point && !(seen.lo() - rounding <= value && value <= seen.hi() + rounding)
+                    {
+                        wrong.push(format!("candidate {k}: {name} is {value:?}, not in {seen:?}"));
+                    }
+                }
+            }
+        }
+        wrong.into_iter().for_each(|what| self.fail(what));
+    }
+
+    fn hold_against_what_was_before(&mut self, now: &(Vec<CandidateHarm>, Ranking)) {
+        let Some(before) = self.before.take() else { return };
+        for (k, (harm, was)) in now.0.iter().zip(&before.0).enumerate() {
+            let all = [Figures::of(harm, &[]), Figures::of_patch(harm)];
+            let were = [Figures::of(was, &[]), Figures::of_patch(was)];
+            for (figures, rounding) in [(0, FIGURE_ROUNDING), (1, LENGTH_ROUNDING_M)] {
+                for ((name, now), (_, was)) in all[figures].0.iter().zip(&were[figures].0) {
+                    let by = rounding * (1.0 + was.hi().abs());
+                    if now.lo() < was.lo() - by || now.hi() > was.hi() + by {
+                        self.fail(format!("candidate {k}: {name} went from {was:?} to {now:?}"));
+                    }
+                }
+            }
+        }
+        self.before = Some(before);
+    }
+
+    fn hold_places(&mut self, ranking: &Ranking) {
+        let winners = |ranking: &Ranking| -> Vec<usize> {
+            ranking.places.iter().map(|place| place.candidate).collect()
+        };
+        let (now, end) = (winners(ranking), winners(&self.last.1));
+        let settled = ranking.settled;
+        if now[..settled] != end[..settled] {
+            self.fail(format!("{settled} places were settled as {now:?}, in the end {end:?}"));
+        }
+        if ranking.state == State::Certified {
+            self.verdict.certified += 1;
+        }
+        let can_win = ranking.possible.contains(&end[0]);
+        if !can_win && ranking.state != State::Refused {
+            self.fail(format!("{:?} could win, in the end {} did", ranking.possible, end[0]));
+        }
+    }
+
+    /// What is kept while jobs finish says nothing that the answer does not say.
+    fn hold_standing(&mut self, work: &Work<'_>, (harms, ranking): &(Vec<CandidateHarm>, Ranking)) {
+        let Some(standing) = work.standing() else { return };
+        if standing.settled > ranking.settled {
+            let (kept, said) = (standing.settled, ranking.settled);
+            self.fail(format!("{kept} places were kept as settled, the answer has {said}"));
+        }
+        for (k, harm) in harms.iter().enumerate() {
+            let Ok(made) = work.bounds_of(k) else { continue };
+            let full = Bounds::of(harm);
+            let risks = |bounds: &Bounds| -> Vec<Interval> {
+                bounds.persons.iter().map(|person| person.work).collect()
+            };
+            if made.energy_j != full.energy_j || risks(&made) != risks(&full) {
+                self.fail(format!("candidate {k}: bounds {made:?} are not those of {full:?}"));
+            }
+        }
+    }
+}
+
+/// A candidate's measures in the policy's steps.
+fn steps(ranking: &Ranking, k: usize) -> &[Interval] {
+    let place = ranking.places.iter().find(|place| place.candidate == k);
+    place.map_or(&[], |place| &place.steps)
+}
+
+fn flawed(work: &Work<'_>, flaw: Flaw) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+    match flaw {
+        Flaw::ForgetsOpenPoses => work.judge_by(
+            |case| {
+                let nothing = |_, _: &damage::Stop| Open::nothing(Seen::NOTHING);
+                work.case(case).evidence(nothing)
+            },
+            |_| {},
+        ),
+        Flaw::HalvesWidths => work.judge_by(
+            |case| work.evidence(case),
+            |harm| {
+                for person in &mut harm.persons {
+                    let (lo, hi) = (person.work.lo(), person.work.hi());
+                    person.work = Interval::new(lo, f64::midpoint(lo, hi));
+                }
+            },
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,228 @@
+//! How certain the order is by now: kept while jobs finish, so that work can stop when it may.
+//!
+//! Bounds are made anew for a candidate whose evidence changed, and only when a question of it was
+//! answered or a good part of its open jobs was done: so what a job's result costs here stays below
+//! what the job cost.
+
+use super::{Effort, Work};
+use crate::bound::{self, Open};
+use crate::case::Aim;
+use crate::terms::Until;
+use damage::evidence::Touch;
+use damage::{AssessError, Bounds, Evidence, Standing, bounds, needs_high, standing};
+use runtime::clock;
+use serde::Serialize;
+
+/// When the winner, or the order, became certain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Certainty {
+    /// Tests of boxes and triangles by then, descents included.
+    pub tests: u64,
+    /// Jobs done by then.
+    pub jobs: u64,
+    /// Time since the request was accepted (ns).
+    pub ns: u64,
+}
+
+/// What is known of the order.
+#[derive(Debug)]
+pub(super) struct Outlook {
+    bounds: Vec<Option<Bounds>>,
+    pub(super) standing: Option<Standing>,
+    /// Per candidate: closed jobs that its bounds do not know of, and whether they are due.
+    news: Vec<(usize, bool)>,
+    /// Jobs handed out, per candidate.
+    handed: Vec<u64>,
+    jobs: u64,
+    begun_ns: u64,
+    pub(super) winner: Option<Certainty>,
+    pub(super) order: Option<Certainty>,
+    is_decided: bool,
+    /// Bounds could not be made: the request is refused when it is answered.
+    is_lost: bool,
+}
+
+/// Closed jobs of a pose after which its bounds are made anew, though it is not done.
+const NEWS: usize = 32;
+
+impl Outlook {
+    pub(super) fn new(candidates: usize) -> Self {
+        Self {
+            bounds: vec![None; candidates],
+            standing: None,
+            news: vec![(0, true); candidates],
+            handed: vec![0; candidates],
+            jobs: 0,
+            begun_ns: clock::now_ns(),
+            winner: None,
+            order: None,
+            is_decided: false,
+            is_lost: false,
+        }
+    }
+
+    pub(super) fn begin(&mut self, now_ns: u64) {
+        self.begun_ns = now_ns;
+    }
+
+    /// Whether all that was asked for is certain.
+    pub(super) fn is_decided(&self) -> bool {
+        self.is_decided
+    }
+
+    pub(super) fn handed_out(&mut self, case: usize, jobs: usize) {
+        self.handed[case] += jobs as u64;
+    }
+
+    pub(super) fn handed(&self, case: usize) -> u64 {
+        self.handed[case]
+    }
+
+    pub(super) fn touch_of(&self, case: usize) -> Touch {
+        self.bounds[case].as_ref().map_or(Touch::Unknown, |bounds| bounds.touch)
+    }
+
+    /// Something was learned of a candidate; `is_due`: a question of it is answered.
+    pub(super) fn touch(&mut self, case: usize, is_due: bool) {
+        let (jobs, due) = &mut self.news[case];
+        *jobs += 1;
+        *due |= is_due || *jobs >= NEWS;
+        self.jobs += u64::from(!is_due);
+    }
+}
+
+impl Work<'_> {
+    /// When the winner was certain, and when the order was; `None` if it never was.
+    #[must_use]
+    pub fn certainties(&self) -> [Option<Certainty>; 2] {
+        [self.outlook.winner, self.outlook.order]
+    }
+
+    /// When the request was accepted (ns, monotonic).
+    #[must_use]
+    pub fn accepted_ns(&self) -> u64 {
+        self.outlook.begun_ns
+    }
+
+    /// What is certain by now, as it was last looked at.
+    #[must_use]
+    pub fn standing(&self) -> Option<&Standing> {
+        self.outlook.standing.as_ref()
+    }
+
+    /// Whether anybody looks at bounds before the end.
+    fn is_watched(&self) -> bool {
+        let is_known = match self.terms.until {
+            Until::Complete => self.outlook.winner.is_some(),
+            Until::Ordered | Until::Certified => self.outlook.is_decided,
+        };
+        !self.outlook.is_lost && (!is_known || self.strategy.needs_bounds())
+    }
+
+    /// Makes bounds anew where they are due, and sees what is certain now.
+    pub(super) fn review(&mut self) {
+        if !self.outlook.news.iter().any(|(_, due)| *due) || !self.is_watched() {
+            return;
+        }
+        let request = self.request;
+        let basis = self.basis();
+        let high = needs_high(&request.policy);
+        for (case, candidate) in request.candidates.iter().enumerate() {
+            if !self.outlook.news[case].1 {
+                continue;
+            }
+            self.outlook.news[case] = (0, false);
+            self.reach_anew(case);
+            let evidence = self.evidence_by(case, true);
+            match bounds(&candidate.encounter(), &evidence, &basis, high) {
+                Ok(made) => self.outlook.bounds[case] = Some(made),
+                Err(_) => self.outlook.is_lost = true,
+            }
+        }
+        let bounds: Option<Vec<Bounds>> = self.outlook.bounds.iter().cloned().collect();
+        let Some(bounds) = bounds.filter(|_| !self.outlook.is_lost) else { return };
+        let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
+        let Ok(standing) = standing(&request.policy, &stakes, &bounds) else {
+            self.outlook.is_lost = true;
+            return;
+        };
+        let settled = standing.settled;
+        self.outlook.standing = Some(standing);
+        let Effort { descent, jobs, .. } = self.effort;
+        let now = || Certainty {
+            tests: descent.tests() + jobs.tests(),
+            jobs: self.outlook.jobs,
+            ns: clock::now_ns().saturating_sub(self.outlook.begun_ns),
+        };
+        if settled > 0 && self.outlook.winner.is_none() {
+            self.outlook.winner = Some(now());
+        }
+        if settled == bounds.len() && self.outlook.order.is_none() {
+            self.outlook.order = Some(now());
+        }
+        self.outlook.is_decided = match self.terms.until {
+            Until::Complete => false,
+            Until::Ordered => settled == bounds.len(),
+            Until::Certified => settled > 0,
+        };
+    }
+
+    /// The bounds of a candidate, made from all that is known now.
+    pub(crate) fn bounds_of(&self, case: usize) -> Result<Bounds, AssessError> {
+        let high = needs_high(&self.request.policy);
+        let encounter = self.request.candidates[case].encounter();
+        bounds(&encounter, &self.evidence(case), &self.basis(), high)
+    }
+
+    /// What is known of the contact of a candidate.
+    pub(crate) fn evidence(&self, case: usize) -> Evidence {
+        self.evidence_by(case, false)
+    }
+
+    /// The same; `by_cache` takes reaches as they were last made, which may be too wide.
+    fn evidence_by(&self, case: usize, by_cache: bool) -> Evidence {
+        let candidate = &self.request.candidates[case];
+        let zones = [candidate.model_a, candidate.model_b].map(|m| self.zones[m as usize]);
+        self.cases[case].evidence(|task, stop| {
+            let errand = &self.errands[task as usize];
+            let Some(found) = errand.found.as_ref().filter(|_| errand.done > 0) else {
+                return Open::whole(candidate, stop, zones);
+            };
+            let reach = match (&errand.reach, by_cache) {
+                (Some((_, reach)), true) => *reach,
+                _ => self.reach_of(task),
+            };
+            Open::partly(candidate, stop, (found, &reach), zones)
+        })
+    }
+
+    /// What the open jobs of a task can reach.
+    fn reach_of(&self, task: u32) -> geometry::Supports {
+        let errand = &self.errands[task as usize];
+        let candidate = &self.request.candidates[errand.case];
+        let open = errand.todo.iter().chain(&errand.out).chain(&errand.lost).copied();
+        let pose = super::pose_of(&errand.wire);
+        bound::boxes(candidate, self.views(&errand.wire), &pose, errand.open(), open)
+    }
+
+    /// Makes the reaches of a candidate's open poses anew where half of the jobs that they were made
+    /// of are closed.
+    fn reach_anew(&mut self, case: usize) {
+        for task in 0..self.errands.len() as u32 {
+            let errand = &self.errands[task as usize];
+            let is_stop = matches!(errand.aim, Aim::Survey { .. }) && errand.found.is_some();
+            let is_stale = errand.reach.is_none_or(|(count, _)| 2 * errand.open() <= count);
+            if errand.case == case && is_stop && errand.done > 0 && is_stale {
+                let reach = (errand.open(), self.reach_of(task));
+                self.errands[task as usize].reach = Some(reach);
+            }
+        }
+    }
+}
+
+impl super::Errand {
+    /// Jobs whose finds are not known.
+    fn open(&self) -> usize {
+        self.todo.len() + self.out.len() + self.lost.len()
+    }
+}

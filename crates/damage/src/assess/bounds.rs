@@ -1,0 +1,96 @@
+//! What ranking needs of one candidate while work is open, and no more: made after every result.
+//!
+//! The figures are those of [`super::assess`], to the bit; what is left out is the model's range,
+//! which takes all normals and curves, and what is only shown. It is there once a candidate is
+//! done; a policy that accepts by it asks for it before, and pays for it.
+
+use super::{AssessError, Basis, Encounter, assess, crash};
+use crate::evidence::{Evidence, Touch};
+use crate::harm::CandidateHarm;
+use crate::interval::{Range, Work};
+use crate::party::PersonId;
+use crate::path::Meeting;
+
+/// The risk of one person in one candidate, given the collision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Risk {
+    /// Who.
+    pub id: PersonId,
+    /// Probability of injury.
+    pub work: Work,
+    /// The same over the model range; `[0, 1]` where nobody asked.
+    pub range: Range,
+    /// The upper end of that range when all work is done; `[0, 1]` where nobody asked.
+    pub high: Work,
+}
+
+/// The figures of one candidate by which it ranks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Probability of the collision.
+    pub probability: f64,
+    /// Whether the bodies touch.
+    pub touch: Touch,
+    /// Kinetic energy lost (J).
+    pub energy_j: Work,
+    /// Everybody in either party.
+    pub persons: Vec<Risk>,
+    /// No open work can change any figure.
+    pub is_done: bool,
+}
+
+impl Bounds {
+    /// The same figures of a candidate that was assessed in full.
+    #[must_use]
+    pub fn of(harm: &CandidateHarm) -> Self {
+        let risk = |person: &crate::harm::PersonHarm| Risk {
+            id: person.id,
+            work: person.work,
+            range: person.range,
+            high: Work::new(person.high_at_least, person.range.high()),
+        };
+        Self {
+            probability: harm.probability,
+            touch: harm.contact.touch,
+            energy_j: harm.energy_j,
+            persons: harm.persons.iter().map(risk).collect(),
+            is_done: harm.is_settled() && !harm.is_open,
+        }
+    }
+}
+
+/// Bounds the figures of one candidate by which it ranks. With `high` the upper ends of the model
+/// range are bounded too, else only where no work is open.
+///
+/// # Errors
+///
+/// As [`super::assess`], but that masses, probabilities and persons are taken as checked before.
+pub fn bounds(
+    encounter: &Encounter<'_>,
+    evidence: &Evidence,
+    basis: &Basis<'_>,
+    high: bool,
+) -> Result<Bounds, AssessError> {
+    let is_path = matches!(encounter.meeting, Meeting::Path(_));
+    if high || !evidence.is_open() || !is_path {
+        return assess(encounter, evidence, basis).map(|harm| Bounds::of(&harm));
+    }
+    let nothing = Evidence::none((0.0, 0.0));
+    let crash = crash(encounter, evidence, &nothing, basis);
+    let mut persons = Vec::new();
+    for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
+        if body.persons.is_empty() {
+            continue;
+        }
+        let work = crash.risk(party, basis)?;
+        let risk = |id| Risk { id, work, range: Range::new(0.0, 1.0), high: Work::new(0.0, 1.0) };
+        persons.extend(body.persons.iter().map(|person| risk(person.id)));
+    }
+    Ok(Bounds {
+        probability: encounter.probability,
+        touch: crash.touch,
+        energy_j: crash.energy(),
+        persons,
+        is_done: false,
+    })
+}
