@@ -6,7 +6,7 @@ use crate::failure::{Code, Failure};
 use crate::plan::{Choice, Plan};
 use crate::transfer;
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
-use dispatch::Patience;
+use dispatch::{Intensity, Patience};
 use model::{BodyView, Meta};
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
@@ -170,6 +170,8 @@ pub(crate) fn crew<'w>(
         copies: handing.copies(),
         log: handing.job_log.is_some(),
         patience: Patience::default(),
+        intensity: Intensity::default(),
+        obeys: false,
     };
     let mut crew = Crew::start(store, &options)?;
     let started_ns = clock::now_ns();
@@ -192,7 +194,7 @@ pub(crate) fn crew<'w>(
         messages: report.workers.iter().map(|worker| worker.batches + worker.results).sum(),
         message_bytes: report.workers.iter().map(|w| w.batch_bytes + w.result_bytes).sum(),
         messages_rejected: report.rejected,
-        parts_fenced: counts.fence.not_leased + counts.fence.repeated + counts.fence.gap,
+        parts_fenced: counts.fence.sum(),
         section_bytes: report.transfer.section_bytes,
         section_bytes_unshared: report.transfer.unshared_bytes,
         sections_evicted: report.transfer.evicted,

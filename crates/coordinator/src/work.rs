@@ -8,6 +8,7 @@ use crate::request::{Request, RequestError};
 use bvh::{Counters, front, section};
 use damage::{Basis, CandidateHarm, Encounter, Ranking, assess};
 use dispatch::{Closed, Spec};
+use geometry::hash::splitmix64;
 use model::{BodyView, Meta};
 use protocol::{Question, Section, Task, TaskId};
 use std::collections::VecDeque;
@@ -266,7 +267,7 @@ impl dispatch::Work for Work<'_> {
 
     fn close(&mut self, job: &Spec, how: Closed) {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
-        errand.is_unknown |= how == Closed::Abandoned;
+        errand.is_unknown |= matches!(how, Closed::Abandoned | Closed::Late);
         errand.open -= 1;
         let is_last = errand.open == 0;
         if let Some(ledger) = &mut self.ledger {
@@ -280,6 +281,15 @@ impl dispatch::Work for Work<'_> {
     fn weight(&self, section: Section) -> u64 {
         let body = self.bodies.get(section.model as usize);
         body.map_or(0, |(_, body)| section::bytes(body.nodes, section.node))
+    }
+
+    /// Bodies, pose and nodes: what the kernel is asked, whatever the request.
+    fn key(&self, job: &Spec) -> Option<u64> {
+        let Task { model_a, model_b, question, rotation, translation, .. } =
+            self.errands.get(job.task.0 as usize)?.wire;
+        let numbers = [model_a, model_b, question, job.a.node, job.b.node].map(u64::from);
+        let pose = rotation.as_flattened().iter().chain(&translation).map(|value| value.to_bits());
+        Some(numbers.into_iter().chain(pose).fold(0, |hash, next| splitmix64(hash ^ next)))
     }
 }
 

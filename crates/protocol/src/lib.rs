@@ -15,6 +15,7 @@ pub mod head;
 pub mod id;
 pub mod job;
 pub mod launch;
+pub mod order;
 pub mod parcel;
 pub mod result;
 pub mod status;
@@ -23,12 +24,13 @@ pub use head::{Head, Kind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{Job, Question, Task};
 pub use launch::Launch;
+pub use order::{Misdeed, Order};
 pub use parcel::{Array, Piece};
 pub use result::{Side, Summary};
 pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
 
 /// Version of all layouts of this crate: part of every header and of every service's attributes.
-pub const LAYOUT: u32 = 1;
+pub const LAYOUT: u32 = 2;
 
 /// How many workers the status page has room for.
 pub const WORKERS_MAX: usize = 16;
