@@ -126,6 +126,9 @@ impl From<coordinator::RequestError> for Failure {
 impl From<coordinator::CrewError> for Failure {
     fn from(error: coordinator::CrewError) -> Self {
         use coordinator::CrewError;
+        if let CrewError::Lack(lack) = error {
+            return Self::new(Code::Resources, lack.what).help(lack.remedy);
+        }
         let (code, help) = match &error {
             CrewError::System(_) => (Code::System, None),
             CrewError::Open(open) if open.is_skew() => (Code::Skew, None),
@@ -139,7 +142,7 @@ impl From<coordinator::CrewError> for Failure {
                 Code::Resources,
                 Some("more --depth makes sections smaller, --memory-budget gives more room"),
             ),
-            CrewError::NobodyLeft { .. } => (Code::Resources, None),
+            CrewError::NobodyLeft { .. } | CrewError::Lack(_) => (Code::Resources, None),
             CrewError::Interrupted => (Code::Interrupted, None),
         };
         Self { code, fault: chain(&error), help: help.map(str::to_owned) }

@@ -7,7 +7,7 @@ use crate::plan::{Choice, Plan};
 use crate::terms::{Certain, Kept};
 use crate::transfer;
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
-use dispatch::Patience;
+use dispatch::{Intensity, Patience};
 use model::{BodyView, Meta};
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
@@ -191,6 +191,8 @@ pub(crate) fn crew<'w>(
         copies: handing.copies(),
         log: handing.job_log.is_some(),
         patience: Patience::default(),
+        intensity: Intensity::default(),
+        obeys: false,
     };
     let mut crew = Crew::start(store, &options)?;
     let started_ns = clock::now_ns();
@@ -211,7 +213,7 @@ pub(crate) fn crew<'w>(
         messages: report.workers.iter().map(|worker| worker.batches + worker.results).sum(),
         message_bytes: report.workers.iter().map(|w| w.batch_bytes + w.result_bytes).sum(),
         messages_rejected: report.rejected,
-        parts_fenced: counts.fence.not_leased + counts.fence.repeated + counts.fence.gap,
+        parts_fenced: counts.fence.sum(),
         section_bytes: report.transfer.section_bytes,
         section_bytes_unshared: report.transfer.unshared_bytes,
         sections_evicted: report.transfer.evicted,

@@ -5,15 +5,24 @@
 //!       a worker's end (pidfd) or silence --> drain its results --> its jobs go to the others
 //! ```
 //!
-//! Order at start: seal store, status page, services, processes, greetings. Order at stop: stop
-//! flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
+//! A request that loses a worker goes on with the others. [`Crew::mend`] starts a successor once the
+//! request is answered; it takes jobs as soon as it has greeted, in whatever request that is.
+//!
+//! Order at start: preflight, seal store, status page, services, processes, greetings. Order at
+//! stop: stop flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
 mod error;
+mod incident;
+mod mend;
 mod parcel;
+mod preflight;
 mod report;
 mod station;
 
 pub use error::CrewError;
+pub use incident::{Incident, Sight};
+pub use mend::{Mended, Spoiled};
+pub use preflight::{Lack, preflight};
 pub use report::{CrewReport, Duty, Hardware, WorkerReport};
 
 use crate::gather::Part;
@@ -21,12 +30,13 @@ use crate::work::{Errands, PartOf};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use dispatch::{
-    Cache, Counts, Dispatcher, Effect, Entry, Event, Matching, Patience, Progress, Queues, Scheme,
+    Cache, Counts, Dispatcher, Effect, Entry, Event, Intensity, Matching, Patience, Progress,
+    Queues, Restarts, Scheme,
 };
 use parcel::{Outgoing, parcels};
 use protocol::job::{Job, write_batch};
 use protocol::result::{read_hits, read_last};
-use protocol::{Boot, Head, Incarnation, JobId, Kind, Launch, RequestId, Section, Task};
+use protocol::{Boot, Head, Incarnation, JobId, Kind, Reject, RequestId, Section, Task};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
 use station::Station;
 use std::path::{Path, PathBuf};
@@ -55,6 +65,10 @@ pub struct Options {
     pub log: bool,
     /// How long a busy worker may stand still.
     pub patience: Patience,
+    /// How often workers are replaced.
+    pub intensity: Intensity,
+    /// Whether workers misbehave on order: for fault injection alone.
+    pub obeys: bool,
 }
 
 /// How long workers may take to greet (ns): a process start, and a few opened files.
@@ -88,7 +102,10 @@ pub struct Crew {
     dispatcher: Dispatcher<Box<dyn Scheme>>,
     boot: Boot,
     request: u64,
-    patience: Patience,
+    options: Options,
+    restarts: Restarts,
+    /// What was seen since the start of the request.
+    incidents: Vec<Incident>,
     /// There is no core without a worker: to spin would take a worker's time.
     shares_core: bool,
     /// Per worker; `None` if nothing is copied.
@@ -116,6 +133,10 @@ impl Crew {
     ///
     /// If shared memory, a process or a core is not to be had, or a worker does not greet.
     pub fn start(store: &SealedMemory, options: &Options) -> Result<Self, CrewError> {
+        let workers = options.cores.len();
+        if let Some(lack) = preflight(options).into_iter().find(|lack| lack.is_fatal) {
+            return Err(CrewError::Lack(lack));
+        }
         let boot = Boot(clock::random_u64()?);
         let swept = transport::sweep_leftovers();
         if swept > 0 {
@@ -125,7 +146,6 @@ impl Crew {
         let mut poller = Poller::new()?;
         poller.catch_signals()?;
         let domain = Domain::create(&options.instance, boot)?;
-        let workers = options.cores.len();
         let scheme = options.matching.scheme();
         let mut dispatcher = Dispatcher::new(scheme, options.queues, options.cache, workers);
         if options.log {
@@ -139,7 +159,9 @@ impl Crew {
             dispatcher,
             boot,
             request: 0,
-            patience: options.patience,
+            options: options.clone(),
+            restarts: Restarts::new(options.intensity),
+            incidents: Vec::new(),
             shares_core: runtime::affinity::allowed_cores().len() <= workers,
             outgoing: options.copies.then(|| (0..workers).map(|_| Outgoing::default()).collect()),
             rejected: 0,
@@ -148,20 +170,8 @@ impl Crew {
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
         };
-        for (worker, core) in options.cores.iter().enumerate() {
-            let who = Incarnation { worker: worker as u8, inc: 0 };
-            let launch = Launch {
-                who,
-                boot,
-                batch: options.queues.batch,
-                queue: options.queues.capacity,
-                copies: options.copies,
-                domain: crew.domain.text().to_owned(),
-            };
-            let bell = crew.poller.add_event(worker as u32)?;
-            let page = &crew.status;
-            let station = Station::start(&launch, &crew.domain, options, *core, store, page, bell)?;
-            crew.poller.add_process(station.child(), worker as u32)?;
+        for worker in 0..workers {
+            let station = crew.man(Incarnation { worker: worker as u8, inc: 0 }, store)?;
             crew.stations.push(station);
         }
         crew.await_greetings()?;
@@ -177,28 +187,24 @@ impl Crew {
     /// Waits until every worker has greeted or is gone; one that greeted is enough.
     fn await_greetings(&mut self) -> Result<(), CrewError> {
         let end = clock::now_ns() + GREETING_NS;
-        let mut greeted = vec![false; self.stations.len()];
         let mut still_born = None;
         loop {
             for (number, station) in self.stations.iter_mut().enumerate() {
                 if let Ok(Some(Ok(head))) = station.take(&self.status, &mut self.scratch) {
-                    greeted[number] |= head.kind == Kind::Hello as u8;
+                    station.has_greeted |= head.kind == Kind::Hello as u8;
                 }
                 if station.is_alive()
-                    && !greeted[number]
+                    && !station.has_greeted
                     && let Some(exit) = station.exit()?
                 {
-                    station.bury(&self.status);
+                    station.bury(&self.status, self.request);
                     station.report.lost = Some(format!("{exit} at start-up"));
                     still_born = Some(CrewError::StillBorn { worker: number as u8, exit });
                     tracing::warn!(worker = number, %exit, "a worker ended at start-up");
                 }
             }
-            let waited_for =
-                |(station, greeted): &(&Station, &bool)| station.is_alive() && !**greeted;
-            let Some((late, _)) = self.stations.iter().zip(&greeted).find(waited_for) else {
-                break;
-            };
+            let is_waited_for = |station: &&Station| station.is_alive() && !station.has_greeted;
+            let Some(late) = self.stations.iter().find(is_waited_for) else { break };
             if clock::now_ns() > end {
                 let seconds = GREETING_NS / 1_000_000_000;
                 return Err(CrewError::Mute { worker: late.who.worker, seconds });
@@ -206,7 +212,7 @@ impl Crew {
             self.sleep(1_000_000)?;
         }
         match still_born {
-            Some(error) if !greeted.contains(&true) => Err(error),
+            Some(error) if !self.stations.iter().any(|station| station.has_greeted) => Err(error),
             _ => Ok(()),
         }
     }
@@ -253,21 +259,24 @@ impl Crew {
         self.request += 1;
         self.rejected = 0;
         self.duty = Duty::default();
-        self.dispatcher.begin();
+        self.incidents.clear();
+        self.dispatcher.begin(RequestId(self.request));
         for outgoing in self.outgoing.iter_mut().flatten() {
             outgoing.clear();
         }
         for station in &mut self.stations {
             station.begin(&self.status);
         }
-        for station in self.stations.iter().filter(|station| station.is_alive()) {
+        for station in self.stations.iter().filter(|station| station.is_ready()) {
             self.dispatcher.admit(station.who);
         }
         let mut effects = Vec::new();
+        // Whoever died since the last request was not seen dying.
+        self.sleep(0)?;
         let mut progress = self.step(Event::Poll, work, &mut effects);
         let backoff = Backoff::new();
         let mut looked = clock::now_ns();
-        while progress == Progress::Working {
+        while self.is_working(progress) {
             let waits = self.flush(work, &mut effects);
             let (taken, after) = self.take_results(work, &mut effects, progress);
             progress = after;
@@ -285,7 +294,7 @@ impl Crew {
             while let Some(worker) = self.ended.pop() {
                 progress = self.bury(worker, work, &mut effects)?;
             }
-            if progress != Progress::Working {
+            if !self.is_working(progress) {
                 break;
             }
             if work.is_over(now) {
@@ -313,12 +322,22 @@ impl Crew {
                 Some(format!("worker {} by {how}", station.who.worker))
             });
             return Err(CrewError::NobodyLeft {
-                open: counts.jobs - counts.done - counts.cut - counts.abandoned,
+                open: counts.jobs - counts.done - counts.cut - counts.abandoned - counts.late,
                 jobs: counts.jobs,
                 lost: lost.collect::<Vec<_>>().join(", "),
             });
         }
         Ok(self.report(counts))
+    }
+
+    /// Whether there is something to wait for: jobs, or somebody who is about to greet.
+    fn is_working(&self, progress: Progress) -> bool {
+        let is_starting = |station: &Station| station.is_alive() && !station.has_greeted;
+        match progress {
+            Progress::Working => true,
+            Progress::Stranded => self.stations.iter().any(is_starting),
+            Progress::Finished | Progress::Thrashed => false,
+        }
     }
 
     /// Who got which job in the last request, if that is written down.
@@ -340,7 +359,7 @@ impl Crew {
     /// One event, and everything that follows from it.
     fn step<W: Errands>(
         &mut self,
-        event: Event<'_, PartOf<'_>>,
+        event: Event<PartOf<'_>>,
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
@@ -350,20 +369,38 @@ impl Crew {
         self.duty.step_ns += stepped_ns - begun_ns;
         // In order: a batch may need sections that went with the one before it.
         while !effects.is_empty() {
-            let Effect::Send { to, jobs, fetch } = effects.remove(0);
-            let sent = self.send(to, &jobs, &fetch, work);
+            let (to, batch, jobs, fetch) = match effects.remove(0) {
+                Effect::Send { to, batch, jobs, fetch } => (to, batch, jobs, fetch),
+                Effect::Kill { who, why } => {
+                    let station = &mut self.stations[usize::from(who.worker)];
+                    if station.who == who && station.is_alive() {
+                        station.kill(&why.to_string());
+                        self.see(who, Sight::Distrusted(why));
+                    }
+                    continue;
+                }
+            };
+            let sent = self.send(to, batch, &jobs, &fetch, work);
             let sent_ns = clock::now_ns();
             self.duty.send_ns += sent_ns - stepped_ns;
             stepped_ns = sent_ns;
-            let Err(error) = sent else { continue };
-            // No queue is ever overfilled, so the channel is broken, or its worker was buried
-            // since.
-            let station = &mut self.stations[usize::from(to.worker)];
-            if station.is_alive() {
-                station.kill(&format!("its job channel broke ({error})"));
-            }
-            let (who, started) = station.bury(&self.status);
-            let event = Event::Lost { who, started };
+            let event = match sent {
+                Ok(()) => continue,
+                Err(UseError::Full) => {
+                    self.see(to, Sight::Full);
+                    Event::Unsent { to, batch }
+                }
+                // The channel is broken, or its worker was buried since.
+                Err(error) => {
+                    let station = &mut self.stations[usize::from(to.worker)];
+                    if station.is_alive() {
+                        station.kill(&format!("its job channel broke ({error})"));
+                    }
+                    let (who, started) = station.bury(&self.status, self.request);
+                    self.lay_to_rest(usize::from(to.worker));
+                    Event::Lost { who, started }
+                }
+            };
             progress = self.dispatcher.step(clock::now_ns(), event, work, effects);
         }
         progress
@@ -372,6 +409,7 @@ impl Crew {
     fn send<W: Errands>(
         &mut self,
         to: Incarnation,
+        batch: u32,
         jobs: &[(JobId, u8)],
         fetch: &[Section],
         work: &W,
@@ -399,6 +437,7 @@ impl Crew {
         }
         write_batch(words, tasks, rows);
         let head = Head {
+            job: batch,
             count: rows.len() as u16,
             ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
         };
@@ -427,7 +466,8 @@ impl Crew {
                 outgoing.clear();
             } else if let Err(error) = outgoing.flush(station, &self.status) {
                 station.kill(&format!("its job channel broke ({error})"));
-                broken = Some(station.bury(&self.status));
+                broken = Some(station.bury(&self.status, self.request));
+                self.restarts.note(station.who.worker, clock::now_ns());
             }
         }
         let waits = outgoing.iter().any(|outgoing| !outgoing.is_empty());
@@ -446,12 +486,20 @@ impl Crew {
     ) -> (bool, Progress) {
         let mut any = false;
         for number in 0..self.stations.len() {
+            // Read before the channel is emptied: what was sent for these batches is in it by now.
+            let answered = self.stations[number].newly_answered(&self.status);
             while let Some(after) = self.take_one(number, work, effects) {
                 (any, progress) = (true, after);
                 // However fast results come, the answer is due when it is due.
                 if work.is_over(clock::now_ns()) {
                     return (any, progress);
                 }
+            }
+            let Some(batches) = answered else { continue };
+            let (who, before) = (self.stations[number].who, self.dispatcher.counts().reissued);
+            progress = self.step(Event::Answered { who, batches }, work, effects);
+            if self.dispatcher.counts().reissued > before {
+                self.see(who, Sight::Unanswered);
             }
         }
         (any, progress)
@@ -472,10 +520,7 @@ impl Crew {
         }
         let progress = match taken {
             Ok(Some(Ok(head))) => Some(self.handle(number, &head, &scratch, work, effects)),
-            Ok(Some(Err(reject))) => {
-                self.distrust(number, &reject.to_string());
-                Some(self.step(Event::Poll, work, effects))
-            }
+            Ok(Some(Err(reject))) => Some(self.turn_away(number, reject, work, effects)),
             Ok(None) | Err(_) => None,
         };
         self.scratch = scratch;
@@ -491,9 +536,7 @@ impl Crew {
         effects: &mut Vec<Effect>,
     ) -> Progress {
         let (from, job) = (self.stations[number].who, JobId(head.job));
-        if head.request != self.request {
-            return self.step(Event::Poll, work, effects);
-        }
+        let request = RequestId(head.request);
         match Kind::from_number(head.kind) {
             Some(Kind::Result) => {
                 let last = head.is_last().then(|| read_last(words, head.hits));
@@ -506,22 +549,29 @@ impl Crew {
                     return self.step(Event::Poll, work, effects);
                 };
                 let last = last.flatten();
-                if let Some(last) = &last {
+                if let (Some(last), true) = (&last, head.request == self.request) {
                     self.stations[number].report.busy_ns += last.summary.wall_ns;
                 }
                 let event = Event::Part {
                     from,
+                    request,
                     job,
                     attempt: head.attempt,
                     part: head.part,
                     last: last.is_some(),
                     body: PartOf(Part { hits, rest: &[], last }),
                 };
-                self.step(event, work, effects)
+                let before = self.dispatcher.counts().fence;
+                let progress = self.step(event, work, effects);
+                if self.dispatcher.counts().fence != before {
+                    self.see(from, Sight::Fenced);
+                }
+                progress
             }
             Some(Kind::Rest) if words.len() == 1 + head.hits as usize => {
                 let event = Event::Part {
                     from,
+                    request,
                     job,
                     attempt: head.attempt,
                     part: head.part,
@@ -536,16 +586,40 @@ impl Crew {
             }
             Some(Kind::Nack) => {
                 tracing::warn!(worker = number, job = head.job, "a job failed");
-                self.step(Event::Failed { from, job, attempt: head.attempt }, work, effects)
+                self.see(from, Sight::Failed);
+                let attempt = head.attempt;
+                self.step(Event::Failed { from, request, job, attempt }, work, effects)
             }
-            Some(Kind::Hello | Kind::Batch | Kind::Section) | None => {
-                self.step(Event::Poll, work, effects)
+            Some(Kind::Hello) => {
+                self.stations[number].has_greeted = true;
+                self.step(Event::Ready(from), work, effects)
             }
+            Some(Kind::Batch | Kind::Section) | None => self.step(Event::Poll, work, effects),
         }
     }
 
-    /// A message was turned away: what it held is not known, so its sender ends, and all that it
-    /// had goes to the others. Nothing stays leased for ever.
+    /// A message was turned away. What it held is not known; the dispatcher finds out what is
+    /// missing when its sender has answered all it had, and counts.
+    fn turn_away<W: Errands>(
+        &mut self,
+        number: usize,
+        reject: Reject,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Progress {
+        let from = self.stations[number].who;
+        self.see(from, Sight::TurnedAway(reject));
+        if reject == Reject::Masquerade {
+            self.distrust(number, &reject.to_string());
+            return self.step(Event::Poll, work, effects);
+        }
+        tracing::warn!(worker = number, why = %reject, "message turned away");
+        self.rejected += 1;
+        self.step(Event::Garbled { from }, work, effects)
+    }
+
+    /// A message that is sound and says what cannot be: its sender ends, and all that it had goes
+    /// to the others.
     fn distrust(&mut self, number: usize, why: &str) {
         tracing::warn!(worker = number, why, "message turned away: killing its sender");
         self.rejected += 1;
@@ -561,9 +635,17 @@ impl Crew {
         mut progress: Progress,
     ) -> Result<Progress, CrewError> {
         for number in 0..self.stations.len() {
+            let station = &mut self.stations[number];
+            if station.is_alive() && !station.has_greeted && now > station.mute_ns {
+                station.kill("did not greet");
+                progress = self.bury(number, work, effects)?;
+                continue;
+            }
             let busy = self.dispatcher.is_busy(number as u8);
-            let verdict = self.stations[number].pulse(&self.status, busy, now, &self.patience);
+            let patience = &self.options.patience;
+            let verdict = self.stations[number].pulse(&self.status, busy, now, patience);
             if let Some(verdict) = verdict {
+                self.see(self.stations[number].who, Sight::StoodStill(verdict));
                 tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
                 self.stations[number].kill(&format!("{verdict:?}").to_lowercase());
                 progress = self.bury(number, work, effects)?;
@@ -583,9 +665,8 @@ impl Crew {
             return Ok(self.step(Event::Poll, work, effects));
         }
         while self.take_one(number, work, effects).is_some() {}
-        let (who, started) = self.stations[number].bury(&self.status);
-        self.poller.remove_process(number as u32);
-        self.poller.remove_event(number as u32);
+        let (who, started) = self.stations[number].bury(&self.status, self.request);
+        self.lay_to_rest(number);
         let lost = self.stations[number].report.lost.clone().unwrap_or_default();
         tracing::warn!(worker = number, %lost, "lost a worker; its jobs go to the others");
         Ok(self.step(Event::Lost { who, started }, work, effects))
@@ -605,7 +686,10 @@ impl Crew {
         flag(0);
         for wake in wakes? {
             match wake {
-                Wake::Process(worker) => self.ended.push(worker as usize),
+                Wake::Process(worker) => {
+                    self.ended.push(worker as usize);
+                    self.see(self.stations[worker as usize].who, Sight::Ended);
+                }
                 Wake::Signal(_) => return Err(CrewError::Interrupted),
                 Wake::Event(_) | Wake::Timer => {}
             }

@@ -47,7 +47,7 @@ impl Ledger {
         let end = match how {
             Closed::Done => End::Done,
             Closed::Cut => End::Cut,
-            Closed::Abandoned => End::Abandoned,
+            Closed::Abandoned | Closed::Late => End::Abandoned,
         };
         self.jobs.push(Job { place, a: job.a.node, b: job.b.node, end });
     }

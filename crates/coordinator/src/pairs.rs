@@ -172,7 +172,7 @@ impl dispatch::Work for PairWork<'_> {
     }
 
     fn close(&mut self, job: &Spec, how: Closed) {
-        self.is_unknown |= how == Closed::Abandoned;
+        self.is_unknown |= matches!(how, Closed::Abandoned | Closed::Late);
         let Some(pose) = self.poses.get_mut(job.task.0 as usize) else { return };
         pose.open -= 1;
         if pose.open == 0 {

@@ -11,6 +11,7 @@ use crate::terms::Terms;
 use bvh::{Counters, NodePair, front, section};
 use damage::{Basis, CandidateHarm, Evidence, Ranking, assess};
 use dispatch::{Closed, Spec};
+use geometry::hash::splitmix64;
 use geometry::{RelativePose, Supports};
 use model::{BodyView, Meta};
 use outlook::Outlook;
@@ -448,7 +449,7 @@ impl dispatch::Work for Work<'_> {
         if let Some(ledger) = self.ledger.as_mut().filter(|_| !is_open) {
             ledger.close(errand, job, how);
         }
-        if how == Closed::Abandoned || is_open {
+        if matches!(how, Closed::Abandoned | Closed::Late) || is_open {
             self.lose(job.task.0, pair);
         } else if let Some(rest) = rest.filter(|_| how == Closed::Done && !is_moot) {
             self.divide(job.task.0, &rest);
@@ -461,6 +462,15 @@ impl dispatch::Work for Work<'_> {
     fn weight(&self, section: Section) -> u64 {
         let body = self.bodies.get(section.model as usize);
         body.map_or(0, |(_, body)| section::bytes(body.nodes, section.node))
+    }
+
+    /// Bodies, pose and nodes: what the kernel is asked, whatever the request.
+    fn key(&self, job: &Spec) -> Option<u64> {
+        let Task { model_a, model_b, question, rotation, translation, .. } =
+            self.errands.get(job.task.0 as usize)?.wire;
+        let numbers = [model_a, model_b, question, job.a.node, job.b.node].map(u64::from);
+        let pose = rotation.as_flattened().iter().chain(&translation).map(|value| value.to_bits());
+        Some(numbers.into_iter().chain(pose).fold(0, |hash, next| splitmix64(hash ^ next)))
     }
 }
 

@@ -3,30 +3,42 @@
 //! ```text
 //!           assign (eligible core)             last part, in order, lease fits
 //! PENDING --------------------------> LEASED ---------------------------------> DONE
-//!  ^  ^   core lost, not started           |
+//!  ^  ^   core lost, not started;          |
+//!  |  |   not handed over; not answered    |
 //!  |  +------------------------------------+  started, then lost; or failed: blame += 1
-//!  +---- blame < 2 ------------------------+---- else ----> ABANDONED
-//! moot: PENDING -> CUT                     DONE, CUT, ABANDONED are final
+//!  +---- blame < 2: alone on its core -----+---- else ----> ABANDONED
+//! moot: PENDING -> CUT; time is up: PENDING, LEASED -> LATE
+//! DONE, CUT, LATE, ABANDONED are final
 //! ```
 //!
-//! The fence: a part is taken only if its job is leased to exactly that incarnation and attempt.
-//! Parts are folded as they come, which is safe because folding is idempotent; a job whose parts
-//! were not all seen in order is run again.
+//! The fence: a part is taken only if it belongs to this request, and its job is leased to exactly
+//! that incarnation and attempt. Parts are folded as they come, which is safe because folding is
+//! idempotent; a job whose parts were not all seen in order is run again.
+//!
+//! Nothing stays leased for ever. A lease ends with its result, with its worker, with a batch that
+//! was not handed over, or when the worker says that it has answered the batch (`lease.rs`): then
+//! what did not come will not come. How often a life of a worker may lose something is bounded, and
+//! so is how often a core gets a new one (`restart.rs`); so every request comes to an end.
 
 mod event;
+#[cfg(feature = "flaws")]
+mod flaw;
+mod lease;
 
-pub use event::{Effect, Entry, Event, Progress};
+pub use event::{Effect, Entry, Event, Progress, Why};
+#[cfg(feature = "flaws")]
+pub use flaw::Flaw;
 
 use crate::ledger::{Cache, Ledger, Thrash, Transfer};
+use crate::quarantine::Quarantine;
 use crate::scheme::{CoreView, Scheme};
-use protocol::{Incarnation, JobId, Section, TaskId};
+use core::hash::Hash;
+use lease::Core;
+use protocol::{Incarnation, JobId, RequestId, Section, TaskId};
 use std::collections::VecDeque;
 
-/// How often a job may fail or take its worker down before it is abandoned.
-const BLAME_MAX: u8 = 2;
-
 /// A job as the dispatcher knows it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Spec {
     /// The task it belongs to.
     pub task: TaskId,
@@ -45,6 +57,8 @@ pub enum Closed {
     Cut,
     /// It failed too often; what it would have found is unknown.
     Abandoned,
+    /// The time was up before it was done; what it would have found is unknown.
+    Late,
 }
 
 /// Where jobs come from and results go to.
@@ -62,17 +76,33 @@ pub trait Work {
     fn close(&mut self, job: &Spec, how: Closed);
     /// Bytes of a section.
     fn weight(&self, section: Section) -> u64;
+    /// What names the job in later requests too, so that one that takes workers down is not tried
+    /// again at once; `None`: nothing does.
+    fn key(&self, _job: &Spec) -> Option<u64> {
+        None
+    }
 }
 
 /// Why a part was not taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fence {
+    /// It belongs to another request.
+    pub stale: u64,
     /// The job is closed, or leased to somebody else, or in another attempt.
     pub not_leased: u64,
     /// A part came twice.
     pub repeated: u64,
     /// A part before it is missing.
     pub gap: u64,
+}
+
+impl Fence {
+    /// All of them.
+    #[must_use]
+    pub fn sum(&self) -> u64 {
+        let Self { stale, not_leased, repeated, gap } = self;
+        stale + not_leased + repeated + gap
+    }
 }
 
 /// What was counted.
@@ -86,6 +116,8 @@ pub struct Counts {
     pub cut: u64,
     /// Jobs abandoned.
     pub abandoned: u64,
+    /// Jobs that were open when the time was up.
+    pub late: u64,
     /// Leases that ended without a result.
     pub reissued: u64,
     /// Batches sent.
@@ -105,35 +137,35 @@ pub struct Queues {
     pub linger_ns: u64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum State {
     Pending,
     Leased(Incarnation),
     Closed,
 }
 
-#[derive(Clone, Copy, Debug)]
+/// What became of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    /// It was folded, or was not wanted.
+    Well,
+    /// The result has ended, and a part of it is missing.
+    Broken,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Slot {
     spec: Spec,
     state: State,
     attempt: u8,
     blame: u8,
     parts: u16,
-}
-
-#[derive(Clone, Debug, Default)]
-struct Core {
-    who: Option<Incarnation>,
-    queued: u32,
-    outbox: Vec<(JobId, u8)>,
-    /// Sections that jobs in the outbox need and the core did not hold.
-    fetch: Vec<Section>,
-    /// When the first job of the outbox was put there (ns).
-    since_ns: u64,
+    /// The batch that it travelled in: with the incarnation, one lease.
+    batch: u32,
 }
 
 /// The dispatcher of one instance: the workers outlive a request, the job table does not.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Dispatcher<S> {
     scheme: S,
     queues: Queues,
@@ -141,12 +173,20 @@ pub struct Dispatcher<S> {
     cores: Vec<Core>,
     slots: Vec<Slot>,
     pending: VecDeque<JobId>,
+    /// Jobs that took a worker down, or failed: each waits for a core of its own.
+    suspects: VecDeque<JobId>,
+    quarantine: Quarantine,
+    request: RequestId,
+    /// The time is up: no more jobs are asked for.
+    is_over: bool,
     open: u64,
     ledger: Ledger,
     log: Option<Vec<Entry>>,
     counts: Counts,
     fresh: Vec<Spec>,
     views: Vec<CoreView>,
+    #[cfg(feature = "flaws")]
+    flaw: Option<Flaw>,
 }
 
 impl<S: Scheme> Dispatcher<S> {
@@ -161,29 +201,35 @@ impl<S: Scheme> Dispatcher<S> {
             cores: vec![Core::default(); cores],
             slots: Vec::new(),
             pending: VecDeque::new(),
+            suspects: VecDeque::new(),
+            quarantine: Quarantine::default(),
+            request: RequestId(0),
+            is_over: false,
             open: 0,
             ledger: Ledger::new(cores, cache),
             log: None,
             counts: Counts::default(),
             fresh: Vec::new(),
             views: Vec::with_capacity(cores),
+            #[cfg(feature = "flaws")]
+            flaw: None,
         }
     }
 
-    /// Starts a request: an empty job table, all counts at zero. Cores stay ready.
-    pub fn begin(&mut self) {
+    /// Starts a request: an empty job table, all counts at zero. Cores stay ready, and what an
+    /// earlier request has left in their queues goes on taking its room there.
+    pub fn begin(&mut self, request: RequestId) {
+        self.request = request;
+        self.is_over = false;
+        self.retire();
         self.slots.clear();
         self.pending.clear();
+        self.suspects.clear();
         self.open = 0;
         self.counts = Counts::default();
         self.ledger = Ledger::new(self.cores.len(), self.cache);
         if let Some(log) = &mut self.log {
             log.clear();
-        }
-        for core in &mut self.cores {
-            core.queued = 0;
-            core.outbox.clear();
-            core.fetch.clear();
         }
     }
 
@@ -193,7 +239,7 @@ impl<S: Scheme> Dispatcher<S> {
         let core = self.cores.get_mut(usize::from(who.worker));
         // Who was ready before this request has jobs already.
         if let Some(core) = core.filter(|core| core.who != Some(who)) {
-            *core = Core { who: Some(who), ..Core::default() };
+            *core = Core::of(who);
         }
     }
 
@@ -208,11 +254,15 @@ impl<S: Scheme> Dispatcher<S> {
         self.log.as_deref().unwrap_or_default()
     }
 
-    /// When the next batch has lingered long enough (ns): [`Event::Poll`] sends it then.
+    /// When the next batch has lingered long enough, or a core whose queue was full may be tried
+    /// again (ns): [`Event::Poll`] does so then.
     #[must_use]
     pub fn due_ns(&self) -> Option<u64> {
         let waiting = self.cores.iter().filter(|core| !core.outbox.is_empty());
-        waiting.map(|core| core.since_ns.saturating_add(self.queues.linger_ns)).min()
+        let lingers = waiting.map(|core| core.since_ns.saturating_add(self.queues.linger_ns));
+        let is_wanted = !self.pending.is_empty() || !self.suspects.is_empty();
+        let shut = self.cores.iter().filter(|_| is_wanted).filter_map(Core::shut_until_ns);
+        lingers.chain(shut).min()
     }
 
     /// The job's spec; `None` if there is no such job.
@@ -233,6 +283,13 @@ impl<S: Scheme> Dispatcher<S> {
         self.counts
     }
 
+    /// All that decides what happens next, for those who compare and hash states. The ledger, the
+    /// log and the counts are not in it, so this holds for schemes that look at loads alone.
+    pub fn essence(&self) -> impl Hash + PartialEq + '_ {
+        let Self { slots, pending, suspects, quarantine, cores, request, is_over, .. } = self;
+        (slots, pending, suspects, quarantine, cores, request, is_over)
+    }
+
     /// The transfer ledger since [`Dispatcher::begin`].
     #[must_use]
     pub fn transfer(&self) -> Transfer {
@@ -249,36 +306,38 @@ impl<S: Scheme> Dispatcher<S> {
     pub fn step<W: Work>(
         &mut self,
         now_ns: u64,
-        event: Event<'_, W::Part<'_>>,
+        event: Event<W::Part<'_>>,
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
         match event {
             Event::Poll => {}
             Event::Ready(who) => self.admit(who),
-            Event::Part { from, job, attempt, part, last, body } => {
-                self.take(from, job, attempt, (part, last), body, work);
+            Event::Part { request, .. } | Event::Failed { request, .. }
+                if request != self.request =>
+            {
+                self.counts.fence.stale += 1;
             }
-            Event::Failed { from, job, attempt } => {
+            Event::Part { from, job, attempt, part, last, body, .. } => {
+                if self.take(from, job, attempt, (part, last), body, work) == Taken::Broken {
+                    self.distrust(from, Why::Forgetful, effects);
+                }
+            }
+            Event::Failed { from, job, attempt, .. } => {
                 if self.is_leased(from, job, attempt) {
                     self.unlease(job);
-                    self.blame(job, work);
+                    self.blame(now_ns, job, work);
                 } else {
                     self.counts.fence.not_leased += 1;
                 }
             }
-            Event::Lost { who, started } => self.bury(who, started, work),
-            Event::Unsent { to, jobs } => {
-                for job in jobs.iter().rev() {
-                    if self.slots.get(job.0 as usize).is_some_and(|s| s.state == State::Leased(to))
-                    {
-                        self.unlease(*job);
-                        self.put_back(*job);
-                    }
-                }
-            }
+            Event::Lost { who, started } => self.bury(now_ns, who, started, work),
+            Event::Unsent { to, batch } => self.unsent(now_ns, to, batch, effects),
+            Event::Answered { who, batches } => self.answered(who, batches, effects),
+            Event::Garbled { from } => self.distrust(from, Why::Garbled, effects),
+            Event::Expired => self.expire(work),
         }
-        self.refill(work);
+        self.refill(now_ns, work);
         self.assign(now_ns, work, effects);
         self.progress()
     }
@@ -309,31 +368,38 @@ impl<S: Scheme> Dispatcher<S> {
         (part, last): (u16, bool),
         body: W::Part<'_>,
         work: &mut W,
-    ) {
+    ) -> Taken {
+        #[cfg(feature = "flaws")]
+        if self.take_unfenced(job, last, body, work) {
+            return Taken::Well;
+        }
         if !self.is_leased(from, job, attempt) {
             self.counts.fence.not_leased += 1;
-            return;
+            return Taken::Well;
         }
         let slot = &mut self.slots[job.0 as usize];
         if part < slot.parts {
             self.counts.fence.repeated += 1;
-            return;
+            return Taken::Well;
         }
         if part > slot.parts {
             self.counts.fence.gap += 1;
             if last {
                 self.unlease(job);
                 self.put_back(job);
+                return Taken::Broken;
             }
-            return;
+            return Taken::Well;
         }
         slot.parts += 1;
         let spec = slot.spec;
+        self.cores[usize::from(from.worker)].open();
         work.fold(&spec, body);
         if last {
             self.unlease(job);
             self.close(job, Closed::Done, work);
         }
+        Taken::Well
     }
 
     fn close<W: Work>(&mut self, job: JobId, how: Closed, work: &mut W) {
@@ -345,90 +411,44 @@ impl<S: Scheme> Dispatcher<S> {
             Closed::Done => self.counts.done += 1,
             Closed::Cut => self.counts.cut += 1,
             Closed::Abandoned => self.counts.abandoned += 1,
+            Closed::Late => self.counts.late += 1,
         }
         work.close(&spec, how);
     }
 
-    /// Ends a lease: the slot is the core's again.
-    fn unlease(&mut self, job: JobId) {
-        if let State::Leased(who) = self.slots[job.0 as usize].state {
-            self.slots[job.0 as usize].state = State::Pending;
-            let core = &mut self.cores[usize::from(who.worker)];
-            core.queued = core.queued.saturating_sub(1);
-        }
-    }
-
-    /// To the front: what was begun is finished first.
-    fn put_back(&mut self, job: JobId) {
-        self.slots[job.0 as usize].parts = 0;
-        self.counts.reissued += 1;
-        self.pending.push_front(job);
-    }
-
-    fn blame<W: Work>(&mut self, job: JobId, work: &mut W) {
-        let slot = &mut self.slots[job.0 as usize];
-        slot.blame += 1;
-        slot.attempt += 1;
-        if slot.blame < BLAME_MAX {
-            self.put_back(job);
-        } else {
-            self.close(job, Closed::Abandoned, work);
-        }
-    }
-
-    /// Only the started job is blamed; the others go back as if nothing had been.
-    fn bury<W: Work>(&mut self, who: Incarnation, started: Option<(JobId, u8)>, work: &mut W) {
-        let Some(core) = self.cores.get_mut(usize::from(who.worker)) else { return };
-        if core.who != Some(who) {
-            return;
-        }
-        *core = Core::default();
-        self.ledger.lose(usize::from(who.worker));
-        if let Some(log) = &mut self.log {
-            log.push(Entry::Lost { who });
-        }
-        for number in (0..self.slots.len()).rev() {
-            let job = JobId(u32::try_from(number).unwrap_or(u32::MAX));
-            let slot = &self.slots[number];
-            if slot.state != State::Leased(who) {
-                continue;
-            }
-            let guilty = started == Some((job, slot.attempt));
-            self.slots[number].state = State::Pending;
-            if guilty {
-                self.blame(job, work);
-            } else {
-                self.put_back(job);
-            }
-        }
-    }
-
     /// Keeps about as many jobs pending as all queues hold: descents are made when needed.
-    fn refill<W: Work>(&mut self, work: &mut W) {
+    fn refill<W: Work>(&mut self, now_ns: u64, work: &mut W) {
         let enough = self.queues.capacity as usize * self.cores.len();
-        while self.pending.len() < enough {
+        while self.pending.len() < enough && !self.is_over {
             work.more(&mut self.fresh);
             if self.fresh.is_empty() {
                 return;
             }
-            for spec in self.fresh.drain(..) {
+            let mut fresh = std::mem::take(&mut self.fresh);
+            for spec in fresh.drain(..) {
                 let job = JobId(u32::try_from(self.slots.len()).unwrap_or(u32::MAX));
-                self.slots.push(Slot {
-                    spec,
-                    state: State::Pending,
-                    attempt: 0,
-                    blame: 0,
-                    parts: 0,
-                });
-                self.pending.push_back(job);
+                let state = State::Pending;
+                self.slots.push(Slot { spec, state, attempt: 0, blame: 0, parts: 0, batch: 0 });
                 self.open += 1;
                 self.counts.jobs += 1;
+                if !self.quarantine.is_empty()
+                    && work.key(&spec).is_some_and(|key| self.quarantine.holds(key, now_ns))
+                {
+                    self.close(job, Closed::Abandoned, work);
+                } else {
+                    self.pending.push_back(job);
+                }
             }
+            self.fresh = fresh;
         }
     }
 
     /// Places pending jobs until no core is eligible.
     fn assign<W: Work>(&mut self, now_ns: u64, work: &mut W, effects: &mut Vec<Effect>) {
+        for core in &mut self.cores {
+            core.look(now_ns);
+        }
+        let ward = self.place_suspects(now_ns, work, effects);
         while let Some(&job) = self.pending.front()
             && self.ledger.thrash().is_none()
         {
@@ -437,13 +457,13 @@ impl<S: Scheme> Dispatcher<S> {
                 self.pending.pop_front();
                 self.close(job, Closed::Cut, work);
                 // Closing a job may have brought the next ones.
-                self.refill(work);
+                self.refill(now_ns, work);
                 continue;
             }
             self.views.clear();
             for (number, core) in self.cores.iter().enumerate() {
                 self.views.push(CoreView {
-                    eligible: core.who.is_some() && core.takes(self.queues),
+                    eligible: ward != Some(number) && core.takes(self.queues),
                     queued: core.queued,
                     has_a: self.ledger.holds(number, spec.a),
                     has_b: self.ledger.holds(number, spec.b),
@@ -452,26 +472,8 @@ impl<S: Scheme> Dispatcher<S> {
             let Some(number) = self.scheme.choose(&self.views, self.queues.capacity) else { break };
             let Some(who) = self.cores[number].who else { break };
             self.pending.pop_front();
-            let slot = &mut self.slots[job.0 as usize];
-            slot.state = State::Leased(who);
-            slot.parts = 0;
-            let attempt = slot.attempt;
-            let core = &mut self.cores[number];
-            let sections = [spec.a, spec.b].map(|section| (section, work.weight(section)));
-            for (section, bytes) in sections {
-                if self.ledger.need(number, section, bytes) {
-                    core.fetch.push(section);
-                }
-            }
-            if let Some(log) = &mut self.log {
-                log.push(Entry::Assigned { job, attempt, who, sections });
-            }
-            core.queued += 1;
-            if core.outbox.is_empty() {
-                core.since_ns = now_ns;
-            }
-            core.outbox.push((job, attempt));
-            if core.outbox.len() >= self.queues.batch as usize {
+            self.lease(now_ns, job, who, work);
+            if self.cores[number].outbox.len() >= self.queues.batch as usize {
                 self.flush(number, effects);
             }
         }
@@ -481,24 +483,6 @@ impl<S: Scheme> Dispatcher<S> {
                 self.flush(number, effects);
             }
         }
-    }
-
-    fn flush(&mut self, number: usize, effects: &mut Vec<Effect>) {
-        let core = &mut self.cores[number];
-        if let (Some(to), false) = (core.who, core.outbox.is_empty()) {
-            self.counts.batches += 1;
-            let (jobs, fetch) = (std::mem::take(&mut core.outbox), std::mem::take(&mut core.fetch));
-            effects.push(Effect::Send { to, jobs, fetch });
-        }
-    }
-}
-
-impl Core {
-    /// Whether a job may be placed here: a free slot, and room for a whole batch, so that batches
-    /// do not shrink to one job as single results come back.
-    fn takes(&self, queues: Queues) -> bool {
-        self.queued < queues.capacity
-            && (!self.outbox.is_empty() || self.queued + queues.batch <= queues.capacity)
     }
 }
 

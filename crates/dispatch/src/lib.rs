@@ -13,19 +13,26 @@
 //! - No core holds more sections than it may, and the ledger equals its recomputation from the log:
 //!   `ledger/tests.rs`, `dispatcher/tests.rs`.
 //! - The largest job that a descent shows has what lies below it: `descent/tests.rs`.
+//! - A worker is killed for what it did, a job abandoned for what it did, and neither for what
+//!   others did: `dispatcher/tests/faults.rs`. A crash loop ends: `restart.rs`.
 //! - Nothing here depends on a hash order or reads a clock, so equal events at equal times give
 //!   equal effects.
 
 mod descent;
 mod dispatcher;
 mod ledger;
+mod quarantine;
+mod restart;
 mod scheme;
 mod supervise;
 
 pub use descent::Descent;
+#[cfg(feature = "flaws")]
+pub use dispatcher::Flaw;
 pub use dispatcher::{
-    Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Work,
+    Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Why, Work,
 };
 pub use ledger::{Cache, Ledger, Thrash, Transfer};
+pub use restart::{Intensity, Leave, Restarts};
 pub use scheme::{BestMatchLoad, CoreView, LowestMatch, Matching, RandomMatch, RoundRobin, Scheme};
 pub use supervise::{Patience, Pulse, Verdict, Watch};

@@ -4,7 +4,7 @@
 //! |--:|---|---|
 //! | 0 | magic, layout: u32 | what this is and which version of it |
 //! | 8 | boot, request: u64 | which run, which request |
-//! | 24 | inc, seq, job, len: u32 | incarnation; +1 per message; job (batch: 0); payload words |
+//! | 24 | inc, seq, job, len: u32 | incarnation; +1 per message; job or batch; payload words |
 //! | 40 | part, count: u16 | part, from 0; jobs in a batch, 1 in the last part of a result |
 //! | 44 | attempt, worker, kind, flags: u8 | of the job; of the worker's end; [`Kind`]; 0 |
 //! | 48 | hits: u32, spare: u32 | hits in this part; 0 |
@@ -32,7 +32,7 @@ pub struct Head {
     pub inc: u32,
     /// Counted up by the sender.
     pub seq: u32,
-    /// Job that this part belongs to; 0 in a batch.
+    /// Job that this part belongs to; in a batch, the batch's number.
     pub job: u32,
     /// Payload, in 64-bit words.
     pub len: u32,

@@ -22,6 +22,8 @@ pub struct Launch {
     pub queue: u32,
     /// Whether it works on copies of sections that are sent to it, not on the store in place.
     pub copies: bool,
+    /// Whether it obeys an [`crate::Order`]: only where faults are injected.
+    pub obeys: bool,
     /// Where its channels are: text made and read by the transport.
     pub domain: String,
 }
@@ -30,9 +32,9 @@ impl Launch {
     /// The word.
     #[must_use]
     pub fn to_word(&self) -> String {
-        let Self { who, boot, batch, queue, copies, domain } = self;
-        let copies = u8::from(*copies);
-        format!("{}.{}:{:x}:{batch}:{queue}:{copies}:{domain}", who.worker, who.inc, boot.0)
+        let Self { who, boot, batch, queue, copies, obeys, domain } = self;
+        let flags = u8::from(*copies) | u8::from(*obeys) << 1;
+        format!("{}.{}:{:x}:{batch}:{queue}:{flags}:{domain}", who.worker, who.inc, boot.0)
     }
 
     /// Reads the word; `None` if it was not written by [`Launch::to_word`].
@@ -40,14 +42,12 @@ impl Launch {
     pub fn from_word(word: &str) -> Option<Self> {
         let mut fields = word.splitn(6, ':');
         let (worker, inc) = fields.next()?.split_once('.')?;
-        Some(Self {
-            who: Incarnation { worker: worker.parse().ok()?, inc: inc.parse().ok()? },
-            boot: Boot(u64::from_str_radix(fields.next()?, 16).ok()?),
-            batch: fields.next()?.parse().ok()?,
-            queue: fields.next()?.parse().ok()?,
-            copies: fields.next()?.parse::<u8>().ok()? == 1,
-            domain: fields.next()?.to_owned(),
-        })
+        let who = Incarnation { worker: worker.parse().ok()?, inc: inc.parse().ok()? };
+        let boot = Boot(u64::from_str_radix(fields.next()?, 16).ok()?);
+        let (batch, queue) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);
+        let flags: u8 = fields.next()?.parse().ok()?;
+        let (copies, obeys) = (flags & 1 == 1, flags & 2 == 2);
+        Some(Self { who, boot, batch, queue, copies, obeys, domain: fields.next()?.to_owned() })
     }
 
     /// Words that a message to the worker must have room for: every job may bring a task of its
@@ -87,6 +87,7 @@ mod tests {
             batch: 16,
             queue: 64,
             copies: true,
+            obeys: false,
             domain: "/dev/shm/trolley.demo:with:colons".to_owned(),
         };
         assert_eq!(Launch::from_word(&launch.to_word()), Some(launch));

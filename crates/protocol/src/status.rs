@@ -6,7 +6,7 @@
 //! a valid page.
 
 use crate::WORKERS_MAX;
-use crate::id::{Incarnation, JobId};
+use crate::id::{Incarnation, JobId, RequestId};
 use core::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// The whole page.
@@ -37,6 +37,11 @@ pub struct WorkerLine {
     pub jobs: AtomicU64,
     /// Messages taken from its job channel and done with.
     pub taken: AtomicU64,
+    /// Number of the first batch that it may still be working on: all below it are worked off or
+    /// were turned away, and what was to be sent for them was sent before this was written.
+    pub answered: AtomicU64,
+    /// When it carried out the last [`crate::Order`] (ns, monotonic); 0: never.
+    pub obeyed_ns: AtomicU64,
     /// A [`State`].
     pub state: AtomicU32,
     /// 1 while it sleeps on [`CoordinatorLine::wake`].
@@ -61,6 +66,8 @@ pub struct CoordinatorLine {
     pub stop: AtomicU32,
     /// 1 while the coordinator sleeps, so that a worker has to ring its eventfd.
     pub sleeping: AtomicU32,
+    /// An [`crate::Order`] for fault injection; 0: none.
+    pub order: AtomicU64,
 }
 
 const _: () = {
@@ -93,18 +100,19 @@ impl State {
 }
 
 /// Packs who works on what into one word, so that a reader never sees half of it: a flag, the low
-/// 23 bits of the incarnation, the attempt, the job.
+/// 15 bits of the incarnation, the low 8 of the request, the attempt, the job.
 #[must_use]
-pub fn started(from: Incarnation, job: JobId, attempt: u8) -> u64 {
-    1 << 63 | u64::from(from.inc & 0x7f_ffff) << 40 | u64::from(attempt) << 32 | u64::from(job.0)
+pub fn started(from: Incarnation, request: RequestId, job: JobId, attempt: u8) -> u64 {
+    let whose = u64::from(from.inc & 0x7fff) << 8 | (request.0 & 0xff);
+    1 << 63 | whose << 40 | u64::from(attempt) << 32 | u64::from(job.0)
 }
 
-/// The job and attempt that a worker of this incarnation has started; `None` if none.
+/// The job and attempt of this request that a worker of this incarnation has started; `None` if
+/// none: a job of an earlier request has the number of another one's.
 #[must_use]
-pub fn read_started(word: u64, from: Incarnation) -> Option<(JobId, u8)> {
-    let inc = (word >> 40 & 0x7f_ffff) as u32;
-    let job = JobId((word & 0xffff_ffff) as u32);
-    (word >> 63 == 1 && inc == from.inc & 0x7f_ffff).then_some((job, (word >> 32 & 0xff) as u8))
+pub fn read_started(word: u64, from: Incarnation, request: RequestId) -> Option<(JobId, u8)> {
+    let (job, attempt) = (JobId((word & 0xffff_ffff) as u32), (word >> 32 & 0xff) as u8);
+    (word == started(from, request, job, attempt)).then_some((job, attempt))
 }
 
 impl WorkerLine {
@@ -116,11 +124,23 @@ impl WorkerLine {
 
     /// Blanks the line for the next incarnation. Only while no process writes it.
     pub fn reset(&self) {
-        let Self { beat, started, sent, bytes, tests, jobs, taken, .. } = self;
-        for word in [beat, started, sent, bytes, tests, jobs, taken] {
+        let Self { beat, started, sent, bytes, tests, jobs, taken, answered, obeyed_ns, .. } = self;
+        for word in [beat, started, sent, bytes, tests, jobs, taken, answered, obeyed_ns] {
             word.store(0, Ordering::Release);
         }
         for word in [&self.state, &self.sleeping, &self.cpu, &self.inc] {
+            word.store(0, Ordering::Release);
+        }
+    }
+}
+
+impl CoordinatorLine {
+    /// Blanks the line for the next incarnation. Only while no worker reads it.
+    pub fn reset(&self) {
+        for word in [&self.consumed, &self.order] {
+            word.store(0, Ordering::Release);
+        }
+        for word in [&self.wake, &self.stop, &self.sleeping] {
             word.store(0, Ordering::Release);
         }
     }

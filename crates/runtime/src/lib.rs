@@ -3,6 +3,7 @@
 //! | module | what it gives |
 //! |---|---|
 //! | [`clock`] | monotonic time, CPU time, randomness: the only clock there is |
+//! | [`machine`] | what the machine grants: file descriptors, shared memory |
 //! | [`memory`] | the sealed model store, the status page, files read into aligned memory |
 //! | [`process`] | children that die with their parent and are never left as zombies |
 //! | [`affinity`] | which cores there are, and staying on one |
@@ -27,6 +28,7 @@ pub mod clock;
 pub mod counters;
 pub mod error;
 pub mod futex;
+pub mod machine;
 pub mod memory;
 pub mod process;
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::error::{OsError, Result};
 use core::fmt;
 use rustix::event::{PollFd, PollFlags};
 use rustix::io::Errno;
-use rustix::process::{Pid, Resource, Rlimit, Signal, WaitOptions};
+use rustix::process::{Pid, PidfdFlags, Resource, Rlimit, Signal, WaitOptions};
 use std::os::fd::{AsFd, BorrowedFd, FromRawFd, OwnedFd, RawFd};
 use std::path::Path;
 
@@ -203,6 +203,51 @@ pub fn set_name(name: &str) {
         && let Err(error) = rustix::thread::set_name(&name)
     {
         tracing::debug!(%error, "the thread keeps its old name");
+    }
+}
+
+/// Ends the calling process by this signal, as if the kernel had sent it: for fault injection.
+pub fn die_of(number: i32) {
+    if let Some(signal) = Signal::from_named_raw(number) {
+        // The first may only take away a handler, which waits for the fault to happen again.
+        for _ in 0..3 {
+            let _returned = rustix::process::kill_process(rustix::process::getpid(), signal);
+        }
+    }
+}
+
+/// A process that somebody else started, held so that its number cannot become a stranger's.
+#[derive(Debug)]
+pub struct Held(OwnedFd);
+
+impl Held {
+    /// Takes hold of a process that is known to be unreaped.
+    ///
+    /// # Errors
+    ///
+    /// If there is none, or file descriptors ran out.
+    pub fn of(pid: u32) -> Result<Self> {
+        let number = i32::try_from(pid).ok().and_then(Pid::from_raw);
+        let opened = number
+            .ok_or(Errno::SRCH)
+            .and_then(|pid| rustix::process::pidfd_open(pid, PidfdFlags::empty()));
+        let pidfd = opened.map_err(OsError::at("take hold of process", &pid.to_string()))?;
+        Ok(Self(pidfd))
+    }
+
+    /// Sends a signal by its number. Nothing happens if the process has ended.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such signal, or the kernel refuses.
+    pub fn signal(&self, number: i32) -> Result<()> {
+        let sent = Signal::from_named_raw(number)
+            .ok_or(Errno::INVAL)
+            .and_then(|signal| rustix::process::pidfd_send_signal(&self.0, signal));
+        match sent {
+            Ok(()) | Err(Errno::SRCH) => Ok(()),
+            Err(errno) => Err(OsError::new("send signal", number.to_string(), errno)),
+        }
     }
 }
 

@@ -17,6 +17,8 @@
 //! - Advice on the depth is the best of what is predicted: `advice/tests.rs`.
 //! - Costs are found again from times that follow from them: `costs/tests.rs`.
 //!
+//! [`faults`] drives the same dispatcher through a world in which everything goes wrong.
+//!
 //! Advice ([`advise`]) needs no trace: descents alone ([`dispatch::Descent`]) and costs.
 //!
 //! It knows nothing of caches beyond the ledger's, of memory bandwidth that cores share, or of
@@ -24,6 +26,7 @@
 
 mod advice;
 mod costs;
+pub mod faults;
 mod machine;
 mod trace;
 

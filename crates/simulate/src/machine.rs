@@ -5,7 +5,7 @@ use crate::trace::{JobTrace, Replay, Trace};
 use dispatch::{
     Cache, Counts, Dispatcher, Effect, Event, Matching, Progress, Queues, Scheme, Thrash, Transfer,
 };
-use protocol::{Incarnation, JobId};
+use protocol::{Incarnation, JobId, RequestId};
 use std::collections::VecDeque;
 
 /// Where the coordinator runs.
@@ -16,6 +16,9 @@ pub enum Home {
     /// On the core of worker 0, which stands still while the coordinator has something to do.
     Shared,
 }
+
+/// There is but one request.
+const REQUEST: RequestId = RequestId(1);
 
 /// What is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +80,7 @@ pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> Outcome {
         now_ns: 0.0,
         coordinator_ns: 0.0,
     };
-    machine.dispatcher.begin();
+    machine.dispatcher.begin(REQUEST);
     for worker in 0..setup.workers {
         machine.dispatcher.admit(Incarnation { worker, inc: 0 });
     }
@@ -126,7 +129,8 @@ impl Machine<'_> {
                 let hits = self.jobs[job.0 as usize].hits;
                 self.work(self.costs.take_ns + self.costs.fold_hit_ns * hits as f64);
                 let from = Incarnation { worker: worker as u8, inc: 0 };
-                self.step(Event::Part { from, job, attempt, part: 0, last: true, body: () })
+                let (request, part, last, body) = (REQUEST, 0, true, ());
+                self.step(Event::Part { from, request, job, attempt, part, last, body })
             }
             (_, Some(due)) => {
                 self.now_ns = self.now_ns.max(due);
@@ -137,13 +141,15 @@ impl Machine<'_> {
         }
     }
 
-    fn step(&mut self, event: Event<'_, ()>) -> Progress {
+    fn step(&mut self, event: Event<()>) -> Progress {
         let mut effects = Vec::new();
         let now_ns = self.now_ns as u64;
         let progress = self.dispatcher.step(now_ns, event, &mut self.replay, &mut effects);
         let (tasks, tests) = std::mem::take(&mut self.replay.descents);
         self.work(self.costs.task_ns * tasks as f64 + self.costs.descent_ns * tests as f64);
-        for Effect::Send { to, jobs, fetch } in effects {
+        for effect in effects {
+            // Nothing goes wrong here, so nobody is killed.
+            let Effect::Send { to, jobs, fetch, .. } = effect else { continue };
             let weight = |section| dispatch::Work::weight(&self.replay, section) as f64;
             let fetched: f64 = fetch.into_iter().map(weight).sum();
             let loaded = if self.copies { fetched } else { 0.0 };

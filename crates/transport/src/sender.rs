@@ -95,11 +95,27 @@ impl OpenMessage<'_> {
     /// again. [`UseError::Full`]: the queue has no room (credits prevent that) or nobody is
     /// connected. [`UseError::TooLong`]: `used` is beyond the room. [`UseError::Broken`]: the
     /// channel is gone.
-    pub fn send(mut self, head: Head, used: usize) -> Result<(), UseError> {
+    pub fn send(self, head: Head, used: usize) -> Result<(), UseError> {
+        self.send_spoiled(head, used, |_, _| {})
+    }
+
+    /// The same, but `spoil` may change header and payload after they were sealed: for fault
+    /// injection.
+    ///
+    /// # Errors
+    ///
+    /// As [`OpenMessage::send`].
+    pub fn send_spoiled(
+        mut self,
+        head: Head,
+        used: usize,
+        spoil: impl FnOnce(&mut Head, &mut [u64]),
+    ) -> Result<(), UseError> {
         let sent = self.sender.messages.get();
-        let payload = self.sample.payload().get(..used).ok_or(UseError::TooLong)?;
+        let payload = self.sample.payload_mut().get_mut(..used).ok_or(UseError::TooLong)?;
         // Counts modulo 2³²: a gap shows, whatever the number is.
-        let head = seal(Head { seq: (sent & 0xffff_ffff) as u32, ..head }, payload);
+        let mut head = seal(Head { seq: (sent & 0xffff_ffff) as u32, ..head }, payload);
+        spoil(&mut head, payload);
         let lines = crate::lines(payload.as_ptr() as usize, size_of_val(payload))
             + crate::lines(&raw const *self.sample.user_header() as usize, size_of::<Head>());
         *self.sample.user_header_mut() = Wire::new(head);

@@ -1,6 +1,8 @@
 //! Writes the hits of one job into shared memory as the kernel finds them.
 
+use crate::misdeed::Spoilt;
 use bvh::{NodePair, Outcome, Sink};
+use core::cell::Cell;
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
@@ -17,6 +19,8 @@ pub(crate) struct Outlet<'w> {
     pub(crate) bell: &'w runtime::EventFd,
     pub(crate) who: Incarnation,
     pub(crate) boot: protocol::Boot,
+    /// What is to be done to the next result, where faults are injected.
+    pub(crate) spoilt: Cell<Option<Spoilt>>,
 }
 
 impl<'w> Outlet<'w> {
@@ -56,7 +60,13 @@ impl<'w> Outlet<'w> {
         used: usize,
     ) -> Result<(), UseError> {
         let seq = self.line.sent.load(Ordering::Relaxed) as u32;
-        message.send(Head { seq, ..head }, used)?;
+        let spoilt = self.spoilt.take();
+        let head = Head { seq, ..spoilt.map_or(head, |spoilt| spoilt.before(head)) };
+        message.send_spoiled(head, used, |head, words| {
+            if let Some(spoilt) = spoilt {
+                spoilt.after(head, words);
+            }
+        })?;
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
         // The coordinator that counts this message sees all that went before it.
         self.line.sent.fetch_add(1, Ordering::SeqCst);
@@ -200,6 +210,21 @@ impl<'w> Answer<'w> {
         };
         let supports = with_supports.then_some(&outcome.supports.0);
         let used = write_last(message.words(), self.hits, &summary, supports);
+        match self.outlet.spoilt.get() {
+            Some(Spoilt::Withhold) => {
+                self.outlet.spoilt.take();
+                return Ok(());
+            }
+            Some(Spoilt::Repeat) => {
+                self.outlet.spoilt.take();
+                let words = message.words()[..used].to_vec();
+                self.outlet.send(message, self.head(true), used)?;
+                let Some(mut again) = self.outlet.open()? else { return Ok(()) };
+                again.words()[..used].copy_from_slice(&words);
+                return self.outlet.send(again, self.head(true), used);
+            }
+            _ => {}
+        }
         self.outlet.send(message, self.head(true), used)
     }
 }
@@ -236,8 +261,9 @@ impl Sink for Answer<'_> {
 pub(crate) struct Started<'w>(&'w WorkerLine);
 
 impl<'w> Started<'w> {
-    pub(crate) fn new(outlet: &Outlet<'w>, job: &Job) -> Self {
-        let word = status::started(outlet.who, protocol::JobId(job.job), job.attempt as u8);
+    pub(crate) fn new(outlet: &Outlet<'w>, request: RequestId, job: &Job) -> Self {
+        let number = protocol::JobId(job.job);
+        let word = status::started(outlet.who, request, number, job.attempt as u8);
         outlet.line.started.store(word, Ordering::SeqCst);
         outlet.line.beat.fetch_add(1, Ordering::Relaxed);
         Self(outlet.line)

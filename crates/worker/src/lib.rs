@@ -12,11 +12,13 @@
 //! - Hits are written straight into shared memory. A result is loaned only when the coordinator has
 //!   room for it (credits), so no send can fail for a full queue.
 //! - A panic in a job costs that job, not the worker: it answers with a NACK.
+//! - A batch is answered, whatever it holds: `answered` moves past one that was turned away, too.
 //!
 //! It does not know candidates, requests or harm, and it never parses a mesh.
 
 mod answer;
 mod copy;
+mod misdeed;
 mod serve;
 
 pub use serve::{WorkerError, run};

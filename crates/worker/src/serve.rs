@@ -2,6 +2,7 @@
 
 use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
+use crate::misdeed::{Commit as _, Orders};
 use bvh::{Kernel, NodePair, Question};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
@@ -69,6 +70,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         bell: &bell,
         who: launch.who,
         boot: launch.boot,
+        spoilt: core::cell::Cell::new(None),
     };
     line.inc.store(launch.who.inc, Ordering::Relaxed);
     line.cpu.store(
@@ -82,11 +84,14 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     if launch.copies {
         desk.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
     }
+    if launch.obeys {
+        desk.orders = Some(Orders::default());
+    }
     let mut words = Vec::with_capacity(sizes.job_words);
     while let Some(head) = desk.next_batch(&link, &mut words)? {
         desk.work_off(&head, &words)?;
         line.taken.fetch_add(1, Ordering::Release);
-        outlet.ring();
+        desk.answered(u64::from(head.job) + 1);
     }
     line.state.store(State::Bye as u32, Ordering::Release);
     Ok(())
@@ -99,6 +104,8 @@ struct Desk<'w> {
     kernel: Kernel,
     /// Set if jobs are done on copies.
     copies: Option<Copies>,
+    /// Set if faults are injected.
+    orders: Option<Orders>,
 }
 
 impl<'w> Desk<'w> {
@@ -106,7 +113,14 @@ impl<'w> Desk<'w> {
         let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
         let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
         let kernel = Kernel::with_room(depth, depth, triangles, triangles);
-        Self { bodies, outlet, kernel, copies: None }
+        Self { bodies, outlet, kernel, copies: None, orders: None }
+    }
+
+    /// Says that all batches below a number are answered, after the last of their results was sent.
+    fn answered(&self, batches: u64) {
+        let known = self.outlet.line.answered.load(Ordering::Relaxed);
+        self.outlet.line.answered.store(batches.max(known), Ordering::SeqCst);
+        self.outlet.ring();
     }
 
     /// Waits for a batch: spins a little, then sleeps until the coordinator changes the futex word.
@@ -134,9 +148,17 @@ impl<'w> Desk<'w> {
                     }
                     return Err(WorkerError::Batch(Reject::Length));
                 }
-                // Its jobs would stay leased for ever; a worker that ends gives them back.
                 Some(Ok(_)) => return Err(WorkerError::Batch(Reject::Foreign)),
-                Some(Err(reject)) => return Err(WorkerError::Batch(reject)),
+                // It may have been a section, without which later jobs cannot be done.
+                Some(Err(reject)) if self.copies.is_some() => {
+                    return Err(WorkerError::Batch(reject));
+                }
+                // Answered with nothing: the coordinator sees that, and sends its jobs again. If it
+                // was not the next batch, the number is put right by the one that follows.
+                Some(Err(_)) => {
+                    line.taken.fetch_add(1, Ordering::Release);
+                    self.answered(line.answered.load(Ordering::Relaxed) + 1);
+                }
                 None => {}
             }
             if !backoff.is_completed() {
@@ -168,8 +190,12 @@ impl<'w> Desk<'w> {
                     prepared.insert((task.task, around))
                 }
             };
-            let _started = Started::new(self.outlet, job);
-            let run = AssertUnwindSafe(|| self.run(request, task, job, directions));
+            let _started = Started::new(self.outlet, request, job);
+            let misdeed = self.orders.as_mut().and_then(|orders| orders.due(self.outlet, job));
+            let run = AssertUnwindSafe(|| {
+                misdeed.map_or(Ok(()), |misdeed| misdeed.commit(self.outlet))?;
+                self.run(request, task, job, directions)
+            });
             match catch_unwind(run) {
                 Ok(result) => result?,
                 Err(_) => self.refuse(request, job)?,

@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::terms::{GUARD, guarded};
 use coordinator::{Chance, Crew, Options, Pursuit, Request, Terms, Work, run_here};
 use damage::State;
-use dispatch::{Cache, Matching, Patience, Queues};
+use dispatch::{Cache, Intensity, Matching, Patience, Queues};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
 use std::fmt::Write as _;
@@ -80,6 +80,8 @@ pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failur
         copies: false,
         log: false,
         patience: Patience::default(),
+        intensity: Intensity::default(),
+        obeys: false,
     };
     let due = Duration::from_secs_f64(args.deadline_ms / 1e3);
     let terms = Terms {

@@ -7,7 +7,7 @@ use bvh::{Kernel, Question, Task, together};
 use coordinator::{
     Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
 };
-use dispatch::{Cache, Matching, Patience, Queues, Thrash};
+use dispatch::{Cache, Intensity, Matching, Patience, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
@@ -214,6 +214,8 @@ impl<'p> Bench<'p> {
             copies: matches!(way.cache, Cache::Fixed(_)),
             log: false,
             patience: Patience::default(),
+            intensity: Intensity::default(),
+            obeys: false,
         };
         let mut crew = Crew::start(&self.pair.store, &options)?;
         let mut runs = Vec::new();

@@ -12,6 +12,9 @@ pub enum CrewError {
     /// A channel could not be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
+    /// The machine has not what is needed.
+    #[error("{0}")]
+    Lack(super::Lack),
     /// A worker ended before it greeted.
     #[error("worker {worker} ended at start-up with {exit}: its own message is above")]
     StillBorn {

@@ -1,11 +1,11 @@
 //! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
 
-use super::{Hardware, Options, WorkerReport};
+use super::{Hardware, Options, Spoiled, WorkerReport};
 use core::sync::atomic::Ordering;
 use dispatch::{Patience, Pulse, Verdict, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
-use protocol::{Head, Incarnation, JobId, Launch, Reject};
+use protocol::{Head, Incarnation, JobId, Launch, Reject, RequestId};
 use runtime::counters::{Counted, Counters};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
@@ -19,6 +19,14 @@ pub(super) struct Station {
     child: Child,
     watch: Watch,
     is_alive: bool,
+    /// Its channels work, and it takes jobs.
+    pub(super) has_greeted: bool,
+    /// Until when it must have greeted (ns).
+    pub(super) mute_ns: u64,
+    /// What is to be done to the next batch, where faults are injected.
+    pub(super) spoiled: Option<Spoiled>,
+    /// Batches known to be answered.
+    answered: u64,
     seq: u32,
     /// What was counted before this request: by the worker, and at both ends of its channels.
     before: Before,
@@ -114,6 +122,10 @@ impl Station {
             child,
             watch: Watch::default(),
             is_alive: true,
+            has_greeted: false,
+            mute_ns: runtime::clock::now_ns() + super::GREETING_NS,
+            spoiled: None,
+            answered: 0,
             seq: 0,
             before: Before::default(),
             counters: counters.map(|counters| (counters, Counted::default())),
@@ -127,6 +139,22 @@ impl Station {
 
     pub(super) fn is_alive(&self) -> bool {
         self.is_alive
+    }
+
+    /// Whether it takes jobs.
+    pub(super) fn is_ready(&self) -> bool {
+        self.is_alive && self.has_greeted
+    }
+
+    /// How many batches it has answered, if that is news.
+    pub(super) fn newly_answered(&mut self, status: &StatusMemory) -> Option<u32> {
+        let line = &status.page().workers[self.line()];
+        let answered = line.answered.load(Ordering::SeqCst);
+        if !self.is_alive || answered == self.answered {
+            return None;
+        }
+        self.answered = answered;
+        Some(answered.min(u64::from(u32::MAX)) as u32)
     }
 
     fn line(&self) -> usize {
@@ -204,9 +232,21 @@ impl Station {
         if !self.is_alive {
             return Err(UseError::Broken);
         }
+        let spoiled = self.spoiled.take();
+        if spoiled == Some(Spoiled::Refused) {
+            return Err(UseError::Full);
+        }
         let mut message = self.link.jobs.loan()?;
         message.words().get_mut(..words.len()).ok_or(UseError::Broken)?.copy_from_slice(words);
-        message.send(Head { seq: self.seq, ..head }, words.len())?;
+        message.send_spoiled(Head { seq: self.seq, ..head }, words.len(), |head, words| {
+            if let Some(Spoiled::Garbled(bit)) = spoiled {
+                let bit = bit as usize % (words.len().max(1) * 64);
+                match words.get_mut(bit / 64) {
+                    Some(word) => *word ^= 1 << (bit % 64),
+                    None => head.hits ^= 1,
+                }
+            }
+        })?;
         self.seq = self.seq.wrapping_add(1);
         self.wake(status);
         Ok(())
@@ -280,10 +320,14 @@ impl Station {
     }
 
     /// No more mail to or from it. Says what it had started.
-    pub(super) fn bury(&mut self, status: &StatusMemory) -> (Incarnation, Option<(JobId, u8)>) {
+    pub(super) fn bury(
+        &mut self,
+        status: &StatusMemory,
+        request: u64,
+    ) -> (Incarnation, Option<(JobId, u8)>) {
         self.is_alive = false;
         let started = status.page().workers[self.line()].started.load(Ordering::SeqCst);
-        (self.who, read_started(started, self.who))
+        (self.who, read_started(started, self.who, RequestId(request)))
     }
 
     pub(super) fn tell_to_stop(&self, status: &StatusMemory) {

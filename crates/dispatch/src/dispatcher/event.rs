@@ -1,10 +1,10 @@
 //! What the dispatcher hears, what it asks for, and how far the request is.
 
-use protocol::{Incarnation, JobId, Section};
+use protocol::{Incarnation, JobId, RequestId, Section};
 
 /// What happened.
 #[derive(Debug)]
-pub enum Event<'p, P> {
+pub enum Event<P> {
     /// Nothing but time: look for work.
     Poll,
     /// A worker takes jobs from now on.
@@ -13,6 +13,8 @@ pub enum Event<'p, P> {
     Part {
         /// Who sent it.
         from: Incarnation,
+        /// The request that it belongs to.
+        request: RequestId,
         /// Its job.
         job: JobId,
         /// The attempt that it belongs to.
@@ -28,6 +30,8 @@ pub enum Event<'p, P> {
     Failed {
         /// Who says so.
         from: Incarnation,
+        /// The request that it belongs to.
+        request: RequestId,
         /// The job.
         job: JobId,
         /// The attempt.
@@ -40,13 +44,29 @@ pub enum Event<'p, P> {
         /// The job and attempt it had started.
         started: Option<(JobId, u8)>,
     },
-    /// A batch could not be handed over.
+    /// A batch could not be handed over: the queue was full.
     Unsent {
         /// To whom.
         to: Incarnation,
-        /// What.
-        jobs: &'p [JobId],
+        /// Which one: [`Effect::Send`]'s number.
+        batch: u32,
     },
+    /// A worker has worked off all batches below a number, or turned them away, and everything that
+    /// it sent for them was taken: what has not come of them will not come.
+    Answered {
+        /// Who.
+        who: Incarnation,
+        /// The number of the first batch that it may still be working on.
+        batches: u32,
+    },
+    /// A message of a worker was turned away: its checksum did not fit. Whose result it was is not
+    /// known; [`Event::Answered`] will tell.
+    Garbled {
+        /// On whose channel.
+        from: Incarnation,
+    },
+    /// The time is up: what is open stays unknown.
+    Expired,
 }
 
 /// What to do.
@@ -56,12 +76,42 @@ pub enum Effect {
     Send {
         /// To whom.
         to: Incarnation,
+        /// Its number: batches to one incarnation are numbered from 0.
+        batch: u32,
         /// Jobs, in order, with their attempts.
         jobs: Vec<(JobId, u8)>,
         /// Sections that these need and the core does not hold, in the order of need: what has to
         /// be shipped before, where sections are shipped at all.
         fetch: Vec<Section>,
     },
+    /// End this worker: it can no longer be trusted. [`Event::Lost`] is to follow.
+    Kill {
+        /// Whom.
+        who: Incarnation,
+        /// Why.
+        why: Why,
+    },
+}
+
+/// Why a worker is no longer trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Why {
+    /// Its messages were turned away.
+    Garbled,
+    /// It left jobs unanswered.
+    Forgetful,
+    /// Its queue stayed full.
+    Full,
+}
+
+impl core::fmt::Display for Why {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Garbled => "its messages were turned away",
+            Self::Forgetful => "it left jobs unanswered",
+            Self::Full => "its queue stayed full",
+        })
+    }
 }
 
 /// One line of the log from which the ledger can be recomputed.

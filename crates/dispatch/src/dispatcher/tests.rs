@@ -5,6 +5,11 @@ use crate::{BestMatchLoad, Matching, RoundRobin};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
+mod faults;
+
+/// The request of these tests.
+const NOW: RequestId = RequestId(7);
+
 /// Work whose jobs come in waves: a wave is handed out when the one before it is closed.
 #[derive(Default)]
 struct Waves {
@@ -58,18 +63,28 @@ struct World {
     late: Vec<Held>,
     inc: u32,
     queues_max: u32,
+    /// The last batch that each was sent.
+    batches: BTreeMap<Incarnation, u32>,
+    doomed: Vec<u8>,
 }
 
 impl World {
     fn carry_out(&mut self, effects: Vec<Effect>) {
-        for Effect::Send { to, jobs, .. } in effects {
+        for effect in effects {
+            let Effect::Send { to, batch, jobs, .. } = effect else {
+                // Whoever loses too much is ended: its jobs go to the others.
+                let Effect::Kill { who, .. } = effect else { continue };
+                self.doomed.push(who.worker);
+                continue;
+            };
+            self.batches.insert(to, batch);
             let queue = self.queues.entry(to).or_default();
             queue.extend(jobs.into_iter().map(|(job, attempt)| (to, job, attempt)));
             assert!(queue.len() <= self.queues_max as usize, "a queue overflowed");
         }
     }
 
-    fn step(&mut self, event: Event<'_, u16>) -> Progress {
+    fn step(&mut self, event: Event<u16>) -> Progress {
         let mut effects = Vec::new();
         self.now_ns += 1;
         let progress = self.dispatcher.step(self.now_ns, event, &mut self.work, &mut effects);
@@ -80,7 +95,8 @@ impl World {
     fn answer(&mut self, (from, job, attempt): Held, parts: &[(u16, bool)]) -> Progress {
         let mut progress = Progress::Working;
         for &(part, last) in parts {
-            progress = self.step(Event::Part { from, job, attempt, part, last, body: part });
+            progress =
+                self.step(Event::Part { from, request: NOW, job, attempt, part, last, body: part });
         }
         progress
     }
@@ -161,7 +177,7 @@ proptest! {
         (capacity, batch, linger_ns) in (1_u32..12, 1_u32..6, 0_u64..20),
         (matching, cache) in (matchings(), caches()),
         moot in prop::option::of(2_u32..6),
-        dice in prop::collection::vec((0_u8..12, any::<prop::sample::Index>()), 0..250),
+        dice in prop::collection::vec((0_u8..14, any::<prop::sample::Index>()), 0..250),
     ) {
         let queues = Queues { capacity, batch, linger_ns };
         let jobs: u32 = waves.iter().sum();
@@ -174,9 +190,11 @@ proptest! {
             late: Vec::new(),
             inc: 0,
             queues_max: capacity,
+            batches: BTreeMap::new(),
+            doomed: Vec::new(),
         };
         world.dispatcher.keep_log();
-        world.dispatcher.begin();
+        world.dispatcher.begin(NOW);
         let mut progress = Progress::Working;
         for worker in 0..workers {
             let who = Incarnation { worker, inc: 0 };
@@ -186,6 +204,10 @@ proptest! {
         let mut kills = 0;
         let mut dice = dice.into_iter();
         while progress != Progress::Finished {
+            if let Some(worker) = world.doomed.pop() {
+                progress = world.kill(worker, false);
+                continue;
+            }
             let busy: Vec<Incarnation> = world.queues.iter()
                 .filter(|(_, queue)| !queue.is_empty()).map(|(who, _)| *who).collect();
             if busy.is_empty() {
@@ -211,12 +233,17 @@ proptest! {
                 4 => { let held = pop(); world.answer(held, &[(0, false), (2, true)]) }
                 5 => {
                     let (from, job, attempt) = pop();
-                    world.step(Event::Failed { from, job, attempt })
+                    world.step(Event::Failed { from, request: NOW, job, attempt })
                 }
                 6 => {
-                    let (to, job, _) = world.queues.get_mut(&who).unwrap().pop().unwrap();
-                    world.step(Event::Unsent { to, jobs: &[job] })
+                    // What it does with what it has, and what it has lost, is told at the end.
+                    let batches = world.batches[&who] + 1;
+                    for held in std::mem::take(world.queues.get_mut(&who).unwrap()) {
+                        if which.index(3) > 0 { world.answer(held, &[(0, true)]); }
+                    }
+                    world.step(Event::Answered { who, batches })
                 }
+                8 => world.step(Event::Garbled { from: who }),
                 7 if !world.late.is_empty() => {
                     let late = world.late.swap_remove(which.index(world.late.len()));
                     let before = world.dispatcher.counts().done;
@@ -247,7 +274,7 @@ fn without_workers_the_request_is_stranded_and_a_late_worker_saves_it() {
     let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, 2);
     let mut work = Waves { left: vec![3], ..Waves::default() };
     let mut effects = Vec::new();
-    dispatcher.begin();
+    dispatcher.begin(NOW);
     assert_eq!(dispatcher.step(0, Event::Poll, &mut work, &mut effects), Progress::Stranded);
     assert!(effects.is_empty());
     let who = Incarnation { worker: 1, inc: 3 };
@@ -261,13 +288,16 @@ fn a_worker_that_says_twice_that_it_is_ready_keeps_its_jobs() {
     let mut dispatcher = Dispatcher::new(RoundRobin::default(), queues, Cache::Unlimited, 1);
     let who = Incarnation { worker: 0, inc: 0 };
     let mut effects = Vec::new();
-    for _request in 0..2 {
-        dispatcher.begin();
+    for batches in 1..=2 {
+        dispatcher.begin(NOW);
         let mut work = Waves { left: vec![5], ..Waves::default() };
         dispatcher.step(0, Event::Poll, &mut work, &mut effects);
         dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
         dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
         assert_eq!(effects.len(), 1, "{effects:?}");
+        // The request ends early, and the worker gets through what it has.
+        dispatcher.step(0, Event::Expired, &mut work, &mut effects);
+        dispatcher.step(0, Event::Answered { who, batches }, &mut work, &mut effects);
         effects.clear();
     }
 }
@@ -278,7 +308,7 @@ fn a_job_that_takes_two_workers_down_is_abandoned_and_no_other() {
     let scheme = BestMatchLoad { alpha: 0.0 };
     let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, 1);
     let mut work = Waves { left: vec![4], ..Waves::default() };
-    dispatcher.begin();
+    dispatcher.begin(NOW);
     let mut effects = Vec::new();
     for inc in 0..3 {
         let who = Incarnation { worker: 0, inc };
@@ -333,7 +363,7 @@ proptest! {
         let cache = budget.map_or(Cache::Unlimited, Cache::Fixed);
         let mut dispatcher = Dispatcher::new(matching.scheme(), queues, cache, cores);
         dispatcher.keep_log();
-        dispatcher.begin();
+        dispatcher.begin(NOW);
         let mut effects = Vec::new();
         for worker in 0..cores {
             let who = Incarnation { worker: worker as u8, inc: 0 };
@@ -341,10 +371,12 @@ proptest! {
         }
         let (mut sent, mut shipped) = (VecDeque::from(std::mem::take(&mut effects)), Vec::new());
         let mut progress = Progress::Working;
-        while let Some(Effect::Send { to, jobs, fetch }) = sent.pop_front() {
+        while let Some(Effect::Send { to, jobs, fetch, .. }) = sent.pop_front() {
             shipped.extend(fetch.into_iter().map(|section| (to, section)));
             for (job, attempt) in jobs {
-                let event = Event::Part { from: to, job, attempt, part: 0, last: true, body: () };
+                let event = Event::Part {
+                    from: to, request: NOW, job, attempt, part: 0, last: true, body: (),
+                };
                 progress = dispatcher.step(0, event, &mut work, &mut effects);
                 sent.extend(effects.drain(..));
             }

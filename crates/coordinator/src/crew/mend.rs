@@ -1,0 +1,163 @@
+//! Successors for workers that were lost: started between requests, never inside one.
+//!
+//! A successor is a new incarnation, with channels of new names and a blank line on the status page.
+//! It greets when it is ready, whatever the coordinator is doing then.
+
+use super::station::Station;
+use super::{Crew, CrewError, Incarnation};
+use core::sync::atomic::Ordering;
+use dispatch::Leave;
+use protocol::{Launch, Order};
+use runtime::{SealedMemory, clock};
+
+/// What became of those who were lost.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mended {
+    /// Who has a successor, which is this one.
+    pub started: Vec<Incarnation>,
+    /// Cores that stay without one for now: their workers died too often.
+    pub off: Vec<u8>,
+}
+
+impl Crew {
+    /// Starts successors of all lost workers whose cores may have one. Does not wait for them.
+    ///
+    /// Cleans up behind the dead before, unless somebody is starting: then the next call does.
+    ///
+    /// # Errors
+    ///
+    /// If shared memory, a process or a core is not to be had.
+    pub fn mend(&mut self, store: &SealedMemory) -> Result<Mended, CrewError> {
+        self.notice_the_dead()?;
+        let mut mended = Mended::default();
+        let lost = |station: &&Station| !station.is_alive();
+        let lost: Vec<Incarnation> =
+            self.stations.iter().filter(lost).map(|station| station.who).collect();
+        if lost.is_empty() {
+            return Ok(mended);
+        }
+        if !self.stations.iter().any(|station| station.is_alive() && !station.has_greeted) {
+            let _removed = self.domain.cleaner().run();
+        }
+        for who in lost {
+            match self.restarts.leave(who.worker, clock::now_ns()) {
+                Leave::Granted => {
+                    let successor = Incarnation { inc: who.inc.wrapping_add(1), ..who };
+                    let station = self.man(successor, store)?;
+                    self.stations[usize::from(who.worker)] = station;
+                    mended.started.push(successor);
+                }
+                Leave::CoreOff | Leave::AllOff => {
+                    tracing::warn!(worker = who.worker, "no successor: workers die too often");
+                    mended.off.push(who.worker);
+                }
+            }
+        }
+        Ok(mended)
+    }
+
+    /// Waits until all who live have greeted. Those that end instead are lost.
+    ///
+    /// # Errors
+    ///
+    /// If one does not greet in time, or nobody does.
+    pub fn rally(&mut self) -> Result<(), CrewError> {
+        self.await_greetings()
+    }
+
+    /// Workers that take jobs.
+    #[must_use]
+    pub fn ready(&self) -> usize {
+        self.stations.iter().filter(|station| station.is_ready()).count()
+    }
+
+    /// Who serves each core now, or did last, with process ids.
+    #[must_use]
+    pub fn roster(&self) -> Vec<(Incarnation, u32)> {
+        self.stations.iter().map(|station| (station.who, station.report.pid)).collect()
+    }
+
+    /// Tells a worker to misbehave: it must have been started with `obeys`.
+    pub fn order(&self, worker: u8, order: Option<Order>) {
+        let line = self.status.page().coordinator.get(usize::from(worker));
+        if let Some(line) = line {
+            line.order.store(order.map_or(0, Order::to_word), Ordering::SeqCst);
+        }
+    }
+
+    /// When a worker last obeyed (ns, monotonic); 0: never.
+    #[must_use]
+    pub fn obeyed_ns(&self, worker: u8) -> u64 {
+        let line = self.status.page().workers.get(usize::from(worker));
+        line.map_or(0, |line| line.obeyed_ns.load(Ordering::SeqCst))
+    }
+
+    /// Spoils the next batch to a worker: for fault injection.
+    pub fn spoil_next(&mut self, worker: u8, how: Spoiled) {
+        if let Some(station) = self.stations.get_mut(usize::from(worker)) {
+            station.spoiled = Some(how);
+        }
+    }
+
+    /// Starts a worker.
+    pub(super) fn man(
+        &mut self,
+        who: Incarnation,
+        store: &SealedMemory,
+    ) -> Result<Station, CrewError> {
+        let key = u32::from(who.worker);
+        if let Some(line) = self.status.page().workers.get(usize::from(who.worker)) {
+            line.reset();
+        }
+        if let Some(line) = self.status.page().coordinator.get(usize::from(who.worker)) {
+            line.reset();
+        }
+        let options = &self.options;
+        let launch = Launch {
+            who,
+            boot: self.boot,
+            batch: options.queues.batch,
+            queue: options.queues.capacity,
+            copies: options.copies,
+            obeys: options.obeys,
+            domain: self.domain.text().to_owned(),
+        };
+        let bell = self.poller.add_event(key)?;
+        let core = options.cores.get(usize::from(who.worker)).copied().flatten();
+        let status = &self.status;
+        let station = Station::start(&launch, &self.domain, options, core, store, status, bell)?;
+        self.poller.add_process(station.child(), key)?;
+        Ok(station)
+    }
+
+    /// Buries those who have ended since the last request.
+    fn notice_the_dead(&mut self) -> Result<(), CrewError> {
+        self.sleep(0)?;
+        self.ended.clear();
+        for number in 0..self.stations.len() {
+            let station = &mut self.stations[number];
+            if station.is_alive() && station.exit()?.is_some() {
+                let _exit = station.wait_end()?;
+                let _started = station.bury(&self.status, self.request);
+                self.lay_to_rest(number);
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets what is watched of a worker, and counts its death.
+    pub(super) fn lay_to_rest(&mut self, number: usize) {
+        self.poller.remove_process(number as u32);
+        self.poller.remove_event(number as u32);
+        self.restarts.note(number as u8, clock::now_ns());
+    }
+}
+
+/// What is done to a batch on its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spoiled {
+    /// This bit of it, modulo its length, is flipped after it was sealed.
+    Garbled(u32),
+    /// It is refused, as if the queue were full.
+    Refused,
+}

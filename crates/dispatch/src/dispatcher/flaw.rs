@@ -1,0 +1,69 @@
+//! Deliberate mistakes, for the tests that must catch them. Not part of any build that ships.
+
+use super::{Closed, Dispatcher, State, Work};
+use crate::scheme::Scheme;
+use protocol::{Incarnation, JobId};
+
+/// A mistake that a dispatcher could make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Flaw {
+    /// Takes a result from anybody, for any attempt.
+    NoFence,
+    /// Counts what a dead worker held as done: nothing was heard, so nothing was hit.
+    SilenceIsHarmless,
+    /// Forgets that what a dead worker held must be done by somebody else.
+    LeaseForgotten,
+}
+
+impl Flaw {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::NoFence, Self::SilenceIsHarmless, Self::LeaseForgotten];
+}
+
+impl<S: Scheme> Dispatcher<S> {
+    /// From now on makes this mistake.
+    pub fn spoil(&mut self, flaw: Option<Flaw>) {
+        self.flaw = flaw;
+    }
+
+    pub(super) fn take_unfenced<W: Work>(
+        &mut self,
+        job: JobId,
+        last: bool,
+        body: W::Part<'_>,
+        work: &mut W,
+    ) -> bool {
+        if self.flaw != Some(Flaw::NoFence) {
+            return false;
+        }
+        let Some(slot) = self.slots.get(job.0 as usize).copied() else { return true };
+        work.fold(&slot.spec, body);
+        match (last, slot.state) {
+            (true, State::Closed) => work.close(&slot.spec, Closed::Done),
+            (true, _) => {
+                self.unlease(job);
+                self.pending.retain(|pending| *pending != job);
+                self.suspects.retain(|suspect| *suspect != job);
+                self.close(job, Closed::Done, work);
+            }
+            (false, _) => {}
+        }
+        true
+    }
+
+    pub(super) fn bury_badly<W: Work>(&mut self, who: Incarnation, work: &mut W) -> bool {
+        match self.flaw {
+            Some(Flaw::LeaseForgotten) => true,
+            Some(Flaw::SilenceIsHarmless) => {
+                for number in 0..self.slots.len() {
+                    if self.slots[number].state == State::Leased(who) {
+                        let job = JobId(u32::try_from(number).unwrap_or(u32::MAX));
+                        self.close(job, Closed::Done, work);
+                    }
+                }
+                true
+            }
+            Some(Flaw::NoFence) | None => false,
+        }
+    }
+}

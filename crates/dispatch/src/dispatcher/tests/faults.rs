@@ -1,0 +1,232 @@
+//! One fault at a time: who is blamed, who is killed, who is left in peace.
+
+use super::*;
+
+/// A dispatcher of so many cores, all ready, with jobs handed out and what it said.
+struct Desk {
+    dispatcher: Dispatcher<BestMatchLoad>,
+    work: Waves,
+    said: Vec<Effect>,
+    now_ns: u64,
+}
+
+impl Desk {
+    fn new(cores: u8, queues: Queues, jobs: u32) -> Self {
+        let scheme = BestMatchLoad { alpha: 0.0 };
+        let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, cores.into());
+        dispatcher.begin(NOW);
+        (0..cores).for_each(|worker| dispatcher.admit(Incarnation { worker, inc: 0 }));
+        let work = Waves { left: vec![jobs], ..Waves::default() };
+        let mut desk = Self { dispatcher, work, said: Vec::new(), now_ns: 0 };
+        desk.step(Event::Poll);
+        desk
+    }
+
+    fn step(&mut self, event: Event<u16>) -> Progress {
+        self.dispatcher.step(self.now_ns, event, &mut self.work, &mut self.said)
+    }
+
+    fn part(&mut self, from: Incarnation, job: u32, attempt: u8) -> Progress {
+        let (request, job, part, last) = (NOW, JobId(job), 0, true);
+        self.step(Event::Part { from, request, job, attempt, part, last, body: 0 })
+    }
+
+    /// All batches to a worker since the last call: number, jobs with attempts.
+    fn sent(&mut self, worker: u8) -> Vec<(u32, Vec<(u32, u8)>)> {
+        let (own, others): (Vec<_>, Vec<_>) = self
+            .said
+            .drain(..)
+            .partition(|effect| matches!(effect, Effect::Send { to, .. } if to.worker == worker));
+        self.said = others;
+        let jobs = |jobs: Vec<(JobId, u8)>| jobs.iter().map(|(job, at)| (job.0, *at)).collect();
+        let batch = |effect| match effect {
+            Effect::Send { batch, jobs: list, .. } => Some((batch, jobs(list))),
+            Effect::Kill { .. } => None,
+        };
+        own.into_iter().filter_map(batch).collect()
+    }
+
+    fn killed(&self) -> Vec<(Incarnation, Why)> {
+        let kill = |effect: &Effect| match effect {
+            Effect::Kill { who, why } => Some((*who, *why)),
+            Effect::Send { .. } => None,
+        };
+        self.said.iter().filter_map(kill).collect()
+    }
+}
+
+const FIRST: Incarnation = Incarnation { worker: 0, inc: 0 };
+const SECOND: Incarnation = Incarnation { worker: 1, inc: 0 };
+const QUEUES: Queues = Queues { capacity: 4, batch: 2, linger_ns: 0 };
+
+#[test]
+fn a_batch_that_was_turned_away_is_sent_again_without_blame() {
+    let mut desk = Desk::new(1, QUEUES, 4);
+    assert_eq!(desk.sent(0), [(0, vec![(0, 0), (1, 0)]), (1, vec![(2, 0), (3, 0)])]);
+    desk.part(FIRST, 2, 0);
+    desk.step(Event::Answered { who: FIRST, batches: 1 });
+    assert_eq!(desk.sent(0), [(2, vec![(0, 0), (1, 0)])]);
+    desk.part(FIRST, 3, 0);
+    desk.step(Event::Answered { who: FIRST, batches: 2 });
+    assert!(desk.sent(0).is_empty(), "the second batch was answered in full");
+    desk.part(FIRST, 1, 0);
+    assert_eq!(desk.part(FIRST, 0, 0), Progress::Finished);
+    assert_eq!((desk.dispatcher.counts().reissued, desk.dispatcher.counts().done), (2, 4));
+}
+
+#[test]
+fn who_loses_three_messages_is_killed_once_and_its_jobs_go_to_the_others() {
+    let mut desk = Desk::new(2, QUEUES, 8);
+    desk.sent(0);
+    desk.sent(1);
+    for batches in 1..=3 {
+        assert_eq!(desk.killed(), []);
+        desk.step(Event::Answered { who: FIRST, batches });
+        if batches < 3 {
+            assert!(desk.sent(0).iter().all(|(_, jobs)| jobs.len() == 2));
+        }
+    }
+    assert_eq!(desk.killed(), [(FIRST, Why::Forgetful)]);
+    desk.step(Event::Garbled { from: FIRST });
+    assert_eq!(desk.killed().len(), 1);
+    desk.step(Event::Lost { who: FIRST, started: None });
+    for job in 0..8 {
+        desk.part(SECOND, job, 0);
+    }
+    for job in 0..8 {
+        desk.part(SECOND, job, 0);
+    }
+    assert_eq!(desk.dispatcher.counts().done, 8);
+}
+
+#[test]
+fn garbled_messages_kill_their_sender_at_the_third() {
+    let mut desk = Desk::new(2, QUEUES, 8);
+    for _ in 0..2 {
+        desk.step(Event::Garbled { from: SECOND });
+    }
+    assert_eq!(desk.killed(), []);
+    desk.step(Event::Garbled { from: SECOND });
+    assert_eq!(desk.killed(), [(SECOND, Why::Garbled)]);
+}
+
+#[test]
+fn a_full_queue_costs_no_attempt_and_the_core_is_tried_again_later() {
+    let mut desk = Desk::new(1, QUEUES, 2);
+    assert_eq!(desk.sent(0), [(0, vec![(0, 0), (1, 0)])]);
+    assert_eq!(desk.step(Event::Unsent { to: FIRST, batch: 0 }), Progress::Working);
+    assert!(desk.sent(0).is_empty(), "at once would be a busy loop");
+    let due_ns = desk.dispatcher.due_ns().expect("it is tried again");
+    assert!(due_ns > desk.now_ns);
+    desk.now_ns = due_ns;
+    desk.step(Event::Poll);
+    assert_eq!(desk.sent(0), [(1, vec![(0, 0), (1, 0)])]);
+    assert_eq!(desk.dispatcher.due_ns(), None);
+}
+
+#[test]
+fn a_queue_that_stays_full_is_the_end_of_its_worker() {
+    let mut desk = Desk::new(1, QUEUES, 2);
+    let mut batch = 0;
+    while desk.killed().is_empty() {
+        assert!(batch < 20, "for ever");
+        desk.step(Event::Unsent { to: FIRST, batch });
+        batch += 1;
+        desk.now_ns = desk.dispatcher.due_ns().unwrap_or(desk.now_ns);
+        desk.step(Event::Poll);
+    }
+    assert_eq!(desk.killed(), [(FIRST, Why::Full)]);
+}
+
+#[test]
+fn a_suspect_runs_alone_and_while_it_waits_the_others_go_on() {
+    let mut desk = Desk::new(2, QUEUES, 12);
+    assert_eq!(desk.sent(0).concat_jobs(), [0, 2, 4, 6]);
+    desk.sent(1);
+    desk.step(Event::Lost { who: FIRST, started: Some((JobId(2), 0)) });
+    let again = Incarnation { worker: 0, inc: 1 };
+    desk.step(Event::Ready(again));
+    assert_eq!(desk.sent(0), [(0, vec![(2, 1)])], "the core is empty: the suspect, and no more");
+    assert_eq!(desk.part(again, 2, 0), Progress::Working, "the first attempt is over");
+    assert!(desk.sent(0).is_empty());
+    desk.part(again, 2, 1);
+    assert_eq!(desk.sent(0).concat_jobs().len(), 4, "cleared, the core takes its share");
+}
+
+#[test]
+fn a_job_that_took_two_workers_down_is_left_alone_by_the_next_request() {
+    struct Named(Waves);
+    impl Work for Named {
+        type Part<'p> = u16;
+        fn more(&mut self, jobs: &mut Vec<Spec>) {
+            self.0.more(jobs);
+        }
+        fn is_moot(&self, _: TaskId) -> bool {
+            false
+        }
+        fn fold(&mut self, job: &Spec, part: u16) {
+            self.0.fold(job, part);
+        }
+        fn close(&mut self, job: &Spec, how: Closed) {
+            self.0.close(job, how);
+        }
+        fn weight(&self, _: Section) -> u64 {
+            1
+        }
+        fn key(&self, job: &Spec) -> Option<u64> {
+            Some(job.task.0.into())
+        }
+    }
+    let scheme = BestMatchLoad { alpha: 0.0 };
+    let mut dispatcher = Dispatcher::new(scheme, QUEUES, Cache::Unlimited, 1);
+    let mut said = Vec::new();
+    let request = |dispatcher: &mut Dispatcher<_>, number| {
+        dispatcher.begin(RequestId(number));
+        Named(Waves { left: vec![2], ..Waves::default() })
+    };
+    let mut work = request(&mut dispatcher, 1);
+    for inc in 0..2 {
+        let who = Incarnation { worker: 0, inc };
+        dispatcher.step(5, Event::Ready(who), &mut work, &mut said);
+        let started = Some((JobId(0), inc as u8));
+        dispatcher.step(5, Event::Lost { who, started }, &mut work, &mut said);
+    }
+    assert_eq!(work.0.closed, BTreeMap::from([(0, vec![Closed::Abandoned])]));
+    for (now_ns, expected) in [(1_000, 1), (61_000_000_000, 0)] {
+        let mut work = request(&mut dispatcher, 2);
+        dispatcher.step(now_ns, Event::Poll, &mut work, &mut said);
+        assert_eq!(dispatcher.counts().abandoned, expected, "at {now_ns} ns");
+    }
+}
+
+#[test]
+fn when_the_time_is_up_all_is_closed_and_what_comes_later_is_fenced() {
+    let mut desk = Desk::new(1, QUEUES, 9);
+    desk.part(FIRST, 0, 0);
+    assert_eq!(desk.step(Event::Expired), Progress::Finished);
+    let counts = desk.dispatcher.counts();
+    assert_eq!((counts.done, counts.late, counts.jobs), (1, 8, 9));
+    assert_eq!(desk.part(FIRST, 1, 0), Progress::Finished);
+    assert_eq!(desk.dispatcher.counts().fence.not_leased, 1);
+    // The next request: the queue still holds three jobs of this one, and there is room for one
+    // more, not for a batch.
+    desk.said.clear();
+    desk.dispatcher.begin(RequestId(8));
+    desk.work = Waves { left: vec![2], ..Waves::default() };
+    desk.step(Event::Poll);
+    assert!(desk.sent(0).is_empty(), "it would overflow");
+    desk.part(FIRST, 1, 0);
+    assert_eq!(desk.dispatcher.counts().fence.stale, 1);
+    desk.step(Event::Answered { who: FIRST, batches: 2 });
+    assert_eq!(desk.sent(0).concat_jobs(), [0, 1]);
+}
+
+trait Jobs {
+    fn concat_jobs(&self) -> Vec<u32>;
+}
+
+impl Jobs for Vec<(u32, Vec<(u32, u8)>)> {
+    fn concat_jobs(&self) -> Vec<u32> {
+        self.iter().flat_map(|(_, jobs)| jobs.iter().map(|(job, _)| *job)).collect()
+    }
+}

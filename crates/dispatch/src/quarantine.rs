@@ -1,0 +1,56 @@
+//! Jobs that took two workers down: later requests leave them alone for a while.
+//!
+//! A job is known by a key that the caller makes of what is asked (bodies, pose, sections), since
+//! its number means something in one request alone. What is left alone is abandoned, which the
+//! answer says; after [`REST_NS`] it is tried again.
+
+use std::collections::BTreeMap;
+
+/// How long a job is left alone (ns).
+const REST_NS: u64 = 60_000_000_000;
+/// How many are remembered; beyond it, the one whose time is over first is forgotten.
+const MOST: usize = 1024;
+
+/// Keys of jobs, each with the time until which it is left alone.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Quarantine(BTreeMap<u64, u64>);
+
+impl Quarantine {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(crate) fn add(&mut self, key: u64, now_ns: u64) {
+        self.0.retain(|_, until_ns| *until_ns > now_ns);
+        if self.0.len() >= MOST
+            && let Some(first) = self.0.iter().min_by_key(|(_, until_ns)| **until_ns)
+        {
+            let key = *first.0;
+            self.0.remove(&key);
+        }
+        self.0.insert(key, now_ns.saturating_add(REST_NS));
+    }
+
+    pub(crate) fn holds(&self, key: u64, now_ns: u64) -> bool {
+        self.0.get(&key).is_some_and(|until_ns| *until_ns > now_ns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! It forgets after its time, and never grows beyond its bound.
+    use super::*;
+
+    #[test]
+    fn a_key_is_held_for_its_time_and_their_number_is_bounded() {
+        let mut quarantine = Quarantine::default();
+        for key in 0..3 * MOST as u64 {
+            quarantine.add(key, key);
+        }
+        assert_eq!(quarantine.0.len(), MOST);
+        let last = 3 * MOST as u64 - 1;
+        assert!(quarantine.holds(last, last + REST_NS - 1));
+        assert!(!quarantine.holds(last, last + REST_NS));
+        assert!(!quarantine.holds(0, 0), "the oldest were forgotten");
+    }
+}

@@ -1,0 +1,52 @@
+//! What the machine grants this process: file descriptors, shared memory.
+
+use crate::error::{OsError, Result};
+use rustix::process::{Resource, getrlimit};
+
+/// Most file descriptors that this process may have open; `None`: as many as it likes.
+#[must_use]
+pub fn files_max() -> Option<u64> {
+    getrlimit(Resource::Nofile).current
+}
+
+/// How many file descriptors this process has open; `None` if the kernel does not say.
+#[must_use]
+pub fn files_open() -> Option<usize> {
+    // The descriptor with which the folder is read is one of them.
+    std::fs::read_dir("/proc/self/fd").ok().map(|entries| entries.count().saturating_sub(1))
+}
+
+/// Bytes of memory of this process that are resident; `None` if the kernel does not say.
+#[must_use]
+pub fn resident_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+    let pages: u64 = text.split(' ').nth(1)?.parse().ok()?;
+    Some(pages * rustix::param::page_size() as u64)
+}
+
+/// Bytes that can still be written to the file system of this path.
+///
+/// # Errors
+///
+/// If there is no such path.
+pub fn free_bytes(path: &str) -> Result<u64> {
+    let found = rustix::fs::statvfs(path).map_err(OsError::at("look at", path))?;
+    Ok(found.f_bavail.saturating_mul(found.f_frsize))
+}
+
+#[cfg(test)]
+mod tests {
+    //! What is said of this process is so.
+    use super::*;
+
+    #[test]
+    fn an_open_file_is_counted_and_closed_again() {
+        // Other tests of this process open files too, so only a lower bound holds.
+        let files: Vec<_> = (0..50).map(|_| std::fs::File::open("/dev/null").unwrap()).collect();
+        assert!(files_open().unwrap() >= files.len());
+        assert!(files_max().is_none_or(|most| most >= 50));
+        assert!(resident_bytes().unwrap() > 100_000);
+        assert!(free_bytes("/dev/shm").is_ok());
+        assert!(free_bytes("/no/such/path").is_err());
+    }
+}

@@ -1,0 +1,40 @@
+//! A world in which everything goes wrong: the dispatcher of the live coordinator among workers that
+//! crash, hang, stop and lie, on channels that lose, repeat, delay, shuffle and garble.
+//!
+//! ```text
+//! seed ──▶ requests with known answers ──▶ world: workers, channels, time ──▶ what was answered
+//!     └──▶ which faults, where, how often ─┘        │                             │
+//!                                          dispatch::Dispatcher, Watch, Restarts  └─▶ the laws
+//! ```
+//!
+//! Every decision of the coordinator is made by `dispatch` itself; time is virtual. Whether a fault
+//! strikes is drawn from the seed and the name of the place alone, so that leaving a kind of fault
+//! out does not move the others: that is how a failure is made smaller ([`shrink`]).
+//!
+//! # Laws, looked at after each request
+//!
+//! - *Never wrong*: a complete answer is that of a world without faults, and the bounds of any other
+//!   hold it.
+//! - *Counted once*: each job is closed exactly once, and no sum holds one twice.
+//! - *In time*: an answer comes by its deadline, and without one in bounded time.
+//! - *No job lost*: jobs done, cut, abandoned and late are all there were.
+//! - *No false kill*: nobody is killed who merely waits for a core.
+//! - *Poison*: no job takes more than two workers down.
+//!
+//! `faults/tests.rs` holds that each kind of fault strikes, and that dispatchers with deliberate
+//! mistakes are caught; `faults/model.rs` goes through all states of small worlds.
+
+mod draw;
+mod kind;
+mod shrink;
+mod work;
+mod world;
+
+pub use kind::{Fault, Faults};
+pub use shrink::{Shrunk, shrink};
+pub use world::{Limits, Tally, Violation, run};
+
+#[cfg(test)]
+mod model;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,115 @@
+//! What can go wrong, by name.
+
+use core::fmt;
+
+macro_rules! faults {
+    ($($(#[doc = $doc:literal])* $name:ident = $text:literal;)*) => {
+        /// A kind of fault.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Fault {
+            $($(#[doc = $doc])* $name,)*
+        }
+
+        impl Fault {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$name),*];
+
+            /// Its name on the command line.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$name => $text,)* }
+            }
+        }
+    };
+}
+
+faults! {
+    /// A worker dies in a job.
+    Crash = "crash";
+    /// A worker dies between two jobs.
+    CrashIdle = "crash-idle";
+    /// A worker burns CPU time for ever.
+    Hang = "hang";
+    /// A worker is stopped and never continued.
+    Stop = "stop";
+    /// A worker gets a tenth of its core.
+    Slow = "slow";
+    /// A worker waits long for its core, and is well.
+    Starve = "starve";
+    /// A job takes down whoever starts it.
+    Poison = "poison";
+    /// A job fails, and its worker lives.
+    Nack = "nack";
+    /// A successor dies before it greets.
+    StillBorn = "still-born";
+    /// A batch never arrives.
+    LoseBatch = "lose-batch";
+    /// A result never arrives.
+    LoseResult = "lose-result";
+    /// A batch arrives twice.
+    RepeatBatch = "repeat-batch";
+    /// A result arrives twice.
+    RepeatResult = "repeat-result";
+    /// A batch arrives late, behind others.
+    DelayBatch = "delay-batch";
+    /// A result arrives late, behind others.
+    DelayResult = "delay-result";
+    /// A result arrives after its sender's death, or in another request.
+    Zombie = "zombie";
+    /// A batch is changed on its way.
+    GarbleBatch = "garble-batch";
+    /// A result is changed on its way.
+    GarbleResult = "garble-result";
+    /// A queue refuses a batch.
+    Full = "full";
+    /// The deadline comes early.
+    Deadline = "deadline";
+}
+
+impl Fault {
+    /// The fault of this name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|fault| fault.name() == name)
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A set of kinds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Faults(u32);
+
+impl Faults {
+    /// None.
+    pub const NONE: Self = Self(0);
+    /// All.
+    pub const ALL: Self = Self((1 << Fault::ALL.len()) - 1);
+
+    /// The set with one more.
+    #[must_use]
+    pub fn with(self, fault: Fault) -> Self {
+        Self(self.0 | 1 << fault as u32)
+    }
+
+    /// The set without one.
+    #[must_use]
+    pub fn without(self, fault: Fault) -> Self {
+        Self(self.0 & !(1 << fault as u32))
+    }
+
+    /// Whether it holds this one.
+    #[must_use]
+    pub fn has(self, fault: Fault) -> bool {
+        self.0 >> fault as u32 & 1 == 1
+    }
+
+    /// Its members.
+    pub fn iter(self) -> impl Iterator<Item = Fault> {
+        Fault::ALL.iter().copied().filter(move |fault| self.has(*fault))
+    }
+}

@@ -1,0 +1,140 @@
+//! Faults that a worker commits on order, so that everybody sees what follows.
+//!
+//! Obeyed only if the coordinator started this worker for it: see `protocol::order`.
+
+use crate::answer::Outlet;
+use core::hint::black_box;
+use core::sync::atomic::{AtomicU32, Ordering};
+use protocol::{Head, Job, Misdeed, Order};
+use runtime::{clock, futex, process};
+use transport::UseError;
+
+/// SIGSEGV.
+const SEGV: i32 = 11;
+/// Address space of a worker that is to run out of it (bytes).
+const MEMORY_BYTES: u64 = 1 << 30;
+
+/// The orders that one worker has seen.
+#[derive(Debug, Default)]
+pub(crate) struct Orders {
+    seen: u16,
+    armed: Option<Order>,
+}
+
+impl Orders {
+    /// What to do now that this job is started.
+    pub(crate) fn due(&mut self, outlet: &Outlet<'_>, job: &Job) -> Option<Order> {
+        let word = outlet.coordinator.order.load(Ordering::Relaxed);
+        if let Some(order) = Order::from_word(word).filter(|order| order.sequence != self.seen) {
+            self.seen = order.sequence;
+            self.armed = Some(order);
+        }
+        let armed = self.armed.as_mut()?;
+        if armed.misdeed == Misdeed::Poison {
+            return (armed.argument == job.job).then_some(*armed).inspect(|_| obey(outlet));
+        }
+        if armed.after > 0 {
+            armed.after -= 1;
+            return None;
+        }
+        obey(outlet);
+        self.armed.take()
+    }
+}
+
+fn obey(outlet: &Outlet<'_>) {
+    outlet.line.obeyed_ns.store(clock::now_ns(), Ordering::SeqCst);
+}
+
+/// What is done to the next result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Spoilt {
+    Garble(u32),
+    Lie,
+    Masquerade,
+    Repeat,
+    Withhold,
+}
+
+impl Spoilt {
+    /// What it says before it is sealed.
+    pub(crate) fn before(self, head: Head) -> Head {
+        match self {
+            Self::Masquerade => Head { worker: head.worker ^ 1, ..head },
+            _ => head,
+        }
+    }
+
+    /// What becomes of it after it was sealed.
+    pub(crate) fn after(self, head: &mut Head, words: &mut [u64]) {
+        match self {
+            Self::Garble(bit) => {
+                let bit = bit as usize % (words.len().max(1) * 64);
+                match words.get_mut(bit / 64) {
+                    Some(word) => *word ^= 1 << (bit % 64),
+                    None => head.hits ^= 1,
+                }
+            }
+            Self::Lie => head.len = head.len.wrapping_add(7),
+            Self::Masquerade | Self::Repeat | Self::Withhold => {}
+        }
+    }
+}
+
+pub(crate) trait Commit {
+    /// Does it. Returns only from what can be survived.
+    fn commit(self, outlet: &Outlet<'_>) -> Result<(), UseError>;
+}
+
+impl Commit for Order {
+    fn commit(self, outlet: &Outlet<'_>) -> Result<(), UseError> {
+        let spoil = |spoilt| outlet.spoilt.set(Some(spoilt));
+        match self.misdeed {
+            Misdeed::Abort | Misdeed::Poison => std::process::abort(),
+            Misdeed::Quit => std::process::exit(1),
+            Misdeed::Segfault => process::die_of(SEGV),
+            Misdeed::Overflow => {
+                black_box(dig(0));
+            }
+            Misdeed::Exhaust => exhaust(),
+            // Past the hook that would print it: nobody needs to read it.
+            Misdeed::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
+            Misdeed::Hang => loop {
+                core::hint::spin_loop();
+            },
+            Misdeed::Stall => {
+                let word = AtomicU32::new(0);
+                loop {
+                    let _woken = futex::wait(&word, 0, None);
+                }
+            }
+            Misdeed::Garble => spoil(Spoilt::Garble(self.argument)),
+            Misdeed::Lie => spoil(Spoilt::Lie),
+            Misdeed::Masquerade => spoil(Spoilt::Masquerade),
+            Misdeed::Repeat => spoil(Spoilt::Repeat),
+            Misdeed::Withhold => spoil(Spoilt::Withhold),
+            Misdeed::HoldLoan => {
+                let _held = outlet.sender.loan()?;
+                // There is but one, so this fails, and a worker that cannot send ends.
+                outlet.sender.loan().map(drop)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Recursion without end; the array makes each step large.
+fn dig(depth: u64) -> u64 {
+    let room = black_box([depth; 64]);
+    if room[black_box(7)] == u64::MAX { depth } else { dig(depth + 1) + room[3] }
+}
+
+fn exhaust() {
+    if process::limit_self(MEMORY_BYTES, 60).is_err() {
+        std::process::abort();
+    }
+    let mut hoard: Vec<Vec<u8>> = Vec::new();
+    loop {
+        hoard.push(black_box(vec![1; 16 << 20]));
+    }
+}
