@@ -23,6 +23,7 @@ mod answer;
 mod bound;
 mod case;
 mod crew;
+mod cuts;
 mod dry;
 mod explain;
 #[cfg(test)]
@@ -41,6 +42,7 @@ mod work;
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
 pub use crew::{Crew, CrewError, CrewReport, Duty, Hardware, Options, WorkerReport, seal};
+pub use cuts::Cuts;
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use here::{run_here, run_watched};
