@@ -31,6 +31,8 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
         &["--depth", "auto", "--distribute", "auto", "--workers", "2"],
         &["--distribute", "auto", "--depth", "6"],
         &["--in-process", "--depth", "auto"],
+        &["--pursuit", "deciding"],
+        &["--budget", "17000", "--depth", "2"],
         &["--build", "sah"],
         &["--build", "literal"],
         &["--leaf-size", "1"],

@@ -40,6 +40,8 @@ pub struct Cut {
     pose: Option<RelativePose>,
     /// How many ends there were when it was made.
     first: usize,
+    /// The boxes all overlap: there is nothing to be kept.
+    is_full: bool,
 }
 
 impl Cut {
@@ -64,6 +66,9 @@ impl Cut {
     ) {
         if a.nodes.is_empty() || b.nodes.is_empty() {
             return;
+        }
+        if self.is_full {
+            return crate::front(a, b, pose, depth, out, counters);
         }
         let is_old = self.ends.len() > GROWTH_MAX * self.first + 64;
         let motion_m = match &self.pose {
@@ -117,7 +122,7 @@ impl Cut {
         if out.len() - from > PAIRS_MAX {
             // Bodies whose boxes all overlap: the front stays shallower in places, and is not kept.
             out.truncate(from);
-            *self = Self::new();
+            *self = Self { is_full: true, ..Self::default() };
             return crate::front(a, b, pose, depth, out, counters);
         }
         std::mem::swap(&mut self.ends, &mut self.next);
@@ -128,36 +133,30 @@ impl Cut {
     }
 }
 
-/// How far (m) any point of one body can have moved, as the other one sees it.
+/// How far (m) any point of one body can have moved at most, as the other one sees it.
+///
+/// With R and t of x_A = R x_B + t, a point x of B has moved by ΔR x + Δt in A's frame, and a point y
+/// of A by ΔRᵀ(y − t) − RᵀΔt in B's.
 fn motion(from: &RelativePose, to: &RelativePose, (a, b): (&Aabb, &Aabb)) -> f64 {
-    let moved_b = |corner: DVec3| (at(to, corner) - at(from, corner)).length();
-    let moved_a = |corner: DVec3| (back(to, corner) - back(from, corner)).length();
-    // The distance between two images of a point is convex in the point: a corner moves most.
-    let most = |bounds: &Aabb, moved: &dyn Fn(DVec3) -> f64| {
-        let ends = [bounds.min, bounds.max];
-        let corner = |k: usize| {
-            let end = |axis: usize| f64::from(ends[k >> axis & 1][axis]);
-            DVec3::new(end(0), end(1), end(2))
-        };
-        (0..8).map(|k| moved(corner(k))).fold(0.0, f64::max)
-    };
-    most(b, &moved_b).max(most(a, &moved_a)) * (1.0 + 1e-9) + ROUNDING_M
+    let shift = DVec3::from_array(to.translation) - DVec3::from_array(from.translation);
+    let mut turned = 0.0;
+    for (row, last) in to.rotation.iter().zip(&from.rotation) {
+        turned += (DVec3::from_array(*row) - DVec3::from_array(*last)).length_squared();
+    }
+    let mut most = shift.length();
+    if turned > 0.0 {
+        // The Frobenius norm bounds how far a matrix carries a vector.
+        let apart = DVec3::from_array(to.translation).length();
+        most += turned.sqrt() * radius(b).max(radius(a) + apart);
+    }
+    // Stored rotations are rounded, and so is this.
+    most * (1.0 + 1e-9) + ROUNDING_M
 }
 
-/// A point of B, seen from A.
-fn at(pose: &RelativePose, x: DVec3) -> DVec3 {
-    let row = |i: usize| DVec3::from_array(pose.rotation[i]).dot(x) + pose.translation[i];
-    DVec3::new(row(0), row(1), row(2))
-}
-
-/// A point of A, seen from B.
-fn back(pose: &RelativePose, y: DVec3) -> DVec3 {
-    let y = y - DVec3::from_array(pose.translation);
-    let column = |j: usize| {
-        let r = &pose.rotation;
-        DVec3::new(r[0][j], r[1][j], r[2][j]).dot(y)
-    };
-    DVec3::new(column(0), column(1), column(2))
+/// How far (m) a body reaches from its origin.
+fn radius(bounds: &Aabb) -> f64 {
+    let [least, most] = [bounds.min, bounds.max].map(|p| DVec3::from_array(p.map(f64::from)).abs());
+    least.max(most).length()
 }
 
 #[cfg(test)]

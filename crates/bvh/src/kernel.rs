@@ -187,8 +187,9 @@ impl Kernel {
 
     /// Runs one job: everything below `start`, whose boxes are taken to overlap.
     ///
-    /// `budget` bounds the tests of boxes and triangles together. It is looked at between steps,
-    /// and two leaves are one step, so it may be exceeded by the tests of two leaves. Any budget
+    /// `budget` bounds the tests of boxes and triangles together, and what intersecting pairs cost
+    /// besides counts as tests. It is looked at between steps, and two leaves are one step, so it
+    /// may be exceeded by the tests of two leaves ([`within`]). Any budget
     /// above 0 makes progress. Nothing is allocated.
     ///
     /// Should the trees be deeper than the kernel has room for, the job ends as

@@ -127,7 +127,7 @@ impl TermsArgs {
             (None, _) => u64::MAX,
         };
         let deadline_ns = deadline.map(guarded);
-        Ok(Terms { until, deadline_ns, pursuit, budget })
+        Ok(Terms { until, deadline_ns, pursuit, budget, is_cold: false })
     }
 
     /// When an answer is due after the request was accepted.

@@ -160,6 +160,8 @@ fn open(case: &Case) -> String {
         Stage::Settled => "the bodies overlap before they meet".to_owned(),
         Stage::Searching { search, .. } => {
             let (from, to) = search.bracket();
+            // Not "-0.000".
+            let [from, to] = [from, to].map(|m| (m * 1e3).round() / 1e3 + 0.0);
             let touch = if search.has_touched() { "begins" } else { "would begin" };
             format!("where contact {touch}, between {from:.3} m and {to:.3} m of travel")
         }

@@ -23,6 +23,7 @@ mod answer;
 mod bound;
 mod case;
 mod crew;
+mod cuts;
 mod dry;
 mod explain;
 #[cfg(test)]
@@ -44,6 +45,7 @@ pub use crew::{
     Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Sight, Spoiled,
     WorkerReport, preflight, seal,
 };
+pub use cuts::Cuts;
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use here::{run_here, run_watched};

@@ -26,6 +26,8 @@ pub struct Terms {
     pub pursuit: Pursuit,
     /// Most tests of boxes and triangles that one job may take.
     pub budget: u64,
+    /// Whether every descent begins at the roots, and not where the last one ended.
+    pub is_cold: bool,
 }
 
 impl Default for Terms {
@@ -35,6 +37,7 @@ impl Default for Terms {
             deadline_ns: None,
             pursuit: Pursuit::default(),
             budget: u64::MAX,
+            is_cold: false,
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::answer::Answer;
 use crate::bound;
 use crate::case::{Aim, Case};
+use crate::cuts::Cuts;
 use crate::gather::{Gathered, Part};
 use crate::ledger::Ledger;
 use crate::request::{Request, RequestError};
@@ -98,6 +99,8 @@ pub struct Work<'w> {
     /// Tasks with jobs to hand out, in the order in which they were asked for.
     waiting: VecDeque<u32>,
     pairs: Vec<NodePair>,
+    /// Where the last descents ended.
+    cuts: Cuts,
     aims: Vec<(Aim, f64, Question)>,
     /// Jobs there are, those included that were never handed out.
     slots: usize,
@@ -124,6 +127,7 @@ impl<'w> Work<'w> {
             errands: Vec::new(),
             waiting: VecDeque::new(),
             pairs: Vec::new(),
+            cuts: Cuts::default(),
             aims: Vec::new(),
             slots: 0,
             effort: Effort::default(),
@@ -143,6 +147,19 @@ impl<'w> Work<'w> {
     #[must_use]
     pub fn with_terms(self, terms: Terms) -> Self {
         Self { terms, strategy: terms.pursuit.strategy(), ..self }
+    }
+
+    /// The same, with descents that begin where those of an earlier request of the same bodies at the
+    /// same depth ended.
+    #[must_use]
+    pub fn with_cuts(self, cuts: Cuts) -> Self {
+        Self { cuts, ..self }
+    }
+
+    /// Where the descents ended, for the next request.
+    #[must_use]
+    pub fn into_cuts(self) -> Cuts {
+        self.cuts
     }
 
     /// What it took so far.
@@ -247,7 +264,13 @@ impl<'w> Work<'w> {
         let (a, b) = self.views(&wire);
         let pose = pose_of(&wire);
         self.pairs.clear();
-        front(a, b, &pose, self.depth, &mut self.pairs, &mut self.effort.descent);
+        let descent = &mut self.effort.descent;
+        if self.terms.is_cold {
+            front(a, b, &pose, self.depth, &mut self.pairs, descent);
+        } else {
+            let cut = self.cuts.of(self.request, self.errands[number as usize].case);
+            cut.front((a, b), &pose, self.depth, &mut self.pairs, descent);
+        }
         self.slots += self.pairs.len();
         let errand = &mut self.errands[number as usize];
         errand.is_descended = true;

@@ -197,7 +197,9 @@ pub(crate) fn describe(
             Work::new(a, approach.penetration(i, at.hi()).max(0.0))
         })
     };
-    let end_span = hull(over, &|i| evidence.end_span(i, opposite(i), reach));
+    // The pose e may lie beyond the patch, where the hulls reach further into each other.
+    let end_reach = approach.reach(places.crush_end.lo(), places.crush_end.hi());
+    let end_span = hull(over, &|i| evidence.end_span(i, opposite(i), &end_reach));
     let end_overlap = overlap(places.crush_end);
     let d = &approach.directions.d;
     let mid = |w: Work| 0.5 * (w.lo() + w.hi());

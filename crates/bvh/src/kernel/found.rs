@@ -9,6 +9,10 @@ use std::ops::ControlFlow;
 /// Most tests between two calls of [`Sink::beat`], but for those of one step of the walk.
 pub const BEAT_TESTS: u64 = 1024;
 
+/// What it costs to take in a pair that intersects, with its contact measured along all directions,
+/// in tests: a budget is of time, and where everything meets hits take most of it.
+const PAIR_TESTS: u64 = 24;
+
 /// Why a job ends before everything is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Halt {
@@ -75,6 +79,12 @@ impl<'a> Found<'a> {
             zones_b: self.zones_b,
             supports,
         }
+    }
+
+    /// What was spent of a budget: all tests, and what hits cost besides.
+    #[inline]
+    pub(super) fn spent(&self) -> u64 {
+        self.counters.tests() + PAIR_TESTS * self.sums.pairs
     }
 
     /// Tells the sink how far we are, if it is time.

@@ -45,7 +45,7 @@ pub(super) fn walk(
     let descent = Descent::new(&task.a, &task.b, &task.pose);
     let mut leaves = Leaves { near, found };
     while let Some(&pair) = stack.last() {
-        if leaves.found.counters.tests() >= budget {
+        if leaves.found.spent() >= budget {
             return End::OutOfBudget;
         }
         if leaves.found.beat().is_break() {

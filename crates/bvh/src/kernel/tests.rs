@@ -125,6 +125,34 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    /// Whatever meets whatever: no job takes more tests than its budget, and all jobs together find
+    /// everything.
+    #[test]
+    fn no_job_takes_more_tests_than_its_budget(
+        sizes in (0.05..2.0_f32, 0.05..2.0_f32), leaf_size in 1_u32..65, seed in any::<u16>(),
+        budget in STEP_TESTS + 1..60_000, way in any_way(),
+    ) {
+        let built = options(Build::Sah, leaf_size);
+        let a = body_of(&soup(700, sizes.0, seed.into()), &built);
+        let b = body_of(&soup(700, sizes.1, u64::from(seed) + 1), &built);
+        let directions = directions();
+        let pose = turned(f64::from(seed), [0.1, 0.0, 0.0]);
+        let task = task(&a, &b, pose, Question::Pairs, &directions);
+        let mut kernel = way.kernel(&a, &b);
+        let (mut open, mut pairs) = (vec![NodePair::ROOTS], 0);
+        while let Some(start) = open.pop() {
+            let outcome = kernel.run(&task, start, within(budget), &mut Listener::new());
+            prop_assert!(outcome.counters.tests() <= budget, "{:?} of {budget}", outcome.counters);
+            pairs += outcome.pairs;
+            open.extend(kernel.remaining());
+        }
+        prop_assert_eq!(pairs, kernel.run(&task, NodePair::ROOTS, ALL, &mut Listener::new()).pairs);
+    }
+}
+
 /// Closed bodies that share curved, coplanar and touching surfaces, at every build and leaf size.
 #[test]
 fn structured_bodies_give_the_same_answer_whatever_the_tree() {

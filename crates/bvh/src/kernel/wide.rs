@@ -199,7 +199,7 @@ impl Walk<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, budget: u64) -> ControlFlow<Halt, End> {
         while let Some(&pair) = self.stack.last() {
-            if self.found.counters.tests() >= budget || self.stack.len() + LANE_PAIRS > self.room {
+            if self.found.spent() >= budget || self.stack.len() + LANE_PAIRS > self.room {
                 return ControlFlow::Continue(End::OutOfBudget);
             }
             self.found.beat()?;

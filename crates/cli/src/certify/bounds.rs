@@ -56,7 +56,7 @@ pub(crate) fn run(args: &BoundsArgs, output: &Output) -> Result<(String, bool), 
         let mut chance = Chance::new(seed);
         let candidates = 2 + chance.below(4) as usize;
         let policy = requests::policy(requests as usize)?;
-        if let Some(request) = requests::request(&views, candidates, &mut chance, policy)? {
+        if let Some(request) = requests::request(&views, (candidates, 1.1), &mut chance, policy)? {
             let stops = (seed, args.per_request);
             let one = trial(&request, &views, args.depth, stops, flaw)?;
             if !one.violations.is_empty() && first.is_none() {

@@ -57,7 +57,7 @@ pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failur
     while asked.len() < ROUND.min(args.requests as usize) {
         let candidates = 6 + chance.below(11) as usize;
         let policy = requests::policy(asked.len())?;
-        asked.extend(requests::request(&views, candidates, &mut chance, policy)?);
+        asked.extend(requests::request(&views, (candidates, 1.1), &mut chance, policy)?);
     }
     if pool.names[0] == pool.names[1] {
         // Identical bodies, one in the other to the last triangle.

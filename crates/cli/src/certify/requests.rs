@@ -69,15 +69,15 @@ pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
     Policy::parse(name, text).map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }
 
-/// A request of so many candidates between bodies of a pool, in their order. `None` if chance made
-/// one that would be refused.
+/// A request of so many candidates between bodies of a pool, in their order; they stand to the side
+/// by up to so many times what their boxes take. `None` if chance made one that would be refused.
 pub(super) fn request(
     views: &[(Meta, BodyView<'_>)],
-    candidates: usize,
+    way: (usize, f64),
     chance: &mut Chance,
     policy: Policy,
 ) -> Result<Option<Request>, Failure> {
-    let text = scenario(views, candidates, chance);
+    let text = scenario(views, way, chance);
     let parsed = Scenario::parse("chance.toml", &text)?;
     Ok(Request::new(&parsed, views, policy, curves()?).ok())
 }
@@ -109,7 +109,7 @@ pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> String {
 /// The scenario. Parties are named so that their order is that of the bodies.
 pub(super) fn scenario(
     views: &[(Meta, BodyView<'_>)],
-    candidates: usize,
+    (candidates, miss): (usize, f64),
     chance: &mut Chance,
 ) -> String {
     let mut text = parties(views.len());
@@ -135,7 +135,7 @@ pub(super) fn scenario(
         let reach = own * cos + across * sin;
         let x = half(ego, 0) + chance.between(0.3, 1.0) * reach;
         let wide = half(ego, 1) + own * sin + across * cos;
-        let y = chance.between(-1.1, 1.1) * wide;
+        let y = chance.between(-miss, miss) * wide;
         let ego_speed = chance.between(2.0, 20.0);
         candidate(&mut text, number, ego_speed, (other, [x, y], yaw, speed));
     }

@@ -6,6 +6,7 @@ use crate::args::Output;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_here};
+use damage::evidence::Touch;
 use model::{BodyView, Meta};
 use runtime::clock;
 use std::fmt::Write as _;
@@ -22,6 +23,9 @@ pub(crate) struct ShareArgs {
     /// Which requests.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// Only requests whose every candidate touches: no way past is left.
+    #[arg(long)]
+    unavoidable: bool,
     /// Distribution depths.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "3,5,8")]
     depth: Vec<u32>,
@@ -36,13 +40,20 @@ struct Ran {
     time: f64,
 }
 
-/// Runs everything, then until the winner is certain; both must name the same winner.
+/// Who won.
+struct Winner {
+    name: String,
+    /// How many candidates touch.
+    touches: usize,
+}
+
+/// Runs everything, or until the winner is certain.
 fn run(
     request: &Request,
     views: &[(Meta, BodyView<'_>)],
     depth: u32,
     terms: Terms,
-) -> Result<(f64, f64, String), Failure> {
+) -> Result<(f64, f64, Winner), Failure> {
     let mut work = Work::new(request, views, depth).with_terms(terms);
     let begun_ns = clock::now_ns();
     run_here(&mut work, views);
@@ -50,7 +61,9 @@ fn run(
     let effort = work.effort();
     let tests = (effort.descent.tests() + effort.jobs.tests()) as f64;
     let answer = work.answer()?;
-    let winner = answer.ranking.first().map(|row| row.name.clone()).unwrap_or_default();
+    let name = answer.ranking.first().map(|row| row.name.clone()).unwrap_or_default();
+    let touching = answer.ranking.iter().filter(|row| row.contact.touch == Touch::Yes);
+    let winner = Winner { name, touches: touching.count() };
     let state = answer.state;
     if !matches!(state, damage::State::Complete | damage::State::Certified) {
         return Err(super::wrong(format!("a run ended {}", state.name())));
@@ -75,18 +88,25 @@ pub(crate) fn table(args: &ShareArgs, output: &Output) -> Result<String, Failure
         while made < args.requests {
             let candidates = 6 + chance.below(11) as usize;
             let policy = requests::policy(made as usize)?;
-            let Some(request) = requests::request(&views, candidates, &mut chance, policy)? else {
+            let miss = if args.unavoidable { 0.6 } else { 1.1 };
+            let way = (candidates, miss);
+            let Some(request) = requests::request(&views, way, &mut chance, policy)? else {
                 continue;
             };
-            made += 1;
             let (all, whole_ns, winner) = run(&request, &views, depth, Terms::default())?;
+            let is_avoidable = winner.touches < candidates;
+            if args.unavoidable && is_avoidable {
+                continue;
+            }
+            made += 1;
             if depth == args.depth[0] {
                 sizes.push((candidates as f64, all, whole_ns / 1e6));
             }
             for (number, pursuit) in Pursuit::ALL.into_iter().enumerate() {
                 let terms = Terms { until: Until::Certified, pursuit, ..Terms::default() };
                 let (tests, took_ns, first) = run(&request, &views, depth, terms)?;
-                if first != winner {
+                if first.name != winner.name {
+                    let (first, winner) = (first.name, winner.name);
                     let what = format!("{} certified {first}, not {winner}", pursuit.name());
                     return Err(super::wrong(what));
                 }
@@ -115,9 +135,10 @@ pub(crate) fn table(args: &ShareArgs, output: &Output) -> Result<String, Failure
     let mut ms: Vec<f64> = sizes.iter().map(|(_, _, ms)| *ms).collect();
     let _written = writeln!(
         text,
-        "\n{} requests of 6 to 16 candidates between {} bodies ({}), policies in turn. Running \
+        "\n{} requests of 6 to 16 candidates{} between {} bodies ({}), policies in turn. Running \
          everything takes {:.2} million tests and {:.1} ms in the median.",
         sizes.len(),
+        if args.unavoidable { ", all of which touch," } else { "" },
         pool.names.len(),
         super::names(&pool.names),
         median(&mut tests) / 1e6,

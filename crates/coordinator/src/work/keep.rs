@@ -4,6 +4,7 @@ use super::{Errand, Work};
 use crate::explain::Explanation;
 use crate::ledger::Ledger;
 use crate::request::RequestError;
+use geometry::RelativePose;
 use protocol::TaskId;
 
 impl Work<'_> {
@@ -18,6 +19,18 @@ impl Work<'_> {
     #[must_use]
     pub fn ledger(&self) -> Option<&Ledger> {
         self.ledger.as_ref()
+    }
+
+    /// Per candidate: its two models, and the poses at which descents were made, in order.
+    #[must_use]
+    pub fn poses(&self) -> Vec<([u32; 2], Vec<RelativePose>)> {
+        let candidates = self.request.candidates.iter();
+        let mut poses: Vec<([u32; 2], Vec<RelativePose>)> =
+            candidates.map(|c| ([c.model_a, c.model_b], Vec::new())).collect();
+        for errand in self.errands.iter().filter(|errand| errand.is_descended) {
+            poses[errand.case].1.push(super::pose_of(&errand.wire));
+        }
+        poses
     }
 
     /// The errand of a task.
