@@ -8,6 +8,7 @@ mod args;
 mod bodies;
 mod explain;
 mod failure;
+mod inject;
 mod inputs;
 mod intersect;
 mod measure;
@@ -19,6 +20,7 @@ mod progress;
 mod rank;
 mod record;
 mod run;
+mod simulate;
 mod table;
 mod transfer;
 
@@ -54,6 +56,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Calibrate(options) => measure::calibrate(options),
         Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
+        Command::Simulate { verb } => simulate::simulate(verb, args.verbose, &args.output()),
+        Command::Inject(options) => inject::run(options, &args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {
             let mut text = Vec::new();
