@@ -95,6 +95,14 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::record::Verb,
     },
+    /// Decide among simulated workers and channels that fail, by seed.
+    Simulate {
+        #[command(subcommand)]
+        verb: crate::simulate::Verb,
+    },
+    /// Answer requests while faults are injected into real processes; report what became of them.
+    #[command(after_help = crate::inject::EXAMPLES)]
+    Inject(crate::inject::InjectArgs),
     /// Print the JSON Schema of scenarios.
     Schema,
     /// Print completions for a shell.

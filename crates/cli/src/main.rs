@@ -9,6 +9,7 @@ mod bodies;
 mod certify;
 mod explain;
 mod failure;
+mod inject;
 mod inputs;
 mod intersect;
 mod measure;
@@ -20,6 +21,7 @@ mod progress;
 mod rank;
 mod record;
 mod run;
+mod simulate;
 mod table;
 mod terms;
 mod transfer;
@@ -57,6 +59,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Calibrate(options) => measure::calibrate(options),
         Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
+        Command::Simulate { verb } => simulate::simulate(verb, args.verbose, &args.output()),
+        Command::Inject(options) => inject::run(options, &args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {
             let mut text = Vec::new();

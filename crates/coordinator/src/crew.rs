@@ -367,7 +367,9 @@ impl Crew {
         let mut progress = self.dispatcher.step(begun_ns, event, work, effects);
         let mut stepped_ns = clock::now_ns();
         self.duty.step_ns += stepped_ns - begun_ns;
-        // In order: a batch may need sections that went with the one before it.
+        // In order: a batch may need sections that went with the one before it. And whose queue
+        // refused one gets none that were made before that was known.
+        let mut refused = 0_u32;
         while !effects.is_empty() {
             let (to, batch, jobs, fetch) = match effects.remove(0) {
                 Effect::Send { to, batch, jobs, fetch } => (to, batch, jobs, fetch),
@@ -380,7 +382,10 @@ impl Crew {
                     continue;
                 }
             };
-            let sent = self.send(to, batch, &jobs, &fetch, work);
+            let sent = match refused >> to.worker & 1 == 1 {
+                true => Err(UseError::Full),
+                false => self.send(to, batch, &jobs, &fetch, work),
+            };
             let sent_ns = clock::now_ns();
             self.duty.send_ns += sent_ns - stepped_ns;
             stepped_ns = sent_ns;
@@ -388,6 +393,7 @@ impl Crew {
                 Ok(()) => continue,
                 Err(UseError::Full) => {
                     self.see(to, Sight::Full);
+                    refused |= 1 << to.worker;
                     Event::Unsent { to, batch }
                 }
                 // The channel is broken, or its worker was buried since.

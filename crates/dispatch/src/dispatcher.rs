@@ -243,6 +243,14 @@ impl<S: Scheme> Dispatcher<S> {
         }
     }
 
+    /// A worker is gone, and no request is open that it could hold jobs of: it gets none any more.
+    pub fn dismiss(&mut self, who: Incarnation) {
+        let core = self.cores.get_mut(usize::from(who.worker));
+        if let Some(core) = core.filter(|core| core.who == Some(who)) {
+            *core = Core::default();
+        }
+    }
+
     /// From now on writes down who got which job: what [`Dispatcher::transfer`] follows from.
     pub fn keep_log(&mut self) {
         self.log.get_or_insert_default();

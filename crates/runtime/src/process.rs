@@ -235,6 +235,13 @@ impl Held {
         Ok(Self(pidfd))
     }
 
+    /// Whether it has not ended yet.
+    #[must_use]
+    pub fn is_alive(&self) -> bool {
+        let mut fds = [PollFd::new(&self.0, PollFlags::IN)];
+        !matches!(rustix::event::poll(&mut fds, Some(&clock::timespec(0))), Ok(1))
+    }
+
     /// Sends a signal by its number. Nothing happens if the process has ended.
     ///
     /// # Errors

@@ -4,7 +4,7 @@
 //! It greets when it is ready, whatever the coordinator is doing then.
 
 use super::station::Station;
-use super::{Crew, CrewError, Incarnation};
+use super::{Crew, CrewError, Incarnation, Sight};
 use core::sync::atomic::Ordering;
 use dispatch::Leave;
 use protocol::{Launch, Order};
@@ -138,7 +138,9 @@ impl Crew {
             let station = &mut self.stations[number];
             if station.is_alive() && station.exit()?.is_some() {
                 let _exit = station.wait_end()?;
-                let _started = station.bury(&self.status, self.request);
+                let (who, _started) = station.bury(&self.status, self.request);
+                self.dispatcher.dismiss(who);
+                self.see(who, Sight::Ended);
                 self.lay_to_rest(number);
             }
         }

@@ -29,6 +29,9 @@ const REFUSALS_MAX: u8 = 8;
 /// How long a core rests whose queue was full (ns).
 const REST_NS: u64 = 1_000_000;
 
+/// The batch of a job that still lies in the outbox.
+const UNSENT: u32 = u32::MAX;
+
 /// A batch that a worker has not answered.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Batch {
@@ -54,8 +57,11 @@ pub(super) struct Core {
     shut_until_ns: u64,
     /// The suspect that it runs alone.
     alone: Option<JobId>,
-    /// Number of the next batch.
+    /// Number of the next batch. Those handed over have no gaps: a worker that turns one away
+    /// cannot read its number, and counts.
     next: u32,
+    /// All batches below are answered, or forgotten.
+    floor: u32,
     sent: VecDeque<Batch>,
     faults: u8,
     refusals: u8,
@@ -114,7 +120,7 @@ impl<S: Scheme> Dispatcher<S> {
         let slot = &mut self.slots[job.0 as usize];
         slot.state = State::Leased(who);
         slot.parts = 0;
-        slot.batch = core.next;
+        slot.batch = UNSENT;
         let (attempt, spec) = (slot.attempt, slot.spec);
         let sections = [spec.a, spec.b].map(|section| (section, work.weight(section)));
         for (section, bytes) in sections {
@@ -139,6 +145,9 @@ impl<S: Scheme> Dispatcher<S> {
             self.counts.batches += 1;
             let batch = core.next;
             core.next += 1;
+            for (job, _) in &core.outbox {
+                self.slots[job.0 as usize].batch = batch;
+            }
             let (jobs, fetch) = (std::mem::take(&mut core.outbox), std::mem::take(&mut core.fetch));
             core.sent.push_back(Batch {
                 number: batch,
@@ -263,6 +272,7 @@ impl<S: Scheme> Dispatcher<S> {
         core.refusals = core.refusals.saturating_add(1);
         let is_stuck = core.refusals >= REFUSALS_MAX;
         let sent = core.sent.remove(at);
+        core.next = core.sent.back().map_or(core.floor, |last| last.number + 1);
         self.reclaim(to, sent);
         if is_stuck {
             self.doom(to, Why::Full, effects);
@@ -277,6 +287,7 @@ impl<S: Scheme> Dispatcher<S> {
         {
             core.open();
             let batch = core.sent.pop_front();
+            core.floor = batch.as_ref().map_or(core.floor, |batch| batch.number + 1);
             lost += self.reclaim(who, batch);
         }
         if lost > 0 {
@@ -334,6 +345,7 @@ impl<S: Scheme> Dispatcher<S> {
                 batch.len = u32::try_from(held).unwrap_or(u32::MAX);
                 batch.jobs.clear();
             }
+            core.floor = core.next;
             core.sent.retain(|batch| batch.len > 0);
             core.queued = core.sent.iter().map(|batch| batch.len).sum();
             core.outbox.clear();

@@ -19,7 +19,7 @@ fn whatever_strikes_the_laws_hold() {
         assert!(*struck > 50, "{fault} struck {struck} times only");
     }
     assert_eq!(sum.requests, 4 * WORLDS);
-    assert!(sum.complete > WORLDS && sum.degraded > 100 && sum.refused > 10, "{sum:?}");
+    assert!(sum.complete > WORLDS / 2 && sum.degraded > 100 && sum.refused > 10, "{sum:?}");
 }
 
 #[test]
@@ -27,9 +27,15 @@ fn each_kind_of_fault_alone_is_survived() {
     for fault in Fault::ALL {
         let limits = Limits { kinds: Faults::NONE.with(*fault), ..Limits::default() };
         let mut struck = 0;
+        // A successor takes a worker that died before.
+        let kinds = match fault {
+            Fault::StillBorn => limits.kinds.with(Fault::Crash),
+            _ => limits.kinds,
+        };
+        let limits = Limits { kinds, ..limits };
         for seed in 0..400 {
             let tally = run(seed, &limits, None).unwrap_or_else(|v| panic!("{fault}: {v}"));
-            struck += tally.faults();
+            struck += tally.struck[*fault as usize];
         }
         assert!(struck > 0, "{fault} never struck");
     }
@@ -65,23 +71,5 @@ fn deliberate_mistakes_are_caught_and_made_small() {
         let struck: u64 = shrunk.violation.struck.iter().sum();
         println!("{flaw:?}: seed {seed}, {struck} fault(s): {}", shrunk.violation);
         assert!(struck <= 2, "{flaw:?} takes {struck} faults: {:?}", shrunk.limits);
-    }
-}
-
-#[test]
-#[ignore]
-fn scratch() {
-    let seed: u64 = std::fs::read_to_string("/tmp/seed7").unwrap().trim().parse().unwrap();
-    let s = shrink(seed, &Limits::default()).unwrap();
-    let mut log = Vec::new();
-    println!("{:?}", run(seed, &s.limits, Some(&mut log)));
-    println!("{:?}", s.limits.kinds.iter().collect::<Vec<_>>());
-    let n = log.len();
-    for l in log.iter().take(150) {
-        println!("{l}");
-    }
-    println!("...");
-    for l in log.iter().skip(n.saturating_sub(20)) {
-        println!("{l}");
     }
 }

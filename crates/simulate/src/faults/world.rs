@@ -251,7 +251,7 @@ impl<'l> World<'l> {
         // Of each kind, most worlds have none or few: crowds hide what one alone would show.
         let rate = |fault: &Fault| {
             let draw = draw.at(8).at(*fault as u64);
-            let rare = [0, 0, 0, 0, 4, 20, 60, 200][draw.below(8) as usize];
+            let rare = [0, 0, 0, 0, 0, 8, 40, 200][draw.below(8) as usize];
             if limits.kinds.has(*fault) { rare } else { 0 }
         };
         #[cfg_attr(not(test), expect(unused_mut, reason = "tests spoil it"))]
@@ -383,6 +383,7 @@ impl<'l> World<'l> {
     fn step(&mut self, event: Event<Part>) {
         let mut effects = Vec::new();
         self.progress = self.dispatcher.step(self.now_ns, event, &mut self.request, &mut effects);
+        let mut refused = 0_u32;
         while !effects.is_empty() {
             let event = match effects.remove(0) {
                 Effect::Kill { who, why } => {
@@ -393,9 +394,15 @@ impl<'l> World<'l> {
                     }
                     continue;
                 }
+                Effect::Send { to, batch, .. } if refused >> to.worker & 1 == 1 => {
+                    Some(Event::Unsent { to, batch })
+                }
                 Effect::Send { to, batch, jobs, .. } => self.send(to, batch, &jobs),
             };
             let Some(event) = event else { continue };
+            if let Event::Unsent { to, .. } = event {
+                refused |= 1 << to.worker;
+            }
             self.progress =
                 self.dispatcher.step(self.now_ns, event, &mut self.request, &mut effects);
         }
@@ -427,6 +434,8 @@ impl<'l> World<'l> {
         let mut flight_ns = FLIGHT_NS;
         if self.strikes(Fault::DelayBatch, place) {
             flight_ns += place.at(4).below(3_000_000);
+            // Out of order and then garbled, a batch may go unnoticed until its worker is silent.
+            self.actors[usize::from(to.worker)].has_lost_mail = true;
         }
         if self.strikes(Fault::RepeatBatch, place) {
             self.after(flight_ns + place.at(5).below(400_000), Happening::Batch(to, mail.clone()));
@@ -556,6 +565,7 @@ impl<'l> World<'l> {
             }
             if !actor.is_buried {
                 self.bury(who);
+                self.dispatcher.dismiss(who);
             }
             if self.restarts.leave(who.worker, self.now_ns) != Leave::Granted {
                 continue;

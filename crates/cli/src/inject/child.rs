@@ -1,0 +1,234 @@
+//! Faults that take a whole run: this program is started as `trolley rank`, and its run disturbed.
+
+use super::kind::Kind;
+use super::live;
+use super::plan::{Dice, Plan};
+use super::report::{Report, State};
+use super::signals::flip;
+use crate::failure::{Code, Failure};
+use coordinator::{Answer, Crew, CrewError};
+use runtime::process::{self, Held, Spawn};
+use runtime::{Child, Exit, SealedMemory, clock};
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::os::fd::AsFd as _;
+use std::path::{Path, PathBuf};
+
+/// How long a client waits for an answer before it says "refused" itself (ms).
+const PATIENCE_MS: u64 = 20_000;
+/// How long orphans may live (ms).
+const ORPHANS_MS: u64 = 1_000;
+
+/// What shared memory holds of an instance.
+pub(super) fn names_of(instance: &str) -> Vec<String> {
+    let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.starts_with(&format!("trolley.{instance}."))).collect()
+}
+
+fn instance() -> String {
+    format!("c{}", std::process::id())
+}
+
+/// A run of `trolley rank`, its output in a file.
+struct Run {
+    child: Child,
+    out: File,
+}
+
+impl Run {
+    /// `wrap`: a program and its arguments that are to run it.
+    fn start(plan: &Plan, wrap: &[&str]) -> Result<Self, Failure> {
+        let internal = |error: std::io::Error| Failure::new(Code::System, error.to_string());
+        let own = std::env::current_exe().map_err(internal)?.display().to_string();
+        let scenario = plan.scenario.display().to_string();
+        let (workers, depth) = (plan.workers.to_string(), plan.depth.to_string());
+        let name = instance();
+        let rank = [
+            own.as_str(),
+            "-q",
+            "rank",
+            &scenario,
+            "--json",
+            "--workers",
+            &workers,
+            "--depth",
+            &depth,
+            "--instance",
+            &name,
+        ];
+        let line: Vec<String> = wrap.iter().copied().chain(rank).map(str::to_owned).collect();
+        let out = tempfile::tempfile().map_err(internal)?;
+        let null = File::open("/dev/null").map_err(internal)?;
+        let child = process::spawn(Spawn {
+            program: &PathBuf::from(&line[0]),
+            args: &line[1..],
+            fds: &[(out.as_fd(), 1), (null.as_fd(), 2)],
+            core: None,
+        })?;
+        Ok(Self { child, out })
+    }
+
+    fn workers(&self) -> Vec<u32> {
+        let pid = self.child.pid();
+        let path = format!("/proc/{pid}/task/{pid}/children");
+        let list = std::fs::read_to_string(path).unwrap_or_default();
+        list.split_whitespace().filter_map(|word| word.parse().ok()).collect()
+    }
+
+    /// Waits for its end; what came out.
+    fn end(mut self, reference: &Answer) -> Result<State, Failure> {
+        let exit = self.child.wait_ms(PATIENCE_MS)?;
+        if exit.is_none() {
+            self.child.kill()?;
+        }
+        let mut text = String::new();
+        let read =
+            self.out.seek(SeekFrom::Start(0)).and_then(|_| self.out.read_to_string(&mut text));
+        let answer: Option<serde_json::Value> = match (exit, read) {
+            (Some(Exit::Code(0)), Ok(_)) => serde_json::from_str(&text).ok(),
+            _ => None,
+        };
+        Ok(match answer {
+            None => State::Refused,
+            Some(document) => {
+                let expected = serde_json::to_value(reference).ok();
+                let is_same = document.get("answer") == expected.as_ref();
+                if is_same { State::Complete } else { State::Wrong }
+            }
+        })
+    }
+}
+
+/// Injects one fault.
+pub(super) fn run(
+    plan: &Plan,
+    kind: Kind,
+    seed: u64,
+    number: u64,
+    (reference, store): (&Answer, &SealedMemory),
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let mut dice = Dice(seed ^ number << 20);
+    let begun_ns = clock::now_ns();
+    report.requests += 1;
+    match kind {
+        Kind::CoordinatorKill | Kind::KillInStop | Kind::StaleMemory => {
+            let mut run = Run::start(plan, &[])?;
+            let wait_ms = match kind {
+                Kind::KillInStop => run.until_it_stops(),
+                _ => dice.below(120),
+            };
+            let ended = run.child.wait_ms(wait_ms)?;
+            let workers: Vec<Held> =
+                run.workers().into_iter().filter_map(|pid| Held::of(pid).ok()).collect();
+            let struck_ns = clock::now_ns();
+            run.child.kill()?;
+            run.child.wait_ms(PATIENCE_MS)?;
+            let mut alive = workers.len();
+            while alive > 0 && clock::now_ns() - struck_ns < ORPHANS_MS * 1_000_000 {
+                alive = workers.iter().filter(|held| held.is_alive()).count();
+                run.child.wait_ms(0)?;
+            }
+            report.orphans += alive as u64;
+            let gone_ns = clock::now_ns() - struck_ns;
+            if ended.is_some() {
+                report.missed += 1;
+                return Ok(());
+            }
+            let mut state = State::Refused;
+            if kind == Kind::StaleMemory {
+                // The next run of the same name finds what is left, and is right.
+                state = Run::start(plan, &[])?.end(reference)?;
+                report.left_behind += names_of(&instance()).len() as u64;
+            }
+            report.count(state);
+            report.add(kind, state, Some(gone_ns), clock::now_ns() - struck_ns);
+        }
+        Kind::FlipQueue => {
+            let mut run = Run::start(plan, &[])?;
+            let _ended = run.child.wait_ms(10 + dice.below(60))?;
+            let struck_ns = clock::now_ns();
+            let prefix = format!("trolley.{}.", instance());
+            let suffix = if dice.below(2) == 0 { ".connection" } else { ".dynamic" };
+            flip(&prefix, suffix, 16, dice);
+            let state = run.end(reference)?;
+            report.count(state);
+            let took_ns = clock::now_ns() - struck_ns;
+            report.add(kind, state, None, took_ns);
+        }
+        Kind::VersionSkew => {
+            let mut options = live::options(plan, &format!("v{}", std::process::id()));
+            options.build = "another build".to_owned();
+            let state = match Crew::start(store, &options) {
+                Err(CrewError::StillBorn { .. }) => State::Refused,
+                Ok(_) | Err(_) => State::Wrong,
+            };
+            report.count(state);
+            let took_ns = clock::now_ns() - begun_ns;
+            report.add(kind, state, Some(took_ns), took_ns);
+            report.left_behind += names_of(&options.instance).len() as u64;
+        }
+        Kind::SmallShm | Kind::FewFiles | Kind::ClockShift => {
+            let shm = "mount -t tmpfs -o size=64k tmpfs /dev/shm && exec \"$0\" \"$@\"";
+            let wrap: &[&str] = match kind {
+                Kind::SmallShm => &["/usr/bin/unshare", "-m", "/bin/sh", "-c", shm],
+                Kind::FewFiles => &["/bin/sh", "-c", "ulimit -n 12; exec \"$0\" \"$@\""],
+                _ => &["/usr/bin/unshare", "-T", "--monotonic", "864000", "--fork", "--kill-child"],
+            };
+            if !Path::new(wrap[0]).exists() || !is_granted(kind)? {
+                report.skip(kind, "this machine does not grant it");
+                return Ok(());
+            }
+            let state = Run::start(plan, wrap)?.end(reference)?;
+            // Without memory or files there can be no answer; whatever the clock says, there is one.
+            let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
+            let state = if is_due { state } else { State::Wrong };
+            report.count(state);
+            let took_ns = clock::now_ns() - begun_ns;
+            report.add(kind, state, Some(took_ns), took_ns);
+        }
+        _ => report.skip(kind, "it is no run of its own"),
+    }
+    Ok(())
+}
+
+/// Whether the namespaces that a kind takes are to be had.
+fn is_granted(kind: Kind) -> Result<bool, Failure> {
+    let test: &[&str] = match kind {
+        Kind::SmallShm => &["-m", "/bin/sh", "-c", "mount -t tmpfs tmpfs /dev/shm"],
+        Kind::ClockShift => &["-T", "--monotonic", "864000", "--fork", "/bin/true"],
+        _ => return Ok(true),
+    };
+    let args: Vec<String> = test.iter().map(|&word| word.to_owned()).collect();
+    let null =
+        File::open("/dev/null").map_err(|error| Failure::new(Code::System, error.to_string()))?;
+    let program = Path::new("/usr/bin/unshare");
+    let mut child =
+        process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?;
+    Ok(child.wait_ms(5_000)? == Some(Exit::Code(0)))
+}
+
+impl Run {
+    /// Waits until the workers were there and begin to end.
+    fn until_it_stops(&mut self) -> u64 {
+        let mut most = 0;
+        let end = clock::now_ns() + PATIENCE_MS * 1_000_000;
+        while clock::now_ns() < end {
+            let now = self.workers().len();
+            if now < most || !matches!(self.child.wait_ms(1), Ok(None)) {
+                break;
+            }
+            most = most.max(now);
+        }
+        0
+    }
+}
+
+/// What killed runs have left once the next run has swept.
+pub(super) fn left_behind(plan: &Plan) -> Result<u64, Failure> {
+    let mut run = Run::start(plan, &[])?;
+    run.child.wait_ms(PATIENCE_MS)?;
+    drop(run);
+    Ok(names_of(&instance()).len() as u64)
+}

@@ -1,0 +1,114 @@
+//! The kinds of faults that can be injected, by the names of plans and reports.
+
+use protocol::Misdeed;
+
+macro_rules! kinds {
+    ($($name:ident = $text:literal,)*) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub(crate) enum Kind { $($name,)* }
+
+        impl Kind {
+            pub(crate) const ALL: &[Self] = &[$(Self::$name),*];
+
+            pub(crate) fn name(self) -> &'static str {
+                match self { $(Self::$name => $text,)* }
+            }
+        }
+    };
+}
+
+kinds! {
+    Kill = "kill",
+    KillIdle = "kill-idle",
+    KillAtStart = "kill-at-start",
+    KillAll = "kill-all",
+    Stop = "stop",
+    StopContinue = "stop-continue",
+    Slow = "slow",
+    Abort = "abort",
+    Segfault = "segfault",
+    StackOverflow = "stack-overflow",
+    OutOfMemory = "out-of-memory",
+    Quit = "quit",
+    Panic = "panic",
+    Hang = "hang",
+    Stall = "stall",
+    Poison = "poison",
+    GarbleResult = "garble-result",
+    WrongLength = "wrong-length",
+    Masquerade = "masquerade",
+    RepeatResult = "repeat-result",
+    LoseResult = "lose-result",
+    LoanExhausted = "loan-exhausted",
+    GarbleBatch = "garble-batch",
+    QueueFull = "queue-full",
+    FlipPayload = "flip-payload",
+    FlipQueue = "flip-queue",
+    CoordinatorKill = "coordinator-kill",
+    KillInStop = "kill-in-stop",
+    VersionSkew = "version-skew",
+    SmallShm = "small-shm",
+    FewFiles = "few-files",
+    ClockShift = "clock-shift",
+    StaleMemory = "stale-memory",
+}
+
+impl Kind {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    /// Whether it takes a run of its own, not one of many requests to one crew.
+    pub(crate) fn is_whole_run(self) -> bool {
+        matches!(
+            self,
+            Self::FlipQueue
+                | Self::CoordinatorKill
+                | Self::KillInStop
+                | Self::VersionSkew
+                | Self::SmallShm
+                | Self::FewFiles
+                | Self::ClockShift
+                | Self::StaleMemory
+        )
+    }
+
+    /// The order that a worker gets for it.
+    pub(crate) fn misdeed(self) -> Option<Misdeed> {
+        Some(match self {
+            Self::Abort => Misdeed::Abort,
+            Self::Segfault => Misdeed::Segfault,
+            Self::StackOverflow => Misdeed::Overflow,
+            Self::OutOfMemory => Misdeed::Exhaust,
+            Self::Quit => Misdeed::Quit,
+            Self::Panic => Misdeed::Panic,
+            Self::Hang => Misdeed::Hang,
+            Self::Stall => Misdeed::Stall,
+            Self::Poison => Misdeed::Poison,
+            Self::GarbleResult => Misdeed::Garble,
+            Self::WrongLength => Misdeed::Lie,
+            Self::Masquerade => Misdeed::Masquerade,
+            Self::RepeatResult => Misdeed::Repeat,
+            Self::LoseResult => Misdeed::Withhold,
+            Self::LoanExhausted => Misdeed::HoldLoan,
+            _ => return None,
+        })
+    }
+
+    /// Whether its worker may live on, or even feel nothing.
+    pub(crate) fn may_be_survived(self) -> bool {
+        matches!(
+            self,
+            Self::StopContinue
+                | Self::Slow
+                | Self::Panic
+                | Self::GarbleResult
+                | Self::WrongLength
+                | Self::RepeatResult
+                | Self::LoseResult
+                | Self::GarbleBatch
+                | Self::QueueFull
+                | Self::FlipPayload
+        )
+    }
+}

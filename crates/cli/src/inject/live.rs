@@ -1,0 +1,421 @@
+//! Faults in a crew that answers request after request, and is mended in between.
+
+use super::child::names_of;
+use super::kind::Kind;
+use super::plan::{Dice, Plan};
+use super::report::{Report, State, judge};
+use super::signals::{Deed, Gunner, Shot};
+use crate::BUILD;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
+use dispatch::{Cache, Intensity, Matching, Patience, Queues};
+use protocol::{Incarnation, Misdeed, Order};
+use runtime::process::Held;
+use runtime::{SealedMemory, affinity, clock, machine};
+
+/// Plain requests after one that a fault was not felt in, until it must have been.
+const CHASES: usize = 6;
+/// No request may take longer (ns): the longest silence, the longest sleep, and twice that for
+/// faults that follow on each other.
+const HANG_NS: u64 = 6_000_000_000;
+/// Growth of resident memory that is no leak (bytes): heaps keep what they got.
+const GROWTH_BYTES: u64 = 32 << 20;
+
+/// What all requests share.
+pub(super) struct Stage<'s> {
+    pub(super) plan: &'s Plan,
+    pub(super) store: &'s SealedMemory,
+    pub(super) reference: &'s Answer,
+}
+
+/// A fault that is on its way or has struck, and whose end is not known.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    /// Which of the request's faults.
+    number: usize,
+    kind: Kind,
+    who: Incarnation,
+    struck_ns: Option<u64>,
+    seen_ns: Option<u64>,
+}
+
+struct Live<'s, F> {
+    stage: &'s Stage<'s>,
+    make: F,
+    crew: Crew,
+    instance: String,
+    dice: Dice,
+    sequence: u16,
+    /// What a request takes without faults (ns), and how many jobs it has.
+    usual_ns: u64,
+    jobs: u64,
+    open: Vec<Open>,
+}
+
+/// Options of a crew for fault injection.
+pub(super) fn options(plan: &Plan, instance: &str) -> Options {
+    let granted = affinity::allowed_cores();
+    let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
+    Options {
+        program: Options::own_program().to_owned(),
+        instance: instance.to_owned(),
+        build: BUILD.to_owned(),
+        cores: (0..plan.workers).map(core).collect(),
+        matching: Matching::BestMatchLoad(0.5),
+        queues: Queues { capacity: 16, batch: 4, linger_ns: 0 },
+        cache: Cache::Unlimited,
+        copies: false,
+        log: false,
+        patience: Patience::default(),
+        intensity: Intensity::UNLIMITED,
+        obeys: true,
+    }
+}
+
+pub(super) fn run<'w>(
+    stage: &Stage<'_>,
+    make: &impl Fn() -> Work<'w>,
+    kinds: &[Kind],
+    seed: u64,
+    report: &mut Report,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    let instance = format!("f{}", std::process::id());
+    let crew = Crew::start(stage.store, &options(stage.plan, &instance))?;
+    let mut live = Live {
+        stage,
+        make,
+        crew,
+        instance,
+        dice: Dice(seed ^ 0x0fa7),
+        sequence: 0,
+        usual_ns: 1,
+        jobs: 1,
+        open: Vec::new(),
+    };
+    let mut times = Vec::new();
+    for _ in 0..20 {
+        let begun_ns = clock::now_ns();
+        live.request(report)?;
+        times.push(clock::now_ns() - begun_ns);
+    }
+    times.sort_unstable();
+    live.usual_ns = times[times.len() / 2].max(1);
+    let mut left: Vec<(Kind, u32)> = kinds.iter().map(|kind| (*kind, 0)).collect();
+    let mut baseline = None;
+    let total = left.len();
+    while !left.is_empty() {
+        // After a tenth everything has happened once, and has taken the memory that it keeps.
+        if baseline.is_none() && left.len() * 10 <= total * 9 {
+            live.settle(report)?;
+            baseline = Some(live.footprint());
+        }
+        let before = left.len();
+        live.round(&mut left, report)?;
+        progress.add(before.saturating_sub(left.len()) as u64);
+    }
+    live.settle(report)?;
+    if let (Some((files, shm, memory)), (files_now, shm_now, memory_now)) =
+        (baseline, live.footprint())
+    {
+        report.files_grown = files_now as i64 - files as i64;
+        report.shm_grown = shm_now as i64 - shm as i64;
+        report.memory_grown = memory_now.saturating_sub(memory);
+        report.memory_leaked = report.memory_grown > GROWTH_BYTES;
+    }
+    let instance = live.instance.clone();
+    drop(live);
+    report.left_behind += names_of(&instance).len() as u64;
+    Ok(())
+}
+
+impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
+    /// Descriptors, files in shared memory, resident memory (bytes).
+    fn footprint(&self) -> (usize, usize, u64) {
+        (
+            machine::files_open().unwrap_or(0),
+            names_of(&self.instance).len(),
+            machine::resident_bytes().unwrap_or(0),
+        )
+    }
+
+    /// Everybody alive, everything cleaned up.
+    fn settle(&mut self, report: &mut Report) -> Result<(), Failure> {
+        for _ in 0..3 {
+            self.mend(true, report)?;
+            self.request(report)?;
+        }
+        Ok(())
+    }
+
+    /// Replaces who was lost.
+    fn mend(&mut self, waits: bool, report: &mut Report) -> Result<(), Failure> {
+        let begun_ns = clock::now_ns();
+        let mended = self.crew.mend(self.stage.store)?;
+        self.look(report);
+        report.restarts += mended.started.len() as u64;
+        if waits {
+            while self.crew.ready() < usize::from(self.stage.plan.workers) {
+                self.crew.rally()?;
+                let again = self.crew.mend(self.stage.store)?;
+                self.look(report);
+                report.restarts += again.started.len() as u64;
+            }
+            if !mended.started.is_empty() {
+                report.whole_ns.push(clock::now_ns() - begun_ns);
+            }
+        }
+        Ok(())
+    }
+
+    /// One request, judged.
+    fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
+        let mut work = (self.make)();
+        let begun_ns = clock::now_ns();
+        let ran = self.crew.run(&mut work);
+        let took_ns = clock::now_ns() - begun_ns;
+        report.requests += 1;
+        report.slowest_ns = report.slowest_ns.max(took_ns);
+        report.hangs += u64::from(took_ns > HANG_NS);
+        let state = match ran {
+            Ok(ran) => {
+                self.jobs = ran.counts.jobs.max(1);
+                report.reissued += ran.counts.reissued;
+                report.fenced += ran.counts.fence.sum();
+                report.rejected += ran.rejected;
+                judge(&work.answer()?, self.stage.reference)
+            }
+            Err(CrewError::NobodyLeft { .. }) => State::Refused,
+            Err(error) => return Err(error.into()),
+        };
+        report.count(state);
+        self.look(report);
+        Ok(state)
+    }
+
+    /// Finds out who saw what of the open faults, and who was killed for nothing.
+    fn look(&mut self, report: &mut Report) {
+        for incident in self.crew.incidents() {
+            let mut is_known = false;
+            for open in self.open.iter_mut().filter(|open| open.who == incident.who) {
+                is_known = true;
+                if open.struck_ns.is_none_or(|struck_ns| struck_ns <= incident.at_ns) {
+                    open.seen_ns.get_or_insert(incident.at_ns);
+                }
+            }
+            let is_end = matches!(
+                incident.sight,
+                Sight::Ended | Sight::StoodStill(_) | Sight::Distrusted(_)
+            );
+            if is_end && !is_known && report.note_end(incident.who) {
+                report.false_kills += 1;
+                tracing::warn!(?incident, "nobody had done anything to it");
+            }
+        }
+    }
+
+    /// A request with some of the faults that are left.
+    fn round(&mut self, left: &mut Vec<(Kind, u32)>, report: &mut Report) -> Result<(), Failure> {
+        let waits = self.dice.below(4) > 0;
+        self.mend(waits, report)?;
+        let plan = self.stage.plan;
+        let most = 1 + self.dice.below(plan.at_once.into()) as usize;
+        let mut chosen: Vec<(Kind, u32)> = Vec::new();
+        while chosen.len() < most {
+            // Those that take all workers stay alone.
+            let is_lonely = |kind: Kind| matches!(kind, Kind::KillAll | Kind::Poison);
+            match left.last() {
+                Some((kind, _)) if is_lonely(*kind) && !chosen.is_empty() => break,
+                Some((kind, tries)) => {
+                    chosen.push((*kind, *tries));
+                    left.pop();
+                    if is_lonely(chosen[chosen.len() - 1].0) {
+                        break;
+                    }
+                }
+                None => break,
+            }
+        }
+        let roster = self.crew.roster();
+        let mut workers: Vec<usize> = (0..roster.len()).collect();
+        for at in (1..workers.len()).rev() {
+            workers.swap(at, self.dice.below(at as u64 + 1) as usize);
+        }
+        let begun_ns = clock::now_ns();
+        let mut shots = Vec::new();
+        self.open.clear();
+        for (number, (kind, _)) in chosen.iter().enumerate() {
+            let (who, pid) = roster[workers[number % workers.len()]];
+            let all = matches!(kind, Kind::KillAll | Kind::Poison);
+            let targets = if all { roster.clone() } else { vec![(who, pid)] };
+            for (who, pid) in targets {
+                let open = Open { number, kind: *kind, who, struck_ns: None, seen_ns: None };
+                self.open.push(open);
+                self.arm(*kind, who, pid, &mut shots)?;
+            }
+        }
+        let state = std::thread::scope(|scope| {
+            let gunner = Gunner::start(scope);
+            shots.into_iter().for_each(|shot| gunner.add(shot));
+            let state = self.request(report);
+            for (number, at_ns) in gunner.end() {
+                if let Some(open) = self.open.get_mut(number) {
+                    open.struck_ns = Some(at_ns);
+                }
+            }
+            state
+        })?;
+        self.obeyed(begun_ns);
+        let answered_ns = clock::now_ns();
+        self.look(report);
+        self.mend(false, report)?;
+        for _ in 0..CHASES {
+            let is_over = |open: &Open| {
+                open.seen_ns.is_some()
+                    || open.kind == Kind::Poison
+                    || (open.struck_ns.is_some() && open.kind.may_be_survived())
+                    || (open.struck_ns.is_none() && open.kind.misdeed().is_none())
+            };
+            if self.open.iter().all(is_over) {
+                break;
+            }
+            self.request(report)?;
+            self.obeyed(begun_ns);
+            self.look(report);
+            self.mend(false, report)?;
+        }
+        self.book(&chosen, left, state, answered_ns, report);
+        for (who, _) in self.crew.roster() {
+            self.crew.order(who.worker, None);
+        }
+        Ok(())
+    }
+
+    /// Prepares a fault.
+    fn arm(
+        &mut self,
+        kind: Kind,
+        who: Incarnation,
+        pid: u32,
+        shots: &mut Vec<Shot>,
+    ) -> Result<(), Failure> {
+        let number = self.open.len() - 1;
+        let within_ns = self.dice.below(self.usual_ns);
+        let mut shoot = |after_ns: u64, deed: Deed| {
+            // Who has ended by itself cannot be shot.
+            if let Ok(at) = Held::of(pid) {
+                shots.push(Shot { number, at, after_ns, deed });
+            }
+        };
+        match kind {
+            Kind::Kill | Kind::KillAll => shoot(within_ns, Deed::Kill),
+            Kind::KillIdle | Kind::KillAtStart => {
+                if let Ok(held) = Held::of(pid) {
+                    self.open[number].struck_ns = Some(clock::now_ns());
+                    held.signal(super::signals::KILL)?;
+                }
+                if kind == Kind::KillAtStart {
+                    // Its successor is killed before it greets, or a little after.
+                    let _mended = self.crew.mend(self.stage.store)?;
+                    self.look_at_start(number);
+                    let next = self.crew.roster()[usize::from(who.worker)];
+                    let after_ns = self.dice.below(20_000_000);
+                    if next.0 != who
+                        && let Ok(at) = Held::of(next.1)
+                    {
+                        self.open[number].who = next.0;
+                        self.open[number].seen_ns = None;
+                        shots.push(Shot { number, at, after_ns, deed: Deed::Kill });
+                    }
+                }
+            }
+            Kind::Stop => shoot(within_ns, Deed::Stop),
+            Kind::StopContinue => {
+                let ns = 1_000_000 + self.dice.below(250_000_000);
+                shoot(within_ns, Deed::Pause(ns));
+            }
+            Kind::Slow => shoot(within_ns / 2, Deed::Choke(20)),
+            Kind::FlipPayload => {
+                let seed = self.dice.next();
+                shoot(
+                    within_ns,
+                    Deed::Flip { prefix: format!("trolley.{}.", self.instance), seed },
+                );
+            }
+            Kind::GarbleBatch | Kind::QueueFull => {
+                let bit = self.dice.next() as u32;
+                let how =
+                    if kind == Kind::QueueFull { Spoiled::Refused } else { Spoiled::Garbled(bit) };
+                self.crew.spoil_next(who.worker, how);
+                self.open[number].struck_ns = Some(clock::now_ns());
+            }
+            _ => {
+                let Some(misdeed) = kind.misdeed() else { return Ok(()) };
+                self.sequence = self.sequence.wrapping_add(1).max(1);
+                let share = self.jobs / u64::from(self.stage.plan.workers) / 2;
+                let argument = match misdeed {
+                    // All get the same job.
+                    Misdeed::Poison => {
+                        (Dice(self.usual_ns ^ u64::from(self.sequence / 16)).next() % self.jobs)
+                            as u32
+                    }
+                    _ => self.dice.next() as u32,
+                };
+                let after = self.dice.below(share.clamp(1, 200)) as u8;
+                let order = Order { sequence: self.sequence, misdeed, after, argument };
+                self.crew.order(who.worker, Some(order));
+            }
+        }
+        Ok(())
+    }
+
+    /// A start-up death of the first is not what is looked for.
+    fn look_at_start(&mut self, number: usize) {
+        self.open[number].seen_ns = None;
+    }
+
+    /// When orders were obeyed.
+    fn obeyed(&mut self, since_ns: u64) {
+        for open in self.open.iter_mut().filter(|open| open.kind.misdeed().is_some()) {
+            let at_ns = self.crew.obeyed_ns(open.who.worker);
+            if at_ns >= since_ns && open.struck_ns.is_none() {
+                open.struck_ns = Some(at_ns);
+            }
+        }
+    }
+
+    /// Writes down what became of each; what did not strike is tried again, a few times.
+    fn book(
+        &mut self,
+        chosen: &[(Kind, u32)],
+        left: &mut Vec<(Kind, u32)>,
+        state: State,
+        answered_ns: u64,
+        report: &mut Report,
+    ) {
+        for (number, (kind, tries)) in chosen.iter().enumerate() {
+            let mut has_struck = false;
+            for open in self.open.iter().filter(|open| open.number == number) {
+                let Some(struck_ns) = open.struck_ns else { continue };
+                has_struck = true;
+                let recovered_ns = answered_ns.max(open.seen_ns.unwrap_or(0));
+                report.add(
+                    *kind,
+                    state,
+                    open.seen_ns.map(|seen_ns| seen_ns.saturating_sub(struck_ns)),
+                    recovered_ns.saturating_sub(struck_ns),
+                );
+                if open.seen_ns.is_none() && !kind.may_be_survived() && *kind != Kind::Poison {
+                    report.unseen += 1;
+                }
+            }
+            if !has_struck {
+                match tries {
+                    0..4 => left.insert(0, (*kind, tries + 1)),
+                    _ => report.missed += 1,
+                }
+            }
+        }
+    }
+}

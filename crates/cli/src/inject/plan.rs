@@ -1,0 +1,145 @@
+//! A fault plan: which faults, how often, against which scenario.
+
+use super::kind::Kind;
+use crate::failure::Failure;
+use crate::inputs;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// As a person writes it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    schema: String,
+    /// Beside the plan.
+    scenario: PathBuf,
+    workers: u8,
+    depth: u32,
+    at_once: u8,
+    faults: BTreeMap<String, u32>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) scenario: PathBuf,
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    /// Faults in one request at most.
+    pub(crate) at_once: u8,
+    faults: Vec<(Kind, u32)>,
+}
+
+const SCHEMA: &str = "trolley.faults/1";
+const MOST: u32 = 1_000_000;
+
+impl Plan {
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+        Self::parse(path, &inputs::text(path)?)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, Failure> {
+        let name = path.display();
+        let written: Written =
+            toml::from_str(text).map_err(|error| Failure::input(format!("{name}: {error}")))?;
+        let refuse = |fault: String, help: String| {
+            Err(Failure::input(format!("{name}: {fault}")).help(help))
+        };
+        if written.schema != SCHEMA {
+            let fault = format!("schema \"{}\" is not known", written.schema);
+            return refuse(fault, format!("write schema = \"{SCHEMA}\""));
+        }
+        let (workers, at_once) = (written.workers, written.at_once);
+        if !(1..=16).contains(&workers) || !(1..=workers).contains(&at_once) {
+            let fault = format!("workers = {workers}, at_once = {at_once}");
+            return refuse(fault, "workers: 1 to 16; at_once: 1 to workers".to_owned());
+        }
+        if !(1..=24).contains(&written.depth) {
+            return refuse(format!("depth = {}", written.depth), "depth: 1 to 24".to_owned());
+        }
+        let mut faults = Vec::new();
+        for (fault, count) in &written.faults {
+            let Some(kind) = Kind::from_name(fault) else {
+                let help = format!("there are: {}", super::kinds());
+                return refuse(format!("there is no fault \"{fault}\""), help);
+            };
+            if *count > MOST {
+                return refuse(format!("{fault} = {count}"), format!("at most {MOST}"));
+            }
+            faults.push((kind, *count));
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let scenario = folder.join(written.scenario);
+        Ok(Self { scenario, workers, depth: written.depth, at_once, faults })
+    }
+
+    /// All faults, in an order that follows from the seed.
+    pub(crate) fn shuffled(&self, seed: u64) -> Vec<Kind> {
+        let mut all: Vec<Kind> = self
+            .faults
+            .iter()
+            .flat_map(|(kind, count)| std::iter::repeat_n(*kind, *count as usize))
+            .collect();
+        let mut dice = Dice(seed);
+        for at in (1..all.len()).rev() {
+            all.swap(at, dice.below(at as u64 + 1) as usize);
+        }
+        all
+    }
+}
+
+/// splitmix64.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dice(pub(crate) u64);
+
+impl Dice {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(1);
+        geometry::hash::splitmix64(self.0)
+    }
+
+    /// Below `end`, which is not 0.
+    pub(crate) fn below(&mut self, end: u64) -> u64 {
+        ((u128::from(self.next()) * u128::from(end)) >> 64) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! The shipped plans are read; what is wrong is named.
+    use super::*;
+
+    #[test]
+    fn the_shipped_plans_are_read_and_name_every_kind() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/faults");
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let plan = Plan::read(&entry.unwrap().path()).unwrap();
+            assert!(plan.scenario.is_file());
+            assert_eq!(plan.shuffled(3), plan.shuffled(3));
+        }
+        let campaign = Plan::read(&folder.join("campaign.toml")).unwrap();
+        let all = campaign.shuffled(1);
+        for kind in Kind::ALL {
+            assert!(all.contains(kind), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let good = "schema = \"trolley.faults/1\"\nscenario = \"s\"\nworkers = 2\ndepth = 4\n\
+                    at_once = 1\n[faults]\nkill = 3\n";
+        let parse = |text: &str| Plan::parse(Path::new("p.toml"), text);
+        assert_eq!(parse(good).unwrap().shuffled(1), [Kind::Kill; 3]);
+        for (from, to, said) in [
+            ("kill =", "kil =", "kil"),
+            ("kill = 3", "kill = 3000000", "3000000"),
+            ("at_once = 1", "at_once = 3", "at_once"),
+            ("depth = 4", "depth = 400", "depth"),
+            ("faults/1", "faults/2", "schema"),
+            ("workers", "worker", "worker"),
+        ] {
+            let failure = parse(&good.replace(from, to)).unwrap_err();
+            assert!(failure.fault.contains(said), "{failure}");
+        }
+    }
+}

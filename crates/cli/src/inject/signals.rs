@@ -1,0 +1,149 @@
+//! Signals to workers at given moments, from a thread of its own.
+
+use super::plan::Dice;
+use runtime::clock;
+use runtime::process::Held;
+use std::fs::OpenOptions;
+use std::os::unix::fs::FileExt as _;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::{Scope, ScopedJoinHandle};
+use std::time::Duration;
+
+pub(crate) const KILL: i32 = 9;
+const CONTINUE: i32 = 18;
+const STOP: i32 = 19;
+
+/// What is done to a process.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Deed {
+    Kill,
+    Stop,
+    /// Stopped for so long (ns).
+    Pause(u64),
+    /// So many times stopped for 9 ms and continued for 1 ms.
+    Choke(u32),
+    /// Bits are flipped in all messages of the run whose names begin like this.
+    Flip {
+        prefix: String,
+        seed: u64,
+    },
+}
+
+/// A deed on its way.
+pub(crate) struct Shot {
+    pub(crate) number: usize,
+    pub(crate) at: Held,
+    pub(crate) after_ns: u64,
+    pub(crate) deed: Deed,
+}
+
+/// Carries shots out in their order.
+pub(crate) struct Gunner<'s> {
+    shots: Sender<Shot>,
+    thread: ScopedJoinHandle<'s, Vec<(usize, u64)>>,
+}
+
+impl<'s> Gunner<'s> {
+    pub(crate) fn start<'e>(scope: &'s Scope<'s, 'e>) -> Self {
+        let (shots, orders) = channel();
+        Self { shots, thread: scope.spawn(move || shoot(&orders)) }
+    }
+
+    pub(crate) fn add(&self, shot: Shot) {
+        // The thread ends only when this end is dropped.
+        let _sent = self.shots.send(shot);
+    }
+
+    /// Ends at once what is not done yet; says when each was done (ns, monotonic).
+    pub(crate) fn end(self) -> Vec<(usize, u64)> {
+        drop(self.shots);
+        self.thread.join().unwrap_or_default()
+    }
+}
+
+/// Waits; `false` if there is no reason to wait any longer.
+fn wait(orders: &Receiver<Shot>, ns: u64, later: &mut Vec<Shot>) -> bool {
+    let end = clock::now_ns() + ns;
+    loop {
+        let left = end.saturating_sub(clock::now_ns());
+        if left == 0 {
+            return true;
+        }
+        match orders.recv_timeout(Duration::from_nanos(left)) {
+            Ok(shot) => later.push(shot),
+            Err(RecvTimeoutError::Timeout) => return true,
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+    }
+}
+
+fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
+    let mut done = Vec::new();
+    let mut later: Vec<Shot> = Vec::new();
+    let begun_ns = clock::now_ns();
+    loop {
+        let Some(at) = (0..later.len()).min_by_key(|at| later[*at].after_ns) else {
+            match orders.recv() {
+                Ok(shot) => later.push(shot),
+                Err(_) => return done,
+            }
+            continue;
+        };
+        let until_ns = begun_ns + later[at].after_ns;
+        let known = later.len();
+        if !wait(orders, until_ns.saturating_sub(clock::now_ns()), &mut later) {
+            return done;
+        }
+        if later.len() > known {
+            // One of these may be due before.
+            continue;
+        }
+        let Shot { number, at, deed, .. } = later.swap_remove(at);
+        // A process that has ended feels nothing.
+        let signal = |number| drop(at.signal(number));
+        done.push((number, clock::now_ns()));
+        match deed {
+            Deed::Kill => signal(KILL),
+            Deed::Stop => signal(STOP),
+            Deed::Flip { prefix, seed } => flip(&prefix, ".data", 64, Dice(seed)),
+            Deed::Pause(ns) => {
+                signal(STOP);
+                wait(orders, ns, &mut later);
+                signal(CONTINUE);
+            }
+            Deed::Choke(times) => {
+                for _ in 0..times {
+                    signal(STOP);
+                    let goes_on = wait(orders, 9_000_000, &mut later);
+                    signal(CONTINUE);
+                    if !goes_on || !wait(orders, 1_000_000, &mut later) {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Flips so many bits in each file of shared memory with these ends of its name.
+pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut dice: Dice) {
+    let Ok(entries) = std::fs::read_dir("/dev/shm") else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !name.starts_with(prefix) || !name.ends_with(suffix) {
+            continue;
+        }
+        // It may be gone by now.
+        let Ok(file) = OpenOptions::new().read(true).write(true).open(entry.path()) else {
+            continue;
+        };
+        let len = file.metadata().map_or(0, |meta| meta.len());
+        for _ in 0..if len > 0 { bits } else { 0 } {
+            let (at, mut byte) = (dice.below(len), [0]);
+            if file.read_at(&mut byte, at).is_ok() {
+                byte[0] ^= 1 << dice.below(8);
+                let _gone = file.write_at(&byte, at);
+            }
+        }
+    }
+}
