@@ -6,6 +6,8 @@
 
 mod args;
 mod bodies;
+mod deployment;
+mod doctor;
 mod explain;
 mod failure;
 mod inputs;
@@ -16,16 +18,23 @@ mod plan;
 mod policy;
 mod print;
 mod progress;
+mod query;
 mod rank;
 mod record;
 mod run;
+mod serve;
 mod table;
+mod top;
 mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};
 use failure::Failure;
 use std::process::ExitCode;
+
+/// Counts what a request allocates; it costs an increment.
+#[global_allocator]
+static HEAP: runtime::heap::Counting = runtime::heap::Counting;
 
 /// Name of this build: both ends of every channel carry it.
 const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("TROLLEY_BUILD"));
@@ -54,6 +63,10 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Calibrate(options) => measure::calibrate(options),
         Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
+        Command::Serve(options) => serve::run(options, &args.output()),
+        Command::Query(options) => query::run(options, &args.output()),
+        Command::Top(options) => top::run(options, &args.output()),
+        Command::Doctor => doctor::run(&args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {
             let mut text = Vec::new();

@@ -9,11 +9,13 @@
 //! flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
 mod error;
+mod idle;
 mod parcel;
 mod report;
 mod station;
 
 pub use error::CrewError;
+pub use idle::Attendant;
 pub use report::{CrewReport, Duty, Hardware, WorkerReport};
 
 use crate::gather::Part;
@@ -96,6 +98,8 @@ pub struct Crew {
     ended: Vec<usize>,
     scratch: Vec<u64>,
     batch: BatchWriter,
+    /// Whoever has to be heard while a request is worked on.
+    attendant: Option<Attendant>,
 }
 
 /// Scratch for laying out batches.
@@ -144,6 +148,7 @@ impl Crew {
             ended: Vec::new(),
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
+            attendant: None,
         };
         for (worker, core) in options.cores.iter().enumerate() {
             let who = Incarnation { worker: worker as u8, inc: 0 };
@@ -544,11 +549,14 @@ impl Crew {
         let waiting = self.stations.iter().any(|station| station.has_mail(&self.status));
         let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
         flag(0);
+        if let Some(attendant) = &mut self.attendant {
+            attendant.attend();
+        }
         for wake in wakes? {
             match wake {
                 Wake::Process(worker) => self.ended.push(worker as usize),
                 Wake::Signal(_) => return Err(CrewError::Interrupted),
-                Wake::Event(_) | Wake::Timer => {}
+                Wake::Event(_) | Wake::Ready(_) | Wake::Timer => {}
             }
         }
         Ok(())

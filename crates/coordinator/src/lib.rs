@@ -36,7 +36,9 @@ mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
-pub use crew::{Crew, CrewError, CrewReport, Duty, Hardware, Options, WorkerReport, seal};
+pub use crew::{
+    Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Options, WorkerReport, seal,
+};
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use here::{run_here, run_watched};
