@@ -33,6 +33,7 @@ const LAYERS: &[&str] = &[
     "simulate",
     "coordinator",
     "worker",
+    "service",
     "client-c",
     "cli",
     "tools",
@@ -46,6 +47,7 @@ const ONLY: &[(&str, &[&str])] = &[
     ("transport", &["protocol"]),
     ("runtime", &["protocol"]),
     ("client", &["protocol", "transport"]),
+    ("client-c", &["client", "protocol", "transport"]),
 ];
 /// Outside crates, with what belongs to them, that a few of ours alone may name.
 const ALONE: &[(&str, &[&str])] = &[

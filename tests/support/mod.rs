@@ -9,6 +9,8 @@
     reason = "each test target uses its own part of it, and a test that cannot go on has failed"
 )]
 
+pub(crate) mod service;
+
 use geometry::hash::{pair_term, splitmix64};
 use geometry::triangle::{self, Triangle};
 use geometry::{Corners, DVec3, RelativePose};

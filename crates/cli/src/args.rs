@@ -13,7 +13,8 @@ Examples:
   trolley model import car.obj --unit cm --up z --forward -y --kind sedan -o car.trolley
 
 Exit codes: 0 ok, 2 usage, 3 degraded, 4 refused, 65 input, 69 resources, 70 internal,
-71 operating system, 76 version skew, 78 configuration, 130 interrupted.";
+71 operating system, 75 try again, 76 version skew, 77 no real time, 78 configuration,
+130 interrupted.";
 
 /// Ranks unavoidable collisions by the harm they do, and says how sure that is.
 #[derive(Debug, Parser)]
@@ -66,6 +67,17 @@ pub(crate) enum Command {
         #[command(flatten)]
         options: EngineArgs,
     },
+    /// Answer requests of planners until told to stop: models, workers and all from one file.
+    #[command(after_help = crate::serve::EXAMPLES)]
+    Serve(crate::serve::ServeArgs),
+    /// Ask a running service what a scenario file asks.
+    #[command(after_help = crate::query::EXAMPLES)]
+    Query(crate::query::QueryArgs),
+    /// Show how a running service is: rate, answers, latencies, workers.
+    #[command(after_help = crate::top::EXAMPLES)]
+    Top(crate::top::TopArgs),
+    /// Look at this machine: what the service needs of it, what is missing, what to do about it.
+    Doctor,
     /// Policies and injury curves: would they be accepted, and what do they say?
     Policy {
         #[command(subcommand)]

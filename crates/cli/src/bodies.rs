@@ -65,7 +65,7 @@ pub(crate) fn load(
 }
 
 /// Opens a model file; its tree is built again if the engine asks for another one.
-fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failure> {
+pub(crate) fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failure> {
     let map = FileMap::open(path).map_err(|error| {
         Failure::input(crate::failure::chain(&error))
             .help("paths are relative to the scenario's folder")
@@ -119,7 +119,8 @@ pub(crate) fn with_tree(
         .map_err(|error| Failure::input(error.to_string()))
 }
 
-fn encoded(body: &model::Body) -> Result<Loaded, Failure> {
+/// A body as a model file in memory.
+pub(crate) fn encoded(body: &model::Body) -> Result<Loaded, Failure> {
     let bytes =
         file::encode(body).map_err(|error| Failure::input(error.to_string()).help(error.help()))?;
     Ok(Loaded { kind: body.meta.kind, bytes: file::Aligned::copy_of(&bytes), source_hash: None })

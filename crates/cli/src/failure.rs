@@ -7,6 +7,8 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Code {
+    /// A check that this command made has failed.
+    GateFailed = 1,
     /// The answer is degraded: bounds, not figures.
     Degraded = 3,
     /// No answer can be given to this request.
@@ -19,8 +21,12 @@ pub(crate) enum Code {
     Internal = 70,
     /// The operating system refused.
     System = 71,
+    /// Somebody else is in the way: try again.
+    TryAgain = 75,
     /// Two versions of this program met.
     Skew = 76,
+    /// Real time was required, and is not to be had.
+    NoRealtime = 77,
     /// A setting is at fault.
     Configuration = 78,
     /// SIGINT or SIGTERM.
@@ -146,5 +152,48 @@ impl From<coordinator::CrewError> for Failure {
             CrewError::Interrupted => (Code::Interrupted, None),
         };
         Self { code, fault: chain(&error), help: help.map(str::to_owned) }
+    }
+}
+
+/// A channel that cannot be opened.
+pub(crate) fn unopened(error: &transport::OpenError) -> Failure {
+    use transport::OpenError;
+    let (code, help) = match error {
+        OpenError::Skew { .. } => (Code::Skew, "start both from the same program"),
+        OpenError::Name { .. } | OpenError::Text { .. } | OpenError::RootTooLong { .. } => {
+            (Code::Configuration, "correct `instance` and `folder` in the deployment file")
+        }
+        OpenError::Taken { .. } => {
+            (Code::TryAgain, "stop the other one, or choose another instance")
+        }
+        OpenError::NoService { .. } => (Code::TryAgain, "start it: trolley serve DEPLOYMENT.toml"),
+        OpenError::Failed { .. } => {
+            (Code::Resources, "/dev/shm and the folder must be writable and large enough")
+        }
+    };
+    Failure::new(code, chain(error)).help(help)
+}
+
+impl From<service::DeploymentError> for Failure {
+    fn from(error: service::DeploymentError) -> Self {
+        Self::new(Code::Configuration, error.to_string())
+    }
+}
+
+impl From<service::ServiceError> for Failure {
+    fn from(error: service::ServiceError) -> Self {
+        use service::ServiceError;
+        match error {
+            ServiceError::Open(error) => unopened(&error),
+            ServiceError::Crew(error) => error.into(),
+            ServiceError::System(error) => error.into(),
+            ServiceError::Files { .. } => Self::new(Code::System, chain(&error))
+                .help("`decisions` needs a folder that may be written to"),
+            ServiceError::NoRealtime(_) => Self::new(Code::NoRealtime, error.to_string()).help(
+                "raise LimitRTPRIO and LimitMEMLOCK (see tools/systemd), or start without \
+                 --require-rt",
+            ),
+            ServiceError::Memory => Self::new(Code::Resources, error.to_string()),
+        }
     }
 }

@@ -7,6 +7,8 @@
 mod args;
 mod bodies;
 mod certify;
+mod deployment;
+mod doctor;
 mod explain;
 mod failure;
 mod inject;
@@ -18,18 +20,25 @@ mod plan;
 mod policy;
 mod print;
 mod progress;
+mod query;
 mod rank;
 mod record;
 mod run;
+mod serve;
 mod simulate;
 mod table;
 mod terms;
+mod top;
 mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};
 use failure::Failure;
 use std::process::ExitCode;
+
+/// Counts what a request allocates; it costs an increment.
+#[global_allocator]
+static HEAP: runtime::heap::Counting = runtime::heap::Counting;
 
 /// Name of this build: both ends of every channel carry it.
 const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("TROLLEY_BUILD"));
@@ -61,6 +70,10 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Simulate { verb } => simulate::simulate(verb, args.verbose, &args.output()),
         Command::Inject(options) => inject::run(options, &args.output()),
+        Command::Serve(options) => serve::run(options, &args.output()),
+        Command::Query(options) => query::run(options, &args.output()),
+        Command::Top(options) => top::run(options, &args.output()),
+        Command::Doctor => doctor::run(&args.output()),
         Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {
             let mut text = Vec::new();

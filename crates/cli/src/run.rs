@@ -166,12 +166,7 @@ pub(crate) fn crew<'w>(
     let mut run = blank(bodies, plan, "workers");
     let granted = run.cores_granted.clone();
     let cores = worker_cores(engine, &granted)?;
-    if let Some(core) = engine.coordinator_core {
-        affinity::pin_self(usize::from(core)).map_err(|error| {
-            Failure::new(Code::Configuration, crate::failure::chain(&error))
-                .help("choose a core that this process may use: taskset -p $$")
-        })?;
-    }
+    pin_coordinator(engine)?;
     if granted.len() < cores.len() + 1 {
         let processes = cores.len() + 1;
         let remark = format!("{processes} processes share {} cores", granted.len());
@@ -223,8 +218,20 @@ pub(crate) fn crew<'w>(
     Ok((work, run, crew))
 }
 
+/// Keeps this process on the core that is named for it.
+pub(crate) fn pin_coordinator(engine: &Engine) -> Result<(), Failure> {
+    let Some(core) = engine.coordinator_core else { return Ok(()) };
+    affinity::pin_self(usize::from(core)).map_err(|error| {
+        Failure::new(Code::Configuration, crate::failure::chain(&error))
+            .help("choose a core that this process may use: taskset -p $$")
+    })
+}
+
 /// The core of each worker.
-fn worker_cores(engine: &Engine, granted: &[usize]) -> Result<Vec<Option<usize>>, Failure> {
+pub(crate) fn worker_cores(
+    engine: &Engine,
+    granted: &[usize],
+) -> Result<Vec<Option<usize>>, Failure> {
     match &engine.cores {
         Cores::Unpinned => Ok(vec![None; engine.workers]),
         Cores::Granted if granted.is_empty() => Ok(vec![None; engine.workers]),

@@ -130,7 +130,8 @@ fn harm(row: &Row) -> String {
 }
 
 /// A probability in per cent, without the sign; a true zero has no decimals.
-fn percent(value: f64) -> String {
+/// A share as a person reads it.
+pub(crate) fn percent(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{:.2}", 100.0 * value) }
 }
 

@@ -12,6 +12,7 @@
 //! stop: stop flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
 mod error;
+mod idle;
 mod incident;
 mod mend;
 mod parcel;
@@ -20,6 +21,7 @@ mod report;
 mod station;
 
 pub use error::CrewError;
+pub use idle::Attendant;
 pub use incident::{Incident, Sight};
 pub use mend::{Mended, Spoiled};
 pub use preflight::{Lack, preflight};
@@ -116,6 +118,8 @@ pub struct Crew {
     ended: Vec<usize>,
     scratch: Vec<u64>,
     batch: BatchWriter,
+    /// Whoever has to be heard while a request is worked on.
+    attendant: Option<Attendant>,
 }
 
 /// Scratch for laying out batches.
@@ -169,6 +173,7 @@ impl Crew {
             ended: Vec::new(),
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
+            attendant: None,
         };
         for worker in 0..workers {
             let station = crew.man(Incarnation { worker: worker as u8, inc: 0 }, store)?;
@@ -690,6 +695,9 @@ impl Crew {
         let waiting = self.stations.iter().any(|station| station.has_mail(&self.status));
         let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
         flag(0);
+        if let Some(attendant) = &mut self.attendant {
+            attendant.attend();
+        }
         for wake in wakes? {
             match wake {
                 Wake::Process(worker) => {
@@ -697,7 +705,7 @@ impl Crew {
                     self.see(self.stations[worker as usize].who, Sight::Ended);
                 }
                 Wake::Signal(_) => return Err(CrewError::Interrupted),
-                Wake::Event(_) | Wake::Timer => {}
+                Wake::Event(_) | Wake::Ready(_) | Wake::Timer => {}
             }
         }
         Ok(())

@@ -42,8 +42,8 @@ mod work;
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 
 pub use crew::{
-    Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Sight, Spoiled,
-    WorkerReport, preflight, seal,
+    Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Sight,
+    Spoiled, WorkerReport, preflight, seal,
 };
 pub use cuts::Cuts;
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};

@@ -102,17 +102,38 @@ impl Request {
         policy: Policy,
         curves: Curves,
     ) -> Result<Self, RequestError> {
-        let (persons, aboard) = persons(scenario, bodies);
+        let models: Vec<usize> = (0..scenario.parties.len()).collect();
+        Self::with_models(scenario, bodies, &models, policy, curves)
+    }
+
+    /// The same for parties that share bodies: party i has body `models[i]`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Request::new`].
+    ///
+    /// # Panics
+    ///
+    /// If there is no model for a party, or no such body.
+    pub fn with_models(
+        scenario: &Scenario,
+        bodies: &[(Meta, BodyView<'_>)],
+        models: &[usize],
+        policy: Policy,
+        curves: Curves,
+    ) -> Result<Self, RequestError> {
+        let body = |party: usize| &bodies[models[party]];
+        let (persons, aboard) = persons(scenario, &body);
         let mut candidates = Vec::new();
         for candidate in &scenario.candidates {
             let (ego, other) = (scenario.ego.0, candidate.other.party.0);
             let (state_a, state_b) = (&candidate.ego, &candidate.other.state);
             let pose = RelativePose::between(&state_a.pose, &state_b.pose);
             let party = |number: usize, to_ego: Option<&RelativePose>| {
-                party(&bodies[number].0, &scenario.parties[number], to_ego, aboard[number].clone())
+                party(&body(number).0, &scenario.parties[number], to_ego, aboard[number].clone())
             };
             let (a, b) = (party(ego, None), party(other, Some(&pose)));
-            let views = (&bodies[ego].1, &bodies[other].1);
+            let views = (&body(ego).1, &body(other).1);
             let approach = approach(views, &pose, (state_a, state_b), (&a, &b));
             let meeting = plan(&approach).map_err(|source| RequestError::Approach {
                 name: candidate.name.clone(),
@@ -121,8 +142,8 @@ impl Request {
             candidates.push(Candidate {
                 name: candidate.name.clone(),
                 other_name: scenario.parties[other].name.clone(),
-                model_a: ego as u32,
-                model_b: other as u32,
+                model_a: models[ego] as u32,
+                model_b: models[other] as u32,
                 pose,
                 approach,
                 meeting,
@@ -143,14 +164,14 @@ impl Request {
 }
 
 /// The one fixed list of persons, and who of them is with each party.
-fn persons(
+fn persons<'b>(
     scenario: &Scenario,
-    bodies: &[(Meta, BodyView<'_>)],
+    body: &impl Fn(usize) -> &'b (Meta, BodyView<'b>),
 ) -> (Vec<Person>, Vec<Vec<Aboard>>) {
     let mut persons = Vec::new();
     let mut aboard = Vec::new();
     for (number, party) in scenario.parties.iter().enumerate() {
-        let meta = &bodies[number].0;
+        let meta = &body(number).0;
         let is_ego = number == scenario.ego.0;
         let states = scenario.candidates.iter().filter_map(|candidate| {
             let is_other = candidate.other.party.0 == number;

@@ -2,7 +2,8 @@
 //!
 //! Every message is a slice of 64-bit words behind a 64-byte [`Head`]; what the words mean is said
 //! by [`job`] and [`parcel`] (coordinator to worker) and [`result`] (worker to coordinator). The
-//! [`status`] page is the one thing that both sides may look at while it changes.
+//! [`status`] page is the one thing that both sides may look at while it changes. What clients of
+//! the service exchange with it stands in [`public`].
 //!
 //! # Invariants
 //!
@@ -17,6 +18,7 @@ pub mod job;
 pub mod launch;
 pub mod order;
 pub mod parcel;
+pub mod public;
 pub mod result;
 pub mod status;
 

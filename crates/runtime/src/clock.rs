@@ -43,6 +43,11 @@ pub fn cpu_ns_of(pid: u32) -> Option<u64> {
     Some(nanoseconds(Timespec { tv_sec: time.tv_sec, tv_nsec: time.tv_nsec }))
 }
 
+/// Sleeps for so long, or until a signal comes: for threads that nobody waits for.
+pub fn nap_ns(length_ns: u64) {
+    let _early = rustix::thread::nanosleep(&timespec(length_ns));
+}
+
 /// A number that nobody can guess: for the name of a run.
 ///
 /// # Errors

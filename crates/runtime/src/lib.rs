@@ -10,6 +10,8 @@
 //! | [`counters`] | instructions and cache misses of a process, where there are counters |
 //! | [`wait`] | one epoll over eventfds, children, a timer and signals |
 //! | [`futex`] | sleeping on a word of the status page |
+//! | [`realtime`] | locked memory, fixed priority, page faults; and what is missing for them |
+//! | [`heap`] | an allocator that counts |
 //!
 //! # Invariants
 //!
@@ -29,8 +31,10 @@ pub mod counters;
 pub mod error;
 pub mod futex;
 pub mod machine;
+pub mod heap;
 pub mod memory;
 pub mod process;
+pub mod realtime;
 #[cfg(test)]
 mod testing;
 pub mod wait;

@@ -3,6 +3,7 @@
 //! | source | wakes when | reported |
 //! |---|---|---|
 //! | eventfd ([`Poller::add_event`]) | somebody rang it | again after each ring; emptied here |
+//! | descriptor ([`Poller::add_fd`]) | it can be read | until its owner has read it empty |
 //! | child ([`Poller::add_process`]) | it ended | once |
 //! | timer ([`Poller::arm_ns`]) | its time came | once per arming |
 //! | signals ([`Poller::catch_signals`]) | one came | each |
@@ -35,6 +36,8 @@ pub const WAKES_MAX: usize = 64;
 pub enum Wake {
     /// The eventfd with this key was rung, once or more often.
     Event(u32),
+    /// The descriptor with this key can be read; whoever owns it empties it.
+    Ready(u32),
     /// The process with this key has ended and waits to be reaped.
     Process(u32),
     /// The time that was armed has come.
@@ -75,6 +78,7 @@ impl Iterator for Wakes {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Source {
     Event(u32),
+    Ready(u32),
     Process(u32),
     Timer,
     Signals,
@@ -87,6 +91,7 @@ impl Source {
             Self::Process(key) => (1, key),
             Self::Timer => (2, 0),
             Self::Signals => (3, 0),
+            Self::Ready(key) => (4, key),
         };
         kind << 32 | u64::from(key)
     }
@@ -97,6 +102,7 @@ impl Source {
             0 => Self::Event(key),
             1 => Self::Process(key),
             2 => Self::Timer,
+            4 => Self::Ready(key),
             _ => Self::Signals,
         }
     }
@@ -144,6 +150,16 @@ impl Poller {
         let event = EventFd::create()?;
         self.add(event.fd(), Source::Event(key), EventFlags::IN)?;
         Ok(event)
+    }
+
+    /// Wakes whenever a descriptor can be read, which is not done here. One under the same key is
+    /// forgotten.
+    ///
+    /// # Errors
+    ///
+    /// If file descriptors ran out.
+    pub fn add_fd(&mut self, fd: BorrowedFd<'_>, key: u32) -> Result<()> {
+        self.add(fd, Source::Ready(key), EventFlags::IN)
     }
 
     /// Wakes, once, when the child ends. One under the same key is forgotten.
@@ -256,6 +272,7 @@ impl Poller {
                         wakes.push(Wake::Event(key));
                     }
                 }
+                Source::Ready(key) => wakes.push(Wake::Ready(key)),
                 Source::Process(key) => wakes.push(Wake::Process(key)),
                 Source::Timer => {
                     if event::drain(self.timer.as_fd()) {

@@ -39,6 +39,7 @@ mod engine;
 mod error;
 mod explain;
 mod limit;
+pub mod live;
 mod names;
 mod raw;
 mod rules;

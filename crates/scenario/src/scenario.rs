@@ -117,6 +117,8 @@ pub struct Opponent {
 /// Where a body is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
+    /// Yaw, pitch and roll as they were written (degrees): `pose` follows from them.
+    pub angles_deg: [f64; 3],
     /// Body frame to world.
     pub pose: Pose,
     /// Velocity of the body in m/s, world frame, in the ground plane: z is +0.0.

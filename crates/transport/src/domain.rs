@@ -14,7 +14,8 @@
 mod place;
 mod sweep;
 
-pub use sweep::sweep_leftovers;
+pub(crate) use place::{SHM, commit_all, is_instance, names_in_shm};
+pub use sweep::{dead_instances, sweep_leftovers};
 
 use crate::error::OpenError;
 use core::fmt;
@@ -72,7 +73,7 @@ impl Domain {
             Role::Guest => "worker",
         };
         let name = NodeName::new(name).map_err(OpenError::at(fail, root))?;
-        let config = config(&place)?;
+        let config = config(&place.prefix(), place.root())?;
         let node = NodeBuilder::new()
             .name(&name)
             .config(&config)
@@ -152,11 +153,10 @@ impl Cleaner {
 }
 
 /// Everything in code: iceoryx2 would look for files in the working directory, home and /etc.
-fn config(place: &Place) -> Result<Config, OpenError> {
-    let root = place.root();
+pub(crate) fn config(prefix: &str, root: &str) -> Result<Config, OpenError> {
     let mut config = Config::default();
-    config.global.prefix = FileName::new(place.prefix().as_bytes())
-        .map_err(OpenError::at("use the prefix of", root))?;
+    config.global.prefix =
+        FileName::new(prefix.as_bytes()).map_err(OpenError::at("use the prefix of", root))?;
     let path = Path::new(root.as_bytes()).map_err(OpenError::at("use the path", root))?;
     config.global.set_root_path(&path);
     config.global.creation_timeout = Duration::from_millis(500);

@@ -14,6 +14,30 @@ pub enum OpenError {
         /// What was given.
         name: String,
     },
+    /// Another service has this name. Exit with 75.
+    #[error("instance '{instance}' is already served by process {pid}")]
+    Taken {
+        /// The instance.
+        instance: String,
+        /// Who serves it, as far as it says.
+        pid: String,
+    },
+    /// Nobody serves this instance.
+    #[error("no service is running as instance '{instance}' in {folder}")]
+    NoService {
+        /// The instance.
+        instance: String,
+        /// Where its folder would be.
+        folder: String,
+    },
+    /// The folder makes the name of the root too long for iceoryx2.
+    #[error("'{root}' has more than {most} bytes: choose a shorter folder or instance")]
+    RootTooLong {
+        /// The root.
+        root: String,
+        /// How many it may have.
+        most: usize,
+    },
     /// The text does not name a domain.
     #[error("'{text}' is not the name of a run, as its coordinator writes it")]
     Text {

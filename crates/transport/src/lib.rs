@@ -3,7 +3,7 @@
 //! A [`Domain`] is one start of one coordinator: a name that no other run shares, so that two
 //! instances, or a hundred tests, never meet. Within it each incarnation of a worker has a link: a
 //! job channel and a result channel, created and held by the coordinator ([`CoordinatorLink`]) and
-//! opened by the worker ([`WorkerLink`]).
+//! opened by the worker ([`WorkerLink`]). What planners use stands apart from it: [`service`].
 //!
 //! ```text
 //! Sender   --loan--> OpenMessage --words (in place), send(head, used)--> (gone)
@@ -15,6 +15,7 @@
 //! - No call on an open channel blocks. A full queue is [`UseError::Full`].
 //! - A message is seen whole or not at all, and only with the right checksum, run and sender; what
 //!   was never sent never arrives: `tests/kill.rs`, `link/tests.rs`.
+//! - A service has one server at a time, and outlives clients that vanish: `service/tests.rs`.
 //! - A domain leaves nothing in /dev/shm once its creator dropped it; what a killed run left is
 //!   removed by [`sweep_leftovers`], and never what a live run still uses: `domain/tests.rs`.
 //! - The answer to every iceoryx2 question is written out in [`link`] and [`domain`]; its
@@ -31,13 +32,15 @@ pub mod error;
 pub mod link;
 pub mod receiver;
 pub mod sender;
+pub mod service;
 mod wire;
 
-pub use domain::{Cleaner, Domain, sweep_leftovers};
+pub use domain::{Cleaner, Domain, dead_instances, sweep_leftovers};
 pub use error::{OpenError, UseError};
 pub use link::{CoordinatorLink, Sizes, WorkerLink};
 pub use receiver::Receiver;
 pub use sender::{OpenMessage, Sender};
+pub use service::{Address, Asked, Client, Listener, Pending, Server};
 
 /// What has gone through one end of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -75,7 +75,8 @@ fn state(raw: &raw::Ego, path: &Path) -> Result<State, Fault> {
             return Err(Misfit::new("speed_m_s", fault, help)).at(path);
         }
     };
-    Ok(State { pose, velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0) })
+    let angles_deg = [yaw_deg, pitch_deg, roll_deg];
+    Ok(State { angles_deg, pose, velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0) })
 }
 
 /// A list of so many numbers, each within the limit.

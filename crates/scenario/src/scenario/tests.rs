@@ -13,6 +13,7 @@ fn the_full_scenario_reads_as_it_is_written() {
     let file =
         |path: &str, line, column| FileRef { path: path.to_owned(), place: at(line, column) };
     let state = |yaw, pitch, roll, position, x, y| State {
+        angles_deg: [yaw, pitch, roll],
         pose: Pose::from_degrees(yaw, pitch, roll, position),
         velocity_m_s: DVec3::new(x, y, 0.0),
     };

@@ -11,7 +11,7 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::Path;
 
 /// Where iceoryx2 keeps its memory, so its root lies there too: one place to sweep, and a tmpfs.
-pub(super) const SHM: &str = "/dev/shm";
+pub(crate) const SHM: &str = "/dev/shm";
 /// Every name in [`SHM`] that is ours begins with this.
 pub(super) const OURS: &str = "trolley.";
 /// Name of a root before it is locked.
@@ -81,14 +81,7 @@ impl Place {
     }
 
     pub(super) fn commit(&self) -> Result<(), OpenError> {
-        let prefix = self.prefix();
-        for name in names_in_shm().map_err(OpenError::at("list", SHM))? {
-            if name.starts_with(&prefix) {
-                let path = format!("{SHM}/{name}");
-                commit_file(&path).map_err(OpenError::at("take shared memory for", &path))?;
-            }
-        }
-        Ok(())
+        commit_all(&self.prefix())
     }
 }
 
@@ -103,9 +96,13 @@ impl Drop for Place {
 
 /// The name of a domain in [`SHM`]; `None` if the instance's name is not fit for it.
 fn name_of(instance: &str, boot: Boot) -> Option<String> {
+    is_instance(instance).then(|| format!("{OURS}{instance}.{:016x}", boot.0))
+}
+
+/// Whether a name can be that of an instance.
+pub(crate) fn is_instance(name: &str) -> bool {
     let fits = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
-    let fit = (1..=INSTANCE_MAX).contains(&instance.len()) && instance.bytes().all(fits);
-    fit.then(|| format!("{OURS}{instance}.{:016x}", boot.0))
+    (1..=INSTANCE_MAX).contains(&name.len()) && name.bytes().all(fits)
 }
 
 /// The boot in the name of a domain; `None` if it is not one.
@@ -120,7 +117,7 @@ pub(super) fn prefix_of(name: &str) -> String {
     format!("{name}-")
 }
 
-pub(super) fn names_in_shm() -> io::Result<Vec<String>> {
+pub(crate) fn names_in_shm() -> io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(SHM)? {
         // What is not UTF-8 is not ours.
@@ -175,6 +172,17 @@ pub(super) fn lock_out_guests(root: &str) -> io::Result<Option<File>> {
 pub(super) fn lock_root(root: &str) -> Option<File> {
     let lock = File::open(root).ok()?;
     flock(&lock, FlockOperation::NonBlockingLockExclusive).ok().map(|()| lock)
+}
+
+/// Takes all memory now whose name begins so.
+pub(crate) fn commit_all(prefix: &str) -> Result<(), OpenError> {
+    for name in names_in_shm().map_err(OpenError::at("list", SHM))? {
+        if name.starts_with(prefix) {
+            let path = format!("{SHM}/{name}");
+            commit_file(&path).map_err(OpenError::at("take shared memory for", &path))?;
+        }
+    }
+    Ok(())
 }
 
 fn commit_file(path: &str) -> io::Result<()> {

@@ -35,6 +35,22 @@ pub fn sweep_leftovers() -> usize {
     removed
 }
 
+/// Names of runs and services whose process is dead, in a folder; nothing is removed.
+#[must_use]
+pub fn dead_instances(folder: &Path) -> Vec<String> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    let is_dead = |name: &String| {
+        let is_root = boot_of(name).is_some() || name.starts_with("trolley-");
+        let path = folder.join(name);
+        // Whoever lives holds the lock; it is given back at once.
+        is_root && path.is_dir() && path.to_str().and_then(lock_root).is_some()
+    };
+    let mut names: Vec<String> = names.filter(is_dead).collect();
+    names.sort_unstable();
+    names
+}
+
 /// Removes a domain. The caller holds the lock of its root.
 ///
 /// The memory goes first: while the root stands, its lock tells others that somebody cares.

@@ -1,0 +1,228 @@
+//! `trolley query`: a scenario file, asked of a running service.
+
+use crate::args::{Assume, Output};
+use crate::deployment::{self, Opened};
+use crate::failure::{Code, Failure, unopened};
+use crate::{inputs, print, table};
+use clap::Args;
+use client::{Client, Waiting};
+use comfy_table::{CellAlignment, Table};
+use protocol::public::{Answer, Ask, Place, Reason, Verdict, flag};
+use scenario::{Scenario, Source};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+mod latency;
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
+  trolley query D.toml S.toml --json | jq .ranking[0].name
+  trolley query D.toml S.toml --repeat 100000    latencies, beside the kernel in this process
+
+Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not running.";
+
+/// What to ask, and whom.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct QueryArgs {
+    /// The deployment that the service was started with: it says where it is, and which models it
+    /// has.
+    deployment: PathBuf,
+    /// Scenario, TOML: see `trolley schema`. Its engine, policy and curves are the service's.
+    scenario: PathBuf,
+    /// Name of the instance instead of the file's.
+    #[arg(long, value_name = "NAME")]
+    instance: Option<String>,
+    /// How long to wait for the answer (ms).
+    #[arg(long, value_name = "MS", default_value_t = 1000.0)]
+    deadline_ms: f64,
+    /// Take parties of unknown kind as fixed to the ground, with nobody in them.
+    #[arg(long, value_name = "unknown=fixed")]
+    assume: Option<Assume>,
+    /// Ask so often, and print latencies beside those of the same work done in this process.
+    #[arg(long, value_name = "N")]
+    repeat: Option<u32>,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    state: &'static str,
+    reason: &'static str,
+    text: &'a str,
+    request: u64,
+    queued_us: f64,
+    worked_us: f64,
+    ranking: Vec<Row<'a>>,
+}
+
+/// One candidate in its place.
+#[derive(Serialize)]
+struct Row<'a> {
+    name: &'a str,
+    other: &'a str,
+    work: [f64; 2],
+    range: [f64; 2],
+    touches: bool,
+    certain: bool,
+    tied: bool,
+    depth_m: [f64; 2],
+    delta_v_m_s: [[f64; 2]; 2],
+    worst: Option<[f64; 2]>,
+}
+
+pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let opened = deployment::open(&options.deployment, options.instance.as_deref())?;
+    let text = inputs::text(&options.scenario)?;
+    let name = options.scenario.display().to_string();
+    let scenario = Scenario::parse(&name, &text)?;
+    let ask = ask(&opened, &scenario, options)?;
+    if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
+        let fault = format!("--deadline-ms {}: no such time", options.deadline_ms);
+        return Err(Failure::new(Code::Configuration, fault).help("up to 3600000 ms"));
+    }
+    let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
+    let deployment = &opened.deployment;
+    let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)
+        .map_err(|error| unopened(&error))?;
+    if let Some(repeat) = options.repeat {
+        return latency::run(&mut client, &ask, repeat, patience, &opened, output);
+    }
+    let answer = client.ask(&ask, patience);
+    if output.json {
+        let document = document(&scenario, &answer);
+        let text = serde_json::to_string_pretty(&document)
+            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        print::out(&text)?;
+    } else if answer.verdict().has_ranking() {
+        print::out(&ranking(&scenario, &answer))?;
+    }
+    match answer.verdict() {
+        Verdict::Complete | Verdict::Certified => Ok(ExitCode::SUCCESS),
+        Verdict::Degraded => Ok(Code::Degraded.into()),
+        _ if output.json => Ok(code(&answer).into()),
+        verdict => {
+            let fault = format!("{}: {}", verdict.name(), answer.text());
+            Err(Failure::new(code(&answer), fault))
+        }
+    }
+}
+
+fn code(answer: &Answer) -> Code {
+    match (answer.verdict(), answer.reason()) {
+        (Verdict::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Code::TryAgain,
+        _ => Code::Refused,
+    }
+}
+
+/// The request that asks what the scenario asks, with the ids of the deployment's models.
+fn ask(opened: &Opened, scenario: &Scenario, options: &QueryArgs) -> Result<Ask, Failure> {
+    let folder = options.scenario.parent().unwrap_or(Path::new(""));
+    let mut models = Vec::new();
+    for party in &scenario.parties {
+        let model =
+            opened.deployment.models.iter().find(|model| match (&party.source, &model.source) {
+                (Source::File(reference), service::Source::File(path)) => {
+                    let theirs = std::fs::canonicalize(folder.join(&reference.path)).ok();
+                    theirs.is_some() && theirs == std::fs::canonicalize(opened.path(path)).ok()
+                }
+                (
+                    Source::Generate { shape, triangles, seed },
+                    service::Source::Generate { shape: s, triangles: t, seed: n },
+                ) => (shape, triangles, seed) == (s, t, n),
+                _ => false,
+            });
+        let Some(model) = model else {
+            let (place, name) = (party.place, &party.name);
+            let fault = format!(
+                "{}:{place}: the deployment has no model as that of party \"{name}\"",
+                options.scenario.display()
+            );
+            let help = format!("add it to [[models]] of {}", options.deployment.display());
+            return Err(Failure::input(fault).help(help));
+        };
+        models.push(model.id);
+    }
+    let assumed = options.assume == Some(Assume::UnknownFixed);
+    service::of_scenario(scenario, &models, assumed).map_err(Failure::input)
+}
+
+fn name_of<'a>(scenario: &'a Scenario, place: &Place) -> (&'a str, &'a str) {
+    let candidate = scenario.candidates.get(place.candidate as usize);
+    candidate.map_or(("?", "?"), |candidate| {
+        let other = scenario.parties.get(candidate.other.party.0);
+        (&candidate.name, other.map_or("?", |party| &party.name))
+    })
+}
+
+fn document<'a>(scenario: &'a Scenario, answer: &'a Answer) -> Document<'a> {
+    let row = |place: &Place| {
+        let (name, other) = name_of(scenario, place);
+        let has = |bit: u32| place.flags & bit != 0;
+        Row {
+            name,
+            other,
+            work: place.work,
+            range: place.range,
+            touches: has(flag::TOUCHES),
+            certain: has(flag::CERTAIN),
+            tied: has(flag::TIED),
+            depth_m: place.depth_m,
+            delta_v_m_s: [place.ego_delta_v_m_s, place.other_delta_v_m_s],
+            worst: has(flag::PERSON).then_some(place.worst),
+        }
+    };
+    Document {
+        schema: "trolley.query/1",
+        state: answer.verdict().name(),
+        reason: answer.reason().name(),
+        text: answer.text(),
+        request: answer.request,
+        queued_us: answer.queued_ns as f64 / 1e3,
+        worked_us: answer.worked_ns as f64 / 1e3,
+        ranking: answer.ranking().iter().map(row).collect(),
+    }
+}
+
+/// The ranking for people.
+fn ranking(scenario: &Scenario, answer: &Answer) -> String {
+    let mut table = Table::new();
+    table.load_style(comfy_table::presets::NOTHING);
+    table.set_header(["#", "candidate", "contact", "depth", "ΔV ego/other", "harm %", "range %"]);
+    for (number, place) in answer.ranking().iter().enumerate() {
+        let (name, other) = name_of(scenario, place);
+        let touches = place.flags & flag::TOUCHES != 0;
+        let contact = if touches { format!("with {other}") } else { "none".to_owned() };
+        let dash = |text: String| if touches { text } else { "–".to_owned() };
+        let percent = |value: f64| table::percent(value);
+        table.add_row([
+            (number + 1).to_string(),
+            name.to_owned(),
+            contact,
+            dash(format!("{:.2} m", place.depth_m[1])),
+            dash(format!("{:.1} / {:.1}", place.ego_delta_v_m_s[1], place.other_delta_v_m_s[1])),
+            percent(place.work[1]),
+            format!("{}–{}", percent(place.range[0]), percent(place.range[1])),
+        ]);
+    }
+    for number in 3..7 {
+        if let Some(column) = table.column_mut(number) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let best = answer.ranking().first().map_or("?", |place| name_of(scenario, place).0);
+    let mut text = format!(
+        "{}\n\nLeast harm: {best}. {}: answered in {:.0} µs, after {:.0} µs of waiting.",
+        table.to_string().lines().map(str::trim_end).collect::<Vec<_>>().join("\n"),
+        answer.verdict().name().to_uppercase(),
+        answer.worked_ns as f64 / 1e3,
+        answer.queued_ns as f64 / 1e3,
+    );
+    if !answer.text().is_empty() {
+        text.push_str(&format!("\nNote: {}", answer.text()));
+    }
+    text
+}

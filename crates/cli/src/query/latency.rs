@@ -1,0 +1,140 @@
+//! `--repeat`: how long answers take, beside the same work done in this process, in turns.
+//!
+//! Every answer is compared with that of this process, place by place and bit by bit.
+
+use crate::args::Output;
+use crate::deployment::{self, Opened};
+use crate::failure::{Code, Failure, chain};
+use crate::print;
+use client::Client;
+use hdrhistogram::Histogram;
+use protocol::public::{Ask, Verdict};
+use runtime::clock;
+use serde::Serialize;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Requests before the first that counts.
+const WARM: u32 = 200;
+/// The longest time that is told apart (ns).
+const LONGEST_NS: u64 = 60_000_000_000;
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Document {
+    schema: &'static str,
+    requests: u32,
+    /// Answers by verdict: complete, certified, degraded, refused, busy.
+    answers: [u64; 5],
+    /// Rankings that differ from that of this process in any bit.
+    wrong: u64,
+    /// From asking to the answer (µs).
+    service_us: Figures,
+    /// The same request worked off in this process (µs).
+    kernel_us: Figures,
+    /// What the service itself says of its work: without ways there and back (µs).
+    worked_us: Figures,
+    overhead_p50_us: f64,
+}
+
+/// A distribution (µs).
+#[derive(Clone, Copy, Serialize)]
+struct Figures {
+    p50: f64,
+    p99: f64,
+    p999: f64,
+    max: f64,
+}
+
+fn figures(times: &Histogram<u64>) -> Figures {
+    let at = |share| times.value_at_quantile(share) as f64 / 1e3;
+    Figures { p50: at(0.5), p99: at(0.99), p999: at(0.999), max: times.max() as f64 / 1e3 }
+}
+
+pub(super) fn run(
+    client: &mut Client,
+    ask: &Ask,
+    repeat: u32,
+    patience: Duration,
+    opened: &Opened,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let internal = |text: String| Failure::new(Code::Internal, text);
+    let rules = opened.rules()?;
+    let loaded = opened.bodies()?;
+    let files: Vec<&[u8]> = loaded.iter().map(|body| body.bytes.bytes()).collect();
+    let store = coordinator::seal(&files)?;
+    drop(loaded);
+    let bodies = model::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
+    let depth = deployment::depth(&opened.deployment.engine)?;
+    let here =
+        || service::answer_here(ask, &opened.deployment, &bodies, (&rules.0, &rules.1), depth);
+    let expected = here();
+    let empty =
+        || Histogram::<u64>::new_with_max(LONGEST_NS, 3).map_err(|e| internal(e.to_string()));
+    let (mut service, mut kernel, mut worked) = (empty()?, empty()?, empty()?);
+    let (mut answers, mut wrong) = ([0; 5], 0);
+    for number in 0..repeat.saturating_add(WARM) {
+        let begun_ns = clock::now_ns();
+        let answer = client.ask(ask, patience);
+        let asked_ns = clock::now_ns();
+        let done = here();
+        let done_ns = clock::now_ns();
+        let has_ranking = answer.verdict().has_ranking();
+        let is_same = answer.place_count == expected.place_count
+            && bytemuck::bytes_of(&answer.places) == bytemuck::bytes_of(&expected.places);
+        wrong += u64::from(answer.verdict() == Verdict::Complete && !is_same);
+        wrong += u64::from(done.places != expected.places);
+        if number < WARM {
+            continue;
+        }
+        answers[answer.verdict() as usize - 1] += 1;
+        if has_ranking {
+            service.saturating_record(asked_ns - begun_ns);
+            worked.saturating_record(answer.worked_ns);
+        }
+        kernel.saturating_record(done_ns - asked_ns);
+    }
+    let document = Document {
+        schema: "trolley.latency/1",
+        requests: repeat,
+        answers,
+        wrong,
+        service_us: figures(&service),
+        kernel_us: figures(&kernel),
+        worked_us: figures(&worked),
+        overhead_p50_us: figures(&service).p50 - figures(&kernel).p50,
+    };
+    if output.json {
+        let text = serde_json::to_string_pretty(&document).map_err(|e| internal(e.to_string()))?;
+        print::out(&text)?;
+    } else {
+        print::out(&page(&document))?;
+    }
+    Ok(if wrong == 0 { ExitCode::SUCCESS } else { Code::GateFailed.into() })
+}
+
+fn page(document: &Document) -> String {
+    let row = |name: &str, figures: &Figures| {
+        let Figures { p50, p99, p999, max } = figures;
+        format!("{name:<26}{p50:>10.1}{p99:>10.1}{p999:>10.1}{max:>12.1}")
+    };
+    let [complete, certified, degraded, refused, busy] = document.answers;
+    format!(
+        "{:<26}{:>10}{:>10}{:>10}{:>12}\n{}\n{}\n{}\n\n\
+         {} requests: {complete} complete, {certified} certified, {degraded} degraded, \
+         {refused} refused, {busy} busy; {} wrong.\n\
+         The median request takes {:.1} µs more than the same work in this process.",
+        "µs",
+        "p50",
+        "p99",
+        "p99.9",
+        "max",
+        row("asked, until answered", &document.service_us),
+        row("the service's own work", &document.worked_us),
+        row("the same in this process", &document.kernel_us),
+        document.requests,
+        document.wrong,
+        document.overhead_p50_us,
+    )
+}

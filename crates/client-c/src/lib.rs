@@ -1,0 +1,141 @@
+//! The client for C and C++: `include/trolley.h` says what each function does.
+//!
+//! ```text
+//! trolley_connect --> handle --trolley_ask, as often as wanted--> answers --> trolley_disconnect
+//! ```
+//!
+//! # Invariants
+//!
+//! - No panic leaves this library: it would end the caller's process. It becomes a refusal.
+//! - The structs are those of `protocol::public`; the header states the same sizes and offsets, and
+//!   `tests/clients.rs` at the top level compiles it with a C++ compiler and compares the answers.
+
+#![expect(unsafe_code, reason = "C hands over pointers; each is checked for null and used once")]
+
+use client::public::{Answer, Ask, Reason, Verdict};
+use client::{Client, Waiting};
+use core::ffi::{CStr, c_char};
+use core::time::Duration;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// A client, as C sees it: an address.
+#[derive(Debug)]
+pub struct Handle(Client);
+
+/// Connects to a service. Returns null on failure, and then writes why into `error`.
+///
+/// # Safety
+///
+/// `folder` and `instance` are C strings; `error` has room for `error_length` bytes, or is null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trolley_connect(
+    folder: *const c_char,
+    instance: *const c_char,
+    nap_ns: u64,
+    error: *mut c_char,
+    error_length: usize,
+) -> *mut Handle {
+    let text = |pointer: *const c_char| {
+        if pointer.is_null() {
+            return Err("a null pointer is no name".to_owned());
+        }
+        // SAFETY: the caller hands over C strings.
+        let text = unsafe { CStr::from_ptr(pointer) };
+        text.to_str().map(str::to_owned).map_err(|error| error.to_string())
+    };
+    let waiting = match nap_ns {
+        0 => Waiting::Spin,
+        ns => Waiting::Nap(Duration::from_nanos(ns)),
+    };
+    let connect = || {
+        let client = Client::connect(&text(folder)?, &text(instance)?, waiting);
+        client.map_err(|error| error.to_string())
+    };
+    let done = catch_unwind(AssertUnwindSafe(connect));
+    match done.unwrap_or_else(|_| Err("a mistake of this library".to_owned())) {
+        Ok(client) => Box::into_raw(Box::new(Handle(client))),
+        Err(why) => {
+            // SAFETY: the caller vouches for both.
+            unsafe { say(&why, error, error_length) };
+            core::ptr::null_mut()
+        }
+    }
+}
+
+/// Writes a text, cut to fit, and a zero behind it.
+///
+/// # Safety
+///
+/// `out` has room for `length` bytes, or is null.
+unsafe fn say(text: &str, out: *mut c_char, length: usize) {
+    let Some(room) = length.checked_sub(1).filter(|_| !out.is_null()) else { return };
+    let end = text.floor_char_boundary(room);
+    // SAFETY: `end` is less than `length`, which the caller vouches for.
+    unsafe { core::ptr::copy_nonoverlapping(text.as_ptr().cast(), out, end) };
+    // SAFETY: as above.
+    let last = unsafe { out.add(end) };
+    // SAFETY: as above.
+    unsafe { last.write(0) };
+}
+
+/// Asks, and waits for the answer at most `patience_ns`. There is always one.
+///
+/// # Safety
+///
+/// `client` came from [`trolley_connect`] and is used by one thread at a time; `ask` can be read
+/// and `answer` written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trolley_ask(
+    client: *mut Handle,
+    ask: *const Ask,
+    patience_ns: u64,
+    answer: *mut Answer,
+) {
+    if answer.is_null() {
+        return;
+    }
+    let refused =
+        |text: &str| Answer::without_ranking(0, Verdict::Refused, Reason::Malformed, text);
+    let given = if client.is_null() || ask.is_null() {
+        refused("a null pointer was handed over")
+    } else {
+        // SAFETY: not null, made by `trolley_connect`, and nobody else uses it now.
+        let handle = unsafe { &mut *client };
+        // SAFETY: not null, and every bit pattern is a request.
+        let ask = unsafe { ask.read() };
+        let exchange = || handle.0.ask(&ask, Duration::from_nanos(patience_ns));
+        catch_unwind(AssertUnwindSafe(exchange))
+            .unwrap_or_else(|_| refused("a mistake of this library"))
+    };
+    // SAFETY: not null, and the caller vouches for it.
+    unsafe { answer.write(given) };
+}
+
+/// Ends a client. Null is nothing.
+///
+/// # Safety
+///
+/// `client` came from [`trolley_connect`] and is not used again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trolley_disconnect(client: *mut Handle) {
+    if client.is_null() {
+        return;
+    }
+    // SAFETY: it was made by `Box::into_raw`, and is given back once.
+    let handle = unsafe { Box::from_raw(client) };
+    let _panicked = catch_unwind(AssertUnwindSafe(|| drop(handle)));
+}
+
+/// The name of a verdict: a C string that lives for ever.
+#[unsafe(no_mangle)]
+pub extern "C" fn trolley_verdict_name(verdict: u32) -> *const c_char {
+    let name = match Verdict::from_number(verdict) {
+        Some(Verdict::Complete) => c"complete",
+        Some(Verdict::Certified) => c"certified",
+        Some(Verdict::Degraded) => c"degraded",
+        Some(Verdict::Refused) => c"refused",
+        Some(Verdict::Busy) => c"busy",
+        None => c"unknown",
+    };
+    name.as_ptr()
+}

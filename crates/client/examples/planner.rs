@@ -1,0 +1,61 @@
+//! A planner in Rust: asks what `config/scenarios/minimal.toml` asks, each 100 ms, and prints the
+//! ranking. Words: how often (default 1), the instance, the folder.
+//!
+//! ```text
+//! trolley serve config/deployments/minimal.toml
+//! cargo run --release -p client --example planner -- 10
+//! ```
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to a terminal")]
+
+use client::public::{Answer, Ask, Candidate, Motion, Party};
+use client::{Client, Waiting};
+use std::time::Duration;
+
+const NAMES: [&str; 2] = ["wall, frontal", "pole, narrow"];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut words = std::env::args().skip(1);
+    let turns: u32 = words.next().map_or(Ok(1), |word| word.parse())?;
+    let instance = words.next().unwrap_or_else(|| "minimal".to_owned());
+    let folder = words.next().unwrap_or_else(|| "/dev/shm".to_owned());
+    let mut client = Client::connect(&folder, &instance, Waiting::Spin)?;
+    let ask = what_is_left().ok_or("a request has no room for this")?;
+    for turn in 0..turns {
+        // A planner asks again with each picture of the world; here nothing moves.
+        let answer = client.ask(&ask, Duration::from_millis(100));
+        eprintln!("{} {}", answer.verdict().name(), answer.text());
+        if turn + 1 == turns {
+            show(&answer);
+        }
+        if turn + 1 < turns {
+            let pause = rustix::time::Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+            let _early = rustix::thread::nanosleep(&pause);
+        }
+    }
+    Ok(())
+}
+
+/// Two ways are left. Models by the ids of `config/deployments/minimal.toml`.
+fn what_is_left() -> Option<Ask> {
+    let mut ask = Ask::new(0);
+    ask.ego = ask.add_party(Party::of_model(1))?;
+    let pole = ask.add_party(Party::of_model(3))?;
+    let wall = ask.add_party(Party::of_model(2))?;
+    let ego = Motion { velocity_m_s: [10.0, 0.0], ..Motion::default() };
+    let at = |x: f64, y: f64, yaw: f64| Motion {
+        position_m: [x, y, 0.0],
+        angles_deg: [yaw, 0.0, 0.0],
+        ..Motion::default()
+    };
+    for (party, other) in [(wall, at(2.55, 0.0, 90.0)), (pole, at(2.4, 0.3, 0.0))] {
+        ask.add_candidate(Candidate { party, spare: 0, probability: 1.0, ego, other })?;
+    }
+    Some(ask)
+}
+
+fn show(answer: &Answer) {
+    for (number, place) in answer.ranking().iter().enumerate() {
+        let name = NAMES.get(place.candidate as usize).unwrap_or(&"?");
+        println!("{} {name} {:?} {:?}", number + 1, place.work[0], place.work[1]);
+    }
+}

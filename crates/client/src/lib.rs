@@ -1,0 +1,180 @@
+//! For planners: connect to a service, ask with a deadline, get an answer or a refusal.
+//!
+//! ```no_run
+//! use client::{Client, Waiting};
+//! use client::public::{Ask, Candidate, Motion, Party};
+//! use std::time::Duration;
+//!
+//! let mut client = Client::connect("/dev/shm", "trolley", Waiting::Spin)?;
+//! let mut ask = Ask::new(0);
+//! let ego = ask.add_party(Party::of_model(1)).ok_or("no room")?;
+//! let wall = ask.add_party(Party::of_model(2)).ok_or("no room")?;
+//! let at = |x: f64, v: f64| Motion {
+//!     position_m: [x, 0.0, 0.0],
+//!     velocity_m_s: [v, 0.0],
+//!     ..Motion::default()
+//! };
+//! ask.ego = ego;
+//! ask.add_candidate(Candidate {
+//!     party: wall, spare: 0, probability: 1.0, ego: at(0.0, 10.0), other: at(2.5, 0.0),
+//! });
+//! let answer = client.ask(&ask, Duration::from_millis(50));
+//! for place in answer.ranking() {
+//!     println!("{} {:?}", place.candidate, place.work);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Invariants
+//!
+//! - [`Client::ask`] returns by its deadline, whatever has become of the service: an answer that
+//!   did not come is a refusal made here, [`Reason::Silence`] or [`Reason::NoService`].
+//! - A service that was restarted is found again without help: `tests/serve.rs` at the top level.
+//!
+//! It knows the public structs and the transport, and nothing of bodies, harm or policies.
+
+use core::fmt;
+use core::time::Duration;
+use protocol::public::{Answer, Ask, Reason, Verdict};
+use rustix::time::{ClockId, Timespec, clock_gettime};
+use transport::{Address, Client as Port, UseError};
+
+pub use protocol::public;
+pub use transport::OpenError;
+
+/// How a client waits for its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waiting {
+    /// It looks all the time, and lets others go first: an answer is seen at once.
+    Spin,
+    /// It looks, sleeps a little, looks again: an answer is seen up to so much later (with the
+    /// kernel's timer slack of 50 µs), and the core is free meanwhile.
+    Nap(Duration),
+}
+
+/// So many refusals without a server, and everything is opened anew: a sweep may have taken the
+/// files that we still have open.
+const REFUSALS_MAX: u32 = 3;
+
+/// A client of a service. It belongs to one thread.
+pub struct Client {
+    address: Address,
+    waiting: Waiting,
+    /// `None` after a failed attempt to open anew.
+    port: Option<Port>,
+    sequence: u64,
+    unserved: u32,
+}
+
+impl Client {
+    /// Connects to the service of this instance in this folder (`/dev/shm` if the deployment file
+    /// says nothing else).
+    ///
+    /// # Errors
+    ///
+    /// If there is no such service, it has sixteen clients already, or shared memory or file
+    /// descriptors ran out.
+    pub fn connect(folder: &str, instance: &str, waiting: Waiting) -> Result<Self, OpenError> {
+        let address = Address::new(folder, instance)?;
+        let port = Some(Port::open(&address)?);
+        Ok(Self { address, waiting, port, sequence: 0, unserved: 0 })
+    }
+
+    /// Asks, and waits for the answer, at most for so long. The client numbers its requests: what
+    /// stands in `ask.sequence` and `ask.answer_by_ns` does not count.
+    ///
+    /// There is always an answer; without a ranking its verdict is *refused* or *busy*.
+    #[must_use]
+    pub fn ask(&mut self, ask: &Ask, patience: Duration) -> Answer {
+        let end_ns = now_ns().saturating_add(nanoseconds(patience));
+        self.sequence += 1;
+        let ask = Ask { sequence: self.sequence, answer_by_ns: end_ns, ..*ask };
+        let answer = self.exchange(&ask, end_ns);
+        self.unserved = match answer.reason() {
+            Reason::NoService => self.unserved + 1,
+            _ => 0,
+        };
+        if self.unserved >= REFUSALS_MAX {
+            self.unserved = 0;
+            // The old one goes first: its place may be the only one left.
+            self.port = None;
+        }
+        answer
+    }
+
+    fn exchange(&mut self, ask: &Ask, end_ns: u64) -> Answer {
+        let refused = |reason: Reason, text: &str| {
+            Answer::without_ranking(ask.sequence, Verdict::Refused, reason, text)
+        };
+        if self.port.is_none() {
+            match Port::open(&self.address) {
+                Ok(port) => self.port = Some(port),
+                Err(error) => return refused(Reason::NoService, &error.to_string()),
+            }
+        }
+        let Some(port) = &self.port else { return refused(Reason::NoService, "not connected") };
+        if port.servers() == 0 {
+            return refused(Reason::NoService, "the service is not running");
+        }
+        let pending = match port.ask(ask) {
+            Ok(pending) => pending,
+            Err(UseError::Full) => {
+                let text = "the service takes no more requests at the moment";
+                return Answer::without_ranking(
+                    ask.sequence,
+                    Verdict::Busy,
+                    Reason::QueueFull,
+                    text,
+                );
+            }
+            Err(error) => return refused(Reason::NoService, &error.to_string()),
+        };
+        loop {
+            match pending.receive() {
+                Ok(Some(answer)) if answer.sequence == ask.sequence => return answer,
+                // An answer to an earlier request that was withdrawn.
+                Ok(Some(_)) => continue,
+                Ok(None) => {}
+                Err(error) => return refused(Reason::NoService, &error.to_string()),
+            }
+            let now_ns = now_ns();
+            if now_ns >= end_ns {
+                return refused(Reason::Silence, "no answer came in time");
+            }
+            if !pending.is_served() {
+                return refused(Reason::NoService, "the service ended while it was asked");
+            }
+            self.wait(end_ns - now_ns);
+        }
+    }
+
+    fn wait(&self, left_ns: u64) {
+        match self.waiting {
+            Waiting::Spin => rustix::thread::sched_yield(),
+            Waiting::Nap(nap) => {
+                let ns = nanoseconds(nap).min(left_ns);
+                let nap = Timespec {
+                    tv_sec: (ns / 1_000_000_000) as i64,
+                    tv_nsec: (ns % 1_000_000_000) as i64,
+                };
+                let _early = rustix::thread::nanosleep(&nap);
+            }
+        }
+    }
+}
+
+impl fmt::Debug for Client {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Client").field("address", &self.address).finish_non_exhaustive()
+    }
+}
+
+fn nanoseconds(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// CLOCK_MONOTONIC (ns): the clock of deadlines.
+fn now_ns() -> u64 {
+    let now = clock_gettime(ClockId::Monotonic);
+    now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
+}

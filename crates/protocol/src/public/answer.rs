@@ -1,0 +1,264 @@
+//! The answer of the service, and what its numbers mean.
+
+use super::{CANDIDATES_MAX, VERSION};
+use bytemuck::{Pod, Zeroable};
+
+/// Bytes of the text of an answer.
+const TEXT: usize = 176;
+
+/// How finished an answer is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Verdict {
+    /// All work is done.
+    Complete = 1,
+    /// No open work can change the winner.
+    Certified = 2,
+    /// Open work could change the winner; the intervals hold all the same.
+    Degraded = 3,
+    /// There is no ranking; [`Answer::reason`] says why.
+    Refused = 4,
+    /// There is no ranking: the service has as many requests as its queue takes. Ask again.
+    Busy = 5,
+}
+
+impl Verdict {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 5] =
+        [Self::Complete, Self::Certified, Self::Degraded, Self::Refused, Self::Busy];
+
+    /// The verdict with this number.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|verdict| *verdict as u32 == number)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Certified => "certified",
+            Self::Degraded => "degraded",
+            Self::Refused => "refused",
+            Self::Busy => "busy",
+        }
+    }
+
+    /// Whether there is a ranking.
+    #[must_use]
+    pub fn has_ranking(self) -> bool {
+        !matches!(self, Self::Refused | Self::Busy)
+    }
+}
+
+/// Why there is no ranking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Reason {
+    /// There is one.
+    None = 0,
+    /// Another version, a count beyond its bounds, a flag or number that means nothing.
+    Malformed = 1,
+    /// A party names a model that the deployment does not have.
+    UnknownModel = 2,
+    /// A value is not finite, or beyond its range.
+    OutOfRange = 3,
+    /// A party cannot play its part: persons in a wall, a pedestrian as the ego.
+    Misfit = 4,
+    /// A party is of unknown kind, and nothing may be assumed of it.
+    UnknownKind = 5,
+    /// The model cannot say anything about these candidates.
+    Unassessable = 6,
+    /// The time was up before the work began.
+    TooLate = 7,
+    /// The queue is full.
+    QueueFull = 8,
+    /// No worker is left, and none can be had at once.
+    NoWorkers = 9,
+    /// The service is stopping.
+    Stopping = 10,
+    /// A mistake of ours.
+    Internal = 11,
+    /// Said by the client alone: no answer came in time.
+    Silence = 12,
+    /// Said by the client alone: there is no service.
+    NoService = 13,
+}
+
+impl Reason {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 14] = [
+        Self::None,
+        Self::Malformed,
+        Self::UnknownModel,
+        Self::OutOfRange,
+        Self::Misfit,
+        Self::UnknownKind,
+        Self::Unassessable,
+        Self::TooLate,
+        Self::QueueFull,
+        Self::NoWorkers,
+        Self::Stopping,
+        Self::Internal,
+        Self::Silence,
+        Self::NoService,
+    ];
+
+    /// The reason with this number.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|reason| *reason as u32 == number)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Malformed => "malformed",
+            Self::UnknownModel => "unknown-model",
+            Self::OutOfRange => "out-of-range",
+            Self::Misfit => "misfit",
+            Self::UnknownKind => "unknown-kind",
+            Self::Unassessable => "unassessable",
+            Self::TooLate => "too-late",
+            Self::QueueFull => "queue-full",
+            Self::NoWorkers => "no-workers",
+            Self::Stopping => "stopping",
+            Self::Internal => "internal",
+            Self::Silence => "silence",
+            Self::NoService => "no-service",
+        }
+    }
+}
+
+/// Bits of [`Place::flags`].
+pub mod flag {
+    /// The bodies touch.
+    pub const TOUCHES: u32 = 1;
+    /// The model is sure that it comes before the next.
+    pub const CERTAIN: u32 = 2;
+    /// The model cannot tell it from the first; the first has it too.
+    pub const TIED: u32 = 4;
+    /// There are no figures: the bodies overlap before the path begins, or at standstill.
+    pub const UNEVALUABLE: u32 = 8;
+    /// The contact is not fully known.
+    pub const MISSING: u32 = 16;
+    /// No contact, but nearer than poses are known.
+    pub const NEAR_MISS: u32 = 32;
+    /// The figures of the worst-off person count.
+    pub const PERSON: u32 = 64;
+}
+
+/// The answer to an [`super::Ask`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Answer {
+    /// [`VERSION`].
+    pub version: u32,
+    /// A [`Verdict`].
+    pub verdict: u32,
+    /// A [`Reason`].
+    pub reason: u32,
+    /// Places that are filled in; 0 without a ranking.
+    pub place_count: u32,
+    /// The client's own number.
+    pub sequence: u64,
+    /// The service's number of the request, from 1 since it started; 0 if it was not worked on.
+    pub request: u64,
+    /// From the moment it was taken until work began (ns).
+    pub queued_ns: u64,
+    /// From then until this answer (ns).
+    pub worked_ns: u64,
+    /// What is wrong, or how it was assumed: UTF-8, ended by zeros.
+    pub text: [u8; TEXT],
+    /// Candidates, least harm first.
+    pub places: [Place; CANDIDATES_MAX],
+}
+
+/// One candidate in its place.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Place {
+    /// Number of the candidate in the request.
+    pub candidate: u32,
+    /// Bits of [`flag`].
+    pub flags: u32,
+    /// The policy's leading measure, over the work interval: lo, hi.
+    pub work: [f64; 2],
+    /// The same over the model range: low, high.
+    pub range: [f64; 2],
+    /// Depth of the contact: lo, hi (m); 0 without contact.
+    pub depth_m: [f64; 2],
+    /// Change of velocity of the ego, nominal: lo, hi (m/s).
+    pub ego_delta_v_m_s: [f64; 2],
+    /// Change of velocity of the other: lo, hi (m/s).
+    pub other_delta_v_m_s: [f64; 2],
+    /// Party of the person worst off.
+    pub worst_party: u32,
+    /// Seat of that person, as in [`super::Person`].
+    pub worst_seat: u32,
+    /// Probability of injury of that person: lo, hi.
+    pub worst: [f64; 2],
+}
+
+impl Answer {
+    /// An answer without a ranking.
+    #[must_use]
+    pub fn without_ranking(sequence: u64, verdict: Verdict, reason: Reason, text: &str) -> Self {
+        let mut answer = Self {
+            version: VERSION,
+            verdict: verdict as u32,
+            reason: reason as u32,
+            sequence,
+            ..Self::zeroed()
+        };
+        answer.say(text);
+        answer
+    }
+
+    /// Writes the text, cut where a character would not fit.
+    pub fn say(&mut self, text: &str) {
+        self.text = [0; TEXT];
+        let end = text.floor_char_boundary(TEXT);
+        self.text[..end].copy_from_slice(&text.as_bytes()[..end]);
+    }
+
+    /// The verdict; one that means nothing is taken as refused.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        Verdict::from_number(self.verdict).unwrap_or(Verdict::Refused)
+    }
+
+    /// The reason; one that means nothing is taken as a mistake of ours.
+    #[must_use]
+    pub fn reason(&self) -> Reason {
+        Reason::from_number(self.reason).unwrap_or(Reason::Internal)
+    }
+
+    /// The text, as far as it is UTF-8.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        let end = self.text.iter().position(|byte| *byte == 0).unwrap_or(TEXT);
+        let said = self.text.get(..end).unwrap_or_default();
+        let sound = |error: core::str::Utf8Error| said.get(..error.valid_up_to());
+        core::str::from_utf8(said).unwrap_or_else(|error| {
+            sound(error).and_then(|said| core::str::from_utf8(said).ok()).unwrap_or_default()
+        })
+    }
+
+    /// The places that are filled in, least harm first.
+    #[must_use]
+    pub fn ranking(&self) -> &[Place] {
+        self.places.get(..self.place_count as usize).unwrap_or(&self.places)
+    }
+}
+
+const _: () = {
+    use core::mem::offset_of;
+    assert!(size_of::<Place>() == 112);
+    assert!(size_of::<Answer>() == 2016 && align_of::<Answer>() == 8);
+    assert!(offset_of!(Answer, text) == 48);
+    assert!(offset_of!(Answer, places) == 224);
+};

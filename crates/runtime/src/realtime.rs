@@ -1,0 +1,137 @@
+//! What keeps a process from being late: memory that stays, a fixed priority, no page faults.
+//!
+//! Each is asked for, and each may be refused: by a limit, a container, or a missing right. What
+//! was refused is said; whether that matters is for the caller to decide.
+
+use crate::error::{OsError, Result};
+use rustix::mm::MlockAllFlags;
+use std::hint::black_box;
+
+/// Stack that is touched in advance (bytes).
+const STACK: usize = 512 * 1024;
+/// A page (bytes); larger ones are touched more often than needed.
+const PAGE: usize = 4096;
+
+/// Keeps all memory of this process in place, what it has and what it will get.
+///
+/// Memory that is mapped later is taken at once: running out shows when it is mapped.
+///
+/// # Errors
+///
+/// If the limit on locked memory (RLIMIT_MEMLOCK) is too low and there is no CAP_IPC_LOCK.
+pub fn lock_memory() -> Result<()> {
+    rustix::mm::mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)
+        .map_err(OsError::at("lock", "memory"))
+}
+
+/// Gives a process, or the calling thread (pid 0), SCHED_FIFO with this priority, 1 to 99.
+///
+/// # Errors
+///
+/// If the limit on priority (RLIMIT_RTPRIO) is too low and there is no CAP_SYS_NICE.
+pub fn fifo(pid: u32, priority: i32) -> Result<()> {
+    let parameters = libc::sched_param { sched_priority: priority };
+    let pid = i32::try_from(pid).unwrap_or(i32::MAX);
+    // SAFETY: `parameters` is valid for reads; a wrong pid or priority is an error.
+    let done = unsafe { libc::sched_setscheduler(pid, libc::SCHED_FIFO, &raw const parameters) };
+    if done == 0 {
+        return Ok(());
+    }
+    let error = std::io::Error::last_os_error();
+    Err(OsError::new(
+        "set SCHED_FIFO for",
+        if pid == 0 { "us".into() } else { pid.to_string() },
+        error,
+    ))
+}
+
+/// Lets the heap keep what it got, and touches so many bytes of it and some stack: what is asked
+/// for later within these bounds costs no page fault.
+pub fn prefault(heap_bytes: usize) {
+    keep_heap();
+    let mut heap = vec![0_u8; heap_bytes];
+    for page in heap.chunks_mut(PAGE) {
+        page[0] = black_box(1);
+    }
+    drop(black_box(heap));
+    touch_stack();
+}
+
+#[inline(never)]
+fn touch_stack() {
+    let mut stack = [0_u8; STACK];
+    for page in stack.chunks_mut(PAGE) {
+        page[0] = black_box(1);
+    }
+    black_box(&stack);
+}
+
+/// No memory goes back to the kernel, and none comes from it in pieces of its own.
+#[cfg(target_env = "gnu")]
+fn keep_heap() {
+    for (what, value) in [(libc::M_TRIM_THRESHOLD, -1), (libc::M_MMAP_MAX, 0)] {
+        // SAFETY: sets a number of the allocator, under its lock.
+        let _refused = unsafe { libc::mallopt(what, value) };
+    }
+}
+
+#[cfg(not(target_env = "gnu"))]
+fn keep_heap() {}
+
+/// Page faults of the calling thread since it started: those that needed no disk, and those that
+/// did.
+#[must_use]
+pub fn page_faults() -> (u64, u64) {
+    // SAFETY: all zeros is a valid `rusage`.
+    let mut usage: libc::rusage = unsafe { core::mem::zeroed() };
+    // SAFETY: `usage` may be written.
+    let done = unsafe { libc::getrusage(libc::RUSAGE_THREAD, &raw mut usage) };
+    if done != 0 {
+        return (0, 0);
+    }
+    (usage.ru_minflt.unsigned_abs(), usage.ru_majflt.unsigned_abs())
+}
+
+/// Lets timers of the calling thread fire when they are due: the kernel's default is up to 50 µs
+/// late.
+pub fn sharpen_timers() {
+    // SAFETY: sets a number of the calling thread.
+    let _refused = unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1_usize) };
+}
+
+/// The soft limits that matter here: locked memory, priority, descriptors, in bytes and numbers;
+/// `None`: no limit.
+#[must_use]
+pub fn limits() -> [Option<u64>; 3] {
+    use rustix::process::{Resource, getrlimit};
+    [Resource::Memlock, Resource::Rtprio, Resource::Nofile].map(|what| getrlimit(what).current)
+}
+
+#[cfg(test)]
+mod tests {
+    //! What was touched in advance costs no fault.
+    use super::*;
+
+    #[test]
+    fn a_prefaulted_heap_costs_no_page_fault() {
+        prefault(4 << 20);
+        // Warm: the allocator's own pages, and this function's.
+        drop(black_box(vec![1_u8; 1 << 20]));
+        let before = page_faults();
+        for _ in 0..10 {
+            let mut bytes = vec![0_u8; 1 << 20];
+            for page in bytes.chunks_mut(PAGE) {
+                page[0] = black_box(1);
+            }
+            black_box(&bytes);
+        }
+        let after = page_faults();
+        assert!(after.0 - before.0 < 64, "{} faults for 2,560 pages", after.0 - before.0);
+    }
+
+    #[test]
+    fn the_kernel_says_what_the_limits_are() {
+        let [_, _, files] = limits();
+        assert!(files.is_none_or(|files| files >= 64));
+    }
+}

@@ -1,0 +1,80 @@
+//! From the engine's answer to the one on the wire. The only place where states are mapped.
+
+use crate::ask::seat_number;
+use coordinator::Row;
+use damage::State;
+use model::Seat;
+use protocol::public::{Answer, Place, Reason, VERSION, Verdict, flag};
+
+const SEATS: [Seat; 6] = [
+    Seat::FrontLeft,
+    Seat::FrontRight,
+    Seat::RearLeft,
+    Seat::RearMiddle,
+    Seat::RearRight,
+    Seat::Rider,
+];
+
+/// The verdict that a state is.
+fn verdict(state: State) -> Verdict {
+    match state {
+        State::Complete => Verdict::Complete,
+        State::Certified => Verdict::Certified,
+        State::Degraded => Verdict::Degraded,
+        State::Refused => Verdict::Refused,
+    }
+}
+
+/// Lays an answer out. Names of candidates and parties are their numbers: see `ask.rs`.
+pub(crate) fn lay_out(sequence: u64, answer: &coordinator::Answer) -> Answer {
+    let verdict = verdict(answer.state);
+    let reason = if verdict == Verdict::Refused { Reason::Unassessable } else { Reason::None };
+    let mut out = Answer::without_ranking(sequence, verdict, reason, "");
+    debug_assert_eq!(out.version, VERSION);
+    if verdict == Verdict::Refused {
+        out.say("no candidate has a bound");
+        return out;
+    }
+    for (row, place) in answer.ranking.iter().zip(&mut out.places) {
+        *place = place_of(row, answer);
+        out.place_count += 1;
+    }
+    if let Some(assumption) = answer.assumptions.first() {
+        out.say(assumption);
+    }
+    out
+}
+
+fn number(name: &str) -> u32 {
+    name.parse().unwrap_or(u32::MAX)
+}
+
+fn place_of(row: &Row, answer: &coordinator::Answer) -> Place {
+    let mut place = Place {
+        candidate: number(&row.name),
+        work: row.work.into(),
+        range: row.range.into(),
+        ego_delta_v_m_s: row.delta_v_m_s[0].work.into(),
+        other_delta_v_m_s: row.delta_v_m_s[1].work.into(),
+        ..Place::default()
+    };
+    let mut set = |bit: u32, is_set: bool| place.flags |= if is_set { bit } else { 0 };
+    set(flag::TOUCHES, row.contact.patch.is_some());
+    set(flag::CERTAIN, row.certain);
+    set(flag::TIED, answer.tie_class.contains(&row.name));
+    set(flag::UNEVALUABLE, row.unevaluable.is_some());
+    set(flag::MISSING, answer.missing.contains(&row.name));
+    set(flag::NEAR_MISS, row.contact.near_miss);
+    if let Some(patch) = &row.contact.patch {
+        place.depth_m = patch.depth_m.into();
+    }
+    let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
+    if let Some(worst) = worst {
+        place.flags |= flag::PERSON;
+        place.worst_party = number(&worst.party);
+        let seat = worst.seat.and_then(|name| SEATS.into_iter().find(|s| s.name() == name));
+        place.worst_seat = seat_number(seat);
+        place.worst = worst.work.into();
+    }
+    place
+}

@@ -1,0 +1,272 @@
+//! From a request as it came to one that the engine takes: every value is checked here, once.
+//!
+//! Candidates and parties have numbers on the wire; the engine calls them by names, which are these
+//! numbers written out. Nothing here depends on when a request came or on what was asked before.
+
+use crate::deployment::Deployment;
+use model::{BodyView, Kind, Meta, Seat, meta::Occupant};
+use protocol::public::{
+    Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Party, Reason, VERSION,
+};
+use scenario::{Candidate, Misfit, Opponent, PartyIndex, Place, Scenario, State, live};
+
+/// Why a request is refused, for the program and for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Refusal {
+    pub(crate) reason: Reason,
+    pub(crate) text: String,
+}
+
+fn refuse<T>(reason: Reason, text: impl Into<String>) -> Result<T, Refusal> {
+    Err(Refusal { reason, text: text.into() })
+}
+
+/// A request that was checked.
+#[derive(Clone, Debug)]
+pub(crate) struct Checked {
+    pub(crate) scenario: Scenario,
+    /// The body of each party in the store.
+    pub(crate) models: Vec<usize>,
+    /// What was assumed because nobody knows it.
+    pub(crate) has_unknown: bool,
+}
+
+/// Seats by their numbers on the wire; 0 is a person on foot.
+const SEATS: [Option<Seat>; 7] = [
+    None,
+    Some(Seat::FrontLeft),
+    Some(Seat::FrontRight),
+    Some(Seat::RearLeft),
+    Some(Seat::RearMiddle),
+    Some(Seat::RearRight),
+    Some(Seat::Rider),
+];
+
+/// The number of a seat on the wire.
+#[must_use]
+pub fn seat_number(seat: Option<Seat>) -> u32 {
+    SEATS.iter().position(|known| *known == seat).unwrap_or(0) as u32
+}
+
+/// Checks a request against the deployment and its bodies.
+pub(crate) fn check(
+    ask: &Ask,
+    deployment: &Deployment,
+    bodies: &[(Meta, BodyView<'_>)],
+) -> Result<Checked, Refusal> {
+    counts(ask)?;
+    let parties = &ask.parties[..ask.party_count as usize];
+    let mut models = Vec::with_capacity(parties.len());
+    let mut checked = Vec::with_capacity(parties.len());
+    for (number, party) in parties.iter().enumerate() {
+        let Some(model) = deployment.model(party.model) else {
+            let text = format!("party {number}: the deployment has no model {}", party.model);
+            return refuse(Reason::UnknownModel, text);
+        };
+        models.push(model);
+        checked.push(party_of(ask, number, party)?);
+    }
+    let scenario = Scenario {
+        name: String::new(),
+        policy: None,
+        curves: None,
+        deadline: None,
+        engine: deployment.engine.clone(),
+        ego: PartyIndex(ask.ego as usize),
+        parties: checked,
+        candidates: candidates(ask)?,
+    };
+    let kinds: Vec<Kind> = models.iter().map(|model| bodies[*model].0.kind).collect();
+    if let Err(error) = scenario.check_kinds("", &kinds) {
+        let number = error.place.line;
+        return refuse(Reason::Misfit, format!("{} {}", whose(number), error.fault));
+    }
+    let has_unknown = scenario.parties.iter().any(|party| party.is_unknown);
+    if has_unknown {
+        if ask.flags & Ask::UNKNOWN_IS_FIXED == 0 {
+            let text = "a party is of unknown kind; set UNKNOWN_IS_FIXED to take it as fixed";
+            return refuse(Reason::UnknownKind, text);
+        }
+        if scenario.parties[ask.ego as usize].is_unknown {
+            return refuse(Reason::UnknownKind, "the ego knows what it is");
+        }
+        if let Err(error) = scenario.check_fixed("") {
+            return refuse(Reason::UnknownKind, error.fault);
+        }
+    }
+    Ok(Checked { scenario, models, has_unknown })
+}
+
+/// Places in errors of `scenario`: a party's number, and a candidate's behind them.
+fn place(number: usize) -> Place {
+    Place { line: number, column: 0 }
+}
+
+fn whose(number: usize) -> String {
+    match number.checked_sub(PARTIES_MAX) {
+        None => format!("party {number}:"),
+        Some(candidate) => format!("candidate {candidate}:"),
+    }
+}
+
+/// Version, counts, flags: whatever would make the rest mean something else.
+fn counts(ask: &Ask) -> Result<(), Refusal> {
+    if ask.version != VERSION {
+        let text = format!("layout {} is not known, this is {VERSION}", ask.version);
+        return refuse(Reason::Malformed, text);
+    }
+    for (what, count, least, most) in [
+        ("candidate_count", ask.candidate_count, 1, CANDIDATES_MAX),
+        ("party_count", ask.party_count, 2, PARTIES_MAX),
+        ("person_count", ask.person_count, 0, PERSONS_MAX),
+    ] {
+        if !(least..=most).contains(&(count as usize)) {
+            return refuse(Reason::Malformed, format!("{what} is {count}, not {least} to {most}"));
+        }
+    }
+    if ask.ego >= ask.party_count {
+        return refuse(Reason::Malformed, format!("the ego is party {}: there is none", ask.ego));
+    }
+    if ask.flags & !Ask::UNKNOWN_IS_FIXED != 0 {
+        return refuse(Reason::Malformed, format!("flags {:#x} mean nothing", ask.flags));
+    }
+    let persons = &ask.persons[..ask.person_count as usize];
+    for (number, person) in persons.iter().enumerate() {
+        if person.party >= ask.party_count {
+            let text = format!("person {number}: there is no party {}", person.party);
+            return refuse(Reason::Malformed, text);
+        }
+        if ask.parties[person.party as usize].flags & Party::PERSONS == 0 {
+            let text = format!("person {number}: party {} has no PERSONS flag", person.party);
+            return refuse(Reason::Malformed, text);
+        }
+        if person.seat as usize >= SEATS.len() {
+            let text = format!("person {number}: there is no seat {}", person.seat);
+            return refuse(Reason::Malformed, text);
+        }
+    }
+    Ok(())
+}
+
+fn beyond(whose: String) -> impl Fn(Misfit) -> Refusal {
+    move |misfit| Refusal {
+        reason: Reason::OutOfRange,
+        text: format!("{whose} {}: {}", misfit.fault, misfit.help),
+    }
+}
+
+fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, Refusal> {
+    const KNOWN: u32 = Party::PERSONS | Party::MASS | Party::UNKNOWN | Party::CRUSH;
+    let beyond = beyond(whose(number));
+    if party.flags & !KNOWN != 0 {
+        let text = format!("party {number}: flags {:#x} mean nothing", party.flags);
+        return refuse(Reason::Malformed, text);
+    }
+    let has = |flag: u32| party.flags & flag != 0;
+    if has(Party::UNKNOWN) && (has(Party::PERSONS) || has(Party::MASS) || has(Party::CRUSH)) {
+        let text = format!("party {number}: of an unknown kind only the shape is known");
+        return refuse(Reason::Misfit, text);
+    }
+    let persons = has(Party::PERSONS).then(|| {
+        let listed = ask.persons[..ask.person_count as usize].iter();
+        let own = listed.filter(|person| person.party as usize == number);
+        own.map(|person| Occupant { seat: SEATS[person.seat as usize] }).collect()
+    });
+    Ok(scenario::Party {
+        name: number.to_string(),
+        place: place(number),
+        // Bodies are in the store already: nobody looks for this one.
+        source: scenario::Source::File(scenario::FileRef {
+            path: String::new(),
+            place: place(number),
+        }),
+        mass_kg: has(Party::MASS)
+            .then(|| live::mass_kg(party.mass_kg))
+            .transpose()
+            .map_err(&beyond)?,
+        persons,
+        responsibility: live::share("responsibility", party.responsibility).map_err(&beyond)?,
+        is_unknown: has(Party::UNKNOWN),
+        crush: has(Party::CRUSH).then(|| live::crush(party.crush)).transpose().map_err(&beyond)?,
+    })
+}
+
+fn candidates(ask: &Ask) -> Result<Vec<Candidate>, Refusal> {
+    let mut candidates = Vec::with_capacity(ask.candidate_count as usize);
+    for (number, asked) in ask.candidates[..ask.candidate_count as usize].iter().enumerate() {
+        let at = PARTIES_MAX + number;
+        if asked.party >= ask.party_count || asked.party == ask.ego {
+            let text = format!("candidate {number}: party {} is none to hit", asked.party);
+            return refuse(Reason::Malformed, text);
+        }
+        let beyond = beyond(whose(at));
+        let state = |motion: &Motion| {
+            State::new(motion.position_m, motion.angles_deg, motion.velocity_m_s).map_err(&beyond)
+        };
+        candidates.push(Candidate {
+            name: number.to_string(),
+            place: place(at),
+            probability: live::share("probability", asked.probability).map_err(&beyond)?,
+            ego: state(&asked.ego)?,
+            other: Opponent {
+                party: PartyIndex(asked.party as usize),
+                state: state(&asked.other)?,
+            },
+        });
+    }
+    Ok(candidates)
+}
+
+/// The request that asks what a scenario asks. `model` gives the id of each party's model.
+///
+/// # Errors
+///
+/// What does not fit: more persons than a request names.
+pub fn of_scenario(
+    scenario: &Scenario,
+    models: &[u32],
+    unknown_is_fixed: bool,
+) -> Result<Ask, String> {
+    let mut ask = Ask::new(0);
+    ask.ego = scenario.ego.0 as u32;
+    ask.flags = if unknown_is_fixed { Ask::UNKNOWN_IS_FIXED } else { 0 };
+    for (number, (party, model)) in scenario.parties.iter().zip(models).enumerate() {
+        let mut row = Party::of_model(*model);
+        row.responsibility = party.responsibility;
+        row.flags = if party.is_unknown { Party::UNKNOWN } else { 0 };
+        if let Some(mass_kg) = party.mass_kg {
+            (row.mass_kg, row.flags) = (mass_kg, row.flags | Party::MASS);
+        }
+        if let Some(crush) = party.crush {
+            (row.crush, row.flags) = (crush, row.flags | Party::CRUSH);
+        }
+        if let Some(persons) = party.persons.as_ref().filter(|_| !party.is_unknown) {
+            row.flags |= Party::PERSONS;
+            for person in persons {
+                let seat = seat_number(person.seat);
+                let row = protocol::public::Person { party: number as u32, seat };
+                ask.add_person(row).ok_or("a request names at most 64 persons")?;
+            }
+        }
+        ask.add_party(row).ok_or("a request has at most 17 parties")?;
+    }
+    for candidate in &scenario.candidates {
+        let motion = |state: &State| Motion {
+            position_m: state.pose.translation,
+            angles_deg: state.angles_deg,
+            velocity_m_s: [state.velocity_m_s.x, state.velocity_m_s.y],
+        };
+        let row = protocol::public::Candidate {
+            party: candidate.other.party.0 as u32,
+            spare: 0,
+            probability: candidate.probability,
+            ego: motion(&candidate.ego),
+            other: motion(&candidate.other.state),
+        };
+        ask.add_candidate(row).ok_or("a request has at most 16 candidates")?;
+    }
+    Ok(ask)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,214 @@
+//! What was asked and what was answered, kept in files that are bounded and chained.
+//!
+//! ```text
+//! decisions-00000007.bin: [magic 8] [number of the file 8] [hash before 32]  then per decision
+//!                         [Ask 3536] [Answer 2016] [hash 32]
+//! ```
+//!
+//! A hash is BLAKE3 over the hash before it and the two structs; the first of a file follows on the
+//! last of the file before. When a file is full the next begins; the oldest goes. Removing whole
+//! files from either end cannot be seen in what is left.
+
+use bytemuck::Zeroable as _;
+use protocol::public::{Answer, Ask};
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::deployment::Decisions;
+
+const MAGIC: [u8; 8] = *b"TROLDEC\n";
+const HEAD: usize = 8 + 8 + 32;
+const ENTRY: usize = size_of::<Ask>() + size_of::<Answer>() + 32;
+
+/// A decision as it was kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// What was asked.
+    pub ask: Ask,
+    /// What was answered.
+    pub answer: Answer,
+}
+
+/// A file of decisions that cannot be trusted.
+#[derive(Debug, thiserror::Error)]
+pub enum DecisionError {
+    /// It cannot be read.
+    #[error("cannot read it: {0}")]
+    Io(#[from] io::Error),
+    /// It is no such file.
+    #[error("it does not begin as a file of decisions does")]
+    Foreign,
+    /// It was changed since it was written.
+    #[error("decision {0} was changed since it was written: its hash does not match")]
+    Changed(usize),
+}
+
+/// Reads a file of decisions and checks its chain. One that was cut in the middle of an entry gives
+/// those before it.
+///
+/// # Errors
+///
+/// If it cannot be read, is no such file, or was changed.
+pub fn read_decisions(path: &Path) -> Result<Vec<Entry>, DecisionError> {
+    let bytes = fs::read(path)?;
+    let (head, body) = bytes.split_at_checked(HEAD).ok_or(DecisionError::Foreign)?;
+    if head[..8] != MAGIC {
+        return Err(DecisionError::Foreign);
+    }
+    let mut before = [0; 32];
+    before.copy_from_slice(&head[16..]);
+    let mut entries = Vec::new();
+    for (number, bytes) in body.chunks_exact(ENTRY).enumerate() {
+        let (ask_bytes, rest) = bytes.split_at(size_of::<Ask>());
+        let (answer_bytes, hash) = rest.split_at(size_of::<Answer>());
+        let mut entry = Entry { ask: Ask::zeroed(), answer: Answer::zeroed() };
+        bytemuck::bytes_of_mut(&mut entry.ask).copy_from_slice(ask_bytes);
+        bytemuck::bytes_of_mut(&mut entry.answer).copy_from_slice(answer_bytes);
+        before = link(&before, &entry.ask, &entry.answer);
+        if hash != before {
+            return Err(DecisionError::Changed(number));
+        }
+        entries.push(entry);
+    }
+    Ok(entries)
+}
+
+fn link(before: &[u8; 32], ask: &Ask, answer: &Answer) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(before).update(bytemuck::bytes_of(ask)).update(bytemuck::bytes_of(answer));
+    *hasher.finalize().as_bytes()
+}
+
+/// Writes decisions.
+#[derive(Debug)]
+pub(crate) struct Book {
+    settings: Decisions,
+    file: File,
+    number: u64,
+    entries: u32,
+    last: [u8; 32],
+}
+
+impl Book {
+    /// Goes on behind what is in the folder, in a file of its own.
+    pub(crate) fn open(settings: &Decisions) -> io::Result<Self> {
+        fs::create_dir_all(&settings.folder)?;
+        let files = numbers(&settings.folder)?;
+        let number = files.last().map_or(0, |last| last + 1);
+        // Cut by a crash or not, the last file's chain ends with its last whole entry.
+        let last = files.last().and_then(|last| last_hash(&name(&settings.folder, *last)));
+        let last = last.unwrap_or_default();
+        let file = begin(&settings.folder, number, &last)?;
+        let book = Self { settings: settings.clone(), file, number, entries: 0, last };
+        book.forget()?;
+        Ok(book)
+    }
+
+    /// Adds a decision.
+    pub(crate) fn add(&mut self, ask: &Ask, answer: &Answer) -> io::Result<()> {
+        if self.entries >= self.settings.per_file {
+            let file = begin(&self.settings.folder, self.number + 1, &self.last)?;
+            (self.file, self.number, self.entries) = (file, self.number + 1, 0);
+            self.forget()?;
+        }
+        let hash = link(&self.last, ask, answer);
+        let mut bytes = Vec::with_capacity(ENTRY);
+        bytes.extend_from_slice(bytemuck::bytes_of(ask));
+        bytes.extend_from_slice(bytemuck::bytes_of(answer));
+        bytes.extend_from_slice(&hash);
+        self.file.write_all(&bytes)?;
+        self.last = hash;
+        self.entries += 1;
+        Ok(())
+    }
+
+    /// Removes the oldest files.
+    fn forget(&self) -> io::Result<()> {
+        let files = numbers(&self.settings.folder)?;
+        let keep = self.settings.files as usize;
+        for number in &files[..files.len().saturating_sub(keep)] {
+            fs::remove_file(name(&self.settings.folder, *number))?;
+        }
+        Ok(())
+    }
+}
+
+fn begin(folder: &Path, number: u64, last: &[u8; 32]) -> io::Result<File> {
+    let mut file = File::create_new(name(folder, number))?;
+    file.write_all(&MAGIC)?;
+    file.write_all(&number.to_le_bytes())?;
+    file.write_all(last)?;
+    Ok(file)
+}
+
+fn last_hash(path: &Path) -> Option<[u8; 32]> {
+    let bytes = fs::read(path).ok()?;
+    let (head, body) = bytes.split_at_checked(HEAD)?;
+    let last = body.chunks_exact(ENTRY).next_back();
+    let hash = last.map_or(&head[16..], |entry| &entry[ENTRY - 32..]);
+    hash.try_into().ok()
+}
+
+fn name(folder: &Path, number: u64) -> PathBuf {
+    folder.join(format!("decisions-{number:08}.bin"))
+}
+
+/// Numbers of the files there are, ascending.
+fn numbers(folder: &Path) -> io::Result<Vec<u64>> {
+    let mut numbers = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let name = entry?.file_name();
+        let number = name.to_str().and_then(|name| {
+            name.strip_prefix("decisions-")?.strip_suffix(".bin")?.parse::<u64>().ok()
+        });
+        numbers.extend(number);
+    }
+    numbers.sort_unstable();
+    Ok(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    //! What is kept is what was asked and answered; every changed byte is found; files are bounded.
+    #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+    use super::*;
+    use protocol::public::{Reason, Verdict};
+
+    fn answer(number: u64) -> Answer {
+        Answer::without_ranking(number, Verdict::Refused, Reason::Internal, "x")
+    }
+
+    #[test]
+    fn decisions_rotate_follow_on_each_other_and_are_found_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = Decisions { folder: folder.path().join("d"), per_file: 3, files: 2 };
+        let mut book = Book::open(&settings).unwrap();
+        for number in 0..8 {
+            book.add(&Ask::new(number), &answer(number)).unwrap();
+        }
+        drop(book);
+        assert_eq!(numbers(&settings.folder).unwrap(), [1, 2]);
+        let entries = read_decisions(&name(&settings.folder, 2)).unwrap();
+        assert_eq!(entries.len(), 2);
+        assert_eq!((entries[0].ask, entries[0].answer), (Ask::new(6), answer(6)));
+        // The next run goes on in the chain.
+        Book::open(&settings).unwrap().add(&Ask::new(8), &answer(8)).unwrap();
+        assert_eq!(numbers(&settings.folder).unwrap(), [2, 3]);
+        let path = name(&settings.folder, 3);
+        assert_eq!(
+            fs::read(&path).unwrap()[16..48],
+            last_hash(&name(&settings.folder, 2)).unwrap()
+        );
+        let whole = fs::read(&path).unwrap();
+        for at in (HEAD..whole.len()).step_by(97) {
+            let mut changed = whole.clone();
+            changed[at] ^= 0x10;
+            fs::write(&path, &changed).unwrap();
+            assert!(matches!(read_decisions(&path), Err(DecisionError::Changed(0))), "byte {at}");
+        }
+        fs::write(&path, b"TROLDEX\n and more than a head would have, of other bytes").unwrap();
+        assert!(matches!(read_decisions(&path), Err(DecisionError::Foreign)));
+    }
+}

@@ -1,0 +1,339 @@
+//! The deployment file: which models, how many workers, where, and what the service may take.
+//!
+//! Every value that is not written has its default here, with its reason; keys that are not known
+//! are refused, with their line. It opens no file: paths are returned as they were written.
+
+use model::generate::Shape;
+use scenario::{Engine, Overrides};
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// Name and version of the form, the value of the key `schema`.
+pub const SCHEMA: &str = "trolley.deployment/1";
+
+/// Longer texts are refused unread: 64 models need 10 kB.
+pub const TEXT_BYTES_MAX: usize = 1 << 20;
+/// Most models of a deployment.
+const MODELS_MAX: usize = 64;
+/// Most requests that wait: one of each client.
+const QUEUE_MAX: usize = protocol::public::CLIENTS_MAX;
+
+/// How a service is set up. Always valid: made by [`Deployment::parse`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deployment {
+    /// Name of the instance: part of every shared name.
+    pub instance: String,
+    /// Folder of the service's root; on a tmpfs.
+    pub folder: String,
+    /// Bodies that requests may name, in the file's order.
+    pub models: Vec<Model>,
+    /// Policy file; `None`: the one that comes with the program.
+    pub policy: Option<PathBuf>,
+    /// Injury risk curves; `None`: those of the program.
+    pub curves: Option<PathBuf>,
+    /// Workers, cores, depth, batches.
+    pub engine: Engine,
+    /// Requests that may wait; more are answered *busy*.
+    pub queue: usize,
+    /// What the service does while nothing is asked.
+    pub idle: Idle,
+    /// Priorities and memory.
+    pub realtime: Realtime,
+    /// Where a Prometheus text file is written, and how often (s).
+    pub metrics: Option<Metrics>,
+    /// Where decisions are kept.
+    pub decisions: Option<Decisions>,
+}
+
+/// A body that requests may name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Model {
+    /// Its number in requests.
+    pub id: u32,
+    /// What people call it.
+    pub name: String,
+    /// Where its triangles come from.
+    pub source: Source,
+}
+
+/// Where a model's triangles come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A model file.
+    File(PathBuf),
+    /// The built-in generator.
+    Generate {
+        /// What it is.
+        shape: Shape,
+        /// How many triangles.
+        triangles: u32,
+        /// Seed of its small variations.
+        seed: u64,
+    },
+}
+
+/// What the service does while nothing is asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Idle {
+    /// It sleeps until a client rings: a few microseconds more, and no core is taken.
+    #[default]
+    Park,
+    /// It looks all the time: it needs a core of its own.
+    Spin,
+}
+
+/// Priorities and memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Realtime {
+    /// Whether to refuse to start without them.
+    pub require: bool,
+    /// Whether memory is locked in place.
+    pub lock_memory: bool,
+    /// SCHED_FIFO priority of the coordinator; 0: none.
+    pub priority: i32,
+    /// SCHED_FIFO priority of the workers; 0: none. Below the coordinator's, which shares a core.
+    pub worker_priority: i32,
+    /// Heap that is touched in advance (MiB).
+    pub heap_mib: usize,
+}
+
+impl Default for Realtime {
+    fn default() -> Self {
+        // Interrupt threads have 50: workers stand below, the coordinator above. A request of 16
+        // candidates with bodies of a million triangles takes less than 64 MiB.
+        Self { require: false, lock_memory: true, priority: 60, worker_priority: 40, heap_mib: 64 }
+    }
+}
+
+/// A Prometheus text file.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Metrics {
+    /// Where it is written; the folder must be there.
+    pub file: PathBuf,
+    /// How often (s), 1 to 3600.
+    #[serde(default = "one")]
+    pub every_s: u64,
+}
+
+fn one() -> u64 {
+    1
+}
+
+/// Where decisions are kept.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Decisions {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Requests per file.
+    #[serde(default = "ten_thousand")]
+    pub per_file: u32,
+    /// Files that are kept; the oldest goes.
+    #[serde(default = "sixteen")]
+    pub files: u32,
+}
+
+fn ten_thousand() -> u32 {
+    10_000
+}
+
+fn sixteen() -> u32 {
+    16
+}
+
+/// A deployment that cannot be used: file, place, fault and remedy, in that order.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}{place}: {fault}\n  help: {help}")]
+pub struct DeploymentError {
+    file: String,
+    place: String,
+    fault: String,
+    help: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Raw {
+    schema: String,
+    instance: String,
+    folder: Option<String>,
+    policy: Option<PathBuf>,
+    curves: Option<PathBuf>,
+    queue: Option<i64>,
+    #[serde(default)]
+    idle: Idle,
+    #[serde(default)]
+    engine: Overrides,
+    #[serde(default)]
+    realtime: Realtime,
+    metrics: Option<Metrics>,
+    decisions: Option<Decisions>,
+    #[serde(default)]
+    models: Vec<RawModel>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawModel {
+    id: u32,
+    name: String,
+    model: Option<PathBuf>,
+    generate: Option<RawGenerate>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawGenerate {
+    shape: String,
+    triangles: u32,
+    #[serde(default)]
+    seed: u64,
+}
+
+impl Deployment {
+    /// Reads a deployment. `file` is its name in errors.
+    ///
+    /// # Errors
+    ///
+    /// The first fault found, with its place and what to do about it.
+    pub fn parse(file: &str, text: &str) -> Result<Self, DeploymentError> {
+        let broken = |place: String, fault: String, help: &str| DeploymentError {
+            file: file.to_owned(),
+            place,
+            fault,
+            help: help.to_owned(),
+        };
+        if text.len() > TEXT_BYTES_MAX {
+            let fault = format!("{} bytes are too many for a deployment", text.len());
+            return Err(broken(String::new(), fault, "is this the right file?"));
+        }
+        let raw: Raw = toml::from_str(text).map_err(|error| {
+            let at = error.span().map_or(0, |span| span.start);
+            let fault = error.message().replace('\n', " ");
+            broken(place_of(text, at), fault, "config/deployments/quad-core.toml has every key")
+        })?;
+        check(raw).map_err(|(key, fault, help)| {
+            let at = text.find(key).unwrap_or(0);
+            broken(place_of(text, at), fault, &help)
+        })
+    }
+
+    /// The number in [`Deployment::models`] of the model with this id.
+    #[must_use]
+    pub fn model(&self, id: u32) -> Option<usize> {
+        self.models.iter().position(|model| model.id == id)
+    }
+}
+
+/// Line and column of a byte, from 1.
+fn place_of(text: &str, at: usize) -> String {
+    let before = text.get(..at).unwrap_or_default();
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+    format!(":{line}:{column}")
+}
+
+/// The key at fault, the fault, the remedy.
+type Misfit = (&'static str, String, String);
+
+fn check(raw: Raw) -> Result<Deployment, Misfit> {
+    let wrong = |key, fault: String, help: &str| Err((key, fault, help.to_owned()));
+    if raw.schema != SCHEMA {
+        let fault = format!("schema {:?} is not known", raw.schema);
+        return Err(("schema", fault, format!("write schema = {SCHEMA:?}")));
+    }
+    let folder = raw.folder.unwrap_or_else(|| transport::service::FOLDER.to_owned());
+    if let Err(error) = transport::Address::new(&folder, &raw.instance) {
+        return wrong("instance", error.to_string(), "the root of iceoryx2 has at most 49 bytes");
+    }
+    let queue = usize::try_from(raw.queue.unwrap_or(QUEUE_MAX as i64)).unwrap_or(0);
+    if !(1..=QUEUE_MAX).contains(&queue) {
+        let help = "queue may be 1 to 16: a client asks one thing at a time";
+        return wrong("queue", "queue is out of range".to_owned(), help);
+    }
+    let engine = Engine::DEFAULT
+        .apply(&raw.engine)
+        .map_err(|misfit| (misfit.setting, misfit.fault, misfit.help))?;
+    if engine.depth == scenario::Depth::Auto {
+        let help = "name a depth: the service starts before it knows what will be asked";
+        return wrong("depth", "depth = \"auto\" cannot be used here".to_owned(), help);
+    }
+    for (key, priority) in
+        [("priority", raw.realtime.priority), ("worker_priority", raw.realtime.worker_priority)]
+    {
+        if !(0..=99).contains(&priority) {
+            let help = "a SCHED_FIFO priority is 1 to 99; 0: none";
+            return wrong(key, format!("{key} is {priority}"), help);
+        }
+    }
+    if raw.realtime.heap_mib > 4096 {
+        let help = "heap_mib may be 0 to 4096";
+        return wrong("heap_mib", format!("heap_mib is {}", raw.realtime.heap_mib), help);
+    }
+    if raw.metrics.as_ref().is_some_and(|metrics| !(1..=3600).contains(&metrics.every_s)) {
+        return wrong("every_s", "every_s is out of range".to_owned(), "every_s may be 1 to 3600");
+    }
+    let kept = |decisions: &Decisions| decisions.per_file >= 1 && decisions.files >= 2;
+    if !raw.decisions.as_ref().is_none_or(kept) {
+        let help = "per_file is at least 1, files at least 2";
+        return wrong("decisions", "nothing would be kept".to_owned(), help);
+    }
+    Ok(Deployment {
+        instance: raw.instance,
+        folder,
+        models: models(raw.models)?,
+        policy: raw.policy,
+        curves: raw.curves,
+        engine,
+        queue,
+        idle: raw.idle,
+        realtime: raw.realtime,
+        metrics: raw.metrics,
+        decisions: raw.decisions,
+    })
+}
+
+fn models(raw: Vec<RawModel>) -> Result<Vec<Model>, Misfit> {
+    if raw.is_empty() || raw.len() > MODELS_MAX {
+        let fault = format!("{} models", raw.len());
+        return Err(("models", fault, format!("a deployment names 1 to {MODELS_MAX} [[models]]")));
+    }
+    let mut models: Vec<Model> = Vec::with_capacity(raw.len());
+    for RawModel { id, name, model, generate } in raw {
+        let twin = models.iter().find(|known| known.id == id || known.name == name);
+        if let Some(twin) = twin {
+            let fault = format!("model {id} {name:?} has the id or the name of {:?}", twin.name);
+            return Err(("models", fault, "give each an id and a name of its own".to_owned()));
+        }
+        let source = match (model, generate) {
+            (Some(path), None) => Source::File(path),
+            (None, Some(RawGenerate { shape, triangles, seed })) => {
+                let known = Shape::ALL.into_iter().find(|known| known.name() == shape);
+                let Some(shape) = known else {
+                    let names: Vec<&str> = Shape::ALL.iter().map(|shape| shape.name()).collect();
+                    let fault = format!("shape {shape:?} is not known");
+                    return Err(("shape", fault, format!("shapes: {}", names.join(", "))));
+                };
+                if !(500..=1_000_000).contains(&triangles) {
+                    let fault = format!("triangles is {triangles}");
+                    let help = "triangles may be 500 to 1000000";
+                    return Err(("triangles", fault, help.to_owned()));
+                }
+                Source::Generate { shape, triangles, seed }
+            }
+            _ => {
+                let fault = format!("model {name:?} has not exactly one of model and generate");
+                let help = "write model = \"file.trolley\", or generate = { shape = …, … }";
+                return Err(("models", fault, help.to_owned()));
+            }
+        };
+        models.push(Model { id, name, source });
+    }
+    Ok(models)
+}
+
+#[cfg(test)]
+mod tests;

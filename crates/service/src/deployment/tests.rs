@@ -1,0 +1,52 @@
+//! What is written is what holds; what is wrong is named with place and remedy.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use super::*;
+
+const MINIMAL: &str = include_str!("../../../../config/deployments/minimal.toml");
+const QUAD: &str = include_str!("../../../../config/deployments/quad-core.toml");
+const DUAL: &str = include_str!("../../../../config/deployments/dual-core.toml");
+
+#[test]
+fn the_deployments_that_are_shipped_are_accepted() {
+    let minimal = Deployment::parse("minimal.toml", MINIMAL).unwrap();
+    assert_eq!(minimal.models.len(), 3);
+    assert_eq!((minimal.model(3), minimal.model(4)), (Some(2), None));
+    assert_eq!((minimal.queue, minimal.idle), (16, Idle::Park));
+    let quad = Deployment::parse("quad-core.toml", QUAD).unwrap();
+    assert_eq!(quad.engine.workers, 4);
+    assert!(quad.realtime.priority > quad.realtime.worker_priority);
+    assert_eq!(Deployment::parse("dual-core.toml", DUAL).unwrap().engine.workers, 2);
+}
+
+#[test]
+fn every_mistake_is_named_with_its_place_and_a_remedy() {
+    for (from, to, said) in [
+        ("trolley.deployment/1", "trolley.deployment/9", "is not known"),
+        ("instance = \"minimal\"", "instance = \"Mini mal\"", "must be 1 to 12 letters"),
+        ("workers = 2", "workers = 99", "workers is 99"),
+        ("workers = 2", "depth = \"auto\"", "cannot be used here"),
+        ("workers = 2", "wrokers = 2", "unknown field"),
+        ("id = 2", "id = 1", "has the id or the name of"),
+        ("name = \"wall\"", "name = \"pole\"", "has the id or the name of"),
+        ("\"pole\", triangles = 2000", "\"pole\", triangles = 2", "triangles is 2"),
+        ("shape = \"pole\"", "shape = \"pol\"", "shape \"pol\" is not known"),
+        ("[engine]", "queue = 17\n[engine]", "queue is out of range"),
+        ("[engine]", "queue = -1\n[engine]", "queue is out of range"),
+        ("[engine]", "[realtime]\npriority = 100\n[engine]", "priority is 100"),
+        ("[engine]", "[metrics]\nfile = \"m\"\nevery_s = 0\n[engine]", "every_s is out of range"),
+        ("[engine]", "[decisions]\nfolder = \"d\"\nfiles = 1\n[engine]", "nothing would be kept"),
+        ("id = 3", "id = 3\nmodel = \"x\"", "has not exactly one of"),
+        ("schema =", "schema ==", "deployment.toml:3"),
+    ] {
+        assert!(MINIMAL.contains(from), "{from}");
+        let wrong = MINIMAL.replacen(from, to, 1);
+        let error = Deployment::parse("deployment.toml", &wrong).unwrap_err().to_string();
+        assert!(error.contains(said), "{to}: {error}");
+        assert!(error.starts_with("deployment.toml:") && error.contains("\n  help: "), "{error}");
+    }
+    let none = MINIMAL.split("[[models]]").next().unwrap();
+    assert!(Deployment::parse("d", none).unwrap_err().to_string().contains("0 models"));
+    let long = "#".repeat(TEXT_BYTES_MAX + 1);
+    assert!(Deployment::parse("d", &long).unwrap_err().to_string().contains("too many"));
+}

@@ -1,0 +1,158 @@
+//! The thread beside the service: it cleans up behind dead clients, and writes files.
+//!
+//! What it is handed goes through a queue of fixed length: the service never waits for a disk. A
+//! decision that finds the queue full is lost, and that is said.
+
+use crate::decisions::Book;
+use crate::deployment::Deployment;
+use crate::metrics;
+use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use crossbeam::queue::ArrayQueue;
+use protocol::public::{Answer, Ask, Health};
+use runtime::clock;
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use transport::service::Housekeeper;
+
+/// Decisions that may wait to be written.
+const WAITING: usize = 1024;
+/// How often dead clients are cleaned up behind (ns): as often as a client may be replaced by hand.
+const CLEAN_NS: u64 = 500_000_000;
+/// How often files are written (ns).
+const NAP_NS: u64 = 50_000_000;
+
+#[derive(Debug)]
+struct Shared {
+    decisions: ArrayQueue<Box<(Ask, Answer)>>,
+    /// The boxes come back, so that keeping a decision allocates nothing.
+    empty: ArrayQueue<Box<(Ask, Answer)>>,
+    health: ArrayQueue<Health>,
+    lost: AtomicU64,
+    stop: AtomicBool,
+}
+
+/// The service's end of it.
+#[derive(Debug)]
+pub(crate) struct Housekeeping {
+    shared: Arc<Shared>,
+    keeps_decisions: bool,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Housekeeping {
+    /// Starts the thread.
+    pub(crate) fn start(
+        deployment: &Deployment,
+        housekeeper: Housekeeper,
+    ) -> std::io::Result<Self> {
+        let book = deployment.decisions.as_ref().map(Book::open).transpose()?;
+        let keeps_decisions = book.is_some();
+        let shared = Arc::new(Shared {
+            decisions: ArrayQueue::new(WAITING),
+            empty: ArrayQueue::new(WAITING),
+            health: ArrayQueue::new(1),
+            lost: AtomicU64::new(0),
+            stop: AtomicBool::new(false),
+        });
+        if keeps_decisions {
+            for _ in 0..WAITING {
+                let empty = (bytemuck::Zeroable::zeroed(), bytemuck::Zeroable::zeroed());
+                let _full = shared.empty.push(Box::new(empty));
+            }
+        }
+        let (theirs, deployment) = (shared.clone(), deployment.clone());
+        let thread = std::thread::Builder::new()
+            .name("trolley-house".to_owned())
+            .spawn(move || keep_house(&theirs, &deployment, book, &housekeeper))?;
+        Ok(Self { shared, keeps_decisions, thread: Some(thread) })
+    }
+
+    /// Keeps a decision, if decisions are kept.
+    pub(crate) fn keep(&self, ask: &Ask, answer: &Answer) {
+        if !self.keeps_decisions {
+            return;
+        }
+        let Some(mut entry) = self.shared.empty.pop() else {
+            self.shared.lost.fetch_add(1, Ordering::Relaxed);
+            return;
+        };
+        *entry = (*ask, *answer);
+        let _never_full = self.shared.decisions.push(entry);
+    }
+
+    /// Says how the service is.
+    pub(crate) fn tell(&self, health: &Health) {
+        self.shared.health.force_push(*health);
+    }
+}
+
+impl Drop for Housekeeping {
+    /// Writes what was handed over before.
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            let _panicked = thread.join();
+        }
+    }
+}
+
+fn keep_house(
+    shared: &Shared,
+    deployment: &Deployment,
+    mut book: Option<Book>,
+    housekeeper: &Housekeeper,
+) {
+    let (mut cleaned_ns, mut written_ns, mut said) = (0, 0, 0);
+    let every_ns = deployment.metrics.as_ref().map_or(0, |m| m.every_s * 1_000_000_000);
+    loop {
+        let is_last = shared.stop.load(Ordering::Acquire);
+        while let Some(entry) = shared.decisions.pop() {
+            if let Some(open) = &mut book
+                && let Err(error) = open.add(&entry.0, &entry.1)
+            {
+                tracing::error!(%error, "decisions cannot be written; no more are kept");
+                book = None;
+            }
+            let _never_full = shared.empty.push(entry);
+        }
+        let lost = shared.lost.load(Ordering::Relaxed);
+        if lost > said {
+            tracing::warn!(lost, "decisions were not kept: the disk is too slow");
+            said = lost;
+        }
+        let now_ns = clock::now_ns();
+        if now_ns - cleaned_ns > CLEAN_NS && !is_last {
+            housekeeper.run();
+            cleaned_ns = now_ns;
+        }
+        if let Some(settings) = &deployment.metrics
+            && (now_ns - written_ns > every_ns || is_last)
+            && let Some(health) = shared.health.pop()
+        {
+            written_ns = now_ns;
+            if let Err(error) =
+                replace(&settings.file, &metrics::text(&health, &deployment.instance))
+            {
+                let file = settings.file.display();
+                tracing::warn!(%error, %file, "metrics cannot be written");
+            }
+        }
+        if is_last {
+            return;
+        }
+        runtime::clock::nap_ns(NAP_NS);
+    }
+}
+
+/// Writes a file aside and gives it its name: nobody ever reads half of it.
+fn replace(path: &Path, text: &str) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
+    file.write_all(text.as_bytes())?;
+    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
+    file.as_file().set_permissions(readable)?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! The service: planners ask, it answers, in turn, for months.
+//!
+//! ```text
+//! requests --Desk: taken at once, checked, queued, or answered busy--> one at a time:
+//!     ask.rs: checked values --> coordinator::Request --> Work --Crew, or here--> Answer
+//!     --> answer.rs --> the client; then whoever listens; then the decision file
+//! beside it: a thread that cleans up behind dead clients and writes files
+//! ```
+//!
+//! # Invariants
+//!
+//! - Whatever a client sends, it gets an answer or a refusal with a reason, and the next request is
+//!   worked on as if nothing had been: `ask/tests.rs`, `tests/serve.rs` at the top level.
+//! - The ranking is that of `trolley rank` in every bit: `tests/serve.rs`.
+//! - The queue, the pools and the files are bounded: nothing grows with the number of requests.
+//! - On the way of a request no file is written and nothing waits but for workers.
+//!
+//! It does not read files: whoever starts it hands over checked settings and sealed bodies.
+
+mod answer;
+mod ask;
+mod decisions;
+mod deployment;
+mod desk;
+mod here;
+mod housekeeping;
+mod metrics;
+mod run;
+mod stats;
+mod team;
+
+pub use ask::{of_scenario, seat_number};
+pub use decisions::{DecisionError, Entry, read_decisions};
+pub use deployment::{
+    Decisions, Deployment, DeploymentError, Idle, Metrics, Model, Realtime, SCHEMA, Source,
+    TEXT_BYTES_MAX,
+};
+pub use here::answer_here;
+pub use run::{Lack, ServiceError, Site, serve};

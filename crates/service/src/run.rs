@@ -1,0 +1,429 @@
+//! The service's life: open, tell systemd, answer one request after the other, end on a signal.
+
+use crate::answer::lay_out;
+use crate::ask::{self, Refusal};
+use crate::deployment::{Deployment, Idle};
+use crate::desk::{Desk, Waiting};
+use crate::housekeeping::Housekeeping;
+use crate::stats::{Stats, Times};
+use crate::team::Team;
+use coordinator::{Attendant, CrewError, Options, Request, Work};
+use core::cell::RefCell;
+use damage::{Curves, Policy};
+use model::{BodyView, Meta};
+use protocol::public::{Answer, Ask, Condition, Reason, Stage, Verdict};
+use runtime::{SealedMemory, clock, heap, realtime};
+use std::rc::Rc;
+use transport::{Address, OpenError, Server};
+
+/// How long it sleeps at most (ns): a client that cannot ring is heard then.
+const NAP_NS: u64 = 10_000_000;
+/// How often it says how it is (ns).
+const HEALTH_NS: u64 = 1_000_000_000;
+/// How long to wait before another crew is started after one that failed (ns).
+const RETRY_NS: u64 = 1_000_000_000;
+/// With `spin`: how often a sleeper's duties are looked after (ns).
+const LOOK_NS: u64 = 1_000_000;
+
+/// All that a service needs, made and checked by whoever starts it.
+#[derive(Debug)]
+pub struct Site<'s> {
+    /// Settings.
+    pub deployment: &'s Deployment,
+    /// The policy.
+    pub policy: &'s Policy,
+    /// The curves.
+    pub curves: &'s Curves,
+    /// The bodies in the store, in the order of the deployment's models.
+    pub bodies: &'s [(Meta, BodyView<'s>)],
+    /// The store.
+    pub store: &'s SealedMemory,
+    /// How workers are started; `None`: all work is done in this process.
+    pub options: Option<&'s Options>,
+    /// Distribution depth.
+    pub depth: u32,
+}
+
+/// Something that real time needs and that was refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lack {
+    /// What.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+/// The service could not start or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ServiceError {
+    /// Its channels cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// Its workers cannot be started.
+    #[error(transparent)]
+    Crew(#[from] CrewError),
+    /// The operating system refused.
+    #[error(transparent)]
+    System(#[from] runtime::OsError),
+    /// Files cannot be written.
+    #[error("cannot keep decisions in {folder}: {source}")]
+    Files {
+        /// Where.
+        folder: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Real time was required, and is not to be had.
+    #[error("no real time: {}", .0.iter().map(|lack| format!("{} ({})", lack.what, lack.why))
+        .collect::<Vec<_>>().join("; "))]
+    NoRealtime(Vec<Lack>),
+    /// There is no memory for counting.
+    #[error("no memory is left for histograms")]
+    Memory,
+}
+
+/// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered,
+/// with what real time lacks.
+///
+/// # Errors
+///
+/// If it cannot start, or the operating system refuses to go on.
+pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), ServiceError> {
+    let deployment = site.deployment;
+    let address = Address::new(&deployment.folder, &deployment.instance)?;
+    let server = Server::open(&address)?;
+    let housekeeper = server.housekeeper();
+    let stats = Stats::new().ok_or(ServiceError::Memory)?;
+    let desk = Rc::new(RefCell::new(Desk::new(server, stats, deployment.queue)));
+    let watchdog = Rc::new(Watchdog::new());
+    let attend = {
+        let (desk, watchdog) = (desk.clone(), watchdog.clone());
+        move || {
+            let (desk, watchdog) = (desk.clone(), watchdog.clone());
+            Attendant::new(move || {
+                watchdog.kick();
+                // Borrowed only while it is answered from: never at the same time as here.
+                if let Ok(mut desk) = desk.try_borrow_mut() {
+                    // A bell that goes on ringing would let the coordinator sleep no more.
+                    desk.server.hush();
+                    desk.drain();
+                }
+            })
+        }
+    };
+    let bell = desk.borrow().server.bell().try_clone_to_owned();
+    let bell = bell.map_err(|source| runtime::OsError::new("copy", "bell", source))?;
+    use std::os::fd::AsFd as _;
+    let team = Team::start(site.store, site.options, bell.as_fd(), attend)?;
+    // From here on signals are caught: the thread inherits that.
+    let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
+        let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
+        ServiceError::Files { folder: folder.unwrap_or_default(), source }
+    })?;
+    let mut service = Service {
+        site,
+        desk,
+        team,
+        house,
+        bell,
+        watchdog,
+        lacks: Vec::new(),
+        request: 0,
+        told_ns: 0,
+        renew_ns: 0,
+        is_stopping: false,
+    };
+    service.hurry();
+    if deployment.realtime.require && !service.lacks.is_empty() {
+        return Err(ServiceError::NoRealtime(service.lacks));
+    }
+    let pids = service.team.pids();
+    service.desk.borrow_mut().stats.replaced(&pids, true);
+    service.tell(Condition::Ready);
+    ready(&service.lacks);
+    notify(&[sd_notify::NotifyState::Ready]);
+    let done = service.turn_until_told();
+    notify(&[sd_notify::NotifyState::Stopping]);
+    service.part();
+    done
+}
+
+fn notify(states: &[sd_notify::NotifyState<'_>]) {
+    // Without systemd there is nobody to tell.
+    if let Err(error) = sd_notify::notify(states) {
+        tracing::debug!(%error, "systemd cannot be told");
+    }
+}
+
+/// Systemd's watchdog, if it watches.
+struct Watchdog {
+    every_ns: Option<u64>,
+    kicked_ns: core::cell::Cell<u64>,
+}
+
+impl Watchdog {
+    fn new() -> Self {
+        let length = sd_notify::watchdog_enabled();
+        // A third of the time: two kicks may be late.
+        let every_ns = length.map(|length| length.as_nanos() as u64 / 3);
+        Self { every_ns, kicked_ns: core::cell::Cell::new(0) }
+    }
+
+    fn kick(&self) {
+        let Some(every_ns) = self.every_ns else { return };
+        let now_ns = clock::now_ns();
+        if now_ns - self.kicked_ns.get() >= every_ns {
+            self.kicked_ns.set(now_ns);
+            notify(&[sd_notify::NotifyState::Watchdog]);
+        }
+    }
+}
+
+struct Service<'s> {
+    site: &'s Site<'s>,
+    // Dropped in this order: the workers, the files, then the port.
+    team: Team<'s>,
+    house: Housekeeping,
+    desk: Rc<RefCell<Desk>>,
+    bell: std::os::fd::OwnedFd,
+    watchdog: Rc<Watchdog>,
+    lacks: Vec<Lack>,
+    request: u64,
+    told_ns: u64,
+    /// When the next crew may be started.
+    renew_ns: u64,
+    is_stopping: bool,
+}
+
+impl Service<'_> {
+    /// Asks for all that real time needs, and notes what was refused.
+    fn hurry(&mut self) {
+        let settings = &self.site.deployment.realtime;
+        let mut lacks = Vec::new();
+        let mut note = |what: &str, done: Result<(), runtime::OsError>| {
+            if let Err(error) = done {
+                let cause = std::error::Error::source(&error).map(ToString::to_string);
+                let why = cause.unwrap_or_else(|| error.to_string());
+                lacks.push(Lack { what: what.to_owned(), why });
+            }
+        };
+        realtime::prefault(settings.heap_mib << 20);
+        if settings.lock_memory {
+            note("memory is not locked", realtime::lock_memory());
+        }
+        realtime::sharpen_timers();
+        for pid in self.team.pids() {
+            if settings.worker_priority > 0 {
+                note(
+                    "a worker has no fixed priority",
+                    realtime::fifo(pid, settings.worker_priority),
+                );
+            }
+        }
+        if settings.priority > 0 {
+            note("the coordinator has no fixed priority", realtime::fifo(0, settings.priority));
+        }
+        lacks.dedup();
+        self.lacks = lacks;
+    }
+
+    /// Until a signal comes.
+    fn turn_until_told(&mut self) -> Result<(), ServiceError> {
+        let mut looked_ns = 0;
+        while !self.is_stopping {
+            let waiting = {
+                let mut desk = self.desk.borrow_mut();
+                // First the rings, then the requests: one that comes in between rings again.
+                if self.site.deployment.idle == Idle::Park {
+                    desk.server.hush();
+                }
+                desk.drain();
+                desk.next()
+            };
+            if let Some(waiting) = waiting {
+                self.answer(waiting);
+                looked_ns = 0;
+            }
+            let now_ns = clock::now_ns();
+            let is_quiet = self.desk.borrow().waiting() == 0;
+            let sleep_ns = match self.site.deployment.idle {
+                Idle::Park if looked_ns != 0 && is_quiet => NAP_NS,
+                _ => 0,
+            };
+            if sleep_ns == 0 && now_ns - looked_ns < LOOK_NS {
+                core::hint::spin_loop();
+                continue;
+            }
+            looked_ns = now_ns;
+            self.watchdog.kick();
+            if self.team.idle(sleep_ns)?.is_some() {
+                self.is_stopping = true;
+            } else if self.team.missing() > 0 {
+                self.renew();
+            }
+            if clock::now_ns() - self.told_ns >= HEALTH_NS {
+                self.tell(self.condition());
+            }
+            if self.site.deployment.idle == Idle::Spin {
+                self.desk.borrow().server.hush();
+            }
+        }
+        Ok(())
+    }
+
+    fn condition(&self) -> Condition {
+        if self.team.missing() > 0 { Condition::Short } else { Condition::Ready }
+    }
+
+    /// Starts another crew in the place of one that has lost somebody.
+    fn renew(&mut self) {
+        if clock::now_ns() < self.renew_ns {
+            return;
+        }
+        let missing = self.team.missing() as u64;
+        self.desk.borrow_mut().stats.lost += missing;
+        self.tell(Condition::Short);
+        match self.team.renew(std::os::fd::AsFd::as_fd(&self.bell)) {
+            Ok(()) => {
+                let pids = self.team.pids();
+                tracing::warn!(missing, "the workers were replaced: some were lost");
+                self.desk.borrow_mut().stats.replaced(&pids, false);
+                let priority = self.site.deployment.realtime.worker_priority;
+                if priority > 0 && self.lacks.is_empty() {
+                    for pid in pids {
+                        let _refused = realtime::fifo(pid, priority);
+                    }
+                }
+                self.tell(Condition::Ready);
+            }
+            Err(CrewError::Interrupted) => self.is_stopping = true,
+            Err(error) => {
+                tracing::error!(%error, "no workers can be started; trying again in a second");
+                self.renew_ns = clock::now_ns() + RETRY_NS;
+            }
+        }
+    }
+
+    /// Works one request off, and answers it.
+    fn answer(&mut self, waiting: Waiting) {
+        let Waiting { asked, taken_ns } = waiting;
+        let ask = *asked.ask();
+        let (faults, allocations) = (realtime::page_faults(), heap::allocations());
+        let begun_ns = clock::now_ns();
+        let mut times = Times::default();
+        times.set(Stage::Queue, begun_ns - taken_ns);
+        let mut answer = match self.work_off(&ask, begun_ns, &mut times) {
+            Ok(answer) => answer,
+            Err(Refusal { reason, text }) => {
+                Answer::without_ranking(ask.sequence, Verdict::Refused, reason, &text)
+            }
+        };
+        answer.request = self.request;
+        answer.queued_ns = begun_ns - taken_ns;
+        answer.worked_ns = clock::now_ns() - begun_ns;
+        let mut desk = self.desk.borrow_mut();
+        desk.answer(asked, &answer);
+        times.set(Stage::Total, clock::now_ns() - taken_ns);
+        let faulted = realtime::page_faults();
+        let faults = (faulted.0 - faults.0) + (faulted.1 - faults.1);
+        let allocations = heap::allocations() - allocations;
+        if answer.verdict().has_ranking() {
+            desk.stats.worked(times, faults, allocations);
+        }
+        // The client has its answer: whoever listens may wait.
+        desk.server.publish_ranking(&answer);
+        self.house.keep(&ask, &answer);
+    }
+
+    fn work_off(&mut self, ask: &Ask, begun_ns: u64, times: &mut Times) -> Result<Answer, Refusal> {
+        let refuse = |reason: Reason, text: String| Refusal { reason, text };
+        if ask.answer_by_ns != 0 && ask.answer_by_ns <= begun_ns {
+            let text = "the time was up before its turn came".to_owned();
+            return Err(refuse(Reason::TooLate, text));
+        }
+        let site = self.site;
+        let checked = ask::check(ask, site.deployment, site.bodies)?;
+        self.request += 1;
+        let request = Request::with_models(
+            &checked.scenario,
+            site.bodies,
+            &checked.models,
+            site.policy.clone(),
+            site.curves.clone(),
+        );
+        let unassessable =
+            |error: coordinator::RequestError| refuse(Reason::Unassessable, said(&error));
+        let request = request.map_err(unassessable)?;
+        let mut work = Work::new(&request, site.bodies, site.depth);
+        let planned_ns = clock::now_ns();
+        times.set(Stage::Plan, planned_ns - begun_ns);
+        match self.team.run(&mut work, site.bodies) {
+            Ok(Some(report)) => self.desk.borrow_mut().stats.crew(&report),
+            Ok(None) => {}
+            Err(CrewError::Interrupted) => {
+                self.is_stopping = true;
+                return Err(refuse(Reason::Stopping, "the service is stopping".to_owned()));
+            }
+            Err(error @ CrewError::NobodyLeft { .. }) => {
+                tracing::error!(%error, "a request could not be worked off");
+                return Err(refuse(Reason::NoWorkers, "all workers were lost".to_owned()));
+            }
+            Err(error) => {
+                tracing::error!(%error, "a request could not be worked off");
+                return Err(refuse(Reason::Internal, said(&error)));
+            }
+        }
+        let worked_ns = clock::now_ns();
+        times.set(Stage::Work, worked_ns - planned_ns);
+        let mut answer = lay_out(ask.sequence, &work.answer().map_err(unassessable)?);
+        if checked.has_unknown && answer.verdict().has_ranking() {
+            answer.say("parties of unknown kind were taken as fixed, with nobody in them");
+        }
+        times.set(Stage::Assess, clock::now_ns() - worked_ns);
+        Ok(answer)
+    }
+
+    /// Says how it is to whoever listens.
+    fn tell(&mut self, condition: Condition) {
+        let desk = self.desk.borrow();
+        let mut health = desk.stats.health();
+        health.condition = condition as u32;
+        health.workers = self.team.size() as u32;
+        health.alive = (self.team.size() - self.team.missing()) as u32;
+        health.waiting = desk.waiting() as u32;
+        health.queue = self.site.deployment.queue as u32;
+        health.clients = desk.server.clients() as u32;
+        desk.server.publish_health(&health);
+        self.house.tell(&health);
+        self.told_ns = health.at_ns;
+    }
+
+    /// Nobody waits for an answer that will not come.
+    fn part(&mut self) {
+        let mut desk = self.desk.borrow_mut();
+        desk.drain();
+        while let Some(waiting) = desk.next() {
+            let sequence = waiting.asked.ask().sequence;
+            let text = "the service is stopping";
+            let answer =
+                Answer::without_ranking(sequence, Verdict::Refused, Reason::Stopping, text);
+            desk.answer(waiting.asked, &answer);
+        }
+        drop(desk);
+        self.tell(Condition::Stopping);
+    }
+}
+
+/// An error with all its causes.
+fn said(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(next) = cause {
+        let more = next.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = next.source();
+    }
+    text
+}

@@ -1,0 +1,115 @@
+//! The asking end.
+
+use super::Address;
+use super::server::{rank, wake};
+use super::wire::{self, read_once};
+use crate::domain::commit_all;
+use crate::error::{OpenError, UseError};
+use core::fmt;
+use iceoryx2::node::Node;
+use iceoryx2::pending_response::PendingResponse;
+use iceoryx2::port::client::{Client as Port, RequestSendError};
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::{LoanError, SendError};
+use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _, ipc};
+use iceoryx2::service::port_factory::{event, request_response};
+use protocol::public::{Answer, Ask, RANK, WAKE};
+
+/// One client of a service. It belongs to one thread, and asks one thing at a time.
+pub struct Client {
+    // Dropped in this order: ports, services, node.
+    port: Port<ipc::Service, wire::Ask, (), wire::Answer, ()>,
+    bell: Notifier<ipc::Service>,
+    rank: request_response::PortFactory<ipc::Service, wire::Ask, (), wire::Answer, ()>,
+    _wake: event::PortFactory<ipc::Service>,
+    _node: Node<ipc::Service>,
+}
+
+impl Client {
+    /// Connects, and takes all memory that it will need.
+    ///
+    /// # Errors
+    ///
+    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if it has as many
+    /// clients as it takes, or shared memory or file descriptors ran out.
+    pub fn open(address: &Address) -> Result<Self, OpenError> {
+        let node = address.guest("client")?;
+        let rank = rank(&node)?;
+        let wake = wake(&node)?;
+        let port = rank
+            .client_builder()
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .max_active_requests(1)
+            .create()
+            .map_err(OpenError::at("ask at", RANK))?;
+        let bell = wake.notifier_builder().create().map_err(OpenError::at("ring at", WAKE))?;
+        commit_all(&address.prefix())?;
+        Ok(Self { port, bell, rank, _wake: wake, _node: node })
+    }
+
+    /// Servers that are connected: one, or none while it is restarted.
+    #[must_use]
+    pub fn servers(&self) -> usize {
+        self.rank.dynamic_config().number_of_servers()
+    }
+
+    /// Sends a request, and wakes the server if it sleeps.
+    ///
+    /// # Errors
+    ///
+    /// [`UseError::Full`] if another request is open, or the server takes no more;
+    /// [`UseError::Broken`] if its channel is not what it should be.
+    pub fn ask(&self, ask: &Ask) -> Result<Pending, UseError> {
+        let full = |error| match error {
+            RequestSendError::ExceedsMaxActiveRequests
+            | RequestSendError::SendError(
+                SendError::UnableToDeliver
+                | SendError::LoanError(LoanError::ExceedsMaxLoans | LoanError::OutOfMemory),
+            ) => UseError::Full,
+            RequestSendError::SendError(_) => UseError::Broken,
+        };
+        let pending = self.port.send_copy(wire::Ask(*ask)).map_err(full)?;
+        if let Err(error) = self.bell.notify() {
+            // It looks by itself, a little later.
+            tracing::debug!(?error, "the bell does not ring");
+        }
+        Ok(Pending(pending))
+    }
+}
+
+impl fmt::Debug for Client {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Client").field("servers", &self.servers()).finish_non_exhaustive()
+    }
+}
+
+/// A request that was sent. Dropping it withdraws the request.
+#[must_use = "a dropped request is withdrawn"]
+pub struct Pending(PendingResponse<ipc::Service, wire::Ask, (), wire::Answer, ()>);
+
+impl Pending {
+    /// The answer; `None` if it has not come yet. Never waits.
+    ///
+    /// # Errors
+    ///
+    /// [`UseError::Broken`] if the channel is not what it should be.
+    pub fn receive(&self) -> Result<Option<Answer>, UseError> {
+        match self.0.receive() {
+            Ok(Some(response)) => Ok(Some(read_once(&response.payload().0))),
+            Ok(None) => Ok(None),
+            Err(_) => Err(UseError::Broken),
+        }
+    }
+
+    /// Whether a server is there to answer it.
+    #[must_use]
+    pub fn is_served(&self) -> bool {
+        self.0.number_of_server_connections() > 0
+    }
+}
+
+impl fmt::Debug for Pending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Pending").field("is_served", &self.is_served()).finish_non_exhaustive()
+    }
+}

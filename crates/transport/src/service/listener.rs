@@ -1,0 +1,70 @@
+//! Who listens to rankings and health, and asks nothing.
+
+use super::Address;
+use super::server::topic;
+use super::wire::{self, read_once};
+use crate::error::OpenError;
+use core::fmt;
+use iceoryx2::node::Node;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::ipc;
+use iceoryx2::service::port_factory::publish_subscribe;
+use protocol::public::{Answer, HEALTH, Health, RANKING};
+
+/// A listener of both topics.
+pub struct Listener {
+    // Dropped in this order: ports, services, node.
+    rankings: Subscriber<ipc::Service, wire::Answer, ()>,
+    health: Subscriber<ipc::Service, wire::Health, ()>,
+    _ranking_topic: publish_subscribe::PortFactory<ipc::Service, wire::Answer, ()>,
+    _health_topic: publish_subscribe::PortFactory<ipc::Service, wire::Health, ()>,
+    _node: Node<ipc::Service>,
+}
+
+impl Listener {
+    /// Starts listening.
+    ///
+    /// # Errors
+    ///
+    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if there are as many
+    /// listeners as it takes, or shared memory or file descriptors ran out.
+    pub fn open(address: &Address) -> Result<Self, OpenError> {
+        let node = address.guest("listener")?;
+        let ranking = topic::<wire::Answer>(&node, RANKING)?;
+        let health = topic::<wire::Health>(&node, HEALTH)?;
+        let rankings = ranking.subscriber_builder().create();
+        let healths = health.subscriber_builder().create();
+        Ok(Self {
+            rankings: rankings.map_err(OpenError::at("listen to", RANKING))?,
+            health: healths.map_err(OpenError::at("listen to", HEALTH))?,
+            _ranking_topic: ranking,
+            _health_topic: health,
+            _node: node,
+        })
+    }
+
+    /// The next ranking; `None` if there is none that was not seen.
+    #[must_use]
+    pub fn ranking(&self) -> Option<Answer> {
+        let sample = self.rankings.receive().ok().flatten()?;
+        Some(read_once(&sample.payload().0))
+    }
+
+    /// The latest health; `None` if there is none that was not seen.
+    #[must_use]
+    pub fn health(&self) -> Option<Health> {
+        let mut latest = None;
+        // Bounded: no more than the buffer holds, and one that came meanwhile.
+        for _ in 0..8 {
+            let Some(sample) = self.health.receive().ok().flatten() else { break };
+            latest = Some(read_once(&sample.payload().0));
+        }
+        latest
+    }
+}
+
+impl fmt::Debug for Listener {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Listener").finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,265 @@
+//! The answering end.
+
+use super::place::Place;
+use super::wire::{self, read_once};
+use super::{Address, LISTENERS_MAX, NODES_MAX, clean};
+use crate::domain::commit_all;
+use crate::error::{OpenError, UseError};
+use core::fmt;
+use iceoryx2::active_request::ActiveRequest;
+use iceoryx2::config::Config;
+use iceoryx2::node::Node;
+use iceoryx2::port::ReceiveError;
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::server::Server as Port;
+use iceoryx2::prelude::{
+    BackpressureStrategy, FileDescriptorBased, IceoryxSend, ZeroCopySend, ipc,
+};
+use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
+use protocol::public::{Answer, Ask, CLIENTS_MAX, HEALTH, Health, RANK, RANKING, WAKE};
+use std::os::fd::BorrowedFd;
+
+type Service = request_response::PortFactory<ipc::Service, wire::Ask, (), wire::Answer, ()>;
+type Request = ActiveRequest<ipc::Service, wire::Ask, (), wire::Answer, ()>;
+
+/// The one server of a service.
+pub struct Server {
+    // Dropped in this order: ports, services, node, files.
+    port: Port<ipc::Service, wire::Ask, (), wire::Answer, ()>,
+    bell: Listener<ipc::Service>,
+    rankings: Publisher<ipc::Service, wire::Answer, ()>,
+    health: Publisher<ipc::Service, wire::Health, ()>,
+    rank: Service,
+    _topics: [Box<dyn core::any::Any>; 3],
+    _node: Node<ipc::Service>,
+    place: Place,
+    config: Config,
+}
+
+impl Server {
+    /// Starts serving, and takes all memory that it will need.
+    ///
+    /// # Errors
+    ///
+    /// [`OpenError::Taken`] if somebody serves this instance; otherwise if the folder cannot be
+    /// written to, or shared memory or file descriptors ran out.
+    pub fn open(address: &Address) -> Result<Self, OpenError> {
+        let place = Place::take(address)?;
+        let node = address.node("trolley")?;
+        let rank = rank(&node)?;
+        let wake = wake(&node)?;
+        let ranking = topic::<wire::Answer>(&node, RANKING)?;
+        let health = topic::<wire::Health>(&node, HEALTH)?;
+        let port = rank
+            .server_builder()
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .max_loaned_responses_per_request(1)
+            .create()
+            .map_err(OpenError::at("serve", RANK))?;
+        let bell = wake.listener_builder().create().map_err(OpenError::at("listen at", WAKE))?;
+        let server = Self {
+            port,
+            bell,
+            rankings: publisher(&ranking, RANKING)?,
+            health: publisher(&health, HEALTH)?,
+            rank,
+            _topics: [Box::new(wake), Box::new(ranking), Box::new(health)],
+            _node: node,
+            place,
+            config: address.config()?,
+        };
+        commit_all(&address.prefix())?;
+        Ok(server)
+    }
+
+    /// Takes a request; `None` if there is none. Never waits.
+    ///
+    /// # Errors
+    ///
+    /// [`UseError::Full`] if a client has given up and asked again while too many of its requests
+    /// are held here: let go of those that nobody wants. [`UseError::Broken`] if a client's channel
+    /// is not what it should be.
+    pub fn take(&self) -> Result<Option<Asked>, UseError> {
+        match self.port.receive() {
+            Ok(Some(request)) => {
+                let ask = read_once(&request.payload().0);
+                Ok(Some(Asked { request, ask }))
+            }
+            Ok(None) => Ok(None),
+            Err(ReceiveError::ExceedsMaxBorrows) => Err(UseError::Full),
+            Err(ReceiveError::ConnectionFailure(_)) => Err(UseError::Broken),
+        }
+    }
+
+    /// Tells everybody who listens of an answer.
+    pub fn publish_ranking(&self, answer: &Answer) {
+        if let Err(error) = self.rankings.send_copy(wire::Answer(*answer)) {
+            tracing::debug!(?error, "a ranking was not published");
+        }
+    }
+
+    /// Tells everybody who listens how the service is.
+    pub fn publish_health(&self, health: &Health) {
+        if let Err(error) = self.health.send_copy(wire::Health(*health)) {
+            tracing::debug!(?error, "health was not published");
+        }
+    }
+
+    /// Becomes readable when a client rings.
+    #[must_use]
+    pub fn bell(&self) -> BorrowedFd<'_> {
+        // SAFETY: it is not closed here.
+        let number = unsafe { self.bell.file_descriptor().native_handle() };
+        // SAFETY: the listener owns the descriptor, and lives as long as what is returned.
+        unsafe { BorrowedFd::borrow_raw(number) }
+    }
+
+    /// Takes all rings back.
+    pub fn hush(&self) {
+        if let Err(error) = self.bell.try_wait(|_| {}) {
+            tracing::debug!(?error, "the bell cannot be read");
+        }
+    }
+
+    /// Clients that are connected.
+    #[must_use]
+    pub fn clients(&self) -> usize {
+        use iceoryx2::prelude::PortFactory as _;
+        self.rank.dynamic_config().number_of_clients()
+    }
+
+    /// Removes what dead clients left, from any thread: so that there is room for new ones.
+    #[must_use]
+    pub fn housekeeper(&self) -> Housekeeper {
+        Housekeeper { config: self.config.clone() }
+    }
+}
+
+impl fmt::Debug for Server {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Server").field("place", &self.place).finish_non_exhaustive()
+    }
+}
+
+/// Removes what dead clients left. Made by [`Server::housekeeper`].
+#[derive(Clone, Debug)]
+pub struct Housekeeper {
+    config: Config,
+}
+
+impl Housekeeper {
+    /// Removes it; takes milliseconds for each dead node.
+    pub fn run(&self) {
+        let _living = clean(&self.config);
+    }
+}
+
+/// A request that was taken.
+pub struct Asked {
+    request: Request,
+    ask: Ask,
+}
+
+impl Asked {
+    /// What is asked: a private copy.
+    #[must_use]
+    pub fn ask(&self) -> &Ask {
+        &self.ask
+    }
+
+    /// Whether its client still waits, as far as it says; a killed one does not say.
+    #[must_use]
+    pub fn is_wanted(&self) -> bool {
+        self.request.is_connected()
+    }
+
+    /// Answers it.
+    ///
+    /// # Errors
+    ///
+    /// [`UseError::Broken`] if the client has gone: nobody is left to tell.
+    pub fn answer(self, answer: &Answer) -> Result<(), UseError> {
+        // One heap allocation, made by iceoryx2 for the loan.
+        self.request.send_copy(wire::Answer(*answer)).map_err(|_| UseError::Broken)
+    }
+}
+
+impl fmt::Debug for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Asked").field("sequence", &self.ask.sequence).finish_non_exhaustive()
+    }
+}
+
+/// The request–response service; whoever comes first makes it.
+pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
+    let name = RANK.try_into().map_err(OpenError::at("name", RANK))?;
+    node.service_builder(&name)
+        .request_response::<wire::Ask, wire::Answer>()
+        .max_servers(1)
+        .max_clients(CLIENTS_MAX)
+        .max_nodes(NODES_MAX)
+        // A client asks one thing at a time; the other is one that it gave up and that is still
+        // being worked on.
+        .max_active_requests_per_client(2)
+        .max_loaned_requests(1)
+        .max_response_buffer_size(1)
+        .max_borrowed_responses_per_pending_response(1)
+        .enable_safe_overflow_for_requests(false)
+        .enable_safe_overflow_for_responses(false)
+        .enable_fire_and_forget_requests(false)
+        .open_or_create()
+        .map_err(OpenError::at("open", RANK))
+}
+
+/// The event service that wakes the server.
+pub(super) fn wake(
+    node: &Node<ipc::Service>,
+) -> Result<event::PortFactory<ipc::Service>, OpenError> {
+    let name = WAKE.try_into().map_err(OpenError::at("name", WAKE))?;
+    node.service_builder(&name)
+        .event()
+        .max_listeners(1)
+        .max_notifiers(CLIENTS_MAX)
+        .max_nodes(NODES_MAX)
+        .open_or_create()
+        .map_err(OpenError::at("open", WAKE))
+}
+
+/// A topic of which every listener sees the latest.
+pub(super) fn topic<T>(
+    node: &Node<ipc::Service>,
+    name: &'static str,
+) -> Result<publish_subscribe::PortFactory<ipc::Service, T, ()>, OpenError>
+where
+    T: fmt::Debug + ZeroCopySend + IceoryxSend,
+{
+    let service = name.try_into().map_err(OpenError::at("name", name))?;
+    node.service_builder(&service)
+        .publish_subscribe::<T>()
+        .max_publishers(1)
+        .max_subscribers(LISTENERS_MAX)
+        .max_nodes(NODES_MAX)
+        .history_size(0)
+        .subscriber_max_buffer_size(4)
+        .subscriber_max_borrowed_samples(1)
+        // Who does not keep up misses the oldest; nobody waits for a listener.
+        .enable_safe_overflow(true)
+        .open_or_create()
+        .map_err(OpenError::at("open", name))
+}
+
+fn publisher<T>(
+    topic: &publish_subscribe::PortFactory<ipc::Service, T, ()>,
+    name: &'static str,
+) -> Result<Publisher<ipc::Service, T, ()>, OpenError>
+where
+    T: fmt::Debug + ZeroCopySend + IceoryxSend,
+{
+    topic
+        .publisher_builder()
+        .max_loaned_samples(1)
+        .backpressure_strategy(BackpressureStrategy::DiscardData)
+        .create()
+        .map_err(OpenError::at("publish", name))
+}

@@ -1,0 +1,184 @@
+//! One server, many clients, each of them free to vanish; what is asked is what arrives.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use super::*;
+use crate::error::UseError;
+use protocol::public::{Answer, Ask, Health, Reason, Verdict};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// A folder of its own, and an instance that no other test has.
+struct Scene {
+    _folder: tempfile::TempDir,
+    address: Address,
+}
+
+impl Scene {
+    fn new() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let instance = format!("u{:x}-{number}", std::process::id() & 0xff_ffff);
+        let folder = tempfile::Builder::new().prefix("s").tempdir_in("/dev/shm").unwrap();
+        let address = Address::new(folder.path().to_str().unwrap(), &instance).unwrap();
+        Self { _folder: folder, address }
+    }
+
+    fn left(&self) -> Vec<String> {
+        let names = domain::names_in_shm().unwrap();
+        names.into_iter().filter(|name| name.starts_with(&self.address.prefix())).collect()
+    }
+}
+
+fn refused(sequence: u64) -> Answer {
+    Answer::without_ranking(sequence, Verdict::Refused, Reason::Malformed, "no")
+}
+
+#[test]
+fn what_is_asked_arrives_and_its_answer_comes_back() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let client = Client::open(&scene.address).unwrap();
+    assert_eq!(client.servers(), 1);
+    for sequence in 0..100 {
+        let mut ask = Ask::new(sequence);
+        ask.candidates[15].other.position_m = [1.0, f64::NEG_INFINITY, -0.0];
+        let pending = client.ask(&ask).unwrap();
+        assert!(pending.is_served() && pending.receive().unwrap().is_none());
+        assert_eq!(client.ask(&ask).unwrap_err(), UseError::Full, "one at a time");
+        let asked = server.take().unwrap().unwrap();
+        assert!(asked.is_wanted());
+        assert_eq!(bytemuck::bytes_of(asked.ask()), bytemuck::bytes_of(&ask));
+        asked.answer(&refused(sequence)).unwrap();
+        assert_eq!(pending.receive().unwrap(), Some(refused(sequence)));
+        assert!(server.take().unwrap().is_none());
+    }
+    drop(client);
+    drop(server);
+    assert_eq!(scene.left(), Vec::<String>::new());
+    assert!(!std::path::Path::new(scene.address.root()).exists());
+}
+
+#[test]
+fn a_second_server_is_refused_and_the_first_goes_on() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let error = Server::open(&scene.address).unwrap_err();
+    assert!(matches!(error, OpenError::Taken { .. }), "{error}");
+    assert!(error.to_string().contains(&std::process::id().to_string()), "{error}");
+    let client = Client::open(&scene.address).unwrap();
+    let pending = client.ask(&Ask::new(1)).unwrap();
+    server.take().unwrap().unwrap().answer(&refused(1)).unwrap();
+    assert!(pending.receive().unwrap().is_some());
+}
+
+#[test]
+fn without_a_server_there_is_a_clear_error() {
+    let scene = Scene::new();
+    let error = Client::open(&scene.address).unwrap_err();
+    assert!(matches!(error, OpenError::NoService { .. }), "{error}");
+    assert!(matches!(Listener::open(&scene.address).unwrap_err(), OpenError::NoService { .. }));
+    assert!(!std::path::Path::new(scene.address.root()).exists(), "asking makes nothing");
+}
+
+#[test]
+fn sixteen_clients_find_room_and_a_place_that_is_given_up_is_taken_again() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let mut clients: Vec<Client> = (0..16).map(|_| Client::open(&scene.address).unwrap()).collect();
+    assert_eq!(server.clients(), 16);
+    Client::open(&scene.address).unwrap_err();
+    clients.pop();
+    clients.push(Client::open(&scene.address).unwrap());
+    let ask = |(number, client): (usize, &Client)| client.ask(&Ask::new(number as u64)).unwrap();
+    let pending: Vec<Pending> = clients.iter().enumerate().map(ask).collect();
+    for _ in 0..16 {
+        let asked = server.take().unwrap().unwrap();
+        let sequence = asked.ask().sequence;
+        asked.answer(&refused(sequence)).unwrap();
+    }
+    assert!(server.take().unwrap().is_none());
+    for (number, pending) in pending.iter().enumerate() {
+        assert_eq!(pending.receive().unwrap().unwrap().sequence, number as u64);
+    }
+}
+
+#[test]
+fn a_client_that_gave_up_is_not_wanted_and_does_no_harm() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let client = Client::open(&scene.address).unwrap();
+    drop(client.ask(&Ask::new(1)).unwrap());
+    if let Some(asked) = server.take().unwrap() {
+        assert!(!asked.is_wanted());
+        let _nobody_listens = asked.answer(&refused(1));
+    }
+    let pending = client.ask(&Ask::new(2)).unwrap();
+    let asked = server.take().unwrap().unwrap();
+    drop(client);
+    let _nobody_listens = asked.answer(&refused(2));
+    drop(pending);
+}
+
+#[test]
+fn a_client_that_gives_up_again_and_again_is_heard_once_the_server_lets_go() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let client = Client::open(&scene.address).unwrap();
+    let mut held = Vec::new();
+    for sequence in 0..5 {
+        drop(client.ask(&Ask::new(sequence)).unwrap());
+        match server.take() {
+            Ok(asked) => held.extend(asked),
+            Err(error) => {
+                assert_eq!(error, UseError::Full);
+                held.clear();
+            }
+        }
+    }
+    held.retain(Asked::is_wanted);
+    assert!(held.is_empty());
+    let pending = client.ask(&Ask::new(9)).unwrap();
+    let asked = core::iter::from_fn(|| server.take().unwrap()).last().unwrap();
+    asked.answer(&refused(9)).unwrap();
+    assert_eq!(pending.receive().unwrap(), Some(refused(9)));
+}
+
+#[test]
+fn the_same_client_works_with_the_next_server() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let client = Client::open(&scene.address).unwrap();
+    drop(server);
+    assert_eq!(client.servers(), 0);
+    let server = Server::open(&scene.address).unwrap();
+    let pending = client.ask(&Ask::new(3)).unwrap();
+    server.take().unwrap().unwrap().answer(&refused(3)).unwrap();
+    assert_eq!(pending.receive().unwrap(), Some(refused(3)));
+    // A client that outlives its server keeps files for the next one: let it go first.
+    drop((pending, client));
+}
+
+#[test]
+fn whoever_listens_hears_the_latest() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let health = |pid| Health { pid, ..bytemuck::Zeroable::zeroed() };
+    let listener = Listener::open(&scene.address).unwrap();
+    assert_eq!(listener.health(), None);
+    for pid in 7..20 {
+        server.publish_health(&health(pid));
+    }
+    server.publish_ranking(&refused(9));
+    assert_eq!(listener.health().map(|health| health.pid), Some(19));
+    assert_eq!(listener.ranking(), Some(refused(9)));
+    assert_eq!((listener.ranking(), listener.health()), (None, None));
+}
+
+#[test]
+fn instances_and_folders_that_do_not_fit_are_refused() {
+    for name in ["", "A", "a.b", "a/b", "..", "abcdefghijklm"] {
+        assert!(Address::new(FOLDER, name).is_err(), "{name}");
+    }
+    let long = "/".to_owned() + &"x".repeat(40);
+    assert!(matches!(Address::new(&long, "a"), Err(OpenError::RootTooLong { .. })));
+    assert_eq!(Address::new("/run/trolley/", "a").unwrap().root(), "/run/trolley/trolley-a");
+}

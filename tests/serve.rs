@@ -1,0 +1,323 @@
+//! A real service and real clients: the same ranking as `trolley rank`, whoever asks however
+//! wrongly, vanishes or is killed; and nothing is left behind.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod support;
+
+use client::public::{Ask, Candidate, Motion, Party, Reason, Verdict};
+use client::{Client, Waiting};
+use rustix::process::Signal;
+use std::time::Duration;
+use support::service::{deployment, left_behind, ranked, ranking, serve, shipped};
+use support::{Place, children, run, signal, six, text, trolley, wait_for};
+
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// The bodies of [`six`].
+fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
+    let scenario = scenario::Scenario::parse("six.toml", &six(triangles)).unwrap();
+    let body = |party: &scenario::Party| match party.source {
+        scenario::Source::Generate { shape, triangles, seed } => {
+            (shape.name(), triangles, seed as u32)
+        }
+        scenario::Source::File(_) => panic!("generated bodies alone"),
+    };
+    scenario.parties.iter().map(body).collect()
+}
+
+fn connect(instance: &str) -> Client {
+    Client::connect("/dev/shm", instance, Waiting::Nap(Duration::from_micros(100))).unwrap()
+}
+
+/// An ego at 10 m/s and a wall ahead; models 1 and 2.
+fn into_a_wall() -> Ask {
+    let mut ask = Ask::new(0);
+    ask.ego = ask.add_party(Party::of_model(1)).unwrap();
+    let party = ask.add_party(Party::of_model(2)).unwrap();
+    let ego = Motion { velocity_m_s: [10.0, 0.0], ..Motion::default() };
+    let other =
+        Motion { position_m: [2.5, 0.0, 0.0], angles_deg: [90.0, 0.0, 0.0], ..Motion::default() };
+    ask.add_candidate(Candidate { party, spare: 0, probability: 1.0, ego, other }).unwrap();
+    ask
+}
+
+const WALL: &[(&str, u32, u32)] = &[("sedan", 2000, 0), ("wall", 600, 0)];
+
+#[test]
+fn the_service_ranks_as_rank_does_in_every_bit_with_workers_and_without() {
+    let place = Place::new();
+    let scenario = place.write("six.toml", &six(2000));
+    let expected = ranked(&run(&["rank", scenario.to_str().unwrap(), "--json"]));
+    assert_eq!(expected.len(), 6);
+    let file = deployment(&place, 2, &of_six(2000));
+    for extra in [&[][..], &["--idle", "spin"], &["--in-process"]] {
+        let serving = serve(&file, extra);
+        for _ in 0..3 {
+            let output = serving.query(&scenario, &["--json"]);
+            assert!(output.status.success(), "{extra:?}: {}", text(&output.stderr));
+            assert_eq!(ranking(&output), expected, "{extra:?}");
+        }
+        serving.end();
+    }
+}
+
+#[test]
+fn the_shipped_deployment_answers_the_shipped_scenario() {
+    let minimal = shipped("config/scenarios/minimal.toml");
+    let expected = ranked(&run(&["rank", minimal.to_str().unwrap(), "--json"]));
+    let serving = serve(&shipped("config/deployments/minimal.toml"), &[]);
+    let output = serving.query(&minimal, &["--json"]);
+    assert_eq!(ranking(&output), expected, "{}", text(&output.stderr));
+    let people = text(&serving.query(&minimal, &[]).stdout);
+    assert!(people.contains("Least harm: ") && people.contains("COMPLETE"), "{people}");
+    let latency = support::json(&serving.query(&minimal, &["--repeat", "50", "--json"]));
+    assert_eq!((&latency["wrong"], &latency["answers"][0]), (&0.into(), &50.into()), "{latency}");
+    serving.end();
+}
+
+#[test]
+fn a_second_instance_is_refused_and_the_first_goes_on() {
+    let place = Place::new();
+    let serving = serve(&deployment(&place, 1, WALL), &[]);
+    let second = trolley()
+        .args(["serve", serving.deployment.to_str().unwrap(), "--instance", &serving.instance])
+        .output()
+        .unwrap();
+    assert_eq!(second.status.code(), Some(75));
+    let said = text(&second.stderr);
+    assert!(said.contains("already served by process") && said.contains("help:"), "{said}");
+    let answer = connect(&serving.instance).ask(&into_a_wall(), PATIENCE);
+    assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+    serving.end();
+}
+
+#[test]
+fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
+    let place = Place::new();
+    let serving = serve(&deployment(&place, 1, WALL), &[]);
+    let mut client = connect(&serving.instance);
+    type Mistake = (fn(&mut Ask), Reason);
+    let mistakes: &[Mistake] = &[
+        (|ask| ask.version = 7, Reason::Malformed),
+        (|ask| ask.candidate_count = 4_000_000_000, Reason::Malformed),
+        (|ask| ask.parties[1].model = 99, Reason::UnknownModel),
+        (|ask| ask.candidates[0].ego.position_m[2] = f64::NAN, Reason::OutOfRange),
+        (|ask| ask.parties[0].model = 2, Reason::Misfit),
+        (|ask| ask.parties[1].flags = Party::UNKNOWN, Reason::UnknownKind),
+        (|ask| ask.candidates[0].ego.velocity_m_s = [0.0; 2], Reason::Unassessable),
+    ];
+    for (make, reason) in mistakes {
+        let mut ask = into_a_wall();
+        make(&mut ask);
+        let answer = client.ask(&ask, PATIENCE);
+        if *reason == Reason::Unassessable && answer.verdict().has_ranking() {
+            // A standstill may be ranked as one without figures.
+            continue;
+        }
+        assert_eq!(answer.verdict(), Verdict::Refused, "{reason:?}");
+        assert_eq!(answer.reason(), *reason, "{}", answer.text());
+        assert!(!answer.text().is_empty());
+        let answer = client.ask(&into_a_wall(), PATIENCE);
+        assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+    }
+    drop(client);
+    serving.end();
+}
+
+#[test]
+fn clients_that_are_killed_in_the_middle_leave_room_for_others() {
+    let place = Place::new();
+    let scenario = place.write("six.toml", &six(2000));
+    let serving = serve(&deployment(&place, 2, &of_six(2000)), &[]);
+    // More than the sixteen places there are.
+    for round in 0..5_u32 {
+        let start = || {
+            trolley()
+                .args(["query", serving.deployment.to_str().unwrap(), scenario.to_str().unwrap()])
+                .args(["--instance", &serving.instance, "--repeat", "1000000"])
+                .spawn()
+                .unwrap()
+        };
+        let mut clients: Vec<_> = (0..5).map(|_| start()).collect();
+        let _at_work = wait_for(300 + 100 * round, || None::<()>);
+        for client in &mut clients {
+            client.kill().unwrap();
+            client.wait().unwrap();
+        }
+        // Room is made within a second.
+        let output = wait_for(10_000, || {
+            let output = serving.query(&scenario, &["--json"]);
+            output.status.success().then_some(output)
+        });
+        assert_eq!(ranking(&output.expect("an answer")).len(), 6, "round {round}");
+    }
+    serving.end();
+}
+
+#[test]
+fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
+    let place = Place::new();
+    let file = deployment(&place, 1, WALL);
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("[engine]", "queue = 1\n[engine]")).unwrap();
+    let serving = serve(&file, &[]);
+    let instance = serving.instance.as_str();
+    let answers = std::thread::scope(|scope| {
+        let flood = || {
+            let mut client = connect(instance);
+            (0..100).map(|_| client.ask(&into_a_wall(), PATIENCE).verdict()).collect::<Vec<_>>()
+        };
+        let floods: Vec<_> = (0..6).map(|_| scope.spawn(flood)).collect();
+        floods.into_iter().flat_map(|flood| flood.join().unwrap()).collect::<Vec<_>>()
+    });
+    assert_eq!(answers.len(), 600);
+    let count = |verdict| answers.iter().filter(|answer| **answer == verdict).count();
+    assert_eq!(count(Verdict::Complete) + count(Verdict::Busy), 600);
+    assert!(count(Verdict::Complete) >= 100 && count(Verdict::Busy) > 0, "{answers:?}");
+    serving.end();
+}
+
+#[test]
+fn killed_workers_are_replaced_and_no_answer_is_wrong() {
+    let place = Place::new();
+    let scenario = place.write("six.toml", &six(2000));
+    let expected = ranked(&run(&["rank", scenario.to_str().unwrap(), "--json"]));
+    let serving = serve(&deployment(&place, 2, &of_six(2000)), &[]);
+    let service = serving.child.id();
+    for round in 0..6 {
+        let workers = wait_for(20_000, || Some(children(service)).filter(|list| list.len() == 2));
+        let workers = workers.unwrap_or_else(|| panic!("round {round}: not replaced"));
+        let doomed = &workers[..1 + round % 2];
+        doomed.iter().for_each(|pid| signal(*pid, Signal::KILL));
+        let output = wait_for(20_000, || {
+            let output = serving.query(&scenario, &["--json"]);
+            // All may have died in the middle of it: that is refused, and worth another try.
+            output.status.success().then_some(output)
+        });
+        assert_eq!(ranking(&output.expect("an answer")), expected, "round {round}");
+    }
+    serving.end();
+}
+
+#[test]
+fn a_killed_service_is_a_refusal_and_its_successor_is_found_by_the_same_client() {
+    let place = Place::new();
+    let file = deployment(&place, 1, WALL);
+    let mut serving = serve(&file, &[]);
+    let mut client = connect(&serving.instance);
+    assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), Verdict::Complete);
+    serving.child.kill().unwrap();
+    serving.child.wait().unwrap();
+    let answer = client.ask(&into_a_wall(), Duration::from_millis(200));
+    assert_eq!(answer.verdict(), Verdict::Refused);
+    assert!(matches!(answer.reason(), Reason::Silence | Reason::NoService), "{answer:?}");
+    let instance = serving.instance.clone();
+    let mut next = trolley()
+        .args(["serve", file.to_str().unwrap(), "--instance", &instance, "--quiet"])
+        .spawn()
+        .unwrap();
+    let verdict = wait_for(20_000, || {
+        let answer = client.ask(&into_a_wall(), Duration::from_millis(500));
+        (answer.verdict() == Verdict::Complete).then_some(())
+    });
+    assert!(verdict.is_some(), "the successor is not found");
+    drop(client);
+    signal(next.id(), Signal::TERM);
+    assert!(next.wait().unwrap().success());
+    assert_eq!(left_behind(&instance), Vec::<String>::new());
+}
+
+#[test]
+fn an_answer_that_would_come_too_late_is_refused_by_the_client_in_time() {
+    let place = Place::new();
+    let serving = serve(&deployment(&place, 1, WALL), &[]);
+    let mut client = connect(&serving.instance);
+    signal(serving.child.id(), Signal::STOP);
+    let begun = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    let answer = client.ask(&into_a_wall(), Duration::from_millis(50));
+    let ended = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    assert_eq!(answer.reason(), Reason::Silence, "{}", answer.text());
+    // On time is not a promise of a busy machine; that it comes back at all is.
+    assert!(ended.tv_sec - begun.tv_sec < 15);
+    signal(serving.child.id(), Signal::CONT);
+    let answered = wait_for(20_000, || {
+        let answer = client.ask(&into_a_wall(), PATIENCE);
+        (answer.verdict() == Verdict::Complete).then_some(())
+    });
+    assert!(answered.is_some());
+    drop(client);
+    serving.end();
+}
+
+#[test]
+fn a_service_that_cannot_be_started_says_why() {
+    let place = Place::new();
+    let file = deployment(&place, 1, WALL);
+    let good = std::fs::read_to_string(&file).unwrap();
+    for (from, to, code, said) in [
+        ("workers = 1", "wrokers = 1", 78, "unknown field"),
+        ("generate = { shape = \"wall\"", "model = \"no.trolley\" #", 65, "no.trolley"),
+        ("[engine]", "policy = \"none.toml\"\n[engine]", 65, "none.toml"),
+        ("[engine]", "folder = \"/nowhere-at-all\"\n[engine]", 69, "nowhere-at-all"),
+        ("workers = 1", "workers = 1\ncores = [1000]", 78, "core 1000"),
+    ] {
+        if from == "[engine]" && to.contains("nowhere") && rustix::process::getuid().is_root() {
+            // Root may make the folder.
+            continue;
+        }
+        let wrong = place.write("wrong.toml", &good.replacen(from, to, 1));
+        let output = trolley()
+            .args(["serve", wrong.to_str().unwrap(), "--instance", &support::instance()])
+            .output()
+            .unwrap();
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{to}: {stderr}");
+        assert!(stderr.contains(said), "{to}: {stderr}");
+    }
+    let scenario = place.write("six.toml", &six(600));
+    let output = trolley()
+        .args(["query", file.to_str().unwrap(), scenario.to_str().unwrap()])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(65), "{}", text(&output.stderr));
+    let wall = shipped("config/scenarios/minimal.toml");
+    let minimal = shipped("config/deployments/minimal.toml");
+    let output = trolley()
+        .args(["query", minimal.to_str().unwrap(), wall.to_str().unwrap()])
+        .args(["--instance", &support::instance()])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(75), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("no service is running"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn metrics_and_decisions_are_written_and_bounded() {
+    let place = Place::new();
+    let file = deployment(&place, 1, WALL);
+    let with_files = std::fs::read_to_string(&file).unwrap().replace(
+        "[engine]",
+        "[metrics]\nfile = \"metrics.prom\"\n[decisions]\nfolder = \"kept\"\nper_file = 4\n\
+         files = 2\n[engine]",
+    );
+    std::fs::write(&file, with_files).unwrap();
+    let serving = serve(&file, &[]);
+    let mut client = connect(&serving.instance);
+    for _ in 0..11 {
+        assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), Verdict::Complete);
+    }
+    drop(client);
+    serving.end();
+    let metrics = std::fs::read_to_string(place.path().join("metrics.prom")).unwrap();
+    assert!(metrics.contains("verdict=\"complete\"} 11\n"), "{metrics}");
+    assert!(metrics.contains("trolley_ready{"), "{metrics}");
+    let mut kept: Vec<_> =
+        std::fs::read_dir(place.path().join("kept")).unwrap().flatten().collect();
+    kept.sort_by_key(std::fs::DirEntry::path);
+    assert_eq!(kept.len(), 2, "{kept:?}");
+    let entries: Vec<_> =
+        kept.iter().flat_map(|file| service::read_decisions(&file.path()).unwrap()).collect();
+    assert_eq!(entries.len(), 4 + 3);
+    assert!(entries.iter().all(|entry| entry.answer.verdict() == Verdict::Complete));
+    assert_eq!(entries.last().unwrap().ask.sequence, 11);
+}

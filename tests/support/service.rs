@@ -1,0 +1,121 @@
+//! A running service of a test's own, and what it leaves behind.
+
+use super::{Place, instance, left_in_shm, signal, text, trolley, wait_for};
+use rustix::process::Signal;
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, Output};
+
+/// A service, ended and checked by [`Serving::end`].
+pub(crate) struct Serving {
+    pub(crate) instance: String,
+    pub(crate) deployment: PathBuf,
+    pub(crate) child: Child,
+    stderr: BufReader<ChildStderr>,
+}
+
+/// A file of the project.
+pub(crate) fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+/// Starts a service and waits until it answers.
+pub(crate) fn serve(deployment: &Path, extra: &[&str]) -> Serving {
+    let instance = instance();
+    let mut child = trolley()
+        .args(["serve", deployment.to_str().unwrap(), "--instance", &instance])
+        .args(extra)
+        .spawn()
+        .unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    loop {
+        let mut line = String::new();
+        assert!(stderr.read_line(&mut line).unwrap() > 0, "it ended before it served: {said}");
+        said += &line;
+        if line.contains("serving as") {
+            return Serving { instance, deployment: deployment.to_owned(), child, stderr };
+        }
+    }
+}
+
+impl Serving {
+    /// `trolley query` of a scenario file.
+    pub(crate) fn query(&self, scenario: &Path, extra: &[&str]) -> Output {
+        let files = [&self.deployment, scenario].map(|path| path.to_str().unwrap().to_owned());
+        trolley()
+            .arg("query")
+            .args(files)
+            .args(["--instance", &self.instance, "--deadline-ms", "20000"])
+            .args(extra)
+            .output()
+            .unwrap()
+    }
+
+    /// Ends it as systemd would, and checks what it left; returns what it said.
+    pub(crate) fn end(mut self) -> String {
+        signal(self.child.id(), Signal::TERM);
+        let status = wait_for(20_000, || self.child.try_wait().unwrap()).expect("it ends");
+        let mut said = String::new();
+        self.stderr.read_to_string(&mut said).unwrap();
+        assert!(status.success(), "{status}: {said}");
+        assert_eq!(left_behind(&self.instance), Vec::<String>::new());
+        said
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        let _ended = self.child.kill();
+        let _reaped = self.child.wait();
+    }
+}
+
+/// What a service and its workers have in shared memory.
+pub(crate) fn left_behind(instance: &str) -> Vec<String> {
+    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let public = format!("trolley-{instance}");
+    let is_public = |name: &String| {
+        name.strip_prefix(&public).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    names.filter(is_public).chain(left_in_shm(instance)).collect()
+}
+
+/// A deployment with these shapes and triangles, ids from 1, and a place for it.
+pub(crate) fn deployment(place: &Place, workers: u32, bodies: &[(&str, u32, u32)]) -> PathBuf {
+    let mut file = format!(
+        "schema = \"trolley.deployment/1\"\ninstance = \"test\"\n[engine]\nworkers = {workers}\n\
+         [realtime]\npriority = 0\nworker_priority = 0\nlock_memory = false\nheap_mib = 8\n"
+    );
+    for (number, (shape, triangles, seed)) in bodies.iter().enumerate() {
+        file += &format!(
+            "[[models]]\nid = {0}\nname = \"m{0}\"\n\
+             generate = {{ shape = \"{shape}\", triangles = {triangles}, seed = {seed} }}\n",
+            number + 1
+        );
+    }
+    place.write("deployment.toml", &file)
+}
+
+/// The ranking of `trolley query --json`: names, work and range.
+pub(crate) fn ranking(output: &Output) -> Vec<(String, [u64; 4])> {
+    rows(&super::json(output)["ranking"], output)
+}
+
+/// The ranking of `trolley rank --json`.
+pub(crate) fn ranked(output: &Output) -> Vec<(String, [u64; 4])> {
+    rows(&super::json(output)["answer"]["ranking"], output)
+}
+
+fn rows(ranking: &serde_json::Value, output: &Output) -> Vec<(String, [u64; 4])> {
+    let ranking = ranking.as_array().unwrap_or_else(|| panic!("{}", text(&output.stderr)));
+    let bits = |row: &serde_json::Value, key: &str, end: usize| {
+        row[key][end].as_f64().unwrap_or(f64::NAN).to_bits()
+    };
+    let row = |row: &serde_json::Value| {
+        let ends = [("work", 0), ("work", 1), ("range", 0), ("range", 1)];
+        (row["name"].as_str().unwrap().to_owned(), ends.map(|(key, end)| bits(row, key, end)))
+    };
+    ranking.iter().map(row).collect()
+}
