@@ -152,6 +152,7 @@ pub fn write_rest(
 
 /// The number of the first pair of a rest, and its pairs of nodes; `None` if there would be another
 /// number of them.
+#[must_use]
 pub fn read_rest(
     words: &[u64],
     count: u32,
