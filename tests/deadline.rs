@@ -148,7 +148,7 @@ fn terms_that_cannot_be_are_refused() {
         assert!(text(&output.stderr).contains(word), "{}", text(&output.stderr));
     };
     refused(&["--deadline-ms", "0"], 78, "--deadline-ms is 0");
-    refused(&["--deadline-ms", "-4"], 2, "--deadline-ms");
+    refused(&["--deadline-ms=-4"], 78, "--deadline-ms is -4");
     refused(&["--deadline-ms", "NaN"], 78, "--deadline-ms is NaN");
     refused(&["--budget", "100"], 78, "--budget is 100");
     refused(&["--budget", "50000", "--record", "x"], 2, "--record");

@@ -35,9 +35,9 @@ pub(crate) fn hulls(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Seen
 }
 
 impl Open {
-    /// What was found, and nothing more to come: not a bound.
-    pub(crate) fn nothing(found: Seen) -> Self {
-        Self { found, reach: Seen::NOTHING }
+    /// Nothing found, and nothing to come: not a bound.
+    pub(crate) fn nothing() -> Self {
+        Self { found: Seen::NOTHING, reach: Seen::NOTHING }
     }
 
     /// A pose of which no job is done.

@@ -14,7 +14,7 @@ use crate::run_here;
 use crate::strategy::Pursuit;
 use crate::terms::Terms;
 use crate::work::Work;
-use damage::{Bounds, CandidateHarm, Ranking, Seen, State, Work as Interval};
+use damage::{Bounds, CandidateHarm, Ranking, State, Work as Interval};
 use dispatch::{Closed, Work as _};
 use geometry::hash::splitmix64;
 use model::{BodyView, Meta};
@@ -274,7 +274,7 @@ fn flawed(work: &Work<'_>, flaw: Flaw) -> Result<(Vec<CandidateHarm>, Ranking), 
     match flaw {
         Flaw::ForgetsOpenPoses => work.judge_by(
             |case| {
-                let nothing = |_, _: &damage::Stop| Open::nothing(Seen::NOTHING);
+                let nothing = |_, _: &damage::Stop| Open::nothing();
                 work.case(case).evidence(nothing)
             },
             |_| {},
