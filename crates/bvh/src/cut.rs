@@ -1,8 +1,8 @@
 //! The descent again at a pose near the last one: from where it ended, not from the roots.
 //!
-//! A *cut* keeps every pair of nodes at which a descent ended: those at the distribution depth whose
-//! boxes overlap, and those above whose boxes are apart, with how far. Bodies that have moved less
-//! than that are still apart, and need no test. Keeping the front between queries is due to Li and
+//! A *cut* keeps every pair of nodes at which a descent ended: those at the distribution depth
+//! whose boxes overlap, and those above whose boxes are apart, with how far. Bodies that have moved
+//! less than that are still apart, and need no test. Keeping the front between queries is due to Li and
 //! Chen (1998, *Incremental 3D collision detection with hierarchical data structures*) and, for
 //! several processors, to Tang, Manocha and Tong (2010, MCCD); the bound on motion is Mirtich's.
 //!
@@ -81,7 +81,8 @@ impl Cut {
             }
         };
         let is_new = motion_m.is_infinite();
-        let descent = Descent::new(a, b, pose);
+        // Made when the first test is: bodies far apart need none.
+        let mut made = None;
         let from = out.len();
         self.next.clear();
         for end in &self.ends {
@@ -90,6 +91,7 @@ impl Cut {
                 self.next.push(End { gap_m, ..*end });
                 continue;
             }
+            let descent = made.get_or_insert_with(|| Descent::new(a, b, pose));
             let gap_m = descent.gap(end.pair, counters);
             self.open.push(End { gap_m, ..*end });
             while let Some(end) = self.open.pop() {

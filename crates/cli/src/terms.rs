@@ -92,7 +92,9 @@ impl TermsArgs {
         is_recorded: bool,
     ) -> Result<Terms, Failure> {
         let deadline = match self.deadline_ms {
-            Some(ms) if ms >= 0.001 && ms <= DEADLINE_MS => Some(Duration::from_secs_f64(ms / 1e3)),
+            Some(ms) if (0.001..=DEADLINE_MS).contains(&ms) => {
+                Some(Duration::from_secs_f64(ms / 1e3))
+            }
             Some(ms) => {
                 let fault = format!("--deadline-ms is {ms}");
                 let help = format!("--deadline-ms may be 0.001 to {DEADLINE_MS}");
