@@ -12,7 +12,8 @@ use std::fmt::Write as _;
 pub(super) enum State {
     /// All done, and the same bytes as without faults.
     Complete,
-    /// Something is missing, and the intervals hold what would be there.
+    /// Something is missing, and the intervals hold what would be there; whatever is certified is
+    /// so.
     Degraded,
     /// An error that says so, or no answer.
     Refused,
@@ -25,7 +26,11 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
     if answer == reference {
         return State::Complete;
     }
-    if !matches!(answer.state, damage::State::Degraded | damage::State::Refused) {
+    if answer.state == damage::State::Complete {
+        return State::Wrong;
+    }
+    let winners = [answer, reference].map(|answer| answer.ranking.first().map(|row| &row.name));
+    if answer.state == damage::State::Certified && winners[0] != winners[1] {
         return State::Wrong;
     }
     let holds = answer.ranking.iter().all(|row| {
@@ -34,8 +39,8 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
         known.is_some_and(|[least, most]| lo <= least && most <= hi)
     });
     match (holds && answer.ranking.len() == reference.ranking.len(), answer.state) {
-        (true, damage::State::Degraded) => State::Degraded,
-        (true, _) => State::Refused,
+        (true, damage::State::Refused) => State::Refused,
+        (true, _) => State::Degraded,
         (false, _) => State::Wrong,
     }
 }
