@@ -6,7 +6,7 @@ use super::plan::{Dice, Plan};
 use super::report::{Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use crate::BUILD;
-use crate::failure::Failure;
+use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
 use dispatch::{Cache, Intensity, Matching, Patience, Queues};
@@ -108,14 +108,18 @@ pub(super) fn run<'w>(
     let mut left: Vec<(Kind, u32)> = kinds.iter().map(|kind| (*kind, 0)).collect();
     let mut baseline = None;
     let total = left.len();
-    while !left.is_empty() {
+    while !left.is_empty() && !report.is_interrupted {
         // After a tenth everything has happened once, and has taken the memory that it keeps.
         if baseline.is_none() && left.len() * 10 <= total * 9 {
             live.settle(report)?;
             baseline = Some(live.footprint());
         }
         let before = left.len();
-        live.round(&mut left, report)?;
+        match live.round(&mut left, report) {
+            // What is finished is told.
+            Err(failure) if failure.code == Code::Interrupted => report.is_interrupted = true,
+            other => other?,
+        }
         progress.add(before.saturating_sub(left.len()) as u64);
     }
     live.settle(report)?;

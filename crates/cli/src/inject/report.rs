@@ -80,6 +80,8 @@ pub(super) struct Report {
     pub(super) whole_ns: Vec<u64>,
     pub(super) seconds: f64,
     pub(super) replay: String,
+    /// Somebody had no more time: what was finished until then stands.
+    pub(crate) is_interrupted: bool,
 }
 
 impl Report {
@@ -120,6 +122,7 @@ impl Report {
         Document {
             schema: "trolley.injected-faults/1",
             seed: self.seed,
+            is_interrupted: self.is_interrupted,
             injected: rows.iter().map(|row| row.injected).sum(),
             is_survived: wrong + self.hangs + self.false_kills + leaks == 0,
             wrong_answers: wrong,
@@ -171,6 +174,7 @@ fn row(kind: Kind, entry: &Entry) -> Row {
 pub(super) struct Document {
     schema: &'static str,
     seed: u64,
+    is_interrupted: bool,
     injected: u64,
     pub(super) is_survived: bool,
     wrong_answers: u64,
@@ -303,6 +307,9 @@ pub(super) fn page(document: &Document) -> String {
     ));
     line(format!("never noticed {}, could not be placed {}", document.unseen, document.missed));
     line(format!("again: {}", document.replay));
+    if document.is_interrupted {
+        text.push_str("interrupted: the plan was not finished\n");
+    }
     text
 }
 
