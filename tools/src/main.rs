@@ -8,6 +8,7 @@ mod built;
 mod check;
 mod compare;
 mod count;
+mod faults;
 mod machine;
 mod oracle;
 mod scenarios;
@@ -68,6 +69,21 @@ enum Task {
     /// (libembree-dev, libfcl-dev libeigen3-dev; for the exact oracle libcgal-dev libgmp-dev
     /// libmpfr-dev), and parry3d. Fails if an answer of ours is wrong.
     Compare(compare::Options),
+    /// A million requests among simulated faults; stops at the first law that is broken.
+    Soak {
+        /// How many worlds, of four requests each.
+        #[arg(long, value_name = "N", default_value_t = 250_000)]
+        worlds: u64,
+        /// The first one.
+        #[arg(long, value_name = "N", default_value_t = 0)]
+        from: u64,
+    },
+    /// All states of small worlds of the job protocol, and the mistakes that must be caught.
+    Model,
+    /// Ten million corrupted messages, none of which may be accepted.
+    Corrupt,
+    /// Fuzz parsers and decoders with libFuzzer, guided by coverage.
+    Fuzz(faults::FuzzOptions),
     /// Rank alternatives from recorded traffic with real bodies, beside boxes and a formula.
     ///
     /// Needs the data, which is not part of this project; writes a page and pictures.
@@ -84,6 +100,10 @@ fn main() -> Result<ExitCode> {
         Task::Bench { quick, filter } => bench::run(quick, filter.as_deref()),
         Task::Count { record } => count::run(record),
         Task::Compare(options) => compare::run(&options),
+        Task::Soak { worlds, from } => faults::soak(worlds, from),
+        Task::Model => faults::model(),
+        Task::Corrupt => faults::corrupt(),
+        Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
     }
 }

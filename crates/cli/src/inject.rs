@@ -81,7 +81,7 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
         let stage = live::Stage { plan: &plan, store: &store, reference: &reference };
         live::run(&stage, &work, &live, args.seed, &mut report, &progress)?;
     }
-    for (number, kind) in runs.iter().enumerate() {
+    for (number, kind) in runs.iter().enumerate().filter(|_| !report.is_interrupted) {
         let known = (&reference, &store);
         child::run(&plan, *kind, args.seed, number as u64, known, &mut report)?;
         progress.add(1);
@@ -100,6 +100,9 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
         print::out(&text)?;
     } else {
         print::out(&report::page(&document))?;
+    }
+    if report.is_interrupted {
+        return Ok(Code::Interrupted.into());
     }
     Ok(ExitCode::from(u8::from(!document.is_survived)))
 }

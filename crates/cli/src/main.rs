@@ -97,6 +97,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
 fn start_logging(args: &Args) {
     let level = match (args.quiet, args.verbose) {
         (true, _) => tracing::Level::ERROR,
+        // Thousands of faults are to be told by the ledger alone.
+        (false, 0) if matches!(args.command, Command::Inject(_)) => tracing::Level::ERROR,
         (false, 0) => tracing::Level::WARN,
         (false, 1) => tracing::Level::INFO,
         (false, _) => tracing::Level::DEBUG,

@@ -62,7 +62,8 @@ impl Kind {
     pub(crate) fn is_whole_run(self) -> bool {
         matches!(
             self,
-            Self::FlipQueue
+            Self::FlipPayload
+                | Self::FlipQueue
                 | Self::CoordinatorKill
                 | Self::KillInStop
                 | Self::VersionSkew
@@ -108,7 +109,6 @@ impl Kind {
                 | Self::LoseResult
                 | Self::GarbleBatch
                 | Self::QueueFull
-                | Self::FlipPayload
         )
     }
 }

@@ -6,7 +6,7 @@ use super::plan::{Dice, Plan};
 use super::report::{Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use crate::BUILD;
-use crate::failure::Failure;
+use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
 use dispatch::{Cache, Intensity, Matching, Patience, Queues};
@@ -51,6 +51,8 @@ struct Live<'s, F> {
     usual_ns: u64,
     jobs: u64,
     open: Vec<Open>,
+    /// When successors were started that were not waited for yet (ns).
+    mended_ns: Option<u64>,
 }
 
 /// Options of a crew for fault injection.
@@ -93,6 +95,7 @@ pub(super) fn run<'w>(
         usual_ns: 1,
         jobs: 1,
         open: Vec::new(),
+        mended_ns: None,
     };
     let mut times = Vec::new();
     for _ in 0..20 {
@@ -105,14 +108,18 @@ pub(super) fn run<'w>(
     let mut left: Vec<(Kind, u32)> = kinds.iter().map(|kind| (*kind, 0)).collect();
     let mut baseline = None;
     let total = left.len();
-    while !left.is_empty() {
+    while !left.is_empty() && !report.is_interrupted {
         // After a tenth everything has happened once, and has taken the memory that it keeps.
         if baseline.is_none() && left.len() * 10 <= total * 9 {
             live.settle(report)?;
             baseline = Some(live.footprint());
         }
         let before = left.len();
-        live.round(&mut left, report)?;
+        match live.round(&mut left, report) {
+            // What is finished is told.
+            Err(failure) if failure.code == Code::Interrupted => report.is_interrupted = true,
+            other => other?,
+        }
         progress.add(before.saturating_sub(left.len()) as u64);
     }
     live.settle(report)?;
@@ -155,6 +162,9 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         let mended = self.crew.mend(self.stage.store)?;
         self.look(report);
         report.restarts += mended.started.len() as u64;
+        if !mended.started.is_empty() {
+            self.mended_ns = Some(begun_ns);
+        }
         if waits {
             while self.crew.ready() < usize::from(self.stage.plan.workers) {
                 self.crew.rally()?;
@@ -162,8 +172,8 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 self.look(report);
                 report.restarts += again.started.len() as u64;
             }
-            if !mended.started.is_empty() {
-                report.whole_ns.push(clock::now_ns() - begun_ns);
+            if let Some(mended_ns) = self.mended_ns.take() {
+                report.whole_ns.push(clock::now_ns() - mended_ns);
             }
         }
         Ok(())
@@ -184,7 +194,18 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 report.reissued += ran.counts.reissued;
                 report.fenced += ran.counts.fence.sum();
                 report.rejected += ran.rejected;
-                judge(&work.answer()?, self.stage.reference)
+                let answer = work.answer()?;
+                let state = judge(&answer, self.stage.reference);
+                if state == State::Wrong {
+                    let kinds: Vec<&str> = self.open.iter().map(|open| open.kind.name()).collect();
+                    let work = |answer: &Answer| {
+                        let row = |row: &coordinator::Row| (row.name.clone(), row.work);
+                        answer.ranking.iter().map(row).collect::<Vec<_>>()
+                    };
+                    let (ours, right) = (work(&answer), work(self.stage.reference));
+                    tracing::error!(?kinds, state = ?answer.state, ?ours, ?right, "wrong answer");
+                }
+                state
             }
             Err(CrewError::NobodyLeft { .. }) => State::Refused,
             Err(error) => return Err(error.into()),
@@ -285,11 +306,30 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
             self.look(report);
             self.mend(false, report)?;
         }
+        self.disarm(report)?;
         self.book(&chosen, left, state, answered_ns, report);
         for (who, _) in self.crew.roster() {
             self.crew.order(who.worker, None);
         }
         Ok(())
+    }
+
+    /// Whoever has an order that it could not obey yet would obey in a later request: it is
+    /// replaced.
+    fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
+        for (who, pid) in self.crew.roster() {
+            let is_armed = |open: &Open| {
+                let is_order = open.kind.misdeed().is_some();
+                open.who == who && is_order && (open.struck_ns.is_none())
+            };
+            if self.open.iter().any(is_armed)
+                && let Ok(held) = Held::of(pid)
+            {
+                held.signal(super::signals::KILL)?;
+                report.note_end(who);
+            }
+        }
+        self.mend(true, report)
     }
 
     /// Prepares a fault.
@@ -336,13 +376,6 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 shoot(within_ns, Deed::Pause(ns));
             }
             Kind::Slow => shoot(within_ns / 2, Deed::Choke(20)),
-            Kind::FlipPayload => {
-                let seed = self.dice.next();
-                shoot(
-                    within_ns,
-                    Deed::Flip { prefix: format!("trolley.{}.", self.instance), seed },
-                );
-            }
             Kind::GarbleBatch | Kind::QueueFull => {
                 let bit = self.dice.next() as u32;
                 let how =
@@ -362,7 +395,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                     }
                     _ => self.dice.next() as u32,
                 };
-                let after = self.dice.below(share.clamp(1, 200)) as u8;
+                let after = self.dice.below(share.clamp(1, 20)) as u8;
                 let order = Order { sequence: self.sequence, misdeed, after, argument };
                 self.crew.order(who.worker, Some(order));
             }

@@ -12,7 +12,8 @@ use std::fmt::Write as _;
 pub(super) enum State {
     /// All done, and the same bytes as without faults.
     Complete,
-    /// Something is missing, and the intervals hold what would be there.
+    /// Something is missing, and the intervals hold what would be there; whatever is certified is
+    /// so.
     Degraded,
     /// An error that says so, or no answer.
     Refused,
@@ -25,7 +26,11 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
     if answer == reference {
         return State::Complete;
     }
-    if !matches!(answer.state, damage::State::Degraded | damage::State::Refused) {
+    if answer.state == damage::State::Complete {
+        return State::Wrong;
+    }
+    let winners = [answer, reference].map(|answer| answer.ranking.first().map(|row| &row.name));
+    if answer.state == damage::State::Certified && winners[0] != winners[1] {
         return State::Wrong;
     }
     let holds = answer.ranking.iter().all(|row| {
@@ -34,8 +39,8 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
         known.is_some_and(|[least, most]| lo <= least && most <= hi)
     });
     match (holds && answer.ranking.len() == reference.ranking.len(), answer.state) {
-        (true, damage::State::Degraded) => State::Degraded,
-        (true, _) => State::Refused,
+        (true, damage::State::Refused) => State::Refused,
+        (true, _) => State::Degraded,
         (false, _) => State::Wrong,
     }
 }
@@ -75,6 +80,8 @@ pub(super) struct Report {
     pub(super) whole_ns: Vec<u64>,
     pub(super) seconds: f64,
     pub(super) replay: String,
+    /// Somebody had no more time: what was finished until then stands.
+    pub(crate) is_interrupted: bool,
 }
 
 impl Report {
@@ -115,6 +122,7 @@ impl Report {
         Document {
             schema: "trolley.injected-faults/1",
             seed: self.seed,
+            is_interrupted: self.is_interrupted,
             injected: rows.iter().map(|row| row.injected).sum(),
             is_survived: wrong + self.hangs + self.false_kills + leaks == 0,
             wrong_answers: wrong,
@@ -166,6 +174,7 @@ fn row(kind: Kind, entry: &Entry) -> Row {
 pub(super) struct Document {
     schema: &'static str,
     seed: u64,
+    is_interrupted: bool,
     injected: u64,
     pub(super) is_survived: bool,
     wrong_answers: u64,
@@ -298,6 +307,9 @@ pub(super) fn page(document: &Document) -> String {
     ));
     line(format!("never noticed {}, could not be placed {}", document.unseen, document.missed));
     line(format!("again: {}", document.replay));
+    if document.is_interrupted {
+        text.push_str("interrupted: the plan was not finished\n");
+    }
     text
 }
 

@@ -14,7 +14,7 @@ const CONTINUE: i32 = 18;
 const STOP: i32 = 19;
 
 /// What is done to a process.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Deed {
     Kill,
     Stop,
@@ -22,11 +22,6 @@ pub(crate) enum Deed {
     Pause(u64),
     /// So many times stopped for 9 ms and continued for 1 ms.
     Choke(u32),
-    /// Bits are flipped in all messages of the run whose names begin like this.
-    Flip {
-        prefix: String,
-        seed: u64,
-    },
 }
 
 /// A deed on its way.
@@ -105,7 +100,6 @@ fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
         match deed {
             Deed::Kill => signal(KILL),
             Deed::Stop => signal(STOP),
-            Deed::Flip { prefix, seed } => flip(&prefix, ".data", 64, Dice(seed)),
             Deed::Pause(ns) => {
                 signal(STOP);
                 wait(orders, ns, &mut later);

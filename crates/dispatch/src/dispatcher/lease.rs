@@ -64,6 +64,8 @@ pub(super) struct Core {
     floor: u32,
     sent: VecDeque<Batch>,
     faults: u8,
+    /// Messages turned away whose jobs were not missed yet: the same fault, seen twice.
+    garbled: u8,
     refusals: u8,
     is_doomed: bool,
 }
@@ -290,7 +292,10 @@ impl<S: Scheme> Dispatcher<S> {
             core.floor = batch.as_ref().map_or(core.floor, |batch| batch.number + 1);
             lost += self.reclaim(who, batch);
         }
-        if lost > 0 {
+        let Some(core) = self.core_of(who).filter(|_| lost > 0) else { return };
+        if core.garbled > 0 {
+            core.garbled -= 1;
+        } else {
             self.distrust(who, Why::Forgetful, effects);
         }
     }
@@ -321,6 +326,7 @@ impl<S: Scheme> Dispatcher<S> {
     pub(super) fn distrust(&mut self, who: Incarnation, why: Why, effects: &mut Vec<Effect>) {
         let Some(core) = self.core_of(who) else { return };
         core.faults = core.faults.saturating_add(1);
+        core.garbled = core.garbled.saturating_add(u8::from(why == Why::Garbled));
         if core.faults >= FAULTS_MAX {
             self.doom(who, why, effects);
         }
@@ -352,6 +358,7 @@ impl<S: Scheme> Dispatcher<S> {
             core.fetch.clear();
             core.alone = None;
             core.faults = 0;
+            core.garbled = 0;
         }
     }
 

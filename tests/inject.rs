@@ -1,0 +1,100 @@
+//! Faults in real processes, from the command line: survived, counted, nothing left; and the same
+//! of simulated ones.
+mod support;
+
+use support::{Place, json, run, text};
+
+fn plan(place: &Place, faults: &str) -> String {
+    let scenario = support::six(600);
+    place.write("small.toml", &scenario);
+    let plan = format!(
+        "schema = \"trolley.faults/1\"\nscenario = \"small.toml\"\nworkers = 4\ndepth = 4\n\
+         at_once = 2\n[faults]\n{faults}"
+    );
+    place.write("plan.toml", &plan).to_str().unwrap().to_owned()
+}
+
+/// Runs a plan without an instance name: it makes its own.
+fn inject(args: &[&str]) -> std::process::Output {
+    support::trolley().arg("inject").args(args).output().unwrap()
+}
+
+#[test]
+fn faults_of_all_sorts_are_survived_and_leave_nothing() {
+    let place = Place::new();
+    let plan = plan(
+        &place,
+        "kill = 4\nkill-idle = 1\nkill-all = 1\nabort = 2\npanic = 3\nquit = 1\ngarble-result = 4\n\
+         wrong-length = 2\nmasquerade = 1\nrepeat-result = 3\nlose-result = 3\ngarble-batch = 4\n\
+         queue-full = 3\nstop = 1\ncoordinator-kill = 1\nstale-memory = 1\n",
+    );
+    let report = place.path().join("faults.xml");
+    let output = inject(&[&plan, "--json", "--seed", "3", "--junit", report.to_str().unwrap()]);
+    let document = json(&output);
+    for zero in ["wrong_answers", "hangs", "false_kills", "leaks"] {
+        assert_eq!(document[zero], 0, "{zero}: {document}");
+    }
+    assert!(document["injected"].as_u64().unwrap() >= 30, "{document}");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(std::fs::read_to_string(report).unwrap().contains("name=\"garble-batch\""));
+}
+
+#[test]
+fn three_of_four_may_die_again_and_again_and_all_four_are_refused() {
+    let place = Place::new();
+    let plan = plan(&place, "kill-all = 3\n");
+    let output = inject(&[&plan, "--json"]);
+    let document = json(&output);
+    assert_eq!(document["wrong_answers"], 0);
+    let kind = &document["kinds"][0];
+    assert_eq!(kind["fault"], "kill-all");
+    assert_eq!(kind["answers"]["wrong"], 0, "{document}");
+    assert_eq!(document["left"]["names_after_the_end"], 0);
+    assert!(output.status.success());
+}
+
+#[test]
+fn a_plan_that_cannot_be_read_is_refused_with_the_names_there_are() {
+    let place = Place::new();
+    let plan = plan(&place, "murder = 1\n");
+    let output = inject(&[&plan]);
+    assert_eq!(output.status.code(), Some(65));
+    let said = text(&output.stderr);
+    assert!(said.contains("murder") && said.contains("kill-at-start"), "{said}");
+}
+
+#[test]
+fn a_seed_replays_one_simulated_world() {
+    let args = ["simulate", "faults", "--seed", "173", "--json"];
+    let twice = [(), ()].map(|()| {
+        let output = support::trolley().args(args).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let mut document = json(&output);
+        document["seconds"] = 0.into();
+        document
+    });
+    assert_eq!(twice[0], twice[1]);
+    assert_eq!(twice[0]["requests"], 4);
+    let none = run_without_instance(&["simulate", "faults", "--only", "murder"]);
+    assert_eq!(none.status.code(), Some(2));
+}
+
+fn run_without_instance(args: &[&str]) -> std::process::Output {
+    support::trolley().args(args).output().unwrap()
+}
+
+#[test]
+fn too_few_descriptors_are_found_before_anything_is_made() {
+    let place = Place::new();
+    let path = place.write("small.toml", &support::six(600));
+    let trolley = env!("CARGO_BIN_EXE_trolley");
+    let output = std::process::Command::new("/bin/sh")
+        .args(["-c", "ulimit -n 60; exec \"$0\" \"$@\"", trolley, "rank", path.to_str().unwrap()])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(69), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    assert!(said.contains("file descriptors") && said.contains("ulimit -n"), "{said}");
+    let fine = run(&["rank", path.to_str().unwrap(), "--json"]);
+    assert!(fine.status.success());
+}

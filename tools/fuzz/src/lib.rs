@@ -1,0 +1,138 @@
+//! What is fuzzed: every parser of files and every decoder of messages, each as a function of bytes.
+//!
+//! `cargo x fuzz` runs them with libFuzzer on stable Rust; the tests here run each over its corpus
+//! and over bent copies of it, so that what was found stays found.
+
+use model::file::Aligned;
+use model::import::{Format, ImportOptions};
+use protocol::{Boot, Head, Incarnation, Launch, job, parcel, result};
+
+/// A parser or decoder: it refuses or accepts, and returns.
+pub type Target = fn(&[u8]);
+
+/// All targets by name.
+pub const TARGETS: &[(&str, Target)] = &[
+    ("obj", |bytes| mesh(Format::Obj, bytes)),
+    ("stl", |bytes| mesh(Format::Stl, bytes)),
+    ("ply", |bytes| mesh(Format::Ply, bytes)),
+    ("gltf", |bytes| mesh(Format::Gltf, bytes)),
+    ("scenario", |bytes| text(bytes, |text| drop(scenario::Scenario::parse("fuzz", text)))),
+    ("policy", |bytes| text(bytes, |text| drop(damage::Policy::parse("fuzz", text)))),
+    ("curves", |bytes| text(bytes, |text| drop(damage::Curves::parse("fuzz", text)))),
+    ("model-file", model_file),
+    ("record", |bytes| drop(record::file::decode(bytes))),
+    ("wire", wire),
+];
+
+/// All whole words.
+fn words_of(bytes: &[u8]) -> Vec<u64> {
+    let mut words = vec![0; bytes.len() / 8];
+    let room: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
+    room.copy_from_slice(&bytes[..room.len()]);
+    words
+}
+
+fn text(bytes: &[u8], parse: impl FnOnce(&str)) {
+    if let Ok(text) = core::str::from_utf8(bytes) {
+        parse(text);
+    }
+}
+
+/// A reader of others may panic, which the child process in which it runs turns into a message; so
+/// only what it then does to memory and time is looked at here.
+fn mesh(format: Format, bytes: &[u8]) {
+    let options = ImportOptions { file: "fuzz".to_owned(), any_size: true, ..Default::default() };
+    let mut nothing = |name: &str| Err(format!("{name}: no side files here"));
+    let read = || drop(model::import::read(format, bytes, &mut nothing, &options));
+    drop(std::panic::catch_unwind(core::panic::AssertUnwindSafe(read)));
+}
+
+fn model_file(bytes: &[u8]) {
+    let aligned = Aligned::copy_of(bytes);
+    drop(model::file::view(aligned.bytes()));
+    drop(model::file::quick_view(aligned.bytes()));
+    drop(model::store::open(aligned.bytes()));
+}
+
+/// A header, then words: accepted or not, read as everything that it could be.
+fn wire(bytes: &[u8]) {
+    let (front, rest) = bytes.split_at(bytes.len().min(size_of::<Head>()));
+    let words: Vec<u64> = words_of(rest);
+    if let Ok(head) = bytemuck::try_pod_read_unaligned::<Head>(front) {
+        let peer = Incarnation { worker: head.worker, inc: head.inc };
+        let accepted = head.accept(Boot(head.boot), peer, words.len());
+        let sealed = protocol::verify(&head, &words);
+        // Whatever is said to be sound is sealed again to the same checksum.
+        if let (Ok(_), Ok(())) = (accepted, sealed) {
+            assert_eq!(protocol::seal(head, &words), head);
+        }
+        for hits in [head.hits, 0, u32::MAX] {
+            let _last = result::read_last(&words, hits);
+            let _hits = result::read_hits(&words, hits);
+        }
+    }
+    let all: Vec<u64> = words_of(bytes);
+    if let Some((tasks, jobs)) = job::read_batch(&all) {
+        assert!(jobs.iter().all(|job| (job.task as usize) < tasks.len()));
+    }
+    let mut left = &all[..];
+    while let Some((_, rest)) = parcel::read_piece(left) {
+        assert!(rest.len() < left.len(), "it goes on for ever");
+        left = rest;
+    }
+    text(bytes, |text| drop(Launch::from_word(text)));
+}
+
+#[cfg(test)]
+mod tests {
+    //! Every corpus, and many bent copies of it, goes through its target.
+    use super::*;
+    use std::path::Path;
+
+    fn splitmix64(mut z: u64) -> u64 {
+        z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    /// Changes, drops, repeats or inserts a few bytes.
+    fn bend(bytes: &[u8], seed: u64) -> Vec<u8> {
+        let mut bent = bytes.to_vec();
+        for step in 0..1 + splitmix64(seed) % 4 {
+            let dice = splitmix64(seed ^ splitmix64(step + 1));
+            let at = (dice >> 8) as usize % (bent.len() + 1);
+            match dice % 5 {
+                0 => bent.truncate(at),
+                1 => bent.insert(at, (dice >> 40) as u8),
+                2 if at < bent.len() => drop(bent.remove(at)),
+                3 => {
+                    let piece: Vec<u8> = bent[at..].iter().copied().take(16).collect();
+                    bent.splice(at..at, piece);
+                }
+                _ if at < bent.len() => bent[at] ^= 1 << (dice >> 40 & 7),
+                _ => {}
+            }
+        }
+        bent
+    }
+
+    #[test]
+    fn every_corpus_and_bent_copies_of_it_are_refused_or_accepted() {
+        // What others' readers say when they panic is of no interest here.
+        std::panic::set_hook(Box::new(|_| {}));
+        for (name, target) in TARGETS {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name);
+            let mut seeds = 0;
+            for entry in std::fs::read_dir(&folder).into_iter().flatten() {
+                let bytes = std::fs::read(entry.unwrap().path()).unwrap();
+                target(&bytes);
+                for seed in 0..200 {
+                    target(&bend(&bytes, seed));
+                }
+                seeds += 1;
+            }
+            assert!(seeds > 0, "{name} has no corpus");
+        }
+    }
+}
