@@ -8,6 +8,7 @@ mod built;
 mod check;
 mod compare;
 mod count;
+mod gallery;
 mod machine;
 mod oracle;
 mod scenarios;
@@ -72,6 +73,8 @@ enum Task {
     ///
     /// Needs the data, which is not part of this project; writes a page and pictures.
     Scenarios(scenarios::Options),
+    /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
+    Gallery(gallery::Options),
 }
 
 fn main() -> Result<ExitCode> {
@@ -85,5 +88,6 @@ fn main() -> Result<ExitCode> {
         Task::Count { record } => count::run(record),
         Task::Compare(options) => compare::run(&options),
         Task::Scenarios(options) => scenarios::run(&options),
+        Task::Gallery(options) => gallery::run(&options),
     }
 }

@@ -18,8 +18,10 @@ mod print;
 mod progress;
 mod rank;
 mod record;
+mod report;
 mod run;
 mod table;
+mod traffic;
 mod transfer;
 
 use args::{Args, Command};
@@ -45,11 +47,13 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<ExitCode, Failure> {
     match &args.command {
         Command::Demo { answer, options } => rank::demo(answer, options, &args.output()),
-        Command::Rank { scenario, answer, options } => {
-            rank::rank(scenario, answer, options, &args.output())
+        Command::Rank { scenario, traffic, answer, options } => {
+            rank::rank(scenario, traffic, answer, options, &args.output())
         }
+        Command::Scenario { verb } => traffic::run(verb, &args.output()),
         Command::Policy { verb } => policy::run(verb, &args.output()),
         Command::Record { verb } => record::run(verb, &args.output()),
+        Command::Report(asked) => report::run(asked, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
         Command::Calibrate(options) => measure::calibrate(options),
         Command::Measure(options) => measure::run(options, &args.output()),

@@ -32,6 +32,7 @@ mod ledger;
 mod pairs;
 mod replay;
 mod request;
+mod scene;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
@@ -44,4 +45,5 @@ pub use ledger::Ledger;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;
 pub use request::{Request, RequestError};
+pub use scene::Scene;
 pub use work::{Effort, Errands, PartOf, Work};

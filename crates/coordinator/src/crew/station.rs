@@ -103,6 +103,7 @@ impl Station {
             result_bytes: 0,
             result_lines: 0,
             busy_ns: 0,
+            spans: Vec::new(),
             hardware: Hardware::Counted { instructions: 0, cache_misses: 0 },
             lost: None,
         };
@@ -141,6 +142,7 @@ impl Station {
             *before = counters.read().unwrap_or_default();
         }
         self.report.busy_ns = 0;
+        self.report.spans.clear();
     }
 
     fn counted(&self, status: &StatusMemory) -> Before {
