@@ -312,8 +312,8 @@ fn ranking(decision: &Decision, body: &mut String) {
     let top = decision.candidates.iter().map(|one| one.range[1].max(one.work[1]));
     let top = top.fold(0.0, f64::max);
     body.push_str(
-        "<section><h2>The ranking</h2><div class=\"wide\"><table><thead><tr><th>#</th>\
-         <th>candidate</th><th>contact</th><th class=\"n\">depth m</th>\
+        "<section><h2>The ranking</h2><div class=\"wide\"><table class=\"ranking\"><thead>\
+         <tr><th>#</th><th>candidate</th><th>contact</th><th class=\"n\">depth m</th>\
          <th class=\"n\">ΔV ego / other m/s</th><th class=\"n\">harm %</th>\
          <th class=\"n\">range %</th><th>harm, with its range</th></tr></thead><tbody>",
     );
@@ -364,7 +364,8 @@ fn view(decision: &Decision, shots: &[Shot], body: &mut String) {
 fn persons(decision: &Decision, body: &mut String) {
     body.push_str(
         "<section><h2>Who is hurt</h2><div class=\"wide\"><table><thead><tr><th>candidate</th>\
-         <th>person</th><th class=\"n\">risk %</th><th class=\"n\">range %</th></tr></thead><tbody>",
+         <th>person</th><th class=\"n\">risk %</th><th class=\"n\">range %</th></tr></thead>\
+         <tbody>",
     );
     for one in &decision.candidates {
         for (who, work, range) in &one.persons {

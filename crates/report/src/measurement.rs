@@ -71,8 +71,8 @@ impl Measurement {
             return format!("<p class=\"absent\">{} is missing.</p>", escape(file));
         };
         format!(
-            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption>\
-             </figure>",
+            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}\
+             </figcaption></figure>",
             escape(caption),
             base64(&figure.png)
         )

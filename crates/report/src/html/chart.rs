@@ -68,7 +68,7 @@ pub(super) fn stages(stages: &[(String, f64)]) -> String {
 /// Jobs done and not needed, by candidate.
 pub(super) fn jobs(jobs: &[(String, u64, u64)]) -> String {
     let most = jobs.iter().map(|(_, done, cut)| done + cut).max().unwrap_or(0).max(1);
-    let scale = (WIDTH - LEFT - 130.0) / most as f64;
+    let scale = (WIDTH - LEFT - 190.0) / most as f64;
     let mut inside = String::new();
     for (row, (name, done, not)) in jobs.iter().enumerate() {
         let y = 22.0 * row as f64;
