@@ -1,5 +1,7 @@
 //! Faults in real processes, from the command line: survived, counted, nothing left; and the same
 //! of simulated ones.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 mod support;
 
 use support::{Place, json, run, text};

@@ -24,6 +24,7 @@ const LAYERS: &[&str] = &[
     "bvh",
     "damage",
     "scenario",
+    "traffic",
     "dispatch",
     "record",
     "transport",
@@ -67,7 +68,8 @@ const ALONE: &[(&str, &[&str])] = &[
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
 /// Crates without I/O, clock and waiting.
 const PURE: &[&str] = &[
-    "geometry", "protocol", "model", "bvh", "damage", "scenario", "dispatch", "record", "simulate",
+    "geometry", "protocol", "model", "bvh", "damage", "scenario", "traffic", "dispatch", "record",
+    "simulate",
 ];
 /// Longest line, in characters.
 const COLUMNS_MAX: usize = 100;

@@ -31,7 +31,10 @@ pub(crate) fn serve(deployment: &Path, extra: &[&str]) -> Serving {
     let mut said = String::new();
     loop {
         let mut line = String::new();
-        assert!(stderr.read_line(&mut line).unwrap() > 0, "it ended before it served: {said}");
+        if stderr.read_line(&mut line).unwrap() == 0 {
+            let end = child.wait().unwrap();
+            panic!("it ended before it served ({end}): {said}");
+        }
         said += &line;
         if line.contains("serving as") {
             return Serving { instance, deployment: deployment.to_owned(), child, stderr };

@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod count;
 mod faults;
+mod gallery;
 mod machine;
 mod oracle;
 mod scenarios;
@@ -88,6 +89,8 @@ enum Task {
     ///
     /// Needs the data, which is not part of this project; writes a page and pictures.
     Scenarios(scenarios::Options),
+    /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
+    Gallery(gallery::Options),
 }
 
 fn main() -> Result<ExitCode> {
@@ -105,5 +108,6 @@ fn main() -> Result<ExitCode> {
         Task::Corrupt => faults::corrupt(),
         Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
+        Task::Gallery(options) => gallery::run(&options),
     }
 }

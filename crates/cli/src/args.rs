@@ -58,10 +58,13 @@ pub(crate) enum Command {
     },
     /// Rank the crashes that a scenario file describes.
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
-        trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name")]
+        trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name\n  \
+        trolley rank DEU_Gar-1_1_T-1.xml")]
     Rank {
-        /// Scenario, TOML: see `trolley schema`.
+        /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
         scenario: PathBuf,
+        #[command(flatten)]
+        traffic: crate::traffic::TrafficArgs,
         #[command(flatten)]
         answer: AnswerArgs,
         #[command(flatten)]
@@ -78,6 +81,11 @@ pub(crate) enum Command {
     Top(crate::top::TopArgs),
     /// Look at this machine: what the service needs of it, what is missing, what to do about it.
     Doctor,
+    /// Scenarios from recorded or written traffic.
+    Scenario {
+        #[command(subcommand)]
+        verb: crate::traffic::Verb,
+    },
     /// Policies and injury curves: would they be accepted, and what do they say?
     Policy {
         #[command(subcommand)]
@@ -115,6 +123,9 @@ pub(crate) enum Command {
     /// Answer requests while faults are injected into real processes; report what became of them.
     #[command(after_help = crate::inject::EXAMPLES)]
     Inject(crate::inject::InjectArgs),
+    /// Show a decision record or a measurement: one HTML page, .glb, PNG stills.
+    #[command(after_help = crate::report::EXAMPLES)]
+    Report(crate::report::ReportArgs),
     /// Print the JSON Schema of scenarios.
     Schema,
     /// Print completions for a shell.

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use bvh::BuildOptions;
 use model::generate::{Shape, call, generate};
-use model::{Kind, Mesh, Meta, defaults, file, zones};
+use model::{BodyView, Fit, Kind, Mesh, Meta, defaults, file, zones};
 use runtime::FileMap;
 use scenario::{Engine, FileRef, Scenario, Source};
 use std::path::{Path, PathBuf};
@@ -43,19 +43,21 @@ pub(crate) fn load(
     for (number, party) in scenario.parties.iter().enumerate() {
         let body = match &party.source {
             Source::Generate { shape, triangles, seed } => {
-                let body = generate_body(*shape, *triangles, *seed, &options, &|_| {});
+                let mut body = generate_body(*shape, *triangles, *seed, &options, &|_| {})?;
+                if let Some(size) = party.size {
+                    body = stretched(&body.meta, &body.view(), size, &options)?;
+                }
                 progress.add(u64::from(*triangles));
-                encoded(&body?)?
+                encoded(&body)?
             }
-            Source::File(reference) => {
-                open(&find(number, reference), &options).map_err(|failure| Failure {
+            Source::File(reference) => open(&find(number, reference), party.size, &options)
+                .map_err(|failure| Failure {
                     fault: format!(
                         "{file}:{}: party \"{}\": {}",
                         reference.place, party.name, failure.fault
                     ),
                     ..failure
-                })?
-            }
+                })?,
         };
         loaded.push(body);
     }
@@ -65,7 +67,11 @@ pub(crate) fn load(
 }
 
 /// Opens a model file; its tree is built again if the engine asks for another one.
-pub(crate) fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failure> {
+pub(crate) fn open(
+    path: &Path,
+    size: Option<Fit>,
+    options: &BuildOptions,
+) -> Result<Loaded, Failure> {
     let map = FileMap::open(path).map_err(|error| {
         Failure::input(crate::failure::chain(&error))
             .help("paths are relative to the scenario's folder")
@@ -75,6 +81,10 @@ pub(crate) fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failur
     };
     let (meta, view) = file::view(map.bytes()).map_err(bad)?;
     let source_hash = Some(file::content_hash(map.bytes()).map_err(bad)?);
+    if let Some(size) = size {
+        let body = stretched(&meta, &view, size, options)?;
+        return Ok(Loaded { source_hash, ..encoded(&body)? });
+    }
     if meta.build == options.build && meta.leaf_size == options.leaf_size {
         let bytes = file::Aligned::copy_of(map.bytes());
         return Ok(Loaded { kind: meta.kind, bytes, source_hash });
@@ -82,6 +92,31 @@ pub(crate) fn open(path: &Path, options: &BuildOptions) -> Result<Loaded, Failur
     let body = bvh::rebuild(view, &meta, options, &|_| {})
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     Ok(Loaded { source_hash, ..encoded(&body)? })
+}
+
+/// A body stretched to a size. What follows from the size is worked out again; a mass that somebody
+/// stated stays.
+fn stretched(
+    meta: &Meta,
+    view: &BodyView<'_>,
+    size: Fit,
+    options: &BuildOptions,
+) -> Result<model::Body, Failure> {
+    let mesh = model::fit::fitted(model::fit::mesh_of(meta, view), size);
+    let origin = defaults::Origin {
+        name: &meta.name,
+        kind: meta.kind,
+        origin: &format!("{}, stretched", meta.origin),
+        hash: &meta.origin_hash,
+    };
+    let mut new = defaults::assemble(origin, &mesh, None)
+        .map_err(|error| Failure::input(error.to_string()))?;
+    if !meta.mass_source.starts_with("default") {
+        new.mass_kg = meta.mass_kg;
+        new.mass_source.clone_from(&meta.mass_source);
+    }
+    new.occupants.clone_from(&meta.occupants);
+    with_tree(mesh, new, options, &|_| {})
 }
 
 /// Generates a body and gives it a tree; `progress` as in [`bvh::build()`].

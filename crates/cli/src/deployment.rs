@@ -63,9 +63,12 @@ impl Opened {
             threads: runtime::affinity::allowed_cores().len(),
         };
         let load = |model: &service::Model| match &model.source {
-            Source::File(path) => bodies::open(&self.path(path), &options).map_err(|failure| {
-                Failure { fault: format!("model \"{}\": {}", model.name, failure.fault), ..failure }
-            }),
+            Source::File(path) => {
+                bodies::open(&self.path(path), None, &options).map_err(|failure| Failure {
+                    fault: format!("model \"{}\": {}", model.name, failure.fault),
+                    ..failure
+                })
+            }
             Source::Generate { shape, triangles, seed } => {
                 let body = bodies::generate_body(*shape, *triangles, *seed, &options, &|_| {})?;
                 bodies::encoded(&body)

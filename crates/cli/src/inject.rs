@@ -81,7 +81,10 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
         let stage = live::Stage { plan: &plan, store: &store, reference: &reference };
         live::run(&stage, &work, &live, args.seed, &mut report, &progress)?;
     }
-    for (number, kind) in runs.iter().enumerate().filter(|_| !report.is_interrupted) {
+    for (number, kind) in runs.iter().enumerate() {
+        if report.is_interrupted {
+            break;
+        }
         let known = (&reference, &store);
         child::run(&plan, *kind, args.seed, number as u64, known, &mut report)?;
         progress.add(1);

@@ -23,12 +23,14 @@ mod progress;
 mod query;
 mod rank;
 mod record;
+mod report;
 mod run;
 mod serve;
 mod simulate;
 mod table;
 mod terms;
 mod top;
+mod traffic;
 mod transfer;
 
 use args::{Args, Command};
@@ -58,11 +60,13 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<ExitCode, Failure> {
     match &args.command {
         Command::Demo { answer, options } => rank::demo(answer, options, &args.output()),
-        Command::Rank { scenario, answer, options } => {
-            rank::rank(scenario, answer, options, &args.output())
+        Command::Rank { scenario, traffic, answer, options } => {
+            rank::rank(scenario, traffic, answer, options, &args.output())
         }
+        Command::Scenario { verb } => traffic::run(verb, &args.output()),
         Command::Policy { verb } => policy::run(verb, &args.output()),
         Command::Record { verb } => record::run(verb, &args.output()),
+        Command::Report(asked) => report::run(asked, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
         Command::Certify { verb } => certify::run(verb, &args.output()),
         Command::Calibrate(options) => measure::calibrate(options),

@@ -18,7 +18,7 @@ mod import;
 mod info;
 pub(crate) mod open;
 pub(crate) mod reader;
-mod write;
+pub(crate) mod write;
 
 use crate::args::Output;
 use crate::failure::{Code, Failure};
@@ -31,14 +31,19 @@ use std::process::ExitCode;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Make a model file from a mesh: OBJ, STL, PLY, glTF or GLB.
+    /// Make a model file from a mesh: OBJ, STL, PLY, glTF, GLB, COLLADA or LS-DYNA.
     #[command(after_help = import::EXAMPLES)]
     Import(import::ImportArgs),
-    /// Say what a model file holds: size, mass, parts, tree, origin.
-    #[command(after_help = "Example:\n  trolley model info car.trolley --json | jq .body.size_m")]
+    /// Say what a model file holds (size, mass, parts, tree, origin), or how a mesh might be meant.
+    #[command(
+        after_help = "Examples:\n  trolley model info car.trolley --json | jq .body.size_m\n  \
+        trolley model info hatchback.obj"
+    )]
     Info {
-        /// Model file.
+        /// Model file, or mesh: then unit and axes are offered.
         file: PathBuf,
+        #[command(flatten)]
+        limits: LimitArgs,
     },
     /// Verify model files, and try whether meshes could be imported; writes nothing.
     #[command(after_help = check::EXAMPLES)]
@@ -60,10 +65,12 @@ pub(crate) enum Verb {
 /// How a mesh file is to be understood.
 #[derive(Clone, Debug, ClapArgs)]
 pub(crate) struct MeshArgs {
-    /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres.
-    #[arg(long, default_value = "m", value_name = "UNIT")]
-    unit: Unit,
-    /// Axis of the file that points up [default: +y for glTF and GLB, else +z].
+    /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres [default: what a COLLADA
+    /// file states, else m; an LS-DYNA deck needs one].
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<Unit>,
+    /// Axis of the file that points up [default: +y for glTF and GLB, what a COLLADA file states,
+    /// else +z].
     #[arg(long, allow_hyphen_values = true, value_name = "AXIS")]
     up: Option<Axis>,
     /// Axis of the file that points forward [default: +z for glTF and GLB, else +x].
@@ -133,7 +140,7 @@ fn threads() -> usize {
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         Verb::Import(args) => import::run(args, output),
-        Verb::Info { file } => info::run(file, output),
+        Verb::Info { file, limits } => info::run(file, *limits, output),
         Verb::Check(args) => check::run(args, output),
         Verb::Generate(args) => generate::run(args, output),
         Verb::Export(args) => export::run(args, output),
@@ -142,7 +149,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
 }
 
 /// A result as JSON.
-fn json(document: &impl serde::Serialize) -> Result<String, Failure> {
+pub(crate) fn json(document: &impl serde::Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(document)
         .map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }

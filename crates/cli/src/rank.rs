@@ -7,6 +7,7 @@ use crate::inputs::{self, Inputs, Read};
 use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
 use crate::terms::{Kept, certain};
+use crate::traffic::{self, TrafficArgs};
 use crate::{explain, plan, print, table};
 use coordinator::{DryRuns, Request, Work};
 use damage::State;
@@ -38,12 +39,41 @@ pub(crate) fn demo(
 
 pub(crate) fn rank(
     path: &Path,
+    traffic: &TrafficArgs,
     asked: &AnswerArgs,
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let text = inputs::text(path)?;
-    answer(path, &text, asked, options, output)
+    if !traffic::is_traffic(path) {
+        let text = inputs::text(path)?;
+        return answer(path, &text, asked, options, output);
+    }
+    let imported = traffic::import(path, traffic)?;
+    if !output.quiet && !output.json {
+        print::err(&imported.summary());
+    }
+    match &imported.text {
+        Some(text) => answer(path, text, asked, options, output),
+        None => nothing(path, &imported, output),
+    }
+}
+
+/// Nobody is met: a complete answer without a candidate.
+fn nothing(
+    path: &Path,
+    imported: &traffic::Imported,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    if !output.json {
+        return print::out("No manoeuvre meets anybody: there is nothing to rank. COMPLETE.");
+    }
+    let none: [&str; 0] = [];
+    let document = serde_json::json!({
+        "schema": "trolley.rank/1",
+        "answer": {"state": State::Complete, "ranking": none, "tie_class": none, "missing": none},
+        "traffic": imported.document(path),
+    });
+    print::out(&compact(&document)?)
 }
 
 fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {

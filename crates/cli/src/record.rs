@@ -13,14 +13,14 @@ use crate::print;
 use crate::run::Run;
 use clap::Subcommand;
 use coordinator::Work;
-use record::{Body, Chain, Link, Record, Settings, Source, Stage, Text};
+use record::{Body, Chain, Edge, Link, Record, Settings, Source, Span, Stage, Text};
 use scenario::{Engine, Scenario};
 use serde::Serialize;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-mod replay;
+pub(crate) mod replay;
 mod show;
 
 const EXAMPLES: &str = "\
@@ -161,6 +161,8 @@ fn content(made: Made<'_>) -> Record {
         places: ledger.map(|ledger| ledger.places.clone()).unwrap_or_default(),
         jobs: ledger.map(|ledger| ledger.jobs.clone()).unwrap_or_default(),
         moments: ledger.map(|ledger| ledger.moments.clone()).unwrap_or_default(),
+        spans: spans(run),
+        edges: edges(run),
         stages: stages(run),
         faults: lost.chain(run.remarks.iter().cloned()).collect(),
         answer: made.answer,
@@ -179,6 +181,32 @@ fn stages(run: &Run) -> Vec<Stage> {
         ("stop", s.stop_ms),
     ];
     all.into_iter().map(|(name, ms)| Stage { name: name.to_owned(), ms }).collect()
+}
+
+/// When each job ran on its worker, from the beginning of the first.
+fn spans(run: &Run) -> Vec<Span> {
+    let begun = |[end, wall]: &[u64; 2]| end.saturating_sub(*wall);
+    let all = || run.workers.iter().flat_map(|w| w.spans.iter().map(move |span| (w.worker, span)));
+    let first = all().map(|(_, span)| begun(span)).min().unwrap_or(0);
+    let span = |(worker, span): (u8, &[u64; 2])| Span {
+        worker,
+        from_ns: begun(span) - first,
+        to_ns: span[0] - first,
+    };
+    all().map(span).collect()
+}
+
+/// What went between coordinator and workers.
+fn edges(run: &Run) -> Vec<Edge> {
+    let of = |worker: &coordinator::WorkerReport| {
+        let name = format!("worker {}", worker.worker);
+        let coordinator = || "coordinator".to_owned();
+        let (messages, bytes) = (worker.batches, worker.batch_bytes);
+        let out = Edge { from: coordinator(), to: name.clone(), messages, bytes };
+        let (messages, bytes) = (worker.results, worker.result_bytes);
+        [out, Edge { from: name, to: coordinator(), messages, bytes }]
+    };
+    run.workers.iter().flat_map(of).collect()
 }
 
 fn name(number: u64) -> String {
@@ -218,12 +246,12 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 /// A record and its link, every byte checked.
-fn read(path: &Path) -> Result<(Record, Link), Failure> {
+pub(crate) fn read(path: &Path) -> Result<(Record, Link), Failure> {
     record::decode(&bytes(path)?)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())).help(error.help()))
 }
 
-fn hex(hash: &[u8; 32]) -> String {
+pub(crate) fn hex(hash: &[u8; 32]) -> String {
     hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -8,7 +8,7 @@ use crate::run::{pin_coordinator, worker_cores};
 use crate::{print, transfer};
 use clap::Args;
 use coordinator::Options;
-use dispatch::{Cache, Patience, Queues};
+use dispatch::{Cache, Intensity, Patience, Queues};
 use service::{Idle, Lack, Site};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -80,6 +80,8 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
         copies: false,
         log: false,
         patience: Patience::default(),
+        intensity: Intensity::default(),
+        obeys: false,
     };
     let site = Site {
         deployment: &opened.deployment,

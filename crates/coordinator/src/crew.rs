@@ -561,7 +561,9 @@ impl Crew {
                 };
                 let last = last.flatten();
                 if let (Some(last), true) = (&last, head.request == self.request) {
-                    self.stations[number].report.busy_ns += last.summary.wall_ns;
+                    let report = &mut self.stations[number].report;
+                    report.busy_ns += last.summary.wall_ns;
+                    report.spans.push([clock::now_ns(), last.summary.wall_ns]);
                 }
                 let event = Event::Part {
                     from,

@@ -162,6 +162,14 @@ impl<'w> Work<'w> {
         self.cuts
     }
 
+    pub(crate) fn request(&self) -> &'w Request {
+        self.request
+    }
+
+    pub(crate) fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
     /// What it took so far.
     #[must_use]
     pub fn effort(&self) -> Effort {

@@ -12,16 +12,19 @@
 //! limits.
 
 mod check;
+mod collada;
 mod collect;
 mod error;
 mod format;
 mod frame;
 mod gltf;
 mod guess;
+mod lsdyna;
 mod obj;
 mod ply;
 mod polygon;
 mod stl;
+mod suggest;
 
 pub use check::{is_degenerate, size_m};
 pub use collect::TRIANGLES_MAX;
@@ -29,6 +32,7 @@ pub use error::{Fault, ImportError, Place};
 pub use format::Format;
 pub use frame::{Axis, Frame, Unit, UnknownAxis, UnknownUnit};
 pub use guess::{Guess, guess};
+pub use suggest::{Reading, readings};
 
 use crate::{Kind, Mesh};
 use collect::Collector;
@@ -46,9 +50,9 @@ pub type Resolver<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 pub struct ImportOptions {
     /// Name of the file, for messages.
     pub file: String,
-    /// Unit of its coordinates.
-    pub unit: Unit,
-    /// Its up axis; `None` for the format's.
+    /// Unit of its coordinates; `None`: the file's where it states one, else a metre.
+    pub unit: Option<Unit>,
+    /// Its up axis; `None`: the file's where it states one, else the format's.
     pub up: Option<Axis>,
     /// Its forward axis; `None` for the format's.
     pub forward: Option<Axis>,
@@ -119,7 +123,17 @@ pub fn read(
 ) -> Result<Imported, ImportError> {
     let file = options.file.as_str();
     let whole = |fault| ImportError::new(file, Place::Whole, fault);
-    let frame = Frame::new(format, options.unit, options.up, options.forward).map_err(whole)?;
+    let collada = match format {
+        Format::Collada if bytes.len() <= BYTES_MAX => Some(collada::parse(file, bytes)?),
+        _ => None,
+    };
+    let stated = collada.as_ref().map(|collada| collada.asset(file)).transpose()?;
+    if format == Format::LsDyna && options.unit.is_none() {
+        return Err(whole(Fault::NoUnit));
+    }
+    let unit = options.unit.or(stated.map(|asset| asset.unit)).unwrap_or_default();
+    let up = options.up.or(stated.map(|asset| asset.up));
+    let frame = Frame::new(format, unit, up, options.forward).map_err(whole)?;
     if bytes.len() > BYTES_MAX {
         let (count, max) = (bytes.len() as u64, BYTES_MAX as u64);
         return Err(whole(Fault::TooMany { what: "bytes", count, max }));
@@ -131,6 +145,14 @@ pub fn read(
         Format::Stl => stl::read(bytes, &mut all)?,
         Format::Ply => ply::read(bytes, &mut all)?,
         Format::Gltf | Format::Glb => gltf::read(bytes, resolve, &mut all)?,
+        Format::Collada => {
+            if let Some((collada, stated)) = collada.as_ref().zip(stated) {
+                let (unit, up) = (stated.unit, stated.up);
+                all.notes.push(format!("the file states unit {unit} and up {up}"));
+                collada::read(collada, &mut all)?;
+            }
+        }
+        Format::LsDyna => lsdyna::read(bytes, resolve, &mut all)?,
     }
     let triangles_in_file = all.corners.len();
     let mut mesh = Mesh {
@@ -153,7 +175,7 @@ pub fn read(
     mesh.degenerate = mesh.corners.iter().filter(|corners| is_degenerate(corners)).count() as u32;
     let guess = guess(&mesh);
     if !options.any_size {
-        check::check_size(guess.size_m, options.kind, options.unit).map_err(whole)?;
+        check::check_size(guess.size_m, options.kind, unit).map_err(whole)?;
     }
     let mut of_part = vec![0_usize; mesh.parts.len()];
     for part in &mesh.part_of {

@@ -13,6 +13,7 @@ pub mod codec;
 pub mod defaults;
 pub mod export;
 pub mod file;
+pub mod fit;
 pub mod generate;
 pub mod import;
 pub mod meta;
@@ -24,5 +25,6 @@ pub mod wide;
 pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones};
+pub use fit::Fit;
 pub use meta::{Build, Kind, Meta, Seat};
 pub use wide::{Wide, WideLeaf, WideNode};

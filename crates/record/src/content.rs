@@ -113,6 +113,30 @@ pub struct Moment {
     pub work: Vec<[f64; 2]>,
 }
 
+/// A job on a worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Span {
+    /// The worker.
+    pub worker: u8,
+    /// When it began, from the beginning of the first (ns).
+    pub from_ns: u64,
+    /// When its result was taken (ns).
+    pub to_ns: u64,
+}
+
+/// What went from one process to another.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Edge {
+    /// Who sent.
+    pub from: String,
+    /// Who received.
+    pub to: String,
+    /// Messages.
+    pub messages: u64,
+    /// Bytes of these, headers included.
+    pub bytes: u64,
+}
+
 /// How long a stage took.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stage {
@@ -143,6 +167,10 @@ pub struct Record {
     pub jobs: Vec<Job>,
     /// What was known over time.
     pub moments: Vec<Moment>,
+    /// Jobs on workers; empty without workers. No answer depends on it.
+    pub spans: Vec<Span>,
+    /// Messages by edge.
+    pub edges: Vec<Edge>,
     /// Stages and their times.
     pub stages: Vec<Stage>,
     /// Workers lost, and what else was not as it should be.

@@ -27,6 +27,6 @@ pub mod file;
 
 pub use chain::{Chain, ChainError};
 pub use content::{
-    Body, End, Job, Moment, Place, Record, Settings, Source, Stage, Text, hash_of_text,
+    Body, Edge, End, Job, Moment, Place, Record, Settings, Source, Span, Stage, Text, hash_of_text,
 };
 pub use file::{Link, RecordError, decode, encode};

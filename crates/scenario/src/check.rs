@@ -12,7 +12,7 @@ use crate::names::{self, choices, quoted};
 use crate::raw::{self, Table};
 use crate::rules;
 use crate::scenario::{Candidate, FileRef, Party, PartyIndex, SCHEMA, Scenario, Source};
-use model::{Kind, Seat, meta::Occupant};
+use model::{Fit, Kind, Seat, meta::Occupant};
 use std::time::Duration;
 use toml::de::DeValue;
 
@@ -133,6 +133,7 @@ impl Checker<'_> {
             return Err(Misfit::new("kind", fault, help)).at(&path.key("kind"));
         }
         let is_unknown = raw.kind.is_some();
+        let size = raw.size_m.map(|size| fit(&size, &path.key("size_m"))).transpose()?;
         let mass_kg = number(raw.mass_kg, "mass_kg", limit::MASS_KG, &path)?;
         let responsibility = number(raw.responsibility, "responsibility", limit::SHARE, &path)?;
         let kind = match source {
@@ -153,6 +154,7 @@ impl Checker<'_> {
             place: self.place(&path),
             name: key,
             source,
+            size,
             mass_kg,
             persons,
             responsibility: responsibility.unwrap_or(0.0),
@@ -215,6 +217,25 @@ fn generated(raw: &raw::Generate, path: &Path) -> Result<Source, Fault> {
     let triangles = limit::TRIANGLES.whole("triangles", raw.triangles).at(&path.key("triangles"))?;
     let seed = limit::SEED.whole("seed", raw.seed.unwrap_or(0)).at(&path.key("seed"))?;
     Ok(Source::Generate { shape, triangles, seed })
+}
+
+/// One to three sides.
+fn fit(written: &[f64], path: &Path) -> Result<Fit, Fault> {
+    if let Some(index) = written.iter().position(|side| !limit::SIZE_M.holds(*side)) {
+        let fault = format!("size_m[{index}] is {}", written[index].show());
+        let help = format!("each of size_m may be {}", limit::SIZE_M.range());
+        return Err(Misfit::new("size_m", fault, help)).at(&path.index(index));
+    }
+    match *written {
+        [longest] => Ok(Fit::Longest(longest)),
+        [length, width] => Ok(Fit::Plan([length, width])),
+        [length, width, height] => Ok(Fit::Whole([length, width, height])),
+        _ => {
+            let fault = format!("size_m has {} numbers", written.len());
+            let help = "write size_m = [length, width], or [length, width, height]";
+            Err(Misfit::new("size_m", fault, help)).at(path)
+        }
+    }
 }
 
 /// A and B of a body.

@@ -30,6 +30,8 @@ pub(crate) const YAW_DEG: Limit<f64> = limit(-360.0, 360.0, "°");
 pub(crate) const PITCH_DEG: Limit<f64> = limit(-90.0, 90.0, "°");
 /// Half a turn either way: on its roof.
 pub(crate) const ROLL_DEG: Limit<f64> = limit(-180.0, 180.0, "°");
+/// A hand to the longest train at a platform: beyond lies a wrong unit.
+pub(crate) const SIZE_M: Limit<f64> = limit(0.05, 500.0, " m");
 /// A toy to a goods train: beyond lies a wrong unit.
 pub(crate) const MASS_KG: Limit<f64> = limit(0.1, 1e6, " kg");
 /// From paper to a locomotive; published cars have 20,000 to 100,000.

@@ -9,7 +9,7 @@ use crate::engine::Engine;
 use crate::error::{Misfit, ScenarioError};
 use crate::rules;
 use geometry::{DVec3, Pose};
-use model::{Kind, generate::Shape, meta::Occupant};
+use model::{Fit, Kind, generate::Shape, meta::Occupant};
 use std::time::Duration;
 
 /// Name and version of the form, the value of the key `schema`.
@@ -62,6 +62,8 @@ pub struct Party {
     pub place: Place,
     /// Where its triangles come from.
     pub source: Source,
+    /// Size to which the body is stretched; `None`: as it is.
+    pub size: Option<Fit>,
     /// Mass instead of the model's, in kg.
     pub mass_kg: Option<f64>,
     /// Persons instead of the model's; an empty list: nobody.

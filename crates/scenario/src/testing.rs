@@ -72,6 +72,9 @@ velocity_m_s = [3, 4]
 party = "post"
 position_m = [2.4, 0, 0]
 speed_m_s = 0
+
+[parties.post]
+size_m = [0.3, 0.25]
 "#;
 
 /// Reads a text that is called `f.toml`.

@@ -180,6 +180,7 @@ fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, 
             path: String::new(),
             place: place(number),
         }),
+        size: None,
         mass_kg: has(Party::MASS)
             .then(|| live::mass_kg(party.mass_kg))
             .transpose()

@@ -20,7 +20,7 @@ One line per file. Exit code 65 if a file was refused. Without --kind, any size 
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct CheckArgs {
-    /// Model files, or meshes: .obj, .stl, .ply, .gltf, .glb.
+    /// Model files, or meshes: .obj, .stl, .ply, .gltf, .glb, .dae, .k.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]

@@ -17,13 +17,15 @@ Examples:
   trolley model import car.obj --unit cm --up z --forward -y --kind sedan -o car.trolley
   trolley model import human.obj --unit dm --up y --forward z --only body --kind pedestrian \\
       -o human.trolley
+  trolley model import pickup.dae --forward y --kind suv -o pickup.trolley
+  trolley model import shells.k --unit mm --only roof --kind sedan -o shells.trolley
 
 Mass, centre of mass, inertia and seats come from a TOML file beside the mesh (car.toml), else from
 defaults by kind; `trolley model info` says which.";
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportArgs {
-    /// Mesh: .obj, .stl, .ply, .gltf or .glb.
+    /// Mesh: .obj, .stl, .ply, .gltf, .glb, .dae, .k or .key.
     file: PathBuf,
     #[command(flatten)]
     mesh: MeshArgs,

@@ -47,7 +47,7 @@ pub(crate) struct Request {
     file: String,
     /// Whether every triangle is taken as it stands: no side file, nothing dropped, any size.
     as_it_stands: bool,
-    unit_m: f64,
+    unit_m: Option<f64>,
     up: Option<String>,
     forward: Option<String>,
     only: Vec<String>,
@@ -121,7 +121,7 @@ impl Request {
         Ok(Self {
             file: text.to_owned(),
             as_it_stands: false,
-            unit_m: mesh.unit.metres(),
+            unit_m: mesh.unit.map(Unit::metres),
             up: mesh.up.map(|axis| axis.to_string()),
             forward: mesh.forward.map(|axis| axis.to_string()),
             only: mesh.only.clone(),
@@ -143,7 +143,7 @@ impl Request {
         limits: LimitArgs,
     ) -> Result<Self, Failure> {
         let mesh = MeshArgs {
-            unit: Unit::METRE,
+            unit: Some(Unit::METRE),
             up: Some(Axis::Z),
             forward: Some(Axis::X),
             only: Vec::new(),

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Refuses a target that could not be written, before work is spent on it.
 ///
 /// `source` is the file that is read: it must not be replaced by what is made of it.
-pub(super) fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
+pub(crate) fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
     let refuse = |fault: &str, help: &str| {
         let fault = format!("{}: {fault}", target.display());
         Err(Failure::new(Code::System, fault).help(help))
@@ -39,7 +39,7 @@ pub(super) fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure>
 }
 
 /// Writes `bytes` under the name `target`, replacing what had it.
-pub(super) fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
+pub(crate) fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
     // A link stays a link: what it points at is replaced.
     let place = target.canonicalize().unwrap_or_else(|_| target.to_owned());
     write(&place, bytes).map_err(|error| {

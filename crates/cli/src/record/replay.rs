@@ -77,6 +77,29 @@ fn again(
     models: Option<&Path>,
     output: &Output,
 ) -> Result<(String, u64), Failure> {
+    with(path, record, models, output, |made| {
+        let answer = serde_json::to_string(&made.work.answer()?)
+            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        Ok((answer, made.jobs))
+    })
+}
+
+/// A request made again from its record.
+pub(crate) struct Again<'a> {
+    pub(crate) scenario: &'a Scenario,
+    pub(crate) views: &'a [(model::Meta, model::BodyView<'a>)],
+    pub(crate) work: &'a Work<'a>,
+    pub(crate) jobs: u64,
+}
+
+/// Makes a recorded request again, as its ledger says it was done, and hands it to `then`.
+pub(crate) fn with<T>(
+    path: &Path,
+    record: &Record,
+    models: Option<&Path>,
+    output: &Output,
+    then: impl FnOnce(&Again<'_>) -> Result<T, Failure>,
+) -> Result<T, Failure> {
     let text = |text: &record::Text| Text { name: text.name.clone(), text: text.text.clone() };
     let inputs = Inputs {
         scenario: text(&record.scenario),
@@ -96,9 +119,7 @@ fn again(
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut work = Work::new(&request, &views, record.settings.depth);
     let jobs = coordinator::replay(&mut work, &views, &record.places, &record.jobs);
-    let answer = serde_json::to_string(&work.answer()?)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-    Ok((answer, jobs))
+    then(&Again { scenario: &scenario, views: &views, work: &work, jobs })
 }
 
 /// The settings that the ledger depends on.

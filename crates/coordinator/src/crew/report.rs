@@ -31,6 +31,10 @@ pub struct WorkerReport {
     pub result_lines: u64,
     /// Time that its jobs took by the clock on the wall (ns).
     pub busy_ns: u64,
+    /// When each result was taken, and how long its job took by the clock on the wall (ns); the
+    /// monotonic clock.
+    #[serde(skip)]
+    pub spans: Vec<[u64; 2]>,
     /// What its processor counted while the request was worked on, in user mode.
     pub hardware: Hardware,
     /// How it ended, if it was lost.

@@ -111,6 +111,7 @@ impl Station {
             result_bytes: 0,
             result_lines: 0,
             busy_ns: 0,
+            spans: Vec::new(),
             hardware: Hardware::Counted { instructions: 0, cache_misses: 0 },
             lost: None,
         };
@@ -169,6 +170,7 @@ impl Station {
             *before = counters.read().unwrap_or_default();
         }
         self.report.busy_ns = 0;
+        self.report.spans.clear();
     }
 
     fn counted(&self, status: &StatusMemory) -> Before {

@@ -118,6 +118,9 @@ pub enum Fault {
         /// The names that there are, quoted.
         names: String,
     },
+    /// The format states no unit, and nobody else did.
+    #[error("an LS-DYNA deck states no unit")]
+    NoUnit,
     /// The options contradict each other.
     #[error("{0}")]
     Options(String),
@@ -149,7 +152,8 @@ impl ImportError {
     pub fn help(&self) -> String {
         match &self.fault {
             Fault::Unsupported { .. } => {
-                "convert it to OBJ, STL, PLY, glTF or GLB (Blender: File, Export)".to_owned()
+                "convert it to OBJ, STL, PLY, glTF, GLB or COLLADA (Blender: File, Export)"
+                    .to_owned()
             }
             Fault::Misnamed { looks, .. } => match Format::ALL.iter().find(|f| f.name() == looks) {
                 Some(format) => format!("rename it to end in .{}", format.extension()),
@@ -176,6 +180,9 @@ impl ImportError {
                 .to_owned(),
             Fault::Singular(_) => "apply the transforms when exporting".to_owned(),
             Fault::NoSuchPart { .. } => "give one of these names to --only".to_owned(),
+            Fault::NoUnit => {
+                "state the length that it was written in: --unit mm, --unit m, ...".to_owned()
+            }
             Fault::Options(_) => "the axes are +x, -x, +y, -y, +z, -z".to_owned(),
             Fault::Size { unit: Some(unit), .. } => {
                 format!("is its unit {unit}? then import it with --unit {unit}")

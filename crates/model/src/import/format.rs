@@ -16,6 +16,10 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 as one binary file.
     Glb,
+    /// COLLADA.
+    Collada,
+    /// LS-DYNA keyword deck.
+    LsDyna,
 }
 
 impl fmt::Display for Format {
@@ -26,7 +30,8 @@ impl fmt::Display for Format {
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 5] = [Self::Obj, Self::Stl, Self::Ply, Self::Gltf, Self::Glb];
+    pub const ALL: [Self; 7] =
+        [Self::Obj, Self::Stl, Self::Ply, Self::Gltf, Self::Glb, Self::Collada, Self::LsDyna];
 
     /// Name for people.
     #[must_use]
@@ -37,10 +42,12 @@ impl Format {
             Self::Ply => "PLY",
             Self::Gltf => "glTF",
             Self::Glb => "GLB",
+            Self::Collada => "COLLADA",
+            Self::LsDyna => "LS-DYNA",
         }
     }
 
-    /// Extension, lower case, without the dot.
+    /// Usual extension, lower case, without the dot.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -49,7 +56,15 @@ impl Format {
             Self::Ply => "ply",
             Self::Gltf => "gltf",
             Self::Glb => "glb",
+            Self::Collada => "dae",
+            Self::LsDyna => "k",
         }
+    }
+
+    /// Whether files of this format may end so.
+    fn ends(self, extension: &str) -> bool {
+        extension == self.extension()
+            || (self == Self::LsDyna && ["key", "dyn", "dyna"].contains(&extension))
     }
 
     /// The format that a file's name says and its content does not contradict.
@@ -61,8 +76,7 @@ impl Format {
         let refuse = |fault| Err(ImportError::new(file, Place::Whole, fault));
         let looks = look(bytes);
         let extension = file.rsplit_once('.').map_or("", |(_, end)| end).to_ascii_lowercase();
-        let Some(named) = Self::ALL.into_iter().find(|format| format.extension() == extension)
-        else {
+        let Some(named) = Self::ALL.into_iter().find(|format| format.ends(&extension)) else {
             let named = match extension.as_str() {
                 "" => "a file without extension".to_owned(),
                 extension => format!("a file named .{extension}"),
@@ -118,13 +132,17 @@ fn look(bytes: &[u8]) -> Option<&'static str> {
     if text.starts_with('{') {
         return text.contains("\"asset\"").then_some("glTF");
     }
-    if text.starts_with("*KEYWORD") {
-        return Some("an LS-DYNA deck");
+    if text.starts_with(['$', '*']) && has_line(&|line| is_keyword(line)) {
+        return Some("LS-DYNA");
     }
     if text.starts_with("solid") && has_line(&|line| is_stl_line(line)) {
         return Some("STL");
     }
     has_line(&|line| is_obj_vertex(line)).then_some("OBJ")
+}
+
+fn is_keyword(line: &str) -> bool {
+    ["*KEYWORD", "*NODE", "*ELEMENT", "*PART"].iter().any(|keyword| line.starts_with(keyword))
 }
 
 fn is_stl_line(line: &str) -> bool {

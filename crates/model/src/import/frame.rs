@@ -142,7 +142,9 @@ impl Frame {
     ) -> Result<Self, Fault> {
         let (usual_up, usual_forward) = match format {
             Format::Gltf | Format::Glb => (Axis::Y, Axis::Z),
-            Format::Obj | Format::Stl | Format::Ply => (Axis::Z, Axis::X),
+            Format::Obj | Format::Stl | Format::Ply | Format::Collada | Format::LsDyna => {
+                (Axis::Z, Axis::X)
+            }
         };
         let (up, forward) = (up.unwrap_or(usual_up), forward.unwrap_or(usual_forward));
         if up.index == forward.index {

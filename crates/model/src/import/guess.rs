@@ -39,7 +39,7 @@ const SHAPES: [Shape; 7] = [
     ("a wall or barrier", [[2.0, 100.0], [0.02, 1.2], [0.3, 5.0]]),
 ];
 
-fn shape(size: [f64; 3]) -> Option<&'static str> {
+pub(super) fn shape(size: [f64; 3]) -> Option<&'static str> {
     let fits = |ranges: &[[f64; 2]; 3]| {
         ranges.iter().zip(size).all(|([least, most], x)| (*least..=*most).contains(&x))
     };

@@ -27,7 +27,7 @@ fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError>
 
 fn options([unit, up, forward]: [&str; 3], kind: Option<Kind>) -> ImportOptions {
     ImportOptions {
-        unit: unit.parse().expect("a unit"),
+        unit: Some(unit.parse().expect("a unit")),
         up: Some(up.parse().expect("an axis")),
         forward: Some(forward.parse().expect("an axis")),
         kind,
@@ -66,7 +66,7 @@ const GLTF: [&str; 3] = ["m", "+y", "+z"];
 const PRIUS: [&str; 3] = ["cm", "+z", "-y"];
 const CAR: Option<&str> = Some("a car");
 
-const KNOWN: [Known; 17] = [
+const KNOWN: [Known; 20] = [
     Known {
         degenerate: 182,
         ..known(
@@ -168,6 +168,40 @@ const KNOWN: [Known; 17] = [
         3,
         [4.62, 2.01, 1.39],
         CAR,
+    ),
+    Known {
+        degenerate: 1,
+        ..known(
+            "gazebo_pickup/pickup.dae",
+            ["inch", "+z", "+y"],
+            Some(Kind::Suv),
+            [1_084, 1_082],
+            2,
+            [5.66, 2.47, 1.87],
+            Some("a truck or bus"),
+        )
+    },
+    Known {
+        degenerate: 4,
+        ..known(
+            "gazebo_jersey_barrier/jersey_barrier.dae",
+            ["inch", "+z", "+x"],
+            Some(Kind::Wall),
+            [432, 430],
+            1,
+            [4.07, 0.81, 1.14],
+            Some("a wall or barrier"),
+        )
+    },
+    // Its maker scales it by three.
+    known(
+        "gazebo_lamp_post/lamp_post.dae",
+        ["0.0762", "+z", "+x"],
+        Some(Kind::Pole),
+        [270; 2],
+        1,
+        [0.49, 3.18, 9.27],
+        None,
     ),
     known("osrf_prius/wheel.obj", PRIUS, None, [76; 2], 1, [0.61, 0.27, 0.61], None),
     known("osrf_prius/steering_wheel.obj", PRIUS, None, [196; 2], 1, [0.13, 0.36, 0.35], None),
@@ -332,7 +366,7 @@ fn a_car_of_4500_metres_is_refused_with_its_size_and_unit() {
          should be 1 to 30 m"
     );
     assert_eq!(fault.help(), "is its unit mm? then import it with --unit mm");
-    let options = ImportOptions { unit: "mm".parse().expect("a unit"), ..options };
+    let options = ImportOptions { unit: Some("mm".parse().expect("a unit")), ..options };
     let it = read(Format::Obj, text.as_bytes(), &mut none, &options).expect("plausible");
     assert_eq!(it.report.name, "car");
     assert_eq!(it.report.origin, "car.obj, unit mm, up +z, forward +x");

@@ -21,6 +21,10 @@ const WRONG: &[(&str, &[&str])] = &[
     ("build", &["\"seeds\"", "\"\"", "2"]),
     ("leaf_size", &["0", "65", "1.0"]),
     ("seed", &["-1", "1e3", "\"x\"", "9223372036854775808"]),
+    (
+        "size_m",
+        &["[]", "[4, 2, 1, 1]", "[0, 2]", "[4, -2]", "[501]", "[nan, 1]", "4.5", "[\"l\", 1]"],
+    ),
     ("mass_kg", &["0", "-1500", "nan", "inf", "1000001", "\"heavy\"", "0.09"]),
     ("kind", &["\"sedan\"", "\"\"", "\"Unknown\"", "1"]),
     ("a_n_m", &["-1", "nan", "inf", "1e9", "\"stiff\""]),
@@ -280,11 +284,7 @@ fn bodies_that_cannot_play_their_part_are_refused() {
             "two persons have the seat \"front-left\"",
         ),
         ("seat = \"rear-right\"", "", "a person in a sedan needs a seat"),
-        (
-            "[parties.post.generate]",
-            "[parties.post]\npersons = [{}]\n[parties.post.generate]",
-            "a pole holds nobody",
-        ),
+        ("size_m = [0.3, 0.25]", "size_m = [0.3, 0.25]\npersons = [{}]", "a pole holds nobody"),
     ];
     for (from, to, fault) in cases {
         assert_eq!(parse(&changed(from, to)).unwrap_err().fault, fault);

@@ -22,6 +22,7 @@ fn the_full_scenario_reads_as_it_is_written() {
         name: name.to_owned(),
         place,
         source,
+        size: None,
         mass_kg: None,
         persons: None,
         responsibility: 0.0,
@@ -59,11 +60,14 @@ fn the_full_scenario_reads_as_it_is_written() {
                     Source::Generate { shape: Shape::Sedan, triangles: 2000, seed: 4 },
                 )
             },
-            party(
-                "post",
-                at(40, 10),
-                Source::Generate { shape: Shape::Pole, triangles: 500, seed: 0 },
-            ),
+            Party {
+                size: Some(Fit::Plan([0.3, 0.25])),
+                ..party(
+                    "post",
+                    at(71, 1),
+                    Source::Generate { shape: Shape::Pole, triangles: 500, seed: 0 },
+                )
+            },
             Party {
                 is_unknown: true,
                 crush: Some([40_000.0, 500_000.5]),

@@ -181,7 +181,10 @@ impl Asked {
     /// [`UseError::Broken`] if the client has gone: nobody is left to tell.
     pub fn answer(self, answer: &Answer) -> Result<(), UseError> {
         // One heap allocation, made by iceoryx2 for the loan.
-        self.request.send_copy(wire::Answer(*answer)).map_err(|_| UseError::Broken)
+        match self.request.send_copy(wire::Answer(*answer)) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(UseError::Broken),
+        }
     }
 }
 

@@ -101,11 +101,8 @@ impl Request {
                 .transpose()
                 .map_err(|error: model::import::UnknownAxis| wrong(error.to_string()))
         };
-        let unit: Unit = self
-            .unit_m
-            .to_string()
-            .parse()
-            .map_err(|error: model::import::UnknownUnit| wrong(error.to_string()))?;
+        let unit = self.unit_m.map(|metres| metres.to_string().parse::<Unit>());
+        let unit = unit.transpose().map_err(|error| wrong(error.to_string()))?;
         Ok(ImportOptions {
             file: self.file.clone(),
             unit,

@@ -6,7 +6,7 @@ fn request() -> Request {
     Request {
         file: "car.obj".to_owned(),
         as_it_stands: false,
-        unit_m: 1.0,
+        unit_m: None,
         up: None,
         forward: None,
         only: Vec::new(),

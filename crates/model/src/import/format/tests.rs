@@ -11,7 +11,7 @@ fn right_names_are_believed() {
     let mut stl = vec![b' '; 84 + 50];
     stl[..5].copy_from_slice(b"solid");
     stl[80..84].copy_from_slice(&1_u32.to_le_bytes());
-    let cases: [(&str, &[u8], Format); 9] = [
+    let cases: [(&str, &[u8], Format); 12] = [
         ("a.obj", b"# x\nv 1 2 3\n", Format::Obj),
         ("b/A.OBJ", b"", Format::Obj),
         ("a.stl", b"solid a\n facet normal\n", Format::Stl),
@@ -20,6 +20,9 @@ fn right_names_are_believed() {
         ("a.gltf", b" {\"asset\": {}}", Format::Gltf),
         ("a.glb", b"glTF\x02\0\0\0", Format::Glb),
         ("a.b.glb", b"nonsense", Format::Glb),
+        ("a.dae", b"<?xml?><COLLADA>", Format::Collada),
+        ("a.k", b"$ a deck\n*KEYWORD\n", Format::LsDyna),
+        ("a.KEY", b"*KEYWORD\n", Format::LsDyna),
         ("a.gltf", b"\xef\xbb\xbf{\"asset\": {}}", Format::Gltf),
     ];
     for (file, bytes, format) in cases {
@@ -29,7 +32,7 @@ fn right_names_are_believed() {
 
 #[test]
 fn wrong_names_are_refused_with_what_the_content_looks_like() {
-    let cases: [(&str, &[u8], &str); 10] = [
+    let cases: [(&str, &[u8], &str); 11] = [
         ("a.obj", b"ply\nformat", "a.obj: named OBJ, but its content looks like PLY"),
         ("a.stl", b"v 1 2 3\nf 1 2 3\n", "a.stl: named STL, but its content looks like OBJ"),
         ("a.ply", b"solid a\nendsolid a\n", "a.ply: named PLY, but its content looks like STL"),
@@ -37,18 +40,9 @@ fn wrong_names_are_refused_with_what_the_content_looks_like() {
         ("a.glb", b"{\"asset\": {}}", "a.glb: named GLB, but its content looks like glTF"),
         ("a.obj", b"\xFF\xFEv\0", "a.obj: named OBJ, but its content looks like UTF-16 text"),
         ("a.stl", b"PK\x03\x04", "a.stl: named STL, but its content looks like a ZIP archive"),
-        (
-            "a.dae",
-            b"<?xml?><COLLADA>",
-            "a.dae: a file named .dae that looks like COLLADA cannot be \
-                                         imported",
-        ),
-        (
-            "a.k",
-            b"*KEYWORD\n",
-            "a.k: a file named .k that looks like an LS-DYNA deck cannot be \
-                                 imported",
-        ),
+        ("a.obj", b"<?xml?><COLLADA>", "a.obj: named OBJ, but its content looks like COLLADA"),
+        ("a.dae", b"*KEYWORD\n", "a.dae: named COLLADA, but its content looks like LS-DYNA"),
+        ("a.dae", b"<svg>", "a.dae: named COLLADA, but its content looks like XML"),
         (
             "noname",
             b"v 1 2 3\n",

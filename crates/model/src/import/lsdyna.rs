@@ -1,0 +1,491 @@
+//! LS-DYNA keyword decks (LS-DYNA Keyword User's Manual, volume I), by an own reader.
+//!
+//! Read are nodes, shells in fixed columns or with commas, with the lines that their options add,
+//! outer faces of solids and thick shells, names of parts, and included files. What has no surface
+//! (beams, springs, masses) is counted and named; elements that would have one and are not known
+//! are refused with their line. A deck states no unit: the user must.
+
+use super::collect::Collector;
+use super::{Fault, ImportError, Place, Resolver};
+use std::collections::BTreeMap;
+
+/// Decks that include decks, at most so deep.
+const INCLUDES_MAX: usize = 8;
+/// Bytes of all included decks.
+const BYTES_MAX: usize = 1 << 30;
+
+/// Elements without a surface.
+const NO_SURFACE: [&str; 12] = [
+    "BEAM",
+    "DISCRETE",
+    "MASS",
+    "SEATBELT",
+    "INERTIA",
+    "PLOTEL",
+    "SPH",
+    "LUMPED",
+    "GENERALIZED",
+    "BEARING",
+    "DISCRETE_SPHERE",
+    "TRIM",
+];
+
+/// The six faces of a brick, outward (manual, section on solid elements).
+const FACES: [[usize; 4]; 6] =
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
+/// The four faces of a tetrahedron, outward; a corner stands twice.
+const TETRAHEDRON: [[usize; 4]; 4] = [[0, 2, 1, 1], [0, 1, 3, 3], [1, 2, 3, 3], [2, 0, 3, 3]];
+
+/// A face or shell: part, corners, where it was written.
+struct Face {
+    part: u64,
+    nodes: Vec<u64>,
+    place: Spot,
+}
+
+/// A line of one of the decks.
+#[derive(Clone, Copy)]
+struct Spot {
+    deck: usize,
+    line: usize,
+    element: u64,
+}
+
+/// Everything that was read so far.
+#[derive(Default)]
+struct Deck {
+    names: Vec<String>,
+    nodes: BTreeMap<u64, [f64; 3]>,
+    shells: Vec<Face>,
+    /// Faces of solids by their sorted corners, and how many solids have them.
+    outer: BTreeMap<Vec<u64>, (Face, usize)>,
+    parts: BTreeMap<u64, String>,
+    skipped: BTreeMap<String, usize>,
+    includes: Vec<(String, usize)>,
+}
+
+/// A keyword, its options, and the lines below it that are data.
+struct Block<'t> {
+    /// Without the star, upper case.
+    keyword: String,
+    line: usize,
+    cards: Vec<(usize, &'t str)>,
+}
+
+pub(super) fn read(
+    bytes: &[u8],
+    resolve: Resolver<'_>,
+    into: &mut Collector<'_>,
+) -> Result<(), ImportError> {
+    let mut deck = Deck::default();
+    let mut waiting: Vec<(String, Vec<u8>, usize)> = Vec::new();
+    deck.add("", bytes, into)?;
+    let mut total = bytes.len();
+    let mut depth_of: Vec<usize> = vec![0];
+    let mut seen = 0;
+    loop {
+        while seen < deck.includes.len() {
+            let (name, from) = deck.includes[seen].clone();
+            seen += 1;
+            let depth = depth_of[from] + 1;
+            if depth > INCLUDES_MAX {
+                let (count, max) = (depth as u64, INCLUDES_MAX as u64);
+                return Err(into.fail(
+                    Place::Whole,
+                    Fault::TooMany { what: "decks that include decks", count, max },
+                ));
+            }
+            let leads_out =
+                name.starts_with(['/', '\\']) || name.contains("..") || name.contains(':');
+            let content = if leads_out {
+                Err("its name leads out of the deck's folder".to_owned())
+            } else {
+                resolve(&name)
+            };
+            let content = content.map_err(|reason| {
+                into.fail(Place::Whole, Fault::SideFile { name: name.clone(), reason })
+            })?;
+            total += content.len();
+            if total > BYTES_MAX {
+                let (count, max) = (total as u64, BYTES_MAX as u64);
+                return Err(into.fail(Place::Whole, Fault::TooMany { what: "bytes", count, max }));
+            }
+            waiting.push((name, content, depth));
+        }
+        let Some((name, content, depth)) = waiting.pop() else { break };
+        into.hasher.update(&content);
+        depth_of.push(depth);
+        deck.add(&name, &content, into)?;
+    }
+    deck.emit(into)
+}
+
+impl Deck {
+    fn fail(&self, place: Spot, fault: Fault, into: &Collector<'_>) -> ImportError {
+        let at = match (self.names[place.deck].as_str(), place.element) {
+            ("", 0) => Place::Line(place.line),
+            ("", element) => Place::Element(format!("line {}, element {element}", place.line)),
+            (name, element) => {
+                Place::Element(format!("{name}, line {}, element {element}", place.line))
+            }
+        };
+        into.fail(at, fault)
+    }
+
+    fn add(
+        &mut self,
+        name: &str,
+        bytes: &[u8],
+        into: &mut Collector<'_>,
+    ) -> Result<(), ImportError> {
+        let number = self.names.len();
+        self.names.push(name.to_owned());
+        let text = String::from_utf8_lossy(bytes);
+        for block in blocks(&text) {
+            let spot = |line| Spot { deck: number, line, element: 0 };
+            let keyword = block.keyword.as_str();
+            let refuse = |deck: &Self, what: String| {
+                Err(deck.fail(spot(block.line), Fault::Feature(what), into))
+            };
+            let (head, options) = keyword.split_once('_').unwrap_or((keyword, ""));
+            match (head, options) {
+                ("KEYWORD", options) if options.contains("LONG") => {
+                    return refuse(self, "the long format (LONG=Y)".to_owned());
+                }
+                ("NODE", "") => self.nodes(&block, number, into)?,
+                ("NODE", "TRANSFORM") => return refuse(self, "*NODE_TRANSFORM".to_owned()),
+                ("ELEMENT", options) => self.elements(options, &block, number, into)?,
+                ("PART", options) => self.part(options, &block, number, into)?,
+                ("INCLUDE", "") => {
+                    let names = block.cards.iter().map(|(_, card)| card.trim().to_owned());
+                    self.includes.extend(names.map(|name| (name, number)));
+                }
+                ("INCLUDE", "PATH" | "PATH_RELATIVE") => {}
+                ("INCLUDE", _) => return refuse(self, format!("*{keyword}")),
+                ("END", _) => break,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn nodes(
+        &mut self,
+        block: &Block<'_>,
+        deck: usize,
+        into: &Collector<'_>,
+    ) -> Result<(), ImportError> {
+        for (line, card) in &block.cards {
+            let place = Spot { deck, line: *line, element: 0 };
+            let fields = fields(card, &[8, 16, 16, 16]);
+            let wrong = |fault: String| self.fail(place, Fault::Syntax(fault), into);
+            let id = whole(fields.first()).filter(|id| *id > 0);
+            let id = id.ok_or_else(|| wrong("a node without a number".to_owned()))?;
+            let mut point = [0.0; 3];
+            for (value, field) in point.iter_mut().zip(1..) {
+                // An empty field is zero, as everywhere in a deck.
+                let text = fields.get(field).copied().unwrap_or_default();
+                *value = match text {
+                    "" => 0.0,
+                    text => real(text).ok_or_else(|| wrong(format!("{text:?} is no number")))?,
+                };
+            }
+            if self.nodes.contains_key(&id) {
+                return Err(wrong(format!("node {id} is defined twice")));
+            }
+            self.nodes.insert(id, point);
+        }
+        Ok(())
+    }
+
+    fn elements(
+        &mut self,
+        options: &str,
+        block: &Block<'_>,
+        deck: usize,
+        into: &Collector<'_>,
+    ) -> Result<(), ImportError> {
+        let place = Spot { deck, line: block.line, element: 0 };
+        let (kind, more) = options.split_once('_').unwrap_or((options, ""));
+        let words: Vec<&str> = more.split('_').filter(|word| !word.is_empty()).collect();
+        match kind {
+            "SHELL" => {
+                // Thickness, angle and material angle share a line; offset and degrees of freedom
+                // have one each.
+                let shared = ["THICKNESS", "BETA", "MCID"];
+                let known = [&shared[..], &["OFFSET", "DOF"]].concat();
+                if let Some(word) = words.iter().find(|word| !known.contains(word)) {
+                    let fault = Fault::Feature(format!("*ELEMENT_SHELL with {word}"));
+                    return Err(self.fail(place, fault, into));
+                }
+                let count = |of: &[&str]| words.iter().filter(|word| of.contains(word)).count();
+                let extra = count(&shared).min(1) + count(&["OFFSET"]) + count(&["DOF"]);
+                self.shells(block, extra, deck, into)
+            }
+            "SOLID" | "TSHELL" => {
+                let extra = match words.as_slice() {
+                    [] => 0,
+                    ["ORTHO"] => 2,
+                    _ => {
+                        let fault = Fault::Feature(format!("*ELEMENT_{options}"));
+                        return Err(self.fail(place, fault, into));
+                    }
+                };
+                self.solids(block, extra, deck, into)
+            }
+            kind if NO_SURFACE.contains(&kind) => {
+                *self.skipped.entry(format!("*ELEMENT_{options}")).or_default() +=
+                    block.cards.len();
+                Ok(())
+            }
+            _ => Err(self.fail(place, Fault::Feature(format!("*ELEMENT_{options}")), into)),
+        }
+    }
+
+    fn shells(
+        &mut self,
+        block: &Block<'_>,
+        extra: usize,
+        deck: usize,
+        into: &Collector<'_>,
+    ) -> Result<(), ImportError> {
+        for cards in block.cards.chunks(1 + extra) {
+            let (line, card) = cards[0];
+            let (id, part, nodes) = self.element(card, line, deck, into)?;
+            let place = Spot { deck, line, element: id };
+            if cards.len() < 1 + extra {
+                let fault = format!("{} more lines belong to it", 1 + extra - cards.len());
+                return Err(self.fail(place, Fault::Truncated(fault), into));
+            }
+            // The first four are corners; those beyond lie in the middle of edges.
+            let nodes = distinct(&nodes[..nodes.len().min(4)]);
+            if nodes.len() < 3 {
+                let fault = format!("a shell with {} different corners", nodes.len());
+                return Err(self.fail(place, Fault::Syntax(fault), into));
+            }
+            self.shells.push(Face { part, nodes, place });
+        }
+        Ok(())
+    }
+
+    fn solids(
+        &mut self,
+        block: &Block<'_>,
+        extra: usize,
+        deck: usize,
+        into: &Collector<'_>,
+    ) -> Result<(), ImportError> {
+        let mut cards = block.cards.iter();
+        while let Some((line, card)) = cards.next() {
+            let (id, part, mut nodes) = self.element(card, *line, deck, into)?;
+            let place = Spot { deck, line: *line, element: id };
+            if nodes.is_empty() {
+                // The newer form has number and part on one line, corners on the next.
+                let below = cards.next().map_or("", |(_, card)| card);
+                let all = fields(below, &[8; 10]);
+                nodes = all.iter().filter_map(|field| whole(Some(field))).collect();
+            }
+            for _ in 0..extra {
+                cards.next();
+            }
+            while nodes.last() == Some(&0) {
+                nodes.pop();
+            }
+            let corners: [u64; 8] = match *nodes.as_slice() {
+                [a, b, c, d] => [a, b, c, d, d, d, d, d],
+                [a, b, c, d, e, f] => [a, b, c, d, e, e, f, f],
+                [a, b, c, d, e, f, g, h, ..] => [a, b, c, d, e, f, g, h],
+                _ => {
+                    let fault = format!("a solid with {} corners", nodes.len());
+                    return Err(self.fail(place, Fault::Feature(fault), into));
+                }
+            };
+            let [_, _, _, d, rest @ ..] = corners;
+            // All but three corners in one: a tetrahedron. Others keep a brick's faces.
+            let faces = if rest == [d; 4] { &TETRAHEDRON[..] } else { &FACES[..] };
+            for face in faces {
+                let nodes = distinct(&face.map(|corner| corners[corner]));
+                if nodes.len() < 3 {
+                    continue;
+                }
+                let mut key = nodes.clone();
+                key.sort_unstable();
+                let face = Face { part, nodes, place };
+                self.outer.entry(key).or_insert((face, 0)).1 += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Number, part and corners of an element.
+    fn element(
+        &self,
+        card: &str,
+        line: usize,
+        deck: usize,
+        into: &Collector<'_>,
+    ) -> Result<(u64, u64, Vec<u64>), ImportError> {
+        let fields = fields(card, &[8; 10]);
+        let mut numbers = Vec::with_capacity(10);
+        for field in &fields {
+            let place = Spot { deck, line, element: numbers.first().copied().unwrap_or(0) };
+            let number = whole(Some(field)).ok_or_else(|| {
+                let fault = Fault::Syntax(format!("{field:?} is no whole number"));
+                self.fail(place, fault, into)
+            })?;
+            numbers.push(number);
+        }
+        match numbers.as_slice() {
+            [id, part, nodes @ ..] => Ok((*id, *part, nodes.to_vec())),
+            _ => {
+                let place = Spot { deck, line, element: 0 };
+                let fault = Fault::Truncated("an element without a part".to_owned());
+                Err(self.fail(place, fault, into))
+            }
+        }
+    }
+
+    fn part(
+        &mut self,
+        options: &str,
+        block: &Block<'_>,
+        deck: usize,
+        into: &Collector<'_>,
+    ) -> Result<(), ImportError> {
+        // Options add lines of their own: then only the first part is sure.
+        let pairs = if options.is_empty() { usize::MAX } else { 1 };
+        for cards in block.cards.chunks(2).take(pairs) {
+            let [(_, title), (line, card)] = cards else { continue };
+            let fields = fields(card, &[10; 8]);
+            let Some(id) = whole(fields.first()) else {
+                let place = Spot { deck, line: *line, element: 0 };
+                let fault = Fault::Syntax("a part without a number".to_owned());
+                return Err(self.fail(place, fault, into));
+            };
+            self.parts.insert(id, title.trim().to_owned());
+        }
+        Ok(())
+    }
+
+    /// Hands everything on: shells in file order, then outer faces of solids.
+    fn emit(self, into: &mut Collector<'_>) -> Result<(), ImportError> {
+        for (what, lines) in &self.skipped {
+            into.notes.push(format!("{lines} lines of {what} left out: they have no surface"));
+        }
+        let inner = self.outer.values().filter(|(_, solids)| *solids > 1).count();
+        if inner > 0 {
+            into.notes.push(format!("{inner} faces between solids left out"));
+        }
+        let mut outer: Vec<&Face> =
+            self.outer.values().filter(|(_, solids)| *solids == 1).map(|(face, _)| face).collect();
+        outer.sort_by_key(|face| (face.place.deck, face.place.line));
+        if self.shells.is_empty() && outer.is_empty() {
+            let fault = Fault::Empty(format!(": {} nodes, no shells or solids", self.nodes.len()));
+            return Err(into.fail(Place::Whole, fault));
+        }
+        let mut points = Vec::with_capacity(4);
+        for face in self.shells.iter().chain(outer) {
+            let name = match self.parts.get(&face.part).map(String::as_str) {
+                None | Some("") => format!("part {}", face.part),
+                Some(title) => title.to_owned(),
+            };
+            let part = into.part(&name, vec![face.part.to_string()])?;
+            points.clear();
+            for node in &face.nodes {
+                let Some(point) = self.nodes.get(node) else {
+                    let index = i64::try_from(*node).unwrap_or(i64::MAX);
+                    let range = "the deck has no node with this number".to_owned();
+                    return Err(self.fail(face.place, Fault::Index { index, range }, into));
+                };
+                let at = || Place::Element(format!("node {node}"));
+                points.push(into.point(*point, at)?);
+            }
+            let at = || Place::Line(face.place.line);
+            into.polygon(&points, part, at)?;
+        }
+        Ok(())
+    }
+}
+
+/// Corners without repetition, in order.
+fn distinct(nodes: &[u64]) -> Vec<u64> {
+    let mut all: Vec<u64> = Vec::with_capacity(nodes.len());
+    for node in nodes.iter().filter(|node| **node != 0) {
+        if !all.contains(node) {
+            all.push(*node);
+        }
+    }
+    all
+}
+
+/// Keywords with their data lines; comments and blank lines are dropped.
+fn blocks(text: &str) -> Vec<Block<'_>> {
+    let mut blocks: Vec<Block<'_>> = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        if line.starts_with('$') {
+            continue;
+        }
+        if let Some(keyword) = line.strip_prefix('*') {
+            let keyword = keyword.trim().to_ascii_uppercase();
+            // `*KEYWORD LONG=Y`: what follows a blank is an option, too.
+            let keyword = keyword.split_whitespace().collect::<Vec<_>>().join("_");
+            blocks.push(Block { keyword, line: number, cards: Vec::new() });
+        } else if let Some(block) = blocks.last_mut() {
+            // A title may be blank, and is data all the same.
+            if !line.trim().is_empty() || block.keyword.starts_with("PART") {
+                block.cards.push((number, line));
+            }
+        }
+    }
+    blocks
+}
+
+/// The fields of a card: between commas, else in columns of these widths; trailing ones that are
+/// empty left out.
+fn fields<'t>(card: &'t str, widths: &[usize]) -> Vec<&'t str> {
+    let mut fields: Vec<&str> = if card.contains(',') {
+        card.split(',').take(widths.len()).map(str::trim).collect()
+    } else {
+        let mut at = 0;
+        widths
+            .iter()
+            .map(|width| {
+                let end = (at + width).min(card.len());
+                // Columns are bytes; a letter across a border belongs to no number.
+                let field = card.get(at.min(card.len())..end).unwrap_or("?");
+                at += width;
+                field.trim()
+            })
+            .collect()
+    };
+    while fields.last().is_some_and(|field| field.is_empty()) {
+        fields.pop();
+    }
+    fields
+}
+
+/// A whole number; an empty field is zero.
+fn whole(field: Option<&&str>) -> Option<u64> {
+    match field {
+        None => None,
+        Some(&"") => Some(0),
+        Some(text) => text.parse().ok(),
+    }
+}
+
+/// A number as Fortran writes it: the exponent may be a D, or follow without a letter.
+fn real(text: &str) -> Option<f64> {
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    let text = text.replace(['d', 'D'], "e");
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    let sign = text.get(1..)?.rfind(['+', '-'])? + 1;
+    format!("{}e{}", &text[..sign], &text[sign..]).parse().ok()
+}
+
+#[cfg(test)]
+mod tests;

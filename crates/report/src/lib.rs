@@ -1,0 +1,29 @@
+//! Results, shown: one HTML file that opens from disk without a network, glTF with damage as vertex
+//! colours, and stills that need no browser.
+//!
+//! ```text
+//! Decision (plain values) ──▶ html    one file: text, tables, charts (SVG), 3D view (three.js)
+//!      └── Shot (two bodies, hits, patch) ──▶ glb    for Blender and the like
+//!                                         └─▶ still  PNG, drawn here
+//! ```
+//!
+//! Plain values come in, bytes go out; no file is opened here, and nothing is computed anew: every
+//! figure is one that decided. All shots are in the ego's frame, in metres, x forward, z up.
+//!
+//! # Invariants
+//!
+//! - A page asks for nothing from outside: its own policy forbids it, and `html/tests.rs` looks for
+//!   addresses. No text of a stranger's becomes markup: the same.
+//! - A still shows a triangle where it is, the nearer one before the farther: `still/tests.rs`.
+//! - A .glb is well-formed, and holds each triangle with its colour: `glb/tests.rs`.
+
+pub mod glb;
+pub mod html;
+mod measurement;
+mod pack;
+mod shot;
+pub mod still;
+
+pub use html::{Candidate, Decision, Moment, Span, Worker};
+pub use measurement::{Figure, Measurement};
+pub use shot::{Body, Patch, Shot};

@@ -1,0 +1,127 @@
+//! A measurement's tables and figures as one page.
+
+use crate::html::escape;
+use crate::pack::base64;
+use std::fmt::Write as _;
+
+/// What `trolley measure` wrote into a folder.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measurement {
+    /// What it is about.
+    pub title: String,
+    /// Its page, Markdown: headings, paragraphs, tables.
+    pub text: String,
+    /// Its figures.
+    pub figures: Vec<Figure>,
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// The file's name, as the text has it.
+    pub name: String,
+    /// PNG.
+    pub png: Vec<u8>,
+}
+
+impl Measurement {
+    /// The text as markup, figures in their places.
+    pub(crate) fn markup(&self) -> String {
+        let mut out = String::new();
+        let mut lines = self.text.lines().peekable();
+        while let Some(line) = lines.next() {
+            let line = line.trim();
+            if let Some(heading) = line.strip_prefix("## ") {
+                let _w = write!(out, "<h2>{}</h2>", inline(heading));
+            } else if let Some(heading) = line.strip_prefix("# ") {
+                let _w = write!(out, "<header><h1>{}</h1></header>", inline(heading));
+            } else if line.starts_with("![") {
+                out += &self.figure(line);
+            } else if line.starts_with('|') {
+                out += "<div class=\"wide\"><table>";
+                out += &row(line, "th");
+                while let Some(next) = lines.next_if(|next| next.trim().starts_with('|')) {
+                    if !next.trim().chars().all(|c| "|-: ".contains(c)) {
+                        out += &row(next.trim(), "td");
+                    }
+                }
+                out += "</table></div>";
+            } else if !line.is_empty() {
+                let mut text = line.to_owned();
+                let plain = |next: &&str| {
+                    let next = next.trim();
+                    !next.is_empty() && !next.starts_with(['|', '#', '!'])
+                };
+                while let Some(next) = lines.next_if(plain) {
+                    text.push(' ');
+                    text.push_str(next.trim());
+                }
+                let _w = write!(out, "<p>{}</p>", inline(&text));
+            }
+        }
+        out
+    }
+
+    /// `![caption](file.png)`, with the picture inside of the page.
+    fn figure(&self, line: &str) -> String {
+        let parts = line.trim_start_matches("![").split_once("](");
+        let Some((caption, file)) = parts else { return String::new() };
+        let file = file.trim_end_matches(')');
+        let Some(figure) = self.figures.iter().find(|figure| figure.name == file) else {
+            return format!("<p class=\"absent\">{} is missing.</p>", escape(file));
+        };
+        format!(
+            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}\
+             </figcaption></figure>",
+            escape(caption),
+            base64(&figure.png)
+        )
+    }
+}
+
+fn row(line: &str, cell: &str) -> String {
+    let cells = line.trim_matches('|').split('|');
+    let cells: String =
+        cells.map(|text| format!("<{cell}>{}</{cell}>", inline(text.trim()))).collect();
+    format!("<tr>{cells}</tr>")
+}
+
+/// Bold and code; everything else as it is.
+fn inline(text: &str) -> String {
+    let mut out = String::new();
+    for (at, part) in text.split('`').enumerate() {
+        if at % 2 == 1 {
+            let _w = write!(out, "<code>{}</code>", escape(part));
+            continue;
+        }
+        for (at, part) in part.split("**").enumerate() {
+            let part = escape(part);
+            out += &if at % 2 == 1 { format!("<b>{part}</b>") } else { part };
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    //! Tables, figures and bold come out; a stranger's markup does not.
+
+    use super::*;
+
+    #[test]
+    fn markdown_of_a_measurement_becomes_markup() {
+        let text = "# A <b>\n\nSome **bold** `code`\nand more\n\n| a | b |\n|---|--:|\n| 1 | 2 |\n\n\
+                    ![a figure](f.png)\n![another](no.png)\n";
+        let figures = vec![Figure { name: "f.png".into(), png: vec![1, 2, 3] }];
+        let markup = Measurement { title: "A".into(), text: text.into(), figures }.markup();
+        for part in [
+            "<h1>A &lt;b&gt;</h1>",
+            "<p>Some <b>bold</b> <code>code</code> and more</p>",
+            "<tr><th>a</th><th>b</th></tr><tr><td>1</td><td>2</td></tr>",
+            "src=\"data:image/png;base64,AQID\"",
+            "no.png is missing",
+        ] {
+            assert!(markup.contains(part), "{part}: {markup}");
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! A shot as a PNG, drawn here: triangles with a depth buffer, flat shading, perspective.
+//!
+//! Four samples a pixel. What is hit is red and shines through what hides it, since bodies lie in
+//! each other there; the patch is a yellow frame in front of all.
+
+use crate::glb::COLOURS;
+use crate::shot::{Body, Shot};
+use geometry::DVec3;
+
+/// From where a shot is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Camera {
+    /// From ahead and left, above.
+    Corner,
+    /// From above, forward up.
+    Above,
+}
+
+/// Samples along each side of a pixel.
+const FINE: usize = 2;
+/// The background.
+const SKY: [f64; 3] = [250.0, 250.0, 248.0];
+
+/// The picture could not be written as PNG.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot encode the picture: {0}")]
+pub struct StillError(String);
+
+/// Draws a shot, `width` by `height` pixels.
+///
+/// # Errors
+///
+/// If the picture has no pixels, or cannot be encoded.
+pub fn still(
+    shot: &Shot,
+    bodies: &[Body],
+    camera: Camera,
+    [width, height]: [usize; 2],
+) -> Result<Vec<u8>, StillError> {
+    let wrong = |error: png::EncodingError| StillError(error.to_string());
+    let pixels = draw(shot, bodies, camera, [width * FINE, height * FINE]);
+    let mut data = Vec::with_capacity(width * height * 3);
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = [0.0; 3];
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let sample = pixels[(y * FINE + j) * width * FINE + x * FINE + i];
+                (0..3).for_each(|c| sum[c] += sample[c] / 4.0);
+            }
+            data.extend(sum.map(|c| c.round() as u8));
+        }
+    }
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header().map_err(wrong)?;
+    writer.write_image_data(&data).map_err(wrong)?;
+    writer.finish().map_err(wrong)?;
+    Ok(file)
+}
+
+/// Where things are on the picture.
+struct View {
+    eye: DVec3,
+    right: DVec3,
+    up: DVec3,
+    ahead: DVec3,
+    /// Pixels for a slope of 1.
+    focal: f64,
+    middle: [f64; 2],
+}
+
+impl View {
+    fn of(shot: &Shot, bodies: &[Body], camera: Camera, [width, height]: [usize; 2]) -> Self {
+        let [low, high] = shot.focus(bodies).map(DVec3::from_array);
+        let centre = 0.5 * (low + high);
+        let reach = (0.5 * (high - low).length()).max(0.5);
+        let (from, top) = match camera {
+            Camera::Corner => (DVec3::new(0.75, 1.0, 0.7).normalize(), DVec3::Z),
+            Camera::Above => (DVec3::Z, DVec3::X),
+        };
+        let eye = centre + from * (3.2 * reach);
+        let ahead = -from;
+        let right = ahead.cross(top).normalize();
+        let up = right.cross(ahead);
+        // Everything lies within `reach` of the centre, 3.2 of it away.
+        let focal = 0.5 * width.min(height * 3 / 2) as f64 * (3.2 * 3.2 - 1.0_f64).sqrt();
+        Self { eye, right, up, ahead, focal, middle: [0.5 * width as f64, 0.5 * height as f64] }
+    }
+
+    /// Pixel and distance of a point; `None` behind the eye.
+    fn pixel(&self, point: DVec3) -> Option<[f64; 3]> {
+        let to = point - self.eye;
+        let depth = to.dot(self.ahead);
+        (depth > 0.05).then(|| {
+            let k = self.focal / depth;
+            let [x, y] = self.middle;
+            [x + k * to.dot(self.right), y - k * to.dot(self.up), depth]
+        })
+    }
+}
+
+fn draw(shot: &Shot, bodies: &[Body], camera: Camera, size: [usize; 2]) -> Vec<[f64; 3]> {
+    let [width, height] = size;
+    let view = View::of(shot, bodies, camera, size);
+    let mut colours = vec![SKY; width * height];
+    let mut depths = vec![f64::INFINITY; width * height];
+    let light = DVec3::new(0.35, 0.55, 0.9).normalize();
+    let mut through = vec![false; width * height];
+    for (side, number) in shot.bodies.into_iter().enumerate() {
+        let Some(body) = bodies.get(number) else { continue };
+        let mut is_hit = vec![false; body.corners.len()];
+        for hit in &shot.hits[side] {
+            if let Some(mark) = is_hit.get_mut(*hit as usize) {
+                *mark = true;
+            }
+        }
+        for (corners, is_hit) in body.corners.iter().zip(is_hit) {
+            let points = corners.map(|corner| DVec3::from_array(shot.place(corner, side == 1)));
+            let normal = (points[1] - points[0]).cross(points[2] - points[0]);
+            if !(normal.length() > 0.0) {
+                continue;
+            }
+            let shade = 0.45 + 0.55 * normal.normalize().dot(light).abs();
+            let colour = [0, 1, 2].map(|c| f64::from(COLOURS[side][c]) * shade);
+            let Some(corners) = all(points.map(|point| view.pixel(point))) else { continue };
+            fill(corners, size, |at, depth| {
+                if depth < depths[at] {
+                    depths[at] = depth;
+                    colours[at] = colour;
+                }
+                through[at] |= is_hit;
+            });
+        }
+    }
+    for (colour, _) in colours.iter_mut().zip(&through).filter(|(_, through)| **through) {
+        *colour = [0, 1, 2].map(|c| 0.25 * colour[c] + 0.75 * f64::from(COLOURS[2][c]));
+    }
+    if let Some(patch) = shot.patch {
+        let corners = patch.corners().map(|corner| view.pixel(DVec3::from_array(corner)));
+        for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+            if let (Some(a), Some(b)) = (corners[a], corners[b]) {
+                line(a, b, size, |at| {
+                    colours[at] = [0, 1, 2].map(|c| f64::from(COLOURS[3][c]));
+                });
+            }
+        }
+    }
+    colours
+}
+
+fn all([a, b, c]: [Option<[f64; 3]>; 3]) -> Option<[[f64; 3]; 3]> {
+    Some([a?, b?, c?])
+}
+
+/// Calls `put` with every sample inside of a triangle and its depth.
+fn fill([a, b, c]: [[f64; 3]; 3], [width, height]: [usize; 2], mut put: impl FnMut(usize, f64)) {
+    let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    if area == 0.0 {
+        return;
+    }
+    let range = |axis: usize, most: usize| {
+        let low = a[axis].min(b[axis]).min(c[axis]).floor().max(0.0);
+        let high = a[axis].max(b[axis]).max(c[axis]).ceil().min(most as f64);
+        (low as usize)..(high.max(low) as usize)
+    };
+    for y in range(1, height) {
+        for x in range(0, width) {
+            let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
+            let weight = |p: [f64; 3], q: [f64; 3]| {
+                ((p[0] - px) * (q[1] - py) - (p[1] - py) * (q[0] - px)) / area
+            };
+            let (u, v, w) = (weight(b, c), weight(c, a), weight(a, b));
+            if u < 0.0 || v < 0.0 || w < 0.0 {
+                continue;
+            }
+            // Distances are straight on the picture as their inverses.
+            let depth = 1.0 / (u / a[2] + v / b[2] + w / c[2]);
+            put(y * width + x, depth);
+        }
+    }
+}
+
+/// Calls `put` with every sample of a line, three samples wide.
+fn line(a: [f64; 3], b: [f64; 3], [width, height]: [usize; 2], mut put: impl FnMut(usize)) {
+    let steps = (b[0] - a[0]).abs().max((b[1] - a[1]).abs()).ceil().clamp(1.0, 20_000.0);
+    for step in 0..=steps as u32 {
+        let share = f64::from(step) / steps;
+        let (x, y) = (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]));
+        for (i, j) in [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1)] {
+            let (x, y) = (x.floor() as i64 + i, y.floor() as i64 + j);
+            if (0..width as i64).contains(&x) && (0..height as i64).contains(&y) {
+                put(y as usize * width + x as usize);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

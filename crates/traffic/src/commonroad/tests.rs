@@ -1,0 +1,227 @@
+//! A small file by hand, each of its lines made wrong, and the recordings of others.
+
+use crate::{ReadOptions, Recording, Sweep, TrafficError, read};
+use proptest::prelude::*;
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// One of everything, a line each: what is replaced in a test is a line of it.
+const SMALL: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<commonRoad commonRoadVersion="2020a" timeStepSize="0.1" benchmarkID="Small">
+<staticObstacle id="1"><type>parkedVehicle</type>
+<shape><rectangle><length>4.5</length><width>2.0</width></rectangle></shape>
+<initialState><position><point><x>30</x><y>0</y></point></position>
+<orientation><exact>0.1</exact></orientation><time><exact>0</exact></time></initialState>
+</staticObstacle>
+<dynamicObstacle id="2"><type>pedestrian</type>
+<shape><circle><radius>0.3</radius></circle></shape>
+<initialState><position><point><x>20</x><y>-5</y></point></position>
+<orientation><intervalStart>1.4</intervalStart><intervalEnd>1.6</intervalEnd></orientation>
+<time><exact>0</exact></time><velocity><exact>1.5</exact></velocity></initialState>
+<trajectory>
+<state><position><rectangle><length>1</length><width>1</width><center><x>20</x><y>-2</y></center></rectangle></position>
+<orientation><exact>1.5</exact></orientation><time><exact>20</exact></time>
+<velocity><exact>1.5</exact></velocity></state>
+</trajectory>
+</dynamicObstacle>
+<planningProblem id="100"><initialState>
+<position><point><x>0</x><y>0</y></point></position>
+<orientation><exact>0</exact></orientation><time><exact>0</exact></time>
+<velocity><exact>12</exact></velocity></initialState></planningProblem>
+</commonRoad>
+"#;
+
+fn small(old: &str, new: &str) -> Result<Recording, TrafficError> {
+    assert!(old.is_empty() || SMALL.contains(old), "{old}");
+    read("s.xml", &SMALL.replacen(old, new, 1), &ReadOptions::default())
+}
+
+#[test]
+fn the_small_file_reads_as_it_is_written() {
+    let read = small("", "").expect("valid");
+    assert_eq!(read.name, "Small");
+    assert_eq!(read.ego.start.speed_m_s, 12.0);
+    let [parked, walker] = read.others.as_slice() else { panic!("two") };
+    assert!(
+        parked.is_static() && parked.kind == "parkedVehicle" && parked.outline.size() == [4.5, 2.0]
+    );
+    assert!(walker.outline.is_round());
+    let middle = walker.at(1.0).expect("there");
+    assert_eq!(middle.place.at, [20.0, -3.5]);
+    assert!((middle.place.yaw - 1.5).abs() < 1e-12 && middle.speed_m_s == 1.5);
+    assert!(walker.at(2.01).is_none(), "it went");
+    assert_eq!(read.notes, ["obstacle 2: 2 of its states are intervals; their middles are taken"]);
+}
+
+/// What is replaced, by what, at which line the fault is, and what it says.
+const WRONG: &[(&str, &str, u32, &str)] = &[
+    ("2020a", "2017a", 2, "version \"2017a\" is not known"),
+    (" commonRoadVersion=\"2020a\"", "", 2, "attribute commonRoadVersion is missing"),
+    ("timeStepSize=\"0.1\"", "timeStepSize=\"0\"", 2, "timeStepSize"),
+    ("timeStepSize=\"0.1\"", "timeStepSize=\"fast\"", 2, "timeStepSize"),
+    ("<type>pedestrian</type>", "<type>dragon</type>", 8, "obstacle type \"dragon\""),
+    ("<type>pedestrian</type>", "", 8, "<type> is missing"),
+    ("<circle><radius>0.3</radius></circle>", "<blob/>", 9, "shape <blob> is not known"),
+    ("<circle><radius>0.3</radius></circle>", "", 9, "it has no shape"),
+    ("<radius>0.3</radius>", "<radius>0</radius>", 9, "a radius of 0 m"),
+    ("<radius>0.3</radius>", "", 9, "<radius> is missing"),
+    ("<length>4.5</length>", "<length>4500</length>", 4, "a length of 4500 m"),
+    ("<length>4.5</length>", "<length>NaN</length>", 4, "not a finite number"),
+    ("<length>4.5</length>", "<length>long</length>", 4, "not a finite number"),
+    ("<x>30</x>", "<x>1e300</x>", 5, "x is 1"),
+    ("<x>30</x>", "", 5, "<x> is missing"),
+    ("<orientation><exact>0.1</exact></orientation>", "", 5, "<orientation> is missing"),
+    ("<exact>0.1</exact>", "<intervalStart>0</intervalStart>", 6, "neither an exact value"),
+    ("<time><exact>20</exact></time>", "", 14, "<time> is missing"),
+    ("<exact>20</exact>", "<exact>0</exact>", 14, "its time is not after"),
+    ("<velocity><exact>12</exact></velocity>", "", 19, "<velocity> is missing"),
+    ("<velocity><exact>12</exact>", "<velocity><exact>1200</exact>", 19, "1200 m/s"),
+    ("<staticObstacle id=\"1\">", "<staticObstacle id=\"2\">", 8, "two obstacles have this id"),
+    ("<staticObstacle id=\"1\">", "<staticObstacle>", 3, "attribute id is missing"),
+    ("<trajectory>", "<occupancySet/><trajectory>", 13, "an occupancy set"),
+    ("</trajectory>\n</dynamic", "</trajectorie>\n</dynamic", 17, "not readable as XML"),
+    ("<commonRoad", "<!DOCTYPE x [<!ENTITY a \"&b;&b;\">]>\n<commonRoad", 2, "not readable as XML"),
+];
+
+#[test]
+fn each_fault_is_named_at_its_line_with_a_remedy() {
+    for (old, new, line, says) in WRONG {
+        let error = small(old, new).expect_err(new);
+        assert_eq!(error.line, *line, "{new}: {error}");
+        assert!(error.fault.contains(says), "{new}: {error}");
+        assert!(error.help.len() > 8, "{new}: {}", error.help);
+    }
+}
+
+#[test]
+fn what_is_not_xml_or_another_xml_is_named() {
+    let read = |text: &str| read("a.xml", text, &ReadOptions::default()).expect_err("refused");
+    assert!(read("schema = 1").fault.contains("not XML: it begins with \"schema = 1\""));
+    assert!(read("").fault.contains("not XML"));
+    assert!(read("<svg/>").fault.contains("<svg>, neither CommonRoad nor OpenSCENARIO"));
+    // A million elements in each other: nesting is only many nodes.
+    let deep = format!("<commonRoad>{}", "<a>".repeat(1_000_000));
+    assert!(read(&deep).fault.contains("not readable as XML"));
+}
+
+#[test]
+fn obstacles_can_be_left_out_and_named_as_the_ego() {
+    let without = ["2".to_owned()];
+    let options = ReadOptions { without: &without, ..ReadOptions::default() };
+    assert_eq!(read("s.xml", SMALL, &options).expect("valid").others.len(), 1);
+    let without = ["9".to_owned()];
+    let options = ReadOptions { without: &without, ..ReadOptions::default() };
+    let error = read("s.xml", SMALL, &options).expect_err("unknown");
+    assert!(error.fault.contains("no obstacle \"9\"") && error.help.contains("1, 2"), "{error}");
+    let options = ReadOptions { ego: Some("2"), ..ReadOptions::default() };
+    let recording = read("s.xml", SMALL, &options).expect("valid");
+    assert_eq!((recording.ego.went.len(), recording.others.len()), (2, 1));
+    let nobody = SMALL.replace("planningProblem", "something");
+    let error = read("s.xml", &nobody, &ReadOptions::default()).expect_err("no ego");
+    assert!(error.help.contains("--ego"), "{error}");
+}
+
+#[test]
+fn speeds_that_are_not_stated_follow_from_places() {
+    let text = SMALL.replace("<velocity><exact>1.5</exact></velocity>", "");
+    let recording = read("s.xml", &text, &ReadOptions::default()).expect("valid");
+    let walker = &recording.others[1];
+    assert_eq!(walker.track.iter().map(|m| m.speed_m_s).collect::<Vec<_>>(), [1.5, 1.5]);
+    assert!(recording.notes.iter().any(|note| note.contains("speeds are not stated")));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    #[test]
+    fn no_bent_file_makes_it_panic(
+        bends in prop::collection::vec((any::<prop::sample::Index>(), 32_u8..127), 1..8),
+        cut in any::<Option<prop::sample::Index>>(),
+    ) {
+        let mut bytes = SMALL.as_bytes().to_vec();
+        for (at, byte) in bends {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if let Some(cut) = cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        let text = String::from_utf8(bytes).expect("ASCII");
+        match read("s.xml", &text, &ReadOptions::default()) {
+            Ok(recording) => drop(recording.sweep(&Sweep { horizon_s: 0.2, ..Sweep::default() })),
+            Err(error) => prop_assert!(error.line >= 1 && !error.help.is_empty()),
+        }
+    }
+}
+
+fn shared(path: &str) -> Option<PathBuf> {
+    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(path);
+    let there = data.exists();
+    if !there {
+        eprintln!("skipped: {} is absent", data.display());
+    }
+    there.then_some(data)
+}
+
+fn recorded(name: &str) -> Option<Recording> {
+    let path = shared("scenarios/commonroad")?.join(name);
+    let text = std::fs::read_to_string(path).expect("readable");
+    Some(read(name, &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Alternatives that somebody else derived from the same files, with other code: the same
+/// manoeuvre meets the same partner within 0.1 s, and both are within 0.2 m of the stated places.
+#[test]
+fn derived_alternatives_are_found_again() {
+    let Some(list) = shared("scenarios/derived_alternatives.json") else { return };
+    let text = std::fs::read_to_string(list).expect("readable");
+    let list: std::collections::BTreeMap<String, Vec<Value>> =
+        serde_json::from_str(&text).expect("JSON");
+    let (mut found, mut all, mut report) = (0, 0, String::new());
+    for (file, cases) in &list {
+        let Some(recording) = recorded(file) else { return };
+        let swept = recording.sweep(&Sweep::default());
+        for case in cases {
+            all += 1;
+            let number = |at: &Value, key: &str| at[key].as_f64().expect("a number");
+            let manoeuvre = &case["manoeuvre"];
+            let asked = crate::Manoeuvre::Arc {
+                brake_m_s2: number(manoeuvre, "brake"),
+                lateral_m_s2: number(manoeuvre, "alat"),
+            };
+            let Some(meeting) = swept.meetings.iter().find(|m| m.manoeuvre == asked) else {
+                report += &format!("{file} {}: no meeting\n", asked.name());
+                continue;
+            };
+            let whom = &recording.others[meeting.whom];
+            let after_s = meeting.ego.time_s - swept.began_s;
+            let late = (after_s - number(case, "t")).abs();
+            let apart = |at: [f64; 2], of: &Value| {
+                libm::hypot(at[0] - number(of, "x"), at[1] - number(of, "y"))
+            };
+            let ego = apart(meeting.ego.place.at, &case["ego"]);
+            let other = apart(meeting.other.place.at, &case["obstacle"]);
+            let same = whom.id == case["obstacle"]["id"].as_str().expect("an id");
+            let holds = same && late <= 0.1 && ego <= 0.2 && other <= 0.2;
+            found += u32::from(holds);
+            report += &format!(
+                "{file} {}: {} after {after_s:.2} s; off by {late:.2} s, ego {ego:.3} m, other \
+                 {other:.3} m{}\n",
+                asked.name(),
+                whom.id,
+                if holds { "" } else { "  <--" }
+            );
+        }
+    }
+    eprintln!("{report}{found} of {all}");
+    assert!(found >= 18 && all == 20, "{report}{found} of {all}");
+}
+
+#[test]
+fn the_ego_among_the_obstacles_is_recognised() {
+    let Some(recording) = recorded("OSC_PedestrianCollision-1_1_T-1.xml") else { return };
+    assert_eq!(recording.others.len(), 1);
+    assert!(recording.ego.went.len() > 80);
+    let meets_s = recording.recorded_meeting_s(0.02).expect("the recording ends in a crash");
+    assert!((5.0..6.0).contains(&meets_s), "{meets_s}");
+}

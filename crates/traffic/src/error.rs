@@ -1,0 +1,23 @@
+//! What is wrong with a traffic file: file, line, element, fault and remedy, in that order.
+
+/// A file that cannot be used.
+///
+/// ```
+/// let text = "<commonRoad commonRoadVersion=\"2017a\"/>";
+/// let error = traffic::read("a.xml", text, &Default::default()).unwrap_err();
+/// assert!(error.to_string().starts_with("a.xml:1:1: <commonRoad>: version \"2017a\""));
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {fault}")]
+pub struct TrafficError {
+    /// The file as it was named by whoever opened it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: u32,
+    /// Column, from 1.
+    pub column: u32,
+    /// Which element, and what is wrong with it, on one line.
+    pub fault: String,
+    /// What to do about it, on one line.
+    pub help: String,
+}

@@ -1,0 +1,107 @@
+//! Who is where, when: what every file is read into.
+
+use crate::outline::{Outline, Placed};
+
+/// Traffic around an ego.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// What the file calls itself.
+    pub name: String,
+    /// The automated vehicle.
+    pub ego: Ego,
+    /// Everybody and everything else that may be hit, in the order of the file.
+    pub others: Vec<Obstacle>,
+    /// What was taken for something else, in whole sentences.
+    pub notes: Vec<String>,
+}
+
+/// The automated vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ego {
+    /// Where it starts and how it moves there.
+    pub start: Moment,
+    /// What it covers; `None`: the file does not say.
+    pub outline: Option<Outline>,
+    /// Where it went, if the file lists it among the obstacles; first moment first.
+    pub went: Vec<Moment>,
+}
+
+/// Somebody or something that may be hit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Its id or name in the file.
+    pub id: String,
+    /// Its type in the file: "car", "parkedVehicle".
+    pub kind: String,
+    /// What it covers.
+    pub outline: Outline,
+    /// Where it is when; one moment: always there. Times rise.
+    pub track: Vec<Moment>,
+}
+
+/// Where a body is at a time and how it moves there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// From the start of the recording (s).
+    pub time_s: f64,
+    /// Where it is.
+    pub place: Placed,
+    /// Speed (m/s); negative: backwards.
+    pub speed_m_s: f64,
+    /// From the heading to the direction of travel (rad).
+    pub slip: f64,
+}
+
+impl Moment {
+    /// Velocity in the world (m/s).
+    #[must_use]
+    pub fn velocity_m_s(&self) -> [f64; 2] {
+        let course = self.place.yaw + self.slip;
+        [self.speed_m_s * libm::cos(course), self.speed_m_s * libm::sin(course)]
+    }
+}
+
+impl Obstacle {
+    /// Where it is at a time; `None` before it comes and after it went.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> Option<Moment> {
+        at(&self.track, time_s)
+    }
+
+    /// Whether it never moves.
+    #[must_use]
+    pub fn is_static(&self) -> bool {
+        self.track.len() == 1
+    }
+}
+
+/// A track at a time: straight between moments, the shorter way round for angles. A single moment
+/// holds for ever.
+pub(crate) fn at(track: &[Moment], time_s: f64) -> Option<Moment> {
+    let after = track.partition_point(|moment| moment.time_s <= time_s + 1e-9);
+    let before = track.get(after.checked_sub(1)?)?;
+    if track.len() == 1 {
+        return Some(Moment { time_s, ..*before });
+    }
+    let Some(next) = track.get(after) else {
+        // The last moment itself still counts.
+        return (time_s <= before.time_s + 1e-9).then_some(*before);
+    };
+    let share = (time_s - before.time_s) / (next.time_s - before.time_s);
+    let mix = |a: f64, b: f64| a + share * (b - a);
+    let (a, b) = (before.place, next.place);
+    Some(Moment {
+        time_s,
+        place: Placed {
+            at: [mix(a.at[0], b.at[0]), mix(a.at[1], b.at[1])],
+            yaw: a.yaw + share * wrapped(b.yaw - a.yaw),
+        },
+        speed_m_s: mix(before.speed_m_s, next.speed_m_s),
+        slip: before.slip + share * wrapped(next.slip - before.slip),
+    })
+}
+
+/// An angle in −π..π (rad).
+pub(crate) fn wrapped(angle: f64) -> f64 {
+    libm::atan2(libm::sin(angle), libm::cos(angle))
+}

@@ -1,0 +1,235 @@
+//! Ego manoeuvres, and whom each meets first.
+//!
+//! A manoeuvre brakes at b and steers with a lateral acceleration a, held until the ego stands.
+//! Tyres give at most `grip` in all (Kamm's circle), so a is scaled by √(1 − (b/grip)²); the yaw
+//! rate is a/v, and no curve is tighter than a car's turning circle. Speed and heading are held
+//! through a step and change at its end, as those of a planner with a clock do: a braking ego is
+//! ahead of a continuous one by at most b·t·step/2. Everybody else does what the recording says: nobody reacts.
+//! Meeting is the first step at which the outlines overlap; the step is the error in time.
+
+use crate::outline::{Outline, Placed, overlap};
+use crate::recording::{Ego, Moment, Obstacle, Recording, at};
+
+/// Which manoeuvres are tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Decelerations (m/s²), each at most [`Self::grip_m_s2`].
+    pub brakes_m_s2: Vec<f64>,
+    /// Lateral accelerations (m/s²); positive: to the left.
+    pub laterals_m_s2: Vec<f64>,
+    /// What the tyres give in all (m/s²).
+    pub grip_m_s2: f64,
+    /// How far ahead is looked (s).
+    pub horizon_s: f64,
+    /// Step of the sweep (s).
+    pub step_s: f64,
+    /// When the manoeuvres begin, after the ego's start (s). Until then the ego goes as recorded.
+    pub after_s: f64,
+}
+
+impl Default for Sweep {
+    /// Coasting, half and full braking, each straight, with a firm and with a hard turn either way;
+    /// grip of a dry road; three seconds, after which a plan is a guess. All [A].
+    fn default() -> Self {
+        Self {
+            brakes_m_s2: vec![0.0, 4.0, 8.0],
+            laterals_m_s2: vec![-6.0, -3.0, 0.0, 3.0, 6.0],
+            grip_m_s2: 9.0,
+            horizon_s: 3.0,
+            step_s: 0.02,
+            after_s: 0.0,
+        }
+    }
+}
+
+/// Tightest curve (1/m): a car's turning circle has a radius of about 5 m.
+const CURVATURE_MAX: f64 = 0.2;
+/// Width and length of an ego of which nothing is said (m): a medium car, CommonRoad's vehicle 2.
+pub(crate) const EGO_M: [f64; 2] = [4.508, 1.610];
+
+/// What the ego does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Manoeuvre {
+    /// What it did in the recording.
+    Recorded,
+    /// Braking and steering, constant.
+    Arc {
+        /// Deceleration (m/s²).
+        brake_m_s2: f64,
+        /// Lateral acceleration asked for (m/s²); positive: to the left.
+        lateral_m_s2: f64,
+    },
+}
+
+/// A manoeuvre that meets somebody.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// What the ego does.
+    pub manoeuvre: Manoeuvre,
+    /// The ego when outlines first overlap; its time is counted as in the recording.
+    pub ego: Moment,
+    /// Whom it meets: number in [`Recording::others`].
+    pub whom: usize,
+    /// The other one then.
+    pub other: Moment,
+}
+
+/// What came of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Swept {
+    /// Manoeuvres that meet somebody, in the order of trial.
+    pub meetings: Vec<Meeting>,
+    /// Manoeuvres that meet nobody within the horizon.
+    pub free: Vec<Manoeuvre>,
+    /// Whom the ego overlaps already at the start, if anybody: then nothing was tried.
+    pub overlapped: Option<usize>,
+    /// When the manoeuvres began, as in the recording (s).
+    pub began_s: f64,
+}
+
+impl Manoeuvre {
+    /// As one would say it: "brake 8, left 3".
+    #[must_use]
+    pub fn name(&self) -> String {
+        let Self::Arc { brake_m_s2, lateral_m_s2 } = *self else {
+            return "as recorded".to_owned();
+        };
+        let pedal =
+            if brake_m_s2 > 0.0 { format!("brake {brake_m_s2}") } else { "go on".to_owned() };
+        if lateral_m_s2 == 0.0 {
+            return format!("{pedal}, straight");
+        }
+        let side = if lateral_m_s2 > 0.0 { "left" } else { "right" };
+        format!("{pedal}, {side} {}", lateral_m_s2.abs())
+    }
+}
+
+impl Recording {
+    /// The outline of the ego: as stated, else a medium car.
+    #[must_use]
+    pub fn ego_outline(&self) -> Outline {
+        self.ego.outline.clone().unwrap_or_else(|| Outline::rectangle(EGO_M[0], EGO_M[1]))
+    }
+
+    /// Tries every manoeuvre.
+    #[must_use]
+    pub fn sweep(&self, sweep: &Sweep) -> Swept {
+        let outline = self.ego_outline();
+        let begin_s = self.ego.start.time_s + sweep.after_s;
+        let start = began(&self.ego, begin_s);
+        let mut swept = Swept {
+            meetings: Vec::new(),
+            free: Vec::new(),
+            overlapped: None,
+            began_s: start.time_s,
+        };
+        swept.overlapped = first(&outline, start.place, &self.others, start.time_s).map(|m| m.0);
+        if swept.overlapped.is_some() {
+            return swept;
+        }
+        let steps = (sweep.horizon_s / sweep.step_s).round() as u32;
+        let mut ways: Vec<(Manoeuvre, Vec<Moment>)> = Vec::new();
+        if !self.ego.went.is_empty() {
+            let times = (1..=steps).map(|n| start.time_s + f64::from(n) * sweep.step_s);
+            let went = times.map_while(|time_s| at(&self.ego.went, time_s)).collect();
+            ways.push((Manoeuvre::Recorded, went));
+        }
+        for brake_m_s2 in &sweep.brakes_m_s2 {
+            for lateral_m_s2 in &sweep.laterals_m_s2 {
+                let (brake_m_s2, lateral_m_s2) = (*brake_m_s2, *lateral_m_s2);
+                let way = arc(&start, brake_m_s2, lateral_m_s2, sweep, steps);
+                ways.push((Manoeuvre::Arc { brake_m_s2, lateral_m_s2 }, way));
+            }
+        }
+        for (manoeuvre, way) in ways {
+            let meeting = way.iter().find_map(|ego| {
+                let (whom, other) = first(&outline, ego.place, &self.others, ego.time_s)?;
+                Some(Meeting { manoeuvre, ego: *ego, whom, other })
+            });
+            match meeting {
+                Some(meeting) => swept.meetings.push(meeting),
+                None => swept.free.push(manoeuvre),
+            }
+        }
+        swept
+    }
+
+    /// When the ego as recorded first meets somebody, counted from its start (s); `None`: never, or
+    /// nothing is recorded of it.
+    #[must_use]
+    pub fn recorded_meeting_s(&self, step_s: f64) -> Option<f64> {
+        let outline = self.ego_outline();
+        let last = self.ego.went.last()?;
+        let steps = ((last.time_s - self.ego.start.time_s) / step_s).floor() as u32;
+        (1..=steps).map(|n| f64::from(n) * step_s).find(|after_s| {
+            let time_s = self.ego.start.time_s + after_s;
+            let ego = at(&self.ego.went, time_s);
+            ego.is_some_and(|ego| first(&outline, ego.place, &self.others, time_s).is_some())
+        })
+    }
+}
+
+/// Where the ego is when manoeuvres begin: as recorded, else straight on.
+fn began(ego: &Ego, time_s: f64) -> Moment {
+    if let Some(moment) = at(&ego.went, time_s) {
+        return moment;
+    }
+    let start = ego.start;
+    let [x, y] = start.velocity_m_s();
+    let after_s = time_s - start.time_s;
+    let moved = [start.place.at[0] + x * after_s, start.place.at[1] + y * after_s];
+    Moment { time_s, place: Placed { at: moved, ..start.place }, ..start }
+}
+
+/// The first of all obstacles that the ego overlaps.
+fn first(
+    outline: &Outline,
+    place: Placed,
+    others: &[Obstacle],
+    time_s: f64,
+) -> Option<(usize, Moment)> {
+    others.iter().enumerate().find_map(|(index, obstacle)| {
+        let moment = obstacle.at(time_s)?;
+        overlap(outline, place, &obstacle.outline, moment.place).then_some((index, moment))
+    })
+}
+
+/// Share of the lateral acceleration that is left to tyres that brake.
+pub(crate) fn left_of_grip(brake_m_s2: f64, grip_m_s2: f64) -> f64 {
+    let used = (brake_m_s2 / grip_m_s2).clamp(0.0, 1.0);
+    (1.0 - used * used).sqrt()
+}
+
+/// The ego's way, one moment a step.
+fn arc(
+    start: &Moment,
+    brake_m_s2: f64,
+    lateral_m_s2: f64,
+    sweep: &Sweep,
+    steps: u32,
+) -> Vec<Moment> {
+    let dt = sweep.step_s;
+    let lateral = lateral_m_s2 * left_of_grip(brake_m_s2, sweep.grip_m_s2);
+    let direction = if start.speed_m_s < 0.0 { -1.0 } else { 1.0 };
+    let mut now = Moment { slip: 0.0, ..*start };
+    let mut way = Vec::with_capacity(steps as usize);
+    for n in 1..=steps {
+        let speed = now.speed_m_s.abs();
+        let curvature = if speed > 0.0 {
+            (lateral / (speed * speed)).clamp(-CURVATURE_MAX, CURVATURE_MAX)
+        } else {
+            0.0
+        };
+        let run = direction * speed * dt;
+        now.place.at[0] += run * libm::cos(now.place.yaw);
+        now.place.at[1] += run * libm::sin(now.place.yaw);
+        now.place.yaw += run * curvature;
+        now.speed_m_s = direction * (speed - brake_m_s2 * dt).max(0.0);
+        now.time_s = start.time_s + f64::from(n) * dt;
+        way.push(now);
+    }
+    way
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! From meetings to the text of a scenario: one candidate for each, bodies from the library.
+//!
+//! Bodies are put where the middle of their outline is, stretched to its length and width; a circle
+//! gives a body its longest side. Coordinates are rounded to 0.1 mm and 0.0001°.
+
+use crate::library::{Entry, Library};
+use crate::outline::{Outline, Placed};
+use crate::recording::{Moment, Recording, wrapped};
+use crate::sweep::{Meeting, Swept};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// What a scenario holds at most.
+const CANDIDATES_MAX: usize = 16;
+/// Coordinates beyond this are moved so that the ego starts near the origin (m): maps count from a
+/// far away equator.
+const FAR_M: f64 = 100_000.0;
+
+/// The scenario of all meetings, as TOML, and what was left out, in whole sentences.
+///
+/// `source` is the name of the file, for the header.
+///
+/// # Errors
+///
+/// In words: the library has no body for a type that is met, or nothing is met at all.
+pub fn scenario_text(
+    source: &str,
+    recording: &Recording,
+    swept: &Swept,
+    library: &Library,
+) -> Result<(String, Vec<String>), String> {
+    let mut notes = Vec::new();
+    let meetings = &swept.meetings[..swept.meetings.len().min(CANDIDATES_MAX)];
+    if meetings.is_empty() {
+        return Err("no manoeuvre meets anybody: there is nothing to rank".to_owned());
+    }
+    if meetings.len() < swept.meetings.len() {
+        let more = swept.meetings.len() - meetings.len();
+        notes.push(format!("a request ranks 16 candidates: {more} more are left out"));
+    }
+    let start = recording.ego.start.place.at;
+    let moved =
+        if start.iter().any(|x| x.abs() > FAR_M) { start.map(f64::round) } else { [0.0; 2] };
+    let mut text = String::new();
+    let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
+    let _w =
+        writeln!(text, "# From {}: ego manoeuvres and whom each meets first.", one_line(source));
+    if moved != [0.0; 2] {
+        let _w =
+            writeln!(text, "# Moved by {:?} m, so that the ego starts near the origin.", moved);
+    }
+    let _w = writeln!(text, "schema = {:?}", scenario::SCHEMA);
+    let _w = writeln!(text, "name = {}\n", quoted(&recording.name));
+    let ego_outline = recording.ego_outline();
+    party(&mut text, "ego", &ego_outline, entry(library, "ego")?);
+    let names = names(recording, meetings);
+    for (index, name) in &names {
+        let obstacle = &recording.others[*index];
+        party(&mut text, name, &obstacle.outline, entry(library, &obstacle.kind)?);
+    }
+    for meeting in meetings {
+        let other = &recording.others[meeting.whom];
+        let party = &names[&meeting.whom];
+        let name: String =
+            format!("{} → {party}", meeting.manoeuvre.name()).chars().take(60).collect();
+        let _w = writeln!(text, "\n# After {:.2} s.", meeting.ego.time_s - swept.began_s);
+        let _w = writeln!(text, "[[candidates]]\nname = {}", quoted(name.trim()));
+        let _w = writeln!(text, "ego = {{ {} }}", state(&meeting.ego, &ego_outline, moved));
+        let state = state(&meeting.other, &other.outline, moved);
+        let _w = writeln!(text, "other = {{ party = {}, {state} }}", quoted(party));
+    }
+    Ok((text, notes))
+}
+
+/// The middle of an outline in the world: where its body is put.
+pub(crate) fn middle(moment: &Moment, outline: &Outline) -> Placed {
+    Placed { at: moment.place.point(outline.middle()), yaw: moment.place.yaw }
+}
+
+fn entry<'l>(library: &'l Library, kind: &str) -> Result<&'l Entry, String> {
+    library.get(kind).ok_or_else(|| {
+        format!("the library has no body for \"{kind}\"; it has {}", library.types())
+    })
+}
+
+/// What everybody that is met is called: type and id, as letters that fit a table, each once.
+fn names(recording: &Recording, meetings: &[Meeting]) -> BTreeMap<usize, String> {
+    let mut names: BTreeMap<usize, String> = BTreeMap::new();
+    for meeting in meetings {
+        let obstacle = &recording.others[meeting.whom];
+        let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let id: String = obstacle.id.chars().take(20).map(plain).collect();
+        let mut name = format!("{} {id}", obstacle.kind);
+        if names.iter().any(|(index, taken)| *index != meeting.whom && *taken == name) {
+            name = format!("{name} ({})", meeting.whom);
+        }
+        names.entry(meeting.whom).or_insert(name);
+    }
+    names
+}
+
+fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
+    let _w = writeln!(text, "[parties.{}]", quoted(name));
+    let _w = match (&entry.shape, &entry.file) {
+        (Some(shape), _) => {
+            let (triangles, seed) = (entry.triangles.unwrap_or(20_000), entry.seed);
+            let seed = if seed == 0 { String::new() } else { format!(", seed = {seed}") };
+            let body = format!("{{ shape = {}, triangles = {triangles}{seed} }}", quoted(shape));
+            writeln!(text, "generate = {body}")
+        }
+        (None, file) => writeln!(text, "file = {}", quoted(file.as_deref().unwrap_or_default())),
+    };
+    let [length, width] = outline.size().map(|x| round(x, 1e4));
+    let _w = if outline.is_round() {
+        writeln!(text, "size_m = [{length:?}]")
+    } else {
+        writeln!(text, "size_m = [{length:?}, {width:?}]")
+    };
+    if entry.nobody {
+        text.push_str("persons = []\n");
+    }
+    if entry.unknown {
+        text.push_str("kind = \"unknown\"\n");
+    }
+}
+
+fn state(moment: &Moment, outline: &Outline, moved: [f64; 2]) -> String {
+    let place = middle(moment, outline);
+    let [x, y] = [0, 1].map(|axis| round(place.at[axis] - moved[axis], 1e4));
+    let yaw = round(wrapped(place.yaw).to_degrees(), 1e4);
+    let motion = if moment.slip == 0.0 {
+        format!("speed_m_s = {:?}", round(moment.speed_m_s, 1e4))
+    } else {
+        let [x, y] = moment.velocity_m_s().map(|v| round(v, 1e4));
+        format!("velocity_m_s = [{x:?}, {y:?}]")
+    };
+    format!("position_m = [{x:?}, {y:?}, 0.0], yaw_deg = {yaw:?}, {motion}")
+}
+
+/// Rounded to a grid of 1/`per`; −0 becomes +0.
+fn round(value: f64, per: f64) -> f64 {
+    (value * per).round() / per + 0.0
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted.push(' '),
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+#[cfg(test)]
+mod tests;

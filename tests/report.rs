@@ -1,0 +1,203 @@
+//! `trolley report`: from a recorded decision to a page, .glb files and stills; and the page in a
+//! real browser, without a network.
+//!
+//! The browser is chromium, if the machine has one; else that is said loudly. Real bodies are used
+//! where they are there.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot go on has failed; one that cannot begin says so"
+)]
+
+mod support;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use support::{Place, instance, left_in_shm, text, trolley};
+
+/// Runs a command that must succeed.
+fn done(args: &[&str]) -> String {
+    let output = trolley().args(args).output().unwrap();
+    assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn path(place: &Path, name: &str) -> String {
+    place.join(name).to_str().unwrap().to_owned()
+}
+
+const SMALL: &str = r#"schema = "trolley.scenario/1"
+name = "Wall or pole"
+[parties]
+ego = { generate = { shape = "sedan", triangles = 3000 } }
+wall = { generate = { shape = "wall", triangles = 1000 } }
+pole = { generate = { shape = "pole", triangles = 1000 } }
+[[candidates]]
+name = "wall <b>"
+ego = { position_m = [0, 0, 0], speed_m_s = 10 }
+other = { party = "wall", position_m = [2.55, 0, 0], yaw_deg = 90, speed_m_s = 0 }
+[[candidates]]
+name = "pole"
+ego = { position_m = [0, 0, 0], speed_m_s = 10 }
+other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
+"#;
+
+/// Ranks and records a scenario; the record.
+fn recorded(place: &Place, scenario: &Path, more: &[&str]) -> String {
+    let folder = path(place.path(), "records");
+    let name = instance();
+    let mut args = vec!["rank", scenario.to_str().unwrap(), "--record", &folder];
+    args.extend(["--workers", "2", "--instance", &name, "--quiet"]);
+    args.extend(more);
+    done(&args);
+    assert!(left_in_shm(&name).is_empty());
+    format!("{folder}/000000.record")
+}
+
+#[test]
+fn a_record_becomes_a_page_meshes_and_stills() {
+    let place = Place::new();
+    let scenario = place.write("small.toml", SMALL);
+    let record = recorded(&place, &scenario, &[]);
+    let (out, glb, png) =
+        (path(place.path(), "a.html"), path(place.path(), "glb"), path(place.path(), "png"));
+    done(&["report", &record, "--out", &out, "--glb", &glb, "--png", &png]);
+    let page = std::fs::read_to_string(&out).unwrap();
+    assert!(page.contains("<h1>Least harm: "), "no title");
+    assert!(page.contains("wall &lt;b&gt;") && !page.contains("wall <b>"));
+    // Workers did the jobs, and the record says which and when.
+    assert!(page.contains("aria-label=\"Jobs on each worker over time\""));
+    assert!(page.contains("<td>worker 1</td><td>coordinator</td>"));
+    for (folder, start, count) in [(&glb, &b"glTF"[..], 2), (&png, &b"\x89PNG"[..], 4)] {
+        let files: Vec<PathBuf> =
+            std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        assert_eq!(files.len(), count, "{files:?}");
+        assert!(files.iter().all(|file| std::fs::read(file).unwrap().starts_with(start)));
+    }
+    // What was written is a body that can be imported again.
+    let mesh = format!("{glb}/1-pole.glb");
+    let mesh = if Path::new(&mesh).exists() { mesh } else { format!("{glb}/2-pole.glb") };
+    let said = done(&["model", "check", &mesh]);
+    assert!(said.starts_with("ok"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused_with_a_remedy() {
+    let place = Place::new();
+    let scenario = place.write("small.toml", SMALL);
+    let record = recorded(&place, &scenario, &[]);
+    let out = path(place.path(), "a.html");
+    let folder = place.path().to_str().unwrap();
+    for (args, code, says) in [
+        (&["report", &record][..], 78, "nothing to write"),
+        (&["report", &record, "--glb", folder, "--candidate", "lake"], 65, "no candidate \"lake\""),
+        (&["report", scenario.to_str().unwrap(), "--out", &out], 65, "small.toml"),
+        (&["report", folder, "--out", &out], 65, "README.md"),
+        (&["report", "no.record", "--out", &out], 65, "no.record"),
+    ] {
+        let output = trolley().args(args).output().unwrap();
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {said}");
+        assert!(said.contains(says), "{args:?}: {said}");
+    }
+    assert!(!Path::new(&out).exists());
+}
+
+#[test]
+fn a_measurement_becomes_a_page() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let place = Place::new();
+    let out = path(place.path(), "m.html");
+    let folder = root.join("tools/results/measure");
+    done(&["report", folder.to_str().unwrap(), "--out", &out]);
+    let page = std::fs::read_to_string(&out).unwrap();
+    assert!(page.contains("data:image/png;base64,") && page.contains("<table>"));
+    assert!(!page.contains("is missing.</p>"));
+}
+
+/// A browser, if there is one.
+fn browser() -> Option<&'static str> {
+    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(|name| {
+        let asked = Command::new(name).arg("--version").stdout(Stdio::null()).status();
+        asked.is_ok_and(|status| status.success())
+    });
+    if found.is_none() {
+        println!("SKIPPED, AND LOUDLY: no chromium on this machine, so no page was opened in one");
+    }
+    found
+}
+
+/// Opens a page from disk with all of the network cut off; what it says on its console, and the
+/// document as it is when all scripts have run.
+fn opened(browser: &str, place: &Place, page: &str) -> (String, String) {
+    let profile = format!("--user-data-dir={}", path(place.path(), "profile"));
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", &profile])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--proxy-server=127.0.0.1:9", "--host-resolver-rules=MAP * ~NOTFOUND"])
+        .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+        .args(["--enable-logging=stderr", "--v=0", "--virtual-time-budget=10000", "--dump-dom"])
+        .arg(format!("file://{page}"))
+        .output()
+        .unwrap();
+    let console = text(&output.stderr);
+    let console: Vec<&str> = console.lines().filter(|line| line.contains("CONSOLE")).collect();
+    (console.join("\n"), text(&output.stdout))
+}
+
+/// The 3D view draws both bodies, what is hit, and the patch: five objects, six with its frame.
+fn assert_drawn(console: &str, document: &str) {
+    assert_eq!(console, "", "the page complained");
+    let view = document.split("data-view=\"").nth(1).and_then(|rest| rest.split('"').next());
+    let view = view.unwrap_or_else(|| panic!("the view did not draw: {}", &document[..400]));
+    let (objects, hits) = (view.contains("6 objects"), !view.contains(", 0 hits"));
+    assert!(objects && hits, "{view}");
+    assert!(document.contains("<canvas"));
+}
+
+#[test]
+fn the_page_works_in_a_browser_without_a_network() {
+    let Some(browser) = browser() else { return };
+    let place = Place::new();
+    let scenario = place.write("small.toml", SMALL);
+    let record = recorded(&place, &scenario, &[]);
+    let out = path(place.path(), "a.html");
+    done(&["report", &record, "--out", &out]);
+    let (console, document) = opened(browser, &place, &out);
+    assert_drawn(&console, &document);
+}
+
+/// Two real bodies, imported, ranked and shown.
+#[test]
+fn a_page_of_real_bodies_works_in_a_browser() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
+    if !models.is_dir() {
+        println!("skipped: no real bodies at {}", models.display());
+        return;
+    }
+    let place = Place::new();
+    for (name, mesh, kind) in [
+        ("sedan", "chrono_sedan/sedan_chassis_vis.obj", "sedan"),
+        ("suv", "chrono_nissan_patrol_suv/suv_chassis.obj", "suv"),
+    ] {
+        let (mesh, out) = (path(&models, mesh), path(place.path(), &format!("{name}.trolley")));
+        done(&["model", "import", &mesh, "--unit", "m", "--kind", kind, "-o", &out, "--quiet"]);
+    }
+    let text = "schema = \"trolley.scenario/1\"\nname = \"Real bodies\"\n\
+        [parties]\nego = { file = \"sedan.trolley\" }\nsuv = { file = \"suv.trolley\" }\n\
+        [[candidates]]\nname = \"rear-end the SUV\"\n\
+        ego = { position_m = [0, 0, 0], speed_m_s = 15 }\n\
+        other = { party = \"suv\", position_m = [4.6, 0.3, 0], speed_m_s = 4 }\n\
+        [[candidates]]\nname = \"hit its side\"\n\
+        ego = { position_m = [0, 0, 0], speed_m_s = 11 }\n\
+        other = { party = \"suv\", position_m = [3.2, 0.3, 0], yaw_deg = 90, speed_m_s = 2 }\n";
+    let scenario = place.write("real.toml", text);
+    let record = recorded(&place, &scenario, &[]);
+    let (out, models) = (path(place.path(), "r.html"), path(place.path(), ""));
+    done(&["report", &record, "--models", &models, "--out", &out]);
+    let page = std::fs::read_to_string(&out).unwrap();
+    assert!(page.contains("\"of\":39170") && page.contains("\"of\":23002"));
+    let Some(browser) = browser() else { return };
+    let (console, document) = opened(browser, &place, &out);
+    assert_drawn(&console, &document);
+}

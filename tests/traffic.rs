@@ -1,0 +1,132 @@
+//! `trolley scenario import` and `trolley rank FILE.xml` from the outside: files of others, and
+//! files that are none.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot go on has failed; one that cannot begin says so"
+)]
+
+mod support;
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Output;
+use support::{Place, text, trolley};
+
+fn asked(args: &[&str]) -> Output {
+    trolley().args(args).output().unwrap()
+}
+
+/// A car stands on the ego's way, or far beside it.
+fn crossing(y_m: f64, kind: &str) -> String {
+    let state = |x: f64, y: f64, more: &str| {
+        format!(
+            "<initialState><position><point><x>{x}</x><y>{y}</y></point></position>\
+             <orientation><exact>0</exact></orientation><time><exact>0</exact></time>{more}\
+             </initialState>"
+        )
+    };
+    format!(
+        "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+         <staticObstacle id=\"7\"><type>{kind}</type><shape><rectangle><length>4</length>\
+         <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+         <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+        state(25.0, y_m, ""),
+        state(0.0, 0.0, "<velocity><exact>15</exact></velocity>")
+    )
+}
+
+#[test]
+fn a_traffic_file_is_ranked_as_it_is_and_as_the_scenario_made_from_it() {
+    let place = Place::new();
+    let file = place.write("a.xml", &crossing(0.5, "parkedVehicle"));
+    let (file, out) = (file.to_str().unwrap(), place.path().join("a.toml"));
+    let made = asked(&["scenario", "import", file, "-o", out.to_str().unwrap()]);
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    let answer = |path: &str| -> Value {
+        let output = asked(&["rank", path, "--json", "--in-process"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        document["answer"].clone()
+    };
+    let direct = answer(file);
+    assert!(!direct["ranking"].as_array().unwrap().is_empty());
+    assert_eq!(direct, answer(out.to_str().unwrap()));
+}
+
+#[test]
+fn who_meets_nobody_gets_a_complete_and_empty_answer() {
+    let place = Place::new();
+    let file = place.write("a.xml", &crossing(400.0, "car"));
+    let output = asked(&["rank", file.to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["answer"]["state"], "complete");
+    assert_eq!(document["answer"]["ranking"], serde_json::json!([]));
+    assert_eq!(document["traffic"]["free"].as_array().unwrap().len(), 15);
+}
+
+#[test]
+fn what_is_unknown_is_refused_unless_something_is_assumed() {
+    let place = Place::new();
+    let file = place.write("a.xml", &crossing(0.0, "unknown"));
+    let file = file.to_str().unwrap();
+    let output = asked(&["rank", file, "--in-process"]);
+    assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
+    let output = asked(&["rank", file, "--in-process", "--assume", "unknown=fixed"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn what_is_no_traffic_file_is_refused_with_place_and_remedy() {
+    let place = Place::new();
+    let bomb = "<!DOCTYPE a [<!ENTITY b \"bbbbbbbb\"><!ENTITY c \"&b;&b;&b;&b;\">]>\
+                <commonRoad>&c;</commonRoad>";
+    let files = [
+        ("bomb.xml", bomb.to_owned(), 65, "DTD"),
+        ("json.xml", "{\"a\": 1}".to_owned(), 65, "not XML: it begins with"),
+        ("toml.xml", "schema = \"trolley.scenario/1\"".to_owned(), 65, "not XML"),
+        ("other.xml", "<svg/>".to_owned(), 65, "neither CommonRoad nor OpenSCENARIO"),
+        ("train.xml", crossing(0.0, "train"), 65, "no body for \"train\""),
+        ("type.xml", crossing(0.0, "ufo"), 65, "obstacle type \"ufo\""),
+        ("over.xml", crossing(0.0, "car").replace("25", "1"), 4, "obstacle 7 overlap"),
+        ("big.xml", crossing(0.0, "car").replace("<length>4", "<length>4000"), 65, "4000 m"),
+    ];
+    for (name, content, code, says) in files {
+        let file = place.write(name, &content);
+        let output = asked(&["rank", file.to_str().unwrap()]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{name}: {said}");
+        assert!(said.contains(name) && said.contains(says), "{name}: {said}");
+        assert!(said.contains("help: "), "{name}: {said}");
+    }
+    let binary = place.path().join("b.xml");
+    std::fs::write(&binary, b"<\xff\xfe\x00").unwrap();
+    let output = asked(&["rank", binary.to_str().unwrap()]);
+    assert!(text(&output.stderr).contains("not UTF-8"), "{}", text(&output.stderr));
+}
+
+/// Every file of others gives a ranking, or a reason not to.
+#[test]
+fn recorded_traffic_gives_rankings_or_reasons() {
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/scenarios/commonroad");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: no recorded traffic at {}", folder.display());
+        return;
+    };
+    let mut ranked = 0;
+    for entry in entries {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|end| end != "xml") {
+            continue;
+        }
+        let file = path.to_str().unwrap();
+        let output = asked(&["rank", file, "--json", "--in-process", "--assume", "unknown=fixed"]);
+        assert!(output.status.success(), "{file}: {}", text(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(!document["answer"]["ranking"].as_array().unwrap().is_empty(), "{file}");
+        ranked += 1;
+    }
+    assert!(ranked >= 7, "{ranked}");
+}
