@@ -6,6 +6,7 @@
 
 mod support;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use support::service::{ranked, serve, shipped};
@@ -43,7 +44,7 @@ fn has(program: &str) -> bool {
 }
 
 fn skipped(what: &str) {
-    eprintln!("SKIPPED: {what}");
+    let _gone = writeln!(std::io::stderr(), "SKIPPED: {what}");
 }
 
 /// A Python that has iceoryx2, as `.ci/run` makes one; else any.

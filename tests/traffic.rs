@@ -1,10 +1,6 @@
 //! `trolley scenario import` and `trolley rank FILE.xml` from the outside: files of others, and
 //! files that are none.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test that cannot go on has failed; one that cannot begin says so"
-)]
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod support;
 

@@ -31,15 +31,17 @@ pub(crate) fn serve(deployment: &Path, extra: &[&str]) -> Serving {
     let mut said = String::new();
     loop {
         let mut line = String::new();
-        if stderr.read_line(&mut line).unwrap() == 0 {
-            let end = child.wait().unwrap();
-            panic!("it ended before it served ({end}): {said}");
-        }
+        stderr.read_line(&mut line).unwrap();
         said += &line;
         if line.contains("serving as") {
             return Serving { instance, deployment: deployment.to_owned(), child, stderr };
         }
+        if line.is_empty() {
+            break;
+        }
     }
+    let end = child.wait().unwrap();
+    panic!("it ended before it served ({end}): {said}");
 }
 
 impl Serving {

@@ -46,6 +46,19 @@ impl Args {
     }
 }
 
+/// What `rank` is asked.
+#[derive(Clone, Debug, ClapArgs)]
+pub(crate) struct RankArgs {
+    /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
+    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) traffic: crate::traffic::TrafficArgs,
+    #[command(flatten)]
+    pub(crate) answer: AnswerArgs,
+    #[command(flatten)]
+    pub(crate) options: EngineArgs,
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Rank seven crashes between bodies that the program generates itself.
@@ -60,16 +73,7 @@ pub(crate) enum Command {
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
         trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name\n  \
         trolley rank DEU_Gar-1_1_T-1.xml")]
-    Rank {
-        /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
-        scenario: PathBuf,
-        #[command(flatten)]
-        traffic: crate::traffic::TrafficArgs,
-        #[command(flatten)]
-        answer: AnswerArgs,
-        #[command(flatten)]
-        options: EngineArgs,
-    },
+    Rank(Box<RankArgs>),
     /// Answer requests of planners until told to stop: models, workers and all from one file.
     #[command(after_help = crate::serve::EXAMPLES)]
     Serve(crate::serve::ServeArgs),

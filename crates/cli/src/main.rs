@@ -60,9 +60,7 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<ExitCode, Failure> {
     match &args.command {
         Command::Demo { answer, options } => rank::demo(answer, options, &args.output()),
-        Command::Rank { scenario, traffic, answer, options } => {
-            rank::rank(scenario, traffic, answer, options, &args.output())
-        }
+        Command::Rank(asked) => rank::rank(asked, &args.output()),
         Command::Scenario { verb } => traffic::run(verb, &args.output()),
         Command::Policy { verb } => policy::run(verb, &args.output()),
         Command::Record { verb } => record::run(verb, &args.output()),

@@ -1,13 +1,13 @@
 //! `trolley demo` and `trolley rank`: from a scenario to a printed answer.
 
-use crate::args::{AnswerArgs, Assume, EngineArgs, Output};
+use crate::args::{AnswerArgs, Assume, EngineArgs, Output, RankArgs};
 use crate::bodies;
 use crate::failure::{Code, Failure, chain};
 use crate::inputs::{self, Inputs, Read};
 use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
 use crate::terms::{Kept, certain};
-use crate::traffic::{self, TrafficArgs};
+use crate::traffic;
 use crate::{explain, plan, print, table};
 use coordinator::{DryRuns, Request, Work};
 use damage::State;
@@ -37,13 +37,8 @@ pub(crate) fn demo(
     answer(Path::new("config/scenarios/demo.toml"), DEMO, asked, options, output)
 }
 
-pub(crate) fn rank(
-    path: &Path,
-    traffic: &TrafficArgs,
-    asked: &AnswerArgs,
-    options: &EngineArgs,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let RankArgs { scenario: path, traffic, answer: asked, options } = args;
     if !traffic::is_traffic(path) {
         let text = inputs::text(path)?;
         return answer(path, &text, asked, options, output);

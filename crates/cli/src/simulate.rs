@@ -92,12 +92,8 @@ pub(crate) fn simulate(verb: &Verb, verbose: u8, output: &Output) -> Result<Exit
         kinds = Faults::ALL;
     }
     let kinds = args.without.iter().fold(kinds, |all, fault| all.without(*fault));
-    let limits = Limits {
-        kinds,
-        most: args.most.unwrap_or(u64::MAX),
-        requests: args.requests.max(1),
-        ..Limits::default()
-    };
+    let limits =
+        Limits { kinds, most: args.most.unwrap_or(u64::MAX), requests: args.requests.max(1) };
     let (from, worlds) = args.seed.map_or((args.from, args.worlds), |seed| (seed, 1));
     if verbose > 0 && args.seed.is_some() {
         let mut log = Vec::new();

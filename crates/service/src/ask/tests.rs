@@ -1,6 +1,5 @@
 //! Whatever is asked is checked or refused with a reason; what a scenario asks comes back as it
 //! was.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use super::*;
 use model::generate::Shape;

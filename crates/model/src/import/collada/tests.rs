@@ -148,7 +148,6 @@ fn instances_that_multiply_are_refused() {
             &format!("<library_nodes>{nodes}</library_nodes><library_visual"),
         )
         .replace("</library_nodes><library_visual_scenes>\n</", "</library_visual_scenes>\n</");
-    let text = text.replacen("<library_nodes>", "<library_nodes>", 1);
     let said = fault(&text);
     assert!(said.contains("above the limit"), "{said}");
     let cycle = file("<instance_node url=\"#a\"/>", TRIANGLES).replace(
