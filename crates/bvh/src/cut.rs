@@ -2,8 +2,8 @@
 //!
 //! A *cut* keeps every pair of nodes at which a descent ended: those at the distribution depth
 //! whose boxes overlap, and those above whose boxes are apart, with how far. Bodies that have moved
-//! less than that are still apart, and need no test. Keeping the front between queries is due to Li and
-//! Chen (1998, *Incremental 3D collision detection with hierarchical data structures*) and, for
+//! less than that are still apart, and need no test. Keeping the front between queries is due to Li
+//! and Chen (1998, *Incremental 3D collision detection with hierarchical data structures*) and, for
 //! several processors, to Tang, Manocha and Tong (2010, MCCD); the bound on motion is Mirtich's.
 //!
 //! The pairs are those that [`crate::front()`] finds, in its order: which side of a pair is opened
@@ -137,8 +137,8 @@ impl Cut {
 
 /// How far (m) any point of one body can have moved at most, as the other one sees it.
 ///
-/// With R and t of x_A = R x_B + t, a point x of B has moved by ΔR x + Δt in A's frame, and a point y
-/// of A by ΔRᵀ(y − t) − RᵀΔt in B's.
+/// With R and t of x_A = R x_B + t, a point x of B has moved by ΔR x + Δt in A's frame, and a point
+/// y of A by ΔRᵀ(y − t) − RᵀΔt in B's.
 fn motion(from: &RelativePose, to: &RelativePose, (a, b): (&Aabb, &Aabb)) -> f64 {
     let shift = DVec3::from_array(to.translation) - DVec3::from_array(from.translation);
     let mut turned = 0.0;

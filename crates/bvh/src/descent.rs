@@ -38,8 +38,8 @@ impl<'a> Descent<'a> {
         self.placement.gap(&a, &b)
     }
 
-    /// Opens the node of `pair` on `side`, which is no leaf: tells `take` both pairs below, the right
-    /// one first, and how far their boxes are apart.
+    /// Opens the node of `pair` on `side`, which is no leaf: tells `take` both pairs below, the
+    /// right one first, and how far their boxes are apart.
     pub(crate) fn open_with_gaps(
         &self,
         pair: NodePair,

@@ -4,7 +4,8 @@
 //! ```text
 //! plan ──▶ faults in a seeded order ──▶ a request with some of them ──▶ answer: same as without?
 //!          signals, orders, messages       crew of real processes  ──▶ seen when? whole when?
-//!          whole runs of their own         children of this program ──▶ right, refused, left behind?
+//!          whole runs of their own         children of this program ──▶ right, refused, left
+//! behind?
 //! ```
 //!
 //! The reference is the answer of this process without workers. A complete answer must be the same

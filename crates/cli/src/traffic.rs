@@ -56,23 +56,23 @@ pub(crate) struct TrafficArgs {
     /// Leave this obstacle out; may stand several times.
     #[arg(long, value_name = "ID")]
     without: Vec<String>,
-    /// When manoeuvres begin, after the ego's start [s]; until then it goes as recorded.
+    /// When manoeuvres begin, after the ego's start (s); until then it goes as recorded.
     #[arg(long, value_name = "S", value_parser = within::<0, 3600>)]
     at: Option<f64>,
-    /// How far ahead is looked [s; default: 3].
+    /// How far ahead is looked (s; default: 3).
     #[arg(long, value_name = "S", value_parser = within::<0, 60>)]
     horizon: Option<f64>,
-    /// Decelerations to try [m/s²; default: 0,4,8].
+    /// Decelerations to try (m/s²; default: 0,4,8).
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = within::<0, 20>)]
     brakes: Option<Vec<f64>>,
-    /// Lateral accelerations to try, left positive [m/s²; default: -6,-3,0,3,6].
+    /// Lateral accelerations to try, left positive (m/s²; default: -6,-3,0,3,6).
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = within::<-20, 20>,
         allow_hyphen_values = true)]
     laterals: Option<Vec<f64>>,
-    /// What the tyres give in all [m/s²; default: 9].
+    /// What the tyres give in all (m/s²; default: 9).
     #[arg(long, value_name = "A", value_parser = within::<1, 20>)]
     grip: Option<f64>,
-    /// Library of bodies by type [default: generated ones, config/bodies/default.toml].
+    /// Library of bodies by type (default: generated ones, config/bodies/default.toml).
     #[arg(long, value_name = "FILE")]
     bodies: Option<PathBuf>,
     /// Catalogue of OpenSCENARIO; may stand several times.

@@ -1,9 +1,9 @@
 //! What the open jobs of one pose may still find: the outer bound of a task that is not done.
 //!
-//! Where jobs of the pose have been done, what they found is the inner bound, and the boxes of those
-//! that are open the outer one. Where none has, or too many are open to be looked at one by one, it
-//! is the hulls, which hold every contact that there can be. All of it follows from which jobs are
-//! done, never from when: a replay of the same jobs makes the same bounds.
+//! Where jobs of the pose have been done, what they found is the inner bound, and the boxes of
+//! those that are open the outer one. Where none has, or too many are open to be looked at one by
+//! one, it is the hulls, which hold every contact that there can be. All of it follows from which
+//! jobs are done, never from when: a replay of the same jobs makes the same bounds.
 
 use crate::gather::Gathered;
 use crate::request::Candidate;

@@ -5,8 +5,8 @@
 //!       a worker's end (pidfd) or silence --> drain its results --> its jobs go to the others
 //! ```
 //!
-//! A request that loses a worker goes on with the others. [`Crew::mend`] starts a successor once the
-//! request is answered; it takes jobs as soon as it has greeted, in whatever request that is.
+//! A request that loses a worker goes on with the others. [`Crew::mend`] starts a successor once
+//! the request is answered; it takes jobs as soon as it has greeted, in whatever request that is.
 //!
 //! Order at start: preflight, seal store, status page, services, processes, greetings. Order at
 //! stop: stop flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.

@@ -46,8 +46,8 @@ pub(crate) struct Desk<'b> {
     around: Option<(u32, Directions)>,
 }
 
-/// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs there
-/// were.
+/// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs
+/// there were.
 pub fn run_here<W: Errands>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
     run_watched(work, bodies, |_, _| {})
 }

@@ -51,16 +51,16 @@ pub trait Strategy: Debug {
 /// The strategies by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pursuit {
-    /// [`AsAsked`].
+    /// As they were asked, whole poses together: the quickest way to the end of all work.
     #[default]
     AsAsked,
-    /// [`Sequential`].
+    /// One candidate after the other.
     Sequential,
-    /// [`RoundRobin`].
+    /// Each candidate in turn.
     RoundRobin,
-    /// [`Alternating`].
+    /// Incumbent and challenger in turn.
     Alternating,
-    /// [`Deciding`].
+    /// One hit per candidate first, then whichever of incumbent and challenger is less known.
     Deciding,
 }
 

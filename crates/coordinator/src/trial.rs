@@ -1,5 +1,5 @@
-//! Trials of the bounds: a request is worked on in random order, looked at wherever chance will have
-//! it, and every interval seen is held against the finished run.
+//! Trials of the bounds: a request is worked on in random order, looked at wherever chance will
+//! have it, and every interval seen is held against the finished run.
 //!
 //! What must hold at every look: the final value lies in each interval; no interval is wider than
 //! the one before; and places that were said to be settled are those of the finished run. Jobs are

@@ -149,8 +149,8 @@ impl<'w> Work<'w> {
         Self { terms, strategy: terms.pursuit.strategy(), ..self }
     }
 
-    /// The same, with descents that begin where those of an earlier request of the same bodies at the
-    /// same depth ended.
+    /// The same, with descents that begin where those of an earlier request of the same bodies at
+    /// the same depth ended.
     #[must_use]
     pub fn with_cuts(self, cuts: Cuts) -> Self {
         Self { cuts, ..self }

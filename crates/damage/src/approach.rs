@@ -26,8 +26,8 @@ pub const STANDSTILL_M_S: f64 = 0.1;
 /// measure of a body.
 const TOUCH_M: f64 = 1e-9;
 
-/// What rounding may move a point of contact, or a support, by at most (m): far above it, for bodies
-/// within 1000 km, and far below anything that matters.
+/// What rounding may move a point of contact, or a support, by at most (m): far above it, for
+/// bodies within 1000 km, and far below anything that matters.
 pub const ROUNDING_M: f64 = 1e-7;
 
 /// Two bodies and their relative motion, in A's frame, at the given pose.

@@ -133,8 +133,8 @@ pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
     (words.len() == hits.div_ceil(2)).then(|| halves.get(..hits)).flatten()
 }
 
-/// Lays pairs of nodes out as a rest, from number `first` on, as many as there is room for. Says how
-/// many those are; they take one word each, and one more.
+/// Lays pairs of nodes out as a rest, from number `first` on, as many as there is room for. Says
+/// how many those are; they take one word each, and one more.
 pub fn write_rest(
     words: &mut [u64],
     first: usize,

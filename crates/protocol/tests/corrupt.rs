@@ -1,5 +1,5 @@
-//! Corrupted messages: bits flipped, bytes overwritten, words exchanged, pieces cut, repeated, taken
-//! from other messages, lengths that lie. None is accepted.
+//! Corrupted messages: bits flipped, bytes overwritten, words exchanged, pieces cut, repeated,
+//! taken from other messages, lengths that lie. None is accepted.
 
 use protocol::{Boot, Head, Incarnation, Kind, RequestId, seal, verify};
 

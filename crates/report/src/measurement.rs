@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn markdown_of_a_measurement_becomes_markup() {
-        let text = "# A <b>\n\nSome **bold** `code`\nand more\n\n| a | b |\n|---|--:|\n| 1 | 2 |\n\n\
-                    ![a figure](f.png)\n![another](no.png)\n";
+        let text = "# A <b>\n\nSome **bold** `code`\nand more\n\n| a | b |\n|---|--:|\n| 1 | 2 \
+        |\n\n ![a figure](f.png)\n![another](no.png)\n";
         let figures = vec![Figure { name: "f.png".into(), png: vec![1, 2, 3] }];
         let markup = Measurement { title: "A".into(), text: text.into(), figures }.markup();
         for part in [

@@ -68,9 +68,9 @@ pub(crate) struct Party {
     /// is refused unless the command line says what to assume.
     #[schemars(extend("const" = "unknown"))]
     pub(crate) kind: Option<String>,
-    /// Size [m] to which the body is stretched, its middle put on the origin: length and width, with
-    /// the height kept; length, width and height; or the longer side in plan alone. Default: as it
-    /// is.
+    /// Size [m] to which the body is stretched, its middle put on the origin: length and width,
+    /// with the height kept; length, width and height; or the longer side in plan alone. Default:
+    /// as it is.
     #[schemars(length(min = 1, max = 3),
         inner(range(min = limit::SIZE_M.least, max = limit::SIZE_M.most)))]
     pub(crate) size_m: Option<Vec<f64>>,

@@ -1,5 +1,5 @@
-//! A world in which everything goes wrong: the dispatcher of the live coordinator among workers that
-//! crash, hang, stop and lie, on channels that lose, repeat, delay, shuffle and garble.
+//! A world in which everything goes wrong: the dispatcher of the live coordinator among workers
+//! that crash, hang, stop and lie, on channels that lose, repeat, delay, shuffle and garble.
 //!
 //! ```text
 //! seed ──▶ requests with known answers ──▶ world: workers, channels, time ──▶ what was answered
@@ -13,7 +13,8 @@
 //!
 //! # Laws, looked at after each request
 //!
-//! - *Never wrong*: a complete answer is that of a world without faults, and the bounds of any other
+//! - *Never wrong*: a complete answer is that of a world without faults, and the bounds of any
+//! other
 //!   hold it.
 //! - *Counted once*: each job is closed exactly once, and no sum holds one twice.
 //! - *In time*: an answer comes by its deadline, and without one in bounded time.

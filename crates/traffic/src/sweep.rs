@@ -4,8 +4,9 @@
 //! Tyres give at most `grip` in all (Kamm's circle), so a is scaled by √(1 − (b/grip)²); the yaw
 //! rate is a/v, and no curve is tighter than a car's turning circle. Speed and heading are held
 //! through a step and change at its end, as those of a planner with a clock do: a braking ego is
-//! ahead of a continuous one by at most b·t·step/2. Everybody else does what the recording says: nobody reacts.
-//! Meeting is the first step at which the outlines overlap; the step is the error in time.
+//! ahead of a continuous one by at most b·t·step/2. Everybody else does what the recording says:
+//! nobody reacts. Meeting is the first step at which the outlines overlap; the step is the error in
+//! time.
 
 use crate::outline::{Outline, Placed, overlap};
 use crate::recording::{Ego, Moment, Obstacle, Recording, at};

@@ -1,11 +1,16 @@
-//! What is fuzzed: every parser of files and every decoder of messages, each as a function of bytes.
+//! What is fuzzed: every parser of files and every decoder of messages, each as a function of
+//! bytes.
 //!
 //! `cargo x fuzz` runs them with libFuzzer on stable Rust; the tests here run each over its corpus
 //! and over bent copies of it, so that what was found stays found.
 
+use bytemuck::Zeroable as _;
+use damage::{Curves, Policy};
 use model::file::Aligned;
-use model::import::{Format, ImportOptions};
+use model::import::{Format, ImportOptions, Unit};
+use protocol::public::Ask;
 use protocol::{Boot, Head, Incarnation, Launch, job, parcel, result};
+use std::sync::OnceLock;
 
 /// A parser or decoder: it refuses or accepts, and returns.
 pub type Target = fn(&[u8]);
@@ -16,12 +21,18 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("stl", |bytes| mesh(Format::Stl, bytes)),
     ("ply", |bytes| mesh(Format::Ply, bytes)),
     ("gltf", |bytes| mesh(Format::Gltf, bytes)),
+    ("collada", |bytes| mesh(Format::Collada, bytes)),
+    ("lsdyna", |bytes| mesh(Format::LsDyna, bytes)),
+    ("traffic", |bytes| text(bytes, traffic)),
+    ("library", |bytes| text(bytes, |text| drop(traffic::Library::parse("fuzz", text)))),
+    ("deployment", |bytes| text(bytes, |text| drop(service::Deployment::parse("fuzz", text)))),
     ("scenario", |bytes| text(bytes, |text| drop(scenario::Scenario::parse("fuzz", text)))),
     ("policy", |bytes| text(bytes, |text| drop(damage::Policy::parse("fuzz", text)))),
     ("curves", |bytes| text(bytes, |text| drop(damage::Curves::parse("fuzz", text)))),
     ("model-file", model_file),
     ("record", |bytes| drop(record::file::decode(bytes))),
     ("wire", wire),
+    ("ask", ask),
 ];
 
 /// All whole words.
@@ -41,11 +52,29 @@ fn text(bytes: &[u8], parse: impl FnOnce(&str)) {
 /// A reader of others may panic, which the child process in which it runs turns into a message; so
 /// only what it then does to memory and time is looked at here.
 fn mesh(format: Format, bytes: &[u8]) {
-    let options = ImportOptions { file: "fuzz".to_owned(), any_size: true, ..Default::default() };
+    let unit = (format == Format::LsDyna).then_some(Unit::METRE);
+    let file = "fuzz".to_owned();
+    let options = ImportOptions { file, unit, any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(format!("{name}: no side files here"));
     let read = || drop(model::import::read(format, bytes, &mut nothing, &options));
     drop(std::panic::catch_unwind(core::panic::AssertUnwindSafe(read)));
 }
+
+/// Read, driven through, and written as a scenario, which is one then.
+fn traffic(text: &str) {
+    let Ok(recording) = traffic::read("fuzz", text, &traffic::ReadOptions::default()) else {
+        return;
+    };
+    let swept = recording.sweep(&traffic::Sweep::default());
+    let library = LIBRARY.get_or_init(|| {
+        traffic::Library::parse("default", traffic::DEFAULT_LIBRARY).expect("it is shipped")
+    });
+    if let Ok((text, _)) = traffic::scenario_text("fuzz", &recording, &swept, library) {
+        drop(scenario::Scenario::parse("fuzz", &text));
+    }
+}
+
+static LIBRARY: OnceLock<traffic::Library> = OnceLock::new();
 
 fn model_file(bytes: &[u8]) {
     let aligned = Aligned::copy_of(bytes);
@@ -81,6 +110,49 @@ fn wire(bytes: &[u8]) {
         left = rest;
     }
     text(bytes, |text| drop(Launch::from_word(text)));
+}
+
+/// What a service has at hand: one small body under two numbers.
+struct House {
+    deployment: service::Deployment,
+    store: Aligned,
+    policy: Policy,
+    curves: Curves,
+}
+
+static HOUSE: OnceLock<House> = OnceLock::new();
+
+impl House {
+    fn new() -> Self {
+        let text = "schema = \"trolley.deployment/1\"\ninstance = \"house\"\n\
+            [[models]]\nid = 1\nname = \"a\"\nmodel = \"a\"\n\
+            [[models]]\nid = 2\nname = \"b\"\nmodel = \"b\"\n";
+        let body: &[u8] = include_bytes!("../corpus/model-file/box.bin");
+        let files = [body, body];
+        let mut store = vec![0; model::store::length(&files)];
+        model::store::fill(&mut store, &files);
+        let policy = include_str!("../../../config/policies/default.toml");
+        let curves = include_str!("../../../config/curves/default.toml");
+        Self {
+            deployment: service::Deployment::parse("house", text).expect("it is sound"),
+            store: Aligned::copy_of(&store),
+            policy: Policy::parse("policy", policy).expect("it is shipped"),
+            curves: Curves::parse("curves", curves).expect("they are shipped"),
+        }
+    }
+}
+
+/// A planner's request against a service with two small bodies: answered or refused.
+fn ask(bytes: &[u8]) {
+    let mut asked = Ask::zeroed();
+    let room = bytemuck::bytes_of_mut(&mut asked);
+    let length = bytes.len().min(room.len());
+    room[..length].copy_from_slice(&bytes[..length]);
+    let house = HOUSE.get_or_init(House::new);
+    let bodies = model::store::open(house.store.bytes()).expect("it was made here");
+    let rules = (&house.policy, &house.curves);
+    let answer = service::answer_here(&asked, &house.deployment, &bodies, rules, 2);
+    assert_eq!(answer.sequence, asked.sequence);
 }
 
 #[cfg(test)]
@@ -119,8 +191,6 @@ mod tests {
 
     #[test]
     fn every_corpus_and_bent_copies_of_it_are_refused_or_accepted() {
-        // What others' readers say when they panic is of no interest here.
-        std::panic::set_hook(Box::new(|_| {}));
         for (name, target) in TARGETS {
             let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name);
             let mut seeds = 0;

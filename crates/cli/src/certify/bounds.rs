@@ -74,9 +74,9 @@ pub(crate) fn run(args: &BoundsArgs, output: &Output) -> Result<(String, bool), 
         seed += 1;
     }
     let mut text = format!(
-        "{} stops in {requests} requests between {} bodies ({}), {} policies, seed {}: {} intervals \
-         held against the finished run, {} of them open, {} stops with a certain winner and open \
-         work.\n{} violations{}.\n",
+        "{} stops in {requests} requests between {} bodies ({}), {} policies, seed {}: {} \
+         intervals held against the finished run, {} of them open, {} stops with a certain \
+         winner and open work.\n{} violations{}.\n",
         all.stops,
         pool.names.len(),
         super::names(&pool.names),

@@ -102,9 +102,9 @@ fn page(args: &BudgetArgs, pool: &Pool, jobs: &[Job]) -> String {
     let most = jobs.iter().map(|job| job.tests).max().unwrap_or(0);
     let within = shares.iter().filter(|share| **share <= 3.0).count();
     let mut text = format!(
-        "{} jobs between {} bodies ({}) with a budget of {} tests; {cut} ended by it. The most tests \
-         of a job: {most}. Mean cost {cost_ns:.2} ns per test, so budget × cost is {:.2} ms.\n\n\
-         | CPU time of a job, in units of that | jobs |\n|--:|--:|\n",
+        "{} jobs between {} bodies ({}) with a budget of {} tests; {cut} ended by it. The most \
+         tests of a job: {most}. Mean cost {cost_ns:.2} ns per test, so budget × cost is {:.2} \
+         ms.\n\n | CPU time of a job, in units of that | jobs |\n|--:|--:|\n",
         jobs.len(),
         pool.names.len(),
         super::names(&pool.names),

@@ -201,9 +201,9 @@ fn page(args: &DeadlineArgs, pool: &Pool, all: &Asked) -> String {
     }
     let _written = writeln!(
         text,
-        "\nAgainst the deadline: median {:.2} ms, 99 % by {:.2} ms, 99.9 % by {:.2} ms, the last at \
-         {:.2} ms. Of that the coordinator's own work on the answer, in CPU time: median {:.2} ms, 99 % \
-         {:.2} ms, the most {:.2} ms; the rest is waiting for a core.",
+        "\nAgainst the deadline: median {:.2} ms, 99 % by {:.2} ms, 99.9 % by {:.2} ms, the last \
+         at {:.2} ms. Of that the coordinator's own work on the answer, in CPU time: median \
+         {:.2} ms, 99 % {:.2} ms, the most {:.2} ms; the rest is waiting for a core.",
         percentile(&mut sorted, 0.5),
         percentile(&mut sorted, 0.99),
         percentile(&mut sorted, 0.999),

@@ -188,7 +188,8 @@ pub(super) fn run(
                 return Ok(());
             }
             let state = Run::start(plan, wrap)?.end(reference)?;
-            // Without memory or files there can be no answer; whatever the clock says, there is one.
+            // Without memory or files there can be no answer; whatever the clock says, there is
+            // one.
             let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
             let state = if is_due { state } else { State::Wrong };
             report.count(state);

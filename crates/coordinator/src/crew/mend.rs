@@ -1,7 +1,7 @@
 //! Successors for workers that were lost: started between requests, never inside one.
 //!
-//! A successor is a new incarnation, with channels of new names and a blank line on the status page.
-//! It greets when it is ready, whatever the coordinator is doing then.
+//! A successor is a new incarnation, with channels of new names and a blank line on the status
+//! page. It greets when it is ready, whatever the coordinator is doing then.
 
 use super::station::Station;
 use super::{Crew, CrewError, Incarnation, Sight};

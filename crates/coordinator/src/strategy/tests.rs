@@ -11,7 +11,10 @@ fn prospect(lo: f64, width: f64, has_work: bool, is_possible: bool) -> Prospect 
 proptest! {
     #[test]
     fn whoever_is_chosen_has_work(
-        all in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64, any::<bool>(), any::<bool>()), 1..8),
+        all in prop::collection::vec(
+            (0.0..1.0_f64, 0.0..1.0_f64, any::<bool>(), any::<bool>()),
+            1..8,
+        ),
         incumbent in any::<prop::sample::Index>(), rounds in 1..5_usize,
     ) {
         let prospects: Vec<Prospect> =

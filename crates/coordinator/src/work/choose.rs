@@ -57,8 +57,8 @@ impl Work<'_> {
         prospects
     }
 
-    /// Less goes first: the probe that parts the open poses best, then the deepest pose of the patch,
-    /// then what only zones and depth need.
+    /// Less goes first: the probe that parts the open poses best, then the deepest pose of the
+    /// patch, then what only zones and depth need.
     fn eagerness(&self, task: u32) -> (u32, i64) {
         let errand = &self.errands[task as usize];
         let case = &self.cases[errand.case];

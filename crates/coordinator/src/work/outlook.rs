@@ -205,8 +205,8 @@ impl Work<'_> {
         bound::boxes(candidate, self.views(&errand.wire), &pose, errand.open(), open)
     }
 
-    /// Makes the reaches of a candidate's open poses anew where half of the jobs that they were made
-    /// of are closed.
+    /// Makes the reaches of a candidate's open poses anew where half of the jobs that they were
+    /// made of are closed.
     fn reach_anew(&mut self, case: usize) {
         for task in 0..self.errands.len() as u32 {
             let errand = &self.errands[task as usize];

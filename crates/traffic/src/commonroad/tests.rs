@@ -19,8 +19,8 @@ const SMALL: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <orientation><intervalStart>1.4</intervalStart><intervalEnd>1.6</intervalEnd></orientation>
 <time><exact>0</exact></time><velocity><exact>1.5</exact></velocity></initialState>
 <trajectory>
-<state><position><rectangle><length>1</length><width>1</width><center><x>20</x><y>-2</y></center></rectangle></position>
-<orientation><exact>1.5</exact></orientation><time><exact>20</exact></time>
+<state><position><rectangle><length>1</length><width>1</width><center><x>20</x><y>-2</y></center>
+</rectangle></position><orientation><exact>1.5</exact></orientation><time><exact>20</exact></time>
 <velocity><exact>1.5</exact></velocity></state>
 </trajectory>
 </dynamicObstacle>

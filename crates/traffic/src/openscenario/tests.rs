@@ -4,19 +4,27 @@ use crate::{Catalog, ReadOptions, read};
 
 const CATALOG: &str = r#"<OpenSCENARIO><Catalog name="V">
 <Vehicle name="car_white" vehicleCategory="car">
-<BoundingBox><Center x="1.4" y="0" z="0.75"/><Dimensions width="2" length="5" height="1.5"/></BoundingBox>
+<BoundingBox><Center x="1.4" y="0" z="0.75"/><Dimensions width="2" length="5" height="1.5"/>
+</BoundingBox>
 </Vehicle></Catalog></OpenSCENARIO>"#;
 
 const SMALL: &str = r#"<OpenSCENARIO><FileHeader description="Small"/>
-<ParameterDeclarations><ParameterDeclaration name="Speed" parameterType="double" value="12"/></ParameterDeclarations>
-<Entities><ScenarioObject name="Ego"><CatalogReference catalogName="V" entryName="car_white"/></ScenarioObject>
+<ParameterDeclarations><ParameterDeclaration name="Speed" parameterType="double" value="12"/>
+</ParameterDeclarations>
+<Entities><ScenarioObject name="Ego"><CatalogReference catalogName="V" entryName="car_white"/>
+</ScenarioObject>
 <ScenarioObject name="walker"><Pedestrian pedestrianCategory="pedestrian">
-<BoundingBox><Center x="0" y="0" z="0.9"/><Dimensions width="0.5" length="0.6" height="1.8"/></BoundingBox>
+<BoundingBox><Center x="0" y="0" z="0.9"/><Dimensions width="0.5" length="0.6" height="1.8"/>
+</BoundingBox>
 </Pedestrian></ScenarioObject></Entities>
 <Storyboard><Init><Actions>
-<Private entityRef="Ego"><PrivateAction><TeleportAction><Position><WorldPosition x="0" y="0" h="0"/></Position></TeleportAction></PrivateAction>
-<PrivateAction><LongitudinalAction><SpeedAction><SpeedActionTarget><AbsoluteTargetSpeed value="$Speed"/></SpeedActionTarget></SpeedAction></LongitudinalAction></PrivateAction></Private>
-<Private entityRef="walker"><PrivateAction><TeleportAction><Position><WorldPosition x="20" y="0.2"/></Position></TeleportAction></PrivateAction></Private>
+<Private entityRef="Ego"><PrivateAction><TeleportAction><Position>
+<WorldPosition x="0" y="0" h="0"/></Position></TeleportAction></PrivateAction>
+<PrivateAction><LongitudinalAction><SpeedAction><SpeedActionTarget>
+<AbsoluteTargetSpeed value="$Speed"/></SpeedActionTarget></SpeedAction></LongitudinalAction>
+</PrivateAction></Private>
+<Private entityRef="walker"><PrivateAction><TeleportAction><Position>
+<WorldPosition x="20" y="0.2"/></Position></TeleportAction></PrivateAction></Private>
 </Actions></Init></Storyboard></OpenSCENARIO>"#;
 
 fn small(old: &str, new: &str) -> Result<crate::Recording, crate::TrafficError> {

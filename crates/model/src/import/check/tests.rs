@@ -48,6 +48,8 @@ proptest! {
         let at = |times: i32| [0, 1, 2].map(|i| (start[i] + times * step[i]) as f32 / 64.0);
         let mut corners = [at(0), at(m), at(n)];
         prop_assert!(is_degenerate(&corners));
+        // Next to zero is so near to it that the test is not exact any more.
+        prop_assume!(corners[2][axis] != 0.0);
         corners[2][axis] = f32::from_bits(corners[2][axis].to_bits() + 1);
         let along = step[(axis + 1) % 3] == 0 && step[(axis + 2) % 3] == 0;
         prop_assert_eq!(is_degenerate(&corners), along || m == 0 || step == [0; 3]);
