@@ -14,8 +14,7 @@
 //! # Laws, looked at after each request
 //!
 //! - *Never wrong*: a complete answer is that of a world without faults, and the bounds of any
-//! other
-//!   hold it.
+//!   other hold it.
 //! - *Counted once*: each job is closed exactly once, and no sum holds one twice.
 //! - *In time*: an answer comes by its deadline, and without one in bounded time.
 //! - *No job lost*: jobs done, cut, abandoned and late are all there were.

@@ -30,7 +30,7 @@ pub struct Sweep {
 
 impl Default for Sweep {
     /// Coasting, half and full braking, each straight, with a firm and with a hard turn either way;
-    /// grip of a dry road; three seconds, after which a plan is a guess. All [A].
+    /// grip of a dry road; three seconds, after which a plan is a guess. All of them assumed.
     fn default() -> Self {
         Self {
             brakes_m_s2: vec![0.0, 4.0, 8.0],
