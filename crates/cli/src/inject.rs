@@ -24,6 +24,7 @@ use crate::failure::{Code, Failure};
 use crate::inputs::{self, Inputs, Read};
 use crate::print;
 use crate::progress::Progress;
+use crate::terms::TermsArgs;
 use coordinator::{Request, Work, run_here};
 use kind::Kind;
 use plan::Plan;
@@ -68,13 +69,17 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
     let views = model::store::open(store.bytes())
         .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
-    let work = || Work::new(&request, &views, plan.depth);
-    let mut alone = work();
+    let mut alone = Work::new(&request, &views, plan.depth);
     let _jobs = run_here(&mut alone, &views);
     let reference = alone.answer()?;
 
+    let asked = TermsArgs { deadline_ms: plan.deadline_ms.map(f64::from), ..Default::default() };
+    let terms = asked.terms(None, false)?;
+    let work = || Work::new(&request, &views, plan.depth).with_terms(terms);
+
     let begun_ns = runtime::clock::now_ns();
     let mut report = Report::new(args.seed);
+    report.deadline_ms = plan.deadline_ms;
     let (runs, live): (Vec<_>, Vec<_>) =
         plan.shuffled(args.seed).into_iter().partition(|kind| kind.is_whole_run());
     let progress = Progress::new("faults", (runs.len() + live.len()) as u64, output);

@@ -7,12 +7,8 @@ use coordinator::{Certainty, Pursuit, Terms, Until, Work};
 use serde::Serialize;
 use std::time::Duration;
 
-/// Most tests of a job where there is a deadline and nothing else was said: a millisecond or two.
-pub(crate) const BUDGET: u64 = 1 << 18;
 /// Least budget: two full leaves are tested in one step.
 const BUDGET_MIN: u64 = 2 * bvh::kernel::STEP_TESTS;
-/// The answer is put together for so long at most before its deadline.
-pub(crate) const GUARD: Duration = Duration::from_millis(3);
 /// Longest deadline (ms), as in scenarios.
 const DEADLINE_MS: f64 = 3_600_000.0;
 
@@ -125,10 +121,10 @@ impl TermsArgs {
         // A replay makes the jobs of a ledger again, and knows of no parts of them.
         let budget = match (self.budget, deadline) {
             (Some(budget), _) => budget,
-            (None, Some(_)) if !is_recorded => BUDGET,
+            (None, Some(_)) if !is_recorded => Terms::BUDGET,
             (None, _) => u64::MAX,
         };
-        let deadline_ns = deadline.map(guarded);
+        let deadline_ns = deadline.map(Terms::guarded);
         Ok(Terms { until, deadline_ns, pursuit, budget, is_cold: false })
     }
 
@@ -136,12 +132,6 @@ impl TermsArgs {
     pub(crate) fn deadline(&self, scenario: Option<Duration>) -> Option<Duration> {
         self.deadline_ms.map(|ms| Duration::from_secs_f64(ms / 1e3)).or(scenario)
     }
-}
-
-/// How long work may last (ns) so that an answer made of it is in time.
-pub(crate) fn guarded(deadline: Duration) -> u64 {
-    let work = deadline - GUARD.min(deadline / 10);
-    u64::try_from(work.as_nanos()).unwrap_or(u64::MAX)
 }
 
 impl Kept {

@@ -79,9 +79,6 @@ const GREETING_NS: u64 = 20_000_000_000;
 const NAP_NS: u64 = 20_000_000;
 /// How long a worker may take to end by itself (ns).
 const FAREWELL_MS: u64 = 200;
-/// How long a worker may take to let go of a cancelled request (ns): a step of its job, when it
-/// runs.
-const LETTING_GO_NS: u64 = 2_000_000_000;
 
 /// Puts model files into sealed memory, where every process reads them in place.
 ///
@@ -116,6 +113,8 @@ pub struct Crew {
     duty: Duty,
     /// Workers whose end was told and who are not buried yet: it is told once.
     ended: Vec<usize>,
+    /// When all pulses were felt last (ns): short requests follow on each other, too.
+    looked_ns: u64,
     scratch: Vec<u64>,
     batch: BatchWriter,
     /// Whoever has to be heard while a request is worked on.
@@ -171,6 +170,7 @@ impl Crew {
             rejected: 0,
             duty: Duty::default(),
             ended: Vec::new(),
+            looked_ns: 0,
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             batch: BatchWriter::default(),
             attendant: None,
@@ -191,57 +191,38 @@ impl Crew {
 
     /// Waits until every worker has greeted or is gone; one that greeted is enough.
     fn await_greetings(&mut self) -> Result<(), CrewError> {
-        let end = clock::now_ns() + GREETING_NS;
-        let mut still_born = None;
+        let mut failed = None;
         loop {
-            for (number, station) in self.stations.iter_mut().enumerate() {
+            let now = clock::now_ns();
+            for number in 0..self.stations.len() {
+                let station = &mut self.stations[number];
                 if let Ok(Some(Ok(head))) = station.take(&self.status, &mut self.scratch) {
                     station.has_greeted |= head.kind == Kind::Hello as u8;
                 }
-                if station.is_alive()
-                    && !station.has_greeted
-                    && let Some(exit) = station.exit()?
-                {
-                    station.bury(&self.status, self.request);
-                    station.report.lost = Some(format!("{exit} at start-up"));
-                    still_born = Some(CrewError::StillBorn { worker: number as u8, exit });
-                    tracing::warn!(worker = number, %exit, "a worker ended at start-up");
+                if !station.is_starting() {
+                    continue;
+                }
+                let worker = number as u8;
+                if let Some(exit) = station.exit()? {
+                    failed.get_or_insert(CrewError::StillBorn { worker, exit });
+                    tracing::warn!(worker, %exit, "a worker ended at start-up");
+                    self.miss(number)?;
+                    self.stations[number].report.lost = Some(format!("{exit} at start-up"));
+                } else if now > station.mute_ns {
+                    let seconds = GREETING_NS / 1_000_000_000;
+                    failed.get_or_insert(CrewError::Mute { worker, seconds });
+                    station.kill("did not greet");
+                    self.miss(number)?;
                 }
             }
-            let is_waited_for = |station: &&Station| station.is_alive() && !station.has_greeted;
-            let Some(late) = self.stations.iter().find(is_waited_for) else { break };
-            if clock::now_ns() > end {
-                let seconds = GREETING_NS / 1_000_000_000;
-                return Err(CrewError::Mute { worker: late.who.worker, seconds });
+            if !self.stations.iter().any(Station::is_starting) {
+                break;
             }
             self.sleep(1_000_000)?;
         }
-        match still_born {
-            Some(error) if !self.stations.iter().any(|station| station.has_greeted) => Err(error),
+        match failed {
+            Some(error) if !self.stations.iter().any(Station::is_ready) => Err(error),
             _ => Ok(()),
-        }
-    }
-
-    /// Waits until all workers have let go of a request that ended early.
-    fn clear(&mut self) -> Result<(), CrewError> {
-        let end = clock::now_ns() + LETTING_GO_NS;
-        loop {
-            let mut scratch = std::mem::take(&mut self.scratch);
-            for station in &mut self.stations {
-                while let Ok(Some(_)) = station.take(&self.status, &mut scratch) {}
-            }
-            self.scratch = scratch;
-            let is_late = |(number, station): (usize, &Station)| {
-                let is_late = !station.has_let_go(&self.status) && !self.ended.contains(&number);
-                (is_late && station.is_alive()).then_some(number)
-            };
-            let mut late = self.stations.iter().enumerate().filter_map(is_late);
-            let Some(number) = late.next() else { return Ok(()) };
-            if clock::now_ns() > end {
-                self.stations[number].kill("did not let go of a cancelled request");
-                self.ended.push(number);
-            }
-            self.sleep(100_000)?;
         }
     }
 
@@ -258,7 +239,6 @@ impl Crew {
     ///
     /// If no worker is left and no deadline says when to answer all the same, or a signal came.
     pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
-        self.clear()?;
         let begun_ns = clock::now_ns();
         work.accept(begun_ns);
         self.request += 1;
@@ -280,14 +260,13 @@ impl Crew {
         self.sleep(0)?;
         let mut progress = self.step(Event::Poll, work, &mut effects);
         let backoff = Backoff::new();
-        let mut looked = clock::now_ns();
         while self.is_working(progress) {
             let waits = self.flush(work, &mut effects);
             let (taken, after) = self.take_results(work, &mut effects, progress);
             progress = after;
             let now = clock::now_ns();
-            if now - looked > NAP_NS {
-                looked = now;
+            if now - self.looked_ns > NAP_NS {
+                self.looked_ns = now;
                 // While results keep coming nobody sleeps, and an end would go unnoticed.
                 self.sleep(0)?;
                 progress = self.look_after(now, work, &mut effects, progress)?;
@@ -337,10 +316,9 @@ impl Crew {
 
     /// Whether there is something to wait for: jobs, or somebody who is about to greet.
     fn is_working(&self, progress: Progress) -> bool {
-        let is_starting = |station: &Station| station.is_alive() && !station.has_greeted;
         match progress {
             Progress::Working => true,
-            Progress::Stranded => self.stations.iter().any(is_starting),
+            Progress::Stranded => self.stations.iter().any(Station::is_starting),
             Progress::Finished | Progress::Thrashed => false,
         }
     }
@@ -649,22 +627,28 @@ impl Crew {
     ) -> Result<Progress, CrewError> {
         for number in 0..self.stations.len() {
             let station = &mut self.stations[number];
-            if station.is_alive() && !station.has_greeted && now > station.mute_ns {
+            if station.is_starting() && now > station.mute_ns {
                 station.kill("did not greet");
                 progress = self.bury(number, work, effects)?;
                 continue;
             }
-            let busy = self.dispatcher.is_busy(number as u8);
-            let patience = &self.options.patience;
-            let verdict = self.stations[number].pulse(&self.status, busy, now, patience);
-            if let Some(verdict) = verdict {
-                self.see(self.stations[number].who, Sight::StoodStill(verdict));
-                tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
-                self.stations[number].kill(&format!("{verdict:?}").to_lowercase());
+            if self.kill_if_still(number, now) {
                 progress = self.bury(number, work, effects)?;
             }
         }
         Ok(progress)
+    }
+
+    /// Feels a pulse, and kills who stands still while it has something to do.
+    fn kill_if_still(&mut self, number: usize, now: u64) -> bool {
+        let station = &mut self.stations[number];
+        let Some(verdict) = station.pulse(&self.status, now, &self.options.patience) else {
+            return false;
+        };
+        tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
+        station.kill(&format!("{verdict:?}").to_lowercase());
+        self.see(self.stations[number].who, Sight::StoodStill(verdict));
+        true
     }
 
     /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.

@@ -1,6 +1,7 @@
 //! On what terms a request is worked on: how far, by when, in which order, in how large pieces.
 
 use crate::strategy::Pursuit;
+use core::time::Duration;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,6 +39,32 @@ impl Default for Terms {
             pursuit: Pursuit::default(),
             budget: u64::MAX,
             is_cold: false,
+        }
+    }
+}
+
+impl Terms {
+    /// Most tests of a job where there is a deadline and nothing else was said: a millisecond or
+    /// two.
+    pub const BUDGET: u64 = 1 << 18;
+    /// The answer is put together for so long at most before its deadline.
+    pub const GUARD: Duration = Duration::from_millis(3);
+
+    /// How long work may last (ns) so that an answer made of it is in time.
+    #[must_use]
+    pub fn guarded(deadline: Duration) -> u64 {
+        let work = deadline - Self::GUARD.min(deadline / 10);
+        u64::try_from(work.as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    /// The terms on which an answer that is due after so long is usually made.
+    #[must_use]
+    pub fn due_in(deadline: Duration) -> Self {
+        Self {
+            deadline_ns: Some(Self::guarded(deadline)),
+            pursuit: Pursuit::Deciding,
+            budget: Self::BUDGET,
+            ..Self::default()
         }
     }
 }

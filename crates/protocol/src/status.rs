@@ -35,8 +35,6 @@ pub struct WorkerLine {
     pub tests: AtomicU64,
     /// Jobs finished.
     pub jobs: AtomicU64,
-    /// Messages taken from its job channel and done with.
-    pub taken: AtomicU64,
     /// Number of the first batch that it may still be working on: all below it are worked off or
     /// were turned away, and what was to be sent for them was sent before this was written.
     pub answered: AtomicU64,
@@ -124,8 +122,8 @@ impl WorkerLine {
 
     /// Blanks the line for the next incarnation. Only while no process writes it.
     pub fn reset(&self) {
-        let Self { beat, started, sent, bytes, tests, jobs, taken, answered, obeyed_ns, .. } = self;
-        for word in [beat, started, sent, bytes, tests, jobs, taken, answered, obeyed_ns] {
+        let Self { beat, started, sent, bytes, tests, jobs, answered, obeyed_ns, .. } = self;
+        for word in [beat, started, sent, bytes, tests, jobs, answered, obeyed_ns] {
             word.store(0, Ordering::Release);
         }
         for word in [&self.state, &self.sleeping, &self.cpu, &self.inc] {

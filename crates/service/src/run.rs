@@ -7,8 +7,9 @@ use crate::desk::{Desk, Waiting};
 use crate::housekeeping::Housekeeping;
 use crate::stats::{Stats, Times};
 use crate::team::Team;
-use coordinator::{Attendant, CrewError, Options, Request, Work};
+use coordinator::{Attendant, CrewError, Options, Request, Terms, Work};
 use core::cell::RefCell;
+use core::time::Duration;
 use damage::{Curves, Policy};
 use model::{BodyView, Meta};
 use protocol::public::{Answer, Ask, Condition, Reason, Stage, Verdict};
@@ -20,8 +21,10 @@ use transport::{Address, OpenError, Server};
 const NAP_NS: u64 = 10_000_000;
 /// How often it says how it is (ns).
 const HEALTH_NS: u64 = 1_000_000_000;
-/// How long to wait before another crew is started after one that failed (ns).
+/// How long to wait before a successor is tried again where none could be started (ns).
 const RETRY_NS: u64 = 1_000_000_000;
+/// How often pulses are felt between requests (ns).
+const MEND_NS: u64 = 20_000_000;
 /// With `spin`: how often a sleeper's duties are looked after (ns).
 const LOOK_NS: u64 = 1_000_000;
 
@@ -96,25 +99,22 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
     let stats = Stats::new().ok_or(ServiceError::Memory)?;
     let desk = Rc::new(RefCell::new(Desk::new(server, stats, deployment.queue)));
     let watchdog = Rc::new(Watchdog::new());
-    let attend = {
+    let attendant = {
         let (desk, watchdog) = (desk.clone(), watchdog.clone());
-        move || {
-            let (desk, watchdog) = (desk.clone(), watchdog.clone());
-            Attendant::new(move || {
-                watchdog.kick();
-                // Borrowed only while it is answered from: never at the same time as here.
-                if let Ok(mut desk) = desk.try_borrow_mut() {
-                    // A bell that goes on ringing would let the coordinator sleep no more.
-                    desk.server.hush();
-                    desk.drain();
-                }
-            })
-        }
+        Attendant::new(move || {
+            watchdog.kick();
+            // Borrowed only while it is answered from: never at the same time as here.
+            if let Ok(mut desk) = desk.try_borrow_mut() {
+                // A bell that goes on ringing would let the coordinator sleep no more.
+                desk.server.hush();
+                desk.drain();
+            }
+        })
     };
     let bell = desk.borrow().server.bell().try_clone_to_owned();
     let bell = bell.map_err(|source| runtime::OsError::new("copy", "bell", source))?;
     use std::os::fd::AsFd as _;
-    let team = Team::start(site.store, site.options, bell.as_fd(), attend)?;
+    let team = Team::start(site.store, site.options, bell.as_fd(), attendant)?;
     // From here on signals are caught: the thread inherits that.
     let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
@@ -125,12 +125,12 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
         desk,
         team,
         house,
-        bell,
         watchdog,
         lacks: Vec::new(),
         request: 0,
         told_ns: 0,
-        renew_ns: 0,
+        mended_ns: 0,
+        is_short: false,
         is_stopping: false,
     };
     service.hurry();
@@ -185,13 +185,14 @@ struct Service<'s> {
     team: Team<'s>,
     house: Housekeeping,
     desk: Rc<RefCell<Desk>>,
-    bell: std::os::fd::OwnedFd,
     watchdog: Rc<Watchdog>,
     lacks: Vec<Lack>,
     request: u64,
     told_ns: u64,
-    /// When the next crew may be started.
-    renew_ns: u64,
+    /// When it was looked who is missing (ns).
+    mended_ns: u64,
+    /// Somebody is missing who cannot be replaced now.
+    is_short: bool,
     is_stopping: bool,
 }
 
@@ -258,8 +259,8 @@ impl Service<'_> {
             self.watchdog.kick();
             if self.team.idle(sleep_ns)?.is_some() {
                 self.is_stopping = true;
-            } else if self.team.missing() > 0 {
-                self.renew();
+            } else {
+                self.mend()?;
             }
             if clock::now_ns() - self.told_ns >= HEALTH_NS {
                 self.tell(self.condition());
@@ -275,33 +276,48 @@ impl Service<'_> {
         if self.team.missing() > 0 { Condition::Short } else { Condition::Ready }
     }
 
-    /// Starts another crew in the place of one that has lost somebody.
-    fn renew(&mut self) {
-        if clock::now_ns() < self.renew_ns {
-            return;
+    /// Gives successors to workers that were lost, and looks whether one stands still at what an
+    /// earlier request left it.
+    fn mend(&mut self) -> Result<(), ServiceError> {
+        let now_ns = clock::now_ns();
+        let missing = self.team.missing();
+        let pause_ns = if self.is_short { RETRY_NS } else { MEND_NS };
+        if now_ns - self.mended_ns < pause_ns && (missing == 0 || self.is_short) {
+            return Ok(());
         }
-        let missing = self.team.missing() as u64;
-        self.desk.borrow_mut().stats.lost += missing;
-        self.tell(Condition::Short);
-        match self.team.renew(std::os::fd::AsFd::as_fd(&self.bell)) {
-            Ok(()) => {
-                let pids = self.team.pids();
-                tracing::warn!(missing, "the workers were replaced: some were lost");
-                self.desk.borrow_mut().stats.replaced(&pids, false);
-                let priority = self.site.deployment.realtime.worker_priority;
-                if priority > 0 && self.lacks.is_empty() {
-                    for pid in pids {
-                        let _refused = realtime::fifo(pid, priority);
-                    }
-                }
-                self.tell(Condition::Ready);
+        self.mended_ns = now_ns;
+        let mended = match self.team.mend() {
+            Ok(mended) => mended,
+            Err(CrewError::Interrupted) => {
+                self.is_stopping = true;
+                return Ok(());
             }
-            Err(CrewError::Interrupted) => self.is_stopping = true,
             Err(error) => {
-                tracing::error!(%error, "no workers can be started; trying again in a second");
-                self.renew_ns = clock::now_ns() + RETRY_NS;
+                tracing::error!(%error, "no worker can be started; trying again in a second");
+                self.is_short = true;
+                return Ok(());
+            }
+        };
+        self.is_short = !mended.off.is_empty();
+        if mended.started.is_empty() {
+            return Ok(());
+        }
+        let pids = self.team.pids();
+        let mut desk = self.desk.borrow_mut();
+        desk.stats.lost += mended.started.len() as u64;
+        desk.stats.replaced(&pids, false);
+        drop(desk);
+        let priority = self.site.deployment.realtime.worker_priority;
+        for who in mended.started {
+            let pid = pids.get(usize::from(who.worker)).copied().unwrap_or_default();
+            tracing::warn!(worker = who.worker, pid, "a worker was lost, and has a successor");
+            if priority > 0 && self.lacks.is_empty() && pid > 0 {
+                // One that has ended already needs none.
+                let _refused = realtime::fifo(pid, priority);
             }
         }
+        self.tell(self.condition());
+        Ok(())
     }
 
     /// Works one request off, and answers it.
@@ -355,6 +371,10 @@ impl Service<'_> {
             |error: coordinator::RequestError| refuse(Reason::Unassessable, said(&error));
         let request = request.map_err(unassessable)?;
         let mut work = Work::new(&request, site.bodies, site.depth);
+        if ask.answer_by_ns != 0 {
+            let left_ns = ask.answer_by_ns.saturating_sub(clock::now_ns());
+            work = work.with_terms(Terms::due_in(Duration::from_nanos(left_ns)));
+        }
         let planned_ns = clock::now_ns();
         times.set(Stage::Plan, planned_ns - begun_ns);
         match self.team.run(&mut work, site.bodies) {

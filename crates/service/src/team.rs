@@ -1,7 +1,7 @@
-//! Who does the work: a crew of worker processes that is replaced when it has lost somebody, or,
-//! for comparison and for machines with a single core, this process itself.
+//! Who does the work: a crew of worker processes, in which whoever is lost has a successor, or, for
+//! comparison and for machines with a single core, this process itself.
 
-use coordinator::{Attendant, Crew, CrewError, CrewReport, Options, Work, run_here};
+use coordinator::{Attendant, Crew, CrewError, CrewReport, Mended, Options, Work, run_here};
 use model::{BodyView, Meta};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
@@ -11,12 +11,10 @@ const BELL: u32 = 0;
 
 /// The workers, or what stands in their place.
 pub(crate) struct Team<'s> {
-    /// Before the crew, and longer than it: signals stay caught while a crew is replaced.
+    /// Where this process sleeps while it has no crew.
     guard: Poller,
     crew: Option<Crew>,
     store: &'s SealedMemory,
-    options: Option<&'s Options>,
-    attend: Box<dyn Fn() -> Attendant + 's>,
 }
 
 /// A signal came.
@@ -27,26 +25,24 @@ impl<'s> Team<'s> {
     /// Starts the workers; `None` for options: all work is done here.
     pub(crate) fn start(
         store: &'s SealedMemory,
-        options: Option<&'s Options>,
+        options: Option<&Options>,
         bell: BorrowedFd<'_>,
-        attend: impl Fn() -> Attendant + 's,
+        attendant: Attendant,
     ) -> Result<Self, CrewError> {
         let mut guard = Poller::new()?;
         guard.catch_signals()?;
         guard.add_fd(bell, BELL)?;
-        let mut team = Self { guard, crew: None, store, options, attend: Box::new(attend) };
-        team.renew(bell)?;
-        Ok(team)
+        let mut crew = options.map(|options| Crew::start(store, options)).transpose()?;
+        if let Some(crew) = &mut crew {
+            crew.listen(bell, attendant)?;
+        }
+        Ok(Self { guard, crew, store })
     }
 
-    /// Ends the crew there is, and starts another.
-    pub(crate) fn renew(&mut self, bell: BorrowedFd<'_>) -> Result<(), CrewError> {
-        self.crew = None;
-        let Some(options) = self.options else { return Ok(()) };
-        let mut crew = Crew::start(self.store, options)?;
-        crew.listen(bell, (self.attend)())?;
-        self.crew = Some(crew);
-        Ok(())
+    /// Gives successors to those who were lost, and does not wait for them.
+    pub(crate) fn mend(&mut self) -> Result<Mended, CrewError> {
+        let store = self.store;
+        self.crew.as_mut().map_or_else(|| Ok(Mended::default()), |crew| crew.mend(store))
     }
 
     /// Process ids of the workers.
@@ -56,12 +52,12 @@ impl<'s> Team<'s> {
 
     /// Workers that there should be.
     pub(crate) fn size(&self) -> usize {
-        self.options.map_or(0, |options| options.cores.len())
+        self.crew.as_ref().map_or(0, Crew::size)
     }
 
     /// Workers that are gone.
     pub(crate) fn missing(&self) -> usize {
-        self.crew.as_ref().map_or(self.size(), Crew::missing)
+        self.crew.as_ref().map_or(0, Crew::missing)
     }
 
     /// Works a request off; the report of the crew, if there is one.
@@ -70,17 +66,12 @@ impl<'s> Team<'s> {
         work: &mut Work<'_>,
         bodies: &[(Meta, BodyView<'_>)],
     ) -> Result<Option<CrewReport>, CrewError> {
-        match (&mut self.crew, self.options) {
-            (Some(crew), _) => crew.run(work).map(Some),
-            (None, None) => {
+        match &mut self.crew {
+            Some(crew) => crew.run(work).map(Some),
+            None => {
                 run_here(work, bodies);
                 Ok(None)
             }
-            (None, Some(_)) => Err(CrewError::NobodyLeft {
-                open: 0,
-                jobs: 0,
-                lost: "all, and none could be started".to_owned(),
-            }),
         }
     }
 

@@ -90,7 +90,6 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     let mut words = Vec::with_capacity(sizes.job_words);
     while let Some(head) = desk.next_batch(&link, &mut words)? {
         desk.work_off(&head, &words)?;
-        line.taken.fetch_add(1, Ordering::Release);
         desk.answered(u64::from(head.job) + 1);
     }
     line.state.store(State::Bye as u32, Ordering::Release);
@@ -142,7 +141,6 @@ impl<'w> Desk<'w> {
                 Some(Ok(head)) if head.kind == Kind::Section as u8 => {
                     let is_stored = self.copies.as_mut().is_some_and(|copies| copies.store(words));
                     line.beat.fetch_add(1, Ordering::Relaxed);
-                    line.taken.fetch_add(1, Ordering::Release);
                     if is_stored {
                         continue;
                     }
@@ -156,7 +154,6 @@ impl<'w> Desk<'w> {
                 // Answered with nothing: the coordinator sees that, and sends its jobs again. If it
                 // was not the next batch, the number is put right by the one that follows.
                 Some(Err(_)) => {
-                    line.taken.fetch_add(1, Ordering::Release);
                     self.answered(line.answered.load(Ordering::Relaxed) + 1);
                 }
                 None => {}

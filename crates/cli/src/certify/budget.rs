@@ -18,7 +18,7 @@ pub(crate) struct BudgetArgs {
     #[arg(long, value_name = "BODY")]
     body: Vec<String>,
     /// Most tests of a job.
-    #[arg(long, value_name = "TESTS", default_value_t = crate::terms::BUDGET)]
+    #[arg(long, value_name = "TESTS", default_value_t = coordinator::Terms::BUDGET)]
     budget: u64,
     /// Jobs.
     #[arg(long, value_name = "N", default_value_t = 20_000)]

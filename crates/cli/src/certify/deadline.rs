@@ -6,7 +6,6 @@ use crate::BUILD;
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::terms::{GUARD, guarded};
 use coordinator::{Chance, Crew, Options, Pursuit, Request, Terms, Work, run_here};
 use damage::State;
 use dispatch::{Cache, Intensity, Matching, Patience, Queues};
@@ -39,7 +38,7 @@ pub(crate) struct DeadlineArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     load: usize,
     /// Most tests of a job.
-    #[arg(long, value_name = "TESTS", default_value_t = crate::terms::BUDGET)]
+    #[arg(long, value_name = "TESTS", default_value_t = Terms::BUDGET)]
     budget: u64,
 }
 
@@ -85,7 +84,7 @@ pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failur
     };
     let due = Duration::from_secs_f64(args.deadline_ms / 1e3);
     let terms = Terms {
-        deadline_ns: Some(guarded(due)),
+        deadline_ns: Some(Terms::guarded(due)),
         pursuit: Pursuit::Deciding,
         budget: args.budget,
         ..Terms::default()
@@ -115,8 +114,7 @@ pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failur
 /// The winner of the finished run; `None` where that would take too long to know.
 fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
     let most_ns = 20_000_000_000;
-    let terms =
-        Terms { deadline_ns: Some(most_ns), budget: crate::terms::BUDGET, ..Terms::default() };
+    let terms = Terms { deadline_ns: Some(most_ns), budget: Terms::BUDGET, ..Terms::default() };
     let mut work = Work::new(request, views, 5).with_terms(terms);
     run_here(&mut work, views);
     let answer = work.answer()?;
@@ -179,7 +177,7 @@ fn page(args: &DeadlineArgs, pool: &Pool, all: &Asked) -> String {
         pool.names.len(),
         super::names(&pool.names),
         args.deadline_ms,
-        GUARD.as_secs_f64() * 1e3,
+        Terms::GUARD.as_secs_f64() * 1e3,
         args.workers,
         affinity::allowed_cores().len(),
         args.load,

@@ -14,11 +14,17 @@ use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
 use runtime::{SealedMemory, affinity, clock, machine};
 
-/// Plain requests after one that a fault was not felt in, until it must have been.
-const CHASES: usize = 6;
-/// No request may take longer (ns): the longest silence, the longest sleep, and twice that for
-/// faults that follow on each other.
+/// For how long plain requests follow one that a fault was not felt in, until it must have been
+/// (ns): longer than the longest silence.
+const CHASE_NS: u64 = 3_000_000_000;
+/// How many of them there are at most where a job has to fall to whoever has an order.
+const CHASES: usize = 12;
+/// No request without a deadline may take longer (ns): the longest silence, the longest sleep, and
+/// twice that for faults that follow on each other.
 const HANG_NS: u64 = 6_000_000_000;
+/// No answer may be later than due by more (ns): without real-time rights the coordinator waits for
+/// a core as everybody does.
+pub(super) const GUARD_NS: u64 = 250_000_000;
 /// Growth of resident memory that is no leak (bytes): heaps keep what they got.
 const GROWTH_BYTES: u64 = 32 << 20;
 
@@ -51,6 +57,8 @@ struct Live<'s, F> {
     usual_ns: u64,
     jobs: u64,
     open: Vec<Open>,
+    /// Whom the faults of the round before were meant for: what they survived may yet end them.
+    before: Vec<Incarnation>,
     /// When successors were started that were not waited for yet (ns).
     mended_ns: Option<u64>,
 }
@@ -95,6 +103,7 @@ pub(super) fn run<'w>(
         usual_ns: 1,
         jobs: 1,
         open: Vec::new(),
+        before: Vec::new(),
         mended_ns: None,
     };
     let mut times = Vec::new();
@@ -181,13 +190,15 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
 
     /// One request, judged.
     fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
-        let mut work = (self.make)();
         let begun_ns = clock::now_ns();
+        let mut work = (self.make)();
         let ran = self.crew.run(&mut work);
         let took_ns = clock::now_ns() - begun_ns;
         report.requests += 1;
         report.slowest_ns = report.slowest_ns.max(took_ns);
-        report.hangs += u64::from(took_ns > HANG_NS);
+        let due_ns = self.stage.plan.deadline_ms.map(|ms| u64::from(ms) * 1_000_000);
+        report.late += u64::from(due_ns.is_some_and(|due_ns| took_ns > due_ns));
+        report.hangs += u64::from(took_ns > due_ns.map_or(HANG_NS, |due_ns| due_ns + GUARD_NS));
         let state = match ran {
             Ok(ran) => {
                 self.jobs = ran.counts.jobs.max(1);
@@ -218,7 +229,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
     /// Finds out who saw what of the open faults, and who was killed for nothing.
     fn look(&mut self, report: &mut Report) {
         for incident in self.crew.incidents() {
-            let mut is_known = false;
+            let mut is_known = self.before.contains(&incident.who);
             for open in self.open.iter_mut().filter(|open| open.who == incident.who) {
                 is_known = true;
                 if open.struck_ns.is_none_or(|struck_ns| struck_ns <= incident.at_ns) {
@@ -265,7 +276,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         }
         let begun_ns = clock::now_ns();
         let mut shots = Vec::new();
-        self.open.clear();
+        self.before = self.open.drain(..).map(|open| open.who).collect();
         for (number, (kind, _)) in chosen.iter().enumerate() {
             let (who, pid) = roster[workers[number % workers.len()]];
             let all = matches!(kind, Kind::KillAll | Kind::Poison);
@@ -291,14 +302,15 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         let answered_ns = clock::now_ns();
         self.look(report);
         self.mend(false, report)?;
-        for _ in 0..CHASES {
+        for chase in 0.. {
             let is_over = |open: &Open| {
                 open.seen_ns.is_some()
                     || open.kind == Kind::Poison
                     || (open.struck_ns.is_some() && open.kind.may_be_survived())
                     || (open.struck_ns.is_none() && open.kind.misdeed().is_none())
+                    || (open.struck_ns.is_none() && chase >= CHASES)
             };
-            if self.open.iter().all(is_over) {
+            if self.open.iter().all(is_over) || clock::now_ns() > answered_ns + CHASE_NS {
                 break;
             }
             self.request(report)?;

@@ -17,6 +17,8 @@ struct Written {
     workers: u8,
     depth: u32,
     at_once: u8,
+    /// When each answer is due (ms).
+    deadline_ms: Option<u32>,
     faults: BTreeMap<String, u32>,
 }
 
@@ -27,6 +29,8 @@ pub(crate) struct Plan {
     pub(crate) depth: u32,
     /// Faults in one request at most.
     pub(crate) at_once: u8,
+    /// When each answer is due (ms); without one, all work is done however long it takes.
+    pub(crate) deadline_ms: Option<u32>,
     faults: Vec<(Kind, u32)>,
 }
 
@@ -57,6 +61,11 @@ impl Plan {
         if !(1..=24).contains(&written.depth) {
             return refuse(format!("depth = {}", written.depth), "depth: 1 to 24".to_owned());
         }
+        let deadline_ms = written.deadline_ms;
+        if deadline_ms.is_some_and(|ms| !(5..=60_000).contains(&ms)) {
+            let fault = format!("deadline_ms = {}", deadline_ms.unwrap_or(0));
+            return refuse(fault, "deadline_ms: 5 to 60000, or leave it out".to_owned());
+        }
         let mut faults = Vec::new();
         for (fault, count) in &written.faults {
             let Some(kind) = Kind::from_name(fault) else {
@@ -70,7 +79,7 @@ impl Plan {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let scenario = folder.join(written.scenario);
-        Ok(Self { scenario, workers, depth: written.depth, at_once, faults })
+        Ok(Self { scenario, workers, depth: written.depth, at_once, deadline_ms, faults })
     }
 
     /// All faults, in an order that follows from the seed.
@@ -134,6 +143,7 @@ mod tests {
             ("kill =", "kil =", "kil"),
             ("kill = 3", "kill = 3000000", "3000000"),
             ("at_once = 1", "at_once = 3", "at_once"),
+            ("depth = 4", "depth = 4\ndeadline_ms = 0", "deadline_ms"),
             ("depth = 4", "depth = 400", "depth"),
             ("faults/1", "faults/2", "schema"),
             ("workers", "worker", "worker"),

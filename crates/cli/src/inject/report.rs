@@ -68,6 +68,10 @@ pub(super) struct Report {
     pub(super) rejected: u64,
     pub(super) slowest_ns: u64,
     pub(super) hangs: u64,
+    /// When answers were due.
+    pub(super) deadline_ms: Option<u32>,
+    /// Answers after that.
+    pub(super) late: u64,
     pub(super) false_kills: u64,
     pub(super) unseen: u64,
     pub(super) missed: u64,
@@ -127,6 +131,8 @@ impl Report {
             is_survived: wrong + self.hangs + self.false_kills + leaks == 0,
             wrong_answers: wrong,
             hangs: self.hangs,
+            deadline_ms: self.deadline_ms,
+            late: self.late,
             false_kills: self.false_kills,
             leaks,
             left: Left {
@@ -179,6 +185,8 @@ pub(super) struct Document {
     pub(super) is_survived: bool,
     wrong_answers: u64,
     hangs: u64,
+    deadline_ms: Option<u32>,
+    late: u64,
     false_kills: u64,
     leaks: u64,
     left: Left,
@@ -294,6 +302,13 @@ pub(super) fn page(document: &Document) -> String {
          killed {false_kills}",
         document.slowest_request_ms
     ));
+    if let Some(deadline_ms) = document.deadline_ms {
+        line(format!(
+            "late {} of {requests} answers, each due after {deadline_ms} ms; a hang is {} ms later",
+            document.late,
+            super::live::GUARD_NS / 1_000_000
+        ));
+    }
     let left = &document.left;
     line(format!(
         "left behind {}: {:+} descriptors, {:+} files in shared memory, {:+} kB, {} orphans, {} \

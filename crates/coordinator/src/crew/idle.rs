@@ -58,6 +58,12 @@ impl Crew {
         Ok(())
     }
 
+    /// Workers that there should be.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.stations.len()
+    }
+
     /// Workers that are gone, and not replaced.
     #[must_use]
     pub fn missing(&self) -> usize {

@@ -36,7 +36,7 @@ impl Crew {
         if lost.is_empty() {
             return Ok(mended);
         }
-        if !self.stations.iter().any(|station| station.is_alive() && !station.has_greeted) {
+        if !self.stations.iter().any(Station::is_starting) {
             let _removed = self.domain.cleaner().run();
         }
         for who in lost {
@@ -56,11 +56,12 @@ impl Crew {
         Ok(mended)
     }
 
-    /// Waits until all who live have greeted. Those that end instead are lost.
+    /// Waits until all who live have greeted. Those that end instead are lost, and so are those that
+    /// do not greet in time.
     ///
     /// # Errors
     ///
-    /// If one does not greet in time, or nobody does.
+    /// If nobody greets.
     pub fn rally(&mut self) -> Result<(), CrewError> {
         self.await_greetings()
     }
@@ -130,20 +131,29 @@ impl Crew {
         Ok(station)
     }
 
-    /// Buries those who have ended since the last request.
+    /// Buries those who have ended since the last request, or stand still at what it left them.
     fn notice_the_dead(&mut self) -> Result<(), CrewError> {
         self.sleep(0)?;
+        let now = clock::now_ns();
         self.ended.clear();
         for number in 0..self.stations.len() {
             let station = &mut self.stations[number];
-            if station.is_alive() && station.exit()?.is_some() {
-                let _exit = station.wait_end()?;
-                let (who, _started) = station.bury(&self.status, self.request);
-                self.dispatcher.dismiss(who);
-                self.see(who, Sight::Ended);
-                self.lay_to_rest(number);
+            let has_ended = station.is_alive() && station.exit()?.is_some();
+            if has_ended || self.kill_if_still(number, now) {
+                self.miss(number)?;
             }
         }
+        Ok(())
+    }
+
+    /// Buries a worker that has ended, or was killed, while no request was open.
+    pub(super) fn miss(&mut self, number: usize) -> Result<(), CrewError> {
+        let station = &mut self.stations[number];
+        let _exit = station.wait_end()?;
+        let (who, _started) = station.bury(&self.status, self.request);
+        self.dispatcher.dismiss(who);
+        self.see(who, Sight::Ended);
+        self.lay_to_rest(number);
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering;
 use dispatch::{Patience, Pulse, Verdict, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
-use protocol::{Head, Incarnation, JobId, Launch, Reject, RequestId};
+use protocol::{Head, Incarnation, JobId, Kind, Launch, Reject, RequestId};
 use runtime::counters::{Counted, Counters};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
@@ -27,6 +27,8 @@ pub(super) struct Station {
     pub(super) spoiled: Option<Spoiled>,
     /// Batches known to be answered.
     answered: u64,
+    /// Number of the next batch: all below were handed over.
+    batches: u64,
     seq: u32,
     /// What was counted before this request: by the worker, and at both ends of its channels.
     before: Before,
@@ -127,6 +129,7 @@ impl Station {
             mute_ns: runtime::clock::now_ns() + super::GREETING_NS,
             spoiled: None,
             answered: 0,
+            batches: 0,
             seq: 0,
             before: Before::default(),
             counters: counters.map(|counters| (counters, Counted::default())),
@@ -145,6 +148,17 @@ impl Station {
     /// Whether it takes jobs.
     pub(super) fn is_ready(&self) -> bool {
         self.is_alive && self.has_greeted
+    }
+
+    /// Whether it was started and has not greeted yet.
+    pub(super) fn is_starting(&self) -> bool {
+        self.is_alive && !self.has_greeted
+    }
+
+    /// Whether it holds batches that it has not answered, of this request or an earlier one.
+    pub(super) fn is_busy(&self, status: &StatusMemory) -> bool {
+        let answered = status.page().workers[self.line()].answered.load(Ordering::SeqCst);
+        self.is_alive && answered < self.batches
     }
 
     /// How many batches it has answered, if that is news.
@@ -250,6 +264,13 @@ impl Station {
             }
         })?;
         self.seq = self.seq.wrapping_add(1);
+        if head.kind == Kind::Batch as u8 {
+            if !self.is_busy(status) {
+                // Nothing was asked of it until now: its silence begins here.
+                self.watch = Watch::default();
+            }
+            self.batches = u64::from(head.job) + 1;
+        }
         self.wake(status);
         Ok(())
     }
@@ -262,12 +283,6 @@ impl Station {
         if page.workers[self.line()].sleeping.load(Ordering::SeqCst) == 1 {
             futex::wake(word);
         }
-    }
-
-    /// Whether the worker is done with every message that was sent to it.
-    pub(super) fn has_let_go(&self, status: &StatusMemory) -> bool {
-        let taken = status.page().workers[self.line()].taken.load(Ordering::Acquire);
-        taken as u32 == self.seq
     }
 
     /// Whether the worker has sent more than was taken.
@@ -301,11 +316,12 @@ impl Station {
     pub(super) fn pulse(
         &mut self,
         status: &StatusMemory,
-        busy: bool,
         now: u64,
         patience: &Patience,
     ) -> Option<Verdict> {
-        if !self.is_alive {
+        let busy = self.is_busy(status);
+        if !busy {
+            self.watch = Watch::default();
             return None;
         }
         let stat = process::stat(self.report.pid)?;
