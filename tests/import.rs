@@ -122,7 +122,7 @@ struct Body {
     looks: &'static str,
 }
 
-const BODIES: [Body; 8] = [
+const BODIES: [Body; 10] = [
     Body {
         file: "chrono_sedan/sedan_chassis_vis.obj",
         flags: &["--kind", "sedan"],
@@ -191,6 +191,38 @@ const BODIES: [Body; 8] = [
         size: [4.62, 2.01, 1.39],
         looks: "a car",
     },
+    Body {
+        // COLLADA states unit and up axis.
+        file: "gazebo_jersey_barrier/jersey_barrier.dae",
+        flags: &["--kind", "wall"],
+        triangles: 430,
+        size: [4.07, 0.81, 1.14],
+        looks: "a wall or barrier",
+    },
+    Body {
+        // Toy scale: 2.9 m long as it is.
+        file: "kenney_trucks/vehicle-truck-green.glb",
+        flags: &["--unit", "2", "--kind", "truck"],
+        triangles: 1_094,
+        size: [5.81, 3.00, 2.80],
+        looks: "a truck or bus",
+    },
+];
+
+/// What does not look like what it is said to be: wheels and the like, which have files of their own, and a lamp
+/// post with an arm, in inches and at the scale of 3 that another file applies. And a pick-up: COLLADA
+/// states unit and up axis. File, flags, size.
+const ODD: [(&str, &str, [f64; 3]); 10] = [
+    ("chrono_sedan/sedan_rim.obj", "--unit m", [0.41, 0.20, 0.41]),
+    ("chrono_sedan/sedan_tire.obj", "--unit m", [0.68, 0.20, 0.68]),
+    ("chrono_nissan_patrol_suv/suv_rim.obj", "--unit m", [0.51, 0.02, 0.51]),
+    ("chrono_nissan_patrol_suv/suv_tire.obj", "--unit m", [0.88, 0.31, 0.88]),
+    ("chrono_man10t_truck/MAN_rim.obj", "--unit m", [0.56, 0.30, 0.56]),
+    ("chrono_man10t_truck/MAN_tire.obj", "--unit m", [1.26, 0.35, 1.26]),
+    ("osrf_prius/wheel.obj", "--unit cm --forward -y", [0.61, 0.27, 0.61]),
+    ("osrf_prius/steering_wheel.obj", "--unit cm --forward -y", [0.13, 0.36, 0.35]),
+    ("gazebo_pickup/pickup.dae", "--forward y", [5.66, 2.47, 1.87]),
+    ("gazebo_lamp_post/lamp_post.dae", "--unit 0.0762", [0.49, 3.18, 9.27]),
 ];
 
 #[test]
@@ -222,6 +254,25 @@ fn real_bodies_come_in_at_their_real_size() {
         let sentence = format!("{:.2} × {:.2} × {:.2} m: {looks}\n", size[0], size[1], size[2]);
         assert!(table.starts_with(&sentence) && !table.contains("doubt"), "{table}");
         assert_eq!(listing(place.path()), ["out.trolley"], "{file}");
+    }
+}
+
+#[test]
+fn what_looks_like_something_else_comes_in_as_what_it_is_said_to_be() {
+    let Some(models) = data("models") else { return };
+    let place = Place::new();
+    let out = place.path().join("out.trolley");
+    for (file, flags, size) in ODD {
+        let path = models.join(file);
+        let mut args = vec!["import", utf8(&path), "-o", utf8(&out), "--json", "--kind", "pole"];
+        args.extend(flags.split(' '));
+        let body = &json(&done(&args))["body"];
+        for (axis, size) in size.into_iter().enumerate() {
+            let found = body["size_m"][axis].as_f64().unwrap();
+            assert!((found - size).abs() < 0.006, "{file}: {}", body["size_m"]);
+        }
+        let table = text(&done(&["info", utf8(&out)]).stdout);
+        assert!(table.contains("doubt"), "{file}: {table}");
     }
 }
 

@@ -24,11 +24,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("collada", |bytes| mesh(Format::Collada, bytes)),
     ("lsdyna", |bytes| mesh(Format::LsDyna, bytes)),
     ("traffic", |bytes| text(bytes, traffic)),
-    ("library", |bytes| text(bytes, |text| drop(traffic::Library::parse("fuzz", text)))),
-    ("deployment", |bytes| text(bytes, |text| drop(service::Deployment::parse("fuzz", text)))),
-    ("scenario", |bytes| text(bytes, |text| drop(scenario::Scenario::parse("fuzz", text)))),
-    ("policy", |bytes| text(bytes, |text| drop(damage::Policy::parse("fuzz", text)))),
-    ("curves", |bytes| text(bytes, |text| drop(damage::Curves::parse("fuzz", text)))),
+    ("settings", |bytes| text(bytes, settings)),
     ("model-file", model_file),
     ("record", |bytes| drop(record::file::decode(bytes))),
     ("wire", wire),
@@ -58,6 +54,15 @@ fn mesh(format: Format, bytes: &[u8]) {
     let mut nothing = |name: &str| Err(format!("{name}: no side files here"));
     let read = || drop(model::import::read(format, bytes, &mut nothing, &options));
     drop(std::panic::catch_unwind(core::panic::AssertUnwindSafe(read)));
+}
+
+/// Whatever a person writes down, as everything that it could be.
+fn settings(text: &str) {
+    drop(scenario::Scenario::parse("fuzz", text));
+    drop(damage::Policy::parse("fuzz", text));
+    drop(damage::Curves::parse("fuzz", text));
+    drop(traffic::Library::parse("fuzz", text));
+    drop(service::Deployment::parse("fuzz", text));
 }
 
 /// Read, driven through, and written as a scenario, which is one then.

@@ -1,6 +1,7 @@
 //! `--repeat`: how long answers take, beside the same work done in this process, in turns.
 //!
-//! Every answer is compared with that of this process, place by place and bit by bit.
+//! Every answer is compared with that of this process: complete ones place by place and bit by bit,
+//! others by their intervals.
 
 use crate::args::Output;
 use crate::deployment::{self, Opened};
@@ -8,7 +9,7 @@ use crate::failure::{Code, Failure, chain};
 use crate::print;
 use client::Client;
 use hdrhistogram::Histogram;
-use protocol::public::{Ask, Verdict};
+use protocol::public::{Answer, Ask, Place, Verdict};
 use runtime::clock;
 use serde::Serialize;
 use std::process::ExitCode;
@@ -26,7 +27,7 @@ struct Document {
     requests: u32,
     /// Answers by verdict: complete, certified, degraded, refused, busy.
     answers: [u64; 5],
-    /// Rankings that differ from that of this process in any bit.
+    /// Rankings that contradict that of this process.
     wrong: u64,
     /// From asking to the answer (µs).
     service_us: Figures,
@@ -81,9 +82,7 @@ pub(super) fn run(
         let done = here();
         let done_ns = clock::now_ns();
         let has_ranking = answer.verdict().has_ranking();
-        let is_same = answer.place_count == expected.place_count
-            && bytemuck::bytes_of(&answer.places) == bytemuck::bytes_of(&expected.places);
-        wrong += u64::from(answer.verdict() == Verdict::Complete && !is_same);
+        wrong += u64::from(!is_right(&answer, &expected));
         wrong += u64::from(done.places != expected.places);
         if number < WARM {
             continue;
@@ -112,6 +111,28 @@ pub(super) fn run(
         print::out(&page(&document))?;
     }
     Ok(if wrong == 0 { ExitCode::SUCCESS } else { Code::GateFailed.into() })
+}
+
+/// Whether an answer agrees with one to which nothing is missing: in every bit if it is complete;
+/// else its intervals hold what is known, and who certainly wins does.
+fn is_right(answer: &Answer, complete: &Answer) -> bool {
+    let is_whole = answer.place_count == complete.place_count;
+    let places = &answer.places[..(answer.place_count as usize).min(answer.places.len())];
+    let holds = |place: &Place| {
+        let known = complete.places.iter().find(|known| known.candidate == place.candidate);
+        known.is_some_and(|k| place.work[0] <= k.work[0] && k.work[1] <= place.work[1])
+    };
+    match answer.verdict() {
+        Verdict::Complete => {
+            bytemuck::bytes_of(&answer.places) == bytemuck::bytes_of(&complete.places) && is_whole
+        }
+        Verdict::Certified => {
+            let wins = answer.places[0].candidate == complete.places[0].candidate;
+            wins && is_whole && places.iter().all(holds)
+        }
+        Verdict::Degraded => is_whole && places.iter().all(holds),
+        _ => true,
+    }
 }
 
 fn page(document: &Document) -> String {
