@@ -80,7 +80,11 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
         copies: false,
         log: false,
         patience: Patience::default(),
-        intensity: Intensity::default(),
+        intensity: Intensity {
+            core_deaths: opened.deployment.restarts.core_in_10_s as usize,
+            all_deaths: opened.deployment.restarts.all_in_60_s as usize,
+            ..Intensity::default()
+        },
         obeys: false,
     };
     let site = Site {

@@ -39,6 +39,8 @@ pub struct Deployment {
     pub idle: Idle,
     /// Priorities and memory.
     pub realtime: Realtime,
+    /// How often lost workers have successors.
+    pub restarts: Restarts,
     /// Where a Prometheus text file is written, and how often (s).
     pub metrics: Option<Metrics>,
     /// Where decisions are kept.
@@ -107,6 +109,22 @@ impl Default for Realtime {
     }
 }
 
+/// How many deaths of workers there may be before one has no successor until some are longer ago.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Restarts {
+    /// On one core, within 10 s.
+    pub core_in_10_s: u32,
+    /// On all cores, within 60 s.
+    pub all_in_60_s: u32,
+}
+
+impl Default for Restarts {
+    fn default() -> Self {
+        Self { core_in_10_s: 5, all_in_60_s: 10 }
+    }
+}
+
 /// A Prometheus text file.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -169,6 +187,8 @@ struct Raw {
     engine: Overrides,
     #[serde(default)]
     realtime: Realtime,
+    #[serde(default)]
+    restarts: Restarts,
     metrics: Option<Metrics>,
     decisions: Option<Decisions>,
     #[serde(default)]
@@ -273,6 +293,11 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         let help = "heap_mib may be 0 to 4096";
         return wrong("heap_mib", format!("heap_mib is {}", raw.realtime.heap_mib), help);
     }
+    let Restarts { core_in_10_s, all_in_60_s } = raw.restarts;
+    if core_in_10_s == 0 || all_in_60_s == 0 {
+        let help = "one restart at least: core_in_10_s = 5, all_in_60_s = 10 are the defaults";
+        return wrong("restarts", "no worker would ever have a successor".to_owned(), help);
+    }
     if raw.metrics.as_ref().is_some_and(|metrics| !(1..=3600).contains(&metrics.every_s)) {
         return wrong("every_s", "every_s is out of range".to_owned(), "every_s may be 1 to 3600");
     }
@@ -291,6 +316,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         queue,
         idle: raw.idle,
         realtime: raw.realtime,
+        restarts: raw.restarts,
         metrics: raw.metrics,
         decisions: raw.decisions,
     })
