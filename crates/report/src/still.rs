@@ -84,9 +84,24 @@ impl View {
         let ahead = -from;
         let right = ahead.cross(top).normalize();
         let up = right.cross(ahead);
-        // Everything lies within `reach` of the centre, 3.2 of it away.
-        let focal = 0.5 * width.min(height * 3 / 2) as f64 * (3.2 * 3.2 - 1.0_f64).sqrt();
-        Self { eye, right, up, ahead, focal, middle: [0.5 * width as f64, 0.5 * height as f64] }
+        // The box of all there is to see fills the picture, whichever side is the longer one.
+        let mut slopes = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for corner in 0..8_u8 {
+            let end = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
+            let to = DVec3::new(end(0), end(1), end(2)) - eye;
+            for (range, side) in slopes.iter_mut().zip([right, -up]) {
+                let slope = to.dot(side) / to.dot(ahead);
+                *range = [range[0].min(slope), range[1].max(slope)];
+            }
+        }
+        let size = [width as f64, height as f64];
+        let fits = |axis: usize| {
+            let [least, most] = slopes[axis];
+            0.94 * size[axis] / (most - least).max(1e-6)
+        };
+        let focal = fits(0).min(fits(1));
+        let middle = [0, 1].map(|i| 0.5 * (size[i] - focal * (slopes[i][0] + slopes[i][1])));
+        Self { eye, right, up, ahead, focal, middle }
     }
 
     /// Pixel and distance of a point; `None` behind the eye.
