@@ -209,9 +209,9 @@ const BODIES: [Body; 10] = [
     },
 ];
 
-/// What does not look like what it is said to be: wheels and the like, which have files of their own, and a lamp
-/// post with an arm, in inches and at the scale of 3 that another file applies. And a pick-up: COLLADA
-/// states unit and up axis. File, flags, size.
+/// What does not look like what it is said to be: wheels and the like, which have files of their
+/// own, and a lamp post with an arm, in inches and at the scale of 3 that another file applies. And
+/// a pick-up: COLLADA states unit and up axis. File, flags, size.
 const ODD: [(&str, &str, [f64; 3]); 10] = [
     ("chrono_sedan/sedan_rim.obj", "--unit m", [0.41, 0.20, 0.41]),
     ("chrono_sedan/sedan_tire.obj", "--unit m", [0.68, 0.20, 0.68]),

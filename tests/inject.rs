@@ -41,6 +41,21 @@ fn faults_of_all_sorts_are_survived_and_leave_nothing() {
     assert!(std::fs::read_to_string(report).unwrap().contains("name=\"garble-batch\""));
 }
 
+/// Stopped workers were never found where each request was over before the first look at them, and
+/// a successor that greeted between two requests was not heard.
+#[test]
+fn what_short_requests_leave_open_is_found_by_those_that_follow() {
+    let place = Place::new();
+    let plan = plan(&place, "stop = 3\nkill-idle = 8\nkill = 4\n");
+    let text = std::fs::read_to_string(&plan).unwrap();
+    std::fs::write(&plan, text.replace("[faults]", "deadline_ms = 60\n[faults]")).unwrap();
+    let document = json(&inject(&[&plan, "--json", "--seed", "5"]));
+    assert_eq!(document["deadline_ms"], 60);
+    for zero in ["wrong_answers", "unseen", "false_kills", "leaks"] {
+        assert_eq!(document[zero], 0, "{zero}: {document}");
+    }
+}
+
 #[test]
 fn three_of_four_may_die_again_and_again_and_all_four_are_refused() {
     let place = Place::new();

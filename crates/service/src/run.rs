@@ -316,6 +316,9 @@ impl Service<'_> {
                 let _refused = realtime::fifo(pid, priority);
             }
         }
+        if let Err(error) = realtime::unshare_after_fork() {
+            tracing::debug!(%error, "the next request will have page faults");
+        }
         self.tell(self.condition());
         Ok(())
     }

@@ -210,4 +210,40 @@ mod tests {
             assert!(seeds > 0, "{name} has no corpus");
         }
     }
+
+    /// Every mesh below a folder, with the format that its name says.
+    fn meshes(folder: &Path, into: &mut Vec<(Format, Vec<u8>)>) {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                meshes(&path, into);
+            } else {
+                let bytes = std::fs::read(&path).unwrap();
+                into.extend(
+                    Format::detect(&path.to_string_lossy(), &bytes).ok().map(|f| (f, bytes)),
+                );
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "minutes: cargo test --release -p fuzz -- --ignored, under ulimit -v 2097152"]
+    fn a_hundred_thousand_bent_copies_of_real_bodies_are_refused_or_accepted() {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
+        let mut all = Vec::new();
+        meshes(&data, &mut all);
+        // Small ones oftener than large ones: the bytes are shared out evenly among the files.
+        let share = |bytes: &[u8]| 1.0 / (bytes.len() as f64 + 20_000.0);
+        let shares: f64 = all.iter().map(|(_, bytes)| share(bytes)).sum();
+        let mut bent = 0_u64;
+        for (format, bytes) in &all {
+            let copies = (100_000.0 * share(bytes) / shares).ceil() as u64;
+            for seed in 0..copies {
+                mesh(*format, &bend(bytes, splitmix64(bent + seed)));
+            }
+            bent += copies;
+        }
+        println!("{bent} bent copies of {} files", all.len());
+        assert!(all.is_empty() || bent >= 100_000);
+    }
 }

@@ -56,8 +56,8 @@ impl Crew {
         Ok(mended)
     }
 
-    /// Waits until all who live have greeted. Those that end instead are lost, and so are those that
-    /// do not greet in time.
+    /// Waits until all who live have greeted. Those that end instead are lost, and so are those
+    /// that do not greet in time.
     ///
     /// # Errors
     ///
