@@ -7,7 +7,7 @@ use crate::desk::{Desk, Waiting};
 use crate::housekeeping::Housekeeping;
 use crate::stats::{Stats, Times};
 use crate::team::Team;
-use coordinator::{Attendant, CrewError, Options, Request, Terms, Work};
+use coordinator::{Attendant, CrewError, Options, Pursuit, Request, Terms, Work};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -23,6 +23,8 @@ const NAP_NS: u64 = 10_000_000;
 const HEALTH_NS: u64 = 1_000_000_000;
 /// How long to wait before a successor is tried again where none could be started (ns).
 const RETRY_NS: u64 = 1_000_000_000;
+/// So many times what requests usually take is plenty.
+const PLENTY: u64 = 4;
 /// How often pulses are felt between requests (ns).
 const MEND_NS: u64 = 20_000_000;
 /// With `spin`: how often a sleeper's duties are looked after (ns).
@@ -129,6 +131,7 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
         lacks: Vec::new(),
         request: 0,
         told_ns: 0,
+        usual_ns: 0,
         mended_ns: 0,
         is_short: false,
         is_stopping: false,
@@ -189,6 +192,8 @@ struct Service<'s> {
     lacks: Vec<Lack>,
     request: u64,
     told_ns: u64,
+    /// What requests of late have taken at most until all was done (ns); 0: none was yet.
+    usual_ns: u64,
     /// When it was looked who is missing (ns).
     mended_ns: u64,
     /// Somebody is missing who cannot be replaced now.
@@ -376,7 +381,12 @@ impl Service<'_> {
         let mut work = Work::new(&request, site.bodies, site.depth);
         if ask.answer_by_ns != 0 {
             let left_ns = ask.answer_by_ns.saturating_sub(clock::now_ns());
-            work = work.with_terms(Terms::due_in(Duration::from_nanos(left_ns)));
+            let mut terms = Terms::due_in(Duration::from_nanos(left_ns));
+            if self.usual_ns > 0 && left_ns / PLENTY > self.usual_ns {
+                // All will be done in time, and soonest if nobody looks for who is certain first.
+                terms.pursuit = Pursuit::AsAsked;
+            }
+            work = work.with_terms(terms);
         }
         let planned_ns = clock::now_ns();
         times.set(Stage::Plan, planned_ns - begun_ns);
@@ -402,7 +412,11 @@ impl Service<'_> {
         if checked.has_unknown && answer.verdict().has_ranking() {
             answer.say("parties of unknown kind were taken as fixed, with nobody in them");
         }
-        times.set(Stage::Assess, clock::now_ns() - worked_ns);
+        let done_ns = clock::now_ns();
+        times.set(Stage::Assess, done_ns - worked_ns);
+        if answer.verdict() == Verdict::Complete {
+            self.usual_ns = (self.usual_ns - self.usual_ns / 32).max(done_ns - begun_ns);
+        }
         Ok(answer)
     }
 
