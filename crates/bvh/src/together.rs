@@ -155,7 +155,8 @@ impl<'t> Together<'_, 't> {
                 let numbers = hits.iter().max().map_or(0, |most| most + 1);
                 self.seen.ensure_room(numbers as usize);
                 self.seen.clear(&(0..numbers));
-                hits.retain(|triangle| self.seen.insert(*triangle));
+                let fresh = self.seen.insert(hits).len();
+                hits.truncate(fresh);
             }
         }
         let Outcome { pairs, .. } = self.found.outcome;

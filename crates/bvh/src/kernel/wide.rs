@@ -1,14 +1,14 @@
-//! The wide walk: both trees descended together, eight boxes against eight, and one triangle
-//! against eight.
+//! The wide walk: both trees descended together, eight boxes against eight, and eight pairs of
+//! triangles at once.
 //!
 //! ```text
 //! pop a pair of wide nodes --boxes::meet--> 64 bits --> interior: pairs of children, pushed
-//!                                                   \-> leaves: patches --one by eight--> exact
+//!                                                   \-> leaves: patches --eight pairs--> exact
 //! ```
 //!
 //! It finds what the plain walk finds. Where two leaves meet, those triangles of each that may meet
-//! the other leaf are put side by side in a frame close to both ([`geometry::patch`]), and each of
-//! A is tested against eight of B at once.
+//! the other leaf are put side by side in a frame close to both ([`geometry::patch`]); those pairs
+//! of them whose boxes meet are collected, and tested eight at once.
 
 use super::boxes::{self, Frames, LEAF_MAX};
 use super::found::{Found, Halt};
@@ -16,7 +16,7 @@ use super::{End, Question, Task};
 use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
-use geometry::patch::{self, Close, LANES as EIGHT};
+use geometry::patch::{ALL, Close, LANES as EIGHT, Pairs};
 use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
 use model::wide::{LANES, LEAF_LANES};
 use model::{BodyView, WideLeaf, WideNode};
@@ -47,6 +47,7 @@ pub(super) fn stack_room(levels: usize) -> usize {
 pub(super) struct Scratch {
     patch_a: Patch,
     patch_b: Patch,
+    pairs: Pairs,
     start_a: [WideNode; BLOCKS],
     start_b: [WideNode; BLOCKS],
 }
@@ -56,6 +57,7 @@ impl Scratch {
         Self {
             patch_a: Patch::default(),
             patch_b: Patch::default(),
+            pairs: Pairs::default(),
             start_a: [WideNode::EMPTY; BLOCKS],
             start_b: [WideNode::EMPTY; BLOCKS],
         }
@@ -69,6 +71,7 @@ struct Walk<'w, 'a> {
     room: usize,
     patch_a: &'w mut Patch,
     patch_b: &'w mut Patch,
+    pairs: &'w mut Pairs,
     tree_a: Tree<'w>,
     tree_b: Tree<'w>,
     posed: Posed<'a>,
@@ -113,7 +116,7 @@ pub(super) fn walk<S: Simd>(
 ) -> End {
     let task = found.task;
     let Some(start) = stack.pop() else { return End::Complete };
-    let Scratch { patch_a, patch_b, start_a, start_b } = scratch;
+    let Scratch { patch_a, patch_b, pairs, start_a, start_b } = scratch;
     stack.push(NodePair {
         a: entrance(&task.a, start.a, start_a),
         b: entrance(&task.b, start.b, start_b),
@@ -124,6 +127,7 @@ pub(super) fn walk<S: Simd>(
         room,
         patch_a,
         patch_b,
+        pairs,
         tree_a: Tree { nodes: task.a.wide, start: start_a },
         tree_b: Tree { nodes: task.b.wide, start: start_b },
         posed: Posed::new(&task.pose, task.a.corners, task.b.corners),
@@ -278,27 +282,19 @@ impl Walk<'_, '_> {
         let sets = self.found.task.question == Question::Sets;
         let fresh = if sets { self.fresh() } else { u64::MAX };
         self.found.counters.nb += (a.triangles().len() * b.triangles().len()) as u64;
-        for (row, &triangle) in a.triangles().iter().enumerate() {
-            let mut meeting = b.meeting(simd, &a.one_box(simd, row));
-            if sets && self.found.hits_a.has(triangle) {
-                meeting &= fresh;
-            }
-            self.found.counters.np += u64::from(meeting.count_ones());
-            while meeting != 0 {
-                let at = meeting.trailing_zeros() as usize / EIGHT * EIGHT;
-                let lanes = meeting >> at & 0xff;
-                meeting &= !(0xff << at);
-                let others = &b.triangles()[at..];
-                let near = (&self.posed, close);
-                let mut hits = patch::meet(simd, near, (a, row), (b, at), lanes);
-                while hits != 0 {
-                    let pair = [triangle, others[hits.trailing_zeros() as usize]];
-                    let posed = &self.posed;
-                    self.found.take(pair, |supports, directions| {
-                        measure(simd, posed, pair, supports, directions);
-                    })?;
-                    hits &= hits - 1;
-                }
+        for at in (0..b.triangles().len()).step_by(EIGHT) {
+            let among = |triangle: u32| {
+                let known = sets && self.found.hits_a.has(triangle);
+                if known { fresh >> at & ALL } else { ALL }
+            };
+            self.pairs.take(simd, a, (b, at), among);
+            if self.pairs.is_full() || at + EIGHT >= b.triangles().len() {
+                self.found.counters.np += self.pairs.len() as u64;
+                self.pairs.sift(simd, &self.posed, close);
+                let posed = &self.posed;
+                self.found.take(self.pairs.drain(), |pair, supports, directions| {
+                    measure(simd, posed, pair, supports, directions);
+                })?;
             }
         }
         ControlFlow::Continue(())
