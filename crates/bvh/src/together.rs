@@ -155,8 +155,7 @@ impl<'t> Together<'_, 't> {
                 let numbers = hits.iter().max().map_or(0, |most| most + 1);
                 self.seen.ensure_room(numbers as usize);
                 self.seen.clear(&(0..numbers));
-                let fresh = self.seen.insert(hits).len();
-                hits.truncate(fresh);
+                hits.retain(|triangle| self.seen.insert(*triangle));
             }
         }
         let Outcome { pairs, .. } = self.found.outcome;

@@ -66,6 +66,13 @@ pub fn turned<S: Simd, V: Lanes<S>>(
     [along(simd, p, v, x), along(simd, q, v, y), along(simd, r, v, z)]
 }
 
+/// `matrix · v`.
+#[inline(always)]
+pub fn rotated<S: Simd, V: Lanes<S>>(simd: S, rows: &[[f32; 3]; 3], v: [V; 3]) -> [V; 3] {
+    let same = |[x, y, z]: [f32; 3]| [V::splat(simd, x), V::splat(simd, y), V::splat(simd, z)];
+    [dot(same(rows[0]), v), dot(same(rows[1]), v), dot(same(rows[2]), v)]
+}
+
 /// `row · v + last`.
 #[inline(always)]
 fn along<S: Simd, V: Lanes<S>>(simd: S, [p, q, r]: &[f32; 3], [x, y, z]: [V; 3], last: V) -> V {

@@ -35,16 +35,18 @@
 //! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond,
 //!   all is in doubt.
 
+mod one;
 mod pairs;
 #[cfg(test)]
 mod tests;
 
-use crate::lanes::{gather, minus, only, plus, turned};
+use crate::lanes::{gather, minus, only, plus, rotated, turned};
 use crate::{Aabb, Corners, DVec3, RelativePose, Triangle};
 use core::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 
+pub use one::{OneBox, side_by_side};
 pub use pairs::{ALL, Pairs};
 
 /// Triangles side by side.
@@ -100,7 +102,7 @@ impl<'a> Posed<'a> {
 
     /// The frame close to a patch in a box of A's frame and one in a box of B's.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn close(&self, a: &Aabb, b: &Aabb) -> Close {
         let ((origin, half_a), (middle, half_b)) = (middle(a), middle(b));
         let from = self.pose.point(middle) - DVec3::from_array(origin.map(f64::from));
@@ -115,7 +117,7 @@ impl<'a> Posed<'a> {
 }
 
 /// The middle of a box and half its extents, both rounded.
-#[inline]
+#[inline(always)]
 fn middle(box_: &Aabb) -> ([f32; 3], [f32; 3]) {
     let Aabb { min: [u, v, w], max: [x, y, z] } = *box_;
     let half = |low: f32, high: f32| (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
@@ -140,6 +142,7 @@ pub struct Close {
 impl Close {
     /// Its origin in A's frame (m).
     #[must_use]
+    #[inline]
     pub fn origin(&self) -> [f32; 3] {
         self.origin
     }
@@ -159,11 +162,11 @@ impl Close {
         corner: Vector<S>,
         [g, h]: [Vector<S>; 2],
     ) -> Placed<S> {
-        let (rotation, none) = (&posed.rotation, same(simd, &[0.0; 3]));
+        let rotation = &posed.rotation;
         let from_middle = minus(corner, same(simd, &self.middle));
         Placed {
             corner: turned(simd, rotation, from_middle, same(simd, &self.moved)),
-            edges: [turned(simd, rotation, g, none), turned(simd, rotation, h, none)],
+            edges: [rotated(simd, rotation, g), rotated(simd, rotation, h)],
         }
     }
 
@@ -171,28 +174,6 @@ impl Close {
     #[inline(always)]
     fn size_b<S: Simd>(&self, posed: &Posed<'_>, extent: f32x8<S>) -> f32x8<S> {
         extent * posed.rotation_max + self.floor
-    }
-
-    /// A box of A's frame here, rounded.
-    #[must_use]
-    #[inline]
-    pub fn of_a(&self, Aabb { min, max }: &Aabb) -> Aabb {
-        let [x, y, z] = self.origin;
-        Aabb {
-            min: [min[0] - x, min[1] - y, min[2] - z],
-            max: [max[0] - x, max[1] - y, max[2] - z],
-        }
-    }
-
-    /// A box of this frame in A's, rounded.
-    #[must_use]
-    #[inline]
-    pub fn to_a(&self, Aabb { min, max }: &Aabb) -> Aabb {
-        let [x, y, z] = self.origin;
-        Aabb {
-            min: [min[0] + x, min[1] + y, min[2] + z],
-            max: [max[0] + x, max[1] + y, max[2] + z],
-        }
     }
 }
 
@@ -496,12 +477,11 @@ impl<S: Simd> Boxes<S> {
 
     /// The box of all lanes.
     #[inline(always)]
-    pub fn all(&self) -> Aabb {
+    pub fn all(&self, simd: S) -> OneBox<S> {
         let ([u, v, w], [x, y, z]) = (self.min, self.max);
-        Aabb {
-            min: [u.reduce_min(), v.reduce_min(), w.reduce_min()],
-            max: [x.reduce_max(), y.reduce_max(), z.reduce_max()],
-        }
+        let min = [u.reduce_min(), v.reduce_min(), w.reduce_min()];
+        let max = [x.reduce_max(), y.reduce_max(), z.reduce_max()];
+        OneBox { min: side_by_side(simd, min), max: side_by_side(simd, max) }
     }
 
     /// Which meet the other's in the same lane. Comparisons with NaN are false.

@@ -267,7 +267,7 @@ impl Walk<'_, '_> {
             return ControlFlow::Continue(());
         };
         let before = self.found.sums;
-        let tested = self.test(simd, &close);
+        let tested = self.test(simd, &close, [a[0].first, b[0].first]);
         if let ControlFlow::Break(Halt::Stopped) = tested {
             self.found.sums = before;
             self.stack.push(pair);
@@ -275,9 +275,9 @@ impl Walk<'_, '_> {
         tested
     }
 
-    /// Tests all of one patch against all of the other.
+    /// Tests all of one patch against all of the other, triangles from number `first` on.
     #[inline(always)]
-    fn test<S: Simd>(&mut self, simd: S, close: &Close) -> ControlFlow<Halt> {
+    fn test<S: Simd>(&mut self, simd: S, close: &Close, first: [u32; 2]) -> ControlFlow<Halt> {
         let (a, b) = (&*self.patch_a, &*self.patch_b);
         let sets = self.found.task.question == Question::Sets;
         let fresh = if sets { self.fresh() } else { u64::MAX };
@@ -292,7 +292,7 @@ impl Walk<'_, '_> {
                 self.found.counters.np += self.pairs.len() as u64;
                 self.pairs.sift(simd, &self.posed, close);
                 let posed = &self.posed;
-                self.found.take(self.pairs.drain(), |pair, supports, directions| {
+                self.found.take(self.pairs.drain(), first, |pair, supports, directions| {
                     measure(simd, posed, pair, supports, directions);
                 })?;
             }

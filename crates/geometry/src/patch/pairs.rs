@@ -70,9 +70,9 @@ impl Pairs {
     /// Hands out all of them: the triangles of A, and those of B in the same places.
     #[must_use]
     #[inline]
-    pub fn drain(&mut self) -> [&mut [u32]; 2] {
+    pub fn drain(&mut self) -> [&[u32]; 2] {
         let count = core::mem::take(&mut self.count);
-        [&mut self.a[..count], &mut self.b[..count]]
+        [&self.a[..count], &self.b[..count]]
     }
 
     /// Takes every triangle of A with those of the eight of B from place `at` on whose boxes meet
@@ -89,17 +89,19 @@ impl Pairs {
     ) {
         let boxes = Boxes { min: eight(simd, &b.min, at), max: eight(simd, &b.max, at) };
         let numbers = u32x8::from_slice(simd, &b.triangles[at..at + LANES]);
+        let mut count = self.count;
         for (row, &triangle) in a.triangles().iter().enumerate() {
             let mut meeting = a.one_box(simd, row).meet(&boxes);
             let among = among(triangle);
             if among != ALL {
                 meeting &= mask32x8::from_bitmask(simd, among);
             }
-            let places = self.count..self.count + LANES;
+            let places = count..count + LANES;
             u32x8::splat(simd, triangle).store_slice(&mut self.a[places.clone()]);
             numbers.compress(meeting).store_slice(&mut self.b[places]);
-            self.count += meeting.to_bitmask().count_ones() as usize;
+            count += meeting.to_bitmask().count_ones() as usize;
         }
+        self.count = count;
     }
 
     /// Keeps those of the pairs that intersect: exactly those of which [`triangle::intersect`] says
@@ -120,7 +122,7 @@ impl Pairs {
         let (a, b) = (self.a[count - 1], self.b[count - 1]);
         u32x8::splat(simd, a).store_slice(&mut self.a[count..count + LANES]);
         u32x8::splat(simd, b).store_slice(&mut self.b[count..count + LANES]);
-        self.count = 0;
+        let mut kept = 0;
         for at in (0..count).step_by(LANES) {
             let [mut hits, doubt] = self.eight(simd, posed, close, at);
             let there = ALL >> (LANES - LANES.min(count - at));
@@ -129,14 +131,15 @@ impl Pairs {
                 hits |= mask32x8::from_bitmask(simd, self.exactly(posed, at, doubt));
             }
             // What is kept never overtakes what is read.
-            let (from, to) = (at..at + LANES, self.count..self.count + LANES);
+            let (from, to) = (at..at + LANES, kept..kept + LANES);
             let (a, b) = (&mut self.a, &mut self.b);
             let of_a = u32x8::from_slice(simd, &a[from.clone()]);
             of_a.compress(hits).store_slice(&mut a[to.clone()]);
             let of_b = u32x8::from_slice(simd, &b[from]);
             of_b.compress(hits).store_slice(&mut b[to]);
-            self.count += (hits.to_bitmask() & there).count_ones() as usize;
+            kept += (hits.to_bitmask() & there).count_ones() as usize;
         }
+        self.count = kept;
     }
 
     /// Which of those in doubt intersect.
