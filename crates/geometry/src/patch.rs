@@ -41,6 +41,7 @@ mod pairs;
 mod tests;
 
 use crate::lanes::{gather, minus, only, plus, rotated, turned};
+use crate::simd::prefetch;
 use crate::{Aabb, Corners, DVec3, RelativePose, Triangle};
 use core::ops::Range;
 use fearless_simd::prelude::*;
@@ -98,6 +99,21 @@ impl<'a> Posed<'a> {
     #[must_use]
     pub fn triangles(&self, [a, b]: [u32; 2]) -> [Triangle; 2] {
         [Triangle::stored(&self.a[a as usize]), self.pose.triangle(&self.b[b as usize])]
+    }
+
+    /// The triangles of A whose bit is set, counted from number `first` on, on their way into a
+    /// patch: between here and there is time for them to come from memory.
+    #[must_use]
+    #[inline(always)]
+    pub fn want_a<S: Simd>(&self, simd: S, first: u32, bits: u64) -> Wanted {
+        Wanted::of(simd, self.a, first, bits)
+    }
+
+    /// Triangles of B, likewise.
+    #[must_use]
+    #[inline(always)]
+    pub fn want_b<S: Simd>(&self, simd: S, first: u32, bits: u64) -> Wanted {
+        Wanted::of(simd, self.b, first, bits)
     }
 
     /// The frame close to a patch in a box of A's frame and one in a box of B's.
@@ -192,6 +208,29 @@ pub trait Choice<S: Simd> {
     fn of(&self, corners: &[Vector<S>; 3], boxes: &Boxes<S>) -> mask32x8<S>;
 }
 
+/// Numbers of triangles of one body that will be looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Behind the last one, up to eight, stands some number that is there.
+    numbers: [u32; ROOM],
+    count: usize,
+}
+
+impl Wanted {
+    /// The bits that are set, counted from number `first` on. Fetching the triangles begins.
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, triangles: &[Corners], first: u32, mut bits: u64) -> Self {
+        let mut numbers = [first + bits.trailing_zeros() % ROOM as u32; ROOM];
+        let count = bits.count_ones() as usize;
+        for number in &mut numbers[..count] {
+            *number = first + bits.trailing_zeros();
+            prefetch(simd, triangles, *number as usize);
+            bits &= bits - 1;
+        }
+        Self { numbers, count }
+    }
+}
+
 /// Triangles of one body: their boxes in the close frame, side by side.
 #[derive(Clone, Debug)]
 pub struct Patch {
@@ -230,8 +269,8 @@ impl Patch {
         &self.triangles[..self.count]
     }
 
-    /// Takes triangles of A: of those whose bit is set in `bits`, counted from number `first` on,
-    /// the ones of that choice. Returns their boxes, spread over eight.
+    /// Takes triangles of A: of those that are wanted, the ones of that choice. Returns their boxes,
+    /// spread over eight.
     ///
     /// # Panics
     ///
@@ -241,14 +280,13 @@ impl Patch {
         &mut self,
         simd: S,
         (posed, close): (&Posed<'_>, &Close),
-        (first, bits): (u32, u64),
+        Wanted { numbers, count }: &Wanted,
         choice: &impl Choice<S>,
     ) -> Boxes<S> {
         let mut all = Boxes::nothing(simd);
         self.count = 0;
-        let (numbers, count) = numbers(first, bits);
         let origin = same(simd, &close.origin);
-        for from in (0..count).step_by(LANES) {
+        for from in (0..*count).step_by(LANES) {
             let numbers = &numbers[from..from + LANES];
             let [a0, a1, a2]: [Vector<S>; 3] = gather(simd, posed.a, numbers);
             let corners = [minus(a0, origin), minus(a1, origin), minus(a2, origin)];
@@ -271,14 +309,13 @@ impl Patch {
         &mut self,
         simd: S,
         (posed, close): (&Posed<'_>, &Close),
-        (first, bits): (u32, u64),
+        Wanted { numbers, count }: &Wanted,
         choice: &impl Choice<S>,
     ) -> Boxes<S> {
         let mut all = Boxes::nothing(simd);
         self.count = 0;
-        let (numbers, count) = numbers(first, bits);
         let error = f32x8::splat(simd, close.error());
-        for from in (0..count).step_by(LANES) {
+        for from in (0..*count).step_by(LANES) {
             let numbers = &numbers[from..from + LANES];
             let [b0, b1, b2]: [Vector<S>; 3] = gather(simd, posed.b, numbers);
             let edges = [minus(b1, b0), minus(b2, b0)];
@@ -365,8 +402,10 @@ pub fn meet_all<S: Simd>(
     }
     let close = posed.close(&box_a, &box_b);
     let Patches { a: patch_a, b: patch_b, pairs } = patches;
-    patch_a.take_a(simd, (posed, &close), (a.start, bits(&a)), &All(simd));
-    patch_b.take_b(simd, (posed, &close), (b.start, bits(&b)), &All(simd));
+    let (of_a, of_b) =
+        (posed.want_a(simd, a.start, bits(&a)), posed.want_b(simd, b.start, bits(&b)));
+    patch_a.take_a(simd, (posed, &close), &of_a, &All(simd));
+    patch_b.take_b(simd, (posed, &close), &of_b, &All(simd));
     for at in (0..patch_b.count).step_by(LANES) {
         pairs.take(simd, patch_a, (patch_b, at), |_| ALL);
         if pairs.is_full() || at + LANES >= patch_b.count {
@@ -385,19 +424,6 @@ impl<S: Simd> Choice<S> for All<S> {
     fn of(&self, _: &[Vector<S>; 3], _: &Boxes<S>) -> mask32x8<S> {
         mask32x8::splat(self.0, true)
     }
-}
-
-/// The numbers of the bits that are set, from `first` on, and how many there are; the rest of the
-/// last eight has some number that is there.
-#[inline(always)]
-fn numbers(first: u32, mut bits: u64) -> ([u32; ROOM], usize) {
-    let mut numbers = [first + bits.trailing_zeros() % ROOM as u32; ROOM];
-    let count = bits.count_ones() as usize;
-    for number in &mut numbers[..count] {
-        *number = first + bits.trailing_zeros();
-        bits &= bits - 1;
-    }
-    (numbers, count)
 }
 
 /// The first so many of eight lanes.

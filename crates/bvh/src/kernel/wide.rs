@@ -17,6 +17,7 @@ use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use geometry::patch::{ALL, Close, LANES as EIGHT, Pairs};
+use geometry::simd::prefetch;
 use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
 use model::wide::{LANES, LEAF_LANES};
 use model::{BodyView, WideLeaf, WideNode};
@@ -208,6 +209,11 @@ impl Walk<'_, '_> {
             }
             self.found.beat()?;
             self.stack.pop();
+            // What is next on the stack, unless this pair puts something above it.
+            if let Some(next) = self.stack.last() {
+                prefetch(simd, self.tree_a.nodes, next.a as usize);
+                prefetch(simd, self.tree_b.nodes, next.b as usize);
+            }
             let (a, b) = (self.tree_a.node(pair.a), self.tree_b.node(pair.b));
             match (a.leaf(), b.leaf()) {
                 (None, None) => self.open_both(simd, a, b),

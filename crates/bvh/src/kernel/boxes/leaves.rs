@@ -39,11 +39,12 @@ impl Frames {
         if bits == 0 {
             return None;
         }
+        let wanted = posed.want_b(simd, b[0].first, bits);
         let close = posed.close(&a[0].bounds, &b[0].bounds);
         let origin = side_by_side(simd, close.origin());
         let slab = Layer::of_a(simd, &a[0].slab);
         let near = Near::new(simd, &close, &common.moved(-origin), &slab, self.slack);
-        let boxes = patch_b.take_b(simd, (posed, &close), (b[0].first, bits), &near).all(simd);
+        let boxes = patch_b.take_b(simd, (posed, &close), &wanted, &near).all(simd);
         if patch_b.triangles().is_empty() {
             return None;
         }
@@ -52,9 +53,10 @@ impl Frames {
         if bits == 0 {
             return None;
         }
+        let wanted = posed.want_a(simd, a[0].first, bits);
         let slab = self.slab_in_a(simd, &b[0].slab);
         let near = Near::new(simd, &close, &boxes, &slab, self.slack);
-        patch_a.take_a(simd, (posed, &close), (a[0].first, bits), &near);
+        patch_a.take_a(simd, (posed, &close), &wanted, &near);
         (!patch_a.triangles().is_empty()).then_some(close)
     }
 
