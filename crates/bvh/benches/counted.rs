@@ -7,9 +7,9 @@ mod scene;
 use bvh::build::LEAF_SIZE_MAX;
 use bvh::{BuildOptions, Question, build};
 use fearless_simd::dispatch;
-use geometry::patch::{self, meet_all};
+use geometry::patch::{self, Patches, meet_all};
 use geometry::simd::Level;
-use geometry::{DVec3, Directions, Patch, triangle};
+use geometry::{DVec3, Directions, triangle};
 use model::Build;
 use posed::Posed;
 use scene::Scene;
@@ -39,7 +39,7 @@ const WORKLOADS: &[(&str, Prepare)] = &[
         let posed = Posed::new(SCENE, Build::Sah, LEAF_SIZE_MAX);
         let leaf_pairs = posed.leaf_pairs();
         let level = Level::new();
-        let mut patches = [Patch::default(), Patch::default()];
+        let mut patches = Patches::default();
         Box::new(move || {
             let (a, b, pose) = posed.parts();
             let posed = patch::Posed::new(pose, a.corners, b.corners);

@@ -7,8 +7,8 @@ use bvh::Question;
 use bvh::build::LEAF_SIZE_MAX;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
-use geometry::patch::{self, meet_all};
-use geometry::{DVec3, Directions, Patch, simd, triangle};
+use geometry::patch::{self, Patches, meet_all};
+use geometry::{DVec3, Directions, simd, triangle};
 use model::Build;
 use posed::Posed;
 use std::hint::black_box;
@@ -56,7 +56,7 @@ fn triangles(criterion: &mut Criterion) {
     let (a, b, pose) = leaves.parts();
     let posed = patch::Posed::new(pose, a.corners, b.corners);
     for level in simd::levels() {
-        let mut patches = [Patch::default(), Patch::default()];
+        let mut patches = Patches::default();
         group.bench_function(BenchmarkId::new("patches", simd::name(level)), |bencher| {
             bencher.iter(|| {
                 let mut hits = 0;

@@ -10,20 +10,25 @@ pub(crate) struct Hits {
     words: Vec<u64>,
     /// The words that are not 0.
     used: Vec<u32>,
-    /// First triangle of the range.
+    /// Number of the first bit: 63 before the range, where a word that is put in may begin.
     first: usize,
+}
+
+/// Words for a range of so many triangles.
+fn words(triangles: usize) -> usize {
+    (triangles + BITS - 1).div_ceil(BITS)
 }
 
 impl Hits {
     /// Room for ranges of `triangles` triangles.
     pub(crate) fn with_room(triangles: usize) -> Self {
-        let words = triangles.div_ceil(BITS);
+        let words = words(triangles);
         Self { words: vec![0; words], used: Vec::with_capacity(words), first: 0 }
     }
 
     /// Makes room for ranges of `triangles` triangles, and forgets everything.
     pub(crate) fn ensure_room(&mut self, triangles: usize) {
-        if triangles.div_ceil(BITS) > self.words.len() {
+        if words(triangles) > self.words.len() {
             *self = Self::with_room(triangles);
         }
     }
@@ -37,8 +42,8 @@ impl Hits {
         for word in self.used.drain(..) {
             self.words[word as usize] = 0;
         }
-        self.first = range.start as usize;
-        assert!(range.len() <= self.words.len() * BITS, "no room for the triangles of this job");
+        self.first = (range.start as usize).saturating_sub(BITS - 1);
+        assert!(words(range.len()) <= self.words.len(), "no room for the triangles of this job");
     }
 
     /// Whether the triangle is in the set.
@@ -49,13 +54,29 @@ impl Hits {
 
     /// Puts the triangle in; whether it was not there before.
     pub(crate) fn insert(&mut self, triangle: u32) -> bool {
-        let at = triangle as usize - self.first;
-        let (word, bit) = (&mut self.words[at / BITS], 1 << (at % BITS));
-        if *word == 0 {
-            self.used.push((at / BITS) as u32);
+        self.insert_bits(triangle, 1) != 0
+    }
+
+    /// Puts triangles in: bit i is for number `first` + i. Returns those that were not there before.
+    pub(crate) fn insert_bits(&mut self, first: u32, bits: u64) -> u64 {
+        let at = first as usize - self.first;
+        let (word, shift) = (at / BITS, at % BITS);
+        let mut new = self.insert_word(word, bits << shift) >> shift;
+        // What does not fit into this word.
+        let rest = bits >> 1 >> (BITS - 1 - shift);
+        if rest != 0 {
+            new |= self.insert_word(word + 1, rest) << 1 << (BITS - 1 - shift);
         }
-        let new = *word & bit == 0;
-        *word |= bit;
+        new
+    }
+
+    fn insert_word(&mut self, at: usize, bits: u64) -> u64 {
+        let word = &mut self.words[at];
+        if *word == 0 && bits != 0 {
+            self.used.push(at as u32);
+        }
+        let new = bits & !*word;
+        *word |= bits;
         new
     }
 }

@@ -1,7 +1,7 @@
 //! One job: everything below one node of A and one node of B, to hits, sums and supports.
 //!
 //! Two walks give the same answer: `plain` explains how, one pair of boxes at a time; `wide` takes
-//! eight boxes against eight, and one triangle against eight. Either is bounded three times over:
+//! eight boxes against eight, and eight pairs of triangles. Either is bounded three times over:
 //! by a stack whose size is argued there, by a budget of tests, and by a sink that may say stop.
 //! Whatever ends it early, the pairs that wait on the stack cover everything that was not tested,
 //! and no more.

@@ -4,10 +4,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
-use geometry::patch::{LANES, meet_all};
-use geometry::{
-    Aabb, Corners, DVec3, Patch, Pose, Posed, RelativePose, Triangle, hash, simd, triangle,
-};
+use geometry::patch::{LANES, Patches, meet_all};
+use geometry::{Aabb, Corners, DVec3, Pose, Posed, RelativePose, Triangle, hash, simd, triangle};
 use std::hint::black_box;
 
 /// Pairs of each kind: more than a branch predictor learns by heart.
@@ -53,7 +51,7 @@ fn main() {
         // Eight of A against eight of B: most pairs are not of the kind, as in a walk.
         for level in simd::levels() {
             group.bench_function(BenchmarkId::new("patches", simd::name(level)), |bencher| {
-                let mut patches = [Patch::default(), Patch::default()];
+                let mut patches = Patches::default();
                 bencher.iter(|| {
                     let mut hits = 0;
                     for start in (0..PAIRS as u32).step_by(LANES) {

@@ -6,7 +6,7 @@
 
 use crate::Corners;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4};
+use fearless_simd::{Simd, f32x4, f32x8};
 
 /// Coordinates (m) in single precision, a lane each.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -66,6 +66,13 @@ pub fn turned<S: Simd, V: Lanes<S>>(
     [along(simd, p, v, x), along(simd, q, v, y), along(simd, r, v, z)]
 }
 
+/// `matrix · v`.
+#[inline(always)]
+pub fn rotated<S: Simd, V: Lanes<S>>(simd: S, rows: &[[f32; 3]; 3], v: [V; 3]) -> [V; 3] {
+    let same = |[x, y, z]: [f32; 3]| [V::splat(simd, x), V::splat(simd, y), V::splat(simd, z)];
+    [dot(same(rows[0]), v), dot(same(rows[1]), v), dot(same(rows[2]), v)]
+}
+
 /// `row · v + last`.
 #[inline(always)]
 fn along<S: Simd, V: Lanes<S>>(simd: S, [p, q, r]: &[f32; 3], [x, y, z]: [V; 3], last: V) -> V {
@@ -73,46 +80,28 @@ fn along<S: Simd, V: Lanes<S>>(simd: S, [p, q, r]: &[f32; 3], [x, y, z]: [V; 3],
     z.mul_add(r, y.mul_add(q, x.mul_add(p, last)))
 }
 
-/// The corners of one triangle per lane, those that `number` of the lane says.
+/// The corners of eight triangles, those of these numbers.
 ///
 /// # Panics
 ///
-/// There is no triangle of such a number.
+/// There is no triangle of such a number, or there are not eight numbers.
 #[inline(always)]
-pub fn gather<S: Simd, V: Lanes<S>>(
-    simd: S,
-    triangles: &[Corners],
-    number: impl Fn(usize) -> u32,
-) -> [[V; 3]; 3] {
-    let mut lanes = [V::splat(simd, 0.0); 9];
-    let mut start = 0;
-    while start < V::LEN {
-        let row = |i: usize| triangles[number(start + i) as usize].as_flattened();
-        let rows = [row(0), row(1), row(2), row(3)];
-        let [c0, c1, c2, c3] = four(simd, rows, 0);
-        let [c4, c5, c6, c7] = four(simd, rows, 4);
-        let [.., c8] = four(simd, rows, 5);
-        let columns = [c0, c1, c2, c3, c4, c5, c6, c7, c8];
-        let mut k = 0;
-        while k < 9 {
-            lanes[k].as_mut_slice()[start..start + 4].copy_from_slice(columns[k].as_slice());
-            k += 1;
-        }
-        start += 4;
-    }
-    let [ax, ay, az, bx, by, bz, cx, cy, cz] = lanes;
+pub fn gather<S: Simd>(simd: S, triangles: &[Corners], numbers: &[u32]) -> [[f32x8<S>; 3]; 3] {
+    let row = |i: usize| triangles[numbers[i] as usize].as_flattened();
+    let rows = [row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)];
+    let [ax, ay, az, bx] = columns(simd, &rows, 0);
+    let [by, bz, cx, cy] = columns(simd, &rows, 4);
+    let [.., cz] = columns(simd, &rows, 5);
     [[ax, ay, az], [bx, by, bz], [cx, cy, cz]]
 }
 
-/// Four columns from `at` on, of four rows.
+/// Four columns from `at` on, of eight rows.
 #[inline(always)]
-fn four<S: Simd>(simd: S, [p, q, r, s]: [&[f32]; 4], at: usize) -> [f32x4<S>; 4] {
-    transposed([
-        f32x4::from_slice(simd, &p[at..at + 4]),
-        f32x4::from_slice(simd, &q[at..at + 4]),
-        f32x4::from_slice(simd, &r[at..at + 4]),
-        f32x4::from_slice(simd, &s[at..at + 4]),
-    ])
+fn columns<S: Simd>(simd: S, rows: &[&[f32]; 8], at: usize) -> [f32x8<S>; 4] {
+    let row = |i: usize| f32x4::from_slice(simd, &rows[i][at..at + 4]);
+    let [a, b, c, d] = transposed([row(0), row(1), row(2), row(3)]);
+    let [e, f, g, h] = transposed([row(4), row(5), row(6), row(7)]);
+    [a.combine(e), b.combine(f), c.combine(g), d.combine(h)]
 }
 
 /// Rows become columns.

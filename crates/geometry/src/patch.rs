@@ -1,5 +1,5 @@
-//! The exact triangle test of one triangle against eight: small patches of two bodies, made ready
-//! in a frame close to both.
+//! The exact triangle test of eight pairs at once: small patches of two bodies, in a frame close to
+//! both, and those pairs of their triangles whose boxes meet there ([`Pairs`]).
 //!
 //! A pair per lane in f32 with a bound of all errors: of a car crash that decides all but one in a
 //! hundred. Those, and every pair that touches, shares a corner or lies in one plane, are for
@@ -35,32 +35,26 @@
 //! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond,
 //!   all is in doubt.
 
+mod one;
+mod pairs;
 #[cfg(test)]
 mod tests;
 
-use crate::lanes::{cross, dot, dot_and, gather, minus, only, plus, reach, turned};
-use crate::{Aabb, Corners, DVec3, RelativePose, Triangle, triangle};
+use crate::lanes::{gather, minus, only, plus, rotated, turned};
+use crate::simd::prefetch;
+use crate::{Aabb, Corners, DVec3, RelativePose, Triangle};
 use core::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
+
+pub use one::{OneBox, side_by_side};
+pub use pairs::{ALL, Pairs};
 
 /// Triangles side by side.
 pub const LANES: usize = 8;
 
 /// The most triangles of a patch: the bits of a word.
 pub const ROOM: usize = 64;
-
-/// The greatest sum of sizes (m) that is decided in f32: 2⁴⁰.
-const SIZE_MAX: f32 = f32::from_bits((127 + 40) << 23);
-
-/// More than all errors of underflow: 2⁻¹⁰⁰.
-const UNDERFLOW: f32 = f32::from_bits((127 - 100) << 23);
-
-/// Of a side of a plane: 128 u = 2⁻¹⁷.
-const SIDE_ERROR: f32 = f32::from_bits((127 - 17) << 23);
-
-/// Of an edge determinant: 512 u = 2⁻¹⁵.
-const EDGE_ERROR: f32 = f32::from_bits((127 - 15) << 23);
 
 /// By how much boxes of B are enlarged, and slabs: 32 u = 2⁻¹⁹ times L.
 const PLACE_ERROR: f32 = f32::from_bits((127 - 19) << 23);
@@ -107,9 +101,24 @@ impl<'a> Posed<'a> {
         [Triangle::stored(&self.a[a as usize]), self.pose.triangle(&self.b[b as usize])]
     }
 
+    /// The triangles of A whose bit is set, counted from number `first` on, on their way into a
+    /// patch: between here and there is time for them to come from memory.
+    #[must_use]
+    #[inline(always)]
+    pub fn want_a<S: Simd>(&self, simd: S, first: u32, bits: u64) -> Wanted {
+        Wanted::of(simd, self.a, first, bits)
+    }
+
+    /// Triangles of B, likewise.
+    #[must_use]
+    #[inline(always)]
+    pub fn want_b<S: Simd>(&self, simd: S, first: u32, bits: u64) -> Wanted {
+        Wanted::of(simd, self.b, first, bits)
+    }
+
     /// The frame close to a patch in a box of A's frame and one in a box of B's.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn close(&self, a: &Aabb, b: &Aabb) -> Close {
         let ((origin, half_a), (middle, half_b)) = (middle(a), middle(b));
         let from = self.pose.point(middle) - DVec3::from_array(origin.map(f64::from));
@@ -124,7 +133,7 @@ impl<'a> Posed<'a> {
 }
 
 /// The middle of a box and half its extents, both rounded.
-#[inline]
+#[inline(always)]
 fn middle(box_: &Aabb) -> ([f32; 3], [f32; 3]) {
     let Aabb { min: [u, v, w], max: [x, y, z] } = *box_;
     let half = |low: f32, high: f32| (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
@@ -149,6 +158,7 @@ pub struct Close {
 impl Close {
     /// Its origin in A's frame (m).
     #[must_use]
+    #[inline]
     pub fn origin(&self) -> [f32; 3] {
         self.origin
     }
@@ -159,26 +169,27 @@ impl Close {
         self.size * PLACE_ERROR
     }
 
-    /// A box of A's frame here, rounded.
-    #[must_use]
-    #[inline]
-    pub fn of_a(&self, Aabb { min, max }: &Aabb) -> Aabb {
-        let [x, y, z] = self.origin;
-        Aabb {
-            min: [min[0] - x, min[1] - y, min[2] - z],
-            max: [max[0] - x, max[1] - y, max[2] - z],
+    /// Triangles of B here, by their first corners and the edges from there, in B's frame.
+    #[inline(always)]
+    fn placed<S: Simd>(
+        &self,
+        simd: S,
+        posed: &Posed<'_>,
+        corner: Vector<S>,
+        [g, h]: [Vector<S>; 2],
+    ) -> Placed<S> {
+        let rotation = &posed.rotation;
+        let from_middle = minus(corner, same(simd, &self.middle));
+        Placed {
+            corner: turned(simd, rotation, from_middle, same(simd, &self.moved)),
+            edges: [rotated(simd, rotation, g), rotated(simd, rotation, h)],
         }
     }
 
-    /// A box of this frame in A's, rounded.
-    #[must_use]
-    #[inline]
-    pub fn to_a(&self, Aabb { min, max }: &Aabb) -> Aabb {
-        let [x, y, z] = self.origin;
-        Aabb {
-            min: [min[0] + x, min[1] + y, min[2] + z],
-            max: [max[0] + x, max[1] + y, max[2] + z],
-        }
+    /// Lb of triangles of B whose edges, in B's frame, have no coordinate greater than `extent`.
+    #[inline(always)]
+    fn size_b<S: Simd>(&self, posed: &Posed<'_>, extent: f32x8<S>) -> f32x8<S> {
+        extent * posed.rotation_max + self.floor
     }
 }
 
@@ -197,18 +208,35 @@ pub trait Choice<S: Simd> {
     fn of(&self, corners: &[Vector<S>; 3], boxes: &Boxes<S>) -> mask32x8<S>;
 }
 
-/// Triangles of one body side by side, in the close frame.
+/// Numbers of triangles of one body that will be looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Behind the last one, up to eight, stands some number that is there.
+    numbers: [u32; ROOM],
+    count: usize,
+}
+
+impl Wanted {
+    /// The bits that are set, counted from number `first` on. Fetching the triangles begins.
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, triangles: &[Corners], first: u32, mut bits: u64) -> Self {
+        let mut numbers = [first + bits.trailing_zeros() % ROOM as u32; ROOM];
+        let count = bits.count_ones() as usize;
+        for number in &mut numbers[..count] {
+            *number = first + bits.trailing_zeros();
+            prefetch(simd, triangles, *number as usize);
+            bits &= bits - 1;
+        }
+        Self { numbers, count }
+    }
+}
+
+/// Triangles of one body: their boxes in the close frame, side by side.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// Their boxes; those behind the last triangle are empty.
+    /// Those behind the last triangle are empty.
     min: [Column; 3],
     max: [Column; 3],
-    /// The first corner, the edges from it to the others, their product.
-    corner: [Column; 3],
-    edges: [[Column; 3]; 2],
-    normal: [Column; 3],
-    /// La or Lb.
-    size: Column,
     triangles: [u32; PLACES],
     count: usize,
 }
@@ -219,27 +247,17 @@ type Column = [f32; PLACES];
 /// Eight are stored at once.
 const PLACES: usize = ROOM + LANES;
 
-/// A triangle, or eight, of a patch.
-struct Ready<S: Simd> {
+/// Eight triangles of B in the close frame.
+struct Placed<S: Simd> {
     corner: Vector<S>,
+    /// From there to the other two.
     edges: [Vector<S>; 2],
-    normal: Vector<S>,
-    size: f32x8<S>,
 }
 
 impl Default for Patch {
     fn default() -> Self {
         const ZERO: Column = [0.0; PLACES];
-        Self {
-            min: [ZERO; 3],
-            max: [ZERO; 3],
-            corner: [ZERO; 3],
-            edges: [[ZERO; 3]; 2],
-            normal: [ZERO; 3],
-            size: ZERO,
-            triangles: [0; PLACES],
-            count: 0,
-        }
+        Self { min: [ZERO; 3], max: [ZERO; 3], triangles: [0; PLACES], count: 0 }
     }
 }
 
@@ -251,8 +269,8 @@ impl Patch {
         &self.triangles[..self.count]
     }
 
-    /// Takes triangles of A: of those whose bit is set in `bits`, counted from number `first` on,
-    /// the ones of that choice. Returns their boxes, spread over eight.
+    /// Takes triangles of A: of those that are wanted, the ones of that choice. Returns their boxes,
+    /// spread over eight.
     ///
     /// # Panics
     ///
@@ -262,27 +280,20 @@ impl Patch {
         &mut self,
         simd: S,
         (posed, close): (&Posed<'_>, &Close),
-        (first, bits): (u32, u64),
+        Wanted { numbers, count }: &Wanted,
         choice: &impl Choice<S>,
     ) -> Boxes<S> {
         let mut all = Boxes::nothing(simd);
         self.count = 0;
-        let (numbers, count) = numbers(first, bits);
         let origin = same(simd, &close.origin);
-        for from in (0..count).step_by(LANES) {
+        for from in (0..*count).step_by(LANES) {
             let numbers = &numbers[from..from + LANES];
-            let [a0, a1, a2]: [Vector<S>; 3] = gather(simd, posed.a, |lane| numbers[lane]);
+            let [a0, a1, a2]: [Vector<S>; 3] = gather(simd, posed.a, numbers);
             let corners = [minus(a0, origin), minus(a1, origin), minus(a2, origin)];
             let boxes = around(&corners);
             let chosen = choice.of(&corners, &boxes) & given(simd, count - from);
-            if chosen.any_true() {
-                let edges = [minus(a1, a0), minus(a2, a0)];
-                let size = reach(edges[0]).max(reach(edges[1]));
-                let ready =
-                    Ready { corner: corners[0], edges, normal: cross(edges[0], edges[1]), size };
-                all.include(&boxes.only(simd, chosen));
-                self.put(simd, numbers, chosen, &boxes, &ready);
-            }
+            all.include(&boxes.only(simd, chosen));
+            self.put(simd, numbers, chosen, &boxes);
         }
         self.close(simd);
         all
@@ -298,30 +309,22 @@ impl Patch {
         &mut self,
         simd: S,
         (posed, close): (&Posed<'_>, &Close),
-        (first, bits): (u32, u64),
+        Wanted { numbers, count }: &Wanted,
         choice: &impl Choice<S>,
     ) -> Boxes<S> {
         let mut all = Boxes::nothing(simd);
         self.count = 0;
-        let (numbers, count) = numbers(first, bits);
-        let (middle, moved) = (same(simd, &close.middle), same(simd, &close.moved));
         let error = f32x8::splat(simd, close.error());
-        let (rotation, none) = (&posed.rotation, same(simd, &[0.0; 3]));
-        for from in (0..count).step_by(LANES) {
+        for from in (0..*count).step_by(LANES) {
             let numbers = &numbers[from..from + LANES];
-            let [b0, b1, b2]: [Vector<S>; 3] = gather(simd, posed.b, |lane| numbers[lane]);
-            let (g1, g2) = (minus(b1, b0), minus(b2, b0));
-            let edges = [turned(simd, rotation, g1, none), turned(simd, rotation, g2, none)];
-            let corner = turned(simd, rotation, minus(b0, middle), moved);
-            let corners = [corner, plus(corner, edges[0]), plus(corner, edges[1])];
+            let [b0, b1, b2]: [Vector<S>; 3] = gather(simd, posed.b, numbers);
+            let edges = [minus(b1, b0), minus(b2, b0)];
+            let Placed { corner, edges: [f1, f2] } = close.placed(simd, posed, b0, edges);
+            let corners = [corner, plus(corner, f1), plus(corner, f2)];
             let boxes = around(&corners).enlarged(error);
             let chosen = choice.of(&corners, &boxes) & given(simd, count - from);
-            if chosen.any_true() {
-                let size = reach(g1).max(reach(g2)) * posed.rotation_max + close.floor;
-                let ready = Ready { corner, edges, normal: cross(edges[0], edges[1]), size };
-                all.include(&boxes.only(simd, chosen));
-                self.put(simd, numbers, chosen, &boxes, &ready);
-            }
+            all.include(&boxes.only(simd, chosen));
+            self.put(simd, numbers, chosen, &boxes);
         }
         self.close(simd);
         all
@@ -329,26 +332,13 @@ impl Patch {
 
     /// Puts those of eight triangles that are chosen behind the others.
     #[inline(always)]
-    fn put<S: Simd>(
-        &mut self,
-        simd: S,
-        numbers: &[u32],
-        chosen: mask32x8<S>,
-        boxes: &Boxes<S>,
-        ready: &Ready<S>,
-    ) {
+    fn put<S: Simd>(&mut self, simd: S, numbers: &[u32], chosen: mask32x8<S>, boxes: &Boxes<S>) {
         let at = self.count..self.count + LANES;
         for axis in 0..3 {
             let at = at.clone();
             boxes.min[axis].compress(chosen).store_slice(&mut self.min[axis][at.clone()]);
-            boxes.max[axis].compress(chosen).store_slice(&mut self.max[axis][at.clone()]);
-            let (e, f) = (ready.edges[0][axis], ready.edges[1][axis]);
-            e.compress(chosen).store_slice(&mut self.edges[0][axis][at.clone()]);
-            f.compress(chosen).store_slice(&mut self.edges[1][axis][at.clone()]);
-            ready.corner[axis].compress(chosen).store_slice(&mut self.corner[axis][at.clone()]);
-            ready.normal[axis].compress(chosen).store_slice(&mut self.normal[axis][at]);
+            boxes.max[axis].compress(chosen).store_slice(&mut self.max[axis][at]);
         }
-        ready.size.compress(chosen).store_slice(&mut self.size[at.clone()]);
         let numbers = u32x8::from_slice(simd, numbers);
         numbers.compress(chosen).store_slice(&mut self.triangles[at]);
         self.count += chosen.to_bitmask().count_ones() as usize;
@@ -364,78 +354,22 @@ impl Patch {
         }
     }
 
-    /// The places whose boxes meet one box: bit i for place i.
-    #[inline(always)]
-    pub fn meeting<S: Simd>(&self, simd: S, one: &Boxes<S>) -> u64 {
-        let mut meeting = 0;
-        for at in (0..self.count).step_by(LANES) {
-            let boxes = Boxes { min: eight(simd, &self.min, at), max: eight(simd, &self.max, at) };
-            meeting |= one.meet(&boxes).to_bitmask() << at;
-        }
-        meeting
-    }
-
     /// The box of the triangle in a place, eight times.
     #[inline(always)]
     pub fn one_box<S: Simd>(&self, simd: S, place: usize) -> Boxes<S> {
         Boxes { min: one(simd, &self.min, place), max: one(simd, &self.max, place) }
     }
-
-    /// The triangle in a place, eight times.
-    #[inline(always)]
-    fn one<S: Simd>(&self, simd: S, place: usize) -> Ready<S> {
-        Ready {
-            corner: one(simd, &self.corner, place),
-            edges: [one(simd, &self.edges[0], place), one(simd, &self.edges[1], place)],
-            normal: one(simd, &self.normal, place),
-            size: f32x8::splat(simd, self.size[place]),
-        }
-    }
-
-    #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, at: usize) -> Ready<S> {
-        Ready {
-            corner: eight(simd, &self.corner, at),
-            edges: [eight(simd, &self.edges[0], at), eight(simd, &self.edges[1], at)],
-            normal: eight(simd, &self.normal, at),
-            size: f32x8::from_slice(simd, &self.size[at..at + LANES]),
-        }
-    }
 }
 
-/// Which of the eight triangles of B from place `at` on, of those whose bit is set in `asked`,
-/// intersect A's triangle in place `row`: exactly what [`triangle::intersect`] says of
-/// [`Posed::triangles`].
-///
-/// To be called from a function that is specialised for `S` already.
-#[must_use]
-#[inline(always)]
-pub fn meet<S: Simd>(
-    simd: S,
-    (posed, close): (&Posed<'_>, &Close),
-    (a, row): (&Patch, usize),
-    (b, at): (&Patch, usize),
-    asked: u64,
-) -> u64 {
-    let [hits, doubt] = sift(simd, close, (a, row), (b, at), asked);
-    if doubt == 0 {
-        return hits;
-    }
-    hits | exactly(posed, a.triangles[row], &b.triangles[at..at + LANES], doubt)
-}
-
-/// Which of those in doubt intersect, of one triangle of A and eight of B.
-#[cold]
-#[inline(never)]
-fn exactly(posed: &Posed<'_>, a: u32, eight: &[u32], mut doubt: u64) -> u64 {
-    let mut hits = 0;
-    while doubt != 0 {
-        let lane = doubt.trailing_zeros();
-        let [a, b] = posed.triangles([a, eight[lane as usize]]);
-        hits |= u64::from(triangle::intersect(&a, &b)) << lane;
-        doubt &= doubt - 1;
-    }
-    hits
+/// Room for two patches and their pairs.
+#[derive(Clone, Debug, Default)]
+pub struct Patches {
+    /// Triangles of A.
+    pub a: Patch,
+    /// Triangles of B.
+    pub b: Patch,
+    /// Some of their pairs.
+    pub pairs: Pairs,
 }
 
 /// Tells all intersecting pairs of some triangles of A and some of B, at most [`ROOM`] each, all
@@ -450,7 +384,7 @@ fn exactly(posed: &Posed<'_>, a: u32, eight: &[u32], mut doubt: u64) -> u64 {
 pub fn meet_all<S: Simd>(
     simd: S,
     posed: &Posed<'_>,
-    [patch_a, patch_b]: &mut [Patch; 2],
+    patches: &mut Patches,
     (a, b): (Range<u32>, Range<u32>),
     hit: &mut dyn FnMut([u32; 2]),
 ) {
@@ -467,19 +401,17 @@ pub fn meet_all<S: Simd>(
         return;
     }
     let close = posed.close(&box_a, &box_b);
-    patch_a.take_a(simd, (posed, &close), (a.start, bits(&a)), &All(simd));
-    patch_b.take_b(simd, (posed, &close), (b.start, bits(&b)), &All(simd));
-    for row in 0..patch_a.count {
-        let meeting = patch_b.meeting(simd, &patch_a.one_box(simd, row));
-        for at in (0..patch_b.count).step_by(LANES) {
-            let asked = meeting >> at & 0xff;
-            let (a, b) = ((&*patch_a, row), (&*patch_b, at));
-            let mut hits = meet(simd, (posed, &close), a, b, asked);
-            while hits != 0 {
-                let lane = at + hits.trailing_zeros() as usize;
-                hit([patch_a.triangles[row], patch_b.triangles[lane]]);
-                hits &= hits - 1;
-            }
+    let Patches { a: patch_a, b: patch_b, pairs } = patches;
+    let (of_a, of_b) =
+        (posed.want_a(simd, a.start, bits(&a)), posed.want_b(simd, b.start, bits(&b)));
+    patch_a.take_a(simd, (posed, &close), &of_a, &All(simd));
+    patch_b.take_b(simd, (posed, &close), &of_b, &All(simd));
+    for at in (0..patch_b.count).step_by(LANES) {
+        pairs.take(simd, patch_a, (patch_b, at), |_| ALL);
+        if pairs.is_full() || at + LANES >= patch_b.count {
+            pairs.sift(simd, posed, &close);
+            let [a, b] = pairs.drain();
+            a.iter().zip(b).for_each(|(a, b)| hit([*a, *b]));
         }
     }
 }
@@ -492,69 +424,6 @@ impl<S: Simd> Choice<S> for All<S> {
     fn of(&self, _: &[Vector<S>; 3], _: &Boxes<S>) -> mask32x8<S> {
         mask32x8::splat(self.0, true)
     }
-}
-
-/// Of A's triangle in place `row` and those of the eight of B from place `at` on whose bit is set
-/// in `asked`: which pairs certainly intersect, and which are in doubt.
-#[inline(always)]
-fn sift<S: Simd>(
-    simd: S,
-    close: &Close,
-    (a, row): (&Patch, usize),
-    (b, at): (&Patch, usize),
-    asked: u64,
-) -> [u64; 2] {
-    let (a, b) = (a.one(simd, row), b.eight(simd, at));
-    let ([e1, e2], [f1, f2]) = (a.edges, b.edges);
-    let d = minus(b.corner, a.corner);
-    let size_d = reach(d) + 0.5 * close.size;
-    let size = a.size + b.size + size_d;
-    let sound = size.simd_le(SIZE_MAX);
-
-    let to_b = dot(a.normal, d);
-    let sides_b = [to_b, dot_and(a.normal, f1, to_b), dot_and(a.normal, f2, to_b)];
-    let bound_b = a.size * a.size * (b.size + size_d) * SIDE_ERROR + UNDERFLOW;
-    let to_a = -dot(b.normal, d);
-    let sides_a = [to_a, dot_and(b.normal, e1, to_a), dot_and(b.normal, e2, to_a)];
-    let bound_a = b.size * b.size * (a.size + size_d) * SIDE_ERROR + UNDERFLOW;
-    let apart = sound & (one_side(sides_a, bound_a) | one_side(sides_b, bound_b));
-    let asked = asked & !apart.to_bitmask();
-    if asked == 0 {
-        return [0, 0];
-    }
-
-    // As in `triangle::crossing`, but there each triangle is mirrored where it has to be; here B's
-    // edges are exchanged if one alone is, and the signs turned if A is.
-    let origin = f32x8::splat(simd, 0.0);
-    let corner_a = Apex::of([[origin; 3], e1, e2], sides_a);
-    let corner_b = Apex::of([[origin; 3], f1, f2], sides_b);
-    let (mirror_a, mirror_b) =
-        (corner_a.mirrored ^ corner_b.below, corner_b.mirrored ^ corner_a.below);
-    let crossed = mirror_a ^ mirror_b;
-    let (p, q, r) = (corner_b.p, corner_b.q, corner_b.r);
-    let (q, r) = (only(crossed, r, q), only(crossed, q, r));
-    let w = minus(plus(d, p), corner_a.p);
-    let i_to_k = dot(cross(minus(corner_a.q, corner_a.p), w), minus(q, p));
-    let l_to_j = dot(cross(minus(corner_a.r, corner_a.p), w), minus(p, r));
-    let most = mirror_a.select(-i_to_k.min(l_to_j), i_to_k.max(l_to_j));
-    let bound = a.size * b.size * size * EDGE_ERROR + UNDERFLOW;
-    let certain = sound & beyond(sides_a, bound_a) & beyond(sides_b, bound_b);
-    let hit = certain & most.simd_lt(-bound);
-    let decided = hit | (certain & most.simd_gt(bound));
-    [asked & hit.to_bitmask(), asked & !decided.to_bitmask()]
-}
-
-/// The numbers of the bits that are set, from `first` on, and how many there are; the rest of the
-/// last eight has some number that is there.
-#[inline(always)]
-fn numbers(first: u32, mut bits: u64) -> ([u32; ROOM], usize) {
-    let mut numbers = [first + bits.trailing_zeros() % ROOM as u32; ROOM];
-    let count = bits.count_ones() as usize;
-    for number in &mut numbers[..count] {
-        *number = first + bits.trailing_zeros();
-        bits &= bits - 1;
-    }
-    (numbers, count)
 }
 
 /// The first so many of eight lanes.
@@ -634,12 +503,11 @@ impl<S: Simd> Boxes<S> {
 
     /// The box of all lanes.
     #[inline(always)]
-    pub fn all(&self) -> Aabb {
+    pub fn all(&self, simd: S) -> OneBox<S> {
         let ([u, v, w], [x, y, z]) = (self.min, self.max);
-        Aabb {
-            min: [u.reduce_min(), v.reduce_min(), w.reduce_min()],
-            max: [x.reduce_max(), y.reduce_max(), z.reduce_max()],
-        }
+        let min = [u.reduce_min(), v.reduce_min(), w.reduce_min()];
+        let max = [x.reduce_max(), y.reduce_max(), z.reduce_max()];
+        OneBox { min: side_by_side(simd, min), max: side_by_side(simd, max) }
     }
 
     /// Which meet the other's in the same lane. Comparisons with NaN are false.
@@ -649,45 +517,5 @@ impl<S: Simd> Boxes<S> {
         let y = self.min[1].simd_le(other.max[1]) & other.min[1].simd_le(self.max[1]);
         let z = self.min[2].simd_le(other.max[2]) & other.min[2].simd_le(self.max[2]);
         x & y & z
-    }
-}
-
-/// Where all three are certainly on one side of a plane.
-#[inline(always)]
-fn one_side<S: Simd>([p, q, r]: [f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
-    p.min(q).min(r).simd_gt(bound) | p.max(q).max(r).simd_lt(-bound)
-}
-
-/// Where all three are certainly not on a plane.
-#[inline(always)]
-fn beyond<S: Simd>([p, q, r]: [f32x8<S>; 3], bound: f32x8<S>) -> mask32x8<S> {
-    p.abs().min(q.abs()).min(r.abs()).simd_gt(bound)
-}
-
-/// A triangle seen from the corner that is alone on its side of a plane.
-struct Apex<S: Simd> {
-    p: Vector<S>,
-    /// The other two, in the triangle's own order unless `mirrored`.
-    q: Vector<S>,
-    r: Vector<S>,
-    mirrored: mask32x8<S>,
-    /// Whether it is alone on the negative side.
-    below: mask32x8<S>,
-}
-
-impl<S: Simd> Apex<S> {
-    #[inline(always)]
-    fn of([p, q, r]: [Vector<S>; 3], [side_p, side_q, side_r]: [f32x8<S>; 3]) -> Self {
-        let (above_p, above_q, above_r) =
-            (side_p.simd_gt(0.0), side_q.simd_gt(0.0), side_r.simd_gt(0.0));
-        let (p_is, r_is) =
-            ((above_p ^ above_q) & (above_p ^ above_r), (above_p ^ above_r) & (above_q ^ above_r));
-        Self {
-            p: only(p_is, p, only(r_is, r, q)),
-            q: only(p_is, q, p),
-            r: only(r_is, q, r),
-            mirrored: !(p_is | r_is),
-            below: (above_p & above_q) | (above_r & (above_p | above_q)),
-        }
     }
 }

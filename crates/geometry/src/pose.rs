@@ -83,7 +83,7 @@ impl RelativePose {
 
     /// A stored point of B in A's frame: `((R₀x + R₁y) + R₂z) + t`. This defines the input.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, p: [f32; 3]) -> DVec3 {
         let ([x, y, z], [tx, ty, tz]) = (p.map(f64::from), self.translation);
         let row = |r: &[f64; 3], t: f64| ((r[0] * x + r[1] * y) + r[2] * z) + t;

@@ -110,6 +110,34 @@ fn narrowed(level: Level, to: Simd) -> Option<Level> {
     }
 }
 
+/// Tells the processor that this element will be read soon, where it can be told. Nothing else
+/// changes, even if there is no such element.
+#[inline(always)]
+pub fn prefetch<S: fearless_simd::Simd, T>(simd: S, of: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        fearless_simd::kernel!(
+            #[inline(always)]
+            fn line(_simd: Sse2, at: *const i8) {
+                _mm_prefetch::<_MM_HINT_T0>(at);
+            }
+        );
+        if let Some(sse2) = simd.level().as_sse2() {
+            let start: *const i8 = of.as_ptr().wrapping_add(index).cast();
+            for offset in (0..size_of::<T>()).step_by(LINE) {
+                line(sse2, start.wrapping_add(offset));
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (simd, of, index);
+}
+
+/// Bytes of a cache line.
+#[cfg(target_arch = "x86_64")]
+const LINE: usize = 64;
+
 impl fmt::Display for Simd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())

@@ -104,37 +104,55 @@ impl<'a> Found<'a> {
         self.task.question == Question::Sets && self.hits_a.has(a) && self.hits_b.has(b)
     }
 
-    /// Takes in that triangle `a` of A and triangle `b` of B intersect.
+    /// Takes in that these triangles of A intersect those of B in the same places.
     ///
-    /// `measure` adds their contact to the supports; it is called only where that is asked.
+    /// Those of either body are among the 64 from number `first` on. `measure` adds the contact of
+    /// a pair to the supports; it is called only where that is asked.
     #[inline]
     pub(super) fn take(
         &mut self,
-        [a, b]: [u32; 2],
-        measure: impl FnOnce(&mut Supports, &Directions),
+        [a, b]: [&[u32]; 2],
+        first: [u32; 2],
+        mut measure: impl FnMut([u32; 2], &mut Supports, &Directions),
     ) -> ControlFlow<Halt> {
+        if a.is_empty() {
+            return ControlFlow::Continue(());
+        }
         if self.task.question == Question::Touches {
             self.sums.pairs = 1;
             // The question is answered, whether or not the sink wants more.
-            let _ = (self.sink.hit(Side::A, a), self.sink.hit(Side::B, b));
+            let _ = (self.sink.hit(Side::A, a[0]), self.sink.hit(Side::B, b[0]));
             return ControlFlow::Break(Halt::Answered);
         }
         let (view_a, view_b) = (&self.task.a, &self.task.b);
         if self.task.question == Question::Pairs {
-            self.sums.pairs += 1;
-            let ids = (view_a.source_ids[a as usize], view_b.source_ids[b as usize]);
-            self.sums.hash = self.sums.hash.wrapping_add(hash::pair_term(ids.0, ids.1));
+            self.sums.pairs += a.len() as u64;
+            for (&a, &b) in a.iter().zip(b) {
+                let ids = (view_a.source_ids[a as usize], view_b.source_ids[b as usize]);
+                self.sums.hash = self.sums.hash.wrapping_add(hash::pair_term(ids.0, ids.1));
+            }
             if let Some(directions) = self.task.directions {
-                measure(&mut self.supports, directions);
+                for (&a, &b) in a.iter().zip(b) {
+                    measure([a, b], &mut self.supports, directions);
+                }
             }
         }
-        if self.hits_a.insert(a) {
+        let bits = |triangles: &[u32], first: u32| {
+            triangles.iter().fold(0, |bits, triangle| bits | 1 << (triangle - first))
+        };
+        let mut new = self.hits_a.insert_bits(first[0], bits(a, first[0]));
+        while new != 0 {
+            let a = first[0] + new.trailing_zeros();
             self.zones_a |= view_a.zones[a as usize].0;
             self.sink.hit(Side::A, a).map_break(|()| Halt::Stopped)?;
+            new &= new - 1;
         }
-        if self.hits_b.insert(b) {
+        let mut new = self.hits_b.insert_bits(first[1], bits(b, first[1]));
+        while new != 0 {
+            let b = first[1] + new.trailing_zeros();
             self.zones_b |= view_b.zones[b as usize].0;
             self.sink.hit(Side::B, b).map_break(|()| Halt::Stopped)?;
+            new &= new - 1;
         }
         ControlFlow::Continue(())
     }

@@ -132,7 +132,7 @@ impl Leaves<'_, '_> {
             }
             self.found.counters.np += 1;
             if triangle::intersect(triangle, &moved) {
-                self.found.take([*a, b], |supports, directions| {
+                self.found.take([&[*a], &[b]], [*a, b], |_, supports, directions| {
                     for point in triangle::contact(triangle, &moved).points() {
                         supports.add(directions, *point);
                     }

@@ -1,14 +1,14 @@
-//! The wide walk: both trees descended together, eight boxes against eight, and one triangle
-//! against eight.
+//! The wide walk: both trees descended together, eight boxes against eight, and eight pairs of
+//! triangles at once.
 //!
 //! ```text
 //! pop a pair of wide nodes --boxes::meet--> 64 bits --> interior: pairs of children, pushed
-//!                                                   \-> leaves: patches --one by eight--> exact
+//!                                                   \-> leaves: patches --eight pairs--> exact
 //! ```
 //!
 //! It finds what the plain walk finds. Where two leaves meet, those triangles of each that may meet
-//! the other leaf are put side by side in a frame close to both ([`geometry::patch`]), and each of
-//! A is tested against eight of B at once.
+//! the other leaf are put side by side in a frame close to both ([`geometry::patch`]); those pairs
+//! of them whose boxes meet are collected, and tested eight at once.
 
 use super::boxes::{self, Frames, LEAF_MAX};
 use super::found::{Found, Halt};
@@ -16,7 +16,8 @@ use super::{End, Question, Task};
 use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
-use geometry::patch::{self, Close, LANES as EIGHT};
+use geometry::patch::{ALL, Close, LANES as EIGHT, Pairs};
+use geometry::simd::prefetch;
 use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
 use model::wide::{LANES, LEAF_LANES};
 use model::{BodyView, WideLeaf, WideNode};
@@ -47,6 +48,7 @@ pub(super) fn stack_room(levels: usize) -> usize {
 pub(super) struct Scratch {
     patch_a: Patch,
     patch_b: Patch,
+    pairs: Pairs,
     start_a: [WideNode; BLOCKS],
     start_b: [WideNode; BLOCKS],
 }
@@ -56,6 +58,7 @@ impl Scratch {
         Self {
             patch_a: Patch::default(),
             patch_b: Patch::default(),
+            pairs: Pairs::default(),
             start_a: [WideNode::EMPTY; BLOCKS],
             start_b: [WideNode::EMPTY; BLOCKS],
         }
@@ -69,6 +72,7 @@ struct Walk<'w, 'a> {
     room: usize,
     patch_a: &'w mut Patch,
     patch_b: &'w mut Patch,
+    pairs: &'w mut Pairs,
     tree_a: Tree<'w>,
     tree_b: Tree<'w>,
     posed: Posed<'a>,
@@ -113,7 +117,7 @@ pub(super) fn walk<S: Simd>(
 ) -> End {
     let task = found.task;
     let Some(start) = stack.pop() else { return End::Complete };
-    let Scratch { patch_a, patch_b, start_a, start_b } = scratch;
+    let Scratch { patch_a, patch_b, pairs, start_a, start_b } = scratch;
     stack.push(NodePair {
         a: entrance(&task.a, start.a, start_a),
         b: entrance(&task.b, start.b, start_b),
@@ -124,6 +128,7 @@ pub(super) fn walk<S: Simd>(
         room,
         patch_a,
         patch_b,
+        pairs,
         tree_a: Tree { nodes: task.a.wide, start: start_a },
         tree_b: Tree { nodes: task.b.wide, start: start_b },
         posed: Posed::new(&task.pose, task.a.corners, task.b.corners),
@@ -204,6 +209,11 @@ impl Walk<'_, '_> {
             }
             self.found.beat()?;
             self.stack.pop();
+            // What is next on the stack, unless this pair puts something above it.
+            if let Some(next) = self.stack.last() {
+                prefetch(simd, self.tree_a.nodes, next.a as usize);
+                prefetch(simd, self.tree_b.nodes, next.b as usize);
+            }
             let (a, b) = (self.tree_a.node(pair.a), self.tree_b.node(pair.b));
             match (a.leaf(), b.leaf()) {
                 (None, None) => self.open_both(simd, a, b),
@@ -263,7 +273,7 @@ impl Walk<'_, '_> {
             return ControlFlow::Continue(());
         };
         let before = self.found.sums;
-        let tested = self.test(simd, &close);
+        let tested = self.test(simd, &close, [a[0].first, b[0].first]);
         if let ControlFlow::Break(Halt::Stopped) = tested {
             self.found.sums = before;
             self.stack.push(pair);
@@ -271,34 +281,26 @@ impl Walk<'_, '_> {
         tested
     }
 
-    /// Tests all of one patch against all of the other.
+    /// Tests all of one patch against all of the other, triangles from number `first` on.
     #[inline(always)]
-    fn test<S: Simd>(&mut self, simd: S, close: &Close) -> ControlFlow<Halt> {
+    fn test<S: Simd>(&mut self, simd: S, close: &Close, first: [u32; 2]) -> ControlFlow<Halt> {
         let (a, b) = (&*self.patch_a, &*self.patch_b);
         let sets = self.found.task.question == Question::Sets;
         let fresh = if sets { self.fresh() } else { u64::MAX };
         self.found.counters.nb += (a.triangles().len() * b.triangles().len()) as u64;
-        for (row, &triangle) in a.triangles().iter().enumerate() {
-            let mut meeting = b.meeting(simd, &a.one_box(simd, row));
-            if sets && self.found.hits_a.has(triangle) {
-                meeting &= fresh;
-            }
-            self.found.counters.np += u64::from(meeting.count_ones());
-            while meeting != 0 {
-                let at = meeting.trailing_zeros() as usize / EIGHT * EIGHT;
-                let lanes = meeting >> at & 0xff;
-                meeting &= !(0xff << at);
-                let others = &b.triangles()[at..];
-                let near = (&self.posed, close);
-                let mut hits = patch::meet(simd, near, (a, row), (b, at), lanes);
-                while hits != 0 {
-                    let pair = [triangle, others[hits.trailing_zeros() as usize]];
-                    let posed = &self.posed;
-                    self.found.take(pair, |supports, directions| {
-                        measure(simd, posed, pair, supports, directions);
-                    })?;
-                    hits &= hits - 1;
-                }
+        for at in (0..b.triangles().len()).step_by(EIGHT) {
+            let among = |triangle: u32| {
+                let known = sets && self.found.hits_a.has(triangle);
+                if known { fresh >> at & ALL } else { ALL }
+            };
+            self.pairs.take(simd, a, (b, at), among);
+            if self.pairs.is_full() || at + EIGHT >= b.triangles().len() {
+                self.found.counters.np += self.pairs.len() as u64;
+                self.pairs.sift(simd, &self.posed, close);
+                let posed = &self.posed;
+                self.found.take(self.pairs.drain(), first, |pair, supports, directions| {
+                    measure(simd, posed, pair, supports, directions);
+                })?;
             }
         }
         ControlFlow::Continue(())

@@ -13,9 +13,9 @@ mod exact;
 
 use cases::{FAMILIES, Pair, group, pair};
 use fearless_simd::dispatch;
-use geometry::patch::{Posed, ROOM, meet_all};
+use geometry::patch::{Patches, Posed, ROOM, meet_all};
 use geometry::triangle::{contact, intersect};
-use geometry::{DVec3, Patch, simd};
+use geometry::{DVec3, simd};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
@@ -107,7 +107,7 @@ fn patches_equal_exact_arithmetic_at_every_level() {
             truth |= u64::from(hit) << i;
             count(tally, ROOM as u64 * number + u64::from(i), hit);
         }
-        let mut patches = [Patch::default(), Patch::default()];
+        let mut patches = Patches::default();
         for level in simd::levels() {
             for size in [1, 8] {
                 let mut found = 0_u64;

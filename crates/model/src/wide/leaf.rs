@@ -103,11 +103,11 @@ pub struct Grid {
 
 impl Grid {
     /// The number of the last cell: one less than where an empty lane begins.
-    const LAST: f32 = (u8::MAX - 1) as f32;
+    pub const LAST: f32 = (u8::MAX - 1) as f32;
 
     /// The grid over a box.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn over(bounds: &Aabb) -> Self {
         let scale = |axis| (Self::LAST / bounds.extent(axis)).min(f32::MAX);
         Self { low: bounds.min, scale: [scale(0), scale(1), scale(2)] }
@@ -115,12 +115,12 @@ impl Grid {
 
     /// The cells of the corners of a box: of the least and of the greatest x, y, z.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn cells(&self, of: &Aabb) -> [[u8; 3]; 2] {
         [self.cell(of.min), self.cell(of.max)]
     }
 
-    #[inline]
+    #[inline(always)]
     fn cell(&self, point: [f32; 3]) -> [u8; 3] {
         let along = |axis: usize| (point[axis] - self.low[axis]) * self.scale[axis];
         // The conversion cuts off, so that all below the box are in its first cell.

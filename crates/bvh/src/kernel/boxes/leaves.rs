@@ -3,14 +3,14 @@
 //! Boxes in cells first, 32 at a time, without looking at any triangle; then those that are left
 //! are moved into a frame close to both leaves, where their boxes are as good as exact.
 
-use super::Frames;
+use super::{Frames, combined};
 use crate::build::LEAF_SIZE_MAX;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8, mask8x32, mask32x8, u8x32};
+use fearless_simd::{Simd, f32x4, f32x8, i32x4, mask8x32, mask32x8, u8x32};
 use fearless_simd_macros::simd;
 use geometry::lanes::dot;
-use geometry::patch::{Boxes, Choice, Close, ROOM, Vector, same};
-use geometry::{Aabb, DVec3, Patch, Posed};
+use geometry::patch::{Boxes, Choice, Close, OneBox, ROOM, Vector, same, side_by_side};
+use geometry::{Patch, Posed};
 use model::WideLeaf;
 use model::wide::{Grid, LEAF_LANES, LEAF_TRIANGLES, Slab};
 
@@ -29,62 +29,72 @@ impl Frames {
         (a, b): (&[WideLeaf], &[WideLeaf]),
         (patch_a, patch_b): (&mut Patch, &mut Patch),
     ) -> Option<Close> {
+        let (box_a, box_b) = (OneBox::of(simd, &a[0].bounds), OneBox::of(simd, &b[0].bounds));
         // What the leaves have in common lies in here.
-        let common = self.to_a.moved_one(&b[0].bounds).intersection(&a[0].bounds);
-        let (slab_a, slab_b) = (a[0].slab, self.slab_in_a(&b[0].slab));
-        if common.is_empty()
-            || misses(&slab_a, &common, self.slack)
-            || misses(&slab_b, &common, self.slack)
-        {
+        let common = self.to_a.moved_one(simd, &box_b).intersection(&box_a);
+        if common.is_empty() {
             return None;
         }
-        let bits = cells(simd, b, &self.to_b.moved_one(&common));
+        let bits = cells(simd, b, &self.to_b.moved_one(simd, &common));
         if bits == 0 {
             return None;
         }
+        let wanted = posed.want_b(simd, b[0].first, bits);
         let close = posed.close(&a[0].bounds, &b[0].bounds);
-        let near = Near::new(simd, &close, &close.of_a(&common), (&slab_a, self.slack));
-        let boxes = patch_b.take_b(simd, (posed, &close), (b[0].first, bits), &near).all();
+        let origin = side_by_side(simd, close.origin());
+        let slab = Layer::of_a(simd, &a[0].slab);
+        let near = Near::new(simd, &close, &common.moved(-origin), &slab, self.slack);
+        let boxes = patch_b.take_b(simd, (posed, &close), &wanted, &near).all(simd);
         if patch_b.triangles().is_empty() {
             return None;
         }
-        let in_a = close.to_a(&boxes).enlarged(self.slack as f32).intersection(&common);
+        let in_a = boxes.moved(origin).enlarged(self.slack as f32).intersection(&common);
         let bits = cells(simd, a, &in_a);
         if bits == 0 {
             return None;
         }
-        let near = Near::new(simd, &close, &boxes, (&slab_b, self.slack));
-        patch_a.take_a(simd, (posed, &close), (a[0].first, bits), &near);
+        let wanted = posed.want_a(simd, a[0].first, bits);
+        let slab = self.slab_in_a(simd, &b[0].slab);
+        let near = Near::new(simd, &close, &boxes, &slab, self.slack);
+        patch_a.take_a(simd, (posed, &close), &wanted, &near);
         (!patch_a.triangles().is_empty()).then_some(close)
     }
 
-    /// A slab of B in A's frame; what rounding moves there is less than the slack.
-    fn slab_in_a(&self, slab: &Slab) -> Slab {
-        let normal = DVec3::from_array(slab.normal.map(f64::from));
-        let normal = DVec3::from_array(self.rows.map(|row| row.dot(normal)));
-        let shift = normal.dot(self.shift);
-        Slab {
-            normal: normal.to_array().map(|x| x as f32),
-            low: (f64::from(slab.low) + shift) as f32,
-            high: (f64::from(slab.high) + shift) as f32,
-        }
+    /// A slab of B in A's frame.
+    #[inline(always)]
+    fn slab_in_a<S: Simd>(&self, simd: S, slab: &Slab) -> Layer<S> {
+        let normal = side_by_side(simd, slab.normal);
+        let normal = combined(&self.to_a.columns, normal, f32x4::splat(simd, 0.0));
+        let shift = dot_one(normal, side_by_side(simd, self.to_a.shift));
+        Layer { normal, low: slab.low + shift, high: slab.high + shift }
     }
 }
 
-/// Whether no point of the box is in the slab, `slack` (m) wider on both sides.
+/// A slab in A's frame, its normal side by side.
+struct Layer<S: Simd> {
+    normal: f32x4<S>,
+    low: f32,
+    high: f32,
+}
+
+impl<S: Simd> Layer<S> {
+    #[inline(always)]
+    fn of_a(simd: S, slab: &Slab) -> Self {
+        Self { normal: side_by_side(simd, slab.normal), low: slab.low, high: slab.high }
+    }
+}
+
+/// `a · b`.
 #[inline(always)]
-fn misses(slab: &Slab, Aabb { min, max }: &Aabb, slack: f64) -> bool {
-    let ([x, y, z], slack) = (slab.normal, slack as f32);
-    let along = x * (min[0] + max[0]) + y * (min[1] + max[1]) + z * (min[2] + max[2]);
-    let reach =
-        x.abs() * (max[0] - min[0]) + y.abs() * (max[1] - min[1]) + z.abs() * (max[2] - min[2]);
-    0.5 * (along - reach) - slack > slab.high || 0.5 * (along + reach) + slack < slab.low
+fn dot_one<S: Simd>(a: f32x4<S>, b: f32x4<S>) -> f32 {
+    let [x, y, z, _] = <[f32; 4]>::from(a * b);
+    x + y + z
 }
 
 /// Which triangles of a leaf may meet a box of its body's frame: bit i for the ith.
 #[inline(always)]
-fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &Aabb) -> u64 {
-    let [min, max] = Grid::over(&leaf[0].bounds).cells(box_);
+fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> u64 {
+    let [min, max] = cells_of(box_, &OneBox::of(simd, &leaf[0].bounds));
     let mut meeting = 0;
     for (i, leaf) in leaf.iter().enumerate() {
         let mut here = mask8x32::splat(simd, true);
@@ -95,6 +105,19 @@ fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &Aabb) -> u64 {
         meeting |= here.to_bitmask() << (i * LEAF_LANES);
     }
     meeting
+}
+
+/// [`Grid::cells`] of a box, in the grid over another one.
+#[inline(always)]
+fn cells_of<S: Simd>(box_: &OneBox<S>, over: &OneBox<S>) -> [[u8; 3]; 2] {
+    let last = f32x4::splat(over.min.token(), Grid::LAST);
+    let scale = (last / (over.max - over.min)).min(f32::MAX);
+    let cell = |point: f32x4<S>| {
+        let along = ((point - over.min) * scale).min(last).max(0.0);
+        let [x, y, z, _] = <[i32; 4]>::from(along.to_int::<i32x4<S>>());
+        [x as u8, y as u8, z as u8]
+    };
+    [cell(box_.min), cell(box_.max)]
 }
 
 /// Triangles that meet a box and a slab of the close frame.
@@ -108,15 +131,15 @@ struct Near<S: Simd> {
 impl<S: Simd> Near<S> {
     /// A box of the close frame, and a slab of A's, so much (m) wider on both sides.
     #[inline(always)]
-    fn new(simd: S, close: &Close, box_: &Aabb, (slab, slack): (&Slab, f64)) -> Self {
-        let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        let at = double(slab.normal).dot(double(close.origin()));
-        let slack = slack + f64::from(close.error());
+    fn new(simd: S, close: &Close, box_: &OneBox<S>, slab: &Layer<S>, slack: f64) -> Self {
+        let at = dot_one(slab.normal, side_by_side(simd, close.origin()));
+        let slack = slack as f32 + close.error();
+        let [x, y, z, _] = <[f32; 4]>::from(slab.normal);
         Self {
-            box_: Boxes::splat(simd, box_),
-            normal: same(simd, &slab.normal),
-            low: f32x8::splat(simd, (f64::from(slab.low) - at - slack) as f32),
-            high: f32x8::splat(simd, (f64::from(slab.high) - at + slack) as f32),
+            box_: box_.spread(simd),
+            normal: same(simd, &[x, y, z]),
+            low: f32x8::splat(simd, slab.low - at - slack),
+            high: f32x8::splat(simd, slab.high - at + slack),
         }
     }
 }
@@ -130,3 +153,6 @@ impl<S: Simd> Choice<S> for Near<S> {
         self.box_.meet(boxes) & !(above | below)
     }
 }
+
+#[cfg(test)]
+mod tests;
