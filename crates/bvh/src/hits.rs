@@ -57,7 +57,7 @@ impl Hits {
         self.insert_bits(triangle, 1) != 0
     }
 
-    /// Puts triangles in: bit i is for number `first` + i. Returns those that were not there before.
+    /// Puts triangles in: bit i is for number `first` + i. Returns those that were not there.
     pub(crate) fn insert_bits(&mut self, first: u32, bits: u64) -> u64 {
         let at = first as usize - self.first;
         let (word, shift) = (at / BITS, at % BITS);

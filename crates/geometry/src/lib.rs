@@ -9,8 +9,8 @@
 //!   to right, never fused, never rounded again ([`RelativePose::point`]). That defines the input.
 //! - On that input [`triangle::intersect`] is exact: closed triangles, touching counts, coplanar
 //!   overlap counts, a degenerate triangle is the segment or point that it is.
-//! - [`patch::Pairs`] says the same of eight pairs at once, and [`Supports::add_all`] gives the same
-//!   bits as point by point, with any vector instructions ([`simd`]).
+//! - [`patch::Pairs`] says the same of eight pairs at once, and [`Supports::add_all`] gives the
+//!   same bits as point by point, with any vector instructions ([`simd`]).
 //! - Boxes only ever grow when rounded: no intersecting pair lies outside of them.
 
 pub mod aabb;

@@ -269,8 +269,8 @@ impl Patch {
         &self.triangles[..self.count]
     }
 
-    /// Takes triangles of A: of those that are wanted, the ones of that choice. Returns their boxes,
-    /// spread over eight.
+    /// Takes triangles of A: of those that are wanted, the ones of that choice. Returns their
+    /// boxes, spread over eight.
     ///
     /// # Panics
     ///
