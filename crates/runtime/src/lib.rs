@@ -40,6 +40,6 @@ mod testing;
 pub mod wait;
 
 pub use error::{OsError, Result};
-pub use memory::{FileMap, LargePages, SealedMemory, StatusMemory};
+pub use memory::{FileMap, SealedMemory, StatusMemory};
 pub use process::{Child, Exit, Spawn};
 pub use wait::{EventFd, Poller, Wake};

@@ -2,17 +2,15 @@
 //!
 //! - [`SealedMemory`]: written once, then read-only for everybody; the kernel refuses the rest.
 //! - [`StatusMemory`]: the one page that all may write, a [`StatusPage`] of atomics.
-//! - [`FileMap`]: a private copy of a file. [`LargePages`]: a private copy of bytes.
+//! - [`FileMap`]: a private copy of a file.
 //!
 //! All start on a page, so anything that needs up to 4096-byte alignment may be read in place.
 
 mod file;
-mod large;
 mod sealed;
 mod status;
 
 pub use file::FileMap;
-pub use large::LargePages;
 pub use sealed::SealedMemory;
 pub use status::StatusMemory;
 

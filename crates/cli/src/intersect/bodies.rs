@@ -7,16 +7,21 @@ use crate::model::reader::{Outcome, Request};
 use crate::model::{LimitArgs, open};
 use bvh::BuildOptions;
 use model::{BodyView, Build, Meta, file};
-use runtime::LargePages;
 use runtime::clock::now_ns;
 use std::path::Path;
 
 /// A body and what it took to build its tree.
 pub(super) struct Body {
     pub(super) meta: Meta,
-    held: LargePages,
+    held: Held,
     /// 0 if a model file had the tree that was asked for.
     pub(super) build_ns: u64,
+}
+
+enum Held {
+    /// A model file that was verified.
+    File(file::Aligned),
+    Built(Box<model::Body>),
 }
 
 /// How both trees are to be built: as was said, else as the first model file's was, else by surface
@@ -52,20 +57,21 @@ impl Body {
         };
         let (meta, view) = open::view(path, bytes.bytes())?;
         if (meta.build, meta.leaf_size) == (options.build, options.leaf_size) {
-            return Ok(Self { meta, held: LargePages::copy_of(bytes.bytes())?, build_ns });
+            return Ok(Self { meta, held: Held::File(bytes), build_ns });
         }
         let begun_ns = now_ns();
         let body = bvh::rebuild(view, &meta, options, &|_| {})
             .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
         let build_ns = now_ns() - begun_ns;
-        let bytes = file::encode(&body)
-            .map_err(|error| Failure::input(error.to_string()).help(error.help()))?;
-        Ok(Self { meta: body.meta, held: LargePages::copy_of(&bytes)?, build_ns })
+        Ok(Self { meta: body.meta.clone(), held: Held::Built(Box::new(body)), build_ns })
     }
 
     pub(super) fn view(&self) -> Result<BodyView<'_>, Failure> {
-        file::quick_view(self.held.bytes())
-            .map(|(_, view)| view)
-            .map_err(|error| Failure::new(Code::Internal, chain(&error)))
+        match &self.held {
+            Held::File(bytes) => file::quick_view(bytes.bytes())
+                .map(|(_, view)| view)
+                .map_err(|error| Failure::new(Code::Internal, chain(&error))),
+            Held::Built(body) => Ok(body.view()),
+        }
     }
 }
