@@ -49,13 +49,27 @@ pub(crate) struct ReportArgs {
     /// Write two stills of each candidate into this folder: from a corner, and from above.
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
+    /// Write the candidates into this file as MCAP, for Foxglove and Lichtblick.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "FILE.mcap")]
+    mcap: Option<PathBuf>,
     /// Only this candidate's .glb and stills; may stand several times.
     #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     candidate: Vec<String>,
 }
 
+impl ReportArgs {
+    /// The MCAP file to write, of builds that can.
+    fn mcap(&self) -> Option<&Path> {
+        #[cfg(feature = "mcap")]
+        return self.mcap.as_deref();
+        #[cfg(not(feature = "mcap"))]
+        None
+    }
+}
+
 pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failure> {
-    if args.out.is_none() && args.glb.is_none() && args.png.is_none() {
+    if args.out.is_none() && args.glb.is_none() && args.png.is_none() && args.mcap().is_none() {
         let fault = "nothing to write";
         return Err(Failure::new(Code::Configuration, fault)
             .help("add --out FILE.html, --glb DIR or --png DIR"));
@@ -100,6 +114,16 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
         let names: Vec<&str> = shots.iter().map(|shot| shot.name.as_str()).collect();
         return Err(Failure::input(format!("there is no candidate \"{name}\""))
             .help(format!("candidates here: {}", names.join(", "))));
+    }
+    #[cfg(feature = "mcap")]
+    if let Some(path) = args.mcap() {
+        let wanted =
+            |shot: &&Shot| args.candidate.is_empty() || args.candidate.contains(&shot.name);
+        let shots: Vec<&Shot> = shots.iter().filter(wanted).collect();
+        let file = report::mcap::mcap(&shots, &made.bodies)
+            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        write::replace(path, &file)?;
+        written.push(path.to_owned());
     }
     for (at, shot) in shots.iter().enumerate() {
         if !args.candidate.is_empty() && !args.candidate.contains(&shot.name) {

@@ -4,7 +4,8 @@
 //! ```text
 //! Decision (plain values) ──▶ html    one file: text, tables, charts (SVG), 3D view (three.js)
 //!      └── Shot (two bodies, hits, patch) ──▶ glb    for Blender and the like
-//!                                         └─▶ still  PNG, drawn here
+//!                                         ├─▶ still  PNG, drawn here
+//!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
 //! ```
 //!
 //! Plain values come in, bytes go out; no file is opened here, and nothing is computed anew: every
@@ -19,6 +20,8 @@
 
 pub mod glb;
 pub mod html;
+#[cfg(feature = "mcap")]
+pub mod mcap;
 mod measurement;
 mod pack;
 mod shot;
