@@ -91,6 +91,21 @@ fn a_second_instance_is_refused_and_the_first_goes_on() {
     serving.end();
 }
 
+/// Batches that were answered while a result ended the request for lack of time were never counted as
+/// answered: their room in the worker's queue was gone for good.
+#[test]
+fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
+    let place = Place::new();
+    let serving = serve(&deployment(&place, 1, WALL), &[]);
+    let mut client = connect(&serving.instance);
+    for step in 0..300 {
+        let _late_or_not = client.ask(&into_a_wall(), Duration::from_micros(1_000 + 40 * step));
+    }
+    let answer = client.ask(&into_a_wall(), PATIENCE);
+    assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+    serving.end();
+}
+
 #[test]
 fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
     let place = Place::new();

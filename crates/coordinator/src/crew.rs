@@ -484,7 +484,8 @@ impl Crew {
                     return (any, progress);
                 }
             }
-            let Some(batches) = answered else { continue };
+            let Some(answered) = answered else { continue };
+            let batches = self.stations[number].note_answered(answered);
             let (who, before) = (self.stations[number].who, self.dispatcher.counts().reissued);
             progress = self.step(Event::Answered { who, batches }, work, effects);
             if self.dispatcher.counts().reissued > before {

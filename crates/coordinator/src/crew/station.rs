@@ -161,15 +161,17 @@ impl Station {
         self.is_alive && answered < self.batches
     }
 
-    /// How many batches it has answered, if that is news.
-    pub(super) fn newly_answered(&mut self, status: &StatusMemory) -> Option<u32> {
+    /// How many batches it has answered, if that is news: it is until it was passed on.
+    pub(super) fn newly_answered(&self, status: &StatusMemory) -> Option<u64> {
         let line = &status.page().workers[self.line()];
         let answered = line.answered.load(Ordering::SeqCst);
-        if !self.is_alive || answered == self.answered {
-            return None;
-        }
+        (self.is_alive && answered != self.answered).then_some(answered)
+    }
+
+    /// That was passed on.
+    pub(super) fn note_answered(&mut self, answered: u64) -> u32 {
         self.answered = answered;
-        Some(answered.min(u64::from(u32::MAX)) as u32)
+        answered.min(u64::from(u32::MAX)) as u32
     }
 
     fn line(&self) -> usize {
