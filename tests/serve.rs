@@ -91,8 +91,8 @@ fn a_second_instance_is_refused_and_the_first_goes_on() {
     serving.end();
 }
 
-/// Batches that were answered while a result ended the request for lack of time were never counted as
-/// answered: their room in the worker's queue was gone for good.
+/// Batches that were answered while a result ended the request for lack of time were never counted
+/// as answered: their room in the worker's queue was gone for good.
 #[test]
 fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     let place = Place::new();
