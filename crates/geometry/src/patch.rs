@@ -3,7 +3,7 @@
 //!
 //! A pair per lane in f32 with a bound of all errors: of a car crash that decides all but one in a
 //! hundred. Those, and every pair that touches, shares a corner or lies in one plane, are for
-//! [`triangle::intersect`]. So the answer is the exact one, at every width of the vectors.
+//! [`crate::triangle::intersect`]. So the answer is the exact one, at every width of the vectors.
 //!
 //! # Errors
 //!
