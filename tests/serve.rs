@@ -103,6 +103,7 @@ fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     }
     let answer = client.ask(&into_a_wall(), PATIENCE);
     assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+    drop(client);
     serving.end();
 }
 
