@@ -52,6 +52,14 @@ impl Hits {
         self.words[at / BITS] >> (at % BITS) & 1 == 1
     }
 
+    /// Which of 64 triangles are in the set: bit i for number `first` + i.
+    pub(crate) fn bits(&self, first: u32) -> u64 {
+        let at = first as usize - self.first;
+        let (word, shift) = (at / BITS, at % BITS);
+        let rest = self.words.get(word + 1).map_or(0, |rest| rest << 1 << (BITS - 1 - shift));
+        self.words[word] >> shift | rest
+    }
+
     /// Puts the triangle in; whether it was not there before.
     pub(crate) fn insert(&mut self, triangle: u32) -> bool {
         self.insert_bits(triangle, 1) != 0

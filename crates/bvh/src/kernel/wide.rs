@@ -284,16 +284,20 @@ impl Walk<'_, '_> {
     /// Tests all of one patch against all of the other, triangles from number `first` on.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, close: &Close, first: [u32; 2]) -> ControlFlow<Halt> {
+        let known = self.known(first);
         let (a, b) = (&*self.patch_a, &*self.patch_b);
-        let sets = self.found.task.question == Question::Sets;
-        let fresh = if sets { self.fresh() } else { u64::MAX };
         self.found.counters.nb += (a.triangles().len() * b.triangles().len()) as u64;
         for at in (0..b.triangles().len()).step_by(EIGHT) {
-            let among = |triangle: u32| {
-                let known = sets && self.found.hits_a.has(triangle);
-                if known { fresh >> at & ALL } else { ALL }
-            };
-            self.pairs.take(simd, a, (b, at), among);
+            match known {
+                None => self.pairs.take(simd, a, (b, at), |_| ALL),
+                Some([known_a, known_b]) => {
+                    let fresh = !known_b >> at & ALL;
+                    self.pairs.take(simd, a, (b, at), |triangle| {
+                        let is_known = known_a >> (triangle - first[0]) & 1;
+                        fresh | is_known.wrapping_sub(1) & ALL
+                    });
+                }
+            }
             if self.pairs.is_full() || at + EIGHT >= b.triangles().len() {
                 self.found.counters.np += self.pairs.len() as u64;
                 self.pairs.sift(simd, &self.posed, close);
@@ -306,9 +310,19 @@ impl Walk<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// Which of B's triangles are not known to be hit, bit j for the jth place.
-    fn fresh(&self) -> u64 {
+    /// Where pairs that cannot add to what is asked may be left out: which triangles are known to
+    /// be hit, bit i for number `first` + i of A, and bit j for the jth place of B's patch.
+    #[inline(always)]
+    fn known(&self, first: [u32; 2]) -> Option<[u64; 2]> {
+        if self.found.task.question != Question::Sets {
+            return None;
+        }
+        let [known_a, bits] = [self.found.hits_a.bits(first[0]), self.found.hits_b.bits(first[1])];
         let triangles = self.patch_b.triangles().iter().enumerate();
-        triangles.fold(0, |fresh, (j, &b)| fresh | u64::from(!self.found.hits_b.has(b)) << j)
+        let places = |all, (j, &triangle): (usize, &u32)| {
+            all | (bits >> (triangle - first[1]) & 1) << j
+        };
+        let known_b = triangles.fold(0, places);
+        (known_a != 0 && known_b != 0).then_some([known_a, known_b])
     }
 }
