@@ -9,6 +9,7 @@ use crate::transfer;
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
 use dispatch::{Intensity, Patience};
 use model::{BodyView, Meta};
+use runtime::error::chain;
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
 use serde::Serialize;
@@ -222,7 +223,7 @@ pub(crate) fn crew<'w>(
 pub(crate) fn pin_coordinator(engine: &Engine) -> Result<(), Failure> {
     let Some(core) = engine.coordinator_core else { return Ok(()) };
     affinity::pin_self(usize::from(core)).map_err(|error| {
-        Failure::new(Code::Configuration, crate::failure::chain(&error))
+        Failure::new(Code::Configuration, chain(&error))
             .help("choose a core that this process may use: taskset -p $$")
     })
 }

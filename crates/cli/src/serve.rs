@@ -3,12 +3,13 @@
 use crate::BUILD;
 use crate::args::Output;
 use crate::deployment;
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::run::{pin_coordinator, worker_cores};
 use crate::{print, transfer};
 use clap::Args;
 use coordinator::Options;
 use dispatch::{Cache, Intensity, Patience, Queues};
+use runtime::error::chain;
 use service::{Idle, Lack, Site};
 use std::path::PathBuf;
 use std::process::ExitCode;
