@@ -40,8 +40,9 @@ use protocol::job::{Job, write_batch};
 use protocol::result::{read_hits, read_last};
 use protocol::{Boot, Head, Incarnation, JobId, Kind, Reject, RequestId, Section, Task};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
+use scenario::Engine;
 use station::Station;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use transport::{Domain, UseError};
 
 /// How workers are started.
@@ -71,6 +72,40 @@ pub struct Options {
     pub intensity: Intensity,
     /// Whether workers misbehave on order: for fault injection alone.
     pub obeys: bool,
+}
+
+impl Options {
+    /// Queues and batches as the engine has them where nothing is said.
+    pub const QUEUES: Queues = Queues {
+        capacity: Engine::DEFAULT.queue as u32,
+        batch: Engine::DEFAULT.batch as u32,
+        linger_ns: 0,
+    };
+
+    /// A worker per core, each played by this program itself; whom to give a job to and how many
+    /// as the engine has it where nothing is said. Nothing is copied or written down, and nobody
+    /// misbehaves.
+    #[must_use]
+    pub fn new(
+        instance: impl Into<String>,
+        build: impl Into<String>,
+        cores: Vec<Option<usize>>,
+    ) -> Self {
+        Self {
+            program: runtime::process::self_exe().to_owned(),
+            instance: instance.into(),
+            build: build.into(),
+            cores,
+            matching: Matching::BestMatchLoad(Engine::DEFAULT.alpha),
+            queues: Self::QUEUES,
+            cache: Cache::Unlimited,
+            copies: false,
+            log: false,
+            patience: Patience::default(),
+            intensity: Intensity::default(),
+            obeys: false,
+        }
+    }
 }
 
 /// How long workers may take to greet (ns): a process start, and a few opened files.
@@ -709,14 +744,5 @@ impl Drop for Crew {
             station.part(end.saturating_sub(clock::now_ns()) / 1_000_000);
         }
         self.stations.clear();
-    }
-}
-
-/// The program that is running: workers are started from the same file.
-impl Options {
-    /// This program itself.
-    #[must_use]
-    pub fn own_program() -> &'static Path {
-        runtime::process::self_exe()
     }
 }
