@@ -6,7 +6,7 @@ use crate::BUILD;
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use coordinator::{Chance, Crew, Options, Pursuit, Request, Terms, Work, run_here};
+use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_here};
 use damage::State;
 use dispatch::Queues;
 use model::{BodyView, Meta};
@@ -72,12 +72,7 @@ pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failur
         ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
     };
     let due = Duration::from_secs_f64(args.deadline_ms / 1e3);
-    let terms = Terms {
-        deadline_ns: Some(Terms::guarded(due)),
-        pursuit: Pursuit::Deciding,
-        budget: args.budget,
-        ..Terms::default()
-    };
+    let terms = Terms { budget: args.budget, ..Terms::due_in(due) };
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for _ in 0..args.load {
