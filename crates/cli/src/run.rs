@@ -177,7 +177,7 @@ pub(crate) fn crew<'w>(
     let handing = &options.transfer;
     let instance = options.instance.clone().unwrap_or_else(|| format!("p{}", std::process::id()));
     let options = Options {
-        matching: transfer::matching(engine)?,
+        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
         queues: handing.queues(engine)?,
         cache: handing.cache(plan.depth, bodies)?,
         copies: handing.copies(),
