@@ -191,8 +191,8 @@ impl Crew {
         let mut progress = self.step(Event::Poll, work, &mut effects);
         let backoff = Backoff::new();
         while self.is_working(progress) {
-            let waits = self.flush(work, &mut effects);
-            let (taken, after) = self.take_results(work, &mut effects, progress);
+            let (waits, after) = self.flush(work, &mut effects, progress);
+            let (taken, after) = self.take_results(work, &mut effects, after);
             progress = after;
             let now = clock::now_ns();
             if now - self.looked_ns > NAP_NS {
@@ -311,12 +311,7 @@ impl Crew {
                 }
                 // The channel is broken, or its worker was buried since.
                 Err(error) => {
-                    let station = &mut self.stations[usize::from(to.worker)];
-                    if station.is_alive() {
-                        station.kill(&format!("its job channel broke ({error})"));
-                    }
-                    let (who, started) = station.bury(&self.status, self.request);
-                    self.lay_to_rest(usize::from(to.worker));
+                    let (who, started) = self.give_up(usize::from(to.worker), error);
                     Event::Lost { who, started }
                 }
             };

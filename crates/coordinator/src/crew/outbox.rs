@@ -7,10 +7,9 @@
 use super::Crew;
 use super::parcel::parcels;
 use crate::work::Errands;
-use dispatch::{Effect, Event};
+use dispatch::{Effect, Event, Progress};
 use protocol::job::{Job, write_batch};
 use protocol::{Head, Incarnation, JobId, Kind, RequestId, Section, Task};
-use runtime::clock;
 use transport::UseError;
 
 /// Scratch for laying out batches.
@@ -75,22 +74,27 @@ impl Crew {
     }
 
     /// Hands over what has waited for room. Says whether something still does.
-    pub(super) fn flush<W: Errands>(&mut self, work: &mut W, effects: &mut Vec<Effect>) -> bool {
-        let Some(outgoing) = &mut self.outgoing else { return false };
-        let mut broken = None;
-        for (station, outgoing) in self.stations.iter_mut().zip(outgoing.iter_mut()) {
+    pub(super) fn flush<W: Errands>(
+        &mut self,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+        mut progress: Progress,
+    ) -> (bool, Progress) {
+        let Some(outgoing) = &mut self.outgoing else { return (false, progress) };
+        let mut broken = Vec::new();
+        for (number, outgoing) in outgoing.iter_mut().enumerate() {
+            let station = &mut self.stations[number];
             if !station.is_alive() {
                 outgoing.clear();
             } else if let Err(error) = outgoing.flush(station, &self.status) {
-                station.kill(&format!("its job channel broke ({error})"));
-                broken = Some(station.bury(&self.status, self.request));
-                self.restarts.note(station.who.worker, clock::now_ns());
+                broken.push((number, error));
             }
         }
         let waits = outgoing.iter().any(|outgoing| !outgoing.is_empty());
-        if let Some((who, started)) = broken {
-            self.step(Event::Lost { who, started }, work, effects);
+        for (number, error) in broken {
+            let (who, started) = self.give_up(number, error);
+            progress = self.step(Event::Lost { who, started }, work, effects);
         }
-        waits
+        (waits, progress)
     }
 }

@@ -7,8 +7,9 @@ use super::station::Station;
 use super::{Crew, CrewError, GREETING_NS, Sight};
 use crate::work::Errands;
 use dispatch::{Effect, Event, Progress};
-use protocol::Kind;
+use protocol::{Incarnation, JobId, Kind};
 use runtime::clock;
+use transport::UseError;
 
 impl Crew {
     /// Waits until every worker has greeted or is gone; one that greeted is enough.
@@ -98,6 +99,25 @@ impl Crew {
         let lost = self.stations[number].report.lost.clone().unwrap_or_default();
         tracing::warn!(worker = number, %lost, "lost a worker; its jobs go to the others");
         Ok(self.step(Event::Lost { who, started }, work, effects))
+    }
+
+    /// Buries a worker whose job channel broke: says who it was, and what it had started. One that
+    /// was buried before has not died twice.
+    pub(super) fn give_up(
+        &mut self,
+        number: usize,
+        error: UseError,
+    ) -> (Incarnation, Option<(JobId, u8)>) {
+        let station = &mut self.stations[number];
+        let was_alive = station.is_alive();
+        if was_alive {
+            station.kill(&format!("its job channel broke ({error})"));
+        }
+        let gone = station.bury(&self.status, self.request);
+        if was_alive {
+            self.lay_to_rest(number);
+        }
+        gone
     }
 
     /// Buries those who have ended since the last request, or stand still at what it left them.
