@@ -70,7 +70,15 @@ impl Serving {
 }
 
 impl Drop for Serving {
+    /// Of a test that failed. Killed at once, a service would leave its names in /dev/shm.
     fn drop(&mut self) {
+        // One that was reaped has no process id any more.
+        if matches!(self.child.try_wait(), Ok(None)) {
+            signal(self.child.id(), Signal::TERM);
+            // The test may have stopped it.
+            signal(self.child.id(), Signal::CONT);
+            let _in_time = wait_for(5_000, || self.child.try_wait().ok().flatten());
+        }
         let _ended = self.child.kill();
         let _reaped = self.child.wait();
     }

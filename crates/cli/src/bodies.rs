@@ -7,6 +7,7 @@ use bvh::BuildOptions;
 use model::generate::{Shape, call, generate};
 use model::{BodyView, Fit, Kind, Mesh, Meta, defaults, file, zones};
 use runtime::FileMap;
+use runtime::error::chain;
 use scenario::{Engine, FileRef, Scenario, Source};
 use std::path::{Path, PathBuf};
 
@@ -73,8 +74,7 @@ pub(crate) fn open(
     options: &BuildOptions,
 ) -> Result<Loaded, Failure> {
     let map = FileMap::open(path).map_err(|error| {
-        Failure::input(crate::failure::chain(&error))
-            .help("paths are relative to the scenario's folder")
+        Failure::input(chain(&error)).help("paths are relative to the scenario's folder")
     })?;
     let bad = |error: file::FileError| {
         Failure::input(format!("{}: {error}", path.display())).help(error.help())

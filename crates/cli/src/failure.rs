@@ -1,5 +1,6 @@
 //! What went wrong, for the person at the terminal and for the shell.
 
+use runtime::error::chain;
 use std::fmt;
 use std::process::ExitCode;
 
@@ -74,20 +75,6 @@ impl fmt::Display for Failure {
             None => Ok(()),
         }
     }
-}
-
-/// An error with all its causes on one line.
-pub(crate) fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(next) = cause {
-        let more = next.to_string();
-        if !text.contains(&more) {
-            text = format!("{text}: {more}");
-        }
-        cause = next.source();
-    }
-    text
 }
 
 impl From<scenario::ScenarioError> for Failure {

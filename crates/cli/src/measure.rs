@@ -15,6 +15,7 @@ mod page;
 pub(crate) mod pair;
 mod row;
 mod sweep;
+mod swept;
 
 use crate::args::Output;
 use crate::failure::{Code, Failure};
@@ -29,7 +30,8 @@ use row::{Mode, Row};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use sweep::{Plan, Swept, sweep};
+use sweep::{Plan, sweep};
+use swept::Swept;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

@@ -2,7 +2,7 @@
 
 use crate::args::{AnswerArgs, Assume, EngineArgs, Output, RankArgs};
 use crate::bodies;
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::inputs::{self, Inputs, Read};
 use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
@@ -12,6 +12,7 @@ use crate::{explain, plan, print, table};
 use coordinator::{DryRuns, Request, Work};
 use damage::State;
 use runtime::clock;
+use runtime::error::chain;
 use scenario::{FileRef, Overrides, Scenario};
 use serde::Serialize;
 use std::path::Path;

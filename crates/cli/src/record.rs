@@ -7,13 +7,14 @@
 use crate::BUILD;
 use crate::args::Output;
 use crate::bodies::Loaded;
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::inputs::Inputs;
 use crate::print;
 use crate::run::Run;
 use clap::Subcommand;
 use coordinator::Work;
 use record::{Body, Chain, Edge, Link, Record, Settings, Source, Span, Stage, Text};
+use runtime::error::chain;
 use scenario::{Engine, Scenario};
 use serde::Serialize;
 use std::io::Write as _;

@@ -7,8 +7,8 @@ use crate::plan::{Choice, Plan};
 use crate::terms::{Certain, Kept};
 use crate::transfer;
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
-use dispatch::{Intensity, Patience};
 use model::{BodyView, Meta};
+use runtime::error::chain;
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
 use serde::Serialize;
@@ -175,19 +175,14 @@ pub(crate) fn crew<'w>(
     }
     let begun_ns = clock::now_ns();
     let handing = &options.transfer;
+    let instance = options.instance.clone().unwrap_or_else(|| format!("p{}", std::process::id()));
     let options = Options {
-        program: Options::own_program().to_owned(),
-        instance: options.instance.clone().unwrap_or_else(|| format!("p{}", std::process::id())),
-        build: BUILD.to_owned(),
-        cores,
-        matching: transfer::matching(engine)?,
+        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
         queues: handing.queues(engine)?,
         cache: handing.cache(plan.depth, bodies)?,
         copies: handing.copies(),
         log: handing.job_log.is_some(),
-        patience: Patience::default(),
-        intensity: Intensity::default(),
-        obeys: false,
+        ..Options::new(instance, BUILD, cores)
     };
     let mut crew = Crew::start(store, &options)?;
     let started_ns = clock::now_ns();
@@ -222,7 +217,7 @@ pub(crate) fn crew<'w>(
 pub(crate) fn pin_coordinator(engine: &Engine) -> Result<(), Failure> {
     let Some(core) = engine.coordinator_core else { return Ok(()) };
     affinity::pin_self(usize::from(core)).map_err(|error| {
-        Failure::new(Code::Configuration, crate::failure::chain(&error))
+        Failure::new(Code::Configuration, chain(&error))
             .help("choose a core that this process may use: taskset -p $$")
     })
 }
@@ -234,10 +229,7 @@ pub(crate) fn worker_cores(
 ) -> Result<Vec<Option<usize>>, Failure> {
     match &engine.cores {
         Cores::Unpinned => Ok(vec![None; engine.workers]),
-        Cores::Granted if granted.is_empty() => Ok(vec![None; engine.workers]),
-        Cores::Granted => {
-            Ok((0..engine.workers).map(|worker| Some(granted[worker % granted.len()])).collect())
-        }
+        Cores::Granted => Ok(affinity::in_turn(granted, engine.workers)),
         Cores::Listed(cores) => {
             let cores = cores.iter().map(|core| usize::from(*core));
             if let Some(core) = cores.clone().find(|core| !granted.contains(core)) {

@@ -3,12 +3,13 @@
 use crate::BUILD;
 use crate::args::Output;
 use crate::deployment;
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::run::{pin_coordinator, worker_cores};
 use crate::{print, transfer};
 use clap::Args;
 use coordinator::Options;
-use dispatch::{Cache, Intensity, Patience, Queues};
+use dispatch::{Intensity, Queues};
+use runtime::error::chain;
 use service::{Idle, Lack, Site};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -69,23 +70,16 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
         .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let engine = &opened.deployment.engine;
     pin_coordinator(engine)?;
+    let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
     let crew = Options {
-        program: Options::own_program().to_owned(),
-        instance: opened.deployment.instance.clone(),
-        build: BUILD.to_owned(),
-        cores: worker_cores(engine, &runtime::affinity::allowed_cores())?,
-        matching: transfer::matching(engine)?,
+        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
         queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
-        cache: Cache::Unlimited,
-        copies: false,
-        log: false,
-        patience: Patience::default(),
         intensity: Intensity {
             core_deaths: opened.deployment.restarts.core_in_10_s as usize,
             all_deaths: opened.deployment.restarts.all_in_60_s as usize,
             ..Intensity::default()
         },
-        obeys: false,
+        ..Options::new(opened.deployment.instance.clone(), BUILD, cores)
     };
     let site = Site {
         deployment: &opened.deployment,

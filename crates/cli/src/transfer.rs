@@ -110,11 +110,11 @@ impl TransferArgs {
 }
 
 /// The scheme that the engine names.
-pub(crate) fn matching(engine: &Engine) -> Result<Matching, Failure> {
-    Ok(match engine.scheme {
-        Scheme::BestMatchLoad => Matching::BestMatchLoad(engine.alpha),
+pub(crate) fn matching(scheme: Scheme, alpha: f64, seed: u64) -> Result<Matching, Failure> {
+    Ok(match scheme {
+        Scheme::BestMatchLoad => Matching::BestMatchLoad(alpha),
         Scheme::BestMatch => Matching::BestMatch,
-        Scheme::RandomMatch => Matching::RandomMatch(engine.seed),
+        Scheme::RandomMatch => Matching::RandomMatch(seed),
         Scheme::LowestMatch => Matching::LowestMatch,
         Scheme::RoundRobin => Matching::RoundRobin,
         other => {

@@ -35,18 +35,20 @@
 //! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond,
 //!   all is in doubt.
 
+mod boxes;
 mod one;
 mod pairs;
 #[cfg(test)]
 mod tests;
 
-use crate::lanes::{gather, minus, only, plus, rotated, turned};
+use crate::lanes::{gather, minus, plus, rotated, turned};
 use crate::simd::prefetch;
 use crate::{Aabb, Corners, DVec3, RelativePose, Triangle};
 use core::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 
+pub use boxes::Boxes;
 pub use one::{OneBox, side_by_side};
 pub use pairs::{ALL, Pairs};
 
@@ -193,15 +195,6 @@ impl Close {
     }
 }
 
-/// Eight boxes.
-#[derive(Clone, Copy)]
-pub struct Boxes<S: Simd> {
-    /// Least x, y, z (m).
-    pub min: Vector<S>,
-    /// Greatest x, y, z (m).
-    pub max: Vector<S>,
-}
-
 /// Which triangles to take into a patch.
 pub trait Choice<S: Simd> {
     /// Of eight triangles with these corners in boxes, those to take.
@@ -290,7 +283,7 @@ impl Patch {
             let numbers = &numbers[from..from + LANES];
             let [a0, a1, a2]: [Vector<S>; 3] = gather(simd, posed.a, numbers);
             let corners = [minus(a0, origin), minus(a1, origin), minus(a2, origin)];
-            let boxes = around(&corners);
+            let boxes = Boxes::around(&corners);
             let chosen = choice.of(&corners, &boxes) & given(simd, count - from);
             all.include(&boxes.only(simd, chosen));
             self.put(simd, numbers, chosen, &boxes);
@@ -321,7 +314,7 @@ impl Patch {
             let edges = [minus(b1, b0), minus(b2, b0)];
             let Placed { corner, edges: [f1, f2] } = close.placed(simd, posed, b0, edges);
             let corners = [corner, plus(corner, f1), plus(corner, f2)];
-            let boxes = around(&corners).enlarged(error);
+            let boxes = Boxes::around(&corners).enlarged(error);
             let chosen = choice.of(&corners, &boxes) & given(simd, count - from);
             all.include(&boxes.only(simd, chosen));
             self.put(simd, numbers, chosen, &boxes);
@@ -451,71 +444,4 @@ fn eight<S: Simd>(simd: S, [x, y, z]: &[Column; 3], at: usize) -> Vector<S> {
         f32x8::from_slice(simd, &y[at.clone()]),
         f32x8::from_slice(simd, &z[at]),
     ]
-}
-
-/// The box of three corners.
-#[inline(always)]
-fn around<S: Simd>([p, q, r]: &[Vector<S>; 3]) -> Boxes<S> {
-    Boxes {
-        min: [p[0].min(q[0]).min(r[0]), p[1].min(q[1]).min(r[1]), p[2].min(q[2]).min(r[2])],
-        max: [p[0].max(q[0]).max(r[0]), p[1].max(q[1]).max(r[1]), p[2].max(q[2]).max(r[2])],
-    }
-}
-
-impl<S: Simd> Boxes<S> {
-    /// Eight times the same.
-    #[inline(always)]
-    pub fn splat(simd: S, box_: &Aabb) -> Self {
-        Self { min: same(simd, &box_.min), max: same(simd, &box_.max) }
-    }
-
-    /// Eight times nothing.
-    #[inline(always)]
-    pub fn nothing(simd: S) -> Self {
-        Self::splat(simd, &Aabb::EMPTY)
-    }
-
-    /// Larger by `margin` on all sides.
-    #[inline(always)]
-    fn enlarged(&self, margin: f32x8<S>) -> Self {
-        let Self { min: [u, v, w], max: [x, y, z] } = *self;
-        Self {
-            min: [u - margin, v - margin, w - margin],
-            max: [x + margin, y + margin, z + margin],
-        }
-    }
-
-    /// Nothing in the other lanes.
-    #[inline(always)]
-    fn only(&self, simd: S, lanes: mask32x8<S>) -> Self {
-        let Self { min: none_min, max: none_max } = Self::nothing(simd);
-        Self { min: only(lanes, self.min, none_min), max: only(lanes, self.max, none_max) }
-    }
-
-    /// Lane by lane the box of both.
-    #[inline(always)]
-    fn include(&mut self, other: &Self) {
-        for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(other.min[axis]);
-            self.max[axis] = self.max[axis].max(other.max[axis]);
-        }
-    }
-
-    /// The box of all lanes.
-    #[inline(always)]
-    pub fn all(&self, simd: S) -> OneBox<S> {
-        let ([u, v, w], [x, y, z]) = (self.min, self.max);
-        let min = [u.reduce_min(), v.reduce_min(), w.reduce_min()];
-        let max = [x.reduce_max(), y.reduce_max(), z.reduce_max()];
-        OneBox { min: side_by_side(simd, min), max: side_by_side(simd, max) }
-    }
-
-    /// Which meet the other's in the same lane. Comparisons with NaN are false.
-    #[inline(always)]
-    pub fn meet(&self, other: &Self) -> mask32x8<S> {
-        let x = self.min[0].simd_le(other.max[0]) & other.min[0].simd_le(self.max[0]);
-        let y = self.min[1].simd_le(other.max[1]) & other.min[1].simd_le(self.max[1]);
-        let z = self.min[2].simd_le(other.max[2]) & other.min[2].simd_le(self.max[2]);
-        x & y & z
-    }
 }

@@ -188,6 +188,16 @@ impl core::str::FromStr for Kind {
 }
 
 impl Seat {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::FrontLeft,
+        Self::FrontRight,
+        Self::RearLeft,
+        Self::RearMiddle,
+        Self::RearRight,
+        Self::Rider,
+    ];
+
     /// The bit of [`crate::Zones`] that stands for "beside this seat".
     #[must_use]
     pub fn zone_bit(self) -> u16 {

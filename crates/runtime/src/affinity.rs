@@ -12,6 +12,14 @@ pub fn allowed_cores() -> Vec<usize> {
     (0..CpuSet::MAX_CPU).filter(|core| set.is_set(*core)).collect()
 }
 
+/// Cores for so many workers: dealt in turn, and from the first on again where there are no more.
+/// `None`, wherever the system puts it, if no core is known.
+#[must_use]
+pub fn in_turn(cores: &[usize], workers: usize) -> Vec<Option<usize>> {
+    let core = |worker: usize| cores.get(worker % cores.len().max(1)).copied();
+    (0..workers).map(core).collect()
+}
+
 /// The core that the calling thread ran on a moment ago.
 #[must_use]
 pub fn current_core() -> Option<usize> {

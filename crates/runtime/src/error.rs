@@ -1,5 +1,7 @@
-//! What the operating system refused, in words for the person at the terminal.
+//! What the operating system refused, and any error with its causes, in words for the person at the
+//! terminal.
 
+use std::error::Error;
 use std::io;
 
 /// A call to the operating system failed.
@@ -39,4 +41,19 @@ impl OsError {
     ) -> impl FnOnce(E) -> Self + use<'a, E> {
         move |source| Self::new(step, what, source)
     }
+}
+
+/// An error with all its causes on one line. What an error has said of its cause is not repeated.
+#[must_use]
+pub fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(next) = cause {
+        let more = next.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = next.source();
+    }
+    text
 }

@@ -6,15 +6,6 @@ use damage::State;
 use model::Seat;
 use protocol::public::{Answer, Place, Reason, VERSION, Verdict, flag};
 
-const SEATS: [Seat; 6] = [
-    Seat::FrontLeft,
-    Seat::FrontRight,
-    Seat::RearLeft,
-    Seat::RearMiddle,
-    Seat::RearRight,
-    Seat::Rider,
-];
-
 /// The verdict that a state is.
 fn verdict(state: State) -> Verdict {
     match state {
@@ -72,7 +63,7 @@ fn place_of(row: &Row, answer: &coordinator::Answer) -> Place {
     if let Some(worst) = worst {
         place.flags |= flag::PERSON;
         place.worst_party = number(&worst.party);
-        let seat = worst.seat.and_then(|name| SEATS.into_iter().find(|s| s.name() == name));
+        let seat = worst.seat.and_then(|name| Seat::ALL.into_iter().find(|s| s.name() == name));
         place.worst_seat = seat_number(seat);
         place.worst = worst.work.into();
     }

@@ -13,6 +13,7 @@ use core::time::Duration;
 use damage::{Curves, Policy};
 use model::{BodyView, Meta};
 use protocol::public::{Answer, Ask, Condition, Reason, Stage, Verdict};
+use runtime::error::chain;
 use runtime::{SealedMemory, clock, heap, realtime};
 use std::rc::Rc;
 use transport::{Address, OpenError, Server};
@@ -376,7 +377,7 @@ impl Service<'_> {
             site.curves.clone(),
         );
         let unassessable =
-            |error: coordinator::RequestError| refuse(Reason::Unassessable, said(&error));
+            |error: coordinator::RequestError| refuse(Reason::Unassessable, chain(&error));
         let request = request.map_err(unassessable)?;
         let mut work = Work::new(&request, site.bodies, site.depth);
         if ask.answer_by_ns != 0 {
@@ -403,7 +404,7 @@ impl Service<'_> {
             }
             Err(error) => {
                 tracing::error!(%error, "a request could not be worked off");
-                return Err(refuse(Reason::Internal, said(&error)));
+                return Err(refuse(Reason::Internal, chain(&error)));
             }
         }
         let worked_ns = clock::now_ns();
@@ -449,18 +450,4 @@ impl Service<'_> {
         drop(desk);
         self.tell(Condition::Stopping);
     }
-}
-
-/// An error with all its causes.
-fn said(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(next) = cause {
-        let more = next.to_string();
-        if !text.contains(&more) {
-            text = format!("{text}: {more}");
-        }
-        cause = next.source();
-    }
-    text
 }

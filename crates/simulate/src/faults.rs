@@ -27,12 +27,14 @@
 mod draw;
 mod kind;
 mod shrink;
+mod tally;
 mod work;
 mod world;
 
 pub use kind::{Fault, Faults};
 pub use shrink::{Shrunk, shrink};
-pub use world::{Limits, Tally, Violation, run};
+pub use tally::Tally;
+pub use world::{Limits, Violation, run};
 
 #[cfg(test)]
 mod model;

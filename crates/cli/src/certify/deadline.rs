@@ -6,9 +6,9 @@ use crate::BUILD;
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use coordinator::{Chance, Crew, Options, Pursuit, Request, Terms, Work, run_here};
+use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_here};
 use damage::State;
-use dispatch::{Cache, Intensity, Matching, Patience, Queues};
+use dispatch::Queues;
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
 use std::fmt::Write as _;
@@ -66,29 +66,13 @@ pub(crate) fn run(args: &DeadlineArgs, output: &Output) -> Result<String, Failur
     let winners: Result<Vec<Option<String>>, Failure> =
         asked.iter().map(|request| winner(request, &views)).collect();
     let winners = winners?;
-    let granted = affinity::allowed_cores();
-    let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
+    let cores = affinity::in_turn(&affinity::allowed_cores(), args.workers.into());
     let options = Options {
-        program: Options::own_program().to_owned(),
-        instance: format!("d{}", std::process::id()),
-        build: BUILD.to_owned(),
-        cores: (0..args.workers).map(core).collect(),
-        matching: Matching::BestMatchLoad(0.5),
-        queues: Queues { capacity: 8, batch: 4, linger_ns: 0 },
-        cache: Cache::Unlimited,
-        copies: false,
-        log: false,
-        patience: Patience::default(),
-        intensity: Intensity::default(),
-        obeys: false,
+        queues: Queues { capacity: 8, ..Options::QUEUES },
+        ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
     };
     let due = Duration::from_secs_f64(args.deadline_ms / 1e3);
-    let terms = Terms {
-        deadline_ns: Some(Terms::guarded(due)),
-        pursuit: Pursuit::Deciding,
-        budget: args.budget,
-        ..Terms::default()
-    };
+    let terms = Terms { budget: args.budget, ..Terms::due_in(due) };
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for _ in 0..args.load {

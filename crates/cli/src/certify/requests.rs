@@ -1,11 +1,12 @@
 //! Requests as chance will have them: an ego among bodies that it may hit, from any side.
 
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::measure::pair;
 use coordinator::{Chance, Request};
 use damage::{Curves, Policy};
 use model::{BodyView, Kind, Meta, file};
 use runtime::SealedMemory;
+use runtime::error::chain;
 use scenario::Scenario;
 use std::fmt::Write as _;
 

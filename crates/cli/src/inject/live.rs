@@ -9,7 +9,7 @@ use crate::BUILD;
 use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
-use dispatch::{Cache, Intensity, Matching, Patience, Queues};
+use dispatch::Intensity;
 use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
 use runtime::{SealedMemory, affinity, clock, machine};
@@ -65,22 +65,8 @@ struct Live<'s, F> {
 
 /// Options of a crew for fault injection.
 pub(super) fn options(plan: &Plan, instance: &str) -> Options {
-    let granted = affinity::allowed_cores();
-    let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
-    Options {
-        program: Options::own_program().to_owned(),
-        instance: instance.to_owned(),
-        build: BUILD.to_owned(),
-        cores: (0..plan.workers).map(core).collect(),
-        matching: Matching::BestMatchLoad(0.5),
-        queues: Queues { capacity: 16, batch: 4, linger_ns: 0 },
-        cache: Cache::Unlimited,
-        copies: false,
-        log: false,
-        patience: Patience::default(),
-        intensity: Intensity::UNLIMITED,
-        obeys: true,
-    }
+    let cores = affinity::in_turn(&affinity::allowed_cores(), plan.workers.into());
+    Options { intensity: Intensity::UNLIMITED, obeys: true, ..Options::new(instance, BUILD, cores) }
 }
 
 pub(super) fn run<'w>(

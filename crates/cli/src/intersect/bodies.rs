@@ -2,12 +2,13 @@
 
 use super::IntersectArgs;
 use crate::args::Output;
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::model::reader::{Outcome, Request};
 use crate::model::{LimitArgs, open};
 use bvh::BuildOptions;
 use model::{BodyView, Build, Meta, file};
 use runtime::clock::now_ns;
+use runtime::error::chain;
 use std::path::Path;
 
 /// A body and what it took to build its tree.

@@ -7,7 +7,7 @@ use bvh::{Kernel, Question, Task, together};
 use coordinator::{
     Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
 };
-use dispatch::{Cache, Intensity, Matching, Patience, Queues, Thrash};
+use dispatch::{Cache, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use model::{BodyView, Meta};
 use runtime::{affinity, clock};
@@ -201,21 +201,13 @@ impl<'p> Bench<'p> {
 
     /// By a crew; the first run warms up and does not count. Inside: a section did not fit.
     pub(crate) fn run(&self, way: &Way) -> Result<Result<Ran, Thrash>, Failure> {
-        let granted = affinity::allowed_cores();
-        let core = |worker: u8| granted.get(usize::from(worker) % granted.len().max(1)).copied();
+        let cores = affinity::in_turn(&affinity::allowed_cores(), way.workers.into());
         let options = Options {
-            program: Options::own_program().to_owned(),
-            instance: format!("m{}", std::process::id()),
-            build: BUILD.to_owned(),
-            cores: (0..way.workers).map(core).collect(),
             matching: way.matching,
             queues: way.queues,
             cache: way.cache,
             copies: matches!(way.cache, Cache::Fixed(_)),
-            log: false,
-            patience: Patience::default(),
-            intensity: Intensity::default(),
-            obeys: false,
+            ..Options::new(format!("m{}", std::process::id()), BUILD, cores)
         };
         let mut crew = Crew::start(&self.pair.store, &options)?;
         let mut runs = Vec::new();

@@ -6,11 +6,12 @@
 
 use super::bench::{Alone, Bench, Way};
 use crate::failure::Failure;
+use coordinator::Options;
 use dispatch::{Cache, Matching, Queues};
 use simulate::{Costs, fit};
 
-/// Buffers of all calibrations: the defaults of the engine.
-pub(crate) const QUEUES: Queues = Queues { capacity: 16, batch: 4, linger_ns: 0 };
+/// Buffers of all calibrations.
+pub(crate) const QUEUES: Queues = Options::QUEUES;
 
 /// From the end of a send to its arrival (ns): iceoryx2 0.10 between two busy processes took 325 to
 /// 350 ns on the machines seen so far, and its share in the whole is small.

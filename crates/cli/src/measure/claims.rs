@@ -5,7 +5,7 @@
 //! there for its order of results, time is a prediction.
 
 use super::row::{Mode, Row};
-use super::sweep::Swept;
+use super::swept::Swept;
 use serde::Serialize;
 
 /// Speed-ups closer than this are the same.

@@ -2,7 +2,7 @@
 
 use super::claims::{Claim, best_depth};
 use super::row::Mode;
-use super::sweep::{Check, Swept};
+use super::swept::{Check, Swept};
 use std::fmt::Write as _;
 
 /// The median error of the predictions, as a share.

@@ -4,7 +4,7 @@
 //! found: sixteen directions around A from which B comes until it touches, then so much deeper.
 
 use crate::bodies::generate_body;
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::intersect::poses;
 use crate::model::open;
 use bvh::{BuildOptions, Kernel, NodePair, Question, Task};
@@ -13,6 +13,7 @@ use geometry::{Pose, RelativePose};
 use model::generate::Shape;
 use model::{BodyView, Meta, file, store};
 use runtime::SealedMemory;
+use runtime::error::chain;
 use std::path::Path;
 
 /// Directions from which B comes.

@@ -1,15 +1,15 @@
 //! The sweep over one pair: schemes, depths, buffers, workers and ways of transfer, measured with
 //! the cores there are and simulated with four.
 
-use super::bench::{Alone, Bench, Way};
+use super::bench::{Alone, Bench, Ran, Way};
 use super::calibrate::{QUEUES, calibrate};
 use super::row::{Mode, Row};
-use crate::failure::{Code, Failure};
+use super::swept::{Check, Choice, Shares, Swept};
+use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::transfer::BUDGET_PERCENT;
+use crate::transfer::{self, BUDGET_PERCENT};
 use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
-use serde::Serialize;
 use simulate::{Costs, Home, Setup, Team, advise};
 
 /// Ways of transfer by name.
@@ -32,108 +32,16 @@ pub(crate) struct Plan {
     pub(crate) alpha: f64,
 }
 
-/// A prediction beside what it predicts.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Check {
-    pub(crate) workers: u8,
-    pub(crate) depth: u32,
-    pub(crate) predicted_ms: f64,
-    pub(crate) measured_ms: f64,
-    /// Each over the in-process kernel of its kind.
-    pub(crate) predicted_speed_up: f64,
-    pub(crate) measured_speed_up: f64,
-}
-
-impl Check {
-    /// How far the predicted speed-up is off: 0.1 is 10 %.
-    pub(crate) fn error(&self) -> f64 {
-        self.predicted_speed_up / self.measured_speed_up - 1.0
+impl Plan {
+    fn matching(&self, scheme: Scheme) -> Result<Matching, Failure> {
+        transfer::matching(scheme, self.alpha, self.seed)
     }
-}
-
-/// A depth that was chosen by a model, and what that cost against the best of the sweep.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Choice {
-    pub(crate) workers: u8,
-    pub(crate) depth: u32,
-    /// Whether to distribute at all; if not, one piece goes to one worker.
-    pub(crate) distribute: bool,
-    pub(crate) predicted_ms: f64,
-    /// By the same source: simulated for four cores, measured for two workers.
-    pub(crate) found_ms: f64,
-    pub(crate) best_ms: f64,
-    pub(crate) best_depth: u32,
-    pub(crate) source: &'static str,
-}
-
-impl Choice {
-    /// How much longer than the best of the sweep it takes: 0.1 is 10 %.
-    pub(crate) fn regret(&self) -> f64 {
-        self.found_ms / self.best_ms - 1.0
-    }
-}
-
-/// Where the time of a run went, per core: shares of the run's time.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Shares {
-    pub(crate) workers: u8,
-    pub(crate) depth: u32,
-    pub(crate) run_ms: f64,
-    pub(crate) speed_up: f64,
-    /// Kernel time over all workers, and that of the in-process kernel (ms).
-    pub(crate) kernel_ms: f64,
-    pub(crate) kernel_alone_ms: f64,
-    /// Least and most that one worker worked (ms).
-    pub(crate) worker_least_ms: f64,
-    pub(crate) worker_most_ms: f64,
-    pub(crate) descent_ms: f64,
-    pub(crate) fold_ms: f64,
-    pub(crate) decide_ms: f64,
-    pub(crate) send_ms: f64,
-    pub(crate) take_ms: f64,
-}
-
-/// What is known of one pair.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Swept {
-    pub(crate) pair: String,
-    pub(crate) triangles: [usize; 2],
-    pub(crate) poses: usize,
-    pub(crate) pairs_found: u64,
-    pub(crate) model_bytes: u64,
-    pub(crate) costs: Costs,
-    /// The in-process kernel (ms), its best depth.
-    pub(crate) alone_ms: f64,
-    /// Median of its repeats (ms).
-    pub(crate) alone_median_ms: f64,
-    pub(crate) alone_depth: u32,
-    /// Threads of one process that share each pose, and what they take (ms).
-    pub(crate) threads: usize,
-    pub(crate) threads_ms: f64,
-    /// The same by the cost model (ms).
-    pub(crate) alone_predicted_ms: f64,
-    pub(crate) checks: Vec<Check>,
-    pub(crate) choices: Vec<Choice>,
-    pub(crate) shares: Vec<Shares>,
-    pub(crate) rows: Vec<Row>,
 }
 
 /// How many steps of progress a sweep has.
 pub(crate) fn steps(plan: &Plan) -> u64 {
     u64::from(plan.passes) * (plan.depths.len() as u64 + 1)
         + (plan.depths.len() + plan.buffers.len()) as u64
-}
-
-/// The scheme as the dispatcher knows it.
-fn matching(scheme: Scheme, plan: &Plan) -> Result<Matching, Failure> {
-    Ok(match scheme {
-        Scheme::BestMatchLoad => Matching::BestMatchLoad(plan.alpha),
-        Scheme::BestMatch => Matching::BestMatch,
-        Scheme::RandomMatch => Matching::RandomMatch(plan.seed),
-        Scheme::LowestMatch => Matching::LowestMatch,
-        Scheme::RoundRobin => Matching::RoundRobin,
-        other => return Err(Failure::new(Code::Internal, other.name())),
-    })
 }
 
 /// Sweeps a pair. What is measured is measured in several passes, and the quickest counts: other
@@ -250,7 +158,7 @@ impl Sweep<'_> {
     /// Every scheme at one depth with two workers, and one alone.
     fn measure_depth(&mut self, depth: u32) -> Result<(), Failure> {
         for scheme in Scheme::ALL {
-            let matching = matching(scheme, self.plan)?;
+            let matching = self.plan.matching(scheme)?;
             self.measure(scheme, matching, 2, depth, QUEUES, ZERO_COPY)?;
             if scheme == Scheme::BestMatchLoad {
                 self.measure(scheme, matching, 1, depth, QUEUES, ZERO_COPY)?;
@@ -268,14 +176,14 @@ impl Sweep<'_> {
     /// two.
     fn simulate_depth(&mut self, depth: u32, alone: &Alone) -> Result<(), Failure> {
         for scheme in Scheme::ALL {
-            let matching = matching(scheme, self.plan)?;
+            let matching = self.plan.matching(scheme)?;
             for transfer in [ZERO_COPY, (COPY, self.budget())] {
                 for home in [Home::Own, Home::Shared] {
                     self.simulate(scheme, matching, depth, alone, QUEUES, transfer, home);
                 }
             }
         }
-        let usual = matching(Scheme::BestMatchLoad, self.plan)?;
+        let usual = self.plan.matching(Scheme::BestMatchLoad)?;
         for (workers, home) in [(1, Home::Own), (2, Home::Shared)] {
             let setup = Setup {
                 workers,
@@ -353,7 +261,7 @@ impl Sweep<'_> {
     /// Best Match-Load with every buffer at its best depth.
     fn buffers(&mut self, alone: &[(u32, Alone)]) -> Result<(), Failure> {
         let scheme = Scheme::BestMatchLoad;
-        let matching = matching(scheme, self.plan)?;
+        let matching = self.plan.matching(scheme)?;
         let best = self.rows.iter().filter(|row| {
             (row.mode, row.transfer) == (Mode::SimulatedOwnCore, "zero-copy")
                 && row.scheme == scheme.name()
@@ -380,6 +288,7 @@ impl Sweep<'_> {
         Ok(())
     }
 
+    /// A run by real workers. Of several passes the quickest stays in the table.
     fn measure(
         &mut self,
         scheme: Scheme,
@@ -404,6 +313,7 @@ impl Sweep<'_> {
         let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
         let moved = report.transfer;
         let run_ns = duty.run_ns as f64;
+        let is_usual = queues == QUEUES && transfer != COPY && scheme == Scheme::BestMatchLoad;
         let same = |row: &Row| {
             (row.mode, row.transfer, row.scheme) == (Mode::Measured, transfer, scheme.name())
                 && (row.depth, row.workers, row.queue) == (depth, workers, queues.capacity)
@@ -413,19 +323,11 @@ impl Sweep<'_> {
                 return Ok(());
             }
             self.rows.remove(at);
-            if queues == QUEUES && transfer != COPY && scheme == Scheme::BestMatchLoad {
+            if is_usual {
                 self.shares.retain(|known| (known.workers, known.depth) != (workers, depth));
             }
         }
         self.rows.push(Row {
-            pair: self.bench.pair.name.clone(),
-            mode: Mode::Measured,
-            transfer,
-            scheme: scheme.name(),
-            depth,
-            workers,
-            queue: queues.capacity,
-            batch: queues.batch,
             time_ms: Some(run_ns / 1e6),
             median_ms: Some(ran.median_ns / 1e6),
             speed_up: Some(self.alone_ns / run_ns),
@@ -436,31 +338,38 @@ impl Sweep<'_> {
             section_bytes: Some(moved.section_bytes),
             relative_to_models: Some(ratio(moved.section_bytes, self.model_bytes)),
             relative_to_unshared: Some(ratio(moved.section_bytes, moved.unshared_bytes)),
-            thrashed: None,
+            ..self.row(Mode::Measured, transfer, scheme, &way)
         });
-        if scheme == Scheme::BestMatchLoad && queues == QUEUES && transfer != COPY {
-            let busy = report.workers.iter().map(|worker| worker.busy_ns);
-            let ms = |ns: u64| ns as f64 / 1e6;
-            let decided = duty.step_ns.saturating_sub(ran.spent.descent_ns + ran.spent.fold_ns);
-            self.shares.push(Shares {
-                workers,
-                depth,
-                run_ms: run_ns / 1e6,
-                speed_up: self.alone_ns / run_ns,
-                kernel_ms: ms(busy.clone().sum()),
-                kernel_alone_ms: self.alone_ns / 1e6,
-                worker_least_ms: ms(busy.clone().min().unwrap_or(0)),
-                worker_most_ms: ms(busy.max().unwrap_or(0)),
-                descent_ms: ms(ran.spent.descent_ns),
-                fold_ms: ms(ran.spent.fold_ns),
-                decide_ms: ms(decided),
-                send_ms: ms(duty.send_ns),
-                take_ms: ms(duty.take_ns),
-            });
+        if is_usual {
+            self.shares.push(self.shares_of(&way, &ran));
         }
         Ok(())
     }
 
+    /// Where the time of a measured run went.
+    fn shares_of(&self, way: &Way, ran: &Ran) -> Shares {
+        let duty = ran.report.duty;
+        let busy = ran.report.workers.iter().map(|worker| worker.busy_ns);
+        let ms = |ns: u64| ns as f64 / 1e6;
+        let decided = duty.step_ns.saturating_sub(ran.spent.descent_ns + ran.spent.fold_ns);
+        Shares {
+            workers: way.workers,
+            depth: way.depth,
+            run_ms: ms(duty.run_ns),
+            speed_up: self.alone_ns / duty.run_ns as f64,
+            kernel_ms: ms(busy.clone().sum()),
+            kernel_alone_ms: self.alone_ns / 1e6,
+            worker_least_ms: ms(busy.clone().min().unwrap_or(0)),
+            worker_most_ms: ms(busy.max().unwrap_or(0)),
+            descent_ms: ms(ran.spent.descent_ns),
+            fold_ms: ms(ran.spent.fold_ns),
+            decide_ms: ms(decided),
+            send_ms: ms(duty.send_ns),
+            take_ms: ms(duty.take_ns),
+        }
+    }
+
+    /// A run on virtual cores.
     #[expect(clippy::too_many_arguments, reason = "each is one dimension of the sweep")]
     fn simulate(
         &mut self,
@@ -480,32 +389,21 @@ impl Sweep<'_> {
             Home::Shared => Mode::SimulatedSharedCore,
         };
         let moved = out.transfer.section_bytes;
+        let way = Way { workers: CORES, depth, matching, queues, cache };
         if let Some(thrash) = out.thrash {
-            let way = Way { workers: CORES, depth, matching, queues, cache };
             let row = self.lost(mode, transfer, scheme, &way, &thrash);
             self.rows.push(row);
             return;
         }
         self.rows.push(Row {
-            pair: self.bench.pair.name.clone(),
-            mode,
-            transfer,
-            scheme: scheme.name(),
-            depth,
-            workers: CORES,
-            queue: queues.capacity,
-            batch: queues.batch,
             time_ms: Some(out.time_ns / 1e6),
-            median_ms: None,
             speed_up: Some(self.predicted_ns / out.time_ns),
             jobs: out.counts.jobs,
             messages: out.counts.batches + out.counts.done,
-            message_bytes: None,
-            cache_lines: None,
             section_bytes: Some(moved),
             relative_to_models: Some(ratio(moved, self.model_bytes)),
             relative_to_unshared: Some(ratio(moved, out.transfer.unshared_bytes)),
-            thrashed: None,
+            ..self.row(mode, transfer, scheme, &way)
         });
     }
 
@@ -527,6 +425,15 @@ impl Sweep<'_> {
         way: &Way,
         thrash: &Thrash,
     ) -> Row {
+        let why = format!(
+            "worker {} held {} of {} bytes and needed {} more",
+            thrash.core, thrash.held, thrash.budget, thrash.bytes
+        );
+        Row { thrashed: Some(why), ..self.row(mode, transfer, scheme, way) }
+    }
+
+    /// A row of which no figure is known yet.
+    fn row(&self, mode: Mode, transfer: &'static str, scheme: Scheme, way: &Way) -> Row {
         Row {
             pair: self.bench.pair.name.clone(),
             mode,
@@ -546,10 +453,7 @@ impl Sweep<'_> {
             section_bytes: None,
             relative_to_models: None,
             relative_to_unshared: None,
-            thrashed: Some(format!(
-                "worker {} held {} of {} bytes and needed {} more",
-                thrash.core, thrash.held, thrash.budget, thrash.bytes
-            )),
+            thrashed: None,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Opening what a person named: every failure names the file and says what to do.
 
-use crate::failure::{Failure, chain};
+use crate::failure::Failure;
 use model::{BodyView, Meta, file};
 use runtime::FileMap;
+use runtime::error::chain;
 use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 

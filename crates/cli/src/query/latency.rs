@@ -5,12 +5,13 @@
 
 use crate::args::Output;
 use crate::deployment::{self, Opened};
-use crate::failure::{Code, Failure, chain};
+use crate::failure::{Code, Failure};
 use crate::print;
 use client::Client;
 use hdrhistogram::Histogram;
 use protocol::public::{Answer, Ask, Place, Verdict};
 use runtime::clock;
+use runtime::error::chain;
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::Duration;

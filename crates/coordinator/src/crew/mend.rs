@@ -4,10 +4,9 @@
 //! page. It greets when it is ready, whatever the coordinator is doing then.
 
 use super::station::Station;
-use super::{Crew, CrewError, Incarnation, Sight};
-use core::sync::atomic::Ordering;
+use super::{Crew, CrewError, Incarnation};
 use dispatch::Leave;
-use protocol::{Launch, Order};
+use protocol::Launch;
 use runtime::{SealedMemory, clock};
 
 /// What became of those who were lost.
@@ -78,28 +77,6 @@ impl Crew {
         self.stations.iter().map(|station| (station.who, station.report.pid)).collect()
     }
 
-    /// Tells a worker to misbehave: it must have been started with `obeys`.
-    pub fn order(&self, worker: u8, order: Option<Order>) {
-        let line = self.status.page().coordinator.get(usize::from(worker));
-        if let Some(line) = line {
-            line.order.store(order.map_or(0, Order::to_word), Ordering::SeqCst);
-        }
-    }
-
-    /// When a worker last obeyed (ns, monotonic); 0: never.
-    #[must_use]
-    pub fn obeyed_ns(&self, worker: u8) -> u64 {
-        let line = self.status.page().workers.get(usize::from(worker));
-        line.map_or(0, |line| line.obeyed_ns.load(Ordering::SeqCst))
-    }
-
-    /// Spoils the next batch to a worker: for fault injection.
-    pub fn spoil_next(&mut self, worker: u8, how: Spoiled) {
-        if let Some(station) = self.stations.get_mut(usize::from(worker)) {
-            station.spoiled = Some(how);
-        }
-    }
-
     /// Starts a worker.
     pub(super) fn man(
         &mut self,
@@ -130,46 +107,4 @@ impl Crew {
         self.poller.add_process(station.child(), key)?;
         Ok(station)
     }
-
-    /// Buries those who have ended since the last request, or stand still at what it left them.
-    fn notice_the_dead(&mut self) -> Result<(), CrewError> {
-        self.sleep(0)?;
-        let now = clock::now_ns();
-        self.ended.clear();
-        for number in 0..self.stations.len() {
-            let station = &mut self.stations[number];
-            let has_ended = station.is_alive() && station.exit()?.is_some();
-            if has_ended || self.kill_if_still(number, now) {
-                self.miss(number)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Buries a worker that has ended, or was killed, while no request was open.
-    pub(super) fn miss(&mut self, number: usize) -> Result<(), CrewError> {
-        let station = &mut self.stations[number];
-        let _exit = station.wait_end()?;
-        let (who, _started) = station.bury(&self.status, self.request);
-        self.dispatcher.dismiss(who);
-        self.see(who, Sight::Ended);
-        self.lay_to_rest(number);
-        Ok(())
-    }
-
-    /// Forgets what is watched of a worker, and counts its death.
-    pub(super) fn lay_to_rest(&mut self, number: usize) {
-        self.poller.remove_process(number as u32);
-        self.poller.remove_event(number as u32);
-        self.restarts.note(number as u8, clock::now_ns());
-    }
-}
-
-/// What is done to a batch on its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spoiled {
-    /// This bit of it, modulo its length, is flipped after it was sealed.
-    Garbled(u32),
-    /// It is refused, as if the queue were full.
-    Refused,
 }

@@ -321,15 +321,14 @@ impl Station {
         now: u64,
         patience: &Patience,
     ) -> Option<Verdict> {
-        let busy = self.is_busy(status);
-        if !busy {
+        if !self.is_busy(status) {
             self.watch = Watch::default();
             return None;
         }
         let stat = process::stat(self.report.pid)?;
         let beat = status.page().workers[self.line()].beat.load(Ordering::Relaxed);
         let stopped = matches!(stat.state, 'T' | 't');
-        let pulse = Pulse { beat, cpu_ns: stat.cpu_ns, stopped, busy };
+        let pulse = Pulse { beat, cpu_ns: stat.cpu_ns, stopped, busy: true };
         let verdict = self.watch.look(pulse, now, patience);
         (verdict != Verdict::Alive).then_some(verdict)
     }

@@ -17,6 +17,13 @@ fn a_pinned_thread_stays_where_it_is() {
 }
 
 #[test]
+fn workers_get_cores_in_turn_and_share_those_there_are() {
+    assert_eq!(in_turn(&[2, 5], 5), [2, 5, 2, 5, 2].map(Some));
+    assert_eq!(in_turn(&[2, 5], 1), [Some(2)]);
+    assert_eq!(in_turn(&[], 2), [None; 2]);
+}
+
+#[test]
 fn a_core_that_is_not_there_is_an_error() {
     for core in [CpuSet::MAX_CPU - 1, CpuSet::MAX_CPU, usize::MAX] {
         let error = pin_self(core).unwrap_err();

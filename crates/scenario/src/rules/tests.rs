@@ -3,15 +3,9 @@
 use super::*;
 use model::{Build, Meta, Seat};
 
-const SEATS: [Option<Seat>; 7] = [
-    None,
-    Some(Seat::FrontLeft),
-    Some(Seat::FrontRight),
-    Some(Seat::RearLeft),
-    Some(Seat::RearMiddle),
-    Some(Seat::RearRight),
-    Some(Seat::Rider),
-];
+fn seats() -> impl Iterator<Item = Option<Seat>> {
+    [None].into_iter().chain(Seat::ALL.map(Some))
+}
 
 /// What a model file would have to say, checked by its own crate: the oracle.
 fn model_accepts(kind: Kind, mass_kg: Option<f64>, persons: &[Occupant]) -> bool {
@@ -41,8 +35,8 @@ fn persons_fit(kind: Option<Kind>, persons: &[Occupant]) -> bool {
 #[test]
 fn persons_fit_wherever_a_model_file_may_have_them() {
     for kind in Kind::ALL {
-        for first in SEATS {
-            for second in SEATS {
+        for first in seats() {
+            for second in seats() {
                 let persons = [Occupant { seat: first }, Occupant { seat: second }];
                 for persons in [&persons[..], &persons[..1], &[]] {
                     let expected = model_accepts(kind, None, persons);

@@ -1,19 +1,22 @@
-//! The world: workers, channels, time; and the coordinator's loop, as it is in `coordinator`.
+//! The world: what happens, in the order of time, and what strikes at random. Equal seeds give
+//! equal worlds. What workers and the coordinator do when it is their turn stands in their files.
 
 use super::draw::Draw;
 use super::kind::{Fault, Faults};
-use super::work::{Answer, Part, Request};
+use super::tally::Tally;
+use super::work::{Part, Request};
 use core::fmt;
 use dispatch::{
-    Cache, Dispatcher, Effect, Event, Intensity, Leave, Matching, Patience, Progress, Queues,
-    Restarts, Scheme, Verdict,
+    Cache, Dispatcher, Event, Intensity, Matching, Patience, Progress, Queues, Restarts, Scheme,
 };
 use protocol::{Incarnation, JobId, RequestId};
 use std::collections::BTreeMap;
 
 mod actor;
+mod coordinator;
+mod worker;
 
-use actor::{Actor, Ill, Mail, Notes};
+use actor::{Actor, Mail};
 
 /// How long a message flies (ns).
 const FLIGHT_NS: u64 = 800;
@@ -52,85 +55,6 @@ impl Default for Limits {
             requests: 4,
             #[cfg(test)]
             flaw: None,
-        }
-    }
-}
-
-/// What was counted.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Tally {
-    /// Requests.
-    pub requests: u64,
-    /// Requests in which a fault struck.
-    pub disturbed: u64,
-    /// Jobs.
-    pub jobs: u64,
-    /// Complete answers.
-    pub complete: u64,
-    /// Degraded answers.
-    pub degraded: u64,
-    /// Refusals.
-    pub refused: u64,
-    /// Faults that struck, in the order of [`Fault::ALL`].
-    pub struck: Vec<u64>,
-    /// Leases that ended without a result.
-    pub reissued: u64,
-    /// Jobs given up because they took workers down or failed.
-    pub abandoned: u64,
-    /// Parts turned away by the fence.
-    pub fenced: u64,
-    /// Workers that died, of whatever.
-    pub deaths: u64,
-    /// Workers that were killed by the coordinator.
-    pub killed: u64,
-}
-
-impl Default for Tally {
-    fn default() -> Self {
-        Self {
-            requests: 0,
-            disturbed: 0,
-            jobs: 0,
-            complete: 0,
-            degraded: 0,
-            refused: 0,
-            struck: vec![0; Fault::ALL.len()],
-            reissued: 0,
-            abandoned: 0,
-            fenced: 0,
-            deaths: 0,
-            killed: 0,
-        }
-    }
-}
-
-impl Tally {
-    /// All faults that struck.
-    #[must_use]
-    pub fn faults(&self) -> u64 {
-        self.struck.iter().sum()
-    }
-
-    /// Includes another one.
-    pub fn add(&mut self, other: &Self) {
-        let pairs = [
-            (&mut self.requests, other.requests),
-            (&mut self.disturbed, other.disturbed),
-            (&mut self.jobs, other.jobs),
-            (&mut self.complete, other.complete),
-            (&mut self.degraded, other.degraded),
-            (&mut self.refused, other.refused),
-            (&mut self.reissued, other.reissued),
-            (&mut self.abandoned, other.abandoned),
-            (&mut self.fenced, other.fenced),
-            (&mut self.deaths, other.deaths),
-            (&mut self.killed, other.killed),
-        ];
-        for (sum, more) in pairs {
-            *sum += more;
-        }
-        for (sum, more) in self.struck.iter_mut().zip(&other.struck) {
-            *sum += more;
         }
     }
 }
@@ -310,141 +234,6 @@ impl<'l> World<'l> {
         true
     }
 
-    /// Answers one request, and judges the answer.
-    fn answer(&mut self, number: RequestId) -> Result<(), String> {
-        let draw = self.draw.at(20).at(number.0);
-        self.number = number;
-        self.request = Request::draw(draw);
-        self.poisoned.clear();
-        let begun_ns = self.now_ns;
-        self.say(|| format!("request {} begins", number.0));
-        self.dispatcher.begin(number);
-        let deadline_ns = if self.strikes(Fault::Deadline, draw) {
-            Some(100_000 + draw.at(9).below(5_000_000))
-        } else {
-            draw.at(10).once_in(2).then_some(30_000_000_000)
-        };
-        if let Some(after_ns) = deadline_ns {
-            self.after(after_ns, Happening::Deadline(number));
-        }
-        for actor in self.actors.iter().filter(|actor| actor.is_ready && !actor.is_buried) {
-            self.dispatcher.admit(actor.who);
-        }
-        self.step(Event::Poll);
-        while self.is_working() && self.wrong.is_none() {
-            let next_ns = self.events.first_key_value().map(|(at, _)| at.0);
-            match (self.dispatcher.due_ns(), next_ns) {
-                (Some(due_ns), next_ns) if next_ns.is_none_or(|next_ns| due_ns <= next_ns) => {
-                    self.now_ns = self.now_ns.max(due_ns);
-                    self.step(Event::Poll);
-                }
-                (_, Some(_)) => self.next(),
-                (_, None) => return Err("nothing will ever happen again".to_owned()),
-            }
-            if self.now_ns - begun_ns > FOR_EVER_NS {
-                return Err("still no answer after two minutes".to_owned());
-            }
-        }
-        let took_ns = self.now_ns - begun_ns;
-        if deadline_ns.is_some_and(|most_ns| took_ns > most_ns + LOOK_NS) {
-            return Err(format!("answered after {took_ns} ns, by {deadline_ns:?} at the latest"));
-        }
-        let mut counts = self.dispatcher.counts();
-        if self.progress == Progress::Stranded {
-            // Nobody is left, and nobody is coming: what is open stays unknown.
-            self.step(Event::Expired);
-            counts = self.dispatcher.counts();
-        }
-        let answer = self.request.judge(&counts)?;
-        self.say(|| format!("request {} is {answer:?}", number.0));
-        let tally = &mut self.tally;
-        tally.requests += 1;
-        tally.jobs += counts.jobs;
-        tally.reissued += counts.reissued;
-        tally.abandoned += counts.abandoned;
-        tally.fenced += counts.fence.sum();
-        match answer {
-            Answer::Complete => tally.complete += 1,
-            Answer::Degraded => tally.degraded += 1,
-            Answer::Refused => tally.refused += 1,
-        }
-        Ok(())
-    }
-
-    fn is_working(&self) -> bool {
-        let is_starting = |actor: &Actor| !actor.is_buried && !actor.is_ready;
-        match self.progress {
-            Progress::Working => true,
-            Progress::Stranded => self.actors.iter().any(is_starting),
-            Progress::Finished | Progress::Thrashed => false,
-        }
-    }
-
-    /// One event for the dispatcher, and everything that follows.
-    fn step(&mut self, event: Event<Part>) {
-        let mut effects = Vec::new();
-        self.progress = self.dispatcher.step(self.now_ns, event, &mut self.request, &mut effects);
-        let mut refused = 0_u32;
-        while !effects.is_empty() {
-            let event = match effects.remove(0) {
-                Effect::Kill { who, why } => {
-                    self.say(|| format!("kill {who:?}: {why}"));
-                    if self.actor(who).is_some() {
-                        self.tally.killed += 1;
-                        self.die(who);
-                    }
-                    continue;
-                }
-                Effect::Send { to, batch, .. } if refused >> to.worker & 1 == 1 => {
-                    Some(Event::Unsent { to, batch })
-                }
-                Effect::Send { to, batch, jobs, .. } => self.send(to, batch, &jobs),
-            };
-            let Some(event) = event else { continue };
-            if let Event::Unsent { to, .. } = event {
-                refused |= 1 << to.worker;
-            }
-            self.progress =
-                self.dispatcher.step(self.now_ns, event, &mut self.request, &mut effects);
-        }
-    }
-
-    /// Puts a batch on its way; what the dispatcher is to be told if that fails.
-    fn send(&mut self, to: Incarnation, batch: u32, jobs: &[(JobId, u8)]) -> Option<Event<Part>> {
-        if self.actors[usize::from(to.worker)].who != to
-            || self.actors[usize::from(to.worker)].is_buried
-        {
-            return Some(Event::Lost { who: to, started: None });
-        }
-        self.say(|| format!("batch {batch} to {}.{}: {jobs:?}", to.worker, to.inc));
-        let place = self.place(to).at(2).at(batch.into());
-        if self.strikes(Fault::Full, place) {
-            return Some(Event::Unsent { to, batch });
-        }
-        let table = |(job, attempt): &(JobId, u8)| {
-            let spec = self.dispatcher.spec(*job)?;
-            Some((*job, *attempt, Request::name_of(spec), *self.request.job(Some(spec))?))
-        };
-        let jobs = jobs.iter().filter_map(table).collect();
-        let mut mail = Mail { number: batch, request: self.number, jobs, is_garbled: false };
-        if self.strikes(Fault::LoseBatch, place) {
-            self.actors[usize::from(to.worker)].has_lost_mail = true;
-            return None;
-        }
-        mail.is_garbled = self.strikes(Fault::GarbleBatch, place);
-        let mut flight_ns = FLIGHT_NS;
-        if self.strikes(Fault::DelayBatch, place) {
-            flight_ns += place.at(4).below(3_000_000);
-            // Out of order and then garbled, a batch may go unnoticed until its worker is silent.
-            self.actors[usize::from(to.worker)].has_lost_mail = true;
-        }
-        if self.strikes(Fault::RepeatBatch, place) {
-            self.after(flight_ns + place.at(5).below(400_000), Happening::Batch(to, mail.clone()));
-        }
-        self.after(flight_ns, Happening::Batch(to, mail));
-        None
-    }
-
     fn place(&self, who: Incarnation) -> Draw {
         self.draw.at(30).at(who.worker.into()).at(who.inc.into())
     }
@@ -514,166 +303,6 @@ impl<'l> World<'l> {
                     }
                 }
             }
-        }
-    }
-
-    /// A worker's process ends; that is noticed a little later.
-    fn die(&mut self, who: Incarnation) {
-        let Some(actor) = self.actor(who) else { return };
-        actor.is_alive = false;
-        actor.queue.clear();
-        self.tally.deaths += 1;
-        self.say(|| format!("{who:?} dies"));
-        let jitter_ns = self.place(who).at(6).below(NOTICE_NS);
-        self.after(NOTICE_NS / 2 + jitter_ns, Happening::Died(who));
-    }
-
-    fn bury(&mut self, who: Incarnation) {
-        self.actors[usize::from(who.worker)].is_buried = true;
-        self.restarts.note(who.worker, self.now_ns);
-    }
-
-    /// Judges every pulse, as the coordinator does.
-    fn look(&mut self) {
-        for number in 0..self.actors.len() {
-            let busy = self.dispatcher.is_busy(number as u8);
-            let (now_ns, patience) = (self.now_ns, self.patience);
-            let actor = &mut self.actors[number];
-            if !actor.is_alive || !actor.is_ready {
-                continue;
-            }
-            let verdict = actor.look(busy, now_ns, &patience);
-            if verdict == Verdict::Alive {
-                continue;
-            }
-            let (who, ill, lost) = (actor.who, actor.ill, actor.has_lost_mail);
-            self.say(|| format!("{who:?} is {verdict:?}"));
-            if !lost && !matches!(ill, Ill::Hung | Ill::Stopped) {
-                self.wrong = Some(format!("{who:?} is well ({ill:?}), and was found {verdict:?}"));
-            }
-            self.tally.killed += 1;
-            self.die(who);
-        }
-    }
-
-    /// Starts successors between requests.
-    fn mend(&mut self) {
-        for number in 0..self.actors.len() {
-            let actor = &self.actors[number];
-            let who = actor.who;
-            if actor.is_alive {
-                continue;
-            }
-            if !actor.is_buried {
-                self.bury(who);
-                self.dispatcher.dismiss(who);
-            }
-            if self.restarts.leave(who.worker, self.now_ns) != Leave::Granted {
-                continue;
-            }
-            let next = Incarnation { inc: who.inc + 1, ..who };
-            self.actors[number] = Actor::new(next);
-            let place = self.place(next);
-            if self.strikes(Fault::StillBorn, place) {
-                self.after(START_NS / 2, Happening::Dies(next));
-            } else {
-                self.after(START_NS / 2 + place.at(7).below(START_NS), Happening::Hello(next));
-            }
-        }
-    }
-
-    /// What a worker does next: the job at hand, the next batch, or nothing.
-    fn turn(&mut self, who: Incarnation) {
-        let now_ns = self.now_ns;
-        let mut notes = Notes::default();
-        let Some(actor) = self.actor(who) else { return };
-        let Some((request, job, attempt, name, work)) = actor.next_job(now_ns, &mut notes) else {
-            self.tell_answered(who, &notes);
-            return;
-        };
-        self.tell_answered(who, &notes);
-        let whole = self.draw.at(40).at(request.0).at(name);
-        let place = self.place(who).at(3).at(request.0).at(job.0.into()).at(attempt.into());
-        let mut time_ns = work.time_ns;
-        let mut ill = Ill::None;
-        if self.strikes(Fault::Poison, whole) {
-            let deaths = self.poisoned.entry(name).or_default();
-            *deaths += u32::from(request == self.number);
-            let overtaken = self.tally.struck[Fault::DelayBatch as usize];
-            if u64::from(*deaths) > POISON_MAX + overtaken {
-                self.wrong = Some(format!("job {name} has taken {deaths} workers down"));
-            }
-            self.after(time_ns / 2, Happening::Dies(who));
-        } else if self.strikes(Fault::Crash, place) {
-            self.after(place.at(8).below(time_ns), Happening::Dies(who));
-        } else if self.strikes(Fault::Hang, place) {
-            ill = Ill::Hung;
-        } else if self.strikes(Fault::Stop, place) {
-            ill = Ill::Stopped;
-        } else if self.strikes(Fault::Slow, place) {
-            ill = Ill::Slow;
-            time_ns *= 10;
-        } else if self.strikes(Fault::Starve, place) {
-            ill = Ill::Starved;
-            time_ns += 50_000_000 + place.at(9).below(1_450_000_000);
-        }
-        let Some(actor) = self.actor(who) else { return };
-        let turn = actor.start(ill, now_ns);
-        if !matches!(ill, Ill::Hung | Ill::Stopped) {
-            self.after(time_ns, Happening::Turn { who, turn });
-        }
-    }
-
-    /// The job at hand is done: its result is put on its way.
-    fn finish_job(&mut self, who: Incarnation) {
-        let now_ns = self.now_ns;
-        let Some(done) = self.actor(who).and_then(|actor| actor.finish(now_ns)) else { return };
-        let (request, job, attempt, work) = done;
-        let place = self.place(who).at(4).at(request.0).at(job.0.into()).at(attempt.into());
-        if self.strikes(Fault::Nack, place) {
-            self.after(FLIGHT_NS, Happening::Nack { from: who, request, job, attempt });
-            return;
-        }
-        for number in 0..work.parts {
-            let place = place.at(10 + u64::from(number));
-            let last = number + 1 == work.parts;
-            let part = (number, last, work.part(number));
-            let message = || Happening::Part { from: who, request, job, attempt, part };
-            if self.strikes(Fault::LoseResult, place) {
-                continue;
-            }
-            if self.strikes(Fault::GarbleResult, place) {
-                self.after(FLIGHT_NS, Happening::Garbled(who));
-                continue;
-            }
-            let mut flight_ns = FLIGHT_NS;
-            if self.strikes(Fault::DelayResult, place) {
-                flight_ns += place.at(4).below(2_000_000);
-            }
-            if self.strikes(Fault::RepeatResult, place) {
-                self.after(flight_ns + place.at(5).below(900_000), message());
-            }
-            if self.strikes(Fault::Zombie, place) {
-                // Its word that the job is started is the last that is known of it.
-                if let Some(actor) = self.actor(who) {
-                    actor.started = Some((request, job, attempt));
-                }
-                flight_ns += NOTICE_NS * 2 + place.at(6).below(40_000_000);
-                self.after(flight_ns, message());
-                self.die(who);
-                return;
-            }
-            self.after(flight_ns, message());
-        }
-        if self.strikes(Fault::CrashIdle, place) {
-            self.after(FLIGHT_NS, Happening::Dies(who));
-        }
-    }
-
-    /// What a worker says of the batches that it has answered.
-    fn tell_answered(&mut self, who: Incarnation, notes: &Notes) {
-        if let Some(batches) = notes.answered {
-            self.after(FLIGHT_NS, Happening::Answered { who, batches });
         }
     }
 }

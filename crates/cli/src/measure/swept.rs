@@ -1,0 +1,94 @@
+//! What a sweep over one pair found, field by field as the written document has it.
+//!
+//! A measured time is the quickest of its repeats unless it is called a median. What follows from
+//! these figures is not judged here: see `claims`.
+
+use super::row::Row;
+use serde::Serialize;
+use simulate::Costs;
+
+/// A prediction beside what it predicts.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Check {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) predicted_ms: f64,
+    pub(crate) measured_ms: f64,
+    /// Each over the in-process kernel of its kind.
+    pub(crate) predicted_speed_up: f64,
+    pub(crate) measured_speed_up: f64,
+}
+
+impl Check {
+    /// How far the predicted speed-up is off: 0.1 is 10 %.
+    pub(crate) fn error(&self) -> f64 {
+        self.predicted_speed_up / self.measured_speed_up - 1.0
+    }
+}
+
+/// A depth that was chosen by a model, and what that cost against the best of the sweep.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Choice {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    /// Whether to distribute at all; if not, one piece goes to one worker.
+    pub(crate) distribute: bool,
+    pub(crate) predicted_ms: f64,
+    /// By the same source: simulated for four cores, measured for two workers.
+    pub(crate) found_ms: f64,
+    pub(crate) best_ms: f64,
+    pub(crate) best_depth: u32,
+    pub(crate) source: &'static str,
+}
+
+impl Choice {
+    /// How much longer than the best of the sweep it takes: 0.1 is 10 %.
+    pub(crate) fn regret(&self) -> f64 {
+        self.found_ms / self.best_ms - 1.0
+    }
+}
+
+/// Where the time of a run went, per core: shares of the run's time.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Shares {
+    pub(crate) workers: u8,
+    pub(crate) depth: u32,
+    pub(crate) run_ms: f64,
+    pub(crate) speed_up: f64,
+    /// Kernel time over all workers, and that of the in-process kernel (ms).
+    pub(crate) kernel_ms: f64,
+    pub(crate) kernel_alone_ms: f64,
+    /// Least and most that one worker worked (ms).
+    pub(crate) worker_least_ms: f64,
+    pub(crate) worker_most_ms: f64,
+    pub(crate) descent_ms: f64,
+    pub(crate) fold_ms: f64,
+    pub(crate) decide_ms: f64,
+    pub(crate) send_ms: f64,
+    pub(crate) take_ms: f64,
+}
+
+/// What is known of one pair.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Swept {
+    pub(crate) pair: String,
+    pub(crate) triangles: [usize; 2],
+    pub(crate) poses: usize,
+    pub(crate) pairs_found: u64,
+    pub(crate) model_bytes: u64,
+    pub(crate) costs: Costs,
+    /// The in-process kernel (ms), its best depth.
+    pub(crate) alone_ms: f64,
+    /// Median of its repeats (ms).
+    pub(crate) alone_median_ms: f64,
+    pub(crate) alone_depth: u32,
+    /// Threads of one process that share each pose, and what they take (ms).
+    pub(crate) threads: usize,
+    pub(crate) threads_ms: f64,
+    /// The same by the cost model (ms).
+    pub(crate) alone_predicted_ms: f64,
+    pub(crate) checks: Vec<Check>,
+    pub(crate) choices: Vec<Choice>,
+    pub(crate) shares: Vec<Shares>,
+    pub(crate) rows: Vec<Row>,
+}

@@ -1,0 +1,172 @@
+//! What comes from the workers: parts of results, failures, greetings, counts of answered batches.
+//!
+//! A message that was damaged on the way is counted, and what it held is asked for again. One that
+//! is sound and says what cannot be ends its sender. Whether a part is still wanted is not known
+//! here: the dispatcher's fence decides that.
+
+use super::{Crew, Sight};
+use crate::gather::Part;
+use crate::work::{Errands, PartOf};
+use dispatch::{Effect, Event, Progress};
+use protocol::result::{read_hits, read_last};
+use protocol::{Head, JobId, Kind, Reject, RequestId};
+use runtime::clock;
+
+impl Crew {
+    /// Takes all results there are by now. Says whether there was one.
+    pub(super) fn take_results<W: Errands>(
+        &mut self,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+        mut progress: Progress,
+    ) -> (bool, Progress) {
+        let mut any = false;
+        for number in 0..self.stations.len() {
+            // Read before the channel is emptied: what was sent for these batches is in it by now.
+            let answered = self.stations[number].newly_answered(&self.status);
+            while let Some(after) = self.take_one(number, work, effects) {
+                (any, progress) = (true, after);
+                // However fast results come, the answer is due when it is due.
+                if work.is_over(clock::now_ns()) {
+                    return (any, progress);
+                }
+            }
+            let Some(answered) = answered else { continue };
+            let batches = self.stations[number].note_answered(answered);
+            let (who, before) = (self.stations[number].who, self.dispatcher.counts().reissued);
+            progress = self.step(Event::Answered { who, batches }, work, effects);
+            if self.dispatcher.counts().reissued > before {
+                self.see(who, Sight::Unanswered);
+            }
+        }
+        (any, progress)
+    }
+
+    /// Takes one message from one worker; `None` if there is none.
+    pub(super) fn take_one<W: Errands>(
+        &mut self,
+        number: usize,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Option<Progress> {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let begun_ns = clock::now_ns();
+        let taken = self.stations[number].take(&self.status, &mut scratch);
+        if matches!(taken, Ok(Some(_))) {
+            self.duty.take_ns += clock::now_ns() - begun_ns;
+        }
+        let progress = match taken {
+            Ok(Some(Ok(head))) => Some(self.take_message(number, &head, &scratch, work, effects)),
+            Ok(Some(Err(reject))) => Some(self.turn_away(number, reject, work, effects)),
+            Ok(None) | Err(_) => None,
+        };
+        self.scratch = scratch;
+        progress
+    }
+
+    /// One sound message, and what follows from it.
+    fn take_message<W: Errands>(
+        &mut self,
+        number: usize,
+        head: &Head,
+        words: &[u64],
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Progress {
+        let (from, job) = (self.stations[number].who, JobId(head.job));
+        let request = RequestId(head.request);
+        let event = match Kind::from_number(head.kind) {
+            Some(kind @ (Kind::Result | Kind::Rest)) => match read_part(kind, head, words) {
+                Some(part) => return self.take_part(number, head, part, work, effects),
+                None => {
+                    self.distrust(number, "counts that do not fit");
+                    Event::Poll
+                }
+            },
+            Some(Kind::Nack) => {
+                tracing::warn!(worker = number, job = head.job, "a job failed");
+                self.see(from, Sight::Failed);
+                Event::Failed { from, request, job, attempt: head.attempt }
+            }
+            Some(Kind::Hello) => {
+                self.stations[number].has_greeted = true;
+                Event::Ready(from)
+            }
+            Some(Kind::Batch | Kind::Section) | None => Event::Poll,
+        };
+        self.step(event, work, effects)
+    }
+
+    /// Hands a part of a result to the dispatcher, which knows whether it is still wanted.
+    fn take_part<W: Errands>(
+        &mut self,
+        number: usize,
+        head: &Head,
+        part: Part<'_>,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Progress {
+        let station = &mut self.stations[number];
+        if let (Some(last), true) = (&part.last, head.request == self.request) {
+            station.report.busy_ns += last.summary.wall_ns;
+            station.report.spans.push([clock::now_ns(), last.summary.wall_ns]);
+        }
+        let from = station.who;
+        let event = Event::Part {
+            from,
+            request: RequestId(head.request),
+            job: JobId(head.job),
+            attempt: head.attempt,
+            part: head.part,
+            last: part.last.is_some(),
+            body: PartOf(part),
+        };
+        let before = self.dispatcher.counts().fence;
+        let progress = self.step(event, work, effects);
+        if self.dispatcher.counts().fence != before {
+            self.see(from, Sight::Fenced);
+        }
+        progress
+    }
+
+    /// A message was turned away. What it held is not known; the dispatcher finds out what is
+    /// missing when its sender has answered all it had, and counts.
+    fn turn_away<W: Errands>(
+        &mut self,
+        number: usize,
+        reject: Reject,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Progress {
+        let from = self.stations[number].who;
+        self.see(from, Sight::TurnedAway(reject));
+        if reject == Reject::Masquerade {
+            self.distrust(number, &reject.to_string());
+            return self.step(Event::Poll, work, effects);
+        }
+        tracing::warn!(worker = number, why = %reject, "message turned away");
+        self.rejected += 1;
+        self.step(Event::Garbled { from }, work, effects)
+    }
+
+    /// A message that is sound and says what cannot be: its sender ends, and all that it had goes
+    /// to the others.
+    fn distrust(&mut self, number: usize, why: &str) {
+        tracing::warn!(worker = number, why, "message turned away: killing its sender");
+        self.rejected += 1;
+        self.stations[number].kill(&format!("sent a message that was turned away: {why}"));
+    }
+}
+
+/// What a message holds of a result; `None` if counts and words do not fit.
+fn read_part<'w>(kind: Kind, head: &Head, words: &'w [u64]) -> Option<Part<'w>> {
+    if kind == Kind::Rest {
+        let fits = words.len() == 1 + head.hits as usize;
+        return fits.then_some(Part { hits: &[], rest: words, last: None });
+    }
+    if !head.is_last() {
+        return Some(Part { hits: read_hits(words, head.hits)?, rest: &[], last: None });
+    }
+    let last = read_last(words, head.hits)?;
+    Some(Part { hits: last.hits, rest: &[], last: Some(last) })
+}

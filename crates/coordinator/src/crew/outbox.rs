@@ -1,0 +1,100 @@
+//! What goes to the workers: batches of jobs, and before them the sections that a worker needs
+//! copies of.
+//!
+//! What finds no room in its channel is refused, and the dispatcher tries again; a worker that
+//! copies has a queue here instead, because a batch must not overtake its sections.
+
+use super::Crew;
+use super::parcel::parcels;
+use crate::work::Errands;
+use dispatch::{Effect, Event, Progress};
+use protocol::job::{Job, write_batch};
+use protocol::{Head, Incarnation, JobId, Kind, RequestId, Section, Task};
+use transport::UseError;
+
+/// Scratch for laying out batches.
+#[derive(Debug, Default)]
+pub(super) struct BatchWriter {
+    tasks: Vec<Task>,
+    jobs: Vec<Job>,
+    words: Vec<u64>,
+}
+
+impl Crew {
+    /// Lays a batch out, and hands it over behind the sections that it needs.
+    pub(super) fn send<W: Errands>(
+        &mut self,
+        to: Incarnation,
+        batch: u32,
+        jobs: &[(JobId, u8)],
+        fetch: &[Section],
+        work: &W,
+    ) -> Result<(), UseError> {
+        let BatchWriter { tasks, jobs: rows, words } = &mut self.batch;
+        tasks.clear();
+        rows.clear();
+        for (job, attempt) in jobs {
+            let Some(spec) = self.dispatcher.spec(*job) else { continue };
+            let Some(task) = work.task(spec.task) else { continue };
+            let place = tasks.iter().position(|known| known.task == task.task);
+            let place = place.unwrap_or_else(|| {
+                tasks.push(*task);
+                tasks.len() - 1
+            });
+            rows.push(Job {
+                job: job.0,
+                task: place as u32,
+                node_a: spec.a.node,
+                node_b: spec.b.node,
+                budget: work.budget(),
+                attempt: u32::from(*attempt),
+                spare: 0,
+            });
+        }
+        write_batch(words, tasks, rows);
+        let head = Head {
+            job: batch,
+            count: rows.len() as u16,
+            ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
+        };
+        let station = &mut self.stations[usize::from(to.worker)];
+        let Some(outgoing) = &mut self.outgoing else {
+            return station.send(&self.status, head, words);
+        };
+        let outgoing = &mut outgoing[usize::from(to.worker)];
+        for section in fetch {
+            let Some(body) = work.body(section.model) else { continue };
+            let head = Head::new(self.boot, RequestId(self.request), to, Kind::Section);
+            for parcel in parcels(&body, *section) {
+                outgoing.push(head, parcel);
+            }
+        }
+        outgoing.push(head, words.clone());
+        outgoing.flush(station, &self.status)
+    }
+
+    /// Hands over what has waited for room. Says whether something still does.
+    pub(super) fn flush<W: Errands>(
+        &mut self,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+        mut progress: Progress,
+    ) -> (bool, Progress) {
+        let Some(outgoing) = &mut self.outgoing else { return (false, progress) };
+        let mut broken = Vec::new();
+        for (number, outgoing) in outgoing.iter_mut().enumerate() {
+            let station = &mut self.stations[number];
+            if !station.is_alive() {
+                outgoing.clear();
+            } else if let Err(error) = outgoing.flush(station, &self.status) {
+                broken.push((number, error));
+            }
+        }
+        let waits = outgoing.iter().any(|outgoing| !outgoing.is_empty());
+        for (number, error) in broken {
+            let (who, started) = self.give_up(number, error);
+            progress = self.step(Event::Lost { who, started }, work, effects);
+        }
+        (waits, progress)
+    }
+}
