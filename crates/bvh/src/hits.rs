@@ -8,22 +8,23 @@ const BITS: usize = u64::BITS as usize;
 #[derive(Clone, Debug)]
 pub(crate) struct Hits {
     words: Vec<u64>,
-    /// The words that are not 0.
+    /// The words that are not 0: so many of these.
     used: Vec<u32>,
+    count: usize,
     /// Number of the first bit: 63 before the range, where a word that is put in may begin.
     first: usize,
 }
 
-/// Words for a range of so many triangles.
+/// Words for a range of so many triangles, and one behind them.
 fn words(triangles: usize) -> usize {
-    (triangles + BITS - 1).div_ceil(BITS)
+    (triangles + BITS - 1).div_ceil(BITS) + 1
 }
 
 impl Hits {
     /// Room for ranges of `triangles` triangles.
     pub(crate) fn with_room(triangles: usize) -> Self {
         let words = words(triangles);
-        Self { words: vec![0; words], used: Vec::with_capacity(words), first: 0 }
+        Self { words: vec![0; words], used: vec![0; words + 1], count: 0, first: 0 }
     }
 
     /// Makes room for ranges of `triangles` triangles, and forgets everything.
@@ -39,9 +40,10 @@ impl Hits {
     ///
     /// If there is no room for the range.
     pub(crate) fn clear(&mut self, range: &Range<u32>) {
-        for word in self.used.drain(..) {
+        for &word in &self.used[..self.count] {
             self.words[word as usize] = 0;
         }
+        self.count = 0;
         self.first = (range.start as usize).saturating_sub(BITS - 1);
         assert!(words(range.len()) <= self.words.len(), "no room for the triangles of this job");
     }
@@ -56,8 +58,7 @@ impl Hits {
     pub(crate) fn bits(&self, first: u32) -> u64 {
         let at = first as usize - self.first;
         let (word, shift) = (at / BITS, at % BITS);
-        let rest = self.words.get(word + 1).map_or(0, |rest| rest << 1 << (BITS - 1 - shift));
-        self.words[word] >> shift | rest
+        self.words[word] >> shift | self.words[word + 1] << 1 << (BITS - 1 - shift)
     }
 
     /// Puts the triangle in; whether it was not there before.
@@ -69,20 +70,15 @@ impl Hits {
     pub(crate) fn insert_bits(&mut self, first: u32, bits: u64) -> u64 {
         let at = first as usize - self.first;
         let (word, shift) = (at / BITS, at % BITS);
-        let mut new = self.insert_word(word, bits << shift) >> shift;
-        // What does not fit into this word.
-        let rest = bits >> 1 >> (BITS - 1 - shift);
-        if rest != 0 {
-            new |= self.insert_word(word + 1, rest) << 1 << (BITS - 1 - shift);
-        }
-        new
+        // Branches here would depend on where leaves begin, and nothing predicts that.
+        let new = self.insert_word(word, bits << shift) >> shift;
+        new | self.insert_word(word + 1, bits >> 1 >> (BITS - 1 - shift)) << 1 << (BITS - 1 - shift)
     }
 
     fn insert_word(&mut self, at: usize, bits: u64) -> u64 {
         let word = &mut self.words[at];
-        if *word == 0 && bits != 0 {
-            self.used.push(at as u32);
-        }
+        self.used[self.count] = at as u32;
+        self.count += usize::from((*word == 0) & (bits != 0));
         let new = bits & !*word;
         *word |= bits;
         new

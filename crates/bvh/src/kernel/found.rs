@@ -125,29 +125,32 @@ impl<'a> Found<'a> {
             return ControlFlow::Break(Halt::Answered);
         }
         let (view_a, view_b) = (&self.task.a, &self.task.b);
-        if self.task.question == Question::Pairs {
-            self.sums.pairs += a.len() as u64;
-            for (&a, &b) in a.iter().zip(b) {
+        let is_pairs = self.task.question == Question::Pairs;
+        let (mut bits, mut hash) = ([0_u64; 2], 0_u64);
+        for (&a, &b) in a.iter().zip(b) {
+            bits = [bits[0] | 1 << (a - first[0]), bits[1] | 1 << (b - first[1])];
+            if is_pairs {
                 let ids = (view_a.source_ids[a as usize], view_b.source_ids[b as usize]);
-                self.sums.hash = self.sums.hash.wrapping_add(hash::pair_term(ids.0, ids.1));
+                hash = hash.wrapping_add(hash::pair_term(ids.0, ids.1));
             }
+        }
+        if is_pairs {
+            self.sums.pairs += a.len() as u64;
+            self.sums.hash = self.sums.hash.wrapping_add(hash);
             if let Some(directions) = self.task.directions {
                 for (&a, &b) in a.iter().zip(b) {
                     measure([a, b], &mut self.supports, directions);
                 }
             }
         }
-        let bits = |triangles: &[u32], first: u32| {
-            triangles.iter().fold(0, |bits, triangle| bits | 1 << (triangle - first))
-        };
-        let mut new = self.hits_a.insert_bits(first[0], bits(a, first[0]));
+        let mut new = self.hits_a.insert_bits(first[0], bits[0]);
         while new != 0 {
             let a = first[0] + new.trailing_zeros();
             self.zones_a |= view_a.zones[a as usize].0;
             self.sink.hit(Side::A, a).map_break(|()| Halt::Stopped)?;
             new &= new - 1;
         }
-        let mut new = self.hits_b.insert_bits(first[1], bits(b, first[1]));
+        let mut new = self.hits_b.insert_bits(first[1], bits[1]);
         while new != 0 {
             let b = first[1] + new.trailing_zeros();
             self.zones_b |= view_b.zones[b as usize].0;
