@@ -319,9 +319,8 @@ impl Walk<'_, '_> {
         }
         let [known_a, bits] = [self.found.hits_a.bits(first[0]), self.found.hits_b.bits(first[1])];
         let triangles = self.patch_b.triangles().iter().enumerate();
-        let places = |all, (j, &triangle): (usize, &u32)| {
-            all | (bits >> (triangle - first[1]) & 1) << j
-        };
+        let places =
+            |all, (j, &triangle): (usize, &u32)| all | (bits >> (triangle - first[1]) & 1) << j;
         let known_b = triangles.fold(0, places);
         (known_a != 0 && known_b != 0).then_some([known_a, known_b])
     }

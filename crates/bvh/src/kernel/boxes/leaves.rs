@@ -1,12 +1,13 @@
 //! Two leaves: which of their triangles may meet, from coarse to fine.
 //!
-//! Boxes in cells first, 32 at a time, without looking at any triangle; then those that are left
-//! are moved into a frame close to both leaves, where their boxes are as good as exact.
+//! Boxes in cells first, 32 at a time, without looking at any triangle: against the box that both
+//! leaves have in common, and against the slab of the other one. Then those that are left are moved
+//! into a frame close to both leaves, where their boxes are as good as exact.
 
-use super::{Frames, combined};
+use super::{Frames, Motion, combined};
 use crate::build::LEAF_SIZE_MAX;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x8, i32x4, mask8x32, mask32x8, u8x32};
+use fearless_simd::{Simd, f32x4, f32x8, i32x4, mask8x32, mask32x8, u8x32, u16x16};
 use fearless_simd_macros::simd;
 use geometry::lanes::dot;
 use geometry::patch::{Boxes, Choice, Close, OneBox, ROOM, Vector, same, side_by_side};
@@ -39,6 +40,10 @@ impl Frames {
         if bits == 0 {
             return None;
         }
+        let bits = bits & beside(simd, b, &self.to_b.layer(simd, &a[0].slab), self.slack);
+        if bits == 0 {
+            return None;
+        }
         let wanted = posed.want_b(simd, b[0].first, bits);
         let close = posed.close(&a[0].bounds, &b[0].bounds);
         let origin = side_by_side(simd, close.origin());
@@ -54,23 +59,25 @@ impl Frames {
             return None;
         }
         let wanted = posed.want_a(simd, a[0].first, bits);
-        let slab = self.slab_in_a(simd, &b[0].slab);
+        let slab = self.to_a.layer(simd, &b[0].slab);
         let near = Near::new(simd, &close, &boxes, &slab, self.slack);
         patch_a.take_a(simd, (posed, &close), &wanted, &near);
         (!patch_a.triangles().is_empty()).then_some(close)
     }
+}
 
-    /// A slab of B in A's frame.
+impl Motion {
+    /// A slab in the other frame, but for rounding.
     #[inline(always)]
-    fn slab_in_a<S: Simd>(&self, simd: S, slab: &Slab) -> Layer<S> {
+    fn layer<S: Simd>(&self, simd: S, slab: &Slab) -> Layer<S> {
         let normal = side_by_side(simd, slab.normal);
-        let normal = combined(&self.to_a.columns, normal, f32x4::splat(simd, 0.0));
-        let shift = dot_one(normal, side_by_side(simd, self.to_a.shift));
+        let normal = combined(&self.columns, normal, f32x4::splat(simd, 0.0));
+        let shift = dot_one(normal, side_by_side(simd, self.shift));
         Layer { normal, low: slab.low + shift, high: slab.high + shift }
     }
 }
 
-/// A slab in A's frame, its normal side by side.
+/// A slab, its normal side by side.
 struct Layer<S: Simd> {
     normal: f32x4<S>,
     low: f32,
@@ -87,7 +94,13 @@ impl<S: Simd> Layer<S> {
 /// `a · b`.
 #[inline(always)]
 fn dot_one<S: Simd>(a: f32x4<S>, b: f32x4<S>) -> f32 {
-    let [x, y, z, _] = <[f32; 4]>::from(a * b);
+    sum(a * b)
+}
+
+/// The sum of three coordinates.
+#[inline(always)]
+fn sum<S: Simd>(of: f32x4<S>) -> f32 {
+    let [x, y, z, _] = <[f32; 4]>::from(of);
     x + y + z
 }
 
@@ -103,6 +116,56 @@ fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> u64 {
             here &= u8x32::from_slice(simd, &leaf.max[axis]).simd_ge(min[axis]);
         }
         meeting |= here.to_bitmask() << (i * LEAF_LANES);
+    }
+    meeting
+}
+
+/// Which triangles of a leaf may meet a slab of its body's frame, `slack` (m) wider on both sides:
+/// bit i for the ith.
+///
+/// Along the normal, a triangle reaches from the corner of its cells that lies farthest against it
+/// to the corner that lies farthest along it. Counted from the least corner of the grid, that is a
+/// sum of three products of cells and the length of a cell along the normal, here in whole numbers:
+/// the lengths are scaled so that they add up to 256, and rounded down. So a sum is too small by up
+/// to 255 times what was cut off, and never too large.
+#[inline(always)]
+fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> u64 {
+    let over = OneBox::of(simd, &leaf[0].bounds);
+    let steps = layer.normal * ((over.max - over.min) * (1.0 / Grid::LAST));
+    let lengths = steps.abs();
+    let total = sum(lengths);
+    let scale = (256.0 / total).min(f32::MAX);
+    let whole = (lengths * scale).to_int::<i32x4<S>>();
+    let [x, y, z, _] = <[i32; 4]>::from(whole);
+    let cut_off = total * scale - (x + y + z) as f32;
+    let start = dot_one(layer.normal, over.min) + 256.0 * sum(steps.min(0.0));
+    let slack = 2.0 * slack as f32;
+    let most = (layer.high + slack - start) * scale + 1.0;
+    let least = (layer.low - slack - start - total) * scale - 255.0 * cut_off - 1.0;
+    if most < 0.0 || least > f32::from(u16::MAX) {
+        return 0;
+    }
+    let (most, least) = (u16x16::splat(simd, most as u16), u16x16::splat(simd, least as u16));
+    let whole = [x, y, z].map(|x| u16x16::splat(simd, x as u16));
+    let [x, y, z, _] = <[f32; 4]>::from(steps);
+    let backward = [x < 0.0, y < 0.0, z < 0.0];
+    let mut meeting = 0;
+    for (i, leaf) in leaf.iter().enumerate() {
+        let mut near = [u16x16::splat(simd, 0); 2];
+        let mut far = near;
+        for axis in 0..3 {
+            let (min, max) = (
+                u8x32::from_slice(simd, &leaf.min[axis]),
+                u8x32::from_slice(simd, &leaf.max[axis]),
+            );
+            let [from, to] = if backward[axis] { [!max, !min] } else { [min, max] };
+            let ([p, q], [r, s]) = (simd.widen_u8x32(from).into(), simd.widen_u8x32(to).into());
+            near = [near[0] + p * whole[axis], near[1] + q * whole[axis]];
+            far = [far[0] + r * whole[axis], far[1] + s * whole[axis]];
+        }
+        let here = [0, 1].map(|half| near[half].simd_le(most) & far[half].simd_ge(least));
+        let bits = here[0].to_bitmask() | here[1].to_bitmask() << (LEAF_LANES / 2);
+        meeting |= bits << (i * LEAF_LANES);
     }
     meeting
 }
