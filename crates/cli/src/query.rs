@@ -94,9 +94,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let answer = client.ask(&ask, patience);
     if output.json {
         let document = document(&scenario, &answer);
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else if answer.verdict().has_ranking() {
         print::out(&ranking(&scenario, &answer))?;
     }

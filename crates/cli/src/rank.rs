@@ -198,22 +198,7 @@ fn answer(
         _ => Ok(None),
     };
     let explanation = explanation.filter(|_| asked.explain);
-    if output.json {
-        let document = Document {
-            schema: "trolley.rank/1",
-            answer: &answer,
-            explanation: explanation.as_ref(),
-            run: &run,
-        };
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
-    } else {
-        print::out(&table::ranking(&scenario, &answer, &run))?;
-        if let Some(explanation) = &explanation {
-            print::out(&format!("\n{}", explain::text(explanation)))?;
-        }
-    }
+    show(&scenario, &answer, explanation.as_ref(), &run, output)?;
     run::stop(crew, &mut Stages::default());
     // An answer that could not be recorded is shown, and then the failure.
     if let Some(path) = recorded?
@@ -227,4 +212,24 @@ fn answer(
         State::Degraded => Code::Degraded.into(),
         State::Refused => Code::Refused.into(),
     })
+}
+
+/// Prints the answer, as a document or as a table.
+fn show(
+    scenario: &Scenario,
+    answer: &coordinator::Answer,
+    explanation: Option<&coordinator::Explanation>,
+    run: &Run,
+    output: &Output,
+) -> Result<(), Failure> {
+    if output.json {
+        let document = Document { schema: "trolley.rank/1", answer, explanation, run };
+        print::out(&print::json(&document)?)?;
+        return Ok(());
+    }
+    print::out(&table::ranking(scenario, answer, run))?;
+    if let Some(explanation) = explanation {
+        print::out(&format!("\n{}", explain::text(explanation)))?;
+    }
+    Ok(())
 }

@@ -161,7 +161,7 @@ fn said(written: &[PathBuf], output: &Output) -> Result<ExitCode, Failure> {
     if output.json {
         let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
         let document = serde_json::json!({"schema": "trolley.report/1", "files": files});
-        return print::out(&crate::model::json(&document)?);
+        return print::out(&print::json(&document)?);
     }
     if output.quiet {
         return Ok(ExitCode::SUCCESS);
