@@ -16,6 +16,11 @@ pub(crate) fn json(document: &impl Serialize) -> Result<String, Failure> {
         .map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }
 
+/// A document as JSON on one line, for programs and for records.
+pub(crate) fn line(document: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(document).map_err(|error| Failure::new(Code::Internal, error.to_string()))
+}
+
 /// Prints a result as it is. A reader that has gone away is no error.
 pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
     let mut stdout = std::io::stdout().lock();

@@ -69,7 +69,7 @@ fn nothing(
         "answer": {"state": State::Complete, "ranking": none, "tie_class": none, "missing": none},
         "traffic": imported.document(path),
     });
-    print::out(&compact(&document)?)
+    print::out(&print::line(&document)?)
 }
 
 fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
@@ -114,10 +114,6 @@ fn check_unknown(file: &str, scenario: &Scenario, asked: &AnswerArgs) -> Result<
             ))
         }
     }
-}
-
-fn compact(value: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string(value).map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }
 
 fn answer(
@@ -190,8 +186,8 @@ fn answer(
                 work: &work,
                 run: &run,
                 unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
-                answer: compact(&answer)?,
-                explanation: compact(&explanation)?,
+                answer: print::line(&answer)?,
+                explanation: print::line(&explanation)?,
             };
             record::write(folder, made).map(Some)
         }

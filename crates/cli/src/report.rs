@@ -86,8 +86,7 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
     let path = args.source.as_path();
     let made = replay::with(path, &record, args.models.as_deref(), output, |again| {
         let answer = again.work.answer()?;
-        let text = serde_json::to_string(&answer)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let text = print::line(&answer)?;
         if text != record.answer {
             let fault = format!("{}: made again, the answer is another", path.display());
             return Err(Failure::new(Code::Skew, fault)

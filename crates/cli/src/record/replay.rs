@@ -79,8 +79,7 @@ fn again(
     output: &Output,
 ) -> Result<(String, u64), Failure> {
     with(path, record, models, output, |made| {
-        let answer = serde_json::to_string(&made.work.answer()?)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let answer = print::line(&made.work.answer()?)?;
         Ok((answer, made.jobs))
     })
 }
