@@ -75,9 +75,7 @@ pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
     ];
     if output.json {
         let document = Document { schema: "trolley.doctor/1", build: BUILD, findings: &findings };
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else {
         print::out(&page(&findings))?;
     }

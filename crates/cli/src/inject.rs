@@ -104,9 +104,7 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
         crate::transfer::write(path, report::junit(&document).as_bytes())?;
     }
     if output.json {
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else {
         print::out(&report::page(&document))?;
     }

@@ -87,8 +87,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<ExitCode, Failure> {
     let pair = args.pair.load()?;
     let bench = Bench::new(&pair, usize::from(args.repeat))?;
     let costs = calibrate::calibrate(&bench, sweep::FINE)?;
-    let text = serde_json::to_string_pretty(&costs)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+    let text = print::json(&costs)?;
     if let Some(path) = &args.out {
         transfer::write(path, format!("{text}\n").as_bytes())?;
     }
@@ -186,8 +185,7 @@ fn hardware() -> String {
 fn document(swept: &[Swept], claims: &[Claim], command: &str) -> Result<String, Failure> {
     let machine = &machine();
     let document = Document { schema: "trolley.measure/1", machine, command, claims, pairs: swept };
-    serde_json::to_string_pretty(&document)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))
+    print::json(&document)
 }
 
 fn write_all(out: &Path, swept: &[Swept], claims: &[Claim], command: &str) -> Result<(), Failure> {

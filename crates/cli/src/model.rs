@@ -21,7 +21,7 @@ pub(crate) mod reader;
 pub(crate) mod write;
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
+use crate::failure::Failure;
 use bvh::BuildOptions;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use model::import::{Axis, Unit};
@@ -146,10 +146,4 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         Verb::Export(args) => export::run(args, output),
         Verb::ImportChild { request } => reader::child::run(request),
     }
-}
-
-/// A result as JSON.
-pub(crate) fn json(document: &impl serde::Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(document)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }

@@ -61,9 +61,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
             files: &'a [Checked],
         }
         let document = Document { schema: "trolley.policy-check/1", files: &checked };
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else {
         for one in checked.iter().filter(|one| one.fault.is_none()) {
             print::out(&format!("{}: {} \"{}\" is sound", one.file, one.kind, one.name))?;

@@ -1,12 +1,24 @@
 //! The only place that writes to stdout and stderr.
 
-use crate::failure::Failure;
+use crate::failure::{Code, Failure};
+use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 /// Prints a result and a line feed.
 pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {
     out_bytes(format!("{}\n", text.trim_end()).as_bytes())
+}
+
+/// A document as JSON, for people to read, too.
+pub(crate) fn json(document: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(document)
+        .map_err(|error| Failure::new(Code::Internal, error.to_string()))
+}
+
+/// A document as JSON on one line, for programs and for records.
+pub(crate) fn line(document: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(document).map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }
 
 /// Prints a result as it is. A reader that has gone away is no error.

@@ -94,9 +94,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let answer = client.ask(&ask, patience);
     if output.json {
         let document = document(&scenario, &answer);
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else if answer.verdict().has_ranking() {
         print::out(&ranking(&scenario, &answer))?;
     }
@@ -197,15 +195,14 @@ fn ranking(scenario: &Scenario, answer: &Answer) -> String {
         let touches = place.flags & flag::TOUCHES != 0;
         let contact = if touches { format!("with {other}") } else { "none".to_owned() };
         let dash = |text: String| if touches { text } else { "–".to_owned() };
-        let percent = |value: f64| table::percent(value);
         table.add_row([
             (number + 1).to_string(),
             name.to_owned(),
             contact,
             dash(format!("{:.2} m", place.depth_m[1])),
             dash(format!("{:.1} / {:.1}", place.ego_delta_v_m_s[1], place.other_delta_v_m_s[1])),
-            percent(place.work[1]),
-            format!("{}–{}", percent(place.range[0]), percent(place.range[1])),
+            table::percent(place.work[1]),
+            format!("{}–{}", table::percent(place.range[0]), table::percent(place.range[1])),
         ]);
     }
     for number in 3..7 {

@@ -69,7 +69,7 @@ fn nothing(
         "answer": {"state": State::Complete, "ranking": none, "tie_class": none, "missing": none},
         "traffic": imported.document(path),
     });
-    print::out(&compact(&document)?)
+    print::out(&print::line(&document)?)
 }
 
 fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
@@ -114,10 +114,6 @@ fn check_unknown(file: &str, scenario: &Scenario, asked: &AnswerArgs) -> Result<
             ))
         }
     }
-}
-
-fn compact(value: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string(value).map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }
 
 fn answer(
@@ -190,30 +186,15 @@ fn answer(
                 work: &work,
                 run: &run,
                 unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
-                answer: compact(&answer)?,
-                explanation: compact(&explanation)?,
+                answer: print::line(&answer)?,
+                explanation: print::line(&explanation)?,
             };
             record::write(folder, made).map(Some)
         }
         _ => Ok(None),
     };
     let explanation = explanation.filter(|_| asked.explain);
-    if output.json {
-        let document = Document {
-            schema: "trolley.rank/1",
-            answer: &answer,
-            explanation: explanation.as_ref(),
-            run: &run,
-        };
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
-    } else {
-        print::out(&table::ranking(&scenario, &answer, &run))?;
-        if let Some(explanation) = &explanation {
-            print::out(&format!("\n{}", explain::text(explanation)))?;
-        }
-    }
+    show(&scenario, &answer, explanation.as_ref(), &run, output)?;
     run::stop(crew, &mut Stages::default());
     // An answer that could not be recorded is shown, and then the failure.
     if let Some(path) = recorded?
@@ -227,4 +208,24 @@ fn answer(
         State::Degraded => Code::Degraded.into(),
         State::Refused => Code::Refused.into(),
     })
+}
+
+/// Prints the answer, as a document or as a table.
+fn show(
+    scenario: &Scenario,
+    answer: &coordinator::Answer,
+    explanation: Option<&coordinator::Explanation>,
+    run: &Run,
+    output: &Output,
+) -> Result<(), Failure> {
+    if output.json {
+        let document = Document { schema: "trolley.rank/1", answer, explanation, run };
+        print::out(&print::json(&document)?)?;
+        return Ok(());
+    }
+    print::out(&table::ranking(scenario, answer, run))?;
+    if let Some(explanation) = explanation {
+        print::out(&format!("\n{}", explain::text(explanation)))?;
+    }
+    Ok(())
 }

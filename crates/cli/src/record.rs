@@ -286,7 +286,7 @@ fn verify(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let records = files.len();
     if output.json {
         let document = Document { schema: "trolley.record-verify/1", records, last };
-        return print::out(&json(&document)?);
+        return print::out(&print::json(&document)?);
     }
     match last {
         None => print::out(&format!("{}: no records", path.display())),
@@ -295,9 +295,4 @@ fn verify(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
             path.display()
         )),
     }
-}
-
-fn json(document: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(document)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))
 }

@@ -59,6 +59,11 @@ pub(crate) struct ReportArgs {
 }
 
 impl ReportArgs {
+    /// Whether pictures of this candidate are asked for.
+    fn wants(&self, shot: &Shot) -> bool {
+        self.candidate.is_empty() || self.candidate.contains(&shot.name)
+    }
+
     /// The MCAP file to write, of builds that can.
     fn mcap(&self) -> Option<&Path> {
         #[cfg(feature = "mcap")]
@@ -81,8 +86,7 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
     let path = args.source.as_path();
     let made = replay::with(path, &record, args.models.as_deref(), output, |again| {
         let answer = again.work.answer()?;
-        let text = serde_json::to_string(&answer)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let text = print::line(&answer)?;
         if text != record.answer {
             let fault = format!("{}: made again, the answer is another", path.display());
             return Err(Failure::new(Code::Skew, fault)
@@ -102,6 +106,11 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
         })
     })?;
     let shots = shots(&made);
+    if let Some(name) = args.candidate.iter().find(|name| !shots.iter().any(|s| s.name == **name)) {
+        let names: Vec<&str> = shots.iter().map(|shot| shot.name.as_str()).collect();
+        return Err(Failure::input(format!("there is no candidate \"{name}\""))
+            .help(format!("candidates here: {}", names.join(", "))));
+    }
     let mut written = Vec::new();
     if let Some(out) = &args.out {
         let mut decision = decision(&made, &record);
@@ -110,42 +119,44 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
         write::replace(out, page.as_bytes())?;
         written.push(out.clone());
     }
-    if let Some(name) = args.candidate.iter().find(|name| !shots.iter().any(|s| s.name == **name)) {
-        let names: Vec<&str> = shots.iter().map(|shot| shot.name.as_str()).collect();
-        return Err(Failure::input(format!("there is no candidate \"{name}\""))
-            .help(format!("candidates here: {}", names.join(", "))));
-    }
     #[cfg(feature = "mcap")]
     if let Some(path) = args.mcap() {
-        let wanted =
-            |shot: &&Shot| args.candidate.is_empty() || args.candidate.contains(&shot.name);
-        let shots: Vec<&Shot> = shots.iter().filter(wanted).collect();
+        let shots: Vec<&Shot> = shots.iter().filter(|shot| args.wants(shot)).collect();
         let file = report::mcap::mcap(&shots, &made.bodies)
             .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
         write::replace(path, &file)?;
         written.push(path.to_owned());
     }
-    for (at, shot) in shots.iter().enumerate() {
-        if !args.candidate.is_empty() && !args.candidate.contains(&shot.name) {
-            continue;
-        }
+    for (at, shot) in shots.iter().enumerate().filter(|(_, shot)| args.wants(shot)) {
         let stem = format!("{}-{}", at + 1, plain(&shot.name));
-        if let Some(folder) = folder(args.glb.as_deref())? {
-            let file = folder.join(format!("{stem}.glb"));
-            write::replace(&file, &report::glb::glb(shot, &made.bodies))?;
-            written.push(file);
-        }
-        if let Some(folder) = folder(args.png.as_deref())? {
-            for (camera, from) in [(Camera::Corner, "corner"), (Camera::Above, "above")] {
-                let file = folder.join(format!("{stem}-{from}.png"));
-                let still = report::still::still(shot, &made.bodies, camera, STILL)
-                    .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-                write::replace(&file, &still)?;
-                written.push(file);
-            }
-        }
+        picture(args, &stem, shot, &made.bodies, &mut written)?;
     }
     said(&written, output)
+}
+
+/// Writes the model and the stills of one candidate, as far as they are asked for.
+fn picture(
+    args: &ReportArgs,
+    stem: &str,
+    shot: &Shot,
+    bodies: &[Body],
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    if let Some(folder) = folder(args.glb.as_deref())? {
+        let file = folder.join(format!("{stem}.glb"));
+        write::replace(&file, &report::glb::glb(shot, bodies))?;
+        written.push(file);
+    }
+    if let Some(folder) = folder(args.png.as_deref())? {
+        for (camera, from) in [(Camera::Corner, "corner"), (Camera::Above, "above")] {
+            let file = folder.join(format!("{stem}-{from}.png"));
+            let still = report::still::still(shot, bodies, camera, STILL)
+                .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+            write::replace(&file, &still)?;
+            written.push(file);
+        }
+    }
+    Ok(())
 }
 
 /// What was made again.
@@ -161,7 +172,7 @@ fn said(written: &[PathBuf], output: &Output) -> Result<ExitCode, Failure> {
     if output.json {
         let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
         let document = serde_json::json!({"schema": "trolley.report/1", "files": files});
-        return print::out(&crate::model::json(&document)?);
+        return print::out(&print::json(&document)?);
     }
     if output.quiet {
         return Ok(ExitCode::SUCCESS);

@@ -1,7 +1,7 @@
 //! `trolley simulate faults`: seeded worlds in which everything goes wrong, in virtual time.
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
+use crate::failure::Failure;
 use crate::print;
 use crate::progress::Progress;
 use clap::{Args, Subcommand};
@@ -143,9 +143,7 @@ pub(crate) fn simulate(verb: &Verb, verbose: u8, output: &Output) -> Result<Exit
         seconds: (runtime::clock::now_ns() - begun_ns) as f64 / 1e9,
     };
     if output.json {
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else {
         print::out(&page(&document))?;
     }

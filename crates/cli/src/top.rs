@@ -81,8 +81,7 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
         let rate = rate(before.as_ref(), &health);
         if output.json {
             let document = document(&health, rate);
-            let text = serde_json::to_string(&document)
-                .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+            let text = print::line(&document)?;
             print::out(&text)?;
         } else {
             let page = page(&health, rate, &deployment.instance);

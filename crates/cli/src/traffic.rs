@@ -309,7 +309,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         crate::model::write::replace(out, text.as_bytes())?;
     }
     if output.json {
-        return print::out(&crate::model::json(&imported.document(&args.file))?);
+        return print::out(&print::json(&imported.document(&args.file))?);
     }
     if !output.quiet {
         print::err(&imported.summary());

@@ -171,20 +171,7 @@ impl Crew {
     pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
         let begun_ns = clock::now_ns();
         work.accept(begun_ns);
-        self.request += 1;
-        self.rejected = 0;
-        self.duty = Duty::default();
-        self.incidents.clear();
-        self.dispatcher.begin(RequestId(self.request));
-        for outgoing in self.outgoing.iter_mut().flatten() {
-            outgoing.clear();
-        }
-        for station in &mut self.stations {
-            station.begin(&self.status);
-        }
-        for station in self.stations.iter().filter(|station| station.is_ready()) {
-            self.dispatcher.admit(station.who);
-        }
+        self.begin();
         let mut effects = Vec::new();
         // Whoever died since the last request was not seen dying.
         self.sleep(0)?;
@@ -231,17 +218,39 @@ impl Crew {
             return Err(CrewError::Thrashed(thrash));
         }
         if progress == Progress::Stranded && work.deadline_ns().is_none() {
-            let lost = self.stations.iter().filter_map(|station| {
-                let how = station.report.lost.as_deref()?;
-                Some(format!("worker {} by {how}", station.who.worker))
-            });
-            return Err(CrewError::NobodyLeft {
-                open: counts.jobs - counts.done - counts.cut - counts.abandoned - counts.late,
-                jobs: counts.jobs,
-                lost: lost.collect::<Vec<_>>().join(", "),
-            });
+            return Err(self.nobody_left(&counts));
         }
         Ok(self.report(counts))
+    }
+
+    /// A new request: nothing is counted yet, and whoever is ready may have jobs.
+    fn begin(&mut self) {
+        self.request += 1;
+        self.rejected = 0;
+        self.duty = Duty::default();
+        self.incidents.clear();
+        self.dispatcher.begin(RequestId(self.request));
+        for outgoing in self.outgoing.iter_mut().flatten() {
+            outgoing.clear();
+        }
+        for station in &mut self.stations {
+            station.begin(&self.status);
+        }
+        for station in self.stations.iter().filter(|station| station.is_ready()) {
+            self.dispatcher.admit(station.who);
+        }
+    }
+
+    fn nobody_left(&self, counts: &Counts) -> CrewError {
+        let lost = self.stations.iter().filter_map(|station| {
+            let how = station.report.lost.as_deref()?;
+            Some(format!("worker {} by {how}", station.who.worker))
+        });
+        CrewError::NobodyLeft {
+            open: counts.jobs - counts.done - counts.cut - counts.abandoned - counts.late,
+            jobs: counts.jobs,
+            lost: lost.collect::<Vec<_>>().join(", "),
+        }
     }
 
     /// Whether there is something to wait for: jobs, or somebody who is about to greet.

@@ -22,14 +22,7 @@ impl Word for Shape {
 }
 
 impl Word for Seat {
-    const ALL: &'static [Self] = &[
-        Self::FrontLeft,
-        Self::FrontRight,
-        Self::RearLeft,
-        Self::RearMiddle,
-        Self::RearRight,
-        Self::Rider,
-    ];
+    const ALL: &'static [Self] = &Seat::ALL;
 
     fn word(self) -> &'static str {
         self.name()

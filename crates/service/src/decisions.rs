@@ -9,13 +9,12 @@
 //! last of the file before. When a file is full the next begins; the oldest goes. Removing whole
 //! files from either end cannot be seen in what is left.
 
+use crate::deployment::Decisions;
 use bytemuck::Zeroable as _;
 use protocol::public::{Answer, Ask};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-
-use crate::deployment::Decisions;
 
 const MAGIC: [u8; 8] = *b"TROLDEC\n";
 const HEAD: usize = 8 + 8 + 32;

@@ -1,11 +1,10 @@
 //! Where requests are taken: all there are, each turn, so that nobody waits unheard.
 
+use crate::stats::Stats;
 use protocol::public::{Answer, Reason, Verdict};
 use runtime::clock;
 use std::collections::VecDeque;
 use transport::{Asked, Server, UseError};
-
-use crate::stats::Stats;
 
 /// A request that waits.
 pub(crate) struct Waiting {

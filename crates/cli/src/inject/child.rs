@@ -112,92 +112,131 @@ pub(super) fn run(
     (reference, store): (&Answer, &SealedMemory),
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let mut dice = Dice(seed ^ number << 20);
-    let begun_ns = clock::now_ns();
+    let dice = Dice(seed ^ number << 20);
     report.requests += 1;
     match kind {
         Kind::CoordinatorKill | Kind::KillInStop | Kind::StaleMemory => {
-            let mut run = Run::start(plan, &[])?;
-            let wait_ms = match kind {
-                Kind::KillInStop => run.until_it_stops(),
-                _ => dice.below(120),
-            };
-            let ended = run.child.wait_ms(wait_ms)?;
-            let workers: Vec<Held> =
-                run.workers().into_iter().filter_map(|pid| Held::of(pid).ok()).collect();
-            let struck_ns = clock::now_ns();
-            run.child.kill()?;
-            run.child.wait_ms(PATIENCE_MS)?;
-            let mut alive = workers.len();
-            while alive > 0 && clock::now_ns() - struck_ns < ORPHANS_MS * 1_000_000 {
-                alive = workers.iter().filter(|held| held.is_alive()).count();
-                run.child.wait_ms(0)?;
-            }
-            report.orphans += alive as u64;
-            let gone_ns = clock::now_ns() - struck_ns;
-            if ended.is_some() {
-                report.missed += 1;
-                return Ok(());
-            }
-            let mut state = State::Refused;
-            if kind == Kind::StaleMemory {
-                // The next run of the same name finds what is left, and is right.
-                state = Run::start(plan, &[])?.end(reference)?;
-                report.left_behind += names_of(&instance()).len() as u64;
-            }
-            report.count(state);
-            report.add(kind, state, Some(gone_ns), clock::now_ns() - struck_ns);
+            kill_coordinator(plan, kind, dice, reference, report)
         }
-        Kind::FlipQueue | Kind::FlipPayload => {
-            let mut run = Run::start(plan, &[])?;
-            let _ended = run.child.wait_ms(10 + dice.below(60))?;
-            let struck_ns = clock::now_ns();
-            let prefix = format!("trolley.{}.", instance());
-            let (suffix, bits) = match (kind, dice.below(2)) {
-                (Kind::FlipPayload, _) => (".data", 64),
-                (_, 0) => (".connection", 16),
-                _ => (".dynamic", 16),
-            };
-            flip(&prefix, suffix, bits, dice);
-            let state = run.end(reference)?;
-            report.count(state);
-            let took_ns = clock::now_ns() - struck_ns;
-            report.add(kind, state, None, took_ns);
-        }
-        Kind::VersionSkew => {
-            let mut options = live::options(plan, &format!("v{}", std::process::id()));
-            options.build = "another build".to_owned();
-            let state = match Crew::start(store, &options) {
-                Err(CrewError::StillBorn { .. }) => State::Refused,
-                Ok(_) | Err(_) => State::Wrong,
-            };
-            report.count(state);
-            let took_ns = clock::now_ns() - begun_ns;
-            report.add(kind, state, Some(took_ns), took_ns);
-            report.left_behind += names_of(&options.instance).len() as u64;
-        }
+        Kind::FlipQueue | Kind::FlipPayload => flip_bits(plan, kind, dice, reference, report),
+        Kind::VersionSkew => skew(plan, kind, store, report),
         Kind::SmallShm | Kind::FewFiles | Kind::ClockShift => {
-            let shm = "mount -t tmpfs -o size=64k tmpfs /dev/shm && exec \"$0\" \"$@\"";
-            let wrap: &[&str] = match kind {
-                Kind::SmallShm => &["/usr/bin/unshare", "-m", "/bin/sh", "-c", shm],
-                Kind::FewFiles => &["/bin/sh", "-c", "ulimit -n 12; exec \"$0\" \"$@\""],
-                _ => &["/usr/bin/unshare", "-T", "--monotonic", "864000", "--fork", "--kill-child"],
-            };
-            if !Path::new(wrap[0]).exists() || !is_granted(kind)? {
-                report.skip(kind, "this machine does not grant it");
-                return Ok(());
-            }
-            let state = Run::start(plan, wrap)?.end(reference)?;
-            // Without memory or files there can be no answer; whatever the clock says, there is
-            // one.
-            let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
-            let state = if is_due { state } else { State::Wrong };
-            report.count(state);
-            let took_ns = clock::now_ns() - begun_ns;
-            report.add(kind, state, Some(took_ns), took_ns);
+            confine(plan, kind, reference, report)
         }
-        _ => report.skip(kind, "it is no run of its own"),
+        _ => {
+            report.skip(kind, "it is no run of its own");
+            Ok(())
+        }
     }
+}
+
+/// Kills a coordinator at work or at its end: its workers end with it.
+fn kill_coordinator(
+    plan: &Plan,
+    kind: Kind,
+    mut dice: Dice,
+    reference: &Answer,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let mut run = Run::start(plan, &[])?;
+    let wait_ms = match kind {
+        Kind::KillInStop => run.until_it_stops(),
+        _ => dice.below(120),
+    };
+    let ended = run.child.wait_ms(wait_ms)?;
+    let workers: Vec<Held> =
+        run.workers().into_iter().filter_map(|pid| Held::of(pid).ok()).collect();
+    let struck_ns = clock::now_ns();
+    run.child.kill()?;
+    run.child.wait_ms(PATIENCE_MS)?;
+    let mut alive = workers.len();
+    while alive > 0 && clock::now_ns() - struck_ns < ORPHANS_MS * 1_000_000 {
+        alive = workers.iter().filter(|held| held.is_alive()).count();
+        run.child.wait_ms(0)?;
+    }
+    report.orphans += alive as u64;
+    let gone_ns = clock::now_ns() - struck_ns;
+    if ended.is_some() {
+        report.missed += 1;
+        return Ok(());
+    }
+    let mut state = State::Refused;
+    if kind == Kind::StaleMemory {
+        // The next run of the same name finds what is left, and is right.
+        state = Run::start(plan, &[])?.end(reference)?;
+        report.left_behind += names_of(&instance()).len() as u64;
+    }
+    report.count(state);
+    report.add(kind, state, Some(gone_ns), clock::now_ns() - struck_ns);
+    Ok(())
+}
+
+/// Flips bits in shared memory of a run at work.
+fn flip_bits(
+    plan: &Plan,
+    kind: Kind,
+    mut dice: Dice,
+    reference: &Answer,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let mut run = Run::start(plan, &[])?;
+    let _ended = run.child.wait_ms(10 + dice.below(60))?;
+    let struck_ns = clock::now_ns();
+    let prefix = format!("trolley.{}.", instance());
+    let (suffix, bits) = match (kind, dice.below(2)) {
+        (Kind::FlipPayload, _) => (".data", 64),
+        (_, 0) => (".connection", 16),
+        _ => (".dynamic", 16),
+    };
+    flip(&prefix, suffix, bits, dice);
+    let state = run.end(reference)?;
+    report.count(state);
+    let took_ns = clock::now_ns() - struck_ns;
+    report.add(kind, state, None, took_ns);
+    Ok(())
+}
+
+/// Starts workers that take the coordinator for one of another build.
+fn skew(plan: &Plan, kind: Kind, store: &SealedMemory, report: &mut Report) -> Result<(), Failure> {
+    let begun_ns = clock::now_ns();
+    let mut options = live::options(plan, &format!("v{}", std::process::id()));
+    options.build = "another build".to_owned();
+    let state = match Crew::start(store, &options) {
+        Err(CrewError::StillBorn { .. }) => State::Refused,
+        Ok(_) | Err(_) => State::Wrong,
+    };
+    report.count(state);
+    let took_ns = clock::now_ns() - begun_ns;
+    report.add(kind, state, Some(took_ns), took_ns);
+    report.left_behind += names_of(&options.instance).len() as u64;
+    Ok(())
+}
+
+/// Runs where memory or files are short, or the clock is another one.
+fn confine(
+    plan: &Plan,
+    kind: Kind,
+    reference: &Answer,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let begun_ns = clock::now_ns();
+    let shm = "mount -t tmpfs -o size=64k tmpfs /dev/shm && exec \"$0\" \"$@\"";
+    let wrap: &[&str] = match kind {
+        Kind::SmallShm => &["/usr/bin/unshare", "-m", "/bin/sh", "-c", shm],
+        Kind::FewFiles => &["/bin/sh", "-c", "ulimit -n 12; exec \"$0\" \"$@\""],
+        _ => &["/usr/bin/unshare", "-T", "--monotonic", "864000", "--fork", "--kill-child"],
+    };
+    if !Path::new(wrap[0]).exists() || !is_granted(kind)? {
+        report.skip(kind, "this machine does not grant it");
+        return Ok(());
+    }
+    let state = Run::start(plan, wrap)?.end(reference)?;
+    // Without memory or files there can be no answer; whatever the clock says, there is one.
+    let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
+    let state = if is_due { state } else { State::Wrong };
+    report.count(state);
+    let took_ns = clock::now_ns() - begun_ns;
+    report.add(kind, state, Some(took_ns), took_ns);
     Ok(())
 }
 

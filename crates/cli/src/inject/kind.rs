@@ -58,6 +58,11 @@ impl Kind {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
+    /// Whether it is meant for all workers at once.
+    pub(super) fn takes_all(self) -> bool {
+        matches!(self, Self::KillAll | Self::Poison)
+    }
+
     /// Whether it takes a run of its own, not one of many requests to one crew.
     pub(crate) fn is_whole_run(self) -> bool {
         matches!(

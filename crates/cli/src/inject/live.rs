@@ -233,28 +233,26 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         }
     }
 
+    /// Takes some of the faults that are left. One that takes all workers stays alone.
+    fn choose(&mut self, left: &mut Vec<(Kind, u32)>) -> Vec<(Kind, u32)> {
+        let most = 1 + self.dice.below(self.stage.plan.at_once.into()) as usize;
+        let mut chosen: Vec<(Kind, u32)> = Vec::new();
+        while chosen.len() < most {
+            let is_alone = |(kind, _): &mut (Kind, u32)| chosen.is_empty() || !kind.takes_all();
+            let Some(next) = left.pop_if(is_alone) else { break };
+            chosen.push(next);
+            if next.0.takes_all() {
+                break;
+            }
+        }
+        chosen
+    }
+
     /// A request with some of the faults that are left.
     fn round(&mut self, left: &mut Vec<(Kind, u32)>, report: &mut Report) -> Result<(), Failure> {
         let waits = self.dice.below(4) > 0;
         self.mend(waits, report)?;
-        let plan = self.stage.plan;
-        let most = 1 + self.dice.below(plan.at_once.into()) as usize;
-        let mut chosen: Vec<(Kind, u32)> = Vec::new();
-        while chosen.len() < most {
-            // Those that take all workers stay alone.
-            let is_lonely = |kind: Kind| matches!(kind, Kind::KillAll | Kind::Poison);
-            match left.last() {
-                Some((kind, _)) if is_lonely(*kind) && !chosen.is_empty() => break,
-                Some((kind, tries)) => {
-                    chosen.push((*kind, *tries));
-                    left.pop();
-                    if is_lonely(chosen[chosen.len() - 1].0) {
-                        break;
-                    }
-                }
-                None => break,
-            }
-        }
+        let chosen = self.choose(left);
         let roster = self.crew.roster();
         let mut workers: Vec<usize> = (0..roster.len()).collect();
         for at in (1..workers.len()).rev() {
@@ -265,8 +263,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         self.before = self.open.drain(..).map(|open| open.who).collect();
         for (number, (kind, _)) in chosen.iter().enumerate() {
             let (who, pid) = roster[workers[number % workers.len()]];
-            let all = matches!(kind, Kind::KillAll | Kind::Poison);
-            let targets = if all { roster.clone() } else { vec![(who, pid)] };
+            let targets = if kind.takes_all() { roster.clone() } else { vec![(who, pid)] };
             for (who, pid) in targets {
                 let open = Open { number, kind: *kind, who, struck_ns: None, seen_ns: None };
                 self.open.push(open);
@@ -318,7 +315,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         for (who, pid) in self.crew.roster() {
             let is_armed = |open: &Open| {
                 let is_order = open.kind.misdeed().is_some();
-                open.who == who && is_order && (open.struck_ns.is_none())
+                open.who == who && is_order && open.struck_ns.is_none()
             };
             if self.open.iter().any(is_armed)
                 && let Ok(held) = Held::of(pid)

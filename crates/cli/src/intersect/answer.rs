@@ -1,8 +1,9 @@
 //! What was found, and how it is shown: a few lines for people, one line of JSON for programs.
 
 use super::{QuestionName, WalkName};
-use crate::failure::{Code, Failure};
+use crate::failure::Failure;
 use crate::model::facts::{shown, thousands};
+use crate::print;
 use bvh::{BuildOptions, Counters};
 use model::Build;
 use serde::Serialize;
@@ -120,8 +121,7 @@ impl Answer<'_> {
             triangles_b: self.triangles[1],
             schema: 1,
         };
-        serde_json::to_string(&line)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))
+        print::line(&line)
     }
 
     /// A verdict, and how it was come by.

@@ -82,7 +82,7 @@ pub(super) fn run(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure
     let refused = verdicts.iter().filter(|verdict| !verdict.ok).count();
     if output.json {
         let schema = "trolley.model-check/1";
-        print::out(&super::json(&Document { schema, refused, files: verdicts })?)?;
+        print::out(&print::json(&Document { schema, refused, files: verdicts })?)?;
     }
     Ok(if refused == 0 { ExitCode::SUCCESS } else { Code::Input.into() })
 }

@@ -51,7 +51,7 @@ pub(super) fn run(args: &ExportArgs, output: &Output) -> Result<ExitCode, Failur
     let name = args.out.display().to_string();
     let triangles = view.corners.len();
     if output.json {
-        return print::out(&super::json(&Document {
+        return print::out(&print::json(&Document {
             schema: "trolley.model-export/1",
             file: name,
             format: format.name(),

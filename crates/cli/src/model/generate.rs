@@ -64,7 +64,7 @@ pub(super) fn run(args: &GenerateArgs, output: &Output) -> Result<ExitCode, Fail
     let name = args.out.display().to_string();
     if output.json {
         let schema = "trolley.model-generate/1";
-        return print::out(&super::json(&Document { schema, file: name, body: &facts })?);
+        return print::out(&print::json(&Document { schema, file: name, body: &facts })?);
     }
     if output.quiet {
         return Ok(ExitCode::SUCCESS);

@@ -62,7 +62,7 @@ pub(super) fn run(args: &ImportArgs, output: &Output) -> Result<ExitCode, Failur
     write::replace(&args.out, bytes.bytes())?;
     let out = args.out.display().to_string();
     if output.json {
-        return print::out(&super::json(&Document {
+        return print::out(&print::json(&Document {
             schema: "trolley.model-import/1",
             file: out,
             body: &facts,

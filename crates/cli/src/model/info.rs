@@ -58,7 +58,7 @@ pub(super) fn run(path: &Path, limits: LimitArgs, output: &Output) -> Result<Exi
     if output.json {
         let schema = "trolley.model-info/1";
         let file = path.display().to_string();
-        return print::out(&super::json(&Document { schema, file, body: &facts })?);
+        return print::out(&print::json(&Document { schema, file, body: &facts })?);
     }
     print::out(&facts.table(None, &[]))
 }
@@ -82,7 +82,7 @@ fn mesh(path: &Path, limits: LimitArgs, output: &Output) -> Result<ExitCode, Fai
             looks_like: r.looks_like,
             size_m: r.size_m,
         };
-        return print::out(&super::json(&MeshDocument {
+        return print::out(&print::json(&MeshDocument {
             schema: "trolley.model-info/1",
             file,
             format: report.format,

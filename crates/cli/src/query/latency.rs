@@ -114,8 +114,7 @@ pub(super) fn run(
         overhead_p50_us: figures(&service).p50 - figures(&kernel).p50,
     };
     if output.json {
-        let text = serde_json::to_string_pretty(&document).map_err(|e| internal(e.to_string()))?;
-        print::out(&text)?;
+        print::out(&print::json(&document)?)?;
     } else {
         print::out(&page(&document))?;
     }

@@ -1,6 +1,6 @@
 //! `trolley record replay`: the recorded answer, made again from what it was made from.
 
-use super::{json, read};
+use super::read;
 use crate::BUILD;
 use crate::args::Output;
 use crate::bodies;
@@ -37,7 +37,7 @@ pub(super) fn run(
     if output.json {
         let schema = "trolley.record-replay/1";
         let document = Document { schema, same, build: record.build.clone(), same_build, jobs };
-        print::out(&json(&document)?)?;
+        print::out(&print::json(&document)?)?;
     }
     if !same_build {
         print::err(&format!("warning: recorded by build {}, replayed by {BUILD}", record.build));
@@ -79,8 +79,7 @@ fn again(
     output: &Output,
 ) -> Result<(String, u64), Failure> {
     with(path, record, models, output, |made| {
-        let answer = serde_json::to_string(&made.work.answer()?)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let answer = print::line(&made.work.answer()?)?;
         Ok((answer, made.jobs))
     })
 }

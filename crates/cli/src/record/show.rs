@@ -1,6 +1,6 @@
 //! `trolley record show`: what a record holds, for people and for programs.
 
-use super::{hex, json, read};
+use super::{hex, read};
 use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::print;
@@ -23,7 +23,7 @@ pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
         document["hash"] = json!(hex(&link.hash));
         document["answer"] = answer;
         document["explanation"] = explanation;
-        return print::out(&json(&document)?);
+        return print::out(&print::json(&document)?);
     }
     print::out(&words(path, &record, &link, &answer))
 }
