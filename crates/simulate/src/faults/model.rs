@@ -86,7 +86,8 @@ impl Hash for Judge {
 
 type Held = (JobId, u8);
 
-/// A worker: what it has, what it has started, how many batches it has answered.
+/// A worker: what it has, what it has started, how many batches were sent to it, and how many of
+/// them it has answered.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Actor {
     who: Incarnation,
@@ -94,13 +95,20 @@ struct Actor {
     is_hung: bool,
     batches: Vec<(u32, Vec<Held>)>,
     started: Option<Held>,
+    sent: u32,
     answered: u32,
 }
 
 impl Actor {
     fn new(who: Incarnation) -> Self {
         let (batches, started) = (Vec::new(), None);
-        Self { who, is_alive: true, is_hung: false, batches, started, answered: 0 }
+        Self { who, is_alive: true, is_hung: false, batches, started, sent: 0, answered: 0 }
+    }
+
+    /// Whether it stands still although not all is answered: then it is found, and killed.
+    fn is_silent(&self) -> bool {
+        let is_idle = self.started.is_none() && self.batches.is_empty();
+        self.is_hung || is_idle && self.answered < self.sent
     }
 }
 
@@ -152,6 +160,7 @@ impl State {
                 Effect::Send { to, batch, jobs, .. } => {
                     let actor = &mut self.actors[usize::from(to.worker)];
                     if actor.who == to && actor.is_alive {
+                        actor.sent = batch + 1;
                         actor.batches.push((batch, jobs));
                     }
                 }
@@ -242,8 +251,10 @@ impl Model for Small {
                 }
                 continue;
             }
-            if actor.is_hung {
+            if actor.is_silent() {
                 actions.push(Action::Reap(number));
+            }
+            if actor.is_hung {
                 continue;
             }
             if actor.started.is_some() {
@@ -349,8 +360,6 @@ impl Model for Small {
             Action::LoseBatch(number) => {
                 next.budget.losses -= 1;
                 next.actors[number].batches.remove(0);
-                // Found by its silence, if nothing after it tells: then it is killed.
-                next.actors[number].is_hung = next.actors[number].batches.is_empty();
             }
             Action::GarbleBatch(number) => {
                 next.budget.garbles -= 1;
@@ -435,6 +444,11 @@ fn larger_worlds_keep_the_laws_in_every_state() {
     for (name, model) in [
         ("2 jobs, 2 crashes", Small { budget: two, ..SMALL }),
         ("3 jobs, crash", Small { jobs: 3, budget: Budget { crashes: 1, ..two }, ..SMALL }),
+        (
+            // A lost batch, and one that was turned away after it: its worker counts one too few.
+            "3 jobs, crash, loss, garble",
+            Small { jobs: 3, budget: Budget { crashes: 1, losses: 1, garbles: 1, ..two }, ..SMALL },
+        ),
         (
             "2 jobs, 2 crashes, hang, loss, repeat",
             Small { budget: Budget { hangs: 1, losses: 1, repeats: 1, ..two }, ..SMALL },
