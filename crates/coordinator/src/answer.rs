@@ -254,7 +254,7 @@ fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
         party: request.persons[person.id.0].party.clone(),
         seat: person.seat.map(model::Seat::name),
         victim: person.victim.name(),
-        curve: person.curve.clone(),
+        curve: person.curve.to_string(),
         work: person.work,
         range: person.range,
         intrusion: person.intrusion,

@@ -6,7 +6,7 @@
 use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
-use damage::{Evidence, First, Meeting, Search, Seen, Stop};
+use damage::{Evidence, First, Meeting, Search, Seen, Stop, Stops};
 use geometry::Supports;
 use model::{BodyView, Zones};
 use protocol::Question;
@@ -80,7 +80,7 @@ impl Case {
             return;
         };
         let stops = match first {
-            First::None => Vec::new(),
+            First::None => Stops::new(),
             First::At(first_m) => path.survey(first_m),
         };
         for (number, stop) in stops.iter().enumerate() {

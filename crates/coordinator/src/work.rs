@@ -7,7 +7,7 @@ use crate::cuts::Cuts;
 use crate::gather::{Gathered, Part};
 use crate::ledger::Ledger;
 use crate::request::{Request, RequestError};
-use crate::strategy::Strategy;
+use crate::strategy::{Prospect, Strategy};
 use crate::terms::Terms;
 use bvh::{Counters, NodePair, front, section};
 use damage::{Basis, CandidateHarm, Evidence, Ranking, assess};
@@ -107,6 +107,7 @@ pub struct Work<'w> {
     effort: Effort,
     terms: Terms,
     strategy: Box<dyn Strategy>,
+    prospects: Vec<Prospect>,
     outlook: Outlook,
     deadline_ns: Option<u64>,
     ledger: Option<Ledger>,
@@ -133,7 +134,8 @@ impl<'w> Work<'w> {
             effort: Effort::default(),
             terms,
             strategy: terms.pursuit.strategy(),
-            outlook: Outlook::new(request.candidates.len()),
+            prospects: Vec::new(),
+            outlook: Outlook::default().anew(request),
             deadline_ns: None,
             ledger: None,
         };
