@@ -173,7 +173,7 @@ fn open(case: &Case) -> String {
 }
 
 /// One sentence per party of unknown kind.
-fn assumptions(request: &Request) -> Vec<String> {
+pub(crate) fn assumptions(request: &Request) -> Vec<String> {
     let unknown = request.candidates.iter().filter(|candidate| candidate.is_assumed_fixed);
     let names: BTreeSet<&str> = unknown.map(|candidate| candidate.other_name.as_str()).collect();
     let sentence = |name: &str| {

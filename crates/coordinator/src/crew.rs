@@ -25,15 +25,15 @@ pub use idle::Attendant;
 pub use incident::{Incident, Sight};
 pub use mend::{Mended, Spoiled};
 pub use preflight::{Lack, preflight};
-pub use report::{CrewReport, Duty, Hardware, WorkerReport};
+pub use report::{CrewReport, Duty, Hardware, Share, WorkerReport};
 
 use crate::gather::Part;
 use crate::work::{Errands, PartOf};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use dispatch::{
-    Cache, Counts, Dispatcher, Effect, Entry, Event, Intensity, Matching, Patience, Progress,
-    Queues, Restarts, Scheme,
+    Cache, Dispatcher, Effect, Entry, Event, Intensity, Matching, Patience, Progress, Queues,
+    Restarts, Scheme,
 };
 use parcel::{Outgoing, parcels};
 use protocol::job::{Job, write_batch};
@@ -116,6 +116,7 @@ pub struct Crew {
     /// When all pulses were felt last (ns): short requests follow on each other, too.
     looked_ns: u64,
     scratch: Vec<u64>,
+    effects: Vec<Effect>,
     batch: BatchWriter,
     /// Whoever has to be heard while a request is worked on.
     attendant: Option<Attendant>,
@@ -172,6 +173,7 @@ impl Crew {
             ended: Vec::new(),
             looked_ns: 0,
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
+            effects: Vec::new(),
             batch: BatchWriter::default(),
             attendant: None,
         };
@@ -239,6 +241,33 @@ impl Crew {
     ///
     /// If no worker is left and no deadline says when to answer all the same, or a signal came.
     pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
+        self.work_off(work)?;
+        Ok(self.report())
+    }
+
+    /// The same without a report, which costs copies: see [`Crew::shares`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Crew::run`].
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<(), CrewError> {
+        let mut effects = std::mem::take(&mut self.effects);
+        effects.clear();
+        let done = self.work_off_by(work, &mut effects);
+        self.effects = effects;
+        done
+    }
+
+    /// What each worker did for the last request.
+    pub fn shares(&self) -> impl Iterator<Item = Share> {
+        self.stations.iter().map(|station| station.share(&self.status))
+    }
+
+    fn work_off_by<W: Errands>(
+        &mut self,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Result<(), CrewError> {
         let begun_ns = clock::now_ns();
         work.accept(begun_ns);
         self.request += 1;
@@ -255,28 +284,27 @@ impl Crew {
         for station in self.stations.iter().filter(|station| station.is_ready()) {
             self.dispatcher.admit(station.who);
         }
-        let mut effects = Vec::new();
         // Whoever died since the last request was not seen dying.
         self.sleep(0)?;
-        let mut progress = self.step(Event::Poll, work, &mut effects);
+        let mut progress = self.step(Event::Poll, work, effects);
         let backoff = Backoff::new();
         while self.is_working(progress) {
-            let waits = self.flush(work, &mut effects);
-            let (taken, after) = self.take_results(work, &mut effects, progress);
+            let waits = self.flush(work, effects);
+            let (taken, after) = self.take_results(work, effects, progress);
             progress = after;
             let now = clock::now_ns();
             if now - self.looked_ns > NAP_NS {
                 self.looked_ns = now;
                 // While results keep coming nobody sleeps, and an end would go unnoticed.
                 self.sleep(0)?;
-                progress = self.look_after(now, work, &mut effects, progress)?;
+                progress = self.look_after(now, work, effects, progress)?;
             }
             let due_ns = self.dispatcher.due_ns();
             if due_ns.is_some_and(|due_ns| due_ns <= now) {
-                progress = self.step(Event::Poll, work, &mut effects);
+                progress = self.step(Event::Poll, work, effects);
             }
             while let Some(worker) = self.ended.pop() {
-                progress = self.bury(worker, work, &mut effects)?;
+                progress = self.bury(worker, work, effects)?;
             }
             if !self.is_working(progress) {
                 break;
@@ -311,7 +339,7 @@ impl Crew {
                 lost: lost.collect::<Vec<_>>().join(", "),
             });
         }
-        Ok(self.report(counts))
+        Ok(())
     }
 
     /// Whether there is something to wait for: jobs, or somebody who is about to greet.
@@ -329,10 +357,10 @@ impl Crew {
         self.dispatcher.log()
     }
 
-    fn report(&self, counts: Counts) -> CrewReport {
+    fn report(&self) -> CrewReport {
         CrewReport {
             duty: self.duty,
-            counts,
+            counts: self.dispatcher.counts(),
             transfer: self.dispatcher.transfer(),
             rejected: self.rejected,
             workers: self.stations.iter().map(|station| station.report(&self.status)).collect(),
@@ -369,6 +397,7 @@ impl Crew {
                 true => Err(UseError::Full),
                 false => self.send(to, batch, &jobs, &fetch, work),
             };
+            self.dispatcher.reuse(jobs, fetch);
             let sent_ns = clock::now_ns();
             self.duty.send_ns += sent_ns - stepped_ns;
             stepped_ns = sent_ns;

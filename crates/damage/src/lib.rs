@@ -127,7 +127,7 @@ pub use harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 pub use injury::{Curves, MissingCurve, Victim};
 pub use interval::{Range, Work};
 pub use party::{Aboard, Party, PartyError, PersonId, crew};
-pub use path::{Apart, Meeting, Path, Stop, Stops, plan};
+pub use path::{Apart, Meeting, Path, Stop, Stops, Travels, plan};
 pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::standing::{Standing, needs_high, standing, standing_in};

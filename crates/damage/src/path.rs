@@ -47,8 +47,8 @@ pub enum Apart {
     BeyondReach,
 }
 
-/// Travels of poses (m): the grid's, first contact and the ends of patch and crush among them.
-pub type Travels = SmallVec<[f64; POSES_MAX + 2]>;
+/// Travels (m): those of a grid, and the 14 that halving it may ask for besides.
+pub type Travels = SmallVec<[f64; POSES_MAX + 2 + 14]>;
 
 /// The poses of a survey.
 pub type Stops = SmallVec<[Stop; POSES_MAX + 2]>;

@@ -12,10 +12,10 @@ impl Work<'_> {
         if self.strategy.needs_bounds() {
             self.review();
         }
-        let mut prospects = std::mem::take(&mut self.prospects);
+        let mut prospects = std::mem::take(&mut self.spare.prospects);
         self.write_prospects(&mut prospects);
         let chosen = self.chosen(&prospects).unwrap_or(first);
-        self.prospects = prospects;
+        self.spare.prospects = prospects;
         Some(chosen)
     }
 

@@ -80,6 +80,11 @@ impl Outlook {
         Self { bounds, stakes, desk, news, handed, begun_ns, ..Self::default() }
     }
 
+    /// What the persons of the request have at stake, in their order.
+    pub(super) fn stakes(&self) -> &[Stake] {
+        &self.stakes
+    }
+
     pub(super) fn begin(&mut self, now_ns: u64) {
         self.begun_ns = now_ns;
     }
