@@ -31,6 +31,7 @@ pub(crate) struct Surveyed {
 
 /// How far a candidate is.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a box would come from the heap on every request")]
 pub(crate) enum Stage {
     /// Nothing to find out: the hulls never meet, or always did.
     Settled,
