@@ -130,8 +130,8 @@ proptest! {
         start in -9.0..9.0_f64, length in 0.6..12.0_f64, step in 0.02..0.1_f64,
         part in 0.0..1.0_f64, closing in 0.0..60.0_f64,
     ) {
-        let travels = vec![start, start + length];
-        let path = Path { travels: travels.into(), step_m: step, coarse: false, closing_m_s: closing };
+        let travels = vec![start, start + length].into();
+        let path = Path { travels, step_m: step, coarse: false, closing_m_s: closing };
         let f = start + part * length;
         let stops = path.survey(f);
         let (r, e) = (path.patch_end(f), path.crush_end(f));
