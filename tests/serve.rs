@@ -342,3 +342,38 @@ fn metrics_and_decisions_are_written_and_bounded() {
     assert!(entries.iter().all(|entry| entry.answer.verdict() == Verdict::Complete));
     assert_eq!(entries.last().unwrap().ask.sequence, 11);
 }
+
+/// What `tools/results/service.md` says of the heap, as a bound: names and lists of a request, and
+/// one allocation per message that is lent.
+#[test]
+fn a_request_takes_little_from_the_heap_once_the_service_is_warm() {
+    const REQUESTS: u64 = 60;
+    /// Per candidate and party: their names, twice, and lists of persons.
+    const NAMES: u64 = 8 * (1 + 2);
+    /// A look at a worker's pulse, which is felt every 20 ms at most.
+    const PULSES: u64 = 8;
+    let place = Place::new();
+    let file = deployment(&place, 1, WALL);
+    for extra in [&[][..], &["--in-process"]] {
+        let serving = serve(&file, extra);
+        let mut client = connect(&serving.instance);
+        for _ in 0..REQUESTS {
+            assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), Verdict::Complete);
+        }
+        drop(client);
+        // The first page may be of a second in which there were requests still.
+        let top = trolley()
+            .args(["top", file.to_str().unwrap(), "--instance", &serving.instance])
+            .args(["--times", "2", "--json"])
+            .output()
+            .unwrap();
+        let last = text(&top.stdout).lines().last().map(str::to_owned).unwrap();
+        let last: serde_json::Value = serde_json::from_str(&last).unwrap();
+        assert_eq!(last["answers"][0][1], REQUESTS, "{last}");
+        // Half of the messages are results, which are taken and not lent.
+        let lent = last["messages"].as_u64().unwrap() / REQUESTS;
+        let allocations = last["allocations"].as_u64().unwrap();
+        assert!((1..=NAMES + PULSES + lent).contains(&allocations), "{extra:?}: {last}");
+        serving.end();
+    }
+}

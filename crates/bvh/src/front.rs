@@ -8,6 +8,7 @@ use crate::descent::{Descent, side_to_open};
 use crate::{Counters, Side};
 use geometry::RelativePose;
 use model::BodyView;
+use smallvec::SmallVec;
 
 /// A node of A and a node of B.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -65,7 +66,8 @@ pub fn front(
     }
     let limit = out.len() + PAIRS_MAX;
     // One pair waits per level of both trees at most, and a tree has no more levels than nodes.
-    let mut open = vec![Open { pair: NodePair::ROOTS, depth_a: 0, depth_b: 0 }];
+    let mut open = SmallVec::<[Open; 64]>::new();
+    open.push(Open { pair: NodePair::ROOTS, depth_a: 0, depth_b: 0 });
     while let Some(Open { pair, depth_a, depth_b }) = open.pop() {
         let (node_a, node_b) = descent.nodes(pair);
         let ends_a = node_a.is_leaf() || depth_a == depth;

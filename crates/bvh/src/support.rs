@@ -6,6 +6,11 @@
 
 use geometry::{Aabb, DVec3};
 use model::BodyView;
+use smallvec::SmallVec;
+
+mod extremes;
+
+pub use extremes::Extremes;
 
 /// The greatest `x·d`, in metres, over all corners of the body, in its own frame; negative infinity
 /// for a body without a tree.
@@ -13,10 +18,25 @@ use model::BodyView;
 /// `x·d` is `(x d_x + y d_y) + z d_z` in f64 from the stored f32. A zero is +0.
 #[must_use]
 pub fn support(view: &BodyView<'_>, direction: DVec3) -> f64 {
+    let mut greatest = f64::NEG_INFINITY;
+    for_each_rising(view, direction, |_, value| greatest = value);
+    greatest + 0.0
+}
+
+/// A corner for which `x·d` is the greatest; the origin for a body without a tree.
+fn farthest(view: &BodyView<'_>, direction: DVec3) -> [f32; 3] {
+    let mut farthest = [0.0; 3];
+    for_each_rising(view, direction, |corner, _| farthest = corner);
+    farthest
+}
+
+/// Tells of every corner met that lies farther than all before, and how far; the last is the
+/// farthest.
+fn for_each_rising(view: &BodyView<'_>, direction: DVec3, mut take: impl FnMut([f32; 3], f64)) {
     let bound = |node: u32| reach(&view.nodes[node as usize].bounds, direction);
     let mut greatest = f64::NEG_INFINITY;
     // One node waits per level of the tree at most.
-    let mut open = Vec::with_capacity(64);
+    let mut open = SmallVec::<[(u32, f64); 64]>::new();
     if !view.nodes.is_empty() {
         open.push((0, bound(0)));
     }
@@ -28,7 +48,11 @@ pub fn support(view: &BodyView<'_>, direction: DVec3) -> f64 {
         if node.is_leaf() {
             let first = node.link as usize;
             for corner in view.corners[first..first + node.count as usize].iter().flatten() {
-                greatest = greatest.max(along(*corner, direction));
+                let value = along(*corner, direction);
+                if value > greatest {
+                    greatest = value;
+                    take(*corner, value);
+                }
             }
         } else {
             let (left, right) = ((at + 1, bound(at + 1)), (node.link, bound(node.link)));
@@ -36,7 +60,6 @@ pub fn support(view: &BodyView<'_>, direction: DVec3) -> f64 {
             open.extend(if left.1 > right.1 { [right, left] } else { [left, right] });
         }
     }
-    greatest + 0.0
 }
 
 /// [`support`] in each of the directions, given in the body's own frame.

@@ -173,7 +173,7 @@ fn open(case: &Case) -> String {
 }
 
 /// One sentence per party of unknown kind.
-fn assumptions(request: &Request) -> Vec<String> {
+pub(crate) fn assumptions(request: &Request) -> Vec<String> {
     let unknown = request.candidates.iter().filter(|candidate| candidate.is_assumed_fixed);
     let names: BTreeSet<&str> = unknown.map(|candidate| candidate.other_name.as_str()).collect();
     let sentence = |name: &str| {
@@ -254,7 +254,7 @@ fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
         party: request.persons[person.id.0].party.clone(),
         seat: person.seat.map(model::Seat::name),
         victim: person.victim.name(),
-        curve: person.curve.clone(),
+        curve: person.curve.to_string(),
         work: person.work,
         range: person.range,
         intrusion: person.intrusion,

@@ -6,7 +6,7 @@
 use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
-use damage::{Evidence, First, Meeting, Search, Seen, Stop};
+use damage::{Evidence, First, Meeting, Search, Seen, Stop, Stops, Travels};
 use geometry::Supports;
 use model::{BodyView, Zones};
 use protocol::Question;
@@ -31,11 +31,12 @@ pub(crate) struct Surveyed {
 
 /// How far a candidate is.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a box would come from the heap on every request")]
 pub(crate) enum Stage {
     /// Nothing to find out: the hulls never meet, or always did.
     Settled,
     /// First contact is sought; `asked` are the travels that have a task.
-    Searching { search: Search, asked: Vec<f64> },
+    Searching { search: Search, asked: Travels },
     /// First contact is known, or known not to be. `task` is the number of the first stop's task;
     /// the others follow.
     Surveying { search: Search, stops: Vec<(Stop, Option<Surveyed>)>, task: u32 },
@@ -47,17 +48,34 @@ pub(crate) struct Case {
     pub(crate) stage: Stage,
     /// Triangles hit from first contact to e.
     pub(crate) hit: Union,
+    /// The list of stops of an earlier request, for those of this one.
+    spare: Vec<(Stop, Option<Surveyed>)>,
 }
 
 impl Case {
     pub(crate) fn new(candidate: &Candidate) -> Self {
+        Self::in_room(candidate, Union::default(), Vec::new())
+    }
+
+    /// Another candidate, in the room of this one.
+    pub(crate) fn anew(self, candidate: &Candidate) -> Self {
+        let Self { stage, mut hit, mut spare } = self;
+        hit.clear();
+        if let Stage::Surveying { stops, .. } = stage {
+            spare = stops;
+            spare.clear();
+        }
+        Self::in_room(candidate, hit, spare)
+    }
+
+    fn in_room(candidate: &Candidate, hit: Union, spare: Vec<(Stop, Option<Surveyed>)>) -> Self {
         let stage = match &candidate.meeting {
             Meeting::Path(path) => {
-                Stage::Searching { search: Search::new(path), asked: Vec::new() }
+                Stage::Searching { search: Search::new(path), asked: Travels::new() }
             }
             Meeting::Never(_) | Meeting::AlreadyOverlapping => Stage::Settled,
         };
-        Self { stage, hit: Union::default() }
+        Self { stage, hit, spare }
     }
 
     /// The tasks that have to be done now and were not asked for before; they get the numbers from
@@ -80,7 +98,7 @@ impl Case {
             return;
         };
         let stops = match first {
-            First::None => Vec::new(),
+            First::None => Stops::new(),
             First::At(first_m) => path.survey(first_m),
         };
         for (number, stop) in stops.iter().enumerate() {
@@ -88,8 +106,9 @@ impl Case {
             aims.push((Aim::Survey { stop: number }, stop.travel_m, question));
         }
         let search = search.clone();
-        let stops = stops.into_iter().map(|stop| (stop, None)).collect();
-        self.stage = Stage::Surveying { search, stops, task };
+        let mut list = std::mem::take(&mut self.spare);
+        list.extend(stops.into_iter().map(|stop| (stop, None)));
+        self.stage = Stage::Surveying { search, stops: list, task };
     }
 
     /// Whether the answer at a probe can still matter.

@@ -35,7 +35,7 @@ pub use inject::Spoiled;
 pub use mend::Mended;
 pub use options::Options;
 pub use preflight::{Lack, preflight};
-pub use report::{CrewReport, Duty, Hardware, WorkerReport};
+pub use report::{CrewReport, Duty, Hardware, Share, WorkerReport};
 
 use crate::work::{Errands, PartOf};
 use core::sync::atomic::Ordering;
@@ -91,6 +91,7 @@ pub struct Crew {
     /// When all pulses were felt last (ns): short requests follow on each other, too.
     looked_ns: u64,
     scratch: Vec<u64>,
+    effects: Vec<Effect>,
     batch: BatchWriter,
     /// Whoever has to be heard while a request is worked on.
     attendant: Option<Attendant>,
@@ -139,6 +140,7 @@ impl Crew {
             ended: Vec::new(),
             looked_ns: 0,
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
+            effects: Vec::new(),
             batch: BatchWriter::default(),
             attendant: None,
         };
@@ -169,31 +171,57 @@ impl Crew {
     ///
     /// If no worker is left and no deadline says when to answer all the same, or a signal came.
     pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
+        self.work_off(work)?;
+        Ok(self.report())
+    }
+
+    /// The same without a report, which costs copies: see [`Crew::shares`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Crew::run`].
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<(), CrewError> {
+        let mut effects = std::mem::take(&mut self.effects);
+        effects.clear();
+        let done = self.work_off_by(work, &mut effects);
+        self.effects = effects;
+        done
+    }
+
+    /// What each worker did for the last request.
+    pub fn shares(&self) -> impl Iterator<Item = Share> {
+        self.stations.iter().map(|station| station.share(&self.status))
+    }
+
+    fn work_off_by<W: Errands>(
+        &mut self,
+        work: &mut W,
+        effects: &mut Vec<Effect>,
+    ) -> Result<(), CrewError> {
         let begun_ns = clock::now_ns();
         work.accept(begun_ns);
         self.begin();
-        let mut effects = Vec::new();
         // Whoever died since the last request was not seen dying.
         self.sleep(0)?;
-        let mut progress = self.step(Event::Poll, work, &mut effects);
+        let mut progress = self.step(Event::Poll, work, effects);
         let backoff = Backoff::new();
         while self.is_working(progress) {
-            let (waits, after) = self.flush(work, &mut effects, progress);
-            let (taken, after) = self.take_results(work, &mut effects, after);
+            let (waits, after) = self.flush(work, effects, progress);
+            let (taken, after) = self.take_results(work, effects, after);
             progress = after;
             let now = clock::now_ns();
             if now - self.looked_ns > NAP_NS {
                 self.looked_ns = now;
                 // While results keep coming nobody sleeps, and an end would go unnoticed.
                 self.sleep(0)?;
-                progress = self.look_after(now, work, &mut effects, progress)?;
+                progress = self.look_after(now, work, effects, progress)?;
             }
             let due_ns = self.dispatcher.due_ns();
             if due_ns.is_some_and(|due_ns| due_ns <= now) {
-                progress = self.step(Event::Poll, work, &mut effects);
+                progress = self.step(Event::Poll, work, effects);
             }
             while let Some(worker) = self.ended.pop() {
-                progress = self.bury(worker, work, &mut effects)?;
+                progress = self.bury(worker, work, effects)?;
             }
             if !self.is_working(progress) {
                 break;
@@ -220,7 +248,7 @@ impl Crew {
         if progress == Progress::Stranded && work.deadline_ns().is_none() {
             return Err(self.nobody_left(&counts));
         }
-        Ok(self.report(counts))
+        Ok(())
     }
 
     /// A new request: nothing is counted yet, and whoever is ready may have jobs.
@@ -268,10 +296,10 @@ impl Crew {
         self.dispatcher.log()
     }
 
-    fn report(&self, counts: Counts) -> CrewReport {
+    fn report(&self) -> CrewReport {
         CrewReport {
             duty: self.duty,
-            counts,
+            counts: self.dispatcher.counts(),
             transfer: self.dispatcher.transfer(),
             rejected: self.rejected,
             workers: self.stations.iter().map(|station| station.report(&self.status)).collect(),
@@ -308,6 +336,7 @@ impl Crew {
                 true => Err(UseError::Full),
                 false => self.send(to, batch, &jobs, &fetch, work),
             };
+            self.dispatcher.reuse(jobs, fetch);
             let sent_ns = clock::now_ns();
             self.duty.send_ns += sent_ns - stepped_ns;
             stepped_ns = sent_ns;

@@ -258,14 +258,14 @@ fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) 
     let x_m_s = person.x_m_s.hi();
     let published = |x: f64| curve.map_or(0.0, |curve| curve.published(x));
     let end = |end: &damage::injury::End| {
-        let ids: Vec<&str> = end.curves.iter().map(|c| curves.curves[*c].id.as_str()).collect();
+        let ids: Vec<&str> = end.curves.iter().map(|c| &*curves.curves[*c].id).collect();
         format!("{} at {} x {}", ids.join(", "), end.times, end.x.name())
     };
     PersonChain {
         party: request.persons[person.id.0].party.clone(),
         seat: person.seat.map(model::Seat::name),
         victim: person.victim.name(),
-        curve: person.curve.clone(),
+        curve: person.curve.to_string(),
         x: person.x,
         x_m_s,
         x_in_unit: unit.of(x_m_s),

@@ -80,6 +80,16 @@ impl Gathered {
         }
     }
 
+    /// Nothing found again, between other bodies.
+    pub(crate) fn anew(self, triangles_a: usize, triangles_b: usize) -> Self {
+        let Self { mut hits_a, mut hits_b, .. } = self;
+        for (hits, triangles) in [(&mut hits_a, triangles_a), (&mut hits_b, triangles_b)] {
+            hits.0.clear();
+            hits.0.resize(triangles.div_ceil(64), 0);
+        }
+        Self { hits_a, hits_b, ..Self::with_room(0, 0) }
+    }
+
     /// Includes one part. Sets, maxima and unions may be included again; sums come with the last
     /// part, which is included once. `false` if it names a triangle that does not exist.
     pub(crate) fn fold(&mut self, part: Part<'_>, effort: &mut Counters) -> bool {
@@ -116,6 +126,11 @@ impl Gathered {
 pub(crate) struct Union([Hits; 2]);
 
 impl Union {
+    /// Nothing hit again.
+    pub(crate) fn clear(&mut self) {
+        self.0.iter_mut().for_each(|hits| hits.0.clear());
+    }
+
     /// Includes the hits of one pose.
     pub(crate) fn include(&mut self, found: &Gathered) {
         for (all, hits) in self.0.iter_mut().zip([&found.hits_a, &found.hits_b]) {

@@ -36,14 +36,16 @@ impl Sink for Hits<'_> {
     }
 }
 
-/// Where jobs are done in this process.
+/// Where jobs are done in this process: kept from request to request, it takes nothing from the
+/// heap once it is made.
 #[derive(Debug)]
-pub(crate) struct Desk<'b> {
+pub struct Desk<'b> {
     bodies: &'b [(Meta, BodyView<'b>)],
     kernel: Kernel,
     hits: Vec<u32>,
     rest: Vec<u64>,
     around: Option<(u32, Directions)>,
+    jobs: Vec<Spec>,
 }
 
 /// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs
@@ -56,32 +58,15 @@ pub fn run_here<W: Errands>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u6
 pub fn run_watched<W: Errands>(
     work: &mut W,
     bodies: &[(Meta, BodyView<'_>)],
-    mut watch: impl FnMut(&Spec, &Summary),
+    watch: impl FnMut(&Spec, &Summary),
 ) -> u64 {
-    let mut desk = Desk::new(bodies);
-    let (mut jobs, mut count) = (Vec::new(), 0);
-    work.accept(clock::now_ns());
-    loop {
-        work.more(&mut jobs);
-        if jobs.is_empty() {
-            return count;
-        }
-        for job in jobs.drain(..) {
-            if work.is_over(clock::now_ns()) {
-                return count;
-            }
-            count += 1;
-            if work.is_moot(job.task) {
-                work.close(&job, Closed::Cut);
-                continue;
-            }
-            desk.run(work, &job, &mut watch);
-        }
-    }
+    Desk::new(bodies).work_off_watched(work, watch)
 }
 
 impl<'b> Desk<'b> {
-    pub(crate) fn new(bodies: &'b [(Meta, BodyView<'b>)]) -> Self {
+    /// For jobs of these bodies.
+    #[must_use]
+    pub fn new(bodies: &'b [(Meta, BodyView<'b>)]) -> Self {
         let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
         let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
         Self {
@@ -90,7 +75,45 @@ impl<'b> Desk<'b> {
             hits: Vec::new(),
             rest: Vec::new(),
             around: None,
+            jobs: Vec::new(),
         }
+    }
+
+    /// Runs a request to its end, or as far as it is wanted. Returns how many jobs there were.
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> u64 {
+        self.work_off_watched(work, |_, _| {})
+    }
+
+    fn work_off_watched<W: Errands>(
+        &mut self,
+        work: &mut W,
+        mut watch: impl FnMut(&Spec, &Summary),
+    ) -> u64 {
+        // Tasks of different requests have the same numbers.
+        self.around = None;
+        let mut jobs = std::mem::take(&mut self.jobs);
+        let mut count = 0;
+        work.accept(clock::now_ns());
+        'work: loop {
+            jobs.clear();
+            work.more(&mut jobs);
+            if jobs.is_empty() {
+                break;
+            }
+            for job in &jobs {
+                if work.is_over(clock::now_ns()) {
+                    break 'work;
+                }
+                count += 1;
+                if work.is_moot(job.task) {
+                    work.close(job, Closed::Cut);
+                    continue;
+                }
+                self.run(work, job, &mut watch);
+            }
+        }
+        self.jobs = jobs;
+        count
     }
 
     /// Does one job, unless the answer is due before it is done: then it stays open.

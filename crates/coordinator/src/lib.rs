@@ -21,6 +21,7 @@
 
 mod answer;
 mod bound;
+mod brief;
 mod case;
 mod crew;
 mod cuts;
@@ -41,15 +42,16 @@ mod trial;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
+pub use brief::{Brief, BriefRow};
 
 pub use crew::{
-    Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Sight,
-    Spoiled, WorkerReport, preflight, seal,
+    Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Share,
+    Sight, Spoiled, WorkerReport, preflight, seal,
 };
 pub use cuts::Cuts;
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
-pub use here::{run_here, run_watched};
+pub use here::{Desk, run_here, run_watched};
 pub use ledger::Ledger;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;
@@ -58,4 +60,4 @@ pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};
 pub use trial::{Chance, Flaw, Verdict, trial};
-pub use work::{Certainty, Effort, Errands, PartOf, Work};
+pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};

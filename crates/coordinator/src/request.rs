@@ -1,6 +1,6 @@
 //! A request as the engine takes it: every candidate in the ego's frame, and who is at stake.
 
-use bvh::support;
+use bvh::support::{Extremes, support};
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
 use damage::{
@@ -11,6 +11,7 @@ use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use model::{BodyView, Kind, Meta, Seat};
 use scenario::{Scenario, State};
+use std::sync::Arc;
 
 /// One candidate, before any work.
 #[derive(Clone, Debug)]
@@ -56,8 +57,8 @@ pub(crate) struct Person {
 pub struct Request {
     pub(crate) candidates: Vec<Candidate>,
     pub(crate) persons: Vec<Person>,
-    pub(crate) policy: Policy,
-    pub(crate) curves: Curves,
+    pub(crate) policy: Arc<Policy>,
+    pub(crate) curves: Arc<Curves>,
     pub(crate) parameters: Parameters,
 }
 
@@ -99,14 +100,16 @@ impl Request {
     pub fn new(
         scenario: &Scenario,
         bodies: &[(Meta, BodyView<'_>)],
-        policy: Policy,
-        curves: Curves,
+        policy: impl Into<Arc<Policy>>,
+        curves: impl Into<Arc<Curves>>,
     ) -> Result<Self, RequestError> {
         let models: Vec<usize> = (0..scenario.parties.len()).collect();
-        Self::with_models(scenario, bodies, &models, policy, curves)
+        let support = |model: usize, direction: DVec3| support(&bodies[model].1, direction);
+        Self::made(scenario, bodies, &models, (policy.into(), curves.into()), &support)
     }
 
-    /// The same for parties that share bodies: party i has body `models[i]`.
+    /// The same for parties that share bodies that many requests are asked about: party i has body
+    /// `models[i]`, and `extremes` are those of the bodies.
     ///
     /// # Errors
     ///
@@ -118,9 +121,21 @@ impl Request {
     pub fn with_models(
         scenario: &Scenario,
         bodies: &[(Meta, BodyView<'_>)],
+        (models, extremes): (&[usize], &[Extremes]),
+        policy: impl Into<Arc<Policy>>,
+        curves: impl Into<Arc<Curves>>,
+    ) -> Result<Self, RequestError> {
+        let support =
+            |model: usize, direction: DVec3| extremes[model].support(&bodies[model].1, direction);
+        Self::made(scenario, bodies, models, (policy.into(), curves.into()), &support)
+    }
+
+    fn made(
+        scenario: &Scenario,
+        bodies: &[(Meta, BodyView<'_>)],
         models: &[usize],
-        policy: Policy,
-        curves: Curves,
+        (policy, curves): (Arc<Policy>, Arc<Curves>),
+        support: &impl Fn(usize, DVec3) -> f64,
     ) -> Result<Self, RequestError> {
         let body = |party: usize| &bodies[models[party]];
         let (persons, aboard) = persons(scenario, &body);
@@ -133,8 +148,11 @@ impl Request {
                 party(&body(number).0, &scenario.parties[number], to_ego, aboard[number].clone())
             };
             let (a, b) = (party(ego, None), party(other, Some(&pose)));
-            let views = (&body(ego).1, &body(other).1);
-            let approach = approach(views, &pose, (state_a, state_b), (&a, &b));
+            let supports = (
+                |direction| support(models[ego], direction),
+                |direction| support(models[other], direction),
+            );
+            let approach = approach(supports, &pose, (state_a, state_b), (&a, &b));
             let meeting = plan(&approach).map_err(|source| RequestError::Approach {
                 name: candidate.name.clone(),
                 source,
@@ -225,7 +243,7 @@ fn party(
 }
 
 fn approach(
-    (body_a, body_b): (&BodyView<'_>, &BodyView<'_>),
+    (support_a, support_b): (impl Fn(DVec3) -> f64, impl Fn(DVec3) -> f64),
     pose: &RelativePose,
     (state_a, state_b): (&State, &State),
     (a, b): (&Party, &Party),
@@ -241,8 +259,8 @@ fn approach(
     let mut supports_b = Supports::EMPTY;
     for i in 0..DIRECTIONS {
         let d = directions.d[i];
-        supports_a.0[i] = support::support(body_a, d);
-        supports_b.0[i] = support::support(body_b, pose.direction_to_b(d)) + d.dot(t);
+        supports_a.0[i] = support_a(d);
+        supports_b.0[i] = support_b(pose.direction_to_b(d)) + d.dot(t);
     }
     Approach { directions, closing_m_s: level.length(), supports_a, supports_b }
 }

@@ -1,7 +1,7 @@
 //! The work of one request: tasks become jobs, results become evidence, evidence becomes an answer.
 
 use crate::answer::Answer;
-use crate::bound;
+use crate::brief::{Brief, Judged};
 use crate::case::{Aim, Case};
 use crate::cuts::Cuts;
 use crate::gather::{Gathered, Part};
@@ -10,7 +10,7 @@ use crate::request::{Request, RequestError};
 use crate::strategy::Strategy;
 use crate::terms::Terms;
 use bvh::{Counters, NodePair, front, section};
-use damage::{Basis, CandidateHarm, Evidence, Ranking, assess};
+use damage::{Basis, CandidateHarm, Evidence, Ranking, assess_in, rank_in};
 use dispatch::{Closed, Spec};
 use geometry::hash::splitmix64;
 use geometry::{RelativePose, Supports};
@@ -18,13 +18,16 @@ use model::{BodyView, Meta};
 use outlook::Outlook;
 use protocol::result::read_rest;
 use protocol::{Question, Section, Task, TaskId};
+use room::Spare;
 use std::collections::VecDeque;
 
 mod choose;
 mod keep;
 mod outlook;
+mod room;
 
 pub use outlook::Certainty;
+pub use room::Room;
 
 /// Work that workers can do: its tasks travel, and its results come as parts of messages.
 pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
@@ -108,6 +111,7 @@ pub struct Work<'w> {
     terms: Terms,
     strategy: Box<dyn Strategy>,
     outlook: Outlook,
+    spare: Spare,
     deadline_ns: Option<u64>,
     ledger: Option<Ledger>,
 }
@@ -116,24 +120,38 @@ impl<'w> Work<'w> {
     /// Nothing done yet. `bodies` are those of the scenario's parties, in their order.
     #[must_use]
     pub fn new(request: &'w Request, bodies: &'w [(Meta, BodyView<'w>)], depth: u32) -> Self {
-        let cases = request.candidates.iter().map(Case::new).collect();
+        Self::in_room(request, bodies, depth, Room::default())
+    }
+
+    /// The same in the room of an earlier request of the same bodies at the same depth: then none
+    /// is taken from the heap.
+    #[must_use]
+    pub fn in_room(
+        request: &'w Request,
+        bodies: &'w [(Meta, BodyView<'w>)],
+        depth: u32,
+        room: Room,
+    ) -> Self {
+        let Room { zones, cases, errands, waiting, pairs, cuts, aims, outlook, spare } =
+            room.for_request(request, bodies);
         let terms = Terms::default();
         let mut work = Self {
             request,
             bodies,
-            zones: bodies.iter().map(|(_, body)| bound::zones(body)).collect(),
+            zones,
             depth,
             cases,
-            errands: Vec::new(),
-            waiting: VecDeque::new(),
-            pairs: Vec::new(),
-            cuts: Cuts::default(),
-            aims: Vec::new(),
+            errands,
+            waiting,
+            pairs,
+            cuts,
+            aims,
             slots: 0,
             effort: Effort::default(),
             terms,
             strategy: terms.pursuit.strategy(),
-            outlook: Outlook::new(request.candidates.len()),
+            outlook,
+            spare,
             deadline_ns: None,
             ledger: None,
         };
@@ -141,6 +159,13 @@ impl<'w> Work<'w> {
             work.advance(case);
         }
         work
+    }
+
+    /// The room, for the next request.
+    #[must_use]
+    pub fn into_room(self) -> Room {
+        let Self { zones, cases, errands, waiting, pairs, cuts, aims, outlook, spare, .. } = self;
+        Room { zones, cases, errands, waiting, pairs, cuts, aims, outlook, spare }
     }
 
     /// The same on other terms.
@@ -197,18 +222,44 @@ impl<'w> Work<'w> {
         evidence: impl Fn(usize) -> Evidence,
         change: impl Fn(&mut CandidateHarm),
     ) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+        let mut judged = Judged::default();
+        self.judge_in(&mut judged, evidence, change)?;
+        Ok((judged.harms, judged.ranking))
+    }
+
+    /// The same in room that was used before.
+    fn judge_in(
+        &self,
+        judged: &mut Judged,
+        evidence: impl Fn(usize) -> Evidence,
+        change: impl Fn(&mut CandidateHarm),
+    ) -> Result<(), RequestError> {
         let request = self.request;
         let basis = self.basis();
-        let mut harms = Vec::new();
+        let Judged { harms, ranking, scratch, persons } = judged;
+        persons.extend(harms.drain(..).rev().map(|harm| harm.persons));
         for (case, candidate) in request.candidates.iter().enumerate() {
-            let mut harm = assess(&candidate.encounter(), &evidence(case), &basis)
+            let list = persons.pop().unwrap_or_default();
+            let mut harm = assess_in(&candidate.encounter(), &evidence(case), &basis, list)
                 .map_err(|source| RequestError::Assess { name: candidate.name.clone(), source })?;
             change(&mut harm);
             harms.push(harm);
         }
-        let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
-        let ranking = damage::rank(&request.policy, &stakes, &harms)?;
-        Ok((harms, ranking))
+        rank_in(scratch, &request.policy, self.outlook.stakes(), harms, ranking)?;
+        Ok(())
+    }
+
+    /// Tells `of` the answer that follows from what is known by now, as a program takes it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Work::answer`].
+    pub fn brief<T>(&mut self, of: impl FnOnce(&Brief<'_>) -> T) -> Result<T, RequestError> {
+        let mut judged = std::mem::take(&mut self.spare.judged);
+        let made = self.judge_in(&mut judged, |case| self.evidence(case), |_| {});
+        let told = made.map(|()| of(&Brief::new(self.request, &judged)));
+        self.spare.judged = judged;
+        told
     }
 
     /// By what harm is computed.
@@ -227,7 +278,8 @@ impl<'w> Work<'w> {
         let candidate = &self.request.candidates[case];
         let task = self.errands.len() as u32;
         self.cases[case].advance(candidate, task, &mut self.aims);
-        for (aim, travel_m, question) in std::mem::take(&mut self.aims) {
+        let mut aims = std::mem::take(&mut self.aims);
+        for (aim, travel_m, question) in aims.drain(..) {
             let u = candidate.approach.directions.d[0];
             let z = candidate.approach.directions.d[damage::approach::UP];
             let pose = candidate.pose.moved(-u * travel_m);
@@ -242,24 +294,11 @@ impl<'w> Work<'w> {
                 u: u.to_array(),
                 z: z.to_array(),
             };
-            self.errands.push(Errand {
-                case,
-                aim,
-                travel_m,
-                wire,
-                is_descended: false,
-                todo: Vec::new(),
-                out: VecDeque::new(),
-                lost: Vec::new(),
-                rests: Vec::new(),
-                done: 0,
-                is_moot: false,
-                found: None,
-                reach: None,
-            });
+            self.errands.push(self.spare.errand(case, (aim, travel_m), wire));
             self.effort.tasks += 1;
             self.waiting.push_back(task);
         }
+        self.aims = aims;
     }
 
     fn views(&self, task: &Task) -> (&'w BodyView<'w>, &'w BodyView<'w>) {
@@ -282,7 +321,7 @@ impl<'w> Work<'w> {
         self.slots += self.pairs.len();
         let errand = &mut self.errands[number as usize];
         errand.is_descended = true;
-        errand.found = Some(Gathered::with_room(a.corners.len(), b.corners.len()));
+        errand.found = Some(self.spare.gathered(a.corners.len(), b.corners.len()));
         errand.todo.extend(self.pairs.iter().rev());
     }
 
@@ -313,7 +352,7 @@ impl<'w> Work<'w> {
     /// Jobs of a task that cannot matter and were never handed out.
     fn drop_moot(&mut self, number: u32) {
         let errand = &mut self.errands[number as usize];
-        let dropped = std::mem::take(&mut errand.todo);
+        let mut dropped = std::mem::take(&mut errand.todo);
         if let Some(ledger) = &mut self.ledger {
             let section = |model, node| Section { model, node };
             for pair in dropped.iter().rev() {
@@ -322,6 +361,8 @@ impl<'w> Work<'w> {
                 ledger.close(errand, &Spec { task: TaskId(number), a, b }, Closed::Cut);
             }
         }
+        dropped.clear();
+        errand.todo = dropped;
         self.finish_if_closed(number);
     }
 
@@ -334,7 +375,7 @@ impl<'w> Work<'w> {
         let (case, aim) = (errand.case, errand.aim);
         self.outlook.touch(case, true);
         if errand.is_moot {
-            errand.found = None;
+            self.spare.gathered.extend(errand.found.take());
             return;
         }
         if !errand.lost.is_empty() {
@@ -353,6 +394,7 @@ impl<'w> Work<'w> {
                 }
             }
         }
+        self.spare.gathered.push(found);
     }
 
     fn learn(&mut self, case: usize, travel_m: f64, touches: bool) {
@@ -446,7 +488,7 @@ impl dispatch::Work for Work<'_> {
         let pair = NodePair { a: job.a.node, b: job.b.node };
         let sound = found.fold(part.0, &mut self.effort.jobs);
         let touched = found.touched;
-        errand.keep_rest(pair, &part.0);
+        errand.keep_rest(pair, &part.0, &mut self.spare.rests);
         if !sound || !errand.is_whole(pair, &part.0) {
             self.lose(job.task.0, pair);
         }
@@ -482,9 +524,10 @@ impl dispatch::Work for Work<'_> {
         }
         if matches!(how, Closed::Abandoned | Closed::Late) || is_open {
             self.lose(job.task.0, pair);
-        } else if let Some(rest) = rest.filter(|_| how == Closed::Done && !is_moot) {
-            self.divide(job.task.0, &rest);
+        } else if let Some(rest) = rest.as_ref().filter(|_| how == Closed::Done && !is_moot) {
+            self.divide(job.task.0, rest);
         }
+        self.spare.rests.extend(rest);
         self.outlook.touch(self.errands[job.task.0 as usize].case, false);
         self.finish_if_closed(job.task.0);
         self.review();
@@ -507,13 +550,15 @@ impl dispatch::Work for Work<'_> {
 
 impl Errand {
     /// Keeps what a part says was left open; it may come again.
-    fn keep_rest(&mut self, job: NodePair, part: &Part<'_>) {
+    fn keep_rest(&mut self, job: NodePair, part: &Part<'_>, spare: &mut Vec<Vec<NodePair>>) {
         let words = part.rest;
         let count = words.len().saturating_sub(1) as u32;
         let Some((first, pairs)) = read_rest(words, count) else { return };
         let at = self.rests.iter().position(|(of, _)| *of == job);
         let at = at.unwrap_or_else(|| {
-            self.rests.push((job, Vec::new()));
+            let mut room = spare.pop().unwrap_or_default();
+            room.clear();
+            self.rests.push((job, room));
             self.rests.len() - 1
         });
         let rest = &mut self.rests[at].1;

@@ -7,18 +7,18 @@
 //! Nothing here compares candidates, and a policy reaches it only as the severity level asked for.
 
 use crate::approach::Approach;
-use crate::contact::{Contact, Normals, Places};
+use crate::contact::{Contact, Normals, PerNormal, Places};
 use crate::curve::Level;
 use crate::dynamics::{ParameterError, Parameters, Response};
 use crate::evidence::{Evidence, Touch};
-use crate::harm::{CandidateHarm, DeltaV, Unevaluable};
+use crate::harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 use crate::injury::{Curves, MissingCurve};
 use crate::interval::{Range, Work};
 use crate::party::{Party, PartyError, PersonId};
 use crate::path::Meeting;
 use crash::Crash;
 
-pub use bounds::{Bounds, Risk, bounds};
+pub use bounds::{Bounds, Risk, bounds, bounds_in};
 
 mod bounds;
 mod crash;
@@ -88,6 +88,21 @@ pub fn assess(
     evidence: &Evidence,
     basis: &Basis<'_>,
 ) -> Result<CandidateHarm, AssessError> {
+    assess_in(encounter, evidence, basis, Vec::new())
+}
+
+/// [`assess()`] with a list of persons that was used before, which spares the heap.
+///
+/// # Errors
+///
+/// As [`assess()`].
+pub fn assess_in(
+    encounter: &Encounter<'_>,
+    evidence: &Evidence,
+    basis: &Basis<'_>,
+    mut persons: Vec<PersonHarm>,
+) -> Result<CandidateHarm, AssessError> {
+    persons.clear();
     check(encounter, basis)?;
     let nothing = Evidence::none((0.0, 0.0));
     let crash = crash(encounter, evidence, &nothing, basis);
@@ -110,7 +125,7 @@ pub fn assess(
         crush: None,
         force_degrees: [0.0; 2],
         energy_j: Work::ZERO,
-        persons: Vec::new(),
+        persons,
         coarse_path: matches!(meeting, Meeting::Path(path) if path.coarse),
         concave,
         unevaluable: None,
@@ -181,7 +196,7 @@ fn crash<'a>(
         reach,
         touch,
         concave,
-        ends: Vec::new(),
+        ends: PerNormal::new(),
     };
     crash.with_ends()
 }

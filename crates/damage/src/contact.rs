@@ -16,21 +16,26 @@ use crate::party::Party;
 use crate::path::{PATCH_M, Path};
 use geometry::{DVec3, Supports};
 use serde::Serialize;
+use smallvec::{SmallVec, smallvec};
 
 /// Directions belong to N up to this multiple of the least overlap ...
 const NEARLY_LEAST: f64 = 1.5;
 /// ... or up to this overlap (m).
 const SHALLOW_M: f64 = 0.02;
 
+/// Something per direction that may be a normal. It is made after every result, so it has room for
+/// all of them and takes none from the heap.
+pub type PerNormal<T> = SmallVec<[T; HORIZONTAL]>;
+
 /// The directions that may be the normal of a contact.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Normals {
     /// Those that the nominal normal may be; one, once the first contact is known.
-    pub(crate) nominal: Vec<usize>,
+    pub(crate) nominal: PerNormal<usize>,
     /// Those that may belong to N.
-    pub(crate) possible: Vec<usize>,
+    pub(crate) possible: PerNormal<usize>,
     /// Those that surely belong to N.
-    pub(crate) sure: Vec<usize>,
+    pub(crate) sure: PerNormal<usize>,
 }
 
 /// Where things happen along the path (m), as far as the first contact is known.
@@ -66,7 +71,7 @@ pub struct Patch {
     /// Its angle from u, −180 to 180 degrees, positive to the left of u.
     pub normal_degrees: f64,
     /// Angles of all members of N from u, degrees.
-    pub normals_degrees: Vec<f64>,
+    pub normals_degrees: PerNormal<f64>,
     /// Middle of the patch in A's frame, when half of it has come to be.
     pub centre_m: [f64; 3],
     /// Length across the normal.
@@ -99,7 +104,7 @@ pub(crate) fn across(i: usize) -> usize {
 impl Normals {
     /// Of a concave body the hull says nothing: the normal is u.
     pub(crate) fn head_on() -> Self {
-        Self { nominal: vec![0], possible: vec![0], sure: vec![0] }
+        Self { nominal: smallvec![0], possible: smallvec![0], sure: smallvec![0] }
     }
 
     /// N at a pose between two travels, with hulls that overlap `raise_m` more than they do.
@@ -114,8 +119,9 @@ impl Normals {
             .fold((f64::INFINITY, f64::INFINITY), |(l, m), o| (l.min(o.lo()), m.min(o.hi())));
         let limit = |least: f64| (NEARLY_LEAST * least).max(SHALLOW_M);
         let all = 0..HORIZONTAL;
-        let possible: Vec<_> = all.clone().filter(|&i| overlap(i).lo() <= limit(most)).collect();
-        let sure: Vec<_> = all.filter(|&i| overlap(i).hi() <= limit(least)).collect();
+        let possible: PerNormal<_> =
+            all.clone().filter(|&i| overlap(i).lo() <= limit(most)).collect();
+        let sure: PerNormal<_> = all.filter(|&i| overlap(i).hi() <= limit(least)).collect();
         let nominal = if from_m.to_bits() == to_m.to_bits() {
             let nearer = |a: &&usize, b: &&usize| {
                 let by_overlap = || overlap(**a).lo().total_cmp(&overlap(**b).lo());

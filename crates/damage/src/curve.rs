@@ -9,6 +9,7 @@
 //! [`crate::injury`]).
 
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Severity that a curve speaks of, the mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -42,7 +43,7 @@ pub enum Unit {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
     /// Name within its file.
-    pub id: String,
+    pub id: Arc<str>,
     /// What it gives the probability of.
     pub outcome: Level,
     /// Unit of x.

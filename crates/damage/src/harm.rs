@@ -13,6 +13,7 @@ use crate::interval::{Range, Work};
 use crate::party::PersonId;
 use model::Seat;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What a collision does to one person.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,7 +27,7 @@ pub struct PersonHarm {
     /// As whom the nominal curve takes this person; the side struck is that of the nominal normal.
     pub victim: Victim,
     /// The nominal curve.
-    pub curve: String,
+    pub curve: Arc<str>,
     /// The quantity it is a function of ...
     pub x: Quantity,
     /// ... and its value (m/s).

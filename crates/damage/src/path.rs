@@ -10,6 +10,7 @@
 
 use crate::approach::{Approach, ApproachError, REACH_M, STANDSTILL_M_S};
 use serde::Serialize;
+use smallvec::SmallVec;
 
 /// Greatest number of poses on a grid.
 pub const POSES_MAX: usize = 16;
@@ -26,6 +27,7 @@ const SAME_M: f64 = 1e-9;
 
 /// Whether and where the hulls of two bodies meet.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a box would come from the heap on every request")]
 pub enum Meeting {
     /// They never meet: no contact, proven without a job.
     Never(Apart),
@@ -46,11 +48,17 @@ pub enum Apart {
     BeyondReach,
 }
 
+/// Travels (m): those of a grid, and the 14 that halving it may ask for besides.
+pub type Travels = SmallVec<[f64; POSES_MAX + 2 + 14]>;
+
+/// The poses of a survey.
+pub type Stops = SmallVec<[Stop; POSES_MAX + 2]>;
+
 /// A grid of poses along the relative path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// Travels (m), ascending, at least two and at most [`POSES_MAX`].
-    pub travels: Vec<f64>,
+    pub travels: Travels,
     /// Distance between neighbours (m); the last may be nearer.
     pub step_m: f64,
     /// Whether the limit on poses made the step larger than it should be.
@@ -117,8 +125,8 @@ fn fit(length: f64, wanted: f64, steps: usize) -> (f64, bool) {
 }
 
 /// Travels from `start` in equal steps, and `end` itself; at least one.
-fn grid(start: f64, end: f64, step: f64) -> Vec<f64> {
-    let mut travels: Vec<f64> = (0..POSES_MAX)
+fn grid(start: f64, end: f64, step: f64) -> Travels {
+    let mut travels: Travels = (0..POSES_MAX)
         .map(|k| start + k as f64 * step + 0.0)
         .take_while(|s| *s < end - SAME_M)
         .collect();
@@ -154,7 +162,7 @@ impl Path {
     /// The poses from first contact on: a grid with the path's step that starts at `first_m`, with
     /// r and e themselves among them, ascending, at most [`POSES_MAX`].
     #[must_use]
-    pub fn survey(&self, first_m: f64) -> Vec<Stop> {
+    pub fn survey(&self, first_m: f64) -> Stops {
         let (r, e) = (self.patch_end(first_m), self.crush_end(first_m));
         let end = r.max(e).max(first_m);
         // Two fewer steps than the limit allows leave room for r or e between grid poses.

@@ -103,11 +103,18 @@ impl Policy {
     /// The steps of a comparison among candidates that concern `n` persons.
     #[must_use]
     pub fn steps(&self, n: usize) -> Vec<Step> {
-        let mut steps = self.levels.clone();
+        let mut steps = Vec::new();
+        self.write_steps(n, &mut steps);
+        steps
+    }
+
+    /// [`Policy::steps`] into a list that was used before.
+    pub(crate) fn write_steps(&self, n: usize, steps: &mut Vec<Step>) {
+        steps.clone_from(&self.levels);
         match &self.composition {
             Composition::Lexicographic => {}
             Composition::Weighted { terms, tolerance } => steps.push(Step::Least {
-                measure: Measure::Weighted(terms.clone()),
+                measure: Measure::Weighted(terms.as_slice().into()),
                 tolerance: *tolerance,
             }),
             Composition::Leximin { tolerance } => steps.extend(
@@ -116,11 +123,12 @@ impl Policy {
             ),
         }
         if self.property == Property::Last {
-            let strict: Vec<Step> = steps.iter().filter_map(Step::without_tolerance).collect();
-            steps.extend(strict);
+            for number in 0..steps.len() {
+                let strict = steps[number].without_tolerance();
+                steps.extend(strict);
+            }
             steps.push(Step::Least { measure: Measure::Energy, tolerance: 0.0 });
         }
-        steps
     }
 
     /// Whether some rule looks at the ego vehicle's occupants alone: the answer must say so.

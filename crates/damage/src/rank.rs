@@ -12,13 +12,13 @@
 //! Every candidate is ranked, the unevaluable ones at `[0, 1]` for everybody in them. Nothing here
 //! changes a candidate's figures.
 
-use crate::assess::Bounds;
 use crate::harm::CandidateHarm;
 use crate::interval::{Range, Work};
 use crate::party::PersonId;
 use crate::policy::{Policy, Step, TieBreak};
 use crate::rule::{Measure, Rule, Stake};
 use serde::Serialize;
+use smallvec::SmallVec;
 
 mod figures;
 mod ground;
@@ -30,8 +30,29 @@ mod tests;
 
 use figures::{Figures, rounded};
 
+/// Something per candidate. A request has at most sixteen: only more take memory from the heap.
+type Each<T> = SmallVec<[T; 16]>;
+
+/// Room for ranking, kept from one ranking to the next: after the first of its size no other takes
+/// memory from the heap.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    figures: Vec<Figures>,
+    steps: Vec<Step>,
+    /// Those of places that are not needed now.
+    spare: Vec<Vec<Work>>,
+}
+
+/// The first so many of a list that only grows.
+fn taken<T: Clone + Default>(list: &mut Vec<T>, count: usize) -> &mut [T] {
+    if list.len() < count {
+        list.resize(count, T::default());
+    }
+    &mut list[..count]
+}
+
 /// How finished an answer is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
     /// All work is done.
@@ -41,6 +62,7 @@ pub enum State {
     /// Open work could change the winner.
     Degraded,
     /// No candidate has a bound.
+    #[default]
     Refused,
 }
 
@@ -132,7 +154,7 @@ pub struct Place {
 }
 
 /// The answer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ranking {
     /// How finished it is.
     pub state: State,
@@ -182,56 +204,97 @@ pub fn rank(
     stakes: &[Stake],
     candidates: &[CandidateHarm],
 ) -> Result<Ranking, RankError> {
-    let figures = figures_of(stakes, candidates)?;
-    let order = Order { policy, stakes, steps: policy.steps(stakes.len()), figures: &figures };
-    Ok(order.ranking(candidates))
+    let mut ranking = Ranking::default();
+    rank_in(&mut Scratch::default(), policy, stakes, candidates, &mut ranking)?;
+    Ok(ranking)
+}
+
+/// [`rank()`] in room that was used before, which spares the heap. What `ranking` held is replaced,
+/// unless there is an error.
+///
+/// # Errors
+///
+/// As [`rank()`].
+pub fn rank_in(
+    scratch: &mut Scratch,
+    policy: &Policy,
+    stakes: &[Stake],
+    candidates: &[CandidateHarm],
+    ranking: &mut Ranking,
+) -> Result<(), RankError> {
+    let Scratch { figures, steps, spare } = scratch;
+    write_figures(stakes, candidates, figures)?;
+    policy.write_steps(stakes.len(), steps);
+    let order = Order { policy, stakes, steps, figures: &figures[..candidates.len()] };
+    order.write(candidates, spare, ranking);
+    Ok(())
 }
 
 /// The figures of all candidates, checked.
 fn figures_of(stakes: &[Stake], candidates: &[CandidateHarm]) -> Result<Vec<Figures>, RankError> {
+    let mut figures = Vec::new();
+    write_figures(stakes, candidates, &mut figures)?;
+    Ok(figures)
+}
+
+/// The same as the first of a list that only grows.
+fn write_figures(
+    stakes: &[Stake],
+    candidates: &[CandidateHarm],
+    figures: &mut Vec<Figures>,
+) -> Result<(), RankError> {
     if candidates.is_empty() {
         return Err(RankError::NoCandidates);
     }
     if let Some(i) = stakes.iter().position(|s| !(0.0..=1.0).contains(&s.responsibility)) {
         return Err(RankError::Responsibility(PersonId(i)));
     }
-    let figures = |(k, harm)| Figures::of(k, &Bounds::of(harm), stakes.len());
-    candidates.iter().enumerate().map(figures).collect()
+    let figures = taken(figures, candidates.len());
+    for (k, (figures, harm)) in figures.iter_mut().zip(candidates).enumerate() {
+        figures.assessed(k, harm, stakes.len())?;
+    }
+    Ok(())
 }
 
 /// Everything that a ranking is made from.
 struct Order<'a> {
     policy: &'a Policy,
     stakes: &'a [Stake],
-    steps: Vec<Step>,
+    steps: &'a [Step],
     figures: &'a [Figures],
 }
 
 /// One rank found: its candidate, and at which step each other one fell out, if it did.
 struct Round {
     winner: usize,
-    fell: Vec<Option<usize>>,
+    fell: Each<Option<usize>>,
 }
 
 impl Order<'_> {
-    fn ranking(&self, candidates: &[CandidateHarm]) -> Ranking {
-        let mut left: Vec<usize> = (0..candidates.len()).collect();
-        let mut rounds = Vec::with_capacity(left.len());
+    fn write(
+        &self,
+        candidates: &[CandidateHarm],
+        spare: &mut Vec<Vec<Work>>,
+        ranking: &mut Ranking,
+    ) {
+        let mut left: Each<usize> = (0..candidates.len()).collect();
+        let mut rounds: Each<Round> = SmallVec::new();
         while !left.is_empty() {
             let round = self.round(&left);
             left.retain(|k| *k != round.winner);
             rounds.push(round);
         }
-        let places: Vec<Place> = rounds
-            .iter()
-            .enumerate()
-            .map(|(i, round)| self.place(round, rounds.get(i + 1).map(|next| next.winner)))
-            .collect();
+        let places = &mut ranking.places;
+        spare.extend(places.drain(..).map(|place| place.steps));
+        for (i, round) in rounds.iter().enumerate() {
+            let next = rounds.get(i + 1).map(|next| next.winner);
+            places.push(self.place(round, next, spare.pop().unwrap_or_default()));
+        }
         let winner = places[0].range.high();
         let tie_class = |k: &usize| *k == rounds[0].winner || self.leading(*k).1.low() <= winner;
         let is_done = |k: &usize| candidates[*k].is_settled() && !candidates[*k].is_open;
         let (possible, settled) = self.settled(is_done);
-        let state = if candidates.iter().all(|c| c.unevaluable.is_some()) {
+        ranking.state = if candidates.iter().all(|c| c.unevaluable.is_some()) {
             State::Refused
         } else if (0..candidates.len()).all(|k| is_done(&k)) {
             State::Complete
@@ -240,29 +303,28 @@ impl Order<'_> {
         } else {
             State::Degraded
         };
-        Ranking {
-            state,
-            possible,
-            settled,
-            tie_class: (0..candidates.len()).filter(tie_class).collect(),
-            notes: self.notes(),
-            places,
-        }
+        ranking.settled = settled;
+        ranking.possible.clear();
+        ranking.possible.extend_from_slice(&possible);
+        ranking.tie_class.clear();
+        ranking.tie_class.extend((0..candidates.len()).filter(tie_class));
+        ranking.notes.clear();
+        self.note(&mut ranking.notes);
     }
 
     /// Takes all steps among the candidates left, on their upper work ends.
     fn round(&self, left: &[usize]) -> Round {
-        let mut kept = left.to_vec();
-        let mut fell = vec![None; self.figures.len()];
+        let mut kept: Each<usize> = left.into();
+        let mut fell: Each<Option<usize>> = SmallVec::from_elem(None, self.figures.len());
         for (number, step) in self.steps.iter().enumerate() {
-            let stays: Vec<bool> = match step {
+            let stays: Each<bool> = match step {
                 Step::Accept { at_most } => {
                     let fits = |k: &usize| self.figures[*k].greatest_high() <= rounded(*at_most);
                     let any = kept.iter().any(fits);
                     kept.iter().map(|k| fits(k) || !any).collect()
                 }
                 Step::Least { measure, tolerance } => {
-                    let values: Vec<f64> = kept.iter().map(|k| self.value(measure, *k)).collect();
+                    let values: Each<f64> = kept.iter().map(|k| self.value(measure, *k)).collect();
                     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
                     let limit = rounded(least + tolerance);
                     values.iter().map(|v| *v <= limit).collect()
@@ -297,9 +359,8 @@ impl Order<'_> {
 
     /// A measure of a candidate at its upper work ends.
     fn value(&self, measure: &Measure, k: usize) -> f64 {
-        let figures = &self.figures[k];
-        let risks: Vec<f64> = figures.risks.iter().map(|r| r.hi()).collect();
-        rounded(measure.value(&risks, figures.energy_j.hi(), self.stakes))
+        let Figures { risks, energy_j, .. } = &self.figures[k];
+        rounded(measure.of(risks.len(), |i| risks[i].hi(), energy_j.hi(), self.stakes))
     }
 
     /// A measure of a candidate over its work intervals.
@@ -321,18 +382,20 @@ impl Order<'_> {
         (work, Range::new(model.lo(), model.hi()).around(work), tolerance)
     }
 
-    fn place(&self, round: &Round, next: Option<usize>) -> Place {
+    fn place(&self, round: &Round, next: Option<usize>, mut steps: Vec<Work>) -> Place {
         let k = round.winner;
         let (work, range, tolerance) = self.leading(k);
         let over = |step: &Step| match step {
             Step::Least { measure, .. } => self.over(measure, k),
             Step::Accept { .. } => self.figures[k].greatest_high_over(),
         };
+        steps.clear();
+        steps.extend(self.steps.iter().map(over));
         Place {
             candidate: k,
             work,
             range,
-            steps: self.steps.iter().map(over).collect(),
+            steps,
             certain: next.is_none_or(|l| range.high() + tolerance < self.leading(l).1.low()),
             why: next.map(|l| self.ground(k, l, round.fell[l])),
         }
@@ -389,9 +452,8 @@ impl Order<'_> {
         differences.enumerate().max_by(by_size).map(|(i, _)| PersonId(i))
     }
 
-    fn notes(&self) -> Vec<Note> {
-        let mut notes = Vec::new();
-        for step in &self.steps {
+    fn note(&self, notes: &mut Vec<Note>) {
+        for step in self.steps {
             if let Step::Accept { at_most } = step
                 && !self.figures.iter().any(|f| f.greatest_high() <= rounded(*at_most))
             {
@@ -401,6 +463,5 @@ impl Order<'_> {
         if self.policy.is_ego_only() {
             notes.push(Note::EgoOnly);
         }
-        notes
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::interval::Work;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 /// A rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -32,6 +33,9 @@ pub struct Term {
     pub weight: f64,
 }
 
+/// Weighted rules. There are five rules, so a policy's terms need no heap.
+pub type Terms = SmallVec<[Term; 5]>;
+
 /// A measure of a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -39,7 +43,7 @@ pub enum Measure {
     /// One rule.
     Rule(Rule),
     /// A weighted sum of rules.
-    Weighted(Vec<Term>),
+    Weighted(Terms),
     /// The k-th greatest risk, from 0.
     Worst(usize),
     /// Energy lost (J), for property damage.
@@ -75,17 +79,24 @@ impl Rule {
     /// Its value for risks of all persons.
     #[must_use]
     pub fn value(self, risks: &[f64], stakes: &[Stake]) -> f64 {
-        let n = risks.len() as f64;
+        self.of(risks.len(), |i| risks[i], stakes)
+    }
+
+    /// [`Rule::value`] of `n` risks that stand in no list of their own: ranking asks for it several
+    /// times per result.
+    fn of(self, n: usize, risk: impl Fn(usize) -> f64, stakes: &[Stake]) -> f64 {
         let mean = |sum: f64, n: f64| if n > 0.0 { sum / n } else { 0.0 };
+        let risks = || (0..n).map(&risk);
         match self {
-            Self::Bayes => mean(risks.iter().sum(), n),
-            Self::Equality => pairs(risks.len(), |i, j| (risks[i] - risks[j]).abs()),
-            Self::Maximin => risks.iter().copied().fold(0.0, f64::max),
+            Self::Bayes => mean(risks().sum(), n as f64),
+            Self::Equality => pairs(n, |i, j| (risk(i) - risk(j)).abs()),
+            Self::Maximin => risks().fold(0.0, f64::max),
             Self::Responsibility => {
-                mean(risks.iter().zip(stakes).map(|(r, s)| (1.0 - s.responsibility) * r).sum(), n)
+                let rest = risks().zip(stakes).map(|(r, s)| (1.0 - s.responsibility) * r);
+                mean(rest.sum(), n as f64)
             }
             Self::EgoOnly => {
-                let ego = || risks.iter().zip(stakes).filter(|(_, s)| s.is_ego).map(|(r, _)| *r);
+                let ego = || risks().zip(stakes).filter(|(_, s)| s.is_ego).map(|(r, _)| r);
                 mean(ego().sum(), ego().count() as f64)
             }
         }
@@ -103,9 +114,12 @@ fn pairs(n: usize, of: impl Fn(usize, usize) -> f64) -> f64 {
     sum / count as f64
 }
 
+/// As many persons as a request of the service may name: more take memory from the heap.
+const PERSONS: usize = 64;
+
 /// The k-th greatest of some risks, from 0; 0 beyond the last.
-fn worst(risks: &[f64], k: usize) -> f64 {
-    let mut sorted = risks.to_vec();
+fn worst(risks: impl Iterator<Item = f64>, k: usize) -> f64 {
+    let mut sorted: SmallVec<[f64; PERSONS]> = risks.collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
     sorted.get(k).copied().unwrap_or(0.0)
 }
@@ -126,12 +140,23 @@ impl Measure {
     /// Its value for risks of all persons and an energy (J).
     #[must_use]
     pub fn value(&self, risks: &[f64], energy_j: f64, stakes: &[Stake]) -> f64 {
+        self.of(risks.len(), |i| risks[i], energy_j, stakes)
+    }
+
+    /// [`Measure::value`] of `n` risks that stand in no list of their own.
+    pub(crate) fn of(
+        &self,
+        n: usize,
+        risk: impl Fn(usize) -> f64,
+        energy_j: f64,
+        stakes: &[Stake],
+    ) -> f64 {
         match self {
-            Self::Rule(rule) => rule.value(risks, stakes),
+            Self::Rule(rule) => rule.of(n, risk, stakes),
             Self::Weighted(terms) => {
-                terms.iter().map(|t| t.weight * t.rule.value(risks, stakes)).sum()
+                terms.iter().map(|t| t.weight * t.rule.of(n, &risk, stakes)).sum()
             }
-            Self::Worst(k) => worst(risks, *k),
+            Self::Worst(k) => worst((0..n).map(risk), *k),
             Self::Energy => energy_j,
         }
     }
@@ -144,10 +169,8 @@ impl Measure {
                 |of: fn(Work) -> f64| pairs(risks.len(), |i, j| of(risks[i].distance(risks[j])));
             return Work::new(end(Work::lo), end(Work::hi));
         }
-        let end = |of: fn(Work) -> f64| {
-            let risks: Vec<f64> = risks.iter().map(|r| of(*r)).collect();
-            self.value(&risks, of(energy_j), stakes)
-        };
+        let end =
+            |of: fn(Work) -> f64| self.of(risks.len(), |i| of(risks[i]), of(energy_j), stakes);
         let (lo, hi) = (end(Work::lo), end(Work::hi));
         match self {
             Self::Weighted(_) if risks.iter().any(|r| !r.is_settled()) => {

@@ -9,10 +9,14 @@
 //! It does not know triangles, and it does not look between two poses that both do not touch: the
 //! step of the grid is half the smaller body, so nothing passes through unseen.
 
-use crate::path::Path;
+use crate::path::{POSES_MAX, Path, Travels};
+use smallvec::{SmallVec, smallvec};
 
 /// First contact is known to this travel (m).
 pub const FIRST_CONTACT_M: f64 = 0.001;
+
+/// Answers that a search asks for at most: the grid's, and 14 halvings.
+const KNOWN: usize = POSES_MAX + 2 + 14;
 
 /// The first contact on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,9 +31,9 @@ pub enum First {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
     /// The grid, ascending.
-    grid: Vec<f64>,
+    grid: Travels,
     /// What is known, ascending by travel, no travel twice.
-    known: Vec<(f64, bool)>,
+    known: SmallVec<[(f64, bool); KNOWN]>,
 }
 
 /// What is settled so far.
@@ -46,18 +50,18 @@ impl Search {
     /// Nothing known yet.
     #[must_use]
     pub fn new(path: &Path) -> Self {
-        Self { grid: path.travels.clone(), known: Vec::new() }
+        Self { grid: path.travels.clone(), known: SmallVec::new() }
     }
 
     /// The travels at which to ask now whether the bodies touch, ascending; empty when settled.
     #[must_use]
-    pub fn wanted(&self) -> Vec<f64> {
+    pub fn wanted(&self) -> Travels {
         match self.stage() {
             Stage::Grid { below } => {
                 self.grid[..below].iter().copied().filter(|s| self.touches(*s).is_none()).collect()
             }
-            Stage::Between(apart, touching) => vec![0.5 * (apart + touching)],
-            Stage::Done(_) => Vec::new(),
+            Stage::Between(apart, touching) => smallvec![0.5 * (apart + touching)],
+            Stage::Done(_) => Travels::new(),
         }
     }
 

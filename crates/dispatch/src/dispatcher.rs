@@ -164,12 +164,19 @@ struct Slot {
     batch: u32,
 }
 
+/// Lists of batches that are not needed now, so that the next ones need no heap.
+#[derive(Clone, Debug, Default)]
+struct Spare {
+    outboxes: Vec<Vec<(JobId, u8)>>,
+    fetches: Vec<Vec<Section>>,
+    jobs: Vec<Vec<JobId>>,
+}
+
 /// The dispatcher of one instance: the workers outlive a request, the job table does not.
 #[derive(Clone, Debug)]
 pub struct Dispatcher<S> {
     scheme: S,
     queues: Queues,
-    cache: Cache,
     cores: Vec<Core>,
     slots: Vec<Slot>,
     pending: VecDeque<JobId>,
@@ -185,6 +192,7 @@ pub struct Dispatcher<S> {
     counts: Counts,
     fresh: Vec<Spec>,
     views: Vec<CoreView>,
+    spare: Spare,
     #[cfg(feature = "flaws")]
     flaw: Option<Flaw>,
 }
@@ -197,7 +205,6 @@ impl<S: Scheme> Dispatcher<S> {
         Self {
             scheme,
             queues: Queues { capacity, batch: queues.batch.clamp(1, capacity), ..queues },
-            cache,
             cores: vec![Core::default(); cores],
             slots: Vec::new(),
             pending: VecDeque::new(),
@@ -211,6 +218,7 @@ impl<S: Scheme> Dispatcher<S> {
             counts: Counts::default(),
             fresh: Vec::new(),
             views: Vec::with_capacity(cores),
+            spare: Spare::default(),
             #[cfg(feature = "flaws")]
             flaw: None,
         }
@@ -227,10 +235,19 @@ impl<S: Scheme> Dispatcher<S> {
         self.suspects.clear();
         self.open = 0;
         self.counts = Counts::default();
-        self.ledger = Ledger::new(self.cores.len(), self.cache);
+        self.ledger.begin();
         if let Some(log) = &mut self.log {
             log.clear();
         }
+    }
+
+    /// Takes back the lists of an [`Effect::Send`] that was seen to, for the next ones. Whoever
+    /// keeps them makes later batches take room from the heap, and nothing else.
+    pub fn reuse(&mut self, mut jobs: Vec<(JobId, u8)>, mut fetch: Vec<Section>) {
+        jobs.clear();
+        fetch.clear();
+        self.spare.outboxes.push(jobs);
+        self.spare.fetches.push(fetch);
     }
 
     /// A worker takes jobs from now on. None is placed before the next step, so that all who are

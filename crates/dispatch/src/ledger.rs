@@ -86,6 +86,17 @@ impl Ledger {
         Self { cache, shelves: vec![Shelf::default(); cores], ..Self::default() }
     }
 
+    /// Empties it again, in its own room.
+    pub fn begin(&mut self) {
+        for shelf in &mut self.shelves {
+            shelf.bits.iter_mut().for_each(|words| words.fill(0));
+            shelf.bytes = 0;
+            shelf.turns.clear();
+            shelf.order.clear();
+        }
+        (self.turn, self.transfer, self.thrash) = (0, Transfer::default(), None);
+    }
+
     /// Whether `core` holds `section`.
     #[must_use]
     pub fn holds(&self, core: usize, section: Section) -> bool {

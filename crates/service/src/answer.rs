@@ -1,9 +1,8 @@
 //! From the engine's answer to the one on the wire. The only place where states are mapped.
 
 use crate::ask::seat_number;
-use coordinator::Row;
+use coordinator::{Brief, BriefRow};
 use damage::State;
-use model::Seat;
 use protocol::public::{Answer, Place, Reason, VERSION, Verdict, flag};
 
 /// The verdict that a state is.
@@ -17,8 +16,8 @@ fn verdict(state: State) -> Verdict {
 }
 
 /// Lays an answer out. Names of candidates and parties are their numbers: see `ask.rs`.
-pub(crate) fn lay_out(sequence: u64, answer: &coordinator::Answer) -> Answer {
-    let verdict = verdict(answer.state);
+pub(crate) fn lay_out(sequence: u64, answer: &Brief<'_>) -> Answer {
+    let verdict = verdict(answer.state());
     let reason = if verdict == Verdict::Refused { Reason::Unassessable } else { Reason::None };
     let mut out = Answer::without_ranking(sequence, verdict, reason, "");
     debug_assert_eq!(out.version, VERSION);
@@ -26,12 +25,12 @@ pub(crate) fn lay_out(sequence: u64, answer: &coordinator::Answer) -> Answer {
         out.say("no candidate has a bound");
         return out;
     }
-    for (row, place) in answer.ranking.iter().zip(&mut out.places) {
-        *place = place_of(row, answer);
+    for (row, place) in answer.rows().zip(&mut out.places) {
+        *place = place_of(&row, answer);
         out.place_count += 1;
     }
-    if let Some(assumption) = answer.assumptions.first() {
-        out.say(assumption);
+    if let Some(assumption) = answer.assumption() {
+        out.say(&assumption);
     }
     out
 }
@@ -40,31 +39,31 @@ fn number(name: &str) -> u32 {
     name.parse().unwrap_or(u32::MAX)
 }
 
-fn place_of(row: &Row, answer: &coordinator::Answer) -> Place {
+fn place_of(row: &BriefRow<'_>, answer: &Brief<'_>) -> Place {
+    let (harm, contact) = (row.harm, &row.harm.contact);
     let mut place = Place {
-        candidate: number(&row.name),
-        work: row.work.into(),
-        range: row.range.into(),
-        ego_delta_v_m_s: row.delta_v_m_s[0].work.into(),
-        other_delta_v_m_s: row.delta_v_m_s[1].work.into(),
+        candidate: number(row.name),
+        work: row.place.work.into(),
+        range: row.place.range.into(),
+        ego_delta_v_m_s: harm.delta_v[0].work.into(),
+        other_delta_v_m_s: harm.delta_v[1].work.into(),
         ..Place::default()
     };
     let mut set = |bit: u32, is_set: bool| place.flags |= if is_set { bit } else { 0 };
-    set(flag::TOUCHES, row.contact.patch.is_some());
-    set(flag::CERTAIN, row.certain);
-    set(flag::TIED, answer.tie_class.contains(&row.name));
-    set(flag::UNEVALUABLE, row.unevaluable.is_some());
-    set(flag::MISSING, answer.missing.contains(&row.name));
-    set(flag::NEAR_MISS, row.contact.near_miss);
-    if let Some(patch) = &row.contact.patch {
+    set(flag::TOUCHES, contact.patch.is_some());
+    set(flag::CERTAIN, row.place.certain);
+    set(flag::TIED, row.is_tied);
+    set(flag::UNEVALUABLE, harm.unevaluable.is_some());
+    set(flag::MISSING, harm.is_open);
+    set(flag::NEAR_MISS, contact.near_miss);
+    if let Some(patch) = &contact.patch {
         place.depth_m = patch.depth_m.into();
     }
-    let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
+    let worst = harm.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
     if let Some(worst) = worst {
         place.flags |= flag::PERSON;
-        place.worst_party = number(&worst.party);
-        let seat = worst.seat.and_then(|name| Seat::ALL.into_iter().find(|s| s.name() == name));
-        place.worst_seat = seat_number(seat);
+        place.worst_party = number(answer.party_of(worst));
+        place.worst_seat = seat_number(worst.seat);
         place.worst = worst.work.into();
     }
     place

@@ -148,16 +148,16 @@ fn counts(ask: &Ask) -> Result<(), Refusal> {
     Ok(())
 }
 
-fn beyond(whose: String) -> impl Fn(Misfit) -> Refusal {
+fn beyond(number: usize) -> impl Fn(Misfit) -> Refusal {
     move |misfit| Refusal {
         reason: Reason::OutOfRange,
-        text: format!("{whose} {}: {}", misfit.fault, misfit.help),
+        text: format!("{} {}: {}", whose(number), misfit.fault, misfit.help),
     }
 }
 
 fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, Refusal> {
     const KNOWN: u32 = Party::PERSONS | Party::MASS | Party::UNKNOWN | Party::CRUSH;
-    let beyond = beyond(whose(number));
+    let beyond = beyond(number);
     if party.flags & !KNOWN != 0 {
         let text = format!("party {number}: flags {:#x} mean nothing", party.flags);
         return refuse(Reason::Malformed, text);
@@ -200,7 +200,7 @@ fn candidates(ask: &Ask) -> Result<Vec<Candidate>, Refusal> {
             let text = format!("candidate {number}: party {} is none to hit", asked.party);
             return refuse(Reason::Malformed, text);
         }
-        let beyond = beyond(whose(at));
+        let beyond = beyond(at);
         let state = |motion: &Motion| {
             State::new(motion.position_m, motion.angles_deg, motion.velocity_m_s).map_err(&beyond)
         };

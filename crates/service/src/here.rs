@@ -6,38 +6,63 @@
 use crate::answer::lay_out;
 use crate::ask::{self, Refusal};
 use crate::deployment::Deployment;
-use coordinator::{Request, Work, run_here};
+use bvh::support::Extremes;
+use coordinator::{Desk, Request, Room, Work};
 use damage::{Curves, Policy};
 use model::{BodyView, Meta};
 use protocol::public::{Answer, Ask, Reason, Verdict};
+use std::sync::Arc;
 
-/// Answers a request in this process, as a service with these settings would.
-#[must_use]
-pub fn answer_here(
-    ask: &Ask,
-    deployment: &Deployment,
-    bodies: &[(Meta, BodyView<'_>)],
-    (policy, curves): (&Policy, &Curves),
+/// Where requests are answered in this process, as a service with these settings would.
+#[derive(Debug)]
+pub struct Here<'b> {
+    deployment: &'b Deployment,
+    bodies: &'b [(Meta, BodyView<'b>)],
+    extremes: Vec<Extremes>,
+    rules: (Arc<Policy>, Arc<Curves>),
     depth: u32,
-) -> Answer {
-    let refused = |reason: Reason, text: &str| {
-        Answer::without_ranking(ask.sequence, Verdict::Refused, reason, text)
-    };
-    let checked = match ask::check(ask, deployment, bodies) {
-        Ok(checked) => checked,
-        Err(Refusal { reason, text }) => return refused(reason, &text),
-    };
-    let (policy, curves) = (policy.clone(), curves.clone());
-    let models = &checked.models;
-    let request = Request::with_models(&checked.scenario, bodies, models, policy, curves);
-    let request = match request {
-        Ok(request) => request,
-        Err(error) => return refused(Reason::Unassessable, &error.to_string()),
-    };
-    let mut work = Work::new(&request, bodies, depth);
-    run_here(&mut work, bodies);
-    match work.answer() {
-        Ok(answer) => lay_out(ask.sequence, &answer),
-        Err(error) => refused(Reason::Unassessable, &error.to_string()),
+    room: Room,
+    desk: Desk<'b>,
+}
+
+impl<'b> Here<'b> {
+    /// Made once, as a service is.
+    #[must_use]
+    pub fn new(
+        deployment: &'b Deployment,
+        bodies: &'b [(Meta, BodyView<'b>)],
+        (policy, curves): (Policy, Curves),
+        depth: u32,
+    ) -> Self {
+        let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
+        let rules = (Arc::new(policy), Arc::new(curves));
+        let (room, desk) = (Room::default(), Desk::new(bodies));
+        Self { deployment, bodies, extremes, rules, depth, room, desk }
+    }
+
+    /// Answers a request.
+    #[must_use]
+    pub fn answer(&mut self, ask: &Ask) -> Answer {
+        self.ranked(ask).unwrap_or_else(|Refusal { reason, text }| {
+            Answer::without_ranking(ask.sequence, Verdict::Refused, reason, &text)
+        })
+    }
+
+    fn ranked(&mut self, ask: &Ask) -> Result<Answer, Refusal> {
+        let unassessable = |error: coordinator::RequestError| Refusal {
+            reason: Reason::Unassessable,
+            text: error.to_string(),
+        };
+        let checked = ask::check(ask, self.deployment, self.bodies)?;
+        let (policy, curves) = self.rules.clone();
+        let models = (&checked.models[..], &self.extremes[..]);
+        let request = Request::with_models(&checked.scenario, self.bodies, models, policy, curves);
+        let request = request.map_err(unassessable)?;
+        let room = core::mem::take(&mut self.room);
+        let mut work = Work::in_room(&request, self.bodies, self.depth, room);
+        self.desk.work_off(&mut work);
+        let answer = work.brief(|brief| lay_out(ask.sequence, brief));
+        self.room = work.into_room();
+        answer.map_err(unassessable)
     }
 }

@@ -35,5 +35,5 @@ pub use deployment::{
     Decisions, Deployment, DeploymentError, Idle, Metrics, Model, Realtime, SCHEMA, Source,
     TEXT_BYTES_MAX,
 };
-pub use here::answer_here;
+pub use here::Here;
 pub use run::{Lack, ServiceError, Site, serve};

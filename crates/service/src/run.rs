@@ -7,7 +7,8 @@ use crate::desk::{Desk, Waiting};
 use crate::housekeeping::Housekeeping;
 use crate::stats::{Stats, Times};
 use crate::team::Team;
-use coordinator::{Attendant, CrewError, Options, Pursuit, Request, Terms, Work};
+use bvh::support::Extremes;
+use coordinator::{Attendant, CrewError, Options, Pursuit, Request, Room, Terms, Work};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -16,6 +17,7 @@ use protocol::public::{Answer, Ask, Condition, Reason, Stage, Verdict};
 use runtime::error::chain;
 use runtime::{SealedMemory, clock, heap, realtime};
 use std::rc::Rc;
+use std::sync::Arc;
 use transport::{Address, OpenError, Server};
 
 /// How long it sleeps at most (ns): a client that cannot ring is heard then.
@@ -117,7 +119,7 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
     let bell = desk.borrow().server.bell().try_clone_to_owned();
     let bell = bell.map_err(|source| runtime::OsError::new("copy", "bell", source))?;
     use std::os::fd::AsFd as _;
-    let team = Team::start(site.store, site.options, bell.as_fd(), attendant)?;
+    let team = Team::start((site.store, site.bodies), site.options, bell.as_fd(), attendant)?;
     // From here on signals are caught: the thread inherits that.
     let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
@@ -125,6 +127,9 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
     })?;
     let mut service = Service {
         site,
+        extremes: site.bodies.iter().map(|(_, body)| Extremes::of(body)).collect(),
+        rules: (Arc::new(site.policy.clone()), Arc::new(site.curves.clone())),
+        room: Room::default(),
         desk,
         team,
         house,
@@ -185,6 +190,11 @@ impl Watchdog {
 
 struct Service<'s> {
     site: &'s Site<'s>,
+    /// What can lie farthest of each body.
+    extremes: Vec<Extremes>,
+    rules: (Arc<Policy>, Arc<Curves>),
+    /// Room for the work of requests: empty while one is worked on.
+    room: Room,
     // Dropped in this order: the workers, the files, then the port.
     team: Team<'s>,
     house: Housekeeping,
@@ -372,14 +382,15 @@ impl Service<'_> {
         let request = Request::with_models(
             &checked.scenario,
             site.bodies,
-            &checked.models,
-            site.policy.clone(),
-            site.curves.clone(),
+            (&checked.models, &self.extremes),
+            self.rules.0.clone(),
+            self.rules.1.clone(),
         );
         let unassessable =
             |error: coordinator::RequestError| refuse(Reason::Unassessable, chain(&error));
         let request = request.map_err(unassessable)?;
-        let mut work = Work::new(&request, site.bodies, site.depth);
+        let room = core::mem::take(&mut self.room);
+        let mut work = Work::in_room(&request, site.bodies, site.depth, room);
         if ask.answer_by_ns != 0 {
             let left_ns = ask.answer_by_ns.saturating_sub(clock::now_ns());
             let mut terms = Terms::due_in(Duration::from_nanos(left_ns));
@@ -391,9 +402,8 @@ impl Service<'_> {
         }
         let planned_ns = clock::now_ns();
         times.set(Stage::Plan, planned_ns - begun_ns);
-        match self.team.run(&mut work, site.bodies) {
-            Ok(Some(report)) => self.desk.borrow_mut().stats.crew(&report),
-            Ok(None) => {}
+        match self.team.run(&mut work) {
+            Ok(()) => self.desk.borrow_mut().stats.shared(self.team.shares()),
             Err(CrewError::Interrupted) => {
                 self.is_stopping = true;
                 return Err(refuse(Reason::Stopping, "the service is stopping".to_owned()));
@@ -409,7 +419,9 @@ impl Service<'_> {
         }
         let worked_ns = clock::now_ns();
         times.set(Stage::Work, worked_ns - planned_ns);
-        let mut answer = lay_out(ask.sequence, &work.answer().map_err(unassessable)?);
+        let answer = work.brief(|brief| lay_out(ask.sequence, brief));
+        self.room = work.into_room();
+        let mut answer = answer.map_err(unassessable)?;
         if checked.has_unknown && answer.verdict().has_ranking() {
             answer.say("parties of unknown kind were taken as fixed, with nobody in them");
         }

@@ -1,6 +1,6 @@
 //! What is counted: answers, times per stage, faults, allocations, messages. Of fixed size.
 
-use coordinator::CrewReport;
+use coordinator::Share;
 use hdrhistogram::Histogram;
 use protocol::public::{Health, Stage, VERSION, Verdict, WorkerHealth};
 use runtime::clock;
@@ -68,10 +68,10 @@ impl Stats {
     }
 
     /// What the workers did for one request.
-    pub(crate) fn crew(&mut self, report: &CrewReport) {
-        for worker in &report.workers {
-            self.messages += worker.batches + worker.results;
-            self.message_bytes += worker.batch_bytes + worker.result_bytes;
+    pub(crate) fn shared(&mut self, shares: impl Iterator<Item = Share>) {
+        for worker in shares {
+            self.messages += worker.messages;
+            self.message_bytes += worker.message_bytes;
             let Some(row) = self.each.get_mut(usize::from(worker.worker)) else { continue };
             row.pid = worker.pid;
             row.core = worker.core.map_or(0, |core| core as u32 + 1);

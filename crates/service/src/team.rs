@@ -1,7 +1,7 @@
 //! Who does the work: a crew of worker processes, in which whoever is lost has a successor, or, for
 //! comparison and for machines with a single core, this process itself.
 
-use coordinator::{Attendant, Crew, CrewError, CrewReport, Mended, Options, Work, run_here};
+use coordinator::{Attendant, Crew, CrewError, Desk, Mended, Options, Share, Work};
 use model::{BodyView, Meta};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
@@ -14,6 +14,8 @@ pub(crate) struct Team<'s> {
     /// Where this process sleeps while it has no crew.
     guard: Poller,
     crew: Option<Crew>,
+    /// Where this process does the work itself.
+    desk: Desk<'s>,
     store: &'s SealedMemory,
 }
 
@@ -24,7 +26,7 @@ pub(crate) struct Interrupted;
 impl<'s> Team<'s> {
     /// Starts the workers; `None` for options: all work is done here.
     pub(crate) fn start(
-        store: &'s SealedMemory,
+        (store, bodies): (&'s SealedMemory, &'s [(Meta, BodyView<'s>)]),
         options: Option<&Options>,
         bell: BorrowedFd<'_>,
         attendant: Attendant,
@@ -36,7 +38,7 @@ impl<'s> Team<'s> {
         if let Some(crew) = &mut crew {
             crew.listen(bell, attendant)?;
         }
-        Ok(Self { guard, crew, store })
+        Ok(Self { guard, crew, desk: Desk::new(bodies), store })
     }
 
     /// Gives successors to those who were lost, and does not wait for them.
@@ -60,19 +62,20 @@ impl<'s> Team<'s> {
         self.crew.as_ref().map_or(0, Crew::missing)
     }
 
-    /// Works a request off; the report of the crew, if there is one.
-    pub(crate) fn run(
-        &mut self,
-        work: &mut Work<'_>,
-        bodies: &[(Meta, BodyView<'_>)],
-    ) -> Result<Option<CrewReport>, CrewError> {
+    /// Works a request off.
+    pub(crate) fn run(&mut self, work: &mut Work<'_>) -> Result<(), CrewError> {
         match &mut self.crew {
-            Some(crew) => crew.run(work).map(Some),
+            Some(crew) => crew.work_off(work),
             None => {
-                run_here(work, bodies);
-                Ok(None)
+                self.desk.work_off(work);
+                Ok(())
             }
         }
+    }
+
+    /// What each worker did for the last request.
+    pub(crate) fn shares(&self) -> impl Iterator<Item = Share> {
+        self.crew.iter().flat_map(Crew::shares)
     }
 
     /// Sleeps until somebody rings, a worker ends or a signal comes, at most so long; 0: looks.

@@ -155,8 +155,8 @@ fn ask(bytes: &[u8]) {
     room[..length].copy_from_slice(&bytes[..length]);
     let house = HOUSE.get_or_init(House::new);
     let bodies = model::store::open(house.store.bytes()).expect("it was made here");
-    let rules = (&house.policy, &house.curves);
-    let answer = service::answer_here(&asked, &house.deployment, &bodies, rules, 2);
+    let rules = (house.policy.clone(), house.curves.clone());
+    let answer = service::Here::new(&house.deployment, &bodies, rules, 2).answer(&asked);
     assert_eq!(answer.sequence, asked.sequence);
 }
 

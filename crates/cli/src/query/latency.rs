@@ -71,8 +71,8 @@ pub(super) fn run(
     drop(loaded);
     let bodies = model::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
     let depth = deployment::depth(&opened.deployment.engine)?;
-    let here =
-        || service::answer_here(ask, &opened.deployment, &bodies, (&rules.0, &rules.1), depth);
+    let mut twin = service::Here::new(&opened.deployment, &bodies, rules, depth);
+    let mut here = || twin.answer(ask);
     let expected = here();
     let empty =
         || Histogram::<u64>::new_with_max(LONGEST_NS, 3).map_err(|e| internal(e.to_string()));

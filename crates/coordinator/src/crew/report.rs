@@ -76,6 +76,25 @@ pub struct Duty {
     pub send_ns: u64,
 }
 
+/// What one worker did for one request: what is added up over requests.
+#[derive(Clone, Copy, Debug)]
+pub struct Share {
+    /// Worker number.
+    pub worker: u8,
+    /// Process id.
+    pub pid: u32,
+    /// The core it was pinned to.
+    pub core: Option<usize>,
+    /// Jobs it finished.
+    pub jobs: u64,
+    /// Batches sent to it, and results taken from it.
+    pub messages: u64,
+    /// Bytes of these, headers included.
+    pub message_bytes: u64,
+    /// Time that its jobs took by the clock on the wall (ns).
+    pub busy_ns: u64,
+}
+
 /// What a run took.
 #[derive(Clone, Debug)]
 pub struct CrewReport {

@@ -1,6 +1,6 @@
 //! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
 
-use super::{Hardware, Options, Spoiled, WorkerReport};
+use super::{Hardware, Options, Share, Spoiled, WorkerReport};
 use core::sync::atomic::Ordering;
 use dispatch::{Patience, Pulse, Verdict, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
@@ -213,6 +213,23 @@ impl Station {
             result_lines: now.taken.lines - before.taken.lines,
             hardware: self.hardware(),
             ..self.report.clone()
+        }
+    }
+
+    /// The part of [`Station::report`] that is added up over requests: nothing is copied for it.
+    pub(super) fn share(&self, status: &StatusMemory) -> Share {
+        let (now, before, report) = (self.counted(status), &self.before, &self.report);
+        let messages = |count: fn(&Traffic) -> u64| {
+            (count(&now.sent) - count(&before.sent)) + (count(&now.taken) - count(&before.taken))
+        };
+        Share {
+            worker: report.worker,
+            pid: report.pid,
+            core: report.core,
+            jobs: now.jobs - before.jobs,
+            messages: messages(|traffic| traffic.messages),
+            message_bytes: messages(|traffic| traffic.bytes),
+            busy_ns: report.busy_ns,
         }
     }
 

@@ -12,9 +12,17 @@ impl Work<'_> {
         if self.strategy.needs_bounds() {
             self.review();
         }
-        let prospects = self.prospects();
+        let mut prospects = std::mem::take(&mut self.spare.prospects);
+        self.write_prospects(&mut prospects);
+        let chosen = self.chosen(&prospects).unwrap_or(first);
+        self.spare.prospects = prospects;
+        Some(chosen)
+    }
+
+    /// The task that the strategy takes, if it takes one.
+    fn chosen(&mut self, prospects: &[Prospect]) -> Option<u32> {
         let incumbent = self.outlook.standing.as_ref().map_or(0, |standing| standing.incumbent);
-        let chosen = self.strategy.choose(&prospects, incumbent);
+        let chosen = self.strategy.choose(prospects, incumbent);
         let work = &*self;
         let of_case = |case: usize| {
             let tasks = work.waiting.iter().copied();
@@ -32,10 +40,10 @@ impl Work<'_> {
             let is_possible = |task: &u32| prospects[self.errands[*task as usize].case].is_possible;
             self.waiting.iter().copied().find(|task| self.strategy.is_eager() && is_possible(task))
         };
-        Some(chosen.or_else(possible).unwrap_or(first))
+        chosen.or_else(possible)
     }
 
-    fn prospects(&self) -> Vec<Prospect> {
+    fn write_prospects(&self, prospects: &mut Vec<Prospect>) {
         let standing = self.outlook.standing.as_ref();
         let prospect = |case: usize| Prospect {
             has_work: false,
@@ -44,7 +52,8 @@ impl Work<'_> {
             compared: standing.map_or(Interval::new(0.0, 1.0), |standing| standing.compared[case]),
             jobs: self.outlook.handed(case),
         };
-        let mut prospects: Vec<Prospect> = (0..self.cases.len()).map(prospect).collect();
+        prospects.clear();
+        prospects.extend((0..self.cases.len()).map(prospect));
         let all_rank = !self.strategy.is_eager() || needs_high(&self.request.policy);
         for task in &self.waiting {
             let errand = &self.errands[*task as usize];
@@ -54,7 +63,6 @@ impl Work<'_> {
             };
             prospects[errand.case].has_work |= ranks || all_rank;
         }
-        prospects
     }
 
     /// Less goes first: the probe that parts the open poses best, then the deepest pose of the

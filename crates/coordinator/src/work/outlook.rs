@@ -7,9 +7,13 @@
 use super::{Effort, Work};
 use crate::bound::{self, Open};
 use crate::case::Aim;
+use crate::request::Request;
 use crate::terms::Until;
 use damage::evidence::Touch;
-use damage::{AssessError, Bounds, Evidence, Standing, bounds, needs_high, standing};
+use damage::{
+    AssessError, Basis, Bounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing,
+};
+use damage::{bounds, bounds_in, needs_high, standing_in};
 use runtime::clock;
 use serde::Serialize;
 
@@ -25,10 +29,15 @@ pub struct Certainty {
 }
 
 /// What is known of the order.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Outlook {
-    bounds: Vec<Option<Bounds>>,
+    /// Per candidate. They are all made at the first review.
+    bounds: Vec<Bounds>,
     pub(super) standing: Option<Standing>,
+    /// What the persons of the request have at stake.
+    stakes: Vec<Stake>,
+    /// Room for what is made after every result.
+    desk: Desk,
     /// Per candidate: closed jobs that its bounds do not know of, and whether they are due.
     news: Vec<(usize, bool)>,
     /// Jobs handed out, per candidate.
@@ -42,23 +51,38 @@ pub(super) struct Outlook {
     is_lost: bool,
 }
 
+/// Room for what is made after every result, so that none is taken from the heap.
+#[derive(Debug, Default)]
+struct Desk {
+    scratch: Scratch,
+    assessed: Vec<PersonHarm>,
+    risks: Vec<Vec<Risk>>,
+    standing: Standing,
+}
+
 /// Closed jobs of a pose after which its bounds are made anew, though it is not done.
 const NEWS: usize = 32;
 
 impl Outlook {
-    pub(super) fn new(candidates: usize) -> Self {
-        Self {
-            bounds: vec![None; candidates],
-            standing: None,
-            news: vec![(0, true); candidates],
-            handed: vec![0; candidates],
-            jobs: 0,
-            begun_ns: clock::now_ns(),
-            winner: None,
-            order: None,
-            is_decided: false,
-            is_lost: false,
-        }
+    /// Nothing known of a request, in the lists of an earlier one.
+    pub(super) fn anew(self, request: &Request) -> Self {
+        let Self { mut bounds, standing, mut stakes, mut desk, mut news, mut handed, .. } = self;
+        let candidates = request.candidates.len();
+        desk.risks.extend(bounds.drain(..).map(|bounds| bounds.persons));
+        desk.standing = standing.unwrap_or(desk.standing);
+        stakes.clear();
+        stakes.extend(request.persons.iter().map(|person| person.stake));
+        news.clear();
+        news.resize(candidates, (0, true));
+        handed.clear();
+        handed.resize(candidates, 0);
+        let begun_ns = clock::now_ns();
+        Self { bounds, stakes, desk, news, handed, begun_ns, ..Self::default() }
+    }
+
+    /// What the persons of the request have at stake, in their order.
+    pub(super) fn stakes(&self) -> &[Stake] {
+        &self.stakes
     }
 
     pub(super) fn begin(&mut self, now_ns: u64) {
@@ -70,6 +94,26 @@ impl Outlook {
         self.is_decided
     }
 
+    /// Makes the bounds of a candidate anew: the first time, all come in their order. `false` if
+    /// they cannot be made: then nothing is known of the order any more.
+    fn bind(
+        &mut self,
+        case: usize,
+        encounter: &Encounter<'_>,
+        evidence: &Evidence,
+        basis: &Basis<'_>,
+        high: bool,
+    ) -> bool {
+        let before = self.bounds.get_mut(case).map(|bounds| core::mem::take(&mut bounds.persons));
+        let risks = before.or_else(|| self.desk.risks.pop()).unwrap_or_default();
+        match bounds_in(encounter, evidence, basis, high, (&mut self.desk.assessed, risks)) {
+            Ok(made) if case < self.bounds.len() => self.bounds[case] = made,
+            Ok(made) => self.bounds.push(made),
+            Err(_) => self.is_lost = true,
+        }
+        !self.is_lost
+    }
+
     pub(super) fn handed_out(&mut self, case: usize, jobs: usize) {
         self.handed[case] += jobs as u64;
     }
@@ -79,7 +123,7 @@ impl Outlook {
     }
 
     pub(super) fn touch_of(&self, case: usize) -> Touch {
-        self.bounds[case].as_ref().map_or(Touch::Unknown, |bounds| bounds.touch)
+        self.bounds.get(case).map_or(Touch::Unknown, |bounds| bounds.touch)
     }
 
     /// Something was learned of a candidate; `is_due`: a question of it is answered.
@@ -134,20 +178,20 @@ impl Work<'_> {
             self.outlook.news[case] = (0, false);
             self.reach_anew(case);
             let evidence = self.evidence_by(case, true);
-            match bounds(&candidate.encounter(), &evidence, &basis, high) {
-                Ok(made) => self.outlook.bounds[case] = Some(made),
-                Err(_) => self.outlook.is_lost = true,
+            if !self.outlook.bind(case, &candidate.encounter(), &evidence, &basis, high) {
+                return;
             }
         }
-        let bounds: Option<Vec<Bounds>> = self.outlook.bounds.iter().cloned().collect();
-        let Some(bounds) = bounds.filter(|_| !self.outlook.is_lost) else { return };
-        let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
-        let Ok(standing) = standing(&request.policy, &stakes, &bounds) else {
-            self.outlook.is_lost = true;
+        let outlook = &mut self.outlook;
+        let Desk { scratch, standing: spare, .. } = &mut outlook.desk;
+        let standing = outlook.standing.as_mut().unwrap_or(spare);
+        let (stakes, bounds) = (&outlook.stakes, &outlook.bounds);
+        if standing_in(scratch, &request.policy, stakes, bounds, standing).is_err() {
+            outlook.is_lost = true;
             return;
-        };
+        }
         let settled = standing.settled;
-        self.outlook.standing = Some(standing);
+        outlook.standing.get_or_insert_with(|| core::mem::take(&mut outlook.desk.standing));
         let Effort { descent, jobs, .. } = self.effort;
         let now = || Certainty {
             tests: descent.tests() + jobs.tests(),
@@ -157,12 +201,13 @@ impl Work<'_> {
         if settled > 0 && self.outlook.winner.is_none() {
             self.outlook.winner = Some(now());
         }
-        if settled == bounds.len() && self.outlook.order.is_none() {
+        let is_ordered = settled == self.outlook.bounds.len();
+        if is_ordered && self.outlook.order.is_none() {
             self.outlook.order = Some(now());
         }
         self.outlook.is_decided = match self.terms.until {
             Until::Complete => false,
-            Until::Ordered => settled == bounds.len(),
+            Until::Ordered => is_ordered,
             Until::Certified => settled > 0,
         };
     }

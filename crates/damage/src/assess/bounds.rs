@@ -4,9 +4,9 @@
 //! which takes all normals and curves, and what is only shown. It is there once a candidate is
 //! done; a policy that accepts by it asks for it before, and pays for it.
 
-use super::{AssessError, Basis, Encounter, assess, crash};
+use super::{AssessError, Basis, Encounter, assess_in, crash};
 use crate::evidence::{Evidence, Touch};
-use crate::harm::CandidateHarm;
+use crate::harm::{CandidateHarm, PersonHarm};
 use crate::interval::{Range, Work};
 use crate::party::PersonId;
 use crate::path::Meeting;
@@ -39,21 +39,32 @@ pub struct Bounds {
     pub is_done: bool,
 }
 
-impl Bounds {
-    /// The same figures of a candidate that was assessed in full.
-    #[must_use]
-    pub fn of(harm: &CandidateHarm) -> Self {
-        let risk = |person: &crate::harm::PersonHarm| Risk {
+impl Risk {
+    /// That of a person who was assessed in full.
+    pub(crate) fn of(person: &PersonHarm) -> Self {
+        Self {
             id: person.id,
             work: person.work,
             range: person.range,
             high: Work::new(person.high_at_least, person.range.high()),
-        };
+        }
+    }
+}
+
+impl Bounds {
+    /// The same figures of a candidate that was assessed in full.
+    #[must_use]
+    pub fn of(harm: &CandidateHarm) -> Self {
+        Self::with(harm, Vec::new())
+    }
+
+    fn with(harm: &CandidateHarm, mut persons: Vec<Risk>) -> Self {
+        persons.extend(harm.persons.iter().map(Risk::of));
         Self {
             probability: harm.probability,
             touch: harm.contact.touch,
             energy_j: harm.energy_j,
-            persons: harm.persons.iter().map(risk).collect(),
+            persons,
             is_done: harm.is_settled() && !harm.is_open,
         }
     }
@@ -71,13 +82,32 @@ pub fn bounds(
     basis: &Basis<'_>,
     high: bool,
 ) -> Result<Bounds, AssessError> {
+    bounds_in(encounter, evidence, basis, high, (&mut Vec::new(), Vec::new()))
+}
+
+/// [`bounds()`] in lists that were used before, which spares the heap: they are made after every
+/// result.
+///
+/// # Errors
+///
+/// As [`bounds()`].
+pub fn bounds_in(
+    encounter: &Encounter<'_>,
+    evidence: &Evidence,
+    basis: &Basis<'_>,
+    high: bool,
+    (assessed, mut persons): (&mut Vec<PersonHarm>, Vec<Risk>),
+) -> Result<Bounds, AssessError> {
+    persons.clear();
     let is_path = matches!(encounter.meeting, Meeting::Path(_));
     if high || !evidence.is_open() || !is_path {
-        return assess(encounter, evidence, basis).map(|harm| Bounds::of(&harm));
+        let harm = assess_in(encounter, evidence, basis, core::mem::take(assessed))?;
+        let bounds = Bounds::with(&harm, persons);
+        *assessed = harm.persons;
+        return Ok(bounds);
     }
     let nothing = Evidence::none((0.0, 0.0));
     let crash = crash(encounter, evidence, &nothing, basis);
-    let mut persons = Vec::new();
     for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
         if body.persons.is_empty() {
             continue;

@@ -1,7 +1,7 @@
 //! The dynamics of one candidate at any end of what is open and of what the model leaves open.
 
 use crate::approach::{Approach, UP, cosine, opposite};
-use crate::contact::{Normals, Places, across, describe, levers};
+use crate::contact::{Normals, PerNormal, Places, across, describe, levers};
 use crate::crush::Crush;
 use crate::dynamics::{Impact, Parameters, Pick, Response, Side, factor};
 use crate::evidence::{Evidence, Touch};
@@ -43,7 +43,7 @@ pub(super) struct Crash<'a> {
     pub(super) touch: Touch,
     pub(super) concave: bool,
     /// Per nominal normal: with nominal parameters, and arms at the end that does least, and most.
-    pub(super) ends: Vec<[Response; 2]>,
+    pub(super) ends: PerNormal<[Response; 2]>,
 }
 
 /// Above what rounding does to a figure on the way from hits to harm, far below any difference that
@@ -70,7 +70,8 @@ impl<'a> Crash<'a> {
             Normals::between(self.approach, r.lo(), r.hi(), raise)
         };
         let reach = self.approach.reach(places.first.lo(), r.hi());
-        let crash = Crash { normals, places, reach, touch: Touch::No, ends: Vec::new(), ..*self };
+        let crash =
+            Crash { normals, places, reach, touch: Touch::No, ends: PerNormal::new(), ..*self };
         crash.with_ends()
     }
 

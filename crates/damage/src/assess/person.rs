@@ -9,6 +9,7 @@ use crate::injury::{Rung, Speeds};
 use crate::interval::{Range, Work};
 use crate::party::{Aboard, PartyError, Struck};
 use model::{Seat, Zones};
+use smallvec::SmallVec;
 
 /// The range takes every side that N, widened by this, touches (degrees).
 const SIDE_MARGIN_DEGREES: f64 = 10.0;
@@ -107,7 +108,7 @@ impl Crash<'_> {
         normals: &[usize],
         intrusion: bool,
         basis: &Basis<'b>,
-    ) -> Result<Vec<&'b Rung>, AssessError> {
+    ) -> Result<SmallVec<[&'b Rung; 3]>, AssessError> {
         let margins = [-SIDE_MARGIN_DEGREES, 0.0, SIDE_MARGIN_DEGREES];
         let touched = |side: &Struck| {
             let by = |i: &usize| margins.iter().any(|m| self.struck(party, *i, *m) == *side);

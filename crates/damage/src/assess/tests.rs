@@ -32,7 +32,7 @@ fn i6_a_central_frontal_crash() {
     let patch = harm.contact.patch.as_ref().expect("contact");
     assert_eq!((patch.normal_degrees, patch.normals_degrees.as_slice()), (0.0, &[0.0][..]));
     let ego = &harm.persons[0];
-    assert_eq!((ego.victim, ego.curve.as_str()), (Victim::OccupantFront, "tum-lr4s-front"));
+    assert_eq!((ego.victim, &*ego.curve), (Victim::OccupantFront, "tum-lr4s-front"));
     near(ego.x_m_s.hi(), 13.2);
     near(ego.work.lo(), 0.09676);
     assert!(ego.work.is_settled() && harm.is_settled());
@@ -178,7 +178,7 @@ fn a_concave_body_is_met_along_the_way_or_not_at_all() {
     assert!(harm.concave);
     let ego = &harm.persons[0];
     assert!(ego.range.low() == 0.0 && ego.work.lo() > 0.0);
-    assert_eq!(harm.contact.patch.map(|p| p.normals_degrees), Some(vec![0.0]));
+    assert_eq!(harm.contact.patch.map(|p| p.normals_degrees), Some(smallvec::smallvec![0.0]));
 }
 
 /// A zone beside the driver lifts the range, never the nominal figure.
@@ -245,6 +245,6 @@ fn candidates_do_not_depend_on_each_other() {
     let mut backwards: Vec<_> = scenes.iter().rev().map(harm).collect();
     backwards.reverse();
     assert_eq!(forwards, backwards);
-    assert_eq!(forwards[1].persons[1].curve, "rosen-2010");
+    assert_eq!(&*forwards[1].persons[1].curve, "rosen-2010");
     near(forwards[1].persons[1].x_m_s.hi(), 20.0);
 }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 fn curve(unit: Unit, a: f64, b: f64) -> Curve {
     let empty = String::new;
     Curve {
-        id: empty(),
+        id: empty().into(),
         outcome: Level::Mais3,
         unit,
         a,

@@ -127,10 +127,10 @@ impl Curves {
     fn resolve(&self, source: &Source<'_>, text: PersonText) -> Result<Rung, Fault> {
         let (x, level) = (text.x, text.level);
         let find = |id: &Spanned<String>| {
-            let position = self.curves.iter().position(|c| c.id == *id.get_ref());
+            let position = self.curves.iter().position(|c| *c.id == **id.get_ref());
             let number = position.ok_or_else(|| {
                 let fault = format!("curve \"{}\" is not defined", id.get_ref());
-                let known: Vec<_> = self.curves.iter().map(|c| c.id.as_str()).collect();
+                let known: Vec<_> = self.curves.iter().map(|c| &*c.id).collect();
                 source.fault(id.span(), fault, format!("curves here: {}", known.join(", ")))
             })?;
             if self.curves[number].outcome != level {
@@ -250,7 +250,7 @@ fn curve(source: &Source<'_>, text: CurveText) -> Result<Curve, Fault> {
         }
     }
     Ok(Curve {
-        id: text.id.into_inner(),
+        id: text.id.into_inner().into(),
         outcome: text.outcome,
         unit: text.unit,
         a,

@@ -99,7 +99,7 @@ fn ranges_of_a_level_stay_within_the_ladder() {
 fn the_upper_fatal_curve_covers_another_study() {
     let text = include_str!("../../../../config/curves/levels.toml");
     let levels = Curves::parse("levels.toml", text).expect("sound");
-    let curve = |id: &str| levels.curves.iter().find(|c| c.id == id).expect("shipped");
+    let curve = |id: &str| levels.curves.iter().find(|c| *c.id == *id).expect("shipped");
     let (low, high) = (curve("rosen-sander-2009-low"), curve("rosen-sander-2009-high"));
     for (p, km_h) in [(0.05, 30.0), (0.10, 37.0), (0.50, 59.0)] {
         let v = km_h / 3.6;

@@ -7,6 +7,7 @@ use crate::evidence::{Evidence, Seen};
 use crate::scene::{Prism, Scene, car, head_on};
 use crate::search::First;
 use proptest::prelude::*;
+use smallvec::smallvec;
 
 fn path_of(scene: &Scene) -> Path {
     match plan(&scene.approach()) {
@@ -57,7 +58,7 @@ fn a_box_in_a_wide_box_has_a_flat_ring_of_hits_and_a_depth() {
     let approach = scene.approach();
     assert!((approach.penetration(0, 0.0) - 0.2).abs() < 1e-12);
     let normals = Normals::between(&approach, 0.0, 0.0, 0.0);
-    assert_eq!((normals.possible, normals.nominal), (vec![0], vec![0]));
+    assert_eq!((normals.possible, normals.nominal), (smallvec![0], smallvec![0]));
     let mut seen = Seen::NOTHING;
     scene.hits(0.0, &approach).iter().for_each(|p| seen.patch.add(&approach.directions, *p));
     let mut evidence = Evidence::none((0.0, 0.0));
@@ -129,7 +130,7 @@ proptest! {
         start in -9.0..9.0_f64, length in 0.6..12.0_f64, step in 0.02..0.1_f64,
         part in 0.0..1.0_f64, closing in 0.0..60.0_f64,
     ) {
-        let travels = vec![start, start + length];
+        let travels = vec![start, start + length].into();
         let path = Path { travels, step_m: step, coarse: false, closing_m_s: closing };
         let f = start + part * length;
         let stops = path.survey(f);

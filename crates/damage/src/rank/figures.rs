@@ -1,7 +1,8 @@
 //! The figures of one candidate that ranking uses: risks of all persons of the request, rounded.
 
 use super::RankError;
-use crate::assess::Bounds;
+use crate::assess::{Bounds, Risk};
+use crate::harm::CandidateHarm;
 use crate::interval::Work;
 
 /// Figures are rounded to this many parts per unit before they are compared: rounding of sums, and
@@ -18,6 +19,7 @@ fn is_share(x: f64) -> bool {
 }
 
 /// One candidate, as ranking sees it; every list has one entry per person of the request.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Figures {
     /// R = p·H over the work interval.
     pub(super) risks: Vec<Work>,
@@ -30,15 +32,37 @@ pub(super) struct Figures {
 }
 
 impl Figures {
-    /// Of candidate number `k`, among `n` persons.
-    pub(super) fn of(k: usize, bounds: &Bounds, n: usize) -> Result<Self, RankError> {
-        let energy = bounds.energy_j;
-        if !(is_share(bounds.probability) && energy.lo() >= 0.0 && energy.hi().is_finite()) {
+    /// Becomes those of candidate number `k`, among `n` persons.
+    pub(super) fn bound(&mut self, k: usize, bounds: &Bounds, n: usize) -> Result<(), RankError> {
+        self.fill((k, n), bounds.probability, bounds.energy_j, bounds.persons.iter().copied())
+    }
+
+    /// The same for a candidate that was assessed in full.
+    pub(super) fn assessed(
+        &mut self,
+        k: usize,
+        harm: &CandidateHarm,
+        n: usize,
+    ) -> Result<(), RankError> {
+        self.fill((k, n), harm.probability, harm.energy_j, harm.persons.iter().map(Risk::of))
+    }
+
+    fn fill(
+        &mut self,
+        (k, n): (usize, usize),
+        probability: f64,
+        energy: Work,
+        persons: impl Iterator<Item = Risk>,
+    ) -> Result<(), RankError> {
+        if !(is_share(probability) && energy.lo() >= 0.0 && energy.hi().is_finite()) {
             return Err(RankError::Figure(k));
         }
-        let untouched = || vec![Work::ZERO; n];
-        let (mut risks, mut ranges, mut highs) = (untouched(), untouched(), untouched());
-        for person in &bounds.persons {
+        let Self { risks, ranges, highs, .. } = self;
+        for untouched in [&mut *risks, &mut *ranges, &mut *highs] {
+            untouched.clear();
+            untouched.resize(n, Work::ZERO);
+        }
+        for person in persons {
             let i = person.id.0;
             if i >= n {
                 return Err(RankError::UnknownPerson { candidate: k, person: person.id });
@@ -48,11 +72,12 @@ impl Figures {
             if !ends.into_iter().all(is_share) {
                 return Err(RankError::Figure(k));
             }
-            let risk = |h: f64| rounded(bounds.probability * h);
+            let risk = |h: f64| rounded(probability * h);
             (risks[i], highs[i]) = (work.map(risk), high.map(risk));
             ranges[i] = Work::new(risk(range.low()), risk(range.high()));
         }
-        Ok(Self { risks, ranges, highs, energy_j: energy.map(rounded) })
+        self.energy_j = energy.map(rounded);
+        Ok(())
     }
 
     /// The greatest upper model end of anybody.

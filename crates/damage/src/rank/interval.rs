@@ -10,16 +10,16 @@
 //! members of P are finished and the one that the tie-break takes from P is in S, it is the winner
 //! too, because it is best of a set that holds K.
 
-use super::{Order, rounded};
+use super::{Each, Order, rounded};
 use crate::interval::Work;
 use crate::policy::Step;
 
 /// What encloses the candidates that the finished run would keep.
 pub(super) struct Outlook {
     /// P: nobody else can win.
-    pub(super) possible: Vec<usize>,
+    pub(super) possible: Each<usize>,
     /// S: kept for sure.
-    pub(super) sure: Vec<usize>,
+    pub(super) sure: Each<usize>,
 }
 
 impl Outlook {
@@ -35,8 +35,8 @@ impl Order<'_> {
     ///
     /// Ranks are found one by one, as in the order itself: once the first is certain it is removed,
     /// and the next one is sought among the rest.
-    pub(super) fn settled(&self, is_done: impl Fn(&usize) -> bool) -> (Vec<usize>, usize) {
-        let mut left: Vec<usize> = (0..self.figures.len()).collect();
+    pub(super) fn settled(&self, is_done: impl Fn(&usize) -> bool) -> (Each<usize>, usize) {
+        let mut left: Each<usize> = (0..self.figures.len()).collect();
         let mut possible = None;
         let mut settled = 0;
         while !left.is_empty() {
@@ -62,16 +62,16 @@ impl Order<'_> {
 
     /// Takes all steps on intervals, among the candidates left.
     pub(super) fn outlook(&self, left: &[usize]) -> Outlook {
-        let mut outlook = Outlook { possible: left.to_vec(), sure: left.to_vec() };
-        for step in &self.steps {
+        let mut outlook = Outlook { possible: left.into(), sure: left.into() };
+        for step in self.steps {
             match step {
                 Step::Least { measure, tolerance } => {
-                    let over: Vec<Work> =
+                    let over: Each<Work> =
                         (0..self.figures.len()).map(|k| self.over(measure, k)).collect();
                     least(&mut outlook, &over, *tolerance);
                 }
                 Step::Accept { at_most } => {
-                    let highs: Vec<Work> =
+                    let highs: Each<Work> =
                         self.figures.iter().map(|f| f.greatest_high_over()).collect();
                     accept(&mut outlook, &highs, rounded(*at_most));
                 }

@@ -123,20 +123,26 @@ struct Sought<'a> {
 }
 
 impl<'a> Sought<'a> {
-    fn order<'b>(&self, policy: &'b Policy, figures: &'b [Figures]) -> Order<'b>
+    fn order<'b>(&self, policy: &'b Policy, steps: &'b [Step], figures: &'b [Figures]) -> Order<'b>
     where
         'a: 'b,
     {
-        Order { policy, stakes: self.stakes, steps: policy.steps(self.stakes.len()), figures }
+        Order { policy, stakes: self.stakes, steps, figures }
+    }
+
+    /// The steps of a policy among the persons at stake.
+    fn steps(&self, policy: &Policy) -> Vec<Step> {
+        policy.steps(self.stakes.len())
     }
 
     fn winner(&self, policy: &Policy, figures: &[Figures]) -> usize {
         let all: Vec<usize> = (0..figures.len()).collect();
-        self.order(policy, figures).round(&all).winner
+        self.order(policy, &self.steps(policy), figures).round(&all).winner
     }
 
     fn margins(&self) -> Vec<Margin> {
-        let order = self.order(self.policy, self.figures);
+        let steps = self.steps(self.policy);
+        let order = self.order(self.policy, &steps, self.figures);
         let all: Vec<usize> = (0..self.figures.len()).collect();
         let round = order.round(&all);
         let mut margins = Vec::new();
@@ -207,7 +213,7 @@ impl<'a> Sought<'a> {
                         ..self.policy.clone()
                     });
                 }
-                let places = self.differences(&Measure::Weighted(terms.clone()));
+                let places = self.differences(&Measure::Weighted(terms.as_slice().into()));
                 seek(Knob::Tolerance { level: None }, *tolerance, places, &|x| Policy {
                     composition: Composition::Weighted { terms: terms.clone(), tolerance: x },
                     ..self.policy.clone()
@@ -219,7 +225,7 @@ impl<'a> Sought<'a> {
 
     /// The tolerances at which some candidate comes within reach of another.
     fn differences(&self, measure: &Measure) -> Vec<f64> {
-        let order = self.order(self.policy, self.figures);
+        let order = self.order(self.policy, &[], self.figures);
         let values: Vec<f64> = (0..self.figures.len()).map(|k| order.value(measure, k)).collect();
         pairs(&values).map(|(a, b)| (a - b).abs()).collect()
     }
@@ -227,9 +233,9 @@ impl<'a> Sought<'a> {
     /// The weights of a term at which two sums come to differ by 0 or by the tolerance: sums are
     /// linear in the weight.
     fn crossings(&self, terms: &[Term], term: Term, tolerance: f64) -> Vec<f64> {
-        let order = self.order(self.policy, self.figures);
+        let order = self.order(self.policy, &[], self.figures);
         let own = Measure::Rule(term.rule);
-        let others = Measure::Weighted(reweighed(terms, term, 0.0));
+        let others = Measure::Weighted(reweighed(terms, term, 0.0).into());
         let ends: Vec<(f64, f64)> = (0..self.figures.len())
             .map(|k| (order.value(&own, k), order.value(&others, k)))
             .collect();
@@ -246,11 +252,11 @@ impl<'a> Sought<'a> {
     fn of_curves(&self, winner: usize) -> Result<Vec<Reserve>, RankError> {
         let mut reserves = Vec::new();
         let persons = self.candidates.iter().flat_map(|harm| &harm.persons);
-        let mut ids: Vec<&str> = persons.map(|person| person.curve.as_str()).collect();
+        let mut ids: Vec<&str> = persons.map(|person| &*person.curve).collect();
         ids.sort_unstable();
         ids.dedup();
-        for curve in self.curves.curves.iter().filter(|c| ids.contains(&c.id.as_str())) {
-            let id = || curve.id.clone();
+        for curve in self.curves.curves.iter().filter(|c| ids.contains(&&*c.id)) {
+            let id = || curve.id.to_string();
             let at = |a: f64| self.with_curve(&Curve { a, ..curve.clone() });
             let place = |moved: f64| curve.a + moved;
             let flip = stepped(INTERCEPT_MOST, winner, |moved| at(place(moved)))?;

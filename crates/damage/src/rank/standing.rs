@@ -1,7 +1,6 @@
 //! What is certain of an order while work is open: asked after every result, so from bounds alone.
 
-use super::figures::Figures;
-use super::{Order, RankError};
+use super::{Each, Order, RankError, Scratch, taken};
 use crate::assess::Bounds;
 use crate::interval::Work;
 use crate::policy::{Policy, Step};
@@ -30,16 +29,42 @@ pub fn standing(
     stakes: &[Stake],
     bounds: &[Bounds],
 ) -> Result<Standing, RankError> {
-    let figures = bounds.iter().enumerate().map(|(k, b)| Figures::of(k, b, stakes.len()));
-    let figures: Vec<Figures> = figures.collect::<Result<_, _>>()?;
-    if figures.is_empty() {
+    let mut standing = Standing::default();
+    standing_in(&mut Scratch::default(), policy, stakes, bounds, &mut standing)?;
+    Ok(standing)
+}
+
+/// [`standing()`] in room that was used before, which spares the heap: it is asked after every
+/// result. What `standing` held is replaced, unless there is an error.
+///
+/// # Errors
+///
+/// As [`super::rank()`].
+pub fn standing_in(
+    scratch: &mut Scratch,
+    policy: &Policy,
+    stakes: &[Stake],
+    bounds: &[Bounds],
+    standing: &mut Standing,
+) -> Result<(), RankError> {
+    if bounds.is_empty() {
         return Err(RankError::NoCandidates);
     }
-    let order = Order { policy, stakes, steps: policy.steps(stakes.len()), figures: &figures };
+    let Scratch { figures, steps, .. } = scratch;
+    let figures = taken(figures, bounds.len());
+    for (k, (figures, bounds)) in figures.iter_mut().zip(bounds).enumerate() {
+        figures.bound(k, bounds, stakes.len())?;
+    }
+    policy.write_steps(stakes.len(), steps);
+    let order = Order { policy, stakes, steps, figures };
     let (possible, settled) = order.settled(|k| bounds[*k].is_done);
-    let all: Vec<usize> = (0..figures.len()).collect();
-    let incumbent = order.round(&all).winner;
-    Ok(Standing { compared: order.compared(&possible), possible, settled, incumbent })
+    let all: Each<usize> = (0..bounds.len()).collect();
+    order.compare(&possible, &mut standing.compared);
+    standing.incumbent = order.round(&all).winner;
+    standing.settled = settled;
+    standing.possible.clear();
+    standing.possible.extend_from_slice(&possible);
+    Ok(())
 }
 
 /// Whether a policy compares upper ends of the model range.
@@ -50,23 +75,20 @@ pub fn needs_high(policy: &Policy) -> bool {
 
 impl Order<'_> {
     /// What the first step compares that does not find all possible winners equal and settled.
-    fn compared(&self, possible: &[usize]) -> Vec<Work> {
-        let over = |step: &Step| -> Vec<Work> {
+    fn compare(&self, possible: &[usize], last: &mut Vec<Work>) {
+        last.clear();
+        for step in self.steps {
             let one = |k: usize| match step {
                 Step::Least { measure, .. } => self.over(measure, k),
                 Step::Accept { .. } => self.figures[k].greatest_high_over(),
             };
-            (0..self.figures.len()).map(one).collect()
-        };
-        let mut last = Vec::new();
-        for step in &self.steps {
-            last = over(step);
+            last.clear();
+            last.extend((0..self.figures.len()).map(one));
             let first = possible.first().map(|k| last[*k]);
             let is_open = |k: &usize| !last[*k].is_settled() || Some(last[*k]) != first;
             if possible.iter().any(is_open) {
                 break;
             }
         }
-        last
     }
 }

@@ -17,7 +17,7 @@ pub(in crate::rank) fn candidate(risks: &[Work], energy_j: Work) -> CandidateHar
         party: 0,
         seat: None,
         victim: Victim::Pedestrian,
-        curve: String::new(),
+        curve: String::new().into(),
         x: Quantity::ClosingNormal,
         x_m_s: Work::ZERO,
         work: *work,
@@ -174,11 +174,12 @@ fn two_levels_certify_what_one_cannot() {
         ([(0.10, 0.12), (0.11, 0.13), (0.20, 0.25)], 0.025),
         ([(0.30, 0.35), (0.40, 0.50), (0.0, 0.0)], 0.0),
     ];
-    let mut outlook = Outlook { possible: vec![0, 1, 2], sure: vec![0, 1, 2] };
+    let mut outlook =
+        Outlook { possible: [0, 1, 2].as_slice().into(), sure: [0, 1, 2].as_slice().into() };
     for (ends, tolerance) in levels {
         least(&mut outlook, &ends.map(|e| Work::new(e.0, e.1)), tolerance);
     }
-    assert_eq!(outlook.possible, [0]);
+    assert_eq!(outlook.possible[..], [0]);
 }
 
 #[test]

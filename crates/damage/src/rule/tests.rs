@@ -34,7 +34,7 @@ fn responsibility_is_applied_once() {
     let rule = Rule::Responsibility;
     let alone = values(&Measure::Rule(rule), &stakes(0.5));
     assert_eq!(alone, [0.07, 0.12667, 0.11667]);
-    let sum = Measure::Weighted(vec![Term { rule, weight: 1.0 }]);
+    let sum = Measure::Weighted(vec![Term { rule, weight: 1.0 }].into());
     assert_eq!(values(&sum, &stakes(0.5)), alone);
 }
 
@@ -42,7 +42,10 @@ fn responsibility_is_applied_once() {
 fn a_weighted_sum_is_the_sum_of_weighted_rules() {
     let weights = [(Rule::Bayes, 0.5), (Rule::Equality, 0.2), (Rule::Maximin, 0.3)];
     let terms = weights.map(|(rule, weight)| Term { rule, weight });
-    assert_eq!(values(&Measure::Weighted(terms.to_vec()), &stakes(0.0)), [0.24167, 0.15, 0.21]);
+    assert_eq!(
+        values(&Measure::Weighted(terms.as_slice().into()), &stakes(0.0)),
+        [0.24167, 0.15, 0.21]
+    );
 }
 
 #[test]
@@ -70,7 +73,7 @@ proptest! {
             Term { rule: Rule::Bayes, weight: bayes },
             Term { rule: Rule::Equality, weight: 0.5 * bayes },
             Term { rule: Rule::Maximin, weight: 1.0 - 1.5 * bayes.min(0.66) },
-        ]);
+        ].into());
         let rules = [Rule::Bayes, Rule::Equality, Rule::Maximin, Rule::Responsibility];
         let others = [Measure::Rule(Rule::EgoOnly), sum, Measure::Worst(0), Measure::Worst(1)];
         let measures = rules.map(Measure::Rule).into_iter().chain(others);

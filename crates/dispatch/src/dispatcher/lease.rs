@@ -17,6 +17,7 @@
 
 use super::{Closed, Dispatcher, Effect, Entry, Queues, State, Why, Work};
 use crate::scheme::Scheme;
+use core::mem::replace;
 use protocol::{Incarnation, JobId, Section};
 use std::collections::VecDeque;
 
@@ -150,11 +151,15 @@ impl<S: Scheme> Dispatcher<S> {
             for (job, _) in &core.outbox {
                 self.slots[job.0 as usize].batch = batch;
             }
-            let (jobs, fetch) = (std::mem::take(&mut core.outbox), std::mem::take(&mut core.fetch));
+            let spare = &mut self.spare;
+            let jobs = replace(&mut core.outbox, spare.outboxes.pop().unwrap_or_default());
+            let fetch = replace(&mut core.fetch, spare.fetches.pop().unwrap_or_default());
+            let mut sent = spare.jobs.pop().unwrap_or_default();
+            sent.extend(jobs.iter().map(|(job, _)| *job));
             core.sent.push_back(Batch {
                 number: batch,
                 len: u32::try_from(jobs.len()).unwrap_or(u32::MAX),
-                jobs: jobs.iter().map(|(job, _)| *job).collect(),
+                jobs: sent,
             });
             effects.push(Effect::Send { to, batch, jobs, fetch });
         }
@@ -319,7 +324,14 @@ impl<S: Scheme> Dispatcher<S> {
                 ended += 1;
             }
         }
+        self.lay_aside(batch.jobs);
         ended
+    }
+
+    /// The list of a batch, for the next one.
+    fn lay_aside(&mut self, mut jobs: Vec<JobId>) {
+        jobs.clear();
+        self.spare.jobs.push(jobs);
     }
 
     /// Counts a fault of a worker's channels; too many, and it is to be killed.
@@ -340,7 +352,7 @@ impl<S: Scheme> Dispatcher<S> {
 
     /// Forgets all leases, but not the room that their jobs still take in the queues.
     pub(super) fn retire(&mut self) {
-        let slots = &self.slots;
+        let (slots, spare) = (&self.slots, &mut self.spare);
         for core in &mut self.cores {
             let leased = core.who.map(State::Leased);
             for batch in core.sent.iter_mut().filter(|batch| !batch.jobs.is_empty()) {
@@ -349,7 +361,9 @@ impl<S: Scheme> Dispatcher<S> {
                     .filter(|slot| Some(slot.state) == leased && slot.batch == batch.number)
                     .count();
                 batch.len = u32::try_from(held).unwrap_or(u32::MAX);
-                batch.jobs.clear();
+                let mut jobs = std::mem::take(&mut batch.jobs);
+                jobs.clear();
+                spare.jobs.push(jobs);
             }
             core.floor = core.next;
             core.sent.retain(|batch| batch.len > 0);

@@ -46,8 +46,8 @@ fn d02_each_figure_is_returned_under_its_own_name() {
 #[test]
 fn d03_a_curve_is_the_persons_own_whoever_came_before() {
     let (first, second) = (harm(&on_foot(12.0)), harm(&head_on(0.0)));
-    assert_eq!(first.persons[1].curve, "rosen-2010");
-    assert_eq!(second.persons[1].curve, "tum-lr4s-front");
+    assert_eq!(&*first.persons[1].curve, "rosen-2010");
+    assert_eq!(&*second.persons[1].curve, "tum-lr4s-front");
     assert_eq!(first, harm(&on_foot(12.0)));
 }
 
@@ -56,7 +56,7 @@ fn d04_responsibility_weighs_once() {
     let stakes = [STAKES[0], Stake { responsibility: 0.5, ..STAKES[1] }];
     let rule = Rule::Responsibility;
     assert_eq!(rule.value(&[0.0, 0.4], &stakes), 0.1);
-    let sum = Measure::Weighted(vec![Term { rule, weight: 1.0 }]);
+    let sum = Measure::Weighted(vec![Term { rule, weight: 1.0 }].into());
     assert_eq!(sum.value(&[0.0, 0.4], 0.0, &stakes), 0.1);
     assert_eq!(Rule::Bayes.value(&[0.0, 0.4], &stakes), 0.2);
 }

@@ -51,10 +51,10 @@ fn a_tolerance_flips_where_the_next_comes_within_reach() {
 #[test]
 fn a_curve_flips_where_its_own_risks_overtake() {
     let curves = Curves::shipped().expect("sound");
-    let curve = |id: &str| curves.curves.iter().find(|c| c.id == id).expect("shipped").clone();
+    let curve = |id: &str| curves.curves.iter().find(|c| *c.id == *id).expect("shipped").clone();
     let with = |id: &str, v: f64| {
         let mut harm = settled(&[curve(id).risk(v)]);
-        harm.persons[0].curve = id.to_owned();
+        harm.persons[0].curve = id.into();
         harm.persons[0].x_m_s = Work::exactly(v);
         harm
     };
@@ -67,7 +67,7 @@ fn a_curve_flips_where_its_own_risks_overtake() {
         let a = reserve.flips_at.expect("it flips");
         let moved = |own: &str, v: f64| {
             let own = curve(own);
-            Curve { a: if own.id == id { a } else { own.a }, ..own }.risk(v)
+            Curve { a: if *own.id == *id { a } else { own.a }, ..own }.risk(v)
         };
         let gap = moved("rosen-2010", 12.0) - moved("tum-lr4s-front", 18.0);
         assert!(gap.abs() < 1e-8, "{id}: {gap}");

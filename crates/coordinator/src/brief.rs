@@ -1,0 +1,73 @@
+//! The answer as a program takes it: the figures where they were made, and nothing put into words.
+//!
+//! [`crate::Answer`] is for people and files: it copies names, writes hashes out and says why. Who
+//! lays an answer out in a message needs none of that, and asks on every request.
+
+use crate::answer::assumptions;
+use crate::request::Request;
+use damage::{CandidateHarm, PersonHarm, Place, Ranking, Scratch, State};
+
+/// Harm of every candidate and their order, and the room that they were made in.
+#[derive(Debug, Default)]
+pub(crate) struct Judged {
+    pub(crate) harms: Vec<CandidateHarm>,
+    pub(crate) ranking: Ranking,
+    pub(crate) scratch: Scratch,
+    /// Lists of persons that are not needed now.
+    pub(crate) persons: Vec<Vec<PersonHarm>>,
+}
+
+/// What was asked, answered.
+#[derive(Clone, Copy, Debug)]
+pub struct Brief<'w> {
+    request: &'w Request,
+    judged: &'w Judged,
+}
+
+/// One candidate in its place.
+#[derive(Clone, Copy, Debug)]
+pub struct BriefRow<'w> {
+    /// Its name.
+    pub name: &'w str,
+    /// Its rank.
+    pub place: &'w Place,
+    /// Its figures.
+    pub harm: &'w CandidateHarm,
+    /// The model cannot tell it from the first, or it is the first.
+    pub is_tied: bool,
+}
+
+impl<'w> Brief<'w> {
+    pub(crate) fn new(request: &'w Request, judged: &'w Judged) -> Self {
+        Self { request, judged }
+    }
+
+    /// How finished it is.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.judged.ranking.state
+    }
+
+    /// Candidates, least harm first.
+    pub fn rows(&self) -> impl Iterator<Item = BriefRow<'w>> {
+        let Self { request, judged } = *self;
+        judged.ranking.places.iter().map(|place| BriefRow {
+            name: &request.candidates[place.candidate].name,
+            place,
+            harm: &judged.harms[place.candidate],
+            is_tied: judged.ranking.tie_class.contains(&place.candidate),
+        })
+    }
+
+    /// The name of the party that a person belongs to.
+    #[must_use]
+    pub fn party_of(&self, person: &PersonHarm) -> &'w str {
+        &self.request.persons[person.id.0].party
+    }
+
+    /// What was assumed because nobody knows it, in a sentence; the first of several.
+    #[must_use]
+    pub fn assumption(&self) -> Option<String> {
+        assumptions(self.request).into_iter().next()
+    }
+}
