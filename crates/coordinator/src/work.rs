@@ -4,7 +4,6 @@ use crate::answer::Answer;
 use crate::brief::{Brief, Judged};
 use crate::case::{Aim, Case};
 use crate::cuts::Cuts;
-use crate::gather::{Gathered, Part};
 use crate::ledger::Ledger;
 use crate::request::{Request, RequestError};
 use crate::strategy::Strategy;
@@ -12,20 +11,22 @@ use crate::terms::Terms;
 use bvh::{Counters, NodePair, front, section};
 use damage::{Basis, CandidateHarm, Evidence, Ranking, assess_in, rank_in};
 use dispatch::{Closed, Spec};
+use geometry::RelativePose;
 use geometry::hash::splitmix64;
-use geometry::{RelativePose, Supports};
 use model::{BodyView, Meta};
 use outlook::Outlook;
-use protocol::result::read_rest;
 use protocol::{Question, Section, Task, TaskId};
 use room::Spare;
 use std::collections::VecDeque;
 
 mod choose;
+mod errand;
 mod keep;
 mod outlook;
 mod room;
 
+pub(crate) use errand::Errand;
+pub use errand::PartOf;
 pub use outlook::Certainty;
 pub use room::Room;
 
@@ -50,32 +51,6 @@ pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
     fn budget(&self) -> u64 {
         u64::MAX
     }
-}
-
-/// One question about one pose of one candidate.
-#[derive(Clone, Debug)]
-pub(crate) struct Errand {
-    pub(crate) case: usize,
-    pub(crate) aim: Aim,
-    pub(crate) travel_m: f64,
-    wire: Task,
-    /// The descent was made: jobs exist.
-    is_descended: bool,
-    /// Jobs not handed out yet; the last goes first.
-    todo: Vec<NodePair>,
-    /// Jobs handed out and not closed, the oldest first.
-    out: VecDeque<NodePair>,
-    /// Jobs that will not be done: what they would have found is not known.
-    lost: Vec<NodePair>,
-    /// What jobs whose budget was spent have left open, by the job.
-    rests: Vec<(NodePair, Vec<NodePair>)>,
-    /// Jobs that were done.
-    done: u64,
-    is_moot: bool,
-    /// Made when its jobs are made, taken when all of them are done.
-    found: Option<Gathered>,
-    /// What its open jobs could still reach when so many were open.
-    reach: Option<(usize, Supports)>,
 }
 
 /// What it took, in the terms of the cost model and beyond.
@@ -545,48 +520,5 @@ impl dispatch::Work for Work<'_> {
         let numbers = [model_a, model_b, question, job.a.node, job.b.node].map(u64::from);
         let pose = rotation.as_flattened().iter().chain(&translation).map(|value| value.to_bits());
         Some(numbers.into_iter().chain(pose).fold(0, |hash, next| splitmix64(hash ^ next)))
-    }
-}
-
-impl Errand {
-    /// Keeps what a part says was left open; it may come again.
-    fn keep_rest(&mut self, job: NodePair, part: &Part<'_>, spare: &mut Vec<Vec<NodePair>>) {
-        let words = part.rest;
-        let count = words.len().saturating_sub(1) as u32;
-        let Some((first, pairs)) = read_rest(words, count) else { return };
-        let at = self.rests.iter().position(|(of, _)| *of == job);
-        let at = at.unwrap_or_else(|| {
-            let mut room = spare.pop().unwrap_or_default();
-            room.clear();
-            self.rests.push((job, room));
-            self.rests.len() - 1
-        });
-        let rest = &mut self.rests[at].1;
-        // Parts come in order: this one goes on where the last one ended, or was seen before.
-        rest.truncate(first as usize);
-        if rest.len() as u64 == first {
-            rest.extend(pairs.map(|(a, b)| NodePair { a, b }));
-        }
-    }
-
-    /// Whether a job did all that was asked for, or left behind all that it did not, as far as this
-    /// part says.
-    fn is_whole(&self, job: NodePair, part: &Part<'_>) -> bool {
-        let Some(last) = part.last else { return true };
-        let kept = self.rests.iter().find(|(of, _)| *of == job).map_or(0, |(_, rest)| rest.len());
-        let is_complete = last.summary.end == protocol::result::End::Complete as u32;
-        kept as u64 == last.summary.rest && (is_complete || kept > 0)
-    }
-}
-
-/// One part of a result, taken apart.
-#[derive(Clone, Copy, Debug)]
-pub struct PartOf<'p>(pub(crate) Part<'p>);
-
-impl PartOf<'_> {
-    /// Whether its job did all that was asked for, as far as this part says.
-    pub(crate) fn is_whole(&self) -> bool {
-        let complete = protocol::result::End::Complete as u32;
-        self.0.last.is_none_or(|last| last.summary.end == complete)
     }
 }

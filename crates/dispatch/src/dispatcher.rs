@@ -20,111 +20,26 @@
 //! what did not come will not come. How often a life of a worker may lose something is bounded, and
 //! so is how often a core gets a new one (`restart.rs`); so every request comes to an end.
 
+mod counts;
 mod event;
 #[cfg(feature = "flaws")]
 mod flaw;
+mod job;
 mod lease;
 
+pub use counts::{Counts, Fence};
 pub use event::{Effect, Entry, Event, Progress, Why};
 #[cfg(feature = "flaws")]
 pub use flaw::Flaw;
+pub use job::{Closed, Spec, Work};
 
 use crate::ledger::{Cache, Ledger, Thrash, Transfer};
 use crate::quarantine::Quarantine;
 use crate::scheme::{CoreView, Scheme};
 use core::hash::Hash;
 use lease::Core;
-use protocol::{Incarnation, JobId, RequestId, Section, TaskId};
+use protocol::{Incarnation, JobId, RequestId, Section};
 use std::collections::VecDeque;
-
-/// A job as the dispatcher knows it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Spec {
-    /// The task it belongs to.
-    pub task: TaskId,
-    /// Section of body A.
-    pub a: Section,
-    /// Section of body B.
-    pub b: Section,
-}
-
-/// How a job ended for good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Closed {
-    /// All its parts were folded.
-    Done,
-    /// It could not matter any longer, and was not run.
-    Cut,
-    /// It failed too often; what it would have found is unknown.
-    Abandoned,
-    /// The time was up before it was done; what it would have found is unknown.
-    Late,
-}
-
-/// Where jobs come from and results go to.
-pub trait Work {
-    /// One part of a result.
-    type Part<'p>: Copy;
-
-    /// Hands over more jobs, if there are any by now.
-    fn more(&mut self, jobs: &mut Vec<Spec>);
-    /// Whether the rest of a task cannot matter any longer.
-    fn is_moot(&self, task: TaskId) -> bool;
-    /// Takes what one part found. May be called again with what a job found before.
-    fn fold(&mut self, job: &Spec, part: Self::Part<'_>);
-    /// Takes note that a job is closed: exactly once per job.
-    fn close(&mut self, job: &Spec, how: Closed);
-    /// Bytes of a section.
-    fn weight(&self, section: Section) -> u64;
-    /// What names the job in later requests too, so that one that takes workers down is not tried
-    /// again at once; `None`: nothing does.
-    fn key(&self, _job: &Spec) -> Option<u64> {
-        None
-    }
-}
-
-/// Why a part was not taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Fence {
-    /// It belongs to another request.
-    pub stale: u64,
-    /// The job is closed, or leased to somebody else, or in another attempt.
-    pub not_leased: u64,
-    /// A part came twice.
-    pub repeated: u64,
-    /// A part before it is missing.
-    pub gap: u64,
-}
-
-impl Fence {
-    /// All of them.
-    #[must_use]
-    pub fn sum(&self) -> u64 {
-        let Self { stale, not_leased, repeated, gap } = self;
-        stale + not_leased + repeated + gap
-    }
-}
-
-/// What was counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Jobs there were.
-    pub jobs: u64,
-    /// Jobs done.
-    pub done: u64,
-    /// Jobs cut because they could not matter.
-    pub cut: u64,
-    /// Jobs abandoned.
-    pub abandoned: u64,
-    /// Jobs that were open when the time was up.
-    pub late: u64,
-    /// Leases that ended without a result.
-    pub reissued: u64,
-    /// Batches sent.
-    pub batches: u64,
-    /// Parts turned away.
-    pub fence: Fence,
-}
 
 /// Sizes of queues and batches: the three settings that the seed calls "buffer".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

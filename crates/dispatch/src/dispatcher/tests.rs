@@ -3,6 +3,7 @@
 use super::*;
 use crate::{BestMatchLoad, Matching, RoundRobin};
 use proptest::prelude::*;
+use protocol::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 
 mod faults;

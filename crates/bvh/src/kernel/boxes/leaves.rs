@@ -120,8 +120,11 @@ fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> u64 {
     meeting
 }
 
-/// Which triangles of a leaf may meet a slab of its body's frame, `slack` (m) wider on both sides:
-/// bit i for the ith.
+/// Which triangles of a leaf may meet a slab of its body's frame: bit i for the ith.
+///
+/// `slack` (m) is what rounding may do to the slab on its way into this frame; the slab is made
+/// wider by twice as much on both sides, once for the corner of the grid and the length of its
+/// cells.
 ///
 /// Along the normal, a triangle reaches from the corner of its cells that lies farthest against it
 /// to the corner that lies farthest along it. Counted from the least corner of the grid, that is a
@@ -140,6 +143,7 @@ fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> 
     let cut_off = total * scale - (x + y + z) as f32;
     let start = dot_one(layer.normal, over.min) + 256.0 * sum(steps.min(0.0));
     let slack = 2.0 * slack as f32;
+    // One more on either side: what rounding may do to numbers of this size.
     let most = (layer.high + slack - start) * scale + 1.0;
     let least = (layer.low - slack - start - total) * scale - 255.0 * cut_off - 1.0;
     if most < 0.0 || least > f32::from(u16::MAX) {
