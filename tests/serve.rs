@@ -44,6 +44,18 @@ fn into_a_wall() -> Ask {
 const WALL: &[(&str, u32, u32)] = &[("sedan", 2000, 0), ("wall", 600, 0)];
 
 #[test]
+fn who_is_told_twice_to_end_cleans_up_all_the_same() {
+    let place = Place::new();
+    let file = deployment(&place, 2, WALL);
+    for pause_ms in [0, 1, 3] {
+        let serving = serve(&file, &[]);
+        signal(serving.child.id(), Signal::TERM);
+        std::thread::sleep(Duration::from_millis(pause_ms));
+        serving.end();
+    }
+}
+
+#[test]
 fn the_service_ranks_as_rank_does_in_every_bit_with_workers_and_without() {
     let place = Place::new();
     let scenario = place.write("six.toml", &six(2000));

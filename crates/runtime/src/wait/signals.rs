@@ -4,13 +4,18 @@ use crate::error::{OsError, Result};
 use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 use core::ptr;
+use core::sync::atomic::{AtomicBool, Ordering};
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, FromRawFd, OwnedFd};
 
 /// Length of what a signalfd gives per signal.
 const INFO_LEN: usize = size_of::<libc::signalfd_siginfo>();
 
-/// Blocks some signals in this thread for as long as it lives.
+/// Whether this process was told to end, by whichever of its [`Signals`] it was heard.
+static TOLD: AtomicBool = AtomicBool::new(false);
+
+/// Blocks some signals in this thread for as long as it lives; for good once one of them was taken:
+/// who was told to end is ending, and must not be stopped in that by being told again.
 #[derive(Debug)]
 pub(super) struct Signals {
     fd: OwnedFd,
@@ -57,12 +62,16 @@ impl Signals {
         let mut info = [0_u8; INFO_LEN];
         let got = rustix::io::read(&self.fd, &mut info).ok()?;
         let number = info.first_chunk::<4>().filter(|_| got == INFO_LEN)?;
+        TOLD.store(true, Ordering::Relaxed);
         i32::try_from(u32::from_ne_bytes(*number)).ok()
     }
 }
 
 impl Drop for Signals {
     fn drop(&mut self) {
+        if TOLD.load(Ordering::Relaxed) {
+            return;
+        }
         // SAFETY: `before` is the set that the kernel gave in `catch`; the old is not asked for.
         unsafe {
             libc::pthread_sigmask(libc::SIG_SETMASK, &raw const self.before.0, ptr::null_mut());
