@@ -59,7 +59,10 @@ impl Serving {
 
     /// Ends it as systemd would, and checks what it left; returns what it said.
     pub(crate) fn end(mut self) -> String {
-        signal(self.child.id(), Signal::TERM);
+        // One that was reaped has no process id any more.
+        if self.child.try_wait().unwrap().is_none() {
+            signal(self.child.id(), Signal::TERM);
+        }
         let status = wait_for(20_000, || self.child.try_wait().unwrap()).expect("it ends");
         let mut said = String::new();
         self.stderr.read_to_string(&mut said).unwrap();
