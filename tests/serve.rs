@@ -196,7 +196,7 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
     let serving = serve(&file, &[]);
     let instance = serving.instance.as_str();
     let answers = std::thread::scope(|scope| {
-        // Each asks until it was served so often: how often it is told busy is the machine's affair.
+        // Each asks until it was served: how often it is told busy is up to the machine.
         let flood = || {
             let mut client = connect(instance);
             let (mut verdicts, mut served) = (Vec::new(), 0);
