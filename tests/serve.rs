@@ -188,6 +188,19 @@ fn clients_that_are_killed_in_the_middle_leave_room_for_others() {
 }
 
 #[test]
+fn no_two_clients_number_their_requests_alike() {
+    let place = Place::new();
+    let serving = serve(&deployment(&place, 1, WALL), &[]);
+    let mut clients = [connect(&serving.instance), connect(&serving.instance)];
+    let mut ask = |client: usize| clients[client].ask(&into_a_wall(), PATIENCE).sequence;
+    let (first, second) = (ask(0), ask(1));
+    assert_eq!((ask(0), ask(1)), (first.wrapping_add(1), second.wrapping_add(1)));
+    assert!(first.abs_diff(second) > 1 << 20, "{first} {second}");
+    drop(clients);
+    serving.end();
+}
+
+#[test]
 fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
     let place = Place::new();
     let file = deployment(&place, 1, WALL);

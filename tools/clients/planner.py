@@ -9,6 +9,7 @@ Slice counts bytes, not items, and its samples have to be deleted.
 """
 
 import ctypes
+import secrets
 import sys
 import time
 from ctypes import c_char, c_double, c_uint32, c_uint64
@@ -149,7 +150,8 @@ def main() -> int:
 
     end_ns = time.monotonic_ns() + 1_000_000_000
     ask = what_is_left()
-    ask.sequence, ask.answer_by_ns = 1, end_ns
+    # A number that no other client chooses: whoever was killed here before may still be answered.
+    ask.sequence, ask.answer_by_ns = secrets.randbits(64), end_ns
     request = client.loan_uninit().write_payload(ask)
     pending = request.send()
     bell.notify()
@@ -158,7 +160,8 @@ def main() -> int:
         if response is not None:
             answer = Answer.from_buffer_copy(response.payload().contents)
             response.delete()
-            break
+            if answer.sequence == ask.sequence:
+                break
         time.sleep(0.0001)
     else:
         print("refused: no answer came in time", file=sys.stderr)

@@ -29,14 +29,17 @@
 //!
 //! - [`Client::ask`] returns by its deadline, whatever has become of the service: an answer that
 //!   did not come is a refusal made here, [`Reason::Silence`] or [`Reason::NoService`].
+//! - An answer is to what was asked: it carries a number that no other client chooses.
 //! - A service that was restarted is found again without help: `tests/serve.rs` at the top level.
 //!
 //! It knows the public structs and the transport, and nothing of bodies, harm or policies.
 
 use core::fmt;
+use core::hash::{BuildHasher as _, Hasher as _};
 use core::time::Duration;
 use protocol::public::{Answer, Ask, Reason, Verdict};
 use rustix::time::{ClockId, Timespec, clock_gettime};
+use std::hash::RandomState;
 use transport::{Address, Client as Port, UseError};
 
 pub use protocol::public;
@@ -77,7 +80,10 @@ impl Client {
     pub fn connect(folder: &str, instance: &str, waiting: Waiting) -> Result<Self, OpenError> {
         let address = Address::new(folder, instance)?;
         let port = Some(Port::open(&address)?);
-        Ok(Self { address, waiting, port, sequence: 0, unserved: 0 })
+        // Random, so that no two clients number their requests alike: an answer to one that was
+        // killed is then not taken for an answer to the one that got its place.
+        let sequence = RandomState::new().build_hasher().finish();
+        Ok(Self { address, waiting, port, sequence, unserved: 0 })
     }
 
     /// Asks, and waits for the answer, at most for so long. The client numbers its requests: what
@@ -87,7 +93,7 @@ impl Client {
     #[must_use]
     pub fn ask(&mut self, ask: &Ask, patience: Duration) -> Answer {
         let end_ns = now_ns().saturating_add(nanoseconds(patience));
-        self.sequence += 1;
+        self.sequence = self.sequence.wrapping_add(1);
         let ask = Ask { sequence: self.sequence, answer_by_ns: end_ns, ..*ask };
         let answer = self.exchange(&ask, end_ns);
         self.unserved = match answer.reason() {

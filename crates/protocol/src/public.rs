@@ -51,7 +51,8 @@ pub struct Ask {
     pub party_count: u32,
     /// Persons that are filled in, 0 to 64.
     pub person_count: u32,
-    /// The client's own number; the answer carries it.
+    /// The client's own number; the answer carries it. A client begins at random: iceoryx2 may
+    /// hand it the answer to one that was killed in its place, which it knows by this alone.
     pub sequence: u64,
     /// When the answer is of no more use, on CLOCK_MONOTONIC (ns); 0: never.
     pub answer_by_ns: u64,

@@ -1,79 +1,96 @@
 //! Where requests are taken: all there are, each turn, so that nobody waits unheard.
+//!
+//! Whoever asks gets the answer to what it asked, or none: what is held for a client that said
+//! that it goes is let go before the next one is looked for. A client that was killed does not say;
+//! one in its place is safe because no two clients choose the same sequence numbers.
 
 use crate::stats::Stats;
-use protocol::public::{Answer, Reason, Verdict};
+use protocol::public::{Answer, Ask, Reason, Verdict};
 use runtime::clock;
 use std::collections::VecDeque;
 use transport::{Asked, Server, UseError};
 
-/// A request that waits.
-pub(crate) struct Waiting {
-    pub(crate) asked: Asked,
+/// A request that is to be worked off.
+pub(crate) struct Taken {
+    pub(crate) ask: Ask,
     /// When it was taken (ns).
     pub(crate) taken_ns: u64,
 }
 
-/// The server's port, and who waits before it.
+/// The server's port, who waits before it, and who is being attended to.
 pub(crate) struct Desk {
     pub(crate) server: Server,
     pub(crate) stats: Stats,
-    waiting: VecDeque<Waiting>,
+    /// With the time of taking (ns).
+    waiting: VecDeque<(Asked, u64)>,
+    /// What [`Desk::next`] gave out; `None` also if its client has gone since.
+    at_work: Option<Asked>,
     capacity: usize,
 }
 
 impl Desk {
     pub(crate) fn new(server: Server, stats: Stats, capacity: usize) -> Self {
-        Self { server, stats, waiting: VecDeque::with_capacity(capacity), capacity }
+        let waiting = VecDeque::with_capacity(capacity);
+        Self { server, stats, waiting, at_work: None, capacity }
     }
 
     /// Takes every request there is; those that find the queue full are answered *busy* at once.
     pub(crate) fn drain(&mut self) {
         loop {
+            // Before iceoryx2 looks who is there: it knows a client by its place in a table and a
+            // request by a number that every client begins anew, so that the request of one that
+            // has gone would pass for the request of one that came in its place.
+            self.forget_unwanted();
             let asked = match self.server.take() {
                 Ok(Some(asked)) => asked,
                 Ok(None) => return,
-                // Its client gave others up that still wait here.
+                // Its client gave others up, just now.
                 Err(UseError::Full) if self.forget_unwanted() > 0 => continue,
-                // What is being worked on for nobody ends soon; a broken channel is cleaned up.
+                // A broken channel is cleaned up.
                 Err(error) => {
                     tracing::debug!(%error, "a request could not be taken");
                     return;
                 }
             };
-            let taken_ns = clock::now_ns();
             if self.waiting.len() < self.capacity {
-                self.waiting.push_back(Waiting { asked, taken_ns });
+                self.waiting.push_back((asked, clock::now_ns()));
                 continue;
             }
             let text = "the queue is full: ask again";
             let sequence = asked.ask().sequence;
             let answer = Answer::without_ranking(sequence, Verdict::Busy, Reason::QueueFull, text);
-            self.answer(asked, &answer);
+            self.hand_over(asked, &answer);
         }
     }
 
     /// Lets go of requests that nobody wants any more; says how many.
     fn forget_unwanted(&mut self) -> usize {
-        let before = self.waiting.len();
-        self.waiting.retain(|waiting| waiting.asked.is_wanted());
-        let forgotten = before - self.waiting.len();
+        let held = |desk: &Self| desk.waiting.len() + usize::from(desk.at_work.is_some());
+        let before = held(self);
+        self.waiting.retain(|(asked, _)| asked.is_wanted());
+        self.at_work.take_if(|asked| !asked.is_wanted());
+        let forgotten = before - held(self);
         self.stats.withdrawn += forgotten as u64;
         forgotten
     }
 
-    /// The next one whose client still waits.
-    pub(crate) fn next(&mut self) -> Option<Waiting> {
-        while let Some(waiting) = self.waiting.pop_front() {
-            if waiting.asked.is_wanted() {
-                return Some(waiting);
-            }
-            self.stats.withdrawn += 1;
-        }
-        None
+    /// The next one whose client still waits: to be [answered](Self::answer) before the next.
+    pub(crate) fn next(&mut self) -> Option<Taken> {
+        self.forget_unwanted();
+        let (asked, taken_ns) = self.waiting.pop_front()?;
+        let ask = *asked.ask();
+        self.at_work = Some(asked);
+        Some(Taken { ask, taken_ns })
     }
 
-    /// Hands an answer over, and counts it.
-    pub(crate) fn answer(&mut self, asked: Asked, answer: &Answer) {
+    /// Answers what [`Desk::next`] gave out, if its client is still there.
+    pub(crate) fn answer(&mut self, answer: &Answer) {
+        if let Some(asked) = self.at_work.take() {
+            self.hand_over(asked, answer);
+        }
+    }
+
+    fn hand_over(&mut self, asked: Asked, answer: &Answer) {
         match asked.answer(answer) {
             Ok(()) => self.stats.answered(answer.verdict()),
             // The client has gone: nobody is left to tell.
@@ -85,3 +102,6 @@ impl Desk {
         self.waiting.len()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use crate::answer::lay_out;
 use crate::ask::{self, Refusal};
 use crate::deployment::{Deployment, Idle};
-use crate::desk::{Desk, Waiting};
+use crate::desk::{Desk, Taken};
 use crate::housekeeping::Housekeeping;
 use crate::stats::{Stats, Times};
 use crate::team::Team;
@@ -248,7 +248,7 @@ impl Service<'_> {
     fn turn_until_told(&mut self) -> Result<(), ServiceError> {
         let mut looked_ns = 0;
         while !self.is_stopping {
-            let waiting = {
+            let taken = {
                 let mut desk = self.desk.borrow_mut();
                 // First the rings, then the requests: one that comes in between rings again.
                 if self.site.deployment.idle == Idle::Park {
@@ -257,8 +257,8 @@ impl Service<'_> {
                 desk.drain();
                 desk.next()
             };
-            if let Some(waiting) = waiting {
-                self.answer(waiting);
+            if let Some(taken) = taken {
+                self.answer(taken);
                 looked_ns = 0;
             }
             let now_ns = clock::now_ns();
@@ -340,9 +340,8 @@ impl Service<'_> {
     }
 
     /// Works one request off, and answers it.
-    fn answer(&mut self, waiting: Waiting) {
-        let Waiting { asked, taken_ns } = waiting;
-        let ask = *asked.ask();
+    fn answer(&mut self, taken: Taken) {
+        let Taken { ask, taken_ns } = taken;
         let (faults, allocations) = (realtime::page_faults(), heap::allocations());
         let begun_ns = clock::now_ns();
         let mut times = Times::default();
@@ -357,7 +356,7 @@ impl Service<'_> {
         answer.queued_ns = begun_ns - taken_ns;
         answer.worked_ns = clock::now_ns() - begun_ns;
         let mut desk = self.desk.borrow_mut();
-        desk.answer(asked, &answer);
+        desk.answer(&answer);
         times.set(Stage::Total, clock::now_ns() - taken_ns);
         let faulted = realtime::page_faults();
         let faults = (faulted.0 - faults.0) + (faulted.1 - faults.1);
@@ -452,12 +451,11 @@ impl Service<'_> {
     fn part(&mut self) {
         let mut desk = self.desk.borrow_mut();
         desk.drain();
-        while let Some(waiting) = desk.next() {
-            let sequence = waiting.asked.ask().sequence;
+        while let Some(Taken { ask, .. }) = desk.next() {
             let text = "the service is stopping";
             let answer =
-                Answer::without_ranking(sequence, Verdict::Refused, Reason::Stopping, text);
-            desk.answer(waiting.asked, &answer);
+                Answer::without_ranking(ask.sequence, Verdict::Refused, Reason::Stopping, text);
+            desk.answer(&answer);
         }
         drop(desk);
         self.tell(Condition::Stopping);

@@ -73,7 +73,11 @@ impl Server {
         Ok(server)
     }
 
-    /// Takes a request; `None` if there is none. Never waits.
+    /// Takes a request that somebody waits for; `None` if there is none. Never waits.
+    ///
+    /// What is [wanted no more](Asked::is_wanted) has to be dropped before: once another client
+    /// has come to the place of one that has gone, the request of the one may pass for the
+    /// other's.
     ///
     /// # Errors
     ///
@@ -81,14 +85,18 @@ impl Server {
     /// are held here: let go of those that nobody wants. [`UseError::Broken`] if a client's channel
     /// is not what it should be.
     pub fn take(&self) -> Result<Option<Asked>, UseError> {
-        match self.port.receive() {
-            Ok(Some(request)) => {
-                let ask = read_once(&request.payload().0);
-                Ok(Some(Asked { request, ask }))
+        loop {
+            match self.port.receive() {
+                Ok(Some(request)) if request.is_connected() => {
+                    let ask = read_once(&request.payload().0);
+                    return Ok(Some(Asked { request, ask }));
+                }
+                // Its client has gone. To drop it is what frees the channel.
+                Ok(Some(_)) => {}
+                Ok(None) => return Ok(None),
+                Err(ReceiveError::ExceedsMaxBorrows) => return Err(UseError::Full),
+                Err(ReceiveError::ConnectionFailure(_)) => return Err(UseError::Broken),
             }
-            Ok(None) => Ok(None),
-            Err(ReceiveError::ExceedsMaxBorrows) => Err(UseError::Full),
-            Err(ReceiveError::ConnectionFailure(_)) => Err(UseError::Broken),
         }
     }
 
@@ -210,7 +218,9 @@ pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
         .max_borrowed_responses_per_pending_response(1)
         .enable_safe_overflow_for_requests(false)
         .enable_safe_overflow_for_responses(false)
-        .enable_fire_and_forget_requests(false)
+        // Nobody fires and forgets here, and such requests are dropped. But without it iceoryx2
+        // 0.10 never returns a request whose client has gone, and keeps its channel for ever.
+        .enable_fire_and_forget_requests(true)
         .open_or_create()
         .map_err(OpenError::at("open", RANK))
 }

@@ -141,6 +141,25 @@ fn a_client_that_gives_up_again_and_again_is_heard_once_the_server_lets_go() {
     assert_eq!(pending.receive().unwrap(), Some(refused(9)));
 }
 
+/// iceoryx2 has room for 128 such channels, and then panics: a client that left a request behind
+/// must leave nothing else.
+#[test]
+fn clients_that_ask_and_go_before_they_are_heard_leave_nothing() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let kept = scene.left().len();
+    for sequence in 0..300 {
+        let client = Client::open(&scene.address).unwrap();
+        assert!(server.take().unwrap().is_none(), "the server knows it");
+        let pending = client.ask(&Ask::new(sequence)).unwrap();
+        drop(client);
+        drop(pending);
+        assert!(server.take().unwrap().is_none(), "nobody wants it");
+        assert!(server.take().unwrap().is_none());
+        assert_eq!(scene.left().len(), kept, "after {sequence}");
+    }
+}
+
 #[test]
 fn the_same_client_works_with_the_next_server() {
     let scene = Scene::new();

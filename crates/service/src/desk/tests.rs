@@ -1,0 +1,88 @@
+//! Whoever asks gets the answer to what it asked, whoever was there before it.
+
+use super::*;
+use protocol::public::Ask;
+use transport::{Address, Client};
+
+struct Scene {
+    _folder: tempfile::TempDir,
+    address: Address,
+    desk: Desk,
+}
+
+impl Scene {
+    fn new(number: u32, capacity: usize) -> Self {
+        let folder = tempfile::Builder::new().prefix("d").tempdir_in("/dev/shm").unwrap();
+        let instance = format!("d{:x}-{number}", std::process::id() & 0xff_ffff);
+        let address = Address::new(folder.path().to_str().unwrap(), &instance).unwrap();
+        let server = Server::open(&address).unwrap();
+        let desk = Desk::new(server, Stats::new().unwrap(), capacity);
+        Self { _folder: folder, address, desk }
+    }
+
+    fn client(&self) -> Client {
+        Client::open(&self.address).unwrap()
+    }
+}
+
+fn refused(text: &str) -> Answer {
+    Answer::without_ranking(1, Verdict::Refused, Reason::Malformed, text)
+}
+
+/// The second client takes the first one's place in every table of iceoryx2, and both count their
+/// requests from the same number.
+#[test]
+fn nobody_gets_the_answer_of_a_client_that_has_gone() {
+    let mut scene = Scene::new(0, 4);
+    let first = scene.client();
+    let pending = first.ask(&Ask::new(1)).unwrap();
+    scene.desk.drain();
+    assert_eq!(scene.desk.next().unwrap().ask.sequence, 1);
+    drop((pending, first));
+
+    let second = scene.client();
+    let pending = second.ask(&Ask::new(1)).unwrap();
+    scene.desk.drain();
+    scene.desk.answer(&refused("to the first"));
+    assert_eq!(pending.receive().unwrap(), None);
+    assert!(scene.desk.next().is_some(), "it is still wanted");
+    scene.desk.answer(&refused("to the second"));
+    assert_eq!(pending.receive().unwrap(), Some(refused("to the second")));
+    assert_eq!(scene.desk.stats.health().withdrawn, 1);
+}
+
+#[test]
+fn nobody_loses_an_answer_to_one_who_waited_in_its_place() {
+    let mut scene = Scene::new(1, 4);
+    let busy = scene.client();
+    let kept = busy.ask(&Ask::new(9)).unwrap();
+    scene.desk.drain();
+    scene.desk.next().unwrap();
+    let first = scene.client();
+    let pending = first.ask(&Ask::new(1)).unwrap();
+    scene.desk.drain();
+    assert_eq!(scene.desk.waiting(), 1);
+    drop((pending, first));
+
+    let second = scene.client();
+    let pending = second.ask(&Ask::new(1)).unwrap();
+    scene.desk.drain();
+    scene.desk.answer(&refused("to the busy one"));
+    assert_eq!(kept.receive().unwrap(), Some(refused("to the busy one")));
+    assert!(scene.desk.next().is_some());
+    scene.desk.answer(&refused("to the second"));
+    assert_eq!(pending.receive().unwrap(), Some(refused("to the second")));
+    assert!(scene.desk.next().is_none());
+}
+
+#[test]
+fn beyond_the_queue_the_answer_is_busy() {
+    let mut scene = Scene::new(2, 1);
+    let clients: Vec<Client> = (0..3).map(|_| scene.client()).collect();
+    let ask = |client: &Client| client.ask(&Ask::new(1)).unwrap();
+    let pending: Vec<_> = clients.iter().map(ask).collect();
+    scene.desk.drain();
+    let verdict = |pending: &transport::Pending| pending.receive().unwrap().map(|a| a.verdict());
+    let busy = pending.iter().filter(|pending| verdict(pending) == Some(Verdict::Busy)).count();
+    assert_eq!((busy, scene.desk.waiting()), (2, 1));
+}
