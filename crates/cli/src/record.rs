@@ -93,7 +93,7 @@ pub(crate) fn bodies(scenario: &Scenario, loaded: &[Loaded]) -> Result<Vec<Body>
             }
             _ => Source::Generated,
         };
-        Ok(Body { party: party.name.clone(), source, hash })
+        Ok(Body { party: party.name.to_string(), source, hash })
     };
     scenario.parties.iter().zip(loaded).map(one).collect()
 }

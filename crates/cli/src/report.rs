@@ -94,7 +94,7 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
         }
         let parties = again.scenario.parties.iter().zip(again.views);
         let bodies = parties.map(|(party, (_, view))| Body {
-            name: party.name.clone(),
+            name: party.name.to_string(),
             corners: view.corners.to_vec(),
         });
         Ok(Made {

@@ -131,7 +131,7 @@ impl Answer {
         cases: &[Case],
         bodies: &[(Meta, BodyView<'_>)],
     ) -> Self {
-        let name = |number: usize| request.candidates[number].name.clone();
+        let name = |number: usize| request.candidates[number].name.to_string();
         let rows = ranking.places.iter().enumerate().map(|(at, place)| {
             let next = ranking.places.get(at + 1).map(|next| next.candidate);
             let (harm, case) = (&harms[place.candidate], &cases[place.candidate]);
@@ -205,8 +205,8 @@ fn row(
         parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
     };
     Row {
-        name: candidate.name.clone(),
-        other: candidate.other_name.clone(),
+        name: candidate.name.to_string(),
+        other: candidate.other_name.to_string(),
         work: place.work,
         range: place.range,
         certain: place.certain,
@@ -251,7 +251,7 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
 
 fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
     let row = |person: &damage::PersonHarm| PersonRow {
-        party: request.persons[person.id.0].party.clone(),
+        party: request.persons[person.id.0].party.to_string(),
         seat: person.seat.map(model::Seat::name),
         victim: person.victim.name(),
         curve: person.curve.to_string(),

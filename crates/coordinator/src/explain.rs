@@ -185,7 +185,7 @@ impl Explanation {
             curves: request.curves.curves.iter().filter(used).cloned().collect(),
             chains: (0..ranking.places.len()).map(chain).collect(),
             stability,
-            names: request.candidates.iter().map(|candidate| candidate.name.clone()).collect(),
+            names: request.candidates.iter().map(|candidate| candidate.name.to_string()).collect(),
             steps,
         })
     }
@@ -203,8 +203,8 @@ fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chai
     let parties = [&candidate.a, &candidate.b];
     let patch = harm.contact.patch.as_ref();
     Chain {
-        name: candidate.name.clone(),
-        other: candidate.other_name.clone(),
+        name: candidate.name.to_string(),
+        other: candidate.other_name.to_string(),
         touch: harm.contact.touch,
         first_m: patch.map(|patch| patch.first_m.hi()),
         closing_m_s: harm.closing_m_s,
@@ -242,7 +242,7 @@ fn separation(
         found.map_or(0.0, |person| harm.probability * person.work.hi())
     };
     Some(Separation {
-        party: person.party.clone(),
+        party: person.party.to_string(),
         seat: person.seat.map(model::Seat::name),
         here: risk(here),
         there: risk(there),
@@ -262,7 +262,7 @@ fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) 
         format!("{} at {} x {}", ids.join(", "), end.times, end.x.name())
     };
     PersonChain {
-        party: request.persons[person.id.0].party.clone(),
+        party: request.persons[person.id.0].party.to_string(),
         seat: person.seat.map(model::Seat::name),
         victim: person.victim.name(),
         curve: person.curve.to_string(),

@@ -55,7 +55,7 @@ pub use here::{Desk, run_here, run_watched};
 pub use ledger::Ledger;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;
-pub use request::{Request, RequestError};
+pub use request::{Candidates, Request, RequestError};
 pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};

@@ -10,14 +10,16 @@ use damage::{
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use model::{BodyView, Kind, Meta, Seat};
-use scenario::{Scenario, State};
+use scenario::{Name, Scenario, State};
+use smallvec::SmallVec;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// One candidate, before any work.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
-    pub(crate) name: String,
-    pub(crate) other_name: String,
+    pub(crate) name: Name,
+    pub(crate) other_name: Name,
     pub(crate) model_a: u32,
     pub(crate) model_b: u32,
     /// B seen from A at the given pose.
@@ -47,16 +49,29 @@ impl Candidate {
 /// A person at stake, by name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Person {
-    pub(crate) party: String,
+    pub(crate) party: Name,
     pub(crate) seat: Option<Seat>,
     pub(crate) stake: Stake,
 }
+
+/// The one fixed list of persons; as many as a planner may name take nothing from the heap.
+pub(crate) type Persons = SmallVec<[Person; damage::party::IN_PLACE]>;
+
+/// Which persons of the list are with each party.
+type Aboards = SmallVec<[Range<usize>; PARTIES]>;
+
+/// Parties for which there is room in place.
+const PARTIES: usize = 17;
+
+/// Room for the candidates of a request, kept from an earlier one.
+#[derive(Debug, Default)]
+pub struct Candidates(Vec<Candidate>);
 
 /// Everything that is asked, and by what it will be judged.
 #[derive(Clone, Debug)]
 pub struct Request {
     pub(crate) candidates: Vec<Candidate>,
-    pub(crate) persons: Vec<Person>,
+    pub(crate) persons: Persons,
     pub(crate) policy: Arc<Policy>,
     pub(crate) curves: Arc<Curves>,
     pub(crate) parameters: Parameters,
@@ -105,11 +120,12 @@ impl Request {
     ) -> Result<Self, RequestError> {
         let models: Vec<usize> = (0..scenario.parties.len()).collect();
         let support = |model: usize, direction: DVec3| support(&bodies[model].1, direction);
-        Self::made(scenario, bodies, &models, (policy.into(), curves.into()), &support)
+        let rules = (policy.into(), curves.into());
+        Self::made(scenario, bodies, &models, rules, &support, Candidates::default())
     }
 
     /// The same for parties that share bodies that many requests are asked about: party i has body
-    /// `models[i]`, and `extremes` are those of the bodies.
+    /// `models[i]`, and `extremes` are those of the bodies. The room is that of an earlier request.
     ///
     /// # Errors
     ///
@@ -122,12 +138,12 @@ impl Request {
         scenario: &Scenario,
         bodies: &[(Meta, BodyView<'_>)],
         (models, extremes): (&[usize], &[Extremes]),
-        policy: impl Into<Arc<Policy>>,
-        curves: impl Into<Arc<Curves>>,
+        rules: (Arc<Policy>, Arc<Curves>),
+        room: Candidates,
     ) -> Result<Self, RequestError> {
         let support =
             |model: usize, direction: DVec3| extremes[model].support(&bodies[model].1, direction);
-        Self::made(scenario, bodies, models, (policy.into(), curves.into()), &support)
+        Self::made(scenario, bodies, models, rules, &support, room)
     }
 
     fn made(
@@ -136,16 +152,19 @@ impl Request {
         models: &[usize],
         (policy, curves): (Arc<Policy>, Arc<Curves>),
         support: &impl Fn(usize, DVec3) -> f64,
+        Candidates(mut candidates): Candidates,
     ) -> Result<Self, RequestError> {
         let body = |party: usize| &bodies[models[party]];
         let (persons, aboard) = persons(scenario, &body);
-        let mut candidates = Vec::new();
+        candidates.clear();
         for candidate in &scenario.candidates {
             let (ego, other) = (scenario.ego.0, candidate.other.party.0);
             let (state_a, state_b) = (&candidate.ego, &candidate.other.state);
             let pose = RelativePose::between(&state_a.pose, &state_b.pose);
             let party = |number: usize, to_ego: Option<&RelativePose>| {
-                party(&body(number).0, &scenario.parties[number], to_ego, aboard[number].clone())
+                let seat = |id: usize| Aboard { id: PersonId(id), seat: persons[id].seat };
+                let aboard = aboard[number].clone().map(seat);
+                party(&body(number).0, &scenario.parties[number], to_ego, aboard)
             };
             let (a, b) = (party(ego, None), party(other, Some(&pose)));
             let supports = (
@@ -154,7 +173,7 @@ impl Request {
             );
             let approach = approach(supports, &pose, (state_a, state_b), (&a, &b));
             let meeting = plan(&approach).map_err(|source| RequestError::Approach {
-                name: candidate.name.clone(),
+                name: candidate.name.to_string(),
                 source,
             })?;
             candidates.push(Candidate {
@@ -174,6 +193,12 @@ impl Request {
         Ok(Self { candidates, persons, policy, curves, parameters: Parameters::default() })
     }
 
+    /// The room, for the next request.
+    #[must_use]
+    pub fn into_room(self) -> Candidates {
+        Candidates(self.candidates)
+    }
+
     /// The policy.
     #[must_use]
     pub fn policy(&self) -> &Policy {
@@ -185,9 +210,9 @@ impl Request {
 fn persons<'b>(
     scenario: &Scenario,
     body: &impl Fn(usize) -> &'b (Meta, BodyView<'b>),
-) -> (Vec<Person>, Vec<Vec<Aboard>>) {
-    let mut persons = Vec::new();
-    let mut aboard = Vec::new();
+) -> (Persons, Aboards) {
+    let mut persons = Persons::new();
+    let mut aboard = Aboards::new();
     for (number, party) in scenario.parties.iter().enumerate() {
         let meta = &body(number).0;
         let is_ego = number == scenario.ego.0;
@@ -198,14 +223,12 @@ fn persons<'b>(
         let speed = states.map(|state| state.velocity_m_s.length()).fold(0.0, f64::max);
         let stated = party.persons.as_deref().or(meta.occupants.as_deref());
         let stake = Stake { is_ego, responsibility: party.responsibility };
-        aboard.push(Vec::new());
-        if party.is_unknown {
-            continue;
+        let first = persons.len();
+        if !party.is_unknown {
+            let crew = crew(meta.kind, speed, stated).into_iter();
+            persons.extend(crew.map(|seat| Person { party: party.name.clone(), seat, stake }));
         }
-        for seat in crew(meta.kind, speed, stated) {
-            aboard[number].push(Aboard { id: PersonId(persons.len()), seat });
-            persons.push(Person { party: party.name.clone(), seat, stake });
-        }
+        aboard.push(first..persons.len());
     }
     (persons, aboard)
 }
@@ -214,7 +237,7 @@ fn party(
     meta: &Meta,
     stated: &scenario::Party,
     to_ego: Option<&RelativePose>,
-    persons: Vec<Aboard>,
+    aboard: impl Iterator<Item = Aboard>,
 ) -> Party {
     let centre = DVec3::from_array(meta.centre_m);
     let (centre_m, forward) = match to_ego {
@@ -238,7 +261,7 @@ fn party(
         forward,
         stiffness: stated.crush.map(|[a_n_m, b_n_m2]| Stiffness { a_n_m, b_n_m2 }),
         concave: is_concave(kind),
-        persons,
+        persons: aboard.collect(),
     }
 }
 

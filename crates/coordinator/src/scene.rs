@@ -34,7 +34,7 @@ impl Work<'_> {
             };
             let u = candidate.approach.directions.d[0];
             Scene {
-                name: candidate.name.clone(),
+                name: candidate.name.to_string(),
                 models: [candidate.model_a as usize, candidate.model_b as usize],
                 pose: candidate.pose.moved(-u * travel_m),
                 travel_m,

@@ -215,8 +215,10 @@ impl<'w> Work<'w> {
         persons.extend(harms.drain(..).rev().map(|harm| harm.persons));
         for (case, candidate) in request.candidates.iter().enumerate() {
             let list = persons.pop().unwrap_or_default();
-            let mut harm = assess_in(&candidate.encounter(), &evidence(case), &basis, list)
-                .map_err(|source| RequestError::Assess { name: candidate.name.clone(), source })?;
+            let mut harm =
+                assess_in(&candidate.encounter(), &evidence(case), &basis, list).map_err(
+                    |source| RequestError::Assess { name: candidate.name.to_string(), source },
+                )?;
             change(&mut harm);
             harms.push(harm);
         }

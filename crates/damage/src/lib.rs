@@ -42,12 +42,12 @@
 //!     forward: DVec3::X,
 //!     stiffness: None,
 //!     concave: false,
-//!     persons: vec![Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }],
+//!     persons: [Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }].into_iter().collect(),
 //! };
 //! let wall = Party {
 //!     kind: Kind::Wall,
 //!     mass_kg: None,
-//!     persons: Vec::new(),
+//!     persons: Default::default(),
 //!     ..car.clone()
 //! };
 //! let meeting = plan(&approach)?;

@@ -9,6 +9,7 @@ use geometry::DVec3;
 use model::meta::Occupant;
 use model::{Kind, Seat};
 use serde::Serialize;
+use smallvec::{SmallVec, smallvec};
 
 /// A person of the request: a number in the one fixed list of persons for all candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -22,6 +23,12 @@ pub struct Aboard {
     /// Where; `None` on foot.
     pub seat: Option<Seat>,
 }
+
+/// Persons of a party for whom lists have room in place: for more it comes from the heap.
+pub const IN_PLACE: usize = 64;
+
+/// Who is with a body, by their seats; `None` on foot.
+pub type Crew = SmallVec<[Option<Seat>; IN_PLACE]>;
 
 /// A party of a collision, in A's frame at the given pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +48,7 @@ pub struct Party {
     /// Whether the body is concave in plan, so that its hull says nothing about the normal.
     pub concave: bool,
     /// Who is with it.
-    pub persons: Vec<Aboard>,
+    pub persons: SmallVec<[Aboard; IN_PLACE]>,
 }
 
 /// The side of a vehicle that is struck.
@@ -172,21 +179,21 @@ pub fn is_concave(kind: Kind) -> bool {
 /// Who is with a body: as stated, or, where nobody said, one driver or rider if it moves (our
 /// assumption), and the person itself on foot.
 #[must_use]
-pub fn crew(kind: Kind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Vec<Option<Seat>> {
+pub fn crew(kind: Kind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Crew {
     if let Some(stated) = stated {
         return stated.iter().map(|o| o.seat).collect();
     }
     let is_moving = speed_m_s > 0.0;
     match kind {
-        Kind::Pedestrian => vec![None],
+        Kind::Pedestrian => smallvec![None],
         Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus if is_moving => {
-            vec![Some(Seat::FrontLeft)]
+            smallvec![Some(Seat::FrontLeft)]
         }
-        Kind::Motorcycle | Kind::Cyclist if is_moving => vec![Some(Seat::Rider)],
+        Kind::Motorcycle | Kind::Cyclist if is_moving => smallvec![Some(Seat::Rider)],
         Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus | Kind::Motorcycle | Kind::Cyclist => {
-            Vec::new()
+            Crew::new()
         }
-        Kind::Wall | Kind::Pole | Kind::Building => Vec::new(),
+        Kind::Wall | Kind::Pole | Kind::Building => Crew::new(),
     }
 }
 

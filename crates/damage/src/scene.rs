@@ -119,7 +119,9 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
         forward: DVec3::new(cos, sin, 0.0),
         stiffness: None,
         concave: false,
-        persons: vec![Aboard { id: PersonId(person), seat: Some(Seat::FrontLeft) }],
+        persons: [Aboard { id: PersonId(person), seat: Some(Seat::FrontLeft) }]
+            .into_iter()
+            .collect(),
     }
 }
 
@@ -133,7 +135,7 @@ pub(crate) fn walker(person: usize, centre: [f64; 2]) -> Party {
         forward: DVec3::X,
         stiffness: None,
         concave: false,
-        persons: vec![Aboard { id: PersonId(person), seat: None }],
+        persons: [Aboard { id: PersonId(person), seat: None }].into_iter().collect(),
     }
 }
 
@@ -147,7 +149,7 @@ pub(crate) fn fixed(kind: Kind, centre: [f64; 2]) -> Party {
         forward: DVec3::X,
         stiffness: None,
         concave: kind == Kind::Building,
-        persons: Vec::new(),
+        persons: Default::default(),
     }
 }
 

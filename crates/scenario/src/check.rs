@@ -11,7 +11,7 @@ use crate::limit::{self, Limit, Show};
 use crate::names::{self, choices, quoted};
 use crate::raw::{self, Table};
 use crate::rules;
-use crate::scenario::{Candidate, FileRef, Party, PartyIndex, SCHEMA, Scenario, Source};
+use crate::scenario::{Candidate, FileRef, Occupants, Party, PartyIndex, SCHEMA, Scenario, Source};
 use model::{Fit, Kind, Seat, meta::Occupant};
 use std::time::Duration;
 use toml::de::DeValue;
@@ -152,7 +152,7 @@ impl Checker<'_> {
         let crush = raw.crush.map(|Table(crush)| stiffness(&crush, &path.key("crush")));
         Ok(Party {
             place: self.place(&path),
-            name: key,
+            name: key.into(),
             source,
             size,
             mass_kg,
@@ -250,14 +250,14 @@ fn list_persons(
     raw: &[Table<raw::Person>],
     kind: Option<Kind>,
     parent: &Path,
-) -> Result<Vec<Occupant>, Fault> {
+) -> Result<Occupants, Fault> {
     let path = parent.key("persons");
     if raw.len() > limit::PERSONS_MAX {
         let fault = format!("{} persons are too many", raw.len());
         let help = format!("a party holds at most {} persons", limit::PERSONS_MAX);
         return Err(Misfit::new("persons", fault, help)).at(&path);
     }
-    let mut persons = Vec::with_capacity(raw.len());
+    let mut persons = Occupants::new();
     for (index, Table(person)) in raw.iter().enumerate() {
         let path = path.index(index).key("seat");
         let meaning = |seat: &String| names::meaning::<Seat>("seat", seat);

@@ -52,7 +52,7 @@ pub use document::Place;
 pub use engine::{Cores, Depth, Engine, Overrides, Scheme, WrittenDepth};
 pub use error::{Misfit, ScenarioError};
 pub use scenario::{
-    Candidate, FileRef, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source, State,
-    TEXT_BYTES_MAX,
+    Candidate, FileRef, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source,
+    State, TEXT_BYTES_MAX,
 };
 pub use schema::schema;

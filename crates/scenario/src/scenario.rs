@@ -7,6 +7,7 @@ use crate::check;
 use crate::document::Place;
 use crate::engine::Engine;
 use crate::error::{Misfit, ScenarioError};
+use crate::limit;
 use crate::rules;
 use geometry::{DVec3, Pose};
 use model::{Fit, Kind, generate::Shape, meta::Occupant};
@@ -39,6 +40,12 @@ pub struct Scenario {
     pub candidates: Vec<Candidate>,
 }
 
+/// A name; copies of it take nothing from the heap.
+pub type Name = smol_str::SmolStr;
+
+/// Persons of one party; the list takes nothing from the heap up to the most there may be.
+pub type Occupants = smallvec::SmallVec<[Occupant; limit::PERSONS_MAX]>;
+
 /// Number of a party in [`Scenario::parties`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PartyIndex(pub usize);
@@ -57,7 +64,7 @@ pub struct FileRef {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Party {
     /// Its name, unique in the scenario.
-    pub name: String,
+    pub name: Name,
     /// Where its table stands.
     pub place: Place,
     /// Where its triangles come from.
@@ -67,7 +74,7 @@ pub struct Party {
     /// Mass instead of the model's, in kg.
     pub mass_kg: Option<f64>,
     /// Persons instead of the model's; an empty list: nobody.
-    pub persons: Option<Vec<Occupant>>,
+    pub persons: Option<Occupants>,
     /// Share of responsibility of its persons, 0 to 1.
     pub responsibility: f64,
     /// Nobody knows what it is: its body is its shape alone.
@@ -96,7 +103,7 @@ pub enum Source {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// What people call it.
-    pub name: String,
+    pub name: Name,
     /// Where it stands in the file.
     pub place: Place,
     /// Probability that the collision happens if this candidate is chosen, 0 to 1.

@@ -9,6 +9,8 @@ use protocol::public::{
     Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Party, Reason, VERSION,
 };
 use scenario::{Candidate, Misfit, Opponent, PartyIndex, Place, Scenario, State, live};
+use smallvec::SmallVec;
+use smol_str::format_smolstr;
 
 /// Why a request is refused, for the program and for people.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,9 +28,26 @@ fn refuse<T>(reason: Reason, text: impl Into<String>) -> Result<T, Refusal> {
 pub(crate) struct Checked {
     pub(crate) scenario: Scenario,
     /// The body of each party in the store.
-    pub(crate) models: Vec<usize>,
+    pub(crate) models: SmallVec<[usize; PARTIES_MAX]>,
     /// What was assumed because nobody knows it.
     pub(crate) has_unknown: bool,
+}
+
+/// Room for what a request lists.
+#[derive(Debug, Default)]
+pub(crate) struct Lists {
+    parties: Vec<scenario::Party>,
+    candidates: Vec<Candidate>,
+}
+
+impl Checked {
+    /// The room, for the next request.
+    pub(crate) fn into_room(self) -> Lists {
+        let Scenario { mut parties, mut candidates, .. } = self.scenario;
+        parties.clear();
+        candidates.clear();
+        Lists { parties, candidates }
+    }
 }
 
 /// Seats by their numbers on the wire; 0 is a person on foot.
@@ -48,16 +67,17 @@ pub fn seat_number(seat: Option<Seat>) -> u32 {
     SEATS.iter().position(|known| *known == seat).unwrap_or(0) as u32
 }
 
-/// Checks a request against the deployment and its bodies.
+/// Checks a request against the deployment and its bodies. The room is that of an earlier request.
 pub(crate) fn check(
     ask: &Ask,
     deployment: &Deployment,
     bodies: &[(Meta, BodyView<'_>)],
+    room: Lists,
 ) -> Result<Checked, Refusal> {
     counts(ask)?;
     let parties = &ask.parties[..ask.party_count as usize];
-    let mut models = Vec::with_capacity(parties.len());
-    let mut checked = Vec::with_capacity(parties.len());
+    let Lists { parties: mut checked, candidates } = room;
+    let mut models = SmallVec::<[usize; PARTIES_MAX]>::new();
     for (number, party) in parties.iter().enumerate() {
         let Some(model) = deployment.model(party.model) else {
             let text = format!("party {number}: the deployment has no model {}", party.model);
@@ -74,9 +94,10 @@ pub(crate) fn check(
         engine: deployment.engine.clone(),
         ego: PartyIndex(ask.ego as usize),
         parties: checked,
-        candidates: candidates(ask)?,
+        candidates: listed(ask, candidates)?,
     };
-    let kinds: Vec<Kind> = models.iter().map(|model| bodies[*model].0.kind).collect();
+    let kinds: SmallVec<[Kind; PARTIES_MAX]> =
+        models.iter().map(|model| bodies[*model].0.kind).collect();
     if let Err(error) = scenario.check_kinds("", &kinds) {
         let number = error.place.line;
         return refuse(Reason::Misfit, format!("{} {}", whose(number), error.fault));
@@ -173,7 +194,7 @@ fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, 
         own.map(|person| Occupant { seat: SEATS[person.seat as usize] }).collect()
     });
     Ok(scenario::Party {
-        name: number.to_string(),
+        name: format_smolstr!("{number}"),
         place: place(number),
         // Bodies are in the store already: nobody looks for this one.
         source: scenario::Source::File(scenario::FileRef {
@@ -192,8 +213,7 @@ fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, 
     })
 }
 
-fn candidates(ask: &Ask) -> Result<Vec<Candidate>, Refusal> {
-    let mut candidates = Vec::with_capacity(ask.candidate_count as usize);
+fn listed(ask: &Ask, mut candidates: Vec<Candidate>) -> Result<Vec<Candidate>, Refusal> {
     for (number, asked) in ask.candidates[..ask.candidate_count as usize].iter().enumerate() {
         let at = PARTIES_MAX + number;
         if asked.party >= ask.party_count || asked.party == ask.ego {
@@ -205,7 +225,7 @@ fn candidates(ask: &Ask) -> Result<Vec<Candidate>, Refusal> {
             State::new(motion.position_m, motion.angles_deg, motion.velocity_m_s).map_err(&beyond)
         };
         candidates.push(Candidate {
-            name: number.to_string(),
+            name: format_smolstr!("{number}"),
             place: place(at),
             probability: live::share("probability", asked.probability).map_err(&beyond)?,
             ego: state(&asked.ego)?,

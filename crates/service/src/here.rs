@@ -4,10 +4,10 @@
 //! must be, and what the service itself costs.
 
 use crate::answer::lay_out;
-use crate::ask::{self, Refusal};
+use crate::ask::{self, Lists, Refusal};
 use crate::deployment::Deployment;
 use bvh::support::Extremes;
-use coordinator::{Desk, Request, Room, Work};
+use coordinator::{Candidates, Desk, Request, Room, Work};
 use damage::{Curves, Policy};
 use model::{BodyView, Meta};
 use protocol::public::{Answer, Ask, Reason, Verdict};
@@ -21,6 +21,8 @@ pub struct Here<'b> {
     extremes: Vec<Extremes>,
     rules: (Arc<Policy>, Arc<Curves>),
     depth: u32,
+    lists: Lists,
+    candidates: Candidates,
     room: Room,
     desk: Desk<'b>,
 }
@@ -36,8 +38,9 @@ impl<'b> Here<'b> {
     ) -> Self {
         let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
         let rules = (Arc::new(policy), Arc::new(curves));
+        let (lists, candidates) = (Lists::default(), Candidates::default());
         let (room, desk) = (Room::default(), Desk::new(bodies));
-        Self { deployment, bodies, extremes, rules, depth, room, desk }
+        Self { deployment, bodies, extremes, rules, depth, lists, candidates, room, desk }
     }
 
     /// Answers a request.
@@ -53,16 +56,19 @@ impl<'b> Here<'b> {
             reason: Reason::Unassessable,
             text: error.to_string(),
         };
-        let checked = ask::check(ask, self.deployment, self.bodies)?;
-        let (policy, curves) = self.rules.clone();
+        let lists = core::mem::take(&mut self.lists);
+        let checked = ask::check(ask, self.deployment, self.bodies, lists)?;
+        let candidates = core::mem::take(&mut self.candidates);
         let models = (&checked.models[..], &self.extremes[..]);
-        let request = Request::with_models(&checked.scenario, self.bodies, models, policy, curves);
+        let (scenario, rules) = (&checked.scenario, self.rules.clone());
+        let request = Request::with_models(scenario, self.bodies, models, rules, candidates);
         let request = request.map_err(unassessable)?;
         let room = core::mem::take(&mut self.room);
         let mut work = Work::in_room(&request, self.bodies, self.depth, room);
         self.desk.work_off(&mut work);
         let answer = work.brief(|brief| lay_out(ask.sequence, brief));
         self.room = work.into_room();
+        (self.candidates, self.lists) = (request.into_room(), checked.into_room());
         answer.map_err(unassessable)
     }
 }

@@ -1,14 +1,14 @@
 //! The service's life: open, tell systemd, answer one request after the other, end on a signal.
 
 use crate::answer::lay_out;
-use crate::ask::{self, Refusal};
+use crate::ask::{self, Lists, Refusal};
 use crate::deployment::{Deployment, Idle};
 use crate::desk::{Desk, Taken};
 use crate::housekeeping::Housekeeping;
 use crate::stats::{Stats, Times};
 use crate::team::Team;
 use bvh::support::Extremes;
-use coordinator::{Attendant, CrewError, Options, Pursuit, Request, Room, Terms, Work};
+use coordinator::{Attendant, Candidates, CrewError, Options, Pursuit, Request, Room, Terms, Work};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -129,6 +129,8 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
         site,
         extremes: site.bodies.iter().map(|(_, body)| Extremes::of(body)).collect(),
         rules: (Arc::new(site.policy.clone()), Arc::new(site.curves.clone())),
+        lists: Lists::default(),
+        candidates: Candidates::default(),
         room: Room::default(),
         desk,
         team,
@@ -193,7 +195,9 @@ struct Service<'s> {
     /// What can lie farthest of each body.
     extremes: Vec<Extremes>,
     rules: (Arc<Policy>, Arc<Curves>),
-    /// Room for the work of requests: empty while one is worked on.
+    // Room for the work of requests: empty while one is worked on.
+    lists: Lists,
+    candidates: Candidates,
     room: Room,
     // Dropped in this order: the workers, the files, then the port.
     team: Team<'s>,
@@ -376,14 +380,15 @@ impl Service<'_> {
             return Err(refuse(Reason::TooLate, text));
         }
         let site = self.site;
-        let checked = ask::check(ask, site.deployment, site.bodies)?;
+        let lists = core::mem::take(&mut self.lists);
+        let checked = ask::check(ask, site.deployment, site.bodies, lists)?;
         self.request += 1;
         let request = Request::with_models(
             &checked.scenario,
             site.bodies,
             (&checked.models, &self.extremes),
-            self.rules.0.clone(),
-            self.rules.1.clone(),
+            self.rules.clone(),
+            core::mem::take(&mut self.candidates),
         );
         let unassessable =
             |error: coordinator::RequestError| refuse(Reason::Unassessable, chain(&error));
@@ -420,8 +425,10 @@ impl Service<'_> {
         times.set(Stage::Work, worked_ns - planned_ns);
         let answer = work.brief(|brief| lay_out(ask.sequence, brief));
         self.room = work.into_room();
+        let has_unknown = checked.has_unknown;
+        (self.candidates, self.lists) = (request.into_room(), checked.into_room());
         let mut answer = answer.map_err(unassessable)?;
-        if checked.has_unknown && answer.verdict().has_ranking() {
+        if has_unknown && answer.verdict().has_ranking() {
             answer.say("parties of unknown kind were taken as fixed, with nobody in them");
         }
         let done_ns = clock::now_ns();

@@ -65,12 +65,12 @@ fn impossible_parties_are_refused() {
 
 #[test]
 fn who_nobody_stated_is_one_driver_of_what_moves() {
-    assert_eq!(crew(Kind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
-    assert_eq!(crew(Kind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
+    assert_eq!(*crew(Kind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
+    assert_eq!(*crew(Kind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
     assert!(crew(Kind::Bus, 0.0, None).is_empty());
     assert!(crew(Kind::Wall, 0.0, None).is_empty());
-    assert_eq!(crew(Kind::Pedestrian, 0.0, None), [None]);
+    assert_eq!(*crew(Kind::Pedestrian, 0.0, None), [None]);
     assert!(crew(Kind::Sedan, 3.0, Some(&[])).is_empty());
     let two = [Seat::FrontLeft, Seat::RearRight].map(|s| Occupant { seat: Some(s) });
-    assert_eq!(crew(Kind::Sedan, 0.0, Some(&two)), [Some(Seat::FrontLeft), Some(Seat::RearRight)]);
+    assert_eq!(*crew(Kind::Sedan, 0.0, Some(&two)), [Some(Seat::FrontLeft), Some(Seat::RearRight)]);
 }

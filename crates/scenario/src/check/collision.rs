@@ -29,7 +29,7 @@ pub(super) fn candidate(
             .at(&path.key(velocity_key(&raw_state)))?;
     }
     let other = Opponent { party, state: other_state };
-    Ok(Candidate { name: raw.name, place, probability, ego: ego_state, other })
+    Ok(Candidate { name: raw.name.into(), place, probability, ego: ego_state, other })
 }
 
 /// The party of this name, which is not the ego.

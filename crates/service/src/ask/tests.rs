@@ -51,14 +51,14 @@ fn minimal() -> Ask {
 }
 
 fn refused(ask: &Ask) -> Refusal {
-    check(ask, &deployment(), &bodies()).unwrap_err()
+    check(ask, &deployment(), &bodies(), Lists::default()).unwrap_err()
 }
 
 #[test]
 fn what_a_scenario_asks_is_what_the_engine_gets() {
     let scenario = Scenario::parse("minimal.toml", SCENARIO).unwrap();
-    let checked = check(&minimal(), &deployment(), &bodies()).unwrap();
-    assert_eq!(checked.models, [0, 2, 1]);
+    let checked = check(&minimal(), &deployment(), &bodies(), Lists::default()).unwrap();
+    assert_eq!(checked.models[..], [0, 2, 1]);
     assert_eq!(checked.scenario.ego, scenario.ego);
     for (ours, theirs) in checked.scenario.candidates.iter().zip(&scenario.candidates) {
         assert_eq!((ours.ego, ours.other), (theirs.ego, theirs.other));
@@ -153,7 +153,7 @@ proptest! {
             let at = at.index(bytes.len());
             bytes[at] = byte;
         }
-        if let Ok(checked) = check(&ask, &deployment(), &bodies()) {
+        if let Ok(checked) = check(&ask, &deployment(), &bodies(), Lists::default()) {
             prop_assert!(checked.scenario.candidates.len() <= CANDIDATES_MAX);
             for candidate in &checked.scenario.candidates {
                 prop_assert!(candidate.ego.pose.translation.iter().all(|m| m.abs() <= 1e6));
