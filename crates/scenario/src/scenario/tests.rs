@@ -19,7 +19,7 @@ fn the_full_scenario_reads_as_it_is_written() {
     };
     let heading = Pose::from_degrees(90.0, 0.0, 0.0, [0.0; 3]).rotation;
     let party = |name: &str, place, source| Party {
-        name: name.to_owned(),
+        name: name.into(),
         place,
         source,
         size: None,
@@ -52,7 +52,7 @@ fn the_full_scenario_reads_as_it_is_written() {
         parties: vec![
             Party {
                 mass_kg: Some(1500.0),
-                persons: Some(vec![seat(Seat::FrontLeft), seat(Seat::RearRight)]),
+                persons: Some([Seat::FrontLeft, Seat::RearRight].into_iter().map(seat).collect()),
                 responsibility: 0.5,
                 ..party(
                     "car",
@@ -76,7 +76,7 @@ fn the_full_scenario_reads_as_it_is_written() {
         ],
         candidates: vec![
             Candidate {
-                name: "walker".to_owned(),
+                name: "walker".into(),
                 place: at(44, 1),
                 probability: 0.75,
                 ego: state(
@@ -93,7 +93,7 @@ fn the_full_scenario_reads_as_it_is_written() {
                 },
             },
             Candidate {
-                name: "post".to_owned(),
+                name: "post".into(),
                 place: at(61, 1),
                 probability: 1.0,
                 ego: state(0.0, 0.0, 0.0, [0.0; 3], 3.0, 4.0),

@@ -62,7 +62,7 @@ fn encounters(scenario: &Scenario) -> Vec<Encounter> {
         let relative = RelativePose::between(&candidate.ego.pose, &other.state.pose);
         let yaw = |r: [[f64; 3]; 3]| r[1][0].atan2(r[0][0]).to_degrees();
         Encounter {
-            name: candidate.name.clone(),
+            name: candidate.name.to_string(),
             across_m,
             travelled_m: travelled.fold(f64::INFINITY, f64::min),
             boxes_overlap: a.bounds.bounds().overlaps(&relative.bounds(&b.bounds)),
