@@ -73,6 +73,14 @@ def draw(samples, path):
     path.write_text("\n".join(out))
 
 
+def flat(samples, key):
+    """Medians and most of the second and the last tenth: the first is of warming up."""
+    tenth = max(len(samples) // 10, 1)
+    parts = {"second_tenth": samples[tenth:2 * tenth], "last_tenth": samples[-tenth:]}
+    values = {name: sorted(s[key] for s in part) or [0] for name, part in parts.items()}
+    return {name: {"median": v[len(v) // 2], "most": v[-1]} for name, v in values.items()}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=30)
@@ -140,10 +148,9 @@ def main():
         "wrong": sum(d["wrong"] for _, d in documents),
         "single_queries_by_exit_code": single,
         "service": seen,
-        "resident_mb": {"first": samples[len(samples) // 10]["resident_mb"],
-                        "last": samples[-1]["resident_mb"]},
-        "descriptors": {"most": max(s["descriptors"] for s in samples),
-                        "last": samples[-1]["descriptors"]},
+        "resident_mb": flat(samples, "resident_mb"),
+        "descriptors": flat(samples, "descriptors"),
+        "names": flat(samples, "names"),
         "exit_code": code,
         "names_left": names(),
     }
