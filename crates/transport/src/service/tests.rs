@@ -141,7 +141,7 @@ fn a_client_that_gives_up_again_and_again_is_heard_once_the_server_lets_go() {
     assert_eq!(pending.receive().unwrap(), Some(refused(9)));
 }
 
-/// iceoryx2 has room for 128 such channels, and keeps them for ever: a client that left a request behind
+/// iceoryx2 has room for 128 channels that it never gives back: a client that left a request behind
 /// must leave nothing else.
 #[test]
 fn clients_that_ask_and_go_before_they_are_heard_leave_nothing() {
