@@ -1,15 +1,12 @@
 //! The work of one request: tasks become jobs, results become evidence, evidence becomes an answer.
 
-use crate::answer::Answer;
-use crate::brief::{Brief, Judged};
 use crate::case::{Aim, Case};
 use crate::cuts::Cuts;
 use crate::ledger::Ledger;
-use crate::request::{Request, RequestError};
+use crate::request::Request;
 use crate::strategy::Strategy;
 use crate::terms::Terms;
 use bvh::{Counters, NodePair, front, section};
-use damage::{Basis, CandidateHarm, Evidence, Ranking, assess_in, rank_in};
 use dispatch::{Closed, Spec};
 use geometry::RelativePose;
 use geometry::hash::splitmix64;
@@ -21,6 +18,7 @@ use std::collections::VecDeque;
 
 mod choose;
 mod errand;
+mod judge;
 mod keep;
 mod outlook;
 mod room;
@@ -174,75 +172,6 @@ impl<'w> Work<'w> {
     #[must_use]
     pub fn effort(&self) -> Effort {
         self.effort
-    }
-
-    /// The answer that follows from what is known by now.
-    ///
-    /// # Errors
-    ///
-    /// If a candidate cannot be assessed or ranked at all: then the request is refused.
-    pub fn answer(&self) -> Result<Answer, RequestError> {
-        let (harms, ranking) = self.judge()?;
-        Ok(Answer::new(self.request, &ranking, &harms, &self.cases, self.bodies))
-    }
-
-    /// Harm of every candidate, and their order.
-    pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
-        self.judge_by(|case| self.evidence(case), |_| {})
-    }
-
-    /// The same by other evidence, and with harm changed before it is ranked.
-    pub(crate) fn judge_by(
-        &self,
-        evidence: impl Fn(usize) -> Evidence,
-        change: impl Fn(&mut CandidateHarm),
-    ) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
-        let mut judged = Judged::default();
-        self.judge_in(&mut judged, evidence, change)?;
-        Ok((judged.harms, judged.ranking))
-    }
-
-    /// The same in room that was used before.
-    fn judge_in(
-        &self,
-        judged: &mut Judged,
-        evidence: impl Fn(usize) -> Evidence,
-        change: impl Fn(&mut CandidateHarm),
-    ) -> Result<(), RequestError> {
-        let request = self.request;
-        let basis = self.basis();
-        let Judged { harms, ranking, scratch, persons } = judged;
-        persons.extend(harms.drain(..).rev().map(|harm| harm.persons));
-        for (case, candidate) in request.candidates.iter().enumerate() {
-            let list = persons.pop().unwrap_or_default();
-            let mut harm =
-                assess_in(&candidate.encounter(), &evidence(case), &basis, list).map_err(
-                    |source| RequestError::Assess { name: candidate.name.to_string(), source },
-                )?;
-            change(&mut harm);
-            harms.push(harm);
-        }
-        rank_in(scratch, &request.policy, self.outlook.stakes(), harms, ranking)?;
-        Ok(())
-    }
-
-    /// Tells `of` the answer that follows from what is known by now, as a program takes it.
-    ///
-    /// # Errors
-    ///
-    /// As [`Work::answer`].
-    pub fn brief<T>(&mut self, of: impl FnOnce(&Brief<'_>) -> T) -> Result<T, RequestError> {
-        let mut judged = std::mem::take(&mut self.spare.judged);
-        let made = self.judge_in(&mut judged, |case| self.evidence(case), |_| {});
-        let told = made.map(|()| of(&Brief::new(self.request, &judged)));
-        self.spare.judged = judged;
-        told
-    }
-
-    /// By what harm is computed.
-    fn basis(&self) -> Basis<'w> {
-        let Request { curves, policy, parameters, .. } = self.request;
-        Basis { curves, level: policy.outcome, parameters }
     }
 
     /// A candidate at work.
