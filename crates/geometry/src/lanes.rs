@@ -98,21 +98,34 @@ pub fn gather<S: Simd>(simd: S, triangles: &[Corners], numbers: &[u32]) -> [[f32
 /// Four columns from `at` on, of eight rows.
 #[inline(always)]
 fn columns<S: Simd>(simd: S, rows: &[&[f32]; 8], at: usize) -> [f32x8<S>; 4] {
-    let row = |i: usize| f32x4::from_slice(simd, &rows[i][at..at + 4]);
-    let [a, b, c, d] = transposed([row(0), row(1), row(2), row(3)]);
-    let [e, f, g, h] = transposed([row(4), row(5), row(6), row(7)]);
-    [a.combine(e), b.combine(f), c.combine(g), d.combine(h)]
+    let four = |i: usize| f32x4::from_slice(simd, &rows[i][at..at + 4]);
+    let two = |i: usize| four(i).combine(four(i + 4));
+    let [p, q, r, s] = [two(0), two(1), two(2), two(3)];
+    let ([even, even_high], [odd, odd_high]) = (zip(simd, p, r), zip(simd, q, s));
+    let ([a, b], [c, d]) = (zip(simd, even, odd), zip(simd, even_high, odd_high));
+    [a, b, c, d]
 }
 
-/// Rows become columns.
+/// The elements of both in turn: of the first halves of each half, and of the second halves.
+///
+/// That is one instruction where a vector of eight is one register, but only there.
 #[inline(always)]
-fn transposed<S: Simd>([p, q, r, s]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
-    let (even, odd) = (p.zip_low(r), q.zip_low(s));
-    let (even_high, odd_high) = (p.zip_high(r), q.zip_high(s));
-    [
-        even.zip_low(odd),
-        even.zip_high(odd),
-        even_high.zip_low(odd_high),
-        even_high.zip_high(odd_high),
-    ]
+fn zip<S: Simd>(simd: S, p: f32x8<S>, q: f32x8<S>) -> [f32x8<S>; 2] {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use core::arch::x86_64::{__m256, _mm256_unpackhi_ps, _mm256_unpacklo_ps};
+        fearless_simd::kernel!(
+            #[inline(always)]
+            fn unpack(_simd: Avx2, p: __m256, q: __m256) -> [__m256; 2] {
+                [_mm256_unpacklo_ps(p, q), _mm256_unpackhi_ps(p, q)]
+            }
+        );
+        if let Some(avx2) = simd.level().as_avx2() {
+            let here = |v: f32x8<S>| f32x8::simd_from(avx2, <[f32; 8]>::from(v)).into();
+            let back = |v| f32x8::simd_from(simd, <[f32; 8]>::from(f32x8::simd_from(avx2, v)));
+            return unpack(avx2, here(p), here(q)).map(back);
+        }
+    }
+    let ((p, r), (q, s)) = (p.split(), q.split());
+    [p.zip_low(q).combine(r.zip_low(s)), p.zip_high(q).combine(r.zip_high(s))]
 }
