@@ -1,5 +1,7 @@
 //! Which triangles of one body were hit: a set of bits, emptied in as long as it took to fill.
 
+use geometry::patch::{Places, ROOM, WORDS};
+use std::array::from_fn;
 use std::ops::Range;
 
 const BITS: usize = u64::BITS as usize;
@@ -11,13 +13,14 @@ pub(crate) struct Hits {
     /// The words that are not 0: so many of these.
     used: Vec<u32>,
     count: usize,
-    /// Number of the first bit: 63 before the range, where a word that is put in may begin.
+    /// Number of the first bit: before the range, where places that are put in may begin.
     first: usize,
 }
 
-/// Words for a range of so many triangles, and one behind them.
+/// Words for a range of so many triangles, for places that begin before it, and for those that end
+/// behind it.
 fn words(triangles: usize) -> usize {
-    (triangles + BITS - 1).div_ceil(BITS) + 1
+    (triangles + ROOM - 1).div_ceil(BITS) + WORDS
 }
 
 impl Hits {
@@ -44,35 +47,46 @@ impl Hits {
             self.words[word as usize] = 0;
         }
         self.count = 0;
-        self.first = (range.start as usize).saturating_sub(BITS - 1);
+        self.first = (range.start as usize).saturating_sub(ROOM - 1);
         assert!(words(range.len()) <= self.words.len(), "no room for the triangles of this job");
     }
 
     /// Whether the triangle is in the set.
     pub(crate) fn has(&self, triangle: u32) -> bool {
-        let at = triangle as usize - self.first;
-        self.words[at / BITS] >> (at % BITS) & 1 == 1
+        let (word, shift) = self.at(triangle as usize);
+        self.words[word] >> shift & 1 == 1
     }
 
-    /// Which of 64 triangles are in the set: bit i for number `first` + i.
-    pub(crate) fn bits(&self, first: u32) -> u64 {
-        let at = first as usize - self.first;
-        let (word, shift) = (at / BITS, at % BITS);
-        self.words[word] >> shift | self.words[word + 1] << 1 << (BITS - 1 - shift)
+    /// Which triangles are in the set, counted from number `first` on.
+    pub(crate) fn places(&self, first: u32) -> Places {
+        Places::of(from_fn(|i| {
+            let (word, shift) = self.at(first as usize + i * BITS);
+            self.words[word] >> shift | self.words[word + 1] << 1 << (BITS - 1 - shift)
+        }))
     }
 
     /// Puts the triangle in; whether it was not there before.
     pub(crate) fn insert(&mut self, triangle: u32) -> bool {
-        self.insert_bits(triangle, 1) != 0
+        let (word, shift) = self.at(triangle as usize);
+        self.insert_word(word, 1 << shift) != 0
     }
 
-    /// Puts triangles in: bit i is for number `first` + i. Returns those that were not there.
-    pub(crate) fn insert_bits(&mut self, first: u32, bits: u64) -> u64 {
-        let at = first as usize - self.first;
-        let (word, shift) = (at / BITS, at % BITS);
-        // Branches here would depend on where leaves begin, and nothing predicts that.
-        let new = self.insert_word(word, bits << shift) >> shift;
-        new | self.insert_word(word + 1, bits >> 1 >> (BITS - 1 - shift)) << 1 << (BITS - 1 - shift)
+    /// Puts triangles in, counted from number `first` on. Returns those that were not there.
+    pub(crate) fn insert_places(&mut self, first: u32, places: &Places) -> Places {
+        let words = places.words();
+        Places::of(from_fn(|i| {
+            let (bits, (word, shift)) = (words[i], self.at(first as usize + i * BITS));
+            // Branches here would depend on where leaves begin, and nothing predicts that.
+            let new = self.insert_word(word, bits << shift) >> shift;
+            let over = self.insert_word(word + 1, bits >> 1 >> (BITS - 1 - shift));
+            new | over << 1 << (BITS - 1 - shift)
+        }))
+    }
+
+    /// The word of a number, and the bit in it.
+    fn at(&self, number: usize) -> (usize, usize) {
+        let at = number - self.first;
+        (at / BITS, at % BITS)
     }
 
     fn insert_word(&mut self, at: usize, bits: u64) -> u64 {
@@ -92,3 +106,6 @@ impl Hits {
         (self.words.as_ptr(), self.words.capacity())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -38,6 +38,7 @@
 mod boxes;
 mod one;
 mod pairs;
+mod places;
 #[cfg(test)]
 mod tests;
 
@@ -50,13 +51,14 @@ use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 
 pub use boxes::Boxes;
 pub use one::{OneBox, side_by_side};
-pub use pairs::{ALL, Pairs};
+pub use pairs::Pairs;
+pub use places::{Places, WORDS};
 
 /// Triangles side by side.
 pub const LANES: usize = 8;
 
-/// The most triangles of a patch: the bits of a word.
-pub const ROOM: usize = 64;
+/// The most triangles of a patch.
+pub const ROOM: usize = 128;
 
 /// By how much boxes of B are enlarged, and slabs: 32 u = 2⁻¹⁹ times L.
 const PLACE_ERROR: f32 = f32::from_bits((127 - 19) << 23);
@@ -101,21 +103,6 @@ impl<'a> Posed<'a> {
     #[must_use]
     pub fn triangles(&self, [a, b]: [u32; 2]) -> [Triangle; 2] {
         [Triangle::stored(&self.a[a as usize]), self.pose.triangle(&self.b[b as usize])]
-    }
-
-    /// The triangles of A whose bit is set, counted from number `first` on, on their way into a
-    /// patch: between here and there is time for them to come from memory.
-    #[must_use]
-    #[inline(always)]
-    pub fn want_a<S: Simd>(&self, simd: S, first: u32, bits: u64) -> Wanted {
-        Wanted::of(simd, self.a, first, bits)
-    }
-
-    /// Triangles of B, likewise.
-    #[must_use]
-    #[inline(always)]
-    pub fn want_b<S: Simd>(&self, simd: S, first: u32, bits: u64) -> Wanted {
-        Wanted::of(simd, self.b, first, bits)
     }
 
     /// The frame close to a patch in a box of A's frame and one in a box of B's.
@@ -201,32 +188,6 @@ pub trait Choice<S: Simd> {
     fn of(&self, corners: &[Vector<S>; 3], boxes: &Boxes<S>) -> mask32x8<S>;
 }
 
-/// Numbers of triangles of one body that will be looked at.
-#[derive(Clone, Copy, Debug)]
-pub struct Wanted {
-    /// Behind the last one, up to eight, stands some number that is there.
-    numbers: [u32; ROOM],
-    count: usize,
-}
-
-impl Wanted {
-    /// The bits that are set, counted from number `first` on. Fetching the triangles begins.
-    ///
-    /// Eight at a time, since nothing predicts how many there are: the first triangle is there.
-    #[inline(always)]
-    fn of<S: Simd>(simd: S, triangles: &[Corners], first: u32, mut bits: u64) -> Self {
-        let (mut numbers, count) = ([first; ROOM], bits.count_ones() as usize);
-        for eight in numbers.as_chunks_mut::<LANES>().0.iter_mut().take(count.div_ceil(LANES)) {
-            for number in eight {
-                *number = first + bits.trailing_zeros() % ROOM as u32;
-                prefetch(simd, triangles, *number as usize);
-                bits &= bits.wrapping_sub(1);
-            }
-        }
-        Self { numbers, count }
-    }
-}
-
 /// Triangles of one body: their boxes in the close frame, side by side.
 #[derive(Clone, Debug)]
 pub struct Patch {
@@ -235,6 +196,10 @@ pub struct Patch {
     max: [Column; 3],
     triangles: [u32; PLACES],
     count: usize,
+    /// Triangles that will be looked at; behind the last one, up to eight, stands some number that
+    /// is there.
+    wanted: [u32; PLACES],
+    wanted_count: usize,
 }
 
 /// A coordinate of every triangle.
@@ -253,7 +218,14 @@ struct Placed<S: Simd> {
 impl Default for Patch {
     fn default() -> Self {
         const ZERO: Column = [0.0; PLACES];
-        Self { min: [ZERO; 3], max: [ZERO; 3], triangles: [0; PLACES], count: 0 }
+        Self {
+            min: [ZERO; 3],
+            max: [ZERO; 3],
+            triangles: [0; PLACES],
+            count: 0,
+            wanted: [0; PLACES],
+            wanted_count: 0,
+        }
     }
 }
 
@@ -263,6 +235,40 @@ impl Patch {
     #[inline]
     pub fn triangles(&self) -> &[u32] {
         &self.triangles[..self.count]
+    }
+
+    /// Wants triangles of A, counted from number `first` on. They are on their way from now on:
+    /// between here and [`Patch::take_a`] is time for them to come from memory.
+    #[inline(always)]
+    pub fn want_a<S: Simd>(&mut self, simd: S, posed: &Posed<'_>, first: u32, places: &Places) {
+        self.want(simd, posed.a, first, places);
+    }
+
+    /// Wants triangles of B, likewise.
+    #[inline(always)]
+    pub fn want_b<S: Simd>(&mut self, simd: S, posed: &Posed<'_>, first: u32, places: &Places) {
+        self.want(simd, posed.b, first, places);
+    }
+
+    /// Eight at a time, since nothing predicts how many there are: the triangle where a word begins
+    /// is there if any of the word is.
+    #[inline(always)]
+    fn want<S: Simd>(&mut self, simd: S, triangles: &[Corners], first: u32, places: &Places) {
+        let mut count = 0;
+        for (word, mut bits) in places.words().into_iter().enumerate() {
+            let start = first + u64::BITS * word as u32;
+            let more = bits.count_ones() as usize;
+            let free = self.wanted[count..].as_chunks_mut::<LANES>().0;
+            for eight in free.iter_mut().take(more.div_ceil(LANES)) {
+                for number in eight {
+                    *number = start + bits.trailing_zeros() % u64::BITS;
+                    prefetch(simd, triangles, *number as usize);
+                    bits &= bits.wrapping_sub(1);
+                }
+            }
+            count += more;
+        }
+        self.wanted_count = count;
     }
 
     /// Takes triangles of A: of those that are wanted, the ones of that choice. Returns their
@@ -276,20 +282,20 @@ impl Patch {
         &mut self,
         simd: S,
         (posed, close): (&Posed<'_>, &Close),
-        Wanted { numbers, count }: &Wanted,
         choice: &impl Choice<S>,
     ) -> Boxes<S> {
         let mut all = Boxes::nothing(simd);
         self.count = 0;
         let origin = same(simd, &close.origin);
-        for from in (0..*count).step_by(LANES) {
-            let numbers = &numbers[from..from + LANES];
+        for eight in 0..self.wanted_count.div_ceil(LANES) {
+            let numbers = &self.wanted.as_chunks::<LANES>().0[eight];
             let [a0, a1, a2]: [Vector<S>; 3] = gather(simd, posed.a, numbers);
             let corners = [minus(a0, origin), minus(a1, origin), minus(a2, origin)];
             let boxes = Boxes::around(&corners);
-            let chosen = choice.of(&corners, &boxes) & given(simd, count - from);
+            let chosen =
+                choice.of(&corners, &boxes) & given(simd, self.wanted_count - eight * LANES);
             all.include(&boxes.only(simd, chosen));
-            self.put(simd, numbers, chosen, &boxes);
+            self.put(simd, eight, chosen, &boxes);
         }
         self.close(simd);
         all
@@ -305,37 +311,37 @@ impl Patch {
         &mut self,
         simd: S,
         (posed, close): (&Posed<'_>, &Close),
-        Wanted { numbers, count }: &Wanted,
         choice: &impl Choice<S>,
     ) -> Boxes<S> {
         let mut all = Boxes::nothing(simd);
         self.count = 0;
         let error = f32x8::splat(simd, close.error());
-        for from in (0..*count).step_by(LANES) {
-            let numbers = &numbers[from..from + LANES];
+        for eight in 0..self.wanted_count.div_ceil(LANES) {
+            let numbers = &self.wanted.as_chunks::<LANES>().0[eight];
             let [b0, b1, b2]: [Vector<S>; 3] = gather(simd, posed.b, numbers);
             let edges = [minus(b1, b0), minus(b2, b0)];
             let Placed { corner, edges: [f1, f2] } = close.placed(simd, posed, b0, edges);
             let corners = [corner, plus(corner, f1), plus(corner, f2)];
             let boxes = Boxes::around(&corners).enlarged(error);
-            let chosen = choice.of(&corners, &boxes) & given(simd, count - from);
+            let chosen =
+                choice.of(&corners, &boxes) & given(simd, self.wanted_count - eight * LANES);
             all.include(&boxes.only(simd, chosen));
-            self.put(simd, numbers, chosen, &boxes);
+            self.put(simd, eight, chosen, &boxes);
         }
         self.close(simd);
         all
     }
 
-    /// Puts those of eight triangles that are chosen behind the others.
+    /// Puts those of the eight wanted triangles that are chosen behind the others.
     #[inline(always)]
-    fn put<S: Simd>(&mut self, simd: S, numbers: &[u32], chosen: mask32x8<S>, boxes: &Boxes<S>) {
+    fn put<S: Simd>(&mut self, simd: S, eight: usize, chosen: mask32x8<S>, boxes: &Boxes<S>) {
         let at = self.count..self.count + LANES;
         for axis in 0..3 {
             let at = at.clone();
             boxes.min[axis].compress(chosen).store_slice(&mut self.min[axis][at.clone()]);
             boxes.max[axis].compress(chosen).store_slice(&mut self.max[axis][at]);
         }
-        let numbers = u32x8::from_slice(simd, numbers);
+        let numbers = u32x8::from_slice(simd, &self.wanted.as_chunks::<LANES>().0[eight]);
         numbers.compress(chosen).store_slice(&mut self.triangles[at]);
         self.count += chosen.to_bitmask().count_ones() as usize;
     }
@@ -384,10 +390,6 @@ pub fn meet_all<S: Simd>(
     (a, b): (Range<u32>, Range<u32>),
     hit: &mut dyn FnMut([u32; 2]),
 ) {
-    let bits = |range: &Range<u32>| {
-        assert!(range.len() <= ROOM, "a patch of {} triangles", range.len());
-        u64::MAX.checked_shr((ROOM - range.len()) as u32).unwrap_or(0)
-    };
     let around = |of: &[Corners], range: &Range<u32>| {
         let boxes = of[range.start as usize..range.end as usize].iter().map(Aabb::of);
         boxes.fold(Aabb::EMPTY, |all, one| all.union(&one))
@@ -398,12 +400,12 @@ pub fn meet_all<S: Simd>(
     }
     let close = posed.close(&box_a, &box_b);
     let Patches { a: patch_a, b: patch_b, pairs } = patches;
-    let (of_a, of_b) =
-        (posed.want_a(simd, a.start, bits(&a)), posed.want_b(simd, b.start, bits(&b)));
-    patch_a.take_a(simd, (posed, &close), &of_a, &All(simd));
-    patch_b.take_b(simd, (posed, &close), &of_b, &All(simd));
+    patch_a.want_a(simd, posed, a.start, &Places::first(a.len()));
+    patch_b.want_b(simd, posed, b.start, &Places::first(b.len()));
+    patch_a.take_a(simd, (posed, &close), &All(simd));
+    patch_b.take_b(simd, (posed, &close), &All(simd));
     for at in (0..patch_b.count).step_by(LANES) {
-        pairs.take(simd, patch_a, (patch_b, at), |_| ALL);
+        pairs.take(simd, patch_a, (patch_b, at));
         if pairs.is_full() || at + LANES >= patch_b.count {
             pairs.sift(simd, posed, &close);
             let [a, b] = pairs.drain();

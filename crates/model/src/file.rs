@@ -29,7 +29,7 @@ pub use check::{COORDINATE_MAX_M, check_body};
 pub const MAGIC: [u8; 8] = *b"TROLLEY\n";
 
 /// Version of the layout and of [`Meta`]. Another version is refused, never guessed at.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Alignment of the arrays and of the file itself, in bytes: one cache line.
 pub const ALIGN: usize = 64;

@@ -3,6 +3,7 @@
 use super::{End, Outcome, Question, Side, Sink, Task};
 use crate::Counters;
 use crate::hits::Hits;
+use geometry::patch::Places;
 use geometry::{Directions, Supports, hash};
 use std::ops::ControlFlow;
 
@@ -106,8 +107,8 @@ impl<'a> Found<'a> {
 
     /// Takes in that these triangles of A intersect those of B in the same places.
     ///
-    /// Those of either body are among the 64 from number `first` on. `measure` adds the contact of
-    /// a pair to the supports; it is called only where that is asked.
+    /// Those of either body are in [`Places`] counted from number `first` on. `measure` adds the
+    /// contact of a pair to the supports; it is called only where that is asked.
     #[inline]
     pub(super) fn take(
         &mut self,
@@ -126,9 +127,10 @@ impl<'a> Found<'a> {
         }
         let (view_a, view_b) = (&self.task.a, &self.task.b);
         let is_pairs = self.task.question == Question::Pairs;
-        let (mut bits, mut hash) = ([0_u64; 2], 0_u64);
+        let (mut places, mut hash) = ([Places::default(); 2], 0_u64);
         for (&a, &b) in a.iter().zip(b) {
-            bits = [bits[0] | 1 << (a - first[0]), bits[1] | 1 << (b - first[1])];
+            places[0].insert((a - first[0]) as usize);
+            places[1].insert((b - first[1]) as usize);
             if is_pairs {
                 let ids = (view_a.source_ids[a as usize], view_b.source_ids[b as usize]);
                 hash = hash.wrapping_add(hash::pair_term(ids.0, ids.1));
@@ -143,19 +145,27 @@ impl<'a> Found<'a> {
                 }
             }
         }
-        let mut new = self.hits_a.insert_bits(first[0], bits[0]);
-        while new != 0 {
-            let a = first[0] + new.trailing_zeros();
-            self.zones_a |= view_a.zones[a as usize].0;
-            self.sink.hit(Side::A, a).map_break(|()| Halt::Stopped)?;
-            new &= new - 1;
-        }
-        let mut new = self.hits_b.insert_bits(first[1], bits[1]);
-        while new != 0 {
-            let b = first[1] + new.trailing_zeros();
-            self.zones_b |= view_b.zones[b as usize].0;
-            self.sink.hit(Side::B, b).map_break(|()| Halt::Stopped)?;
-            new &= new - 1;
+        let [of_a, of_b] = places;
+        let new = self.hits_a.insert_places(first[0], &of_a);
+        self.tell(Side::A, first[0], &new)?;
+        let new = self.hits_b.insert_places(first[1], &of_b);
+        self.tell(Side::B, first[1], &new)
+    }
+
+    /// Tells the sink of new hits.
+    #[inline(always)]
+    fn tell(&mut self, side: Side, first: u32, new: &Places) -> ControlFlow<Halt> {
+        let (zones, of) = match side {
+            Side::A => (&mut self.zones_a, self.task.a.zones),
+            Side::B => (&mut self.zones_b, self.task.b.zones),
+        };
+        for (word, mut bits) in (0..).zip(new.words()) {
+            while bits != 0 {
+                let triangle = first + u64::BITS * word + bits.trailing_zeros();
+                *zones |= of[triangle as usize].0;
+                self.sink.hit(side, triangle).map_break(|()| Halt::Stopped)?;
+                bits &= bits - 1;
+            }
         }
         ControlFlow::Continue(())
     }

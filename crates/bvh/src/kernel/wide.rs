@@ -16,7 +16,7 @@ use super::{End, Question, Task};
 use crate::{NodePair, section};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
-use geometry::patch::{ALL, Close, LANES as EIGHT, Pairs};
+use geometry::patch::{Close, LANES as EIGHT, Pairs, Places};
 use geometry::simd::prefetch;
 use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
 use model::wide::{LANES, LEAF_LANES};
@@ -267,13 +267,15 @@ impl Walk<'_, '_> {
     #[inline(always)]
     fn collect<S: Simd>(&mut self, simd: S, pair: NodePair) -> ControlFlow<Halt> {
         let (a, b) = (leaf(self.tree_a.from(pair.a)), leaf(self.tree_b.from(pair.b)));
+        let first = [a[0].first, b[0].first];
+        let known = self.known(first);
         let patches = (&mut *self.patch_a, &mut *self.patch_b);
         self.found.counters.nb += u64::from(a[0].count + b[0].count);
-        let Some(close) = self.frames.pack(simd, &self.posed, (a, b), patches) else {
+        let Some(close) = self.frames.pack(simd, &self.posed, (a, b), &known, patches) else {
             return ControlFlow::Continue(());
         };
         let before = self.found.sums;
-        let tested = self.test(simd, &close, [a[0].first, b[0].first]);
+        let tested = self.test(simd, &close, first);
         if let ControlFlow::Break(Halt::Stopped) = tested {
             self.found.sums = before;
             self.stack.push(pair);
@@ -284,20 +286,10 @@ impl Walk<'_, '_> {
     /// Tests all of one patch against all of the other, triangles from number `first` on.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, close: &Close, first: [u32; 2]) -> ControlFlow<Halt> {
-        let known = self.known(first);
         let (a, b) = (&*self.patch_a, &*self.patch_b);
         self.found.counters.nb += (a.triangles().len() * b.triangles().len()) as u64;
         for at in (0..b.triangles().len()).step_by(EIGHT) {
-            match known {
-                None => self.pairs.take(simd, a, (b, at), |_| ALL),
-                Some([known_a, known_b]) => {
-                    let fresh = !known_b >> at & ALL;
-                    self.pairs.take(simd, a, (b, at), |triangle| {
-                        let is_known = known_a >> (triangle - first[0]) & 1;
-                        fresh | is_known.wrapping_sub(1) & ALL
-                    });
-                }
-            }
+            self.pairs.take(simd, a, (b, at));
             if self.pairs.is_full() || at + EIGHT >= b.triangles().len() {
                 self.found.counters.np += self.pairs.len() as u64;
                 self.pairs.sift(simd, &self.posed, close);
@@ -310,18 +302,13 @@ impl Walk<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// Where pairs that cannot add to what is asked may be left out: which triangles are known to
-    /// be hit, bit i for number `first` + i of A, and bit j for the jth place of B's patch.
+    /// Which triangles of two leaves need not be looked at again where they meet each other: those
+    /// known to be hit, if that is all that is asked. Counted from the leaves' first.
     #[inline(always)]
-    fn known(&self, first: [u32; 2]) -> Option<[u64; 2]> {
+    fn known(&self, first: [u32; 2]) -> [Places; 2] {
         if self.found.task.question != Question::Sets {
-            return None;
+            return Default::default();
         }
-        let [known_a, bits] = [self.found.hits_a.bits(first[0]), self.found.hits_b.bits(first[1])];
-        let triangles = self.patch_b.triangles().iter().enumerate();
-        let places =
-            |all, (j, &triangle): (usize, &u32)| all | (bits >> (triangle - first[1]) & 1) << j;
-        let known_b = triangles.fold(0, places);
-        (known_a != 0 && known_b != 0).then_some([known_a, known_b])
+        [self.found.hits_a.places(first[0]), self.found.hits_b.places(first[1])]
     }
 }

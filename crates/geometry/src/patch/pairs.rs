@@ -17,7 +17,7 @@ const FULL: usize = 512;
 const PLACES: usize = FULL + LANES * super::ROOM + LANES;
 
 /// Eight lanes.
-pub const ALL: u64 = 0xff;
+const ALL: u64 = 0xff;
 
 /// The greatest sum of sizes (m) that is decided in f32: 2⁴⁰.
 const SIZE_MAX: f32 = f32::from_bits((127 + 40) << 23);
@@ -77,25 +77,13 @@ impl Pairs {
 
     /// Takes every triangle of A with those of the eight of B from place `at` on whose boxes meet
     /// its own.
-    ///
-    /// `among` says with which of the eight a triangle of A is of interest, a bit each.
     #[inline(always)]
-    pub fn take<S: Simd>(
-        &mut self,
-        simd: S,
-        a: &Patch,
-        (b, at): (&Patch, usize),
-        among: impl Fn(u32) -> u64,
-    ) {
+    pub fn take<S: Simd>(&mut self, simd: S, a: &Patch, (b, at): (&Patch, usize)) {
         let boxes = Boxes { min: eight(simd, &b.min, at), max: eight(simd, &b.max, at) };
         let numbers = u32x8::from_slice(simd, &b.triangles[at..at + LANES]);
         let mut count = self.count;
         for (row, &triangle) in a.triangles().iter().enumerate() {
-            let mut meeting = a.one_box(simd, row).meet(&boxes);
-            let among = among(triangle);
-            if among != ALL {
-                meeting &= mask32x8::from_bitmask(simd, among);
-            }
+            let meeting = a.one_box(simd, row).meet(&boxes);
             let places = count..count + LANES;
             u32x8::splat(simd, triangle).store_slice(&mut self.a[places.clone()]);
             numbers.compress(meeting).store_slice(&mut self.b[places]);

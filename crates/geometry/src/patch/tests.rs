@@ -129,9 +129,11 @@ fn what_is_clear_is_decided_by_the_lanes() {
         let Patches { a: mut patch_a, b: mut patch_b, mut pairs } = Patches::default();
         for level in simd::levels() {
             let [hits, open] = dispatch!(level, simd => {
-                patch_a.take_a(simd, (&posed, &close), &posed.want_a(simd, 0, 0b1), &All(simd));
-                patch_b.take_b(simd, (&posed, &close), &posed.want_b(simd, 0, 0b111), &All(simd));
-                pairs.take(simd, &patch_a, (&patch_b, 0), |_| ALL);
+                patch_a.want_a(simd, &posed, 0, &Places::first(1));
+                patch_b.want_b(simd, &posed, 0, &Places::first(3));
+                patch_a.take_a(simd, (&posed, &close), &All(simd));
+                patch_b.take_b(simd, (&posed, &close), &All(simd));
+                pairs.take(simd, &patch_a, (&patch_b, 0));
                 let lanes = pairs.eight(simd, &posed, &close, 0);
                 // The box of the second one is too far away.
                 assert_eq!(pairs.drain(), [[0, 0], [0, 2]]);

@@ -8,7 +8,6 @@
 //! a pose.
 
 use geometry::hash::splitmix64;
-use geometry::patch::ROOM;
 use geometry::{DVec3, Pose, RelativePose, Triangle};
 
 /// Two triangles.
@@ -78,7 +77,10 @@ pub(crate) struct Group {
     pub(crate) b: Vec<geometry::Corners>,
 }
 
-/// Group `number` of `seed`; its pair i is of the family of `ROOM`·`number` + i.
+/// Pairs of a group.
+pub(crate) const GROUP: usize = 64;
+
+/// Group `number` of `seed`; its pair i is of the family of `GROUP`·`number` + i.
 pub(crate) fn group(seed: u64, number: u64) -> Group {
     let mut dice = Dice(splitmix64(seed) ^ splitmix64(!number));
     let right = [-90.0, 0.0, 90.0, 180.0];
@@ -97,12 +99,12 @@ pub(crate) fn group(seed: u64, number: u64) -> Group {
     let pose = Pose::from_degrees(yaw, pitch, roll, offset.to_array());
     let mut group = Group {
         pose: RelativePose::between(&Pose::IDENTITY, &pose),
-        a: Vec::with_capacity(ROOM),
-        b: Vec::with_capacity(ROOM),
+        a: Vec::with_capacity(GROUP),
+        b: Vec::with_capacity(GROUP),
     };
     let stored = |point: DVec3| point.to_array().map(|x| x as f32);
-    for i in 0..ROOM as u64 {
-        let mut corners = (FAMILIES[family(ROOM as u64 * number + i)].make)(&mut dice);
+    for i in 0..GROUP as u64 {
+        let mut corners = (FAMILIES[family(GROUP as u64 * number + i)].make)(&mut dice);
         // Small, as triangles of bodies are beside their distance; now and then at the ends of f32.
         let exponent = match dice.below(16) {
             0 => dice.whole(120) - 20.0,

@@ -11,9 +11,9 @@
 mod cases;
 mod exact;
 
-use cases::{FAMILIES, Pair, group, pair};
+use cases::{FAMILIES, GROUP, Pair, group, pair};
 use fearless_simd::dispatch;
-use geometry::patch::{Patches, Posed, ROOM, meet_all};
+use geometry::patch::{Patches, Posed, meet_all};
 use geometry::triangle::{contact, intersect};
 use geometry::{DVec3, simd};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -96,23 +96,23 @@ fn the_test_equals_exact_arithmetic() {
 #[test]
 fn patches_equal_exact_arithmetic_at_every_level() {
     let seed = setting("ORACLE_SEED", 1);
-    let groups = setting("ORACLE_PAIRS", 20_000).div_ceil(ROOM as u64);
+    let groups = setting("ORACLE_PAIRS", 20_000).div_ceil(GROUP as u64);
     let tally = campaign(groups, |number, tally| {
         let group = group(seed, number);
         let posed = Posed::new(&group.pose, &group.a, &group.b);
         let mut truth = 0_u64;
-        for i in 0..ROOM as u32 {
+        for i in 0..GROUP as u32 {
             let [a, b] = posed.triangles([i; 2]);
             let hit = exact::meet(&Pair { a, b });
             truth |= u64::from(hit) << i;
-            count(tally, ROOM as u64 * number + u64::from(i), hit);
+            count(tally, GROUP as u64 * number + u64::from(i), hit);
         }
         let mut patches = Patches::default();
         for level in simd::levels() {
             for size in [1, 8] {
                 let mut found = 0_u64;
                 let mut hit = |[a, b]: [u32; 2]| found |= u64::from(a == b) << a;
-                for start in (0..ROOM as u32).step_by(size) {
+                for start in (0..GROUP as u32).step_by(size) {
                     let range = start..start + size as u32;
                     dispatch!(level, simd => {
                         let ranges = (range.clone(), range.clone());

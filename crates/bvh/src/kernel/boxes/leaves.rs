@@ -10,24 +10,32 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, i32x4, mask8x32, mask32x8, u8x32, u16x16};
 use fearless_simd_macros::simd;
 use geometry::lanes::dot;
-use geometry::patch::{Boxes, Choice, Close, OneBox, ROOM, Vector, same, side_by_side};
+use geometry::patch::{Boxes, Choice, Close, OneBox, Places, ROOM, Vector, same, side_by_side};
 use geometry::{Patch, Posed};
 use model::WideLeaf;
 use model::wide::{Grid, LEAF_LANES, LEAF_TRIANGLES, Slab};
 
 /// Most triangles of a leaf, wide or binary.
-pub(in crate::kernel) const LEAF_MAX: usize = LEAF_SIZE_MAX as usize;
-const _: () = assert!(LEAF_TRIANGLES <= LEAF_MAX && LEAF_MAX <= ROOM);
+pub(in crate::kernel) const LEAF_MAX: usize =
+    if LEAF_TRIANGLES > LEAF_SIZE_MAX as usize { LEAF_TRIANGLES } else { LEAF_SIZE_MAX as usize };
+const _: () = assert!(LEAF_MAX <= ROOM);
+
+/// Nodes of a leaf whose triangles share a word.
+const IN_A_WORD: usize = u64::BITS as usize / LEAF_LANES;
 
 impl Frames {
     /// Takes those triangles of two leaves that may meet one of the other leaf into patches; `None`
     /// where there are none. Each leaf is tested against what is left of the other.
+    ///
+    /// Of those that are known nobody asks whether they are hit: they are left out where all of the
+    /// other leaf, as far as it is still of interest, are known.
     #[simd]
     pub(in crate::kernel) fn pack<S: Simd>(
         &self,
         simd: S,
         posed: &Posed<'_>,
         (a, b): (&[WideLeaf], &[WideLeaf]),
+        [known_a, known_b]: &[Places; 2],
         (patch_a, patch_b): (&mut Patch, &mut Patch),
     ) -> Option<Close> {
         let (box_a, box_b) = (OneBox::of(simd, &a[0].bounds), OneBox::of(simd, &b[0].bounds));
@@ -36,32 +44,39 @@ impl Frames {
         if common.is_empty() {
             return None;
         }
-        let bits = cells(simd, b, &self.to_b.moved_one(simd, &common));
-        if bits == 0 {
+        let of_b = cells(simd, b, &self.to_b.moved_one(simd, &common));
+        if of_b.is_empty() {
             return None;
         }
-        let bits = bits & beside(simd, b, &self.to_b.layer(simd, &a[0].slab), self.slack);
-        if bits == 0 {
+        let layer = self.to_b.layer(simd, &a[0].slab);
+        let mut of_b = of_b.and(&beside(simd, b, &layer, self.slack));
+        if Places::first(a[0].count as usize).is_within(known_a) {
+            of_b = of_b.without(known_b);
+        }
+        if of_b.is_empty() {
             return None;
         }
-        let wanted = posed.want_b(simd, b[0].first, bits);
+        patch_b.want_b(simd, posed, b[0].first, &of_b);
         let close = posed.close(&a[0].bounds, &b[0].bounds);
         let origin = side_by_side(simd, close.origin());
         let slab = Layer::of_a(simd, &a[0].slab);
         let near = Near::new(simd, &close, &common.moved(-origin), &slab, self.slack);
-        let boxes = patch_b.take_b(simd, (posed, &close), &wanted, &near).all(simd);
+        let boxes = patch_b.take_b(simd, (posed, &close), &near).all(simd);
         if patch_b.triangles().is_empty() {
             return None;
         }
         let in_a = boxes.moved(origin).enlarged(self.slack as f32).intersection(&common);
-        let bits = cells(simd, a, &in_a);
-        if bits == 0 {
+        let mut of_a = cells(simd, a, &in_a);
+        if of_b.is_within(known_b) {
+            of_a = of_a.without(known_a);
+        }
+        if of_a.is_empty() {
             return None;
         }
-        let wanted = posed.want_a(simd, a[0].first, bits);
+        patch_a.want_a(simd, posed, a[0].first, &of_a);
         let slab = self.to_a.layer(simd, &b[0].slab);
         let near = Near::new(simd, &close, &boxes, &slab, self.slack);
-        patch_a.take_a(simd, (posed, &close), &wanted, &near);
+        patch_a.take_a(simd, (posed, &close), &near);
         (!patch_a.triangles().is_empty()).then_some(close)
     }
 }
@@ -104,23 +119,23 @@ fn sum<S: Simd>(of: f32x4<S>) -> f32 {
     x + y + z
 }
 
-/// Which triangles of a leaf may meet a box of its body's frame: bit i for the ith.
+/// Which triangles of a leaf may meet a box of its body's frame.
 #[inline(always)]
-fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> u64 {
+fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> Places {
     let [min, max] = cells_of(box_, &OneBox::of(simd, &leaf[0].bounds));
-    let mut meeting = 0;
+    let mut meeting = Places::default();
     for (i, leaf) in leaf.iter().enumerate() {
         let mut here = mask8x32::splat(simd, true);
         for axis in 0..3 {
             here &= u8x32::from_slice(simd, &leaf.min[axis]).simd_le(max[axis]);
             here &= u8x32::from_slice(simd, &leaf.max[axis]).simd_ge(min[axis]);
         }
-        meeting |= here.to_bitmask() << (i * LEAF_LANES);
+        meeting.insert_from(i / IN_A_WORD, i % IN_A_WORD * LEAF_LANES, here.to_bitmask());
     }
     meeting
 }
 
-/// Which triangles of a leaf may meet a slab of its body's frame: bit i for the ith.
+/// Which triangles of a leaf may meet a slab of its body's frame.
 ///
 /// `slack` (m) is what rounding may do to the slab on its way into this frame; the slab is made
 /// wider by twice as much on both sides, once for the corner of the grid and the length of its
@@ -132,7 +147,7 @@ fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> u64 {
 /// the lengths are scaled so that they add up to 256, and rounded down. So a sum is too small by up
 /// to 255 times what was cut off, and never too large.
 #[inline(always)]
-fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> u64 {
+fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> Places {
     let over = OneBox::of(simd, &leaf[0].bounds);
     let steps = layer.normal * ((over.max - over.min) * (1.0 / Grid::LAST));
     let lengths = steps.abs();
@@ -147,13 +162,13 @@ fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> 
     let most = (layer.high + slack - start) * scale + 1.0;
     let least = (layer.low - slack - start - total) * scale - 255.0 * cut_off - 1.0;
     if most < 0.0 || least > f32::from(u16::MAX) {
-        return 0;
+        return Places::default();
     }
     let (most, least) = (u16x16::splat(simd, most as u16), u16x16::splat(simd, least as u16));
     let whole = [x, y, z].map(|x| u16x16::splat(simd, x as u16));
     let [x, y, z, _] = <[f32; 4]>::from(steps);
     let backward = [x < 0.0, y < 0.0, z < 0.0];
-    let mut meeting = 0;
+    let mut meeting = Places::default();
     for (i, leaf) in leaf.iter().enumerate() {
         let mut near = [u16x16::splat(simd, 0); 2];
         let mut far = near;
@@ -169,7 +184,7 @@ fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> 
         }
         let here = [0, 1].map(|half| near[half].simd_le(most) & far[half].simd_ge(least));
         let bits = here[0].to_bitmask() | here[1].to_bitmask() << (LEAF_LANES / 2);
-        meeting |= bits << (i * LEAF_LANES);
+        meeting.insert_from(i / IN_A_WORD, i % IN_A_WORD * LEAF_LANES, bits);
     }
     meeting
 }

@@ -56,7 +56,7 @@ proptest! {
                 };
                 let least = triangle.iter().map(along).fold(f64::INFINITY, f64::min);
                 let most = triangle.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
-                let is_beside = found >> i & 1 == 1;
+                let is_beside = Places::first(i + 1).and(&found) != Places::first(i).and(&found);
                 if least <= f64::from(high) && most >= f64::from(low) {
                     prop_assert!(is_beside, "{i} at {}", simd::name(level));
                 }
@@ -82,12 +82,14 @@ fn leaf() -> impl Strategy<Value = (Vec<Corners>, f64)> {
     let triangle = (point(), point(), point());
     let sizes = prop_oneof![Just(1e-9_f32), Just(1.0), Just(1e9)];
     let flat = prop::array::uniform3(prop_oneof![Just(0.0_f32), Just(1e-6), Just(1.0)]);
-    (prop::collection::vec(triangle, 1..=64), sizes, flat).prop_map(|(triangles, size, flat)| {
-        let place = |p: [f32; 3], q: [f32; 3]| {
-            [0, 1, 2].map(|axis| (0.8 * p[axis] + 0.2 * q[axis]) * flat[axis] * size)
-        };
-        let corners =
-            triangles.into_iter().map(|(p, q, r)| [place(p, p), place(p, q), place(p, r)]);
-        (corners.collect(), f64::from(size))
-    })
+    (prop::collection::vec(triangle, 1..=LEAF_MAX), sizes, flat).prop_map(
+        |(triangles, size, flat)| {
+            let place = |p: [f32; 3], q: [f32; 3]| {
+                [0, 1, 2].map(|axis| (0.8 * p[axis] + 0.2 * q[axis]) * flat[axis] * size)
+            };
+            let corners =
+                triangles.into_iter().map(|(p, q, r)| [place(p, p), place(p, q), place(p, r)]);
+            (corners.collect(), f64::from(size))
+        },
+    )
 }
