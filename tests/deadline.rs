@@ -24,11 +24,11 @@ fn a_deadline_far_away_changes_nothing_in_the_answer() {
     let reference = answer(&run(&["rank", path, "--json", "--in-process"]));
     let ways: &[&[&str]] = &[
         &["--deadline-ms", "600000"],
-        &["--deadline-ms", "600000", "--in-process", "--budget", "17000"],
+        &["--deadline-ms", "600000", "--in-process", "--budget", "38000"],
         &["--pursuit", "deciding", "--workers", "2"],
         &["--pursuit", "alternating", "--in-process"],
-        &["--pursuit", "round-robin", "--depth", "3", "--budget", "20000"],
-        &["--pursuit", "sequential", "--workers", "1", "--depth", "0", "--budget", "17000"],
+        &["--pursuit", "round-robin", "--depth", "3", "--budget", "40000"],
+        &["--pursuit", "sequential", "--workers", "1", "--depth", "0", "--budget", "38000"],
     ];
     for way in ways {
         let mut args = vec!["rank", path, "--json"];

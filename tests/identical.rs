@@ -32,7 +32,7 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
         &["--distribute", "auto", "--depth", "6"],
         &["--in-process", "--depth", "auto"],
         &["--pursuit", "deciding"],
-        &["--budget", "17000", "--depth", "2"],
+        &["--budget", "38000", "--depth", "2"],
         &["--build", "sah"],
         &["--build", "literal"],
         &["--leaf-size", "1"],

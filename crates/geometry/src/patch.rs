@@ -268,6 +268,7 @@ impl Patch {
             }
             count += more;
         }
+        self.wanted[count..count + LANES].fill(first);
         self.wanted_count = count;
     }
 

@@ -25,10 +25,10 @@ pub const LANES: usize = 8;
 
 /// Most triangles of a wide leaf, unless a leaf of the binary tree has more.
 ///
-/// Where two leaves meet costs much and another triangle little, so large leaves are quick. Deep car
-/// crashes of 10k, 100k and 1M triangles took 1.20, 1.33 and 1.16 times as long with 32, and 1.05,
-/// 1.00 and 1.04 times with 128; those would also be tested for longer before a job hears of its
-/// deadline.
+/// Where two leaves meet costs much and another triangle little, so large leaves are quick. Deep
+/// car crashes of 10k, 100k and 1M triangles took 1.20, 1.33 and 1.16 times as long with 32, and
+/// 1.05, 1.00 and 1.04 times with 128; those would also be tested for longer before a job hears of
+/// its deadline.
 pub const LEAF_TRIANGLES: usize = 96;
 
 /// Eight boxes side by side, 256 bytes; or a [`WideLeaf`].

@@ -113,6 +113,43 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    /// Also after a larger body, of whose triangles nothing may be left.
+    #[test]
+    fn what_is_wanted_is_taken(
+        small in 1..=ROOM,
+        at in 0_u32..50,
+        some in prop::collection::vec(any::<bool>(), ROOM),
+        others in prop::collection::vec(any::<bool>(), ROOM),
+    ) {
+        let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+        let flat: Corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.5, 0.0]];
+        let (large, small) = (vec![flat; 1000 + ROOM], vec![flat; at as usize + small]);
+        let around = Aabb::of(&flat);
+        for level in simd::levels() {
+            let (mut patch_a, mut patch_b) = (Patch::default(), Patch::default());
+            for (body, first, some) in [(&large, 1000, &others), (&small, at, &some)] {
+                let (posed, mut places) = (Posed::new(&pose, body, body), Places::default());
+                let there = body.len() - first as usize;
+                (0..there.min(ROOM)).filter(|i| some[*i]).for_each(|i| places.insert(i));
+                let close = posed.close(&around, &around);
+                dispatch!(level, simd => {
+                    patch_a.want_a(simd, &posed, first, &places);
+                    patch_b.want_b(simd, &posed, first, &places);
+                    patch_a.take_a(simd, (&posed, &close), &All(simd));
+                    patch_b.take_b(simd, (&posed, &close), &All(simd));
+                });
+                let expected = (0..there.min(ROOM)).filter(|i| some[*i]).map(|i| first + i as u32);
+                let expected: Vec<_> = expected.collect();
+                prop_assert_eq!(patch_a.triangles(), &expected);
+                prop_assert_eq!(patch_b.triangles(), &expected);
+            }
+        }
+    }
+}
+
 /// Otherwise all of the above would test nothing but the exact test.
 #[test]
 fn what_is_clear_is_decided_by_the_lanes() {
