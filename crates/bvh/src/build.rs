@@ -15,8 +15,7 @@ pub use body::{body, rebuild};
 use geometry::Corners;
 use model::{Build, Node};
 
-/// Most triangles that a leaf may hold.
-pub const LEAF_SIZE_MAX: u32 = 64;
+pub use model::LEAF_SIZE_MAX;
 
 /// Most triangles that [`Build::Literal`] accepts: its tree may be as deep as there are triangles,
 /// so its time is quadratic.

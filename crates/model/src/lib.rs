@@ -26,5 +26,5 @@ pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones};
 pub use fit::Fit;
-pub use meta::{Build, Kind, Meta, Seat};
+pub use meta::{Build, Kind, LEAF_SIZE_MAX, Meta, Seat};
 pub use wide::{Wide, WideLeaf, WideNode};

@@ -96,11 +96,14 @@ pub struct Meta {
     pub degenerate: u32,
     /// How the tree was built.
     pub build: Build,
-    /// Greatest number of triangles in a leaf.
+    /// Greatest number of triangles in a leaf, at most [`LEAF_SIZE_MAX`].
     pub leaf_size: u32,
     /// Depth of the tree: nodes on the longest way from the root, 1 for a single leaf.
     pub depth: u32,
 }
+
+/// Most triangles that a leaf of the binary tree may hold.
+pub const LEAF_SIZE_MAX: u32 = 64;
 
 /// Greatest mass of a body that moves, in kilograms.
 pub const MASS_MAX_KG: f64 = 1.0e6;

@@ -5,7 +5,7 @@
 //! intersecting pair can hide behind a wrong one.
 
 use super::{FileError, malformed};
-use crate::{BodyView, Meta, Wide};
+use crate::{BodyView, LEAF_SIZE_MAX, Meta, Wide};
 use geometry::Aabb;
 
 /// Greatest distance of a coordinate from its body's origin, in metres.
@@ -163,6 +163,9 @@ fn check_meta(meta: &Meta, body: &BodyView<'_>, tree: Tree) -> Result<(), FileEr
     }
     if meta.depth as usize != tree.depth {
         return fault(format!("it states depth {}, the tree has {}", meta.depth, tree.depth));
+    }
+    if meta.leaf_size > LEAF_SIZE_MAX {
+        return fault(format!("leaf size {}, beyond {LEAF_SIZE_MAX}", meta.leaf_size));
     }
     if meta.leaf_size < tree.leaf_max {
         return fault(format!("leaf size {}, but a leaf has {}", meta.leaf_size, tree.leaf_max));

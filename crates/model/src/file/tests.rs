@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Wide;
-use crate::meta::Meta;
+use crate::meta::{LEAF_SIZE_MAX, Meta};
 use crate::testing::{body_of, mesh_of, strip};
 use geometry::Corners;
 use proptest::prelude::*;
@@ -149,7 +149,7 @@ fn the_quick_way_gives_the_same_arrays() {
 #[test]
 fn a_body_that_breaks_a_rule_is_neither_written_nor_accepted() {
     type Bend = fn(&mut Body);
-    let bends: [(&str, Bend); 18] = [
+    let bends: [(&str, Bend); 19] = [
         ("no triangles", |b| {
             b.corners.clear();
         }),
@@ -171,6 +171,7 @@ fn a_body_that_breaks_a_rule_is_neither_written_nor_accepted() {
         ("a box too small", |b| b.nodes[0].bounds.max[0] -= 0.01),
         ("a wrong depth", |b| b.meta.depth += 1),
         ("leaves larger than said", |b| b.meta.leaf_size = 1),
+        ("larger leaves than there are", |b| b.meta.leaf_size = LEAF_SIZE_MAX + 1),
         ("a negative mass", |b| b.meta.mass_kg = Some(-1.0)),
     ];
     assert!(encode(&sample(9)).is_ok());
