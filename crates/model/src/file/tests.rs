@@ -171,7 +171,7 @@ fn a_body_that_breaks_a_rule_is_neither_written_nor_accepted() {
         ("a box too small", |b| b.nodes[0].bounds.max[0] -= 0.01),
         ("a wrong depth", |b| b.meta.depth += 1),
         ("leaves larger than said", |b| b.meta.leaf_size = 1),
-        ("larger leaves than there are", |b| b.meta.leaf_size = LEAF_SIZE_MAX + 1),
+        ("larger leaves than there may be", |b| b.meta.leaf_size = LEAF_SIZE_MAX + 1),
         ("a negative mass", |b| b.meta.mass_kg = Some(-1.0)),
     ];
     assert!(encode(&sample(9)).is_ok());
