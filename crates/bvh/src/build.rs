@@ -14,6 +14,7 @@ pub use body::{body, rebuild};
 
 use geometry::Corners;
 use model::{Build, Node};
+use team::Team;
 
 pub use model::LEAF_SIZE_MAX;
 
@@ -116,9 +117,19 @@ pub fn build(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Tree, BuildError> {
-    let threads = grow::worthwhile(options.threads, corners.len());
-    check(corners, options, threads)?;
-    let job = grow::Job { leaf_size: options.leaf_size as usize, threads, progress };
+    let team = grow::team_for(options.threads, corners.len());
+    team.run(|| tree(corners, options, &team, progress))
+}
+
+/// [`build`], by these threads.
+fn tree(
+    corners: &[Corners],
+    options: &BuildOptions,
+    team: &Team,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Tree, BuildError> {
+    check(corners, options, team)?;
+    let job = grow::Job { leaf_size: options.leaf_size as usize, team, progress };
     let (nodes, order, depth) = match options.build {
         Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
         Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
@@ -127,7 +138,7 @@ pub fn build(
     Ok(Tree { nodes, order, depth })
 }
 
-fn check(corners: &[Corners], options: &BuildOptions, threads: usize) -> Result<(), BuildError> {
+fn check(corners: &[Corners], options: &BuildOptions, team: &Team) -> Result<(), BuildError> {
     let triangles = corners.len();
     if triangles == 0 {
         return Err(BuildError::Empty);
@@ -141,8 +152,8 @@ fn check(corners: &[Corners], options: &BuildOptions, threads: usize) -> Result<
     if !(1..=LEAF_SIZE_MAX).contains(&options.leaf_size) {
         return Err(BuildError::LeafSize { leaf_size: options.leaf_size });
     }
-    let share = team::share(triangles, threads);
-    let bad = team::each(corners.chunks(share).collect(), |part| {
+    let share = team.share(triangles);
+    let bad = team.each(corners.chunks(share).collect(), |part| {
         part.iter().position(|t| !t.iter().flatten().all(|x| x.is_finite()))
     });
     match bad.iter().zip((0..).step_by(share)).find_map(|(bad, first)| Some(first + (*bad)?)) {

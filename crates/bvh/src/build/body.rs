@@ -1,6 +1,7 @@
 //! From a mesh to a body: the tree is built, and every array brought into leaf order.
 
-use super::{BuildError, BuildOptions, Tree, build, grow, team};
+use super::team::Team;
+use super::{BuildError, BuildOptions, Tree, grow, tree};
 use model::wide::Share;
 use model::{Body, BodyView, Mesh, Meta, Wide, Zones};
 
@@ -19,11 +20,23 @@ pub fn body(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
+    let team = grow::team_for(options.threads, mesh.corners.len());
+    team.run(|| body_by(&team, mesh, meta, zones, options, progress))
+}
+
+/// [`body`], by these threads.
+fn body_by(
+    team: &Team,
+    mesh: Mesh,
+    meta: Meta,
+    zones: Vec<Zones>,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Body, BuildError> {
     let triangles = mesh.corners.len();
     belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
-    let threads = grow::worthwhile(options.threads, triangles);
-    let Tree { nodes, order, depth } = build(&mesh.corners, options, progress)?;
-    let corners = permuted(&mesh.corners, &order, threads);
+    let Tree { nodes, order, depth } = tree(&mesh.corners, options, team, progress)?;
+    let corners = permuted(&mesh.corners, &order, team);
     Ok(Body {
         meta: Meta {
             parts: mesh.parts,
@@ -33,14 +46,14 @@ pub fn body(
             depth,
             ..meta
         },
-        wide: Wide::shared(&nodes, &corners, threads, |shares| {
-            team::each(shares, Share::fill);
+        wide: Wide::shared(&nodes, &corners, team.threads(), |shares| {
+            team.each(shares, Share::fill);
         }),
         nodes,
         corners,
-        source_ids: permuted(&mesh.source_ids, &order, threads),
-        part_of: permuted(&mesh.part_of, &order, threads),
-        zones: permuted(&zones, &order, threads),
+        source_ids: permuted(&mesh.source_ids, &order, team),
+        part_of: permuted(&mesh.part_of, &order, team),
+        zones: permuted(&zones, &order, team),
         dropped: mesh.dropped.iter().map(|&(dropped, kept)| [dropped, kept]).collect(),
     })
 }
@@ -59,20 +72,32 @@ pub fn rebuild(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
+    let team = grow::team_for(options.threads, view.corners.len());
+    team.run(|| rebuild_by(&team, view, meta, options, progress))
+}
+
+/// [`rebuild`], by these threads.
+fn rebuild_by(
+    team: &Team,
+    view: BodyView<'_>,
+    meta: &Meta,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Body, BuildError> {
     let triangles = view.corners.len();
     belong_together(triangles, view.source_ids.len(), view.part_of.len(), view.zones.len())?;
-    let threads = grow::worthwhile(options.threads, triangles);
     let mut order: Vec<u32> = (0..triangles as u32).collect();
     order.sort_by_key(|&triangle| view.source_ids[triangle as usize]);
     let mesh = Mesh {
-        corners: permuted(view.corners, &order, threads),
-        source_ids: permuted(view.source_ids, &order, threads),
-        part_of: permuted(view.part_of, &order, threads),
+        corners: permuted(view.corners, &order, team),
+        source_ids: permuted(view.source_ids, &order, team),
+        part_of: permuted(view.part_of, &order, team),
         parts: meta.parts.clone(),
         dropped: view.dropped.iter().map(|&[dropped, kept]| (dropped, kept)).collect(),
         degenerate: meta.degenerate,
     };
-    body(mesh, meta.clone(), permuted(view.zones, &order, threads), options, progress)
+    let zones = permuted(view.zones, &order, team);
+    body_by(team, mesh, meta.clone(), zones, options, progress)
 }
 
 fn belong_together(
@@ -89,14 +114,10 @@ fn belong_together(
 }
 
 /// `values[order[0]], values[order[1]], ...`
-fn permuted<T: Copy + Default + Send + Sync>(
-    values: &[T],
-    order: &[u32],
-    threads: usize,
-) -> Vec<T> {
+fn permuted<T: Copy + Default + Send + Sync>(values: &[T], order: &[u32], team: &Team) -> Vec<T> {
     let mut permuted = vec![T::default(); order.len()];
-    let share = team::share(order.len(), threads);
-    team::each(permuted.chunks_mut(share).zip(order.chunks(share)).collect(), |(places, order)| {
+    let share = team.share(order.len());
+    team.each(permuted.chunks_mut(share).zip(order.chunks(share)).collect(), |(places, order)| {
         places.iter_mut().zip(order).for_each(|(place, &from)| *place = values[from as usize]);
     });
     permuted

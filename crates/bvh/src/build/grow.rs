@@ -1,16 +1,17 @@
 //! Growing a tree: ranges of triangles are cut until they fit a leaf, nodes laid out in preorder.
 //!
-//! The largest ranges are cut one after the other, each by all threads together; the next ones one
-//! by one, by whichever thread is free, and their halves put on a pile; small ones are grown to
+//! The largest ranges are cut by all threads together, the next ones by one thread each; of their
+//! halves it goes on with one, and leaves the other to whoever is free. Small ranges are grown to
 //! whole subtrees by one thread. The subtrees are then joined in order of their first triangle.
 //! Where a range is cut depends on its triangles alone, so the result is the same for any number
 //! of threads.
 
-use super::team;
+use super::team::Team;
 use geometry::Aabb;
 use model::Node;
+use rayon::Scope;
 use std::ops::Range;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Triangles that can be cut in two, again and again. What a build is, beside its rule.
 pub(super) trait Parts: Sized + Send {
@@ -20,9 +21,9 @@ pub(super) trait Parts: Sized + Send {
     /// How many triangles.
     fn len(&self) -> usize;
 
-    /// Reorders the triangles of `range`, at least two, so that the left half comes first; up to
-    /// `threads` may help.
-    fn cut(&mut self, range: Range<usize>, known: Self::Known, threads: usize) -> Cut<Self::Known>;
+    /// Reorders the triangles of `range`, at least two, so that the left half comes first; all of
+    /// `team` may help.
+    fn cut(&mut self, range: Range<usize>, known: Self::Known, team: &Team) -> Cut<Self::Known>;
 
     /// Everything before `at`, and everything from there on.
     fn split_at(self, at: usize) -> (Self, Self);
@@ -46,8 +47,8 @@ pub(super) struct Cut<K> {
 pub(super) struct Job<'a> {
     /// Most triangles in a leaf.
     pub(super) leaf_size: usize,
-    /// Threads, at least 1.
-    pub(super) threads: usize,
+    /// Who builds.
+    pub(super) team: &'a Team,
     /// Hears of triangles placed since it was last called.
     pub(super) progress: &'a (dyn Fn(u64) + Sync),
 }
@@ -61,9 +62,9 @@ const SHARE: usize = 2;
 /// How many triangles are placed between two calls of `progress`.
 const STRIDE: u64 = 8192;
 
-/// How many of `threads` are worth their start for `count` triangles; at least 1.
-pub(super) fn worthwhile(threads: usize, count: usize) -> usize {
-    threads.clamp(1, count / GRAIN_MIN + 1)
+/// Those of `threads` that are worth their start for `count` triangles.
+pub(super) fn team_for(threads: usize, count: usize) -> Team {
+    Team::of(threads.clamp(1, count / GRAIN_MIN + 1))
 }
 
 /// Triangles that wait for a thread.
@@ -91,48 +92,21 @@ struct Mark {
     bounds: Aabb,
 }
 
-struct Pile<'a, P: Parts> {
-    open: Vec<Piece<'a, P>>,
-    /// Threads at work on a piece: they may still add to `open`.
-    busy: usize,
+/// What several threads have made of a tree.
+#[derive(Default)]
+struct Made {
     cuts: Vec<Mark>,
     grown: Vec<Grown>,
 }
 
-struct Yard<'a, P: Parts> {
-    pile: Mutex<Pile<'a, P>>,
-    changed: Condvar,
-}
-
-/// Whoever holds this is `busy`. Dropped in a panic too, so that nobody waits for a dead thread.
-struct Busy<'y, 'a, P: Parts>(&'y Yard<'a, P>);
-
-impl<'a, P: Parts> Yard<'a, P> {
-    fn pile(&self) -> MutexGuard<'_, Pile<'a, P>> {
-        self.pile.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// A piece to work on, or `None` when all is done.
-    fn take(&self) -> Option<(Piece<'a, P>, Busy<'_, 'a, P>)> {
-        let mut pile = self.pile();
-        loop {
-            if let Some(piece) = pile.open.pop() {
-                pile.busy += 1;
-                return Some((piece, Busy(self)));
-            }
-            if pile.busy == 0 {
-                return None;
-            }
-            pile = self.changed.wait(pile).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-}
-
-impl<P: Parts> Drop for Busy<'_, '_, P> {
-    fn drop(&mut self) {
-        self.0.pile().busy -= 1;
-        self.0.changed.notify_all();
-    }
+/// A tree that several threads grow.
+struct Yard<'j> {
+    job: &'j Job<'j>,
+    /// Larger ranges are cut by all threads together.
+    large: usize,
+    /// Larger ranges are cut, the others grown.
+    grain: usize,
+    made: Mutex<Made>,
 }
 
 /// Grows the tree over `parts`: nodes in preorder, the order of triangles, the depth.
@@ -144,37 +118,46 @@ pub(super) fn grow<P: Parts>(
     let count = parts.len();
     let mut order = vec![0; count];
     let whole = Piece { first: 0, parts, known, order: &mut order };
-    let threads = job.threads;
-    if threads == 1 {
+    let Some(pool) = job.team.pool() else {
         let Grown { nodes, depth, .. } = subtree(whole, job);
         return (nodes, order, depth);
-    }
-    let (mut cuts, mut open, mut large) = (Vec::new(), Vec::new(), vec![whole]);
-    while let Some(piece) = large.pop() {
-        if piece.parts.len() <= (count / (threads * SHARE)).max(GRAIN_MIN) {
-            open.push(piece);
-        } else {
-            let (mark, halves) = halved(piece, threads);
-            cuts.push(mark);
-            large.extend(halves);
-        }
-    }
-    // The largest ones first: they are taken from the end.
-    open.sort_by_key(|piece| piece.parts.len());
-    let pile = Pile { open, busy: 0, cuts, grown: Vec::new() };
-    let yard = Yard { pile: Mutex::new(pile), changed: Condvar::new() };
-    let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
-    team::each(vec![(); threads], |()| work(&yard, grain, job));
-    let pile = yard.pile.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let (nodes, depth) = join(count, pile.cuts, pile.grown, threads);
+    };
+    let threads = job.team.threads();
+    let yard = Yard {
+        job,
+        large: (count / (threads * SHARE)).max(GRAIN_MIN),
+        grain: (count / (threads * PIECES)).max(GRAIN_MIN),
+        made: Mutex::default(),
+    };
+    pool.scope(|scope| yard.work(scope, whole));
+    let Made { cuts, grown } = yard.made.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (nodes, depth) = join(count, cuts, grown, job.team);
     (nodes, order, depth)
 }
 
-fn halved<P: Parts>(piece: Piece<'_, P>, threads: usize) -> (Mark, [Piece<'_, P>; 2]) {
+impl Yard<'_> {
+    fn made(&self) -> MutexGuard<'_, Made> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn work<'s, P: Parts + 's>(&'s self, scope: &Scope<'s>, mut piece: Piece<'s, P>) {
+        while piece.parts.len() > self.grain {
+            let is_large = piece.parts.len() > self.large;
+            let team = if is_large { self.job.team } else { &Team::ALONE };
+            let (mark, [far, near]) = halved(piece, team);
+            self.made().cuts.push(mark);
+            scope.spawn(|scope| self.work(scope, far));
+            piece = near;
+        }
+        let grown = subtree(piece, self.job);
+        self.made().grown.push(grown);
+    }
+}
+
+fn halved<'a, P: Parts>(piece: Piece<'a, P>, team: &Team) -> (Mark, [Piece<'a, P>; 2]) {
     let Piece { first, mut parts, known, order } = piece;
     let count = parts.len();
-    let Cut { bounds, left, known: [known_left, known_right] } =
-        parts.cut(0..count, known, threads);
+    let Cut { bounds, left, known: [known_left, known_right] } = parts.cut(0..count, known, team);
     let (near, far) = parts.split_at(left);
     let (order_left, order_right) = order.split_at_mut(left);
     let halves = [
@@ -182,22 +165,6 @@ fn halved<P: Parts>(piece: Piece<'_, P>, threads: usize) -> (Mark, [Piece<'_, P>
         Piece { first, parts: near, known: known_left, order: order_left },
     ];
     (Mark { first, count, left, bounds }, halves)
-}
-
-fn work<P: Parts>(yard: &Yard<'_, P>, grain: usize, job: &Job<'_>) {
-    while let Some((piece, _busy)) = yard.take() {
-        if piece.parts.len() > grain {
-            let (mark, halves) = halved(piece, 1);
-            let mut pile = yard.pile();
-            pile.cuts.push(mark);
-            pile.open.extend(halves);
-            drop(pile);
-            yard.changed.notify_all();
-        } else {
-            let grown = subtree(piece, job);
-            yard.pile().grown.push(grown);
-        }
-    }
 }
 
 /// A range still to do.
@@ -232,7 +199,8 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
                 placed = 0;
             }
         } else {
-            let Cut { bounds, left, known: [near, far] } = parts.cut(range.clone(), known, 1);
+            let Cut { bounds, left, known: [near, far] } =
+                parts.cut(range.clone(), known, &Team::ALONE);
             let (left, depth) = (range.start + left, depth + 1);
             nodes.push(interior(bounds));
             open.push(Open { range: left..range.end, known: far, parent: Some(node), depth });
@@ -246,12 +214,7 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
 }
 
 /// Joins the subtrees below the nodes at which large ranges were cut; says how deep the tree is.
-fn join(
-    count: usize,
-    mut cuts: Vec<Mark>,
-    mut grown: Vec<Grown>,
-    threads: usize,
-) -> (Vec<Node>, u32) {
+fn join(count: usize, mut cuts: Vec<Mark>, mut grown: Vec<Grown>, team: &Team) -> (Vec<Node>, u32) {
     cuts.sort_unstable_by_key(|cut| (cut.first, cut.count));
     grown.sort_unstable_by_key(|piece| piece.first);
     let total = cuts.len() + grown.iter().map(|piece| piece.nodes.len()).sum::<usize>();
@@ -281,7 +244,7 @@ fn join(
             next += piece.nodes.len();
         }
     }
-    team::deal(copies, threads, |(from, to, root)| {
+    team.each(copies, |(from, to, root)| {
         for (node, place) in from.iter().zip(to) {
             let shift = if node.is_leaf() { 0 } else { root as u32 };
             *place = Node { link: node.link + shift, ..*node };

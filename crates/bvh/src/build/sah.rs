@@ -11,7 +11,7 @@
 //! maxima alone, so it does not matter in which parts they were looked at, or by whom.
 
 use super::grow::{self, Cut, Job, Parts};
-use super::team;
+use super::team::Team;
 use geometry::{Aabb, Corners};
 use model::Node;
 use std::ops::Range;
@@ -229,9 +229,9 @@ struct Items<'a>([&'a mut [Reach]; 2]);
 pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
     let n = corners.len();
     let (mut first, mut second) = (vec![[0.0; 8]; n], vec![[0.0; 8]; n]);
-    let share = team::share(n, job.threads);
+    let share = job.team.share(n);
     let tasks = first.chunks_mut(share).zip(corners.chunks(share)).zip((0..).step_by(share));
-    let known = team::each(tasks.collect(), |((items, corners), first)| {
+    let known = job.team.each(tasks.collect(), |((items, corners), first)| {
         sums(items.iter_mut().zip(corners).zip(first..).map(|((item, corners), id)| {
             *item = reach(corners, id);
             &*item
@@ -266,17 +266,17 @@ impl Items<'_> {
         &mut self,
         range: Range<usize>,
         known: Known,
-        threads: usize,
+        team: &Team,
     ) -> Cut<Known> {
         let [first, second] = &mut self.0;
         let (from, to) = if known.second { (second, first) } else { (first, second) };
         let (from, to) = (&from[range.clone()], &mut to[range]);
         let Some(scale) = Scale::new::<N>(&known.centres) else { return halved(from, known) };
-        let share = team::share(from.len(), threads);
+        let (share, threads) = (team.share(from.len()), team.threads());
         let mut bins = Bins::<N>::EMPTY;
         let mut parts = Vec::new();
         if threads > 1 {
-            parts = team::each(from.chunks(share).collect(), |items| {
+            parts = team.each(from.chunks(share).collect(), |items| {
                 let mut bins = Bins::<N>::EMPTY;
                 bins.fill(items, &scale);
                 bins
@@ -298,7 +298,7 @@ impl Items<'_> {
                 (r, far) = far.split_at_mut(right);
                 tasks.push((items, [l, r]));
             }
-            both(&team::each(tasks, |(items, halves)| divide(items, halves, goes_right)))
+            both(&team.each(tasks, |(items, halves)| divide(items, halves, goes_right)))
         } else {
             divide(from, [near, far], goes_right)
         };
@@ -332,11 +332,11 @@ impl Parts for Items<'_> {
         self.0[0].len()
     }
 
-    fn cut(&mut self, range: Range<usize>, known: Known, threads: usize) -> Cut<Known> {
+    fn cut(&mut self, range: Range<usize>, known: Known, team: &Team) -> Cut<Known> {
         if range.len() > FEW {
-            self.cut_with::<BINS>(range, known, threads)
+            self.cut_with::<BINS>(range, known, team)
         } else {
-            self.cut_with::<BINS_FEW>(range, known, 1)
+            self.cut_with::<BINS_FEW>(range, known, &Team::ALONE)
         }
     }
 

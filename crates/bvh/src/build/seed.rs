@@ -13,7 +13,7 @@
 //! axis.
 
 use super::grow::{self, Cut, Job, Parts};
-use super::team;
+use super::team::Team;
 use geometry::{Aabb, Corners};
 use model::Node;
 use std::ops::{Range, RangeInclusive};
@@ -78,7 +78,7 @@ struct Orders<'a> {
 pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
     let n = corners.len();
     let mut memory = [0, 1, 2].map(|_| ([Vec::new(), Vec::new()], Vec::new()));
-    let second = team::all(numbered(&mut memory), job.threads, |(axis, (buffers, lows))| {
+    let second = job.team.three(numbered(&mut memory), |(axis, (buffers, lows))| {
         *lows = vec![0.0; n];
         sort(corners, axis, buffers)
     });
@@ -210,9 +210,9 @@ impl Parts for Orders<'_> {
         self.axes[0].lows.len()
     }
 
-    fn cut(&mut self, range: Range<usize>, second: [bool; 3], threads: usize) -> Cut<[bool; 3]> {
+    fn cut(&mut self, range: Range<usize>, second: [bool; 3], team: &Team) -> Cut<[bool; 3]> {
         let allowed = self.cuts.among(range.len());
-        let found = team::all(numbered(&mut self.axes), threads, |(number, axis)| {
+        let found = team.three(numbered(&mut self.axes), |(number, axis)| {
             let order = &axis.buffers[usize::from(second[number])][range.clone()];
             best(order, &mut axis.lows[range.clone()], allowed.clone())
         });
@@ -222,7 +222,7 @@ impl Parts for Orders<'_> {
         for (i, entry) in order.iter().enumerate() {
             right[entry.id as usize].store(i >= k, Ordering::Relaxed);
         }
-        let known = team::all(numbered(&mut self.axes), threads, |(number, other)| {
+        let known = team.three(numbered(&mut self.axes), |(number, other)| {
             let second = second[number];
             let [from, to] = &mut other.buffers;
             let (from, to) = if second { (to, from) } else { (from, to) };

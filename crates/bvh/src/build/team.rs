@@ -1,51 +1,71 @@
-//! Work that several threads share. What comes out does not depend on who did it.
+//! Threads that build one tree together. What comes out does not depend on who did what.
+//!
+//! They are started once, and wait between steps. A thread that is started anew for a step may find
+//! itself on the core of the one that started it, and wait there for milliseconds, though another
+//! core is idle: on a two-core virtual machine that was so for up to 4 threads of 10.
 
-use std::panic::resume_unwind;
-use std::thread;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Does every task, each in a thread of its own, the last one in this thread; returns what each
-/// gave, in order.
-pub(super) fn each<T: Send, R: Send>(mut tasks: Vec<T>, run: impl Fn(T) -> R + Sync) -> Vec<R> {
-    let Some(last) = tasks.pop() else { return Vec::new() };
-    let run = &run;
-    thread::scope(|scope| {
-        let others: Vec<_> = tasks.into_iter().map(|task| scope.spawn(move || run(task))).collect();
-        let last = run(last);
-        let mut done: Vec<R> =
-            others.into_iter().map(|t| t.join().unwrap_or_else(|e| resume_unwind(e))).collect();
-        done.push(last);
-        done
-    })
-}
+/// The caller, or threads of its own for which the caller waits.
+#[derive(Debug)]
+pub(super) struct Team(Option<ThreadPool>);
 
-/// Does every task: each in a thread of its own, or one after the other if there is one thread.
-pub(super) fn all<T: Send, R: Send, const N: usize>(
-    tasks: [T; N],
-    threads: usize,
-    run: impl Fn(T) -> R + Sync,
-) -> [R; N] {
-    if threads < 2 {
-        return tasks.map(run);
+impl Team {
+    /// The caller.
+    pub(super) const ALONE: Self = Self(None);
+
+    /// So many threads; just the caller if the system does not grant them, or one is enough.
+    pub(super) fn of(threads: usize) -> Self {
+        let several = ThreadPoolBuilder::new().num_threads(threads);
+        Self(if threads < 2 { None } else { several.build().ok() })
     }
-    let run = &run;
-    thread::scope(|scope| {
-        let started = tasks.map(|task| scope.spawn(move || run(task)));
-        started.map(|t| t.join().unwrap_or_else(|e| resume_unwind(e)))
-    })
-}
 
-/// Does every task, in so many threads; each takes an equal number of neighbours.
-pub(super) fn deal<T: Send>(mut tasks: Vec<T>, threads: usize, run: impl Fn(T) + Sync) {
-    let share = tasks.len().div_ceil(threads.max(1)).max(1);
-    let mut shares = Vec::new();
-    while tasks.len() > share {
-        shares.push(tasks.split_off(tasks.len() - share));
+    /// How many there are, at least 1.
+    pub(super) fn threads(&self) -> usize {
+        self.0.as_ref().map_or(1, ThreadPool::current_num_threads)
     }
-    shares.push(tasks);
-    each(shares, |share| share.into_iter().for_each(&run));
-}
 
-/// How many of `count` things each of `threads` threads gets, at most.
-pub(super) fn share(count: usize, threads: usize) -> usize {
-    count.div_ceil(threads.max(1)).max(1)
+    /// The threads, unless it is the caller alone.
+    pub(super) fn pool(&self) -> Option<&ThreadPool> {
+        self.0.as_ref()
+    }
+
+    /// How many of `count` things each gets, at most.
+    pub(super) fn share(&self, count: usize) -> usize {
+        count.div_ceil(self.threads()).max(1)
+    }
+
+    /// Does something in one of the threads. Steps of it that are for all of them then begin
+    /// without a change of threads.
+    pub(super) fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
+    /// Does every task, in whichever thread is free; returns what each gave, in order.
+    pub(super) fn each<T: Send, R: Send>(
+        &self,
+        tasks: Vec<T>,
+        run: impl Fn(T) -> R + Send + Sync,
+    ) -> Vec<R> {
+        match &self.0 {
+            Some(pool) => pool.install(|| tasks.into_par_iter().with_max_len(1).map(run).collect()),
+            None => tasks.into_iter().map(run).collect(),
+        }
+    }
+
+    /// [`Team::each`] of three. Nothing is allocated.
+    pub(super) fn three<T: Send, R: Send>(
+        &self,
+        tasks: [T; 3],
+        run: impl Fn(T) -> R + Send + Sync,
+    ) -> [R; 3] {
+        let Some(pool) = &self.0 else { return tasks.map(run) };
+        let ([x, y, z], run) = (tasks, &run);
+        let (x, (y, z)) = pool.join(|| run(x), || rayon::join(|| run(y), || run(z)));
+        [x, y, z]
+    }
 }
