@@ -37,6 +37,20 @@ fn body_by(
     belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
     let Tree { nodes, order, depth } = tree(&mesh.corners, options, team, progress)?;
     let corners = permuted(&mesh.corners, &order, team);
+    // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
+    // brings the other arrays into order.
+    let (wide, (source_ids, part_of, zones)) = team.both(
+        || {
+            Wide::shared(&nodes, &corners, team.threads(), |shares| {
+                team.each(shares, Share::fill);
+            })
+        },
+        || {
+            let source_ids = permuted(&mesh.source_ids, &order, team);
+            let part_of = permuted(&mesh.part_of, &order, team);
+            (source_ids, part_of, permuted(&zones, &order, team))
+        },
+    );
     Ok(Body {
         meta: Meta {
             parts: mesh.parts,
@@ -46,14 +60,12 @@ fn body_by(
             depth,
             ..meta
         },
-        wide: Wide::shared(&nodes, &corners, team.threads(), |shares| {
-            team.each(shares, Share::fill);
-        }),
+        wide,
         nodes,
         corners,
-        source_ids: permuted(&mesh.source_ids, &order, team),
-        part_of: permuted(&mesh.part_of, &order, team),
-        zones: permuted(&zones, &order, team),
+        source_ids,
+        part_of,
+        zones,
         dropped: mesh.dropped.iter().map(|&(dropped, kept)| [dropped, kept]).collect(),
     })
 }

@@ -45,6 +45,18 @@ impl Team {
         }
     }
 
+    /// Does both.
+    pub(super) fn both<R: Send, Q: Send>(
+        &self,
+        one: impl FnOnce() -> R + Send,
+        other: impl FnOnce() -> Q + Send,
+    ) -> (R, Q) {
+        match &self.0 {
+            Some(pool) => pool.join(one, other),
+            None => (one(), other()),
+        }
+    }
+
     /// Does every task, in whichever thread is free; returns what each gave, in order.
     pub(super) fn each<T: Send, R: Send>(
         &self,
