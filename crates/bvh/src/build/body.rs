@@ -12,7 +12,8 @@ use model::{Body, BodyView, Mesh, Meta, Wide, Zones};
 ///
 /// # Errors
 ///
-/// As [`build`], and [`BuildError::Lengths`] if an array of the mesh is too short or too long.
+/// As [`super::build`], and [`BuildError::Lengths`] if an array of the mesh is too short or too
+/// long.
 pub fn body(
     mesh: Mesh,
     meta: Meta,
