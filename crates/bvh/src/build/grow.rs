@@ -142,6 +142,8 @@ impl Yard<'_> {
 
     fn work<'s, P: Parts + 's>(&'s self, scope: &Scope<'s>, mut piece: Piece<'s, P>) {
         while piece.parts.len() > self.grain {
+            // Who waits for others to cut their part may begin another piece meanwhile, on the same
+            // stack: that goes no deeper than there are large pieces side by side, which are few.
             let is_large = piece.parts.len() > self.large;
             let team = if is_large { self.job.team } else { &Team::ALONE };
             let (mark, [far, near]) = halved(piece, team);
