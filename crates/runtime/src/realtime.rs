@@ -93,17 +93,21 @@ fn touch_stack() {
     black_box(&stack);
 }
 
-/// No memory goes back to the kernel, and none comes from it in pieces of its own.
+/// From now on the heap keeps what it got: no memory goes back to the kernel, none comes from it in
+/// pieces of its own, and all threads share what there is. Memory that was freed is used again
+/// without a page fault.
 #[cfg(target_env = "gnu")]
-fn keep_heap() {
-    for (what, value) in [(libc::M_TRIM_THRESHOLD, -1), (libc::M_MMAP_MAX, 0)] {
+pub fn keep_heap() {
+    let kept = [(libc::M_TRIM_THRESHOLD, -1), (libc::M_MMAP_MAX, 0), (libc::M_ARENA_MAX, 1)];
+    for (what, value) in kept {
         // SAFETY: sets a number of the allocator, under its lock.
         let _refused = unsafe { libc::mallopt(what, value) };
     }
 }
 
+/// Does nothing: what keeps a heap depends on the C library.
 #[cfg(not(target_env = "gnu"))]
-fn keep_heap() {}
+pub fn keep_heap() {}
 
 /// Page faults of the calling thread since it started: those that needed no disk, and those that
 /// did.
