@@ -10,7 +10,7 @@ const BITS: usize = u64::BITS as usize;
 #[derive(Clone, Debug)]
 pub(crate) struct Hits {
     words: Vec<u64>,
-    /// The words that are not 0: so many of these.
+    /// The words that are not 0: so many of these. What follows is overwritten.
     used: Vec<u32>,
     count: usize,
     /// Number of the first bit: before the range, where places that are put in may begin.
@@ -27,7 +27,7 @@ impl Hits {
     /// Room for ranges of `triangles` triangles.
     pub(crate) fn with_room(triangles: usize) -> Self {
         let words = words(triangles);
-        Self { words: vec![0; words], used: vec![0; words + 1], count: 0, first: 0 }
+        Self { words: vec![0; words], used: vec![0; words + WORDS + 1], count: 0, first: 0 }
     }
 
     /// Makes room for ranges of `triangles` triangles, and forgets everything.
@@ -68,19 +68,20 @@ impl Hits {
     /// Puts the triangle in; whether it was not there before.
     pub(crate) fn insert(&mut self, triangle: u32) -> bool {
         let (word, shift) = self.at(triangle as usize);
-        self.insert_word(word, 1 << shift) != 0
+        self.insert_words(word, [1 << shift]) != [0]
     }
 
     /// Puts triangles in, counted from number `first` on. Returns those that were not there.
     pub(crate) fn insert_places(&mut self, first: u32, places: &Places) -> Places {
-        let words = places.words();
-        Places::of(from_fn(|i| {
-            let (bits, (word, shift)) = (words[i], self.at(first as usize + i * BITS));
-            // Branches here would depend on where leaves begin, and nothing predicts that.
-            let new = self.insert_word(word, bits << shift) >> shift;
-            let over = self.insert_word(word + 1, bits >> 1 >> (BITS - 1 - shift));
-            new | over << 1 << (BITS - 1 - shift)
-        }))
+        let (at, shift) = self.at(first as usize);
+        // What places begin with and what they go on with share a word. Branches here would depend
+        // on where leaves begin, and nothing predicts that.
+        let [low, high] = places.words();
+        let split = |bits: u64| (bits << shift, bits >> 1 >> (BITS - 1 - shift));
+        let ((low, middle), (more, high)) = (split(low), split(high));
+        let new = self.insert_words(at, [low, middle | more, high]);
+        let join = |low: u64, high: u64| low >> shift | high << 1 << (BITS - 1 - shift);
+        Places::of([join(new[0], new[1]), join(new[1], new[2])])
     }
 
     /// The word of a number, and the bit in it.
@@ -89,12 +90,21 @@ impl Hits {
         (at / BITS, at % BITS)
     }
 
-    fn insert_word(&mut self, at: usize, bits: u64) -> u64 {
-        let word = &mut self.words[at];
-        self.used[self.count] = at as u32;
-        self.count += usize::from((*word == 0) & (bits != 0));
-        let new = bits & !*word;
-        *word |= bits;
+    /// Puts bits into the words from `at` on; returns the new ones.
+    #[inline(always)]
+    fn insert_words<const N: usize>(&mut self, at: usize, bits: [u64; N]) -> [u64; N] {
+        let words = &mut self.words[at..at + N];
+        let used = &mut self.used[self.count..self.count + N];
+        let mut count = 0;
+        let new = from_fn(|i| {
+            // No more than the words before this one, which the compiler cannot know.
+            used[count.min(i)] = (at + i) as u32;
+            count += usize::from((words[i] == 0) & (bits[i] != 0));
+            let new = bits[i] & !words[i];
+            words[i] |= bits[i];
+            new
+        });
+        self.count += count;
         new
     }
 }

@@ -112,13 +112,19 @@ impl<'a> Posed<'a> {
         let ((origin, half_a), (middle, half_b)) = (middle(a), middle(b));
         let from = self.pose.point(middle) - DVec3::from_array(origin.map(f64::from));
         let moved = from.to_array().map(|x| x as f32);
-        let most = |[x, y, z]: [f32; 3]| x.abs().max(y.abs()).max(z.abs());
+        let most = |[x, y, z]: [f32; 3]| greater(greater(x.abs(), y.abs()), z.abs());
         let magnitude = (most(middle) + most(half_b)) * self.rotation_max + self.translation_max;
         let size_b = most(moved) + most(half_b) * self.rotation_max;
         // The last factor is for the rounding of all this.
-        let size = most(half_a).max(size_b).max(2.0 * DOUBLE * magnitude) * 1.01;
+        let size = greater(greater(most(half_a), size_b), 2.0 * DOUBLE * magnitude) * 1.01;
         Close { origin, middle, moved, size, floor: magnitude * DOUBLE * 1.01 }
     }
+}
+
+/// The greater of two numbers. That of the standard library asks besides whether either is NaN.
+#[inline(always)]
+fn greater(x: f32, y: f32) -> f32 {
+    if x > y { x } else { y }
 }
 
 /// The middle of a box and half its extents, both rounded.

@@ -3,7 +3,9 @@
 use super::{End, Outcome, Question, Side, Sink, Task};
 use crate::Counters;
 use crate::hits::Hits;
+use fearless_simd::Simd;
 use geometry::patch::Places;
+use geometry::simd::prefetch;
 use geometry::{Directions, Supports, hash};
 use std::ops::ControlFlow;
 
@@ -103,6 +105,21 @@ impl<'a> Found<'a> {
     #[inline]
     pub(super) fn known(&self, a: u32, b: u32) -> bool {
         self.task.question == Question::Sets && self.hits_a.has(a) && self.hits_b.has(b)
+    }
+
+    /// Hears which triangles of A and of B will be tested, each body's in ascending order. What is
+    /// written down of hits, ids and zones, is on its way from now on: between here and
+    /// [`Found::take`] is time for it to come from memory.
+    #[inline(always)]
+    pub(super) fn await_hits<S: Simd>(&self, simd: S, [a, b]: [&[u32]; 2]) {
+        for (view, triangles) in [(&self.task.a, a), (&self.task.b, b)] {
+            // A line of the cache holds 16 ids, 32 zones.
+            for some in triangles.chunks(8) {
+                prefetch(simd, view.source_ids, some[0] as usize);
+                prefetch(simd, view.source_ids, some[some.len() - 1] as usize);
+                prefetch(simd, view.zones, some[0] as usize);
+            }
+        }
     }
 
     /// Takes in that these triangles of A intersect those of B in the same places.

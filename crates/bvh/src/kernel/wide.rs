@@ -271,9 +271,11 @@ impl Walk<'_, '_> {
         let known = self.known(first);
         let patches = (&mut *self.patch_a, &mut *self.patch_b);
         self.found.counters.nb += u64::from(a[0].count + b[0].count);
-        let Some(close) = self.frames.pack(simd, &self.posed, (a, b), &known, patches) else {
+        let Some(close) = self.frames.pack(simd, &self.posed, (a, b), known.as_ref(), patches)
+        else {
             return ControlFlow::Continue(());
         };
+        self.found.await_hits(simd, [self.patch_a.triangles(), self.patch_b.triangles()]);
         let before = self.found.sums;
         let tested = self.test(simd, &close, first);
         if let ControlFlow::Break(Halt::Stopped) = tested {
@@ -305,10 +307,9 @@ impl Walk<'_, '_> {
     /// Which triangles of two leaves need not be looked at again where they meet each other: those
     /// known to be hit, if that is all that is asked. Counted from the leaves' first.
     #[inline(always)]
-    fn known(&self, first: [u32; 2]) -> [Places; 2] {
-        if self.found.task.question != Question::Sets {
-            return Default::default();
-        }
-        [self.found.hits_a.places(first[0]), self.found.hits_b.places(first[1])]
+    fn known(&self, first: [u32; 2]) -> Option<[Places; 2]> {
+        let (a, b) = (&self.found.hits_a, &self.found.hits_b);
+        let is_asked = self.found.task.question == Question::Sets;
+        is_asked.then(|| [a.places(first[0]), b.places(first[1])])
     }
 }

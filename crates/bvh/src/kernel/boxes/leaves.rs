@@ -27,15 +27,15 @@ impl Frames {
     /// Takes those triangles of two leaves that may meet one of the other leaf into patches; `None`
     /// where there are none. Each leaf is tested against what is left of the other.
     ///
-    /// Of those that are known nobody asks whether they are hit: they are left out where all of the
-    /// other leaf, as far as it is still of interest, are known.
+    /// Where some of A and of B are `known`, nobody asks whether they are hit: they are left out
+    /// where all of the other leaf, as far as it is still of interest, are known.
     #[simd]
     pub(in crate::kernel) fn pack<S: Simd>(
         &self,
         simd: S,
         posed: &Posed<'_>,
         (a, b): (&[WideLeaf], &[WideLeaf]),
-        [known_a, known_b]: &[Places; 2],
+        known: Option<&[Places; 2]>,
         (patch_a, patch_b): (&mut Patch, &mut Patch),
     ) -> Option<Close> {
         let (box_a, box_b) = (OneBox::of(simd, &a[0].bounds), OneBox::of(simd, &b[0].bounds));
@@ -50,7 +50,9 @@ impl Frames {
         }
         let layer = self.to_b.layer(simd, &a[0].slab);
         let mut of_b = of_b.and(&beside(simd, b, &layer, self.slack));
-        if Places::first(a[0].count as usize).is_within(known_a) {
+        if let Some([known_a, known_b]) = known
+            && Places::first(a[0].count as usize).is_within(known_a)
+        {
             of_b = of_b.without(known_b);
         }
         if of_b.is_empty() {
@@ -67,7 +69,9 @@ impl Frames {
         }
         let in_a = boxes.moved(origin).enlarged(self.slack as f32).intersection(&common);
         let mut of_a = cells(simd, a, &in_a);
-        if of_b.is_within(known_b) {
+        if let Some([known_a, known_b]) = known
+            && of_b.is_within(known_b)
+        {
             of_a = of_a.without(known_a);
         }
         if of_a.is_empty() {
