@@ -22,6 +22,7 @@ mod check;
 
 use crate::{Body, BodyView, Meta, codec};
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 
 pub use check::{COORDINATE_MAX_M, check_body};
 
@@ -123,29 +124,40 @@ fn malformed(place: &'static str, fault: impl Into<String>) -> FileError {
 }
 
 /// Bytes in memory that lie at a multiple of [`ALIGN`], for files that are read and not mapped.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Aligned {
-    lines: Vec<Line>,
-    len: usize,
+    room: Vec<u8>,
+    /// Where in `room`, which does not move.
+    place: Range<usize>,
 }
 
-#[repr(C, align(64))]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct Line([u8; 64]);
-
 impl Aligned {
+    /// So many zeros, to be overwritten. Those of a large file are no memory yet: it comes as they
+    /// are written.
+    #[must_use]
+    pub fn zeroed(len: usize) -> Self {
+        let room = vec![0; len + ALIGN - 1];
+        let start = room.as_ptr().align_offset(ALIGN);
+        Self { room, place: start..start + len }
+    }
+
     /// Copies bytes to where they can be viewed.
     #[must_use]
     pub fn copy_of(bytes: &[u8]) -> Self {
-        let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64)];
-        bytemuck::cast_slice_mut(&mut lines)[..bytes.len()].copy_from_slice(bytes);
-        Self { lines, len: bytes.len() }
+        let mut copy = Self::zeroed(bytes.len());
+        copy.bytes_mut().copy_from_slice(bytes);
+        copy
     }
 
     /// The bytes, at a multiple of [`ALIGN`].
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
-        &bytemuck::cast_slice(&self.lines)[..self.len]
+        &self.room[self.place.clone()]
+    }
+
+    /// The same, to be overwritten.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.room[self.place.clone()]
     }
 }
 

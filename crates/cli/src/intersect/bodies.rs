@@ -49,8 +49,7 @@ impl Body {
         output: &Output,
     ) -> Result<Self, Failure> {
         let (bytes, build_ns) = if open::is_model(path) {
-            // A copy: the file may change while it is mapped, what was verified must not.
-            (file::Aligned::copy_of(open::bytes(path)?.bytes()), 0)
+            (open::copy(path)?, 0)
         } else {
             let Outcome { bytes, build_ns, .. } =
                 Request::as_it_stands(path, options, limits)?.run(output)?;

@@ -105,7 +105,7 @@ pub(crate) fn body(text: &str) -> Result<file::Aligned, Failure> {
     });
     let Some((shape, triangles)) = generated else {
         let path = Path::new(text);
-        let bytes = file::Aligned::copy_of(open::bytes(path)?.bytes());
+        let bytes = open::copy(path)?;
         open::view(path, bytes.bytes())?;
         return Ok(bytes);
     };

@@ -27,6 +27,21 @@ pub(crate) fn bytes(path: &Path) -> Result<FileMap, Failure> {
     })
 }
 
+/// Room for a model file of so many bytes: in large pages, since a query reads here and there.
+pub(crate) fn room(len: usize) -> file::Aligned {
+    let mut room = file::Aligned::zeroed(len);
+    runtime::realtime::large_pages(room.bytes_mut());
+    room
+}
+
+/// A copy of a model file: a file may change while it is mapped, what was verified must not.
+pub(crate) fn copy(path: &Path) -> Result<file::Aligned, Failure> {
+    let map = bytes(path)?;
+    let mut copy = room(map.bytes().len());
+    copy.bytes_mut().copy_from_slice(map.bytes());
+    Ok(copy)
+}
+
 /// What to try where a file is missing.
 fn nearby(path: &Path) -> String {
     let folder = match path.parent() {

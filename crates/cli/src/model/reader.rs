@@ -12,7 +12,7 @@
 
 pub(super) mod child;
 
-use super::{LimitArgs, MeshArgs};
+use super::{LimitArgs, MeshArgs, open};
 use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::progress::Progress;
@@ -157,7 +157,7 @@ impl Request {
     /// Reads the file in a child.
     pub(crate) fn run(&self, output: &Output) -> Result<Outcome, Failure> {
         let (mut child, words, stderr) = self.start()?;
-        let heard = hear(words, output);
+        let heard = hear(words, self.memory_bytes, output);
         let exit = child.wait_ms(END_MS)?;
         drop(child);
         let last_words = stderr.join().unwrap_or_default();
@@ -239,9 +239,9 @@ impl Request {
     }
 }
 
-/// Follows a child's words to the last one, and takes the model file behind it. None if the child
-/// ended in mid-sentence.
-fn hear(words: PipeReader, output: &Output) -> Option<(Word, file::Aligned)> {
+/// Follows a child's words to the last one, and takes the model file behind it, of at most
+/// `bytes_max`. None if the child ended in mid-sentence.
+fn hear(words: PipeReader, bytes_max: u64, output: &Output) -> Option<(Word, file::Aligned)> {
     let mut words = BufReader::with_capacity(1 << 16, words);
     let begun_ns = runtime::clock::now_ns();
     let mut progress: Option<(Progress, u64)> = None;
@@ -258,11 +258,11 @@ fn hear(words: PipeReader, output: &Output) -> Option<(Word, file::Aligned)> {
                 *before = done;
             }
             Word::Read { report, build_ns, model_bytes } => {
-                let mut bytes = Vec::new();
-                words.take(model_bytes).read_to_end(&mut bytes).ok()?;
-                let is_whole = bytes.len() as u64 == model_bytes;
-                let word = Word::Read { report, build_ns, model_bytes };
-                return is_whole.then(|| (word, file::Aligned::copy_of(&bytes)));
+                // It cannot have more than it was allowed: whoever says so speaks nonsense.
+                let len = Some(model_bytes).filter(|bytes| *bytes <= bytes_max)?;
+                let mut bytes = open::room(usize::try_from(len).ok()?);
+                words.read_exact(bytes.bytes_mut()).ok()?;
+                return Some((Word::Read { report, build_ns, model_bytes }, bytes));
             }
             word @ Word::Refused { .. } => return Some((word, file::Aligned::default())),
         }

@@ -59,7 +59,7 @@ fn heard(bytes: &[u8]) -> Option<(Word, file::Aligned)> {
     let (words, mut says) = io::pipe().expect("a pipe");
     io::Write::write_all(&mut says, bytes).expect("room");
     drop(says);
-    hear(words, &Output { json: false, quiet: true })
+    hear(words, 2048, &Output { json: false, quiet: true })
 }
 
 #[test]
@@ -85,10 +85,17 @@ fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
         notes: Vec::new(),
         side_file: None,
     };
-    let word = Word::Read { report: Box::new(report), build_ns: 5, model_bytes: 4 };
+    let mut word = Word::Read { report: Box::new(report), build_ns: 5, model_bytes: 4 };
     let mut bytes = serde_json::to_vec(&word).expect("plain data");
     bytes.extend(b"\nabcd");
     let (_, model) = heard(&bytes).expect("whole");
     assert_eq!(model.bytes(), b"abcd");
     assert!(heard(&bytes[..bytes.len() - 1]).is_none());
+    // More than a child may have is not even asked for.
+    if let Word::Read { model_bytes, .. } = &mut word {
+        *model_bytes = u64::MAX;
+    }
+    let mut bytes = serde_json::to_vec(&word).expect("plain data");
+    bytes.extend(b"\nabcd");
+    assert!(heard(&bytes).is_none());
 }
