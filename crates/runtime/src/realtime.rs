@@ -109,8 +109,8 @@ pub fn keep_heap() {
 #[cfg(not(target_env = "gnu"))]
 pub fn keep_heap() {}
 
-/// Asks for large pages under bytes that have not been written yet: what is then read here and there
-/// takes fewer walks through page tables. The system may have none, and nothing else changes.
+/// Asks for large pages under bytes that have not been written yet: what is then read here and
+/// there takes fewer walks through page tables. The system may have none, and nothing else changes.
 pub fn large_pages(bytes: &mut [u8]) {
     let skipped = bytes.as_ptr().align_offset(PAGE).min(bytes.len());
     let whole = &mut bytes[skipped..];
