@@ -93,21 +93,26 @@ fn touch_stack() {
     black_box(&stack);
 }
 
-/// From now on the heap keeps what it got: no memory goes back to the kernel, none comes from it in
-/// pieces of its own, and all threads share what there is. Memory that was freed is used again
-/// without a page fault.
-#[cfg(target_env = "gnu")]
-pub fn keep_heap() {
-    let kept = [(libc::M_TRIM_THRESHOLD, -1), (libc::M_MMAP_MAX, 0), (libc::M_ARENA_MAX, 1)];
-    for (what, value) in kept {
-        // SAFETY: sets a number of the allocator, under its lock.
-        let _refused = unsafe { libc::mallopt(what, value) };
-    }
+/// No memory goes back to the kernel, and none comes from it in pieces of its own.
+fn keep_heap() {
+    #[cfg(target_env = "gnu")]
+    [(libc::M_TRIM_THRESHOLD, -1), (libc::M_MMAP_MAX, 0)].into_iter().for_each(tune);
 }
 
-/// Does nothing: what keeps a heap depends on the C library.
-#[cfg(not(target_env = "gnu"))]
-pub fn keep_heap() {}
+/// From now on the heap keeps what it got, and all threads share it: memory that was freed is used
+/// again without a page fault. For work in which threads seldom allocate, since they wait for each
+/// other there. It does nothing where the C library is not GNU's.
+pub fn share_heap() {
+    keep_heap();
+    #[cfg(target_env = "gnu")]
+    tune((libc::M_ARENA_MAX, 1));
+}
+
+#[cfg(target_env = "gnu")]
+fn tune((what, value): (libc::c_int, libc::c_int)) {
+    // SAFETY: sets a number of the allocator, under its lock.
+    let _refused = unsafe { libc::mallopt(what, value) };
+}
 
 /// Asks for large pages under bytes that have not been written yet: what is then read here and
 /// there takes fewer walks through page tables. The system may have none, and nothing else changes.

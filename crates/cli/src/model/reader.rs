@@ -240,7 +240,7 @@ impl Request {
 }
 
 /// Follows a child's words to the last one, and takes the model file behind it, of at most
-/// `bytes_max`. None if the child ended in mid-sentence.
+/// `bytes_max`. None if the child ended in mid-sentence, or says that it has more.
 fn hear(words: PipeReader, bytes_max: u64, output: &Output) -> Option<(Word, file::Aligned)> {
     let mut words = BufReader::with_capacity(1 << 16, words);
     let begun_ns = runtime::clock::now_ns();
@@ -259,8 +259,8 @@ fn hear(words: PipeReader, bytes_max: u64, output: &Output) -> Option<(Word, fil
             }
             Word::Read { report, build_ns, model_bytes } => {
                 // It cannot have more than it was allowed: whoever says so speaks nonsense.
-                let len = Some(model_bytes).filter(|bytes| *bytes <= bytes_max)?;
-                let mut bytes = open::room(usize::try_from(len).ok()?);
+                let len = usize::try_from(model_bytes).ok().filter(|_| model_bytes <= bytes_max)?;
+                let mut bytes = open::room(len);
                 words.read_exact(bytes.bytes_mut()).ok()?;
                 return Some((Word::Read { report, build_ns, model_bytes }, bytes));
             }

@@ -33,7 +33,7 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
     runtime::process::limit_self(request.memory_bytes, request.cpu_s)?;
     // Building begins where reading freed its memory: two trees of a million triangles each are
     // built 10 % sooner by one thread, 15 % by two.
-    runtime::realtime::keep_heap();
+    runtime::realtime::share_heap();
     panic::set_hook(Box::new(|info| {
         if let Ok(mut said) = PANIC.lock() {
             said.get_or_insert_with(|| info.to_string().replace('\n', " "));
