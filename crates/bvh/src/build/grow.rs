@@ -7,6 +7,7 @@
 //! of threads.
 
 use super::team::Team;
+use bytemuck::zeroed_vec;
 use geometry::Aabb;
 use model::Node;
 use rayon::Scope;
@@ -220,7 +221,8 @@ fn join(count: usize, mut cuts: Vec<Mark>, mut grown: Vec<Grown>, team: &Team) -
     cuts.sort_unstable_by_key(|cut| (cut.first, cut.count));
     grown.sort_unstable_by_key(|piece| piece.first);
     let total = cuts.len() + grown.iter().map(|piece| piece.nodes.len()).sum::<usize>();
-    let mut nodes = vec![interior(Aabb::EMPTY); total];
+    // Untouched memory: whoever copies a subtree is the first to touch its place.
+    let mut nodes: Vec<Node> = zeroed_vec(total);
     let mut rest = nodes.as_mut_slice();
     // Where subtrees go is laid out first, then they are copied, which takes longer.
     let (mut copies, mut links, mut next, mut deepest) = (Vec::new(), Vec::new(), 0, 0);

@@ -14,6 +14,7 @@
 
 use super::grow::{self, Cut, Job, Parts};
 use super::team::Team;
+use bytemuck::{Pod, Zeroable, zeroed_vec};
 use geometry::{Aabb, Corners};
 use model::Node;
 use std::ops::{Range, RangeInclusive};
@@ -39,7 +40,8 @@ impl Cuts {
 }
 
 /// A triangle in one of the three orders: its extent along that axis (m), and its number.
-#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct Entry {
     low: f32,
     high: f32,
@@ -77,14 +79,15 @@ struct Orders<'a> {
 /// Grows the tree over `corners`: nodes, the order of triangles, depth.
 pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
     let n = corners.len();
-    let mut memory = [0, 1, 2].map(|_| ([Vec::new(), Vec::new()], Vec::new()));
-    let second = job.team.three(numbered(&mut memory), |(axis, (buffers, lows))| {
-        *lows = vec![0.0; n];
-        sort(corners, axis, buffers)
-    });
+    let mut memory = [0, 1, 2].map(|_| [Vec::new(), Vec::new()]);
+    job.team.each(memory.iter_mut().flatten().collect(), |buffer| *buffer = zeroed_vec(n));
+    let second = sort(corners, &mut memory, job.team);
+    let mut lows = [0, 1, 2].map(|_| vec![0.0; n]);
     let right: Vec<AtomicBool> = std::iter::repeat_with(AtomicBool::default).take(n).collect();
-    let axes =
-        memory.each_mut().map(|([first, second], lows)| Axis { buffers: [first, second], lows });
+    let [x, y, z] = &mut memory;
+    let [lows_x, lows_y, lows_z] = &mut lows;
+    let axes = [(x, lows_x), (y, lows_y), (z, lows_z)]
+        .map(|([first, second], lows)| Axis { buffers: [first, second], lows });
     grow::grow(Orders { cuts, axes, right: &right }, second, job)
 }
 
@@ -93,30 +96,64 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
     [(0, x), (1, y), (2, z)]
 }
 
+/// Sorts triangles by highest vertex along each axis, equal ones by number; says of each whether it
+/// ends up in the second buffer.
+///
+/// Three axes do not go evenly into two threads. So the third one is sorted in halves, which are
+/// merged from both ends.
+fn sort(corners: &[Corners], axes: &mut [[Vec<Entry>; 2]; 3], team: &Team) -> [bool; 3] {
+    if team.threads() == 1 {
+        for (axis, buffers) in numbered(axes) {
+            sort_along(axis, (corners, 0), buffers.each_mut());
+        }
+        return [true; 3];
+    }
+    let middle = corners.len().div_ceil(2);
+    let (left, right) = corners.split_at(middle);
+    let [x, y, [first, second]] = axes;
+    let (near, far) = first.split_at_mut(middle);
+    let (to_near, to_far) = second.split_at_mut(middle);
+    team.both(
+        || {
+            let whole = || sort_along(0, (corners, 0), x.each_mut());
+            team.both(whole, || sort_along(2, (left, 0), [near, to_near]))
+        },
+        || {
+            let whole = || sort_along(1, (corners, 0), y.each_mut());
+            team.both(whole, || sort_along(2, (right, middle as u32), [far, to_far]))
+        },
+    );
+    let (near, far) = first.split_at_mut(middle);
+    let halves = second.split_at(middle);
+    team.both(|| merge_near(halves, near), || merge_far(halves, far));
+    [true, true, false]
+}
+
 /// Bits of a digit: a table of counts that stays in the first cache.
 const DIGIT: usize = 11;
+/// Digits of a rank: an odd number of passes from one buffer to the other.
+const DIGITS: usize = 3;
 
-/// Sorts triangles by highest vertex along `axis`, equal ones by number, digit by digit from the
-/// lowest one; says whether they end up in the second buffer.
+/// Sorts triangles, numbered from `first`, by highest vertex along `axis`, equal ones by number,
+/// digit by digit from the lowest one. They end up in the second buffer.
 ///
 /// Knuth, *The Art of Computer Programming* 3, section 5.2.5.
-fn sort(corners: &[Corners], axis: usize, buffers: &mut [Vec<Entry>; 2]) -> bool {
+fn sort_along(
+    axis: usize,
+    (corners, first): (&[Corners], u32),
+    buffers: [&mut (impl AsMut<[Entry]> + ?Sized); 2],
+) {
+    let [mut from, mut to] = buffers.map(AsMut::as_mut);
     let digit =
         |entry: &Entry, at: usize| rank(entry.high) as usize >> (at * DIGIT) & ((1 << DIGIT) - 1);
-    let mut counts = [[0_usize; 1 << DIGIT]; 3];
-    let [from, to] = buffers;
-    from.extend(corners.iter().zip(0..).map(|(corners, id)| {
+    let mut counts = [[0_usize; 1 << DIGIT]; DIGITS];
+    for ((entry, corners), id) in from.iter_mut().zip(corners).zip(first..) {
         let [x, y, z] = corners.map(|corner| corner[axis]);
-        let entry = Entry { low: lesser(lesser(x, y), z), high: -lesser(lesser(-x, -y), -z), id };
-        counts.iter_mut().enumerate().for_each(|(at, counts)| counts[digit(&entry, at)] += 1);
-        entry
-    }));
-    to.resize(from.len(), Entry::default());
-    let (mut from, mut to, mut second) = (from, to, false);
+        let (low, high) = (lesser(lesser(x, y), z), -lesser(lesser(-x, -y), -z));
+        *entry = Entry { low, high, id };
+        counts.iter_mut().enumerate().for_each(|(at, counts)| counts[digit(entry, at)] += 1);
+    }
     for (at, counts) in counts.iter_mut().enumerate() {
-        if counts.contains(&from.len()) {
-            continue;
-        }
         let mut start = 0;
         for count in counts.iter_mut() {
             start += std::mem::replace(count, start);
@@ -126,9 +163,31 @@ fn sort(corners: &[Corners], axis: usize, buffers: &mut [Vec<Entry>; 2]) -> bool
             to[*place] = *entry;
             *place += 1;
         }
-        (from, to, second) = (to, from, !second);
+        (from, to) = (to, from);
     }
-    second
+}
+
+/// The first ones of two sorted halves, of equal ones those of the left half, which is as long as
+/// `to` and no shorter than the right one.
+fn merge_near((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
+    let (mut l, mut r) = (0, 0);
+    for place in to {
+        let is_right = right.get(r).is_some_and(|entry| entry.high < left[l].high);
+        *place = if is_right { right[r] } else { left[l] };
+        r += usize::from(is_right);
+        l += usize::from(!is_right);
+    }
+}
+
+/// The last ones of the same halves, as many as there are in the right one.
+fn merge_far((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
+    let (mut l, mut r) = (left.len() - 1, right.len() - 1);
+    for place in to.iter_mut().rev() {
+        let is_right = right[r].high >= left[l].high;
+        *place = if is_right { right[r] } else { left[l] };
+        r = r.wrapping_sub(usize::from(is_right));
+        l = l.wrapping_sub(usize::from(!is_right));
+    }
 }
 
 /// An integer that orders as the finite float does: IEEE 754 sorts as sign and magnitude.

@@ -134,7 +134,11 @@ proptest! {
 
 #[test]
 fn threads_do_not_change_a_tree() {
-    for corners in [soup(60_000, 0.02, 1), torus(200, 100, 0.3), vec![soup(1, 1.0, 2)[0]; 20_000]] {
+    let on_a_grid = |corner: [f32; 3]| corner.map(|x| (x * 16.0).round() / 16.0 - 0.5);
+    // An odd number, and many that are equally high.
+    let odd = soup(9_999, 0.1, 3).into_iter().map(|corners| corners.map(on_a_grid)).collect();
+    let same = vec![soup(1, 1.0, 2)[0]; 20_000];
+    for corners in [soup(60_000, 0.02, 1), torus(200, 100, 0.3), same, odd] {
         for build in [Build::Seed, Build::Sah] {
             let alone = grown(&corners, &options(build, 2));
             check(&alone, &corners, 2);
