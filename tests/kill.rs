@@ -149,8 +149,11 @@ fn an_interrupted_run_says_so_and_leaves_nothing() {
 #[test]
 fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
     let place = Place::new();
-    let path = place.write("heavy.toml", &heavy(40_000));
-    let mut started = start(path.to_str().unwrap(), 2, &[]).expect("enough work to be killed in");
+    let started = [40_000, 80_000, 160_000].into_iter().find_map(|triangles| {
+        let path = place.write("heavy.toml", &heavy(triangles));
+        start(path.to_str().unwrap(), 2, &[])
+    });
+    let mut started = started.expect("enough work to be killed in");
     assert_eq!(children(started.child.id()).len(), 2);
     started.child.kill().unwrap();
     started.child.wait().unwrap();

@@ -9,7 +9,7 @@
 //!
 //! Every decision of the coordinator is made by `dispatch` itself; time is virtual. Whether a fault
 //! strikes is drawn from the seed and the name of the place alone, so that leaving a kind of fault
-//! out does not move the others: that is how a failure is made smaller ([`shrink`]).
+//! out does not move the others: that is how a failure is made smaller ([`shrink()`]).
 //!
 //! # Laws, looked at after each request
 //!
