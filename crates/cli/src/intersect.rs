@@ -39,7 +39,7 @@ const STREAMED_BYTES: usize = 64 << 20;
 
 /// How long several threads warm up. One that has just been started may share the core of the one
 /// that started it for some ticks of the scheduler, though another core is idle: without this,
-/// nine queries of 0.3 ms on two threads took as long as on one in every third run.
+/// nine queries of 0.3 ms on two threads took as long as on one in 13 runs of 30.
 const WARM_UP_NS: u64 = 60_000_000;
 
 pub(crate) const EXAMPLES: &str = "\

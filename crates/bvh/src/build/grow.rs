@@ -221,7 +221,7 @@ fn join(count: usize, mut cuts: Vec<Mark>, mut grown: Vec<Grown>, team: &Team) -
     cuts.sort_unstable_by_key(|cut| (cut.first, cut.count));
     grown.sort_unstable_by_key(|piece| piece.first);
     let total = cuts.len() + grown.iter().map(|piece| piece.nodes.len()).sum::<usize>();
-    // Untouched memory: whoever copies a subtree is the first to touch its place.
+    // New pages stay untouched until whoever copies a subtree comes to its place.
     let mut nodes: Vec<Node> = zeroed_vec(total);
     let mut rest = nodes.as_mut_slice();
     // Where subtrees go is laid out first, then they are copied, which takes longer.
