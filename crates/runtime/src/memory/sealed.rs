@@ -1,19 +1,27 @@
 //! Memory that is written once and can then never change: the model store.
 //!
 //! A memfd is filled through a mapping that is gone before the seals are set (else the kernel says
-//! EBUSY). From then on no process can write, grow or shrink it, nor take the seals off. It is
+//! EBUSY). A child that is being started has a copy of it until it runs its program; that is waited
+//! for. From then on no process can write, grow or shrink it, nor take the seals off. It is
 //! mapped `MAP_PRIVATE | PROT_READ`: the same pages without a copy, and kernels before 6.7 refuse
 //! a shared mapping of a write-sealed memfd.
 
+use crate::clock::{nap_ns, now_ns};
 use crate::error::{OsError, Result};
 use core::fmt;
 use memmap2::{Mmap, MmapOptions};
 use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
+use rustix::io::Errno;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 
 /// Every seal that keeps the bytes and their number as they are, and itself.
 const SEALS: SealFlags =
     SealFlags::WRITE.union(SealFlags::GROW).union(SealFlags::SHRINK).union(SealFlags::SEAL);
+
+/// From fork to exec a child takes a millisecond, unless the machine is overloaded `[ns]`.
+const CHILDREN_NS: u64 = 5_000_000_000;
+/// Between two looks whether it has run its program `[ns]`.
+const NAP_NS: u64 = 100_000;
 
 /// Read-only memory that was sealed.
 pub struct SealedMemory {
@@ -46,7 +54,7 @@ impl SealedMemory {
         } else {
             fill(&mut []);
         }
-        rustix::fs::fcntl_add_seals(&fd, SEALS).map_err(OsError::at("seal memory", name))?;
+        seal(&fd).map_err(OsError::at("seal memory", name))?;
         Self::map(fd, name)
     }
 
@@ -89,6 +97,17 @@ impl SealedMemory {
     #[must_use]
     pub fn fd(&self) -> BorrowedFd<'_> {
         self.fd.as_fd()
+    }
+}
+
+/// Sets the seals, once no child that another thread is starting has a copy of the mapping.
+fn seal(fd: &OwnedFd) -> rustix::io::Result<()> {
+    let until_ns = now_ns() + CHILDREN_NS;
+    loop {
+        match rustix::fs::fcntl_add_seals(fd, SEALS) {
+            Err(Errno::BUSY) if now_ns() < until_ns => nap_ns(NAP_NS),
+            sealed => return sealed,
+        }
     }
 }
 

@@ -1,7 +1,9 @@
 //! What is sealed stays as it is, whoever tries; what is shared is seen by all.
 
 use super::*;
-use core::sync::atomic::Ordering;
+use crate::process::{Spawn, spawn};
+use crate::testing;
+use core::sync::atomic::{AtomicBool, Ordering};
 use memmap2::MmapOptions;
 use protocol::StatusPage;
 use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
@@ -9,6 +11,7 @@ use rustix::io::Errno;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::os::fd::OwnedFd;
+use std::path::Path;
 
 fn copy(fd: std::os::fd::BorrowedFd<'_>) -> OwnedFd {
     fd.try_clone_to_owned().unwrap()
@@ -36,6 +39,27 @@ fn sealed_memory_is_what_was_written() {
         drop(memory);
         assert_eq!(other.bytes(), pattern(len), "it outlives its maker");
     }
+}
+
+/// A child has a copy of every mapping until it runs its program, and a mapping that may write
+/// keeps the kernel from sealing.
+#[test]
+fn memory_is_sealed_while_children_are_started() {
+    let is_done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_done.load(Ordering::Relaxed) {
+                let program = Path::new("/bin/true");
+                let child = spawn(Spawn { program, args: &[], fds: &[], core: None }).unwrap();
+                testing::must_pass(child);
+            }
+        });
+        let make = |_| SealedMemory::create("test", 100_000, |bytes| bytes.fill(7));
+        let made: Vec<_> = (0..300).map(make).collect();
+        is_done.store(true, Ordering::Relaxed);
+        assert!(made.iter().flatten().all(|memory| memory.bytes() == [7; 100_000]));
+        assert_eq!(made.iter().flatten().count(), 300, "{:?}", made.iter().find(|m| m.is_err()));
+    });
 }
 
 #[test]
