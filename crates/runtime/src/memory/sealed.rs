@@ -18,7 +18,7 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 const SEALS: SealFlags =
     SealFlags::WRITE.union(SealFlags::GROW).union(SealFlags::SHRINK).union(SealFlags::SEAL);
 
-/// From fork to exec a child takes a millisecond, unless the machine is overloaded `[ns]`.
+/// How long children are waited for: far longer than one takes from fork to exec `[ns]`.
 const CHILDREN_NS: u64 = 5_000_000_000;
 /// Between two looks whether it has run its program `[ns]`.
 const NAP_NS: u64 = 100_000;
@@ -38,7 +38,8 @@ impl SealedMemory {
     ///
     /// # Errors
     ///
-    /// If memory or file descriptors ran out.
+    /// If memory or file descriptors ran out, or a child that another thread starts has not run its
+    /// program for seconds.
     pub fn create(name: &str, len: usize, fill: impl FnOnce(&mut [u8])) -> Result<Self> {
         let fd = rustix::fs::memfd_create(name, MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)
             .map_err(OsError::at("create memory", name))?;
