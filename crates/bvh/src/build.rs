@@ -130,12 +130,12 @@ fn tree(
 ) -> Result<Tree, BuildError> {
     check(corners, options, team)?;
     let job = grow::Job { leaf_size: options.leaf_size as usize, team, progress };
-    let (nodes, order, depth) = match options.build {
+    let forest = match options.build {
         Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
         Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
         Build::Sah => sah::grow(corners, &job),
     };
-    Ok(Tree { nodes, order, depth })
+    Ok(forest.joined(team))
 }
 
 fn check(corners: &[Corners], options: &BuildOptions, team: &Team) -> Result<(), BuildError> {

@@ -6,6 +6,7 @@
 //! Where a range is cut depends on its triangles alone, so the result is the same for any number
 //! of threads.
 
+use super::Tree;
 use super::team::Team;
 use bytemuck::zeroed_vec;
 use geometry::Aabb;
@@ -93,11 +94,19 @@ struct Mark {
     bounds: Aabb,
 }
 
-/// What several threads have made of a tree.
+/// A tree in parts.
 #[derive(Default)]
 struct Made {
+    /// The ranges above the subtrees.
     cuts: Vec<Mark>,
     grown: Vec<Grown>,
+}
+
+/// A tree that is still to be joined: only then are there nodes in preorder. Before, what was cut
+/// to grow it can be freed, and the nodes have its memory.
+pub(super) struct Forest {
+    order: Vec<u32>,
+    made: Made,
 }
 
 /// A tree that several threads grow.
@@ -110,18 +119,14 @@ struct Yard<'j> {
     made: Mutex<Made>,
 }
 
-/// Grows the tree over `parts`: nodes in preorder, the order of triangles, the depth.
-pub(super) fn grow<P: Parts>(
-    parts: P,
-    known: P::Known,
-    job: &Job<'_>,
-) -> (Vec<Node>, Vec<u32>, u32) {
+/// Grows the tree over `parts`.
+pub(super) fn grow<P: Parts>(parts: P, known: P::Known, job: &Job<'_>) -> Forest {
     let count = parts.len();
     let mut order = vec![0; count];
     let whole = Piece { first: 0, parts, known, order: &mut order };
     let Some(pool) = job.team.pool() else {
-        let Grown { nodes, depth, .. } = subtree(whole, job);
-        return (nodes, order, depth);
+        let made = Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] };
+        return Forest { order, made };
     };
     let threads = job.team.threads();
     let yard = Yard {
@@ -131,9 +136,19 @@ pub(super) fn grow<P: Parts>(
         made: Mutex::default(),
     };
     pool.scope(|scope| yard.work(scope, whole));
-    let Made { cuts, grown } = yard.made.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let (nodes, depth) = join(count, cuts, grown, job.team);
-    (nodes, order, depth)
+    Forest { order, made: yard.made.into_inner().unwrap_or_else(PoisonError::into_inner) }
+}
+
+impl Forest {
+    /// Nodes in preorder, the order of triangles, the depth.
+    pub(super) fn joined(self, team: &Team) -> Tree {
+        let Self { order, made: Made { cuts, mut grown } } = self;
+        let (nodes, depth) = match grown.pop_if(|_| cuts.is_empty()) {
+            Some(whole) => (whole.nodes, whole.depth),
+            None => join(order.len(), cuts, grown, team),
+        };
+        Tree { nodes, order, depth }
+    }
 }
 
 impl Yard<'_> {
@@ -179,11 +194,17 @@ struct Open<K> {
     depth: u32,
 }
 
+/// Room for the nodes over so many triangles: enough where leaves are two thirds full. Those of cars
+/// are, and new memory costs as much as copying what was there.
+fn capacity(count: usize, leaf_size: usize) -> usize {
+    (3 * count.div_ceil(leaf_size)).min(2 * count)
+}
+
 /// All nodes over one piece, in preorder.
 fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
     let Piece { first, mut parts, known, order } = piece;
     let count = parts.len();
-    let mut nodes = Vec::with_capacity(2 * count.div_ceil(job.leaf_size));
+    let mut nodes = Vec::with_capacity(capacity(count, job.leaf_size));
     let mut open = vec![Open { range: 0..count, known, parent: None, depth: 1 }];
     let (mut placed, mut deepest) = (0, 0);
     while let Some(Open { range, known, parent, depth }) = open.pop() {

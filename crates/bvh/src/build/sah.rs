@@ -10,10 +10,9 @@
 //! and the triangles of a leaf still ascend. What is summed up over triangles are counts and
 //! maxima alone, so it does not matter in which parts they were looked at, or by whom.
 
-use super::grow::{self, Cut, Job, Parts};
+use super::grow::{self, Cut, Forest, Job, Parts};
 use super::team::Team;
 use geometry::{Aabb, Corners};
-use model::Node;
 use std::ops::Range;
 
 /// Bins per axis.
@@ -225,8 +224,8 @@ pub(super) struct Known {
 /// Two buffers of the same length: a range is in one of them.
 struct Items<'a>([&'a mut [Reach]; 2]);
 
-/// Grows the tree over `corners`: nodes, the order of triangles, depth.
-pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> (Vec<Node>, Vec<u32>, u32) {
+/// Grows the tree over `corners`.
+pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> Forest {
     let n = corners.len();
     let (mut first, mut second) = (vec![[0.0; 8]; n], vec![[0.0; 8]; n]);
     let share = job.team.share(n);
