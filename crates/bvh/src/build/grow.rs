@@ -194,8 +194,8 @@ struct Open<K> {
     depth: u32,
 }
 
-/// Room for the nodes over so many triangles: enough where leaves are two thirds full. Those of cars
-/// are, and new memory costs as much as copying what was there.
+/// Room for the nodes over so many triangles: enough where leaves are two thirds full, as those of
+/// cars are. Nodes that outgrow it are copied to new memory.
 fn capacity(count: usize, leaf_size: usize) -> usize {
     (3 * count.div_ceil(leaf_size)).min(2 * count)
 }
