@@ -127,11 +127,6 @@ fn belong_together(
 }
 
 /// `values[order[0]], values[order[1]], ...`
-fn permuted<T: Copy + Default + Send + Sync>(values: &[T], order: &[u32], team: &Team) -> Vec<T> {
-    let mut permuted = vec![T::default(); order.len()];
-    let share = team.share(order.len());
-    team.each(permuted.chunks_mut(share).zip(order.chunks(share)).collect(), |(places, order)| {
-        places.iter_mut().zip(order).for_each(|(place, &from)| *place = values[from as usize]);
-    });
-    permuted
+fn permuted<T: Copy + Send + Sync>(values: &[T], order: &[u32], team: &Team) -> Vec<T> {
+    team.map(order, |&from| values[from as usize])
 }

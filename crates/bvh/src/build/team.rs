@@ -9,6 +9,9 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Fewer small things are not worth another thread.
+const SHARE_MIN: usize = 1024;
+
 /// The caller, or threads of its own for which the caller waits.
 #[derive(Debug)]
 pub(super) struct Team(Option<ThreadPool>);
@@ -82,6 +85,20 @@ impl Team {
         match &self.0 {
             Some(pool) => pool.install(|| tasks.into_par_iter().with_max_len(1).map(run).collect()),
             None => tasks.into_iter().map(run).collect(),
+        }
+    }
+
+    /// What `of` makes of each item, in order. Who writes memory is the first to touch it.
+    pub(super) fn map<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        of: impl Fn(&T) -> R + Send + Sync,
+    ) -> Vec<R> {
+        match &self.0 {
+            Some(pool) => {
+                pool.install(|| items.par_iter().with_min_len(SHARE_MIN).map(of).collect())
+            }
+            None => items.iter().map(of).collect(),
         }
     }
 
