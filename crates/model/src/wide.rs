@@ -134,42 +134,56 @@ impl Wide {
     /// If the nodes are not a tree over these triangles, as [`crate::file::check_body`] holds.
     #[must_use]
     pub fn of(nodes: &[Node], corners: &[Corners]) -> Self {
-        Self::shared(nodes, corners, 1, |shares| shares.into_iter().for_each(Share::fill))
+        Laid::out(nodes).filled(corners, 1, |shares| shares.into_iter().for_each(Share::fill))
     }
+}
 
-    /// [`Wide::of`], where `run` has every one of so many shares of the leaves filled, in any order
-    /// and by any thread.
+/// A wide tree whose leaves are not filled yet.
+#[derive(Debug)]
+pub struct Laid<'n> {
+    nodes: &'n [Node],
+    below: Vec<Below>,
+    wide: Wide,
+    /// The wide node at which each leaf begins, and its root.
+    leaves: Vec<(usize, usize)>,
+}
+
+impl<'n> Laid<'n> {
+    /// Lays out the wide nodes of a binary tree. Where its triangles lie does not matter yet.
     ///
     /// # Panics
     ///
-    /// As [`Wide::of`].
+    /// If the nodes are not a tree, as [`crate::file::check_body`] holds.
     #[must_use]
-    pub fn shared(
-        nodes: &[Node],
-        corners: &[Corners],
-        shares: usize,
-        run: impl FnOnce(Vec<Share<'_>>),
-    ) -> Self {
-        if nodes.is_empty() {
-            return Self::default();
-        }
+    pub fn out(nodes: &'n [Node]) -> Self {
         let below = below(nodes);
-        let blocks = |root: usize| {
-            let whole = if is_wide_leaf(nodes, &below, root) { below[root].triangles } else { 1 };
-            (whole as usize).div_ceil(LEAF_LANES)
-        };
-        let mut wide = vec![WideNode::EMPTY; blocks(0)];
+        let mut laid = Self { nodes, below, wide: Wide::default(), leaves: Vec::new() };
+        if !nodes.is_empty() {
+            laid.lay();
+        }
+        laid
+    }
+
+    /// How many wide nodes stand for a node of the binary tree.
+    fn blocks(&self, root: usize) -> usize {
+        let is_leaf = is_wide_leaf(self.nodes, &self.below, root);
+        let whole = if is_leaf { self.below[root].triangles } else { 1 };
+        (whole as usize).div_ceil(LEAF_LANES)
+    }
+
+    fn lay(&mut self) {
+        let nodes = self.nodes;
+        let mut wide = vec![WideNode::EMPTY; self.blocks(0)];
         let mut of = vec![0; nodes.len()];
-        let mut leaves = Vec::new();
         let mut open = vec![(0_usize, 0_usize)];
         while let Some((root, at)) = open.pop() {
             of[root] = at as u32;
-            if is_wide_leaf(nodes, &below, root) {
-                of[root..root + below[root].nodes as usize].fill(at as u32);
-                leaves.push((at, root));
+            if is_wide_leaf(nodes, &self.below, root) {
+                of[root..root + self.below[root].nodes as usize].fill(at as u32);
+                self.leaves.push((at, root));
                 continue;
             }
-            let lanes = opened(nodes, &below, root, |node| of[node] = at as u32);
+            let lanes = opened(nodes, &self.below, root, |node| of[node] = at as u32);
             let mut node = WideNode { bounds: nodes[root].bounds, ..WideNode::EMPTY };
             node.root = root as u32;
             let mut next = wide.len();
@@ -177,16 +191,32 @@ impl Wide {
                 node.set_box(lane, &nodes[child].bounds);
                 node.child[lane] = next as u32;
                 open.push((child, next));
-                next += blocks(child);
+                next += self.blocks(child);
             }
             wide[at] = node;
             wide.resize(next, WideNode::EMPTY);
         }
-        leaves.sort_unstable();
-        let (start, below) = (0, &below);
-        let all = Share { wide: &mut wide, start, leaves: &leaves, nodes, below, corners };
-        run(all.cut(shares));
-        Self { nodes: wide, of }
+        self.leaves.sort_unstable();
+        self.wide = Wide { nodes: wide, of };
+    }
+
+    /// Fills the leaves: `run` has every one of so many shares of them filled, in any order and by
+    /// any thread.
+    ///
+    /// # Panics
+    ///
+    /// If `corners` are not the triangles of the tree, in leaf order.
+    #[must_use]
+    pub fn filled(
+        self,
+        corners: &[Corners],
+        shares: usize,
+        run: impl FnOnce(Vec<Share<'_>>),
+    ) -> Wide {
+        let Self { nodes, below, mut wide, leaves } = self;
+        let (start, below, leaves) = (0, &below, &leaves);
+        run(Share { wide: &mut wide.nodes, start, leaves, nodes, below, corners }.cut(shares));
+        wide
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::team::Team;
 use super::{BuildError, BuildOptions, Tree, grow, tree};
-use model::wide::Share;
-use model::{Body, BodyView, Mesh, Meta, Wide, Zones};
+use model::wide::{Laid, Share};
+use model::{Body, BodyView, Mesh, Meta, Zones};
 
 /// Builds the tree of a mesh and brings everything into leaf order.
 ///
@@ -37,21 +37,22 @@ fn body_by(
     let triangles = mesh.corners.len();
     belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
     let Tree { nodes, order, depth } = tree(&mesh.corners, options, team, progress)?;
-    let corners = permuted(&mesh.corners, &order, team);
+    // The largest array is the first to ask for the memory in which the tree was built.
+    let mut corners = Vec::with_capacity(triangles);
     // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
-    // brings the other arrays into order.
-    let (wide, (source_ids, part_of, zones)) = team.both(
+    // brings the arrays into order.
+    let (laid, (source_ids, part_of, zones)) = team.both(
+        || Laid::out(&nodes),
         || {
-            Wide::shared(&nodes, &corners, team.threads(), |shares| {
-                team.each(shares, Share::fill);
-            })
-        },
-        || {
+            team.map(&order, |&from| mesh.corners[from as usize], &mut corners);
             let source_ids = permuted(&mesh.source_ids, &order, team);
             let part_of = permuted(&mesh.part_of, &order, team);
             (source_ids, part_of, permuted(&zones, &order, team))
         },
     );
+    let wide = laid.filled(&corners, team.threads(), |shares| {
+        team.each(shares, Share::fill);
+    });
     Ok(Body {
         meta: Meta {
             parts: mesh.parts,
@@ -128,5 +129,7 @@ fn belong_together(
 
 /// `values[order[0]], values[order[1]], ...`
 fn permuted<T: Copy + Send + Sync>(values: &[T], order: &[u32], team: &Team) -> Vec<T> {
-    team.map(order, |&from| values[from as usize])
+    let mut permuted = Vec::with_capacity(order.len());
+    team.map(order, |&from| values[from as usize], &mut permuted);
+    permuted
 }

@@ -227,6 +227,7 @@ struct Items<'a>([&'a mut [Reach]; 2]);
 /// Grows the tree over `corners`.
 pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> Forest {
     let n = corners.len();
+    let order = grow::order(n);
     let (mut first, mut second) = (vec![[0.0; 8]; n], vec![[0.0; 8]; n]);
     let share = job.team.share(n);
     let tasks = first.chunks_mut(share).zip(corners.chunks(share)).zip((0..).step_by(share));
@@ -238,7 +239,7 @@ pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> Forest {
     });
     let [reach, centres] = both(&known);
     let known = Known { reach, centres, second: false };
-    grow::grow(Items([&mut first, &mut second]), known, job)
+    grow::grow(Items([&mut first, &mut second]), known, order, job)
 }
 
 /// The reach of items, and of their centres.

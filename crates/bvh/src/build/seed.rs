@@ -14,7 +14,7 @@
 
 use super::grow::{self, Cut, Forest, Job, Parts};
 use super::team::Team;
-use bytemuck::{Pod, Zeroable, zeroed_vec};
+use bytemuck::{Pod, Zeroable};
 use geometry::{Aabb, Corners};
 use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -78,12 +78,26 @@ struct Orders<'a> {
 /// Grows the tree over `corners`.
 pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> Forest {
     let n = corners.len();
-    let mut memory = [0, 1, 2].map(|_| [Vec::new(), Vec::new()]);
-    job.team.each(memory.iter_mut().flatten().collect(), |buffer| *buffer = zeroed_vec(n));
-    sort(corners, &mut memory, job.team);
+    let (order, room) = (grow::order(n), n / 2);
+    // Two pieces of memory. When they are free again, the triangles in leaf order have that of the
+    // orders; and where subtrees are joined, their nodes that of the spare.
+    let mut orders = job.team.copies(Entry::zeroed(), 3 * n);
+    let spare = n * job.team.threads().min(3);
+    let mut spare = job.team.copies(Entry::zeroed(), spare.max(3 * room));
+    sort(corners, thirds(&mut orders), &mut spare, job.team);
     let right: Vec<AtomicBool> = std::iter::repeat_with(AtomicBool::default).take(n).collect();
-    let axes = memory.each_mut().map(|[order, room]| Axis { order, room: &mut room[..n / 2] });
-    grow::grow(Orders { cuts, axes, right: &right }, (), job)
+    let ([x, y, z], [of_x, of_y, of_z]) = (thirds(&mut orders), thirds(&mut spare[..3 * room]));
+    let axes = [(x, of_x), (y, of_y), (z, of_z)].map(|(order, room)| Axis { order, room });
+    grow::grow(Orders { cuts, axes, right: &right }, (), order, job)
+}
+
+/// Three parts of the same length, one per axis. Those of x and y lie at the ends: threads that
+/// sort along these are the first to write there.
+fn thirds<T>(all: &mut [T]) -> [&mut [T]; 3] {
+    let third = all.len() / 3;
+    let (x, rest) = all.split_at_mut(third);
+    let (z, y) = rest.split_at_mut(third);
+    [x, y, z]
 }
 
 fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
@@ -91,35 +105,44 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
     [(0, x), (1, y), (2, z)]
 }
 
-/// Sorts triangles by highest vertex along each axis, equal ones by number, into the first buffer.
+/// Sorts triangles by highest vertex along each axis, equal ones by number.
 ///
-/// Three axes do not go evenly into two threads. So the third one is sorted in halves, which are
-/// merged from both ends.
-fn sort(corners: &[Corners], axes: &mut [[Vec<Entry>; 2]; 3], team: &Team) {
-    if team.threads() == 1 {
-        for (axis, buffers) in numbered(axes) {
-            sort_along(axis, (corners, 0), buffers.each_mut());
+/// `spare` is as long as an order for each thread, up to three. Three axes do not go evenly into
+/// two threads: so the third one is sorted in halves, which are merged from both ends.
+fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], team: &Team) {
+    let n = corners.len();
+    let ([x, y, z], all) = (orders, (corners, 0));
+    match team.threads() {
+        1 => {
+            for (axis, order) in [x, y, z].into_iter().enumerate() {
+                sort_along(axis, all, [order, &mut spare[..n]]);
+            }
         }
-        return;
+        2 => {
+            let middle = n.div_ceil(2);
+            let (left, right) = corners.split_at(middle);
+            let (near, far) = z.split_at_mut(middle);
+            let (one, other) = spare.split_at_mut(n);
+            team.both(
+                || {
+                    sort_along(0, all, [x, one]);
+                    sort_along(2, (left, 0), [&mut one[..middle], near]);
+                },
+                || {
+                    sort_along(1, all, [y, other]);
+                    sort_along(2, (right, middle as u32), [&mut other[middle..], far]);
+                },
+            );
+            let halves = (&one[..middle], &other[middle..]);
+            team.both(|| merge_near(halves, near), || merge_far(halves, far));
+        }
+        _ => {
+            let [of_x, of_y, of_z] = thirds(spare);
+            team.three([(0, x, of_x), (1, y, of_y), (2, z, of_z)], |(axis, order, spare)| {
+                sort_along(axis, all, [order, spare]);
+            });
+        }
     }
-    let middle = corners.len().div_ceil(2);
-    let (left, right) = corners.split_at(middle);
-    let [x, y, [first, second]] = axes;
-    let (near, far) = first.split_at_mut(middle);
-    let (to_near, to_far) = second.split_at_mut(middle);
-    team.both(
-        || {
-            let whole = || sort_along(0, (corners, 0), x.each_mut());
-            team.both(whole, || sort_along(2, (left, 0), [to_near, near]))
-        },
-        || {
-            let whole = || sort_along(1, (corners, 0), y.each_mut());
-            team.both(whole, || sort_along(2, (right, middle as u32), [to_far, far]))
-        },
-    );
-    let (near, far) = first.split_at_mut(middle);
-    let halves = second.split_at(middle);
-    team.both(|| merge_near(halves, near), || merge_far(halves, far));
 }
 
 /// Bits of a digit: a table of counts that stays in the first cache.
@@ -134,9 +157,8 @@ const DIGITS: usize = 3;
 fn sort_along(
     axis: usize,
     (corners, first): (&[Corners], u32),
-    buffers: [&mut (impl AsMut<[Entry]> + ?Sized); 2],
+    [mut to, mut from]: [&mut [Entry]; 2],
 ) {
-    let [mut to, mut from] = buffers.map(AsMut::as_mut);
     let digit =
         |entry: &Entry, at: usize| rank(entry.high) as usize >> (at * DIGIT) & ((1 << DIGIT) - 1);
     let mut counts = [[0_usize; 1 << DIGIT]; DIGITS];

@@ -88,18 +88,26 @@ impl Team {
         }
     }
 
-    /// What `of` makes of each item, in order. Who writes memory is the first to touch it.
+    /// Puts what `of` makes of each item, in order, into `place`, which is empty. Who writes memory
+    /// is the first to touch it.
     pub(super) fn map<T: Sync, R: Send>(
         &self,
         items: &[T],
         of: impl Fn(&T) -> R + Send + Sync,
-    ) -> Vec<R> {
+        place: &mut Vec<R>,
+    ) {
         match &self.0 {
-            Some(pool) => {
-                pool.install(|| items.par_iter().with_min_len(SHARE_MIN).map(of).collect())
-            }
-            None => items.iter().map(of).collect(),
+            Some(pool) => pool.install(|| {
+                items.par_iter().with_min_len(SHARE_MIN).map(of).collect_into_vec(place);
+            }),
+            None => place.extend(items.iter().map(of)),
         }
+    }
+
+    /// So many copies. The first thread writes the first ones.
+    pub(super) fn copies<T: Copy + Send + Sync>(&self, value: T, count: usize) -> Vec<T> {
+        let Some(pool) = &self.0 else { return vec![value; count] };
+        pool.install(|| rayon::iter::repeat_n(value, count).with_min_len(SHARE_MIN).collect())
     }
 
     /// [`Team::each`] of three. Nothing is allocated.

@@ -126,7 +126,7 @@ fn shares_do_not_change_it() {
     for count in [1, 60, 200, 5000] {
         let body = body_of(&mesh_of(strip(count)));
         for shares in [0, 2, 3, 9] {
-            let wide = Wide::shared(&body.nodes, &body.corners, shares, |cut| {
+            let wide = Laid::out(&body.nodes).filled(&body.corners, shares, |cut| {
                 assert!(cut.len() <= shares.max(1));
                 cut.into_iter().rev().for_each(Share::fill);
             });

@@ -14,8 +14,10 @@ fn a_team_does_everything_once_and_in_order() {
                 let each: Vec<u64> = team.each((0..20).collect(), |i: u64| i * i + round);
                 assert!(each.iter().copied().eq((0..20).map(|i| i * i + round)));
                 let items: Vec<u64> = (0..3 * round * round).collect();
-                let mapped = team.map(&items, |i| i + round);
+                let mut mapped = Vec::new();
+                team.map(&items, |i| i + round, &mut mapped);
                 assert!(mapped.into_iter().eq(round..round + 3 * round * round));
+                assert_eq!(team.copies(round, items.len()), vec![round; items.len()]);
                 let (one, [x, y, z]) = team.both(|| 1, || team.three([2, 3, 4], |i| i));
                 each.iter().sum::<u64>() + one + 100 * x + 10 * y + z
             });
