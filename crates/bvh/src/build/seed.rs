@@ -82,8 +82,8 @@ pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> Forest {
     // Two pieces of memory. When they are free again, the triangles in leaf order have that of the
     // orders; and where subtrees are joined, their nodes that of the spare.
     let mut orders = job.team.copies(Entry::zeroed(), 3 * n);
-    let spare = n * job.team.threads().min(3);
-    let mut spare = job.team.copies(Entry::zeroed(), spare.max(3 * room));
+    let to_sort = n * job.team.threads().min(3);
+    let mut spare = job.team.copies(Entry::zeroed(), to_sort.max(3 * room));
     sort(corners, thirds(&mut orders), &mut spare, job.team);
     let right: Vec<AtomicBool> = std::iter::repeat_with(AtomicBool::default).take(n).collect();
     let ([x, y, z], [of_x, of_y, of_z]) = (thirds(&mut orders), thirds(&mut spare[..3 * room]));
