@@ -124,8 +124,8 @@ struct Yard<'j> {
     made: Mutex<Made>,
 }
 
-/// Room for the order of so many triangles. It stays when what was cut is freed, so it is asked for
-/// before that: the triangles in leaf order will need that much memory in one piece.
+/// Room for the order of so many triangles, to be asked for before all that is cut: it stays when
+/// that is freed, and between its parts it would keep them from becoming one piece of memory.
 pub(super) fn order(count: usize) -> Vec<u32> {
     vec![0; count]
 }

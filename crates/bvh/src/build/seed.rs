@@ -79,8 +79,9 @@ struct Orders<'a> {
 pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> Forest {
     let n = corners.len();
     let (order, room) = (grow::order(n), n / 2);
-    // Two pieces of memory. When they are free again, the triangles in leaf order have that of the
-    // orders; and where subtrees are joined, their nodes that of the spare.
+    // Two pieces of memory, for what comes when they are free again: that of the orders is as large
+    // as the triangles in leaf order; that of the spare, by two threads, as large as the nodes of a
+    // tree with four triangles to a leaf. The tree does not depend on who gets which.
     let mut orders = job.team.copies(Entry::zeroed(), 3 * n);
     let to_sort = n * job.team.threads().min(3);
     let mut spare = job.team.copies(Entry::zeroed(), to_sort.max(3 * room));
@@ -107,8 +108,8 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
 
 /// Sorts triangles by highest vertex along each axis, equal ones by number.
 ///
-/// `spare` is as long as an order for each thread, up to three. Three axes do not go evenly into
-/// two threads: so the third one is sorted in halves, which are merged from both ends.
+/// `spare` has at least an order's length for each of up to three threads. Three axes do not go into
+/// two threads evenly: so the third one is sorted in halves, which are merged from both ends.
 fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], team: &Team) {
     let n = corners.len();
     let ([x, y, z], all) = (orders, (corners, 0));
