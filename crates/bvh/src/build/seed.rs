@@ -108,7 +108,7 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
 
 /// Sorts triangles by highest vertex along each axis, equal ones by number.
 ///
-/// `spare` has at least an order's length for each of up to three threads. Three axes do not go into
+/// `spare` has an order's length or more for each of up to three threads. Three axes do not go into
 /// two threads evenly: so the third one is sorted in halves, which are merged from both ends.
 fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], team: &Team) {
     let n = corners.len();
