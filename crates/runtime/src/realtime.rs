@@ -101,11 +101,17 @@ fn keep_heap() {
 
 /// From now on the heap keeps what it got, and all threads share it: memory that was freed is used
 /// again without a page fault. For work in which threads seldom allocate, since they wait for each
-/// other there. It does nothing where the C library is not GNU's.
-pub fn share_heap() {
+/// other there. What the heap takes from the system next, up to `soon` bytes, is in large pages
+/// where the system has them. It does nothing where the C library is not GNU's.
+pub fn share_heap(soon: usize) {
     keep_heap();
     #[cfg(target_env = "gnu")]
     tune((libc::M_ARENA_MAX, 1));
+    let mut room: Vec<u8> = Vec::new();
+    // The advice stays with the addresses when they are freed, and the heap keeps those.
+    if room.try_reserve_exact(soon).is_ok() {
+        large_pages(room.spare_capacity_mut());
+    }
 }
 
 #[cfg(target_env = "gnu")]
@@ -114,14 +120,15 @@ fn tune((what, value): (libc::c_int, libc::c_int)) {
     let _refused = unsafe { libc::mallopt(what, value) };
 }
 
-/// Asks for large pages under bytes that have not been written yet: what is then read here and
+/// Asks for large pages under memory that has not been written yet: what is then read here and
 /// there takes fewer walks through page tables. The system may have none, and nothing else changes.
-pub fn large_pages(bytes: &mut [u8]) {
-    let skipped = bytes.as_ptr().align_offset(PAGE).min(bytes.len());
-    let whole = &mut bytes[skipped..];
+pub fn large_pages<T>(memory: &mut [T]) {
+    let skipped = memory.as_ptr().align_offset(PAGE).min(memory.len());
+    let whole = &mut memory[skipped..];
     let advice = rustix::mm::Advice::LinuxHugepage;
-    // SAFETY: it changes no content, and the bytes are ours alone.
-    let _refused = unsafe { rustix::mm::madvise(whole.as_mut_ptr().cast(), whole.len(), advice) };
+    let bytes = size_of_val(whole);
+    // SAFETY: it changes no content, and the memory is ours alone.
+    let _refused = unsafe { rustix::mm::madvise(whole.as_mut_ptr().cast(), bytes, advice) };
 }
 
 /// Page faults of the calling thread since it started: those that needed no disk, and those that
