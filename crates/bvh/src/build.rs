@@ -129,6 +129,7 @@ fn tree(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Tree, BuildError> {
     check(corners, options, team)?;
+    let progress = grow::Progress::new(progress);
     let job = grow::Job { leaf_size: options.leaf_size as usize, team, progress };
     let forest = match options.build {
         Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),

@@ -2,9 +2,9 @@
 //!
 //! The largest ranges are cut by all threads together, the next ones by one thread each; of their
 //! halves it goes on with one, and leaves the other to whoever is free. Small ranges are grown to
-//! whole subtrees by one thread. The subtrees are then joined in order of their first triangle.
-//! Where a range is cut depends on its triangles alone, so the result is the same for any number
-//! of threads.
+//! whole subtrees by one thread; how small, depends on how many wait. The subtrees are then joined
+//! in order of their first triangle. Where a range is cut depends on its triangles alone, so the
+//! result is the same for any number of threads.
 
 use super::Tree;
 use super::team::Team;
@@ -13,6 +13,7 @@ use geometry::Aabb;
 use model::Node;
 use rayon::Scope;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Triangles that can be cut in two, again and again. What a build is, beside its rule.
@@ -51,8 +52,13 @@ pub(super) struct Job<'a> {
     pub(super) leaf_size: usize,
     /// Who builds.
     pub(super) team: &'a Team,
-    /// Hears of triangles placed since it was last called.
-    pub(super) progress: &'a (dyn Fn(u64) + Sync),
+    pub(super) progress: Progress<'a>,
+}
+
+/// Says how many triangles were placed, each time that there are enough.
+pub(super) struct Progress<'a> {
+    say: &'a (dyn Fn(u64) + Sync),
+    unsaid: AtomicU64,
 }
 
 /// Fewer triangles are not worth starting another thread.
@@ -60,13 +66,19 @@ const THREAD_MIN: usize = 4096;
 /// A range of fewer triangles is not worth cutting by all threads together. With this and the next
 /// one at 4096, two threads took a tenth longer for 10,000 triangles.
 const LARGE_MIN: usize = 8192;
-/// Subtrees below this size are not worth handing to another thread.
-const GRAIN_MIN: usize = 1024;
-/// Pieces per thread: enough that uneven ones even out.
+/// Pieces per thread while enough of them wait.
 const PIECES: usize = 8;
+/// No smaller ones then.
+const GRAIN_MIN: usize = 1024;
+/// How many times finer they are cut while fewer wait than there are threads, so that the last ones
+/// end together: of two threads, one had nothing to do for a tenth of the time at the end of a tree
+/// of 10,000 triangles, and so for a hundredth.
+const FINER: usize = 8;
+/// Subtrees below this size are not worth handing to another thread.
+const FINE_MIN: usize = 256;
 /// A range is cut by all threads if it holds more than 1/SHARE of what would be one thread's.
 const SHARE: usize = 2;
-/// How many triangles are placed between two calls of `progress`.
+/// How many triangles are placed before that is said.
 const STRIDE: u64 = 8192;
 
 /// Those of `threads` that are worth their start for `count` triangles.
@@ -119,8 +131,12 @@ struct Yard<'j> {
     job: &'j Job<'j>,
     /// Larger ranges are cut by all threads together.
     large: usize,
-    /// Larger ranges are cut, the others grown.
+    /// Larger ranges are cut, the others grown, while enough pieces wait.
     grain: usize,
+    /// The same while they do not.
+    fine: usize,
+    /// Pieces that wait for a thread.
+    waiting: AtomicUsize,
     made: Mutex<Made>,
 }
 
@@ -141,16 +157,21 @@ pub(super) fn grow<P: Parts>(
     let whole = Piece { first: 0, parts, known, order: &mut order };
     let Some(pool) = job.team.pool() else {
         let made = Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] };
+        job.progress.say();
         return Forest { order, made };
     };
     let threads = job.team.threads();
+    let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
     let yard = Yard {
         job,
         large: (count / (threads * SHARE)).max(LARGE_MIN),
-        grain: (count / (threads * PIECES)).max(GRAIN_MIN),
+        grain,
+        fine: (grain / FINER).max(FINE_MIN),
+        waiting: AtomicUsize::new(0),
         made: Mutex::default(),
     };
     pool.scope(|scope| yard.work(scope, whole));
+    job.progress.say();
     Forest { order, made: yard.made.into_inner().unwrap_or_else(PoisonError::into_inner) }
 }
 
@@ -166,20 +187,52 @@ impl Forest {
     }
 }
 
+impl<'a> Progress<'a> {
+    /// `say` is told of triangles placed since it was last called, by whichever thread.
+    pub(super) fn new(say: &'a (dyn Fn(u64) + Sync)) -> Self {
+        Self { say, unsaid: AtomicU64::new(0) }
+    }
+
+    /// So many more were placed.
+    fn add(&self, placed: u64) {
+        if self.unsaid.fetch_add(placed, Ordering::Relaxed) + placed >= STRIDE {
+            self.say();
+        }
+    }
+
+    /// Says what was not said yet.
+    fn say(&self) {
+        let placed = self.unsaid.swap(0, Ordering::Relaxed);
+        if placed > 0 {
+            (self.say)(placed);
+        }
+    }
+}
+
 impl Yard<'_> {
+    /// Pieces of more triangles than this are cut now, the others grown.
+    fn grain(&self) -> usize {
+        let enough = self.waiting.load(Ordering::Relaxed) >= self.job.team.threads();
+        if enough { self.grain } else { self.fine }
+    }
+
     fn made(&self) -> MutexGuard<'_, Made> {
         self.made.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn work<'s, P: Parts + 's>(&'s self, scope: &Scope<'s>, mut piece: Piece<'s, P>) {
-        while piece.parts.len() > self.grain {
+        while piece.parts.len() > self.grain() {
             // Who waits for others to cut their part may begin another piece meanwhile, on the same
             // stack: that goes no deeper than there are large pieces side by side, which are few.
             let is_large = piece.parts.len() > self.large;
             let team = if is_large { self.job.team } else { &Team::ALONE };
             let (mark, [far, near]) = halved(piece, team);
             self.made().cuts.push(mark);
-            scope.spawn(|scope| self.work(scope, far));
+            self.waiting.fetch_add(1, Ordering::Relaxed);
+            scope.spawn(|scope| {
+                self.waiting.fetch_sub(1, Ordering::Relaxed);
+                self.work(scope, far);
+            });
             piece = near;
         }
         let grown = subtree(piece, self.job);
@@ -234,8 +287,7 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
             deepest = deepest.max(depth);
             placed += count as u64;
             if placed >= STRIDE {
-                (job.progress)(placed);
-                placed = 0;
+                job.progress.add(std::mem::take(&mut placed));
             }
         } else {
             let Cut { bounds, left, known: [near, far] } =
@@ -246,9 +298,7 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
             open.push(Open { range: range.start..left, known: near, parent: None, depth });
         }
     }
-    if placed > 0 {
-        (job.progress)(placed);
-    }
+    job.progress.add(placed);
     Grown { first, nodes, depth: deepest }
 }
 
