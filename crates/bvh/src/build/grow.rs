@@ -63,8 +63,8 @@ pub(super) struct Progress<'a> {
 
 /// Fewer triangles are not worth starting another thread.
 const THREAD_MIN: usize = 4096;
-/// A range of fewer triangles is not worth cutting by all threads together. With this and the next
-/// one at 4096, two threads took a tenth longer for 10,000 triangles.
+/// A range of fewer triangles is not worth cutting by all threads together. With this and
+/// `GRAIN_MIN` at 4096, two threads took a tenth longer for 10,000 triangles.
 const LARGE_MIN: usize = 8192;
 /// Pieces per thread while enough of them wait.
 const PIECES: usize = 8;
