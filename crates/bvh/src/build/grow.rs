@@ -52,6 +52,7 @@ pub(super) struct Job<'a> {
     pub(super) leaf_size: usize,
     /// Who builds.
     pub(super) team: &'a Team,
+    /// Hears of what was placed.
     pub(super) progress: Progress<'a>,
 }
 

