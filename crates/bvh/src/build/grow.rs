@@ -156,24 +156,25 @@ pub(super) fn grow<P: Parts>(
 ) -> Forest {
     let count = parts.len();
     let whole = Piece { first: 0, parts, known, order: &mut order };
-    let Some(pool) = job.team.pool() else {
-        let made = Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] };
-        job.progress.say();
-        return Forest { order, made };
+    let made = match job.team.pool() {
+        None => Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] },
+        Some(pool) => {
+            let threads = job.team.threads();
+            let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
+            let yard = Yard {
+                job,
+                large: (count / (threads * SHARE)).max(LARGE_MIN),
+                grain,
+                fine: (grain / FINER).max(FINE_MIN),
+                waiting: AtomicUsize::new(0),
+                made: Mutex::default(),
+            };
+            pool.scope(|scope| yard.work(scope, whole));
+            yard.made.into_inner().unwrap_or_else(PoisonError::into_inner)
+        }
     };
-    let threads = job.team.threads();
-    let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
-    let yard = Yard {
-        job,
-        large: (count / (threads * SHARE)).max(LARGE_MIN),
-        grain,
-        fine: (grain / FINER).max(FINE_MIN),
-        waiting: AtomicUsize::new(0),
-        made: Mutex::default(),
-    };
-    pool.scope(|scope| yard.work(scope, whole));
     job.progress.say();
-    Forest { order, made: yard.made.into_inner().unwrap_or_else(PoisonError::into_inner) }
+    Forest { order, made }
 }
 
 impl Forest {

@@ -34,6 +34,8 @@ const MB: u64 = 1 << 20;
 const MEMORY_MB: [u64; 2] = [2048, 8192];
 /// Memory for each byte of the file: a million triangles as OBJ, PLY or STL took at most 11.
 const MEMORY_RATIO: u64 = 64;
+/// Heap in large pages for each byte of the file: all that is needed.
+const HEAP_RATIO: u64 = 12;
 /// Longest line that a child may send: reports hold no list longer than the notes of a file.
 const LINE_MAX: u64 = 16 << 20;
 /// How much of a child's last words on stderr is kept.
@@ -58,6 +60,8 @@ pub(crate) struct Request {
     /// Threads that build it.
     threads: usize,
     memory_bytes: u64,
+    /// Heap to have in large pages. What is not used of it takes addresses, and no memory.
+    heap_bytes: usize,
     cpu_s: u64,
 }
 
@@ -118,6 +122,8 @@ impl Request {
         // A missing file is the child's to report.
         let length = std::fs::metadata(file).map_or(0, |about| about.len());
         let usual = (length.saturating_mul(MEMORY_RATIO) / MB).clamp(MEMORY_MB[0], MEMORY_MB[1]);
+        let memory_bytes = limits.memory_mb.unwrap_or(usual) * MB;
+        let heap_bytes = length.saturating_mul(HEAP_RATIO).min(memory_bytes / 4);
         Ok(Self {
             file: text.to_owned(),
             as_it_stands: false,
@@ -129,7 +135,8 @@ impl Request {
             name: name.map(str::to_owned),
             tree: tree.map(|options| (options.build, options.leaf_size)),
             threads: tree.map_or(1, |options| options.threads),
-            memory_bytes: limits.memory_mb.unwrap_or(usual) * MB,
+            memory_bytes,
+            heap_bytes: heap_bytes as usize,
             cpu_s: limits.cpu_s,
         })
     }

@@ -25,9 +25,6 @@ const SIDE_BYTES_MAX: u64 = 1 << 20;
 /// thread that builds: with two threads on two cores, without it, 4 % of a tree's time.
 const BETWEEN_WORDS_NS: u64 = 50_000_000;
 
-/// Heap in large pages for each byte of the file: reading and building took at most 11.
-const HEAP_RATIO: u64 = 12;
-
 /// What a panic said, kept for the parent instead of printed.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
@@ -40,7 +37,7 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
     // Building begins where reading freed its memory: two trees of a million triangles each are
     // built 10 % sooner by one thread, 15 % by two. In large pages, 100,000 take 37 page faults
     // instead of 885, and two threads 8 to 11 % less time.
-    runtime::realtime::share_heap(request.heap_bytes());
+    runtime::realtime::share_heap(request.heap_bytes);
     panic::set_hook(Box::new(|info| {
         if let Ok(mut said) = PANIC.lock() {
             said.get_or_insert_with(|| info.to_string().replace('\n', " "));
@@ -75,15 +72,6 @@ fn by_side(error: &SideError) -> Failure {
 }
 
 impl Request {
-    /// Heap to have in large pages: all that is needed, unless the limit on memory is low. What is
-    /// not used of it counts for that limit and nowhere else.
-    fn heap_bytes(&self) -> usize {
-        // A missing file is for the reader to report.
-        let length = std::fs::metadata(&self.file).map_or(0, |about| about.len());
-        let bytes = length.saturating_mul(HEAP_RATIO).min(self.memory_bytes / 4);
-        usize::try_from(bytes).unwrap_or(0)
-    }
-
     /// The report, the time to build the tree in nanoseconds, and the model file; no bytes for a
     /// trial.
     fn read(&self) -> Result<(Report, u64, Vec<u8>), Failure> {

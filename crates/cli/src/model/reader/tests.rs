@@ -14,6 +14,7 @@ fn request() -> Request {
         name: None,
         tree: None,
         threads: 1,
+        heap_bytes: 0,
         memory_bytes: 2048 * MB,
         cpu_s: 120,
     }
