@@ -107,7 +107,15 @@ fn an_early_answer_is_replayed_from_its_record_bit_for_bit() {
     let path = place.write("six.toml", &six(2000));
     let records = place.path().join("records");
     let (path, folder) = (path.to_str().unwrap(), records.to_str().unwrap());
-    let ways: &[&[&str]] = &[&["--until", "certified"], &["--deadline-ms", "2"]];
+    let ways: &[&[&str]] = &[
+        &["--until", "certified"],
+        &["--until", "certified", "--in-process"],
+        &["--deadline-ms", "0.3"],
+        &["--deadline-ms", "0.3", "--in-process"],
+        &["--deadline-ms", "1"],
+        &["--deadline-ms", "1", "--in-process"],
+        &["--deadline-ms", "2"],
+    ];
     for (number, way) in ways.iter().enumerate() {
         let mut args = vec!["rank", path, "--json", "--record", folder];
         args.extend(*way);

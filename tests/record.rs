@@ -80,12 +80,21 @@ fn a_record_shows_what_was_asked_and_decided() {
     let place = Place::new();
     let records = recorded(&place, &[&["--workers", "2"]]);
     let file = records.join("000000.record");
-    let shown = json(&command(&["record", "show", path(&file), "--json"]));
+    let show = command(&["record", "show", path(&file), "--json"]);
+    let shown = json(&show);
     let scenario = place.path().join("six.toml");
     let ranked = run(&["rank", path(&scenario), "--json", "--in-process"]);
     let told: serde_json::Value =
         serde_json::from_str(&format!("{{{}}}", answer(&ranked).trim_end_matches(','))).unwrap();
     assert_eq!(shown["answer"], told["answer"]);
+    // To the last digit, which a parser that is off by one bit would hide.
+    let figures = |text: &str| -> std::collections::BTreeSet<String> {
+        let words = text.split(|c: char| !c.is_ascii_digit() && !".e-".contains(c));
+        words.filter(|word| word.contains('.')).map(str::to_owned).collect()
+    };
+    let (all, told) = (figures(&text(&show.stdout)), figures(&answer(&ranked)));
+    let other: Vec<&String> = told.difference(&all).collect();
+    assert!(told.len() > 100 && other.is_empty(), "{other:?}");
     assert_eq!(shown["settings"]["workers"], 2);
     assert_eq!(shown["bodies"].as_array().unwrap().len(), 7);
     assert_eq!(shown["scenario"]["hash"].as_str().unwrap().len(), 64);

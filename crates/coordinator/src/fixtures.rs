@@ -1,4 +1,5 @@
-//! A small request for the tests of several modules: two crashes, and one that passes by.
+//! A small request for the tests of several modules: three crashes, and one that passes by. Where
+//! the hulls of the person and the car first meet, none of their boxes do: such a pose has no job.
 
 use crate::request::Request;
 use bvh::BuildOptions;
@@ -14,6 +15,7 @@ name = "replayed"
 ego = { generate = { shape = "sedan", triangles = 900 } }
 pole = { generate = { shape = "pole", triangles = 500 } }
 suv = { generate = { shape = "suv", triangles = 900 } }
+person = { generate = { shape = "pedestrian", triangles = 900 } }
 [[candidates]]
 name = "pole"
 ego = { position_m = [0, 0, 0], speed_m_s = 9 }
@@ -26,6 +28,10 @@ other = { party = "suv", position_m = [4.6, 0.4, 0], yaw_deg = 170, speed_m_s = 
 name = "past"
 ego = { position_m = [0, 0, 0], speed_m_s = 12 }
 other = { party = "suv", position_m = [4.6, 3.5, 0], speed_m_s = 4 }
+[[candidates]]
+name = "person"
+ego = { position_m = [0, 0, 0], speed_m_s = 12 }
+other = { party = "person", position_m = [2.5, 0.35, 0], yaw_deg = 90, speed_m_s = 1.4 }
 "#;
 
 fn body(shape: Shape, triangles: u32) -> Body {
@@ -47,7 +53,8 @@ pub(crate) fn with_policy<T>(
     of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T,
 ) -> T {
     let bodies =
-        [(Shape::Sedan, 900), (Shape::Pole, 500), (Shape::Suv, 900)].map(|(s, n)| body(s, n));
+        [(Shape::Sedan, 900), (Shape::Pole, 500), (Shape::Suv, 900), (Shape::Pedestrian, 900)]
+            .map(|(s, n)| body(s, n));
     let views: Vec<_> = bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
     let scenario = Scenario::parse("replayed.toml", SCENARIO).expect("sound");
     let curves = Curves::shipped().expect("sound");

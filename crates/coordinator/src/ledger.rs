@@ -1,4 +1,4 @@
-//! The ledger of a request: which jobs ended how, and what was known when.
+//! The ledger of a request: what was asked, which jobs ended how, and what was known when.
 //!
 //! Questions are named by candidate and travel, never by the number that they happened to get: that
 //! depends on the order in which answers came in. So a ledger can be replayed in any order.
@@ -6,20 +6,21 @@
 use crate::case::Aim;
 use crate::work::Errand;
 use dispatch::{Closed, Spec};
+use protocol::TaskId;
 use record::{End, Job, Moment, Place};
 use runtime::clock;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What was kept of one request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ledger {
-    /// Questions that had jobs.
+    /// Questions that were asked, in that order. A question without a job was answered by asking.
     pub places: Vec<Place>,
     /// Jobs, in the order in which they were closed.
     pub jobs: Vec<Job>,
     /// What was known over time.
     pub moments: Vec<Moment>,
-    /// Number in `places` of each task that has one.
+    /// Number in `places` of each task that was asked.
     of_task: Vec<Option<u32>>,
     begun_ns: u64,
 }
@@ -35,15 +36,17 @@ impl Ledger {
         }
     }
 
-    pub(crate) fn close(&mut self, errand: &Errand, job: &Spec, how: Closed) {
-        let task = job.task.0 as usize;
-        if self.of_task.len() <= task {
-            self.of_task.resize(task + 1, None);
-        }
-        let place = *self.of_task[task].get_or_insert_with(|| {
-            self.places.push(errand.place());
-            self.places.len() as u32 - 1
-        });
+    /// A question is asked: from now on there are its jobs, which may be none.
+    pub(crate) fn ask(&mut self, task: TaskId, errand: &Errand) {
+        let task = task.0 as usize;
+        self.of_task.resize(self.of_task.len().max(task + 1), None);
+        self.of_task[task] = Some(self.places.len() as u32);
+        self.places.push(errand.place());
+    }
+
+    /// A job of a question that was asked has ended.
+    pub(crate) fn close(&mut self, job: &Spec, how: Closed) {
+        let Some(place) = self.of_task.get(job.task.0 as usize).copied().flatten() else { return };
         let end = match how {
             Closed::Done => End::Done,
             Closed::Cut => End::Cut,
@@ -65,31 +68,48 @@ impl Errand {
         Place { candidate: self.case as u32, is_survey, travel_m: self.travel_m }
     }
 
-    fn key(&self) -> (u32, bool, u64) {
+    fn key(&self) -> Key {
         key(&self.place())
     }
 }
 
-fn key(place: &Place) -> (u32, bool, u64) {
+/// A question, comparable: candidate, whether a survey asked, bits of the travel.
+type Key = (u32, bool, u64);
+
+fn key(place: &Place) -> Key {
     (place.candidate, place.is_survey, place.travel_m.to_bits())
+}
+
+/// The questions of a recorded ledger. Whatever else a replay would ask was not asked in time.
+#[derive(Clone, Debug)]
+pub(crate) struct Asked(BTreeSet<Key>);
+
+impl Asked {
+    pub(crate) fn of(places: &[Place]) -> Self {
+        Self(places.iter().map(key).collect())
+    }
+
+    /// Whether it was asked.
+    pub(crate) fn has(&self, errand: &Errand) -> bool {
+        self.0.contains(&errand.key())
+    }
 }
 
 /// The ends of a recorded ledger, by what was asked.
 #[derive(Clone, Debug)]
-pub(crate) struct Ends(BTreeMap<(u32, bool, u64, u32, u32), End>);
+pub(crate) struct Ends(BTreeMap<(Key, (u32, u32)), End>);
 
 impl Ends {
     pub(crate) fn of(places: &[Place], jobs: &[Job]) -> Self {
         let one = |job: &Job| {
-            let (candidate, is_survey, travel) = key(places.get(job.place as usize)?);
-            Some(((candidate, is_survey, travel, job.a, job.b), job.end))
+            let asked = key(places.get(job.place as usize)?);
+            Some(((asked, (job.a, job.b)), job.end))
         };
         Self(jobs.iter().filter_map(one).collect())
     }
 
     /// How a job ended; `None` if it never did.
     pub(crate) fn end(&self, errand: &Errand, job: &Spec) -> Option<End> {
-        let (candidate, is_survey, travel) = errand.key();
-        self.0.get(&(candidate, is_survey, travel, job.a.node, job.b.node)).copied()
+        self.0.get(&(errand.key(), (job.a.node, job.b.node))).copied()
     }
 }

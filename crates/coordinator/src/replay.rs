@@ -1,14 +1,14 @@
 //! Making the evidence of a recorded request again, in this process.
 
 use crate::here::Desk;
-use crate::ledger::Ends;
+use crate::ledger::{Asked, Ends};
 use crate::work::Work;
 use dispatch::{Closed, Work as _};
 use model::{BodyView, Meta};
 use record::{End, Job, Place};
 
-/// Does the jobs that a ledger says were done, gives up those that were given up, and leaves open
-/// what never ended. Returns how many jobs were done.
+/// Asks what a ledger says was asked, does the jobs that were done, gives up those that were given
+/// up, and leaves open what never ended. Returns how many jobs were done.
 ///
 /// Evidence is made from unions and maxima, so the order in which the jobs once ended is of no
 /// account.
@@ -19,6 +19,7 @@ pub fn replay(
     jobs: &[Job],
 ) -> u64 {
     let ends = Ends::of(places, jobs);
+    work.ask_only(Asked::of(places));
     let mut desk = Desk::new(bodies);
     let (mut open, mut done) = (Vec::new(), 0);
     loop {

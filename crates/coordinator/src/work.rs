@@ -2,7 +2,7 @@
 
 use crate::case::{Aim, Case};
 use crate::cuts::Cuts;
-use crate::ledger::Ledger;
+use crate::ledger::{Asked, Ledger};
 use crate::request::Request;
 use crate::strategy::Strategy;
 use crate::terms::Terms;
@@ -87,6 +87,8 @@ pub struct Work<'w> {
     spare: Spare,
     deadline_ns: Option<u64>,
     ledger: Option<Ledger>,
+    /// If this is a replay: what was asked in time.
+    asked: Option<Asked>,
 }
 
 impl<'w> Work<'w> {
@@ -127,6 +129,7 @@ impl<'w> Work<'w> {
             spare,
             deadline_ns: None,
             ledger: None,
+            asked: None,
         };
         for case in 0..work.cases.len() {
             work.advance(case);
@@ -200,9 +203,12 @@ impl<'w> Work<'w> {
                 u: u.to_array(),
                 z: z.to_array(),
             };
-            self.errands.push(self.spare.errand(case, (aim, travel_m), wire));
+            let errand = self.spare.errand(case, (aim, travel_m), wire);
             self.effort.tasks += 1;
-            self.waiting.push_back(task);
+            if self.asked.as_ref().is_none_or(|asked| asked.has(&errand)) {
+                self.waiting.push_back(task);
+            }
+            self.errands.push(errand);
         }
         self.aims = aims;
     }
@@ -227,6 +233,9 @@ impl<'w> Work<'w> {
         self.slots += self.pairs.len();
         let errand = &mut self.errands[number as usize];
         errand.is_descended = true;
+        if let Some(ledger) = &mut self.ledger {
+            ledger.ask(TaskId(number), errand);
+        }
         errand.found = Some(self.spare.gathered(a.corners.len(), b.corners.len()));
         errand.todo.extend(self.pairs.iter().rev());
     }
@@ -264,7 +273,7 @@ impl<'w> Work<'w> {
             for pair in dropped.iter().rev() {
                 let a = section(errand.wire.model_a, pair.a);
                 let b = section(errand.wire.model_b, pair.b);
-                ledger.close(errand, &Spec { task: TaskId(number), a, b }, Closed::Cut);
+                ledger.close(&Spec { task: TaskId(number), a, b }, Closed::Cut);
             }
         }
         dropped.clear();
@@ -426,7 +435,7 @@ impl dispatch::Work for Work<'_> {
         // Cut because the winner is certain: it is as open as one that never went out.
         let is_open = how == Closed::Cut && !is_moot;
         if let Some(ledger) = self.ledger.as_mut().filter(|_| !is_open) {
-            ledger.close(errand, job, how);
+            ledger.close(job, how);
         }
         if matches!(how, Closed::Abandoned | Closed::Late) || is_open {
             self.lose(job.task.0, pair);

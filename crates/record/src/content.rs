@@ -161,7 +161,8 @@ pub struct Record {
     pub settings: Settings,
     /// Bodies, in the order of the scenario's parties.
     pub bodies: Vec<Body>,
-    /// Questions that had jobs.
+    /// Questions that were asked by the time of the answer, in that order. One without a job was
+    /// answered by asking: nothing was near enough.
     pub places: Vec<Place>,
     /// The ledger, in the order in which jobs were closed.
     pub jobs: Vec<Job>,

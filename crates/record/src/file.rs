@@ -20,7 +20,7 @@ use model::codec;
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";
 /// Version of the layout and of [`Record`]. Another one is refused.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// The head of a record.
 #[repr(C)]

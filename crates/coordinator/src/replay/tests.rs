@@ -3,14 +3,19 @@
 use super::*;
 use crate::fixtures::with;
 use crate::run_here;
+use crate::{Pursuit, Terms};
 use proptest::prelude::*;
 
-/// Runs a request, from the last open job to the first, giving up some by a rule.
-fn run_badly(
-    work: &mut Work<'_>,
-    bodies: &[(Meta, BodyView<'_>)],
-    mut gives_up: impl FnMut() -> bool,
-) {
+/// What becomes of a job that is not moot.
+enum Fate {
+    Done,
+    GivenUp,
+    /// The answer is given before it.
+    Late,
+}
+
+/// Runs a request, from the last open job to the first, giving up some by a rule, until it is over.
+fn run_badly(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)], mut fate: impl FnMut() -> Fate) {
     let mut desk = Desk::new(bodies);
     let mut open = Vec::new();
     loop {
@@ -26,10 +31,12 @@ fn run_badly(
         while let Some(job) = open.pop() {
             if work.is_moot(job.task) {
                 work.close(&job, Closed::Cut);
-            } else if gives_up() {
-                work.close(&job, Closed::Abandoned);
-            } else {
-                desk.run(work, &job, &mut |_, _| {});
+                continue;
+            }
+            match fate() {
+                Fate::Done => desk.run(work, &job, &mut |_, _| {}),
+                Fate::GivenUp => work.close(&job, Closed::Abandoned),
+                Fate::Late => return,
             }
         }
     }
@@ -68,6 +75,35 @@ fn work_intervals_only_nest_from_moment_to_moment() {
     });
 }
 
+#[test]
+fn an_answer_that_was_given_early_is_given_again() {
+    with(|request, bodies| {
+        for pursuit in Pursuit::ALL {
+            let mut states = Vec::new();
+            for jobs in (0..300).step_by(4) {
+                let mut left = jobs;
+                let fate = || {
+                    let is_late = left == 0;
+                    left -= i32::from(!is_late);
+                    if is_late { Fate::Late } else { Fate::Done }
+                };
+                let terms = Terms { pursuit, ..Terms::default() };
+                let mut work = Work::new(request, bodies, 4).with_terms(terms).with_ledger();
+                run_badly(&mut work, bodies, fate);
+                let ledger = work.ledger().expect("kept");
+                let mut again = Work::new(request, bodies, 4);
+                replay(&mut again, bodies, &ledger.places, &ledger.jobs);
+                let answer = work.answer().expect("sound");
+                let again = again.answer().expect("sound");
+                assert_eq!(again, answer, "{pursuit:?} after {jobs} jobs");
+                states.push(answer.state);
+            }
+            assert_eq!(states.first(), Some(&damage::State::Degraded));
+            assert_eq!(states.last(), Some(&damage::State::Complete));
+        }
+    });
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -75,12 +111,12 @@ proptest! {
     fn jobs_that_were_given_up_are_given_up_again(seed in any::<u64>(), one_in in 2..400_u64) {
         with(|request, bodies| {
             let mut state = seed;
-            let gives_up = || {
+            let fate = || {
                 state = geometry::hash::splitmix64(state);
-                state.is_multiple_of(one_in)
+                if state.is_multiple_of(one_in) { Fate::GivenUp } else { Fate::Done }
             };
             let mut work = Work::new(request, bodies, 4).with_ledger();
-            run_badly(&mut work, bodies, gives_up);
+            run_badly(&mut work, bodies, fate);
             let ledger = work.ledger().expect("kept");
             let mut again = Work::new(request, bodies, 4);
             replay(&mut again, bodies, &ledger.places, &ledger.jobs);

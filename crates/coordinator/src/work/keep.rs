@@ -2,7 +2,7 @@
 
 use super::{Errand, Work};
 use crate::explain::Explanation;
-use crate::ledger::Ledger;
+use crate::ledger::{Asked, Ledger};
 use crate::request::RequestError;
 use geometry::RelativePose;
 use protocol::TaskId;
@@ -13,6 +13,13 @@ impl Work<'_> {
     pub fn with_ledger(mut self) -> Self {
         self.ledger = Some(Ledger::new());
         self
+    }
+
+    /// From now on asks nothing that was not asked then.
+    pub(crate) fn ask_only(&mut self, asked: Asked) {
+        let errands = &self.errands;
+        self.waiting.retain(|task| asked.has(&errands[*task as usize]));
+        self.asked = Some(asked);
     }
 
     /// The ledger, if one is kept.
