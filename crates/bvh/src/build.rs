@@ -11,6 +11,7 @@ mod seed;
 mod team;
 
 pub use body::{body, rebuild};
+pub use grow::worth_starting;
 
 use geometry::Corners;
 use model::{Build, Node};
@@ -32,7 +33,9 @@ pub struct BuildOptions {
     pub build: Build,
     /// Most triangles in a leaf, 1 to [`LEAF_SIZE_MAX`]. The seed's is 1.
     pub leaf_size: u32,
-    /// Threads to build with; 0 is 1. The tree does not depend on it.
+    /// Threads to build with; 0 is 1. The tree does not depend on it. If they are several and the
+    /// caller is a thread of a rayon pool, they are those of the pool: whoever has a moment before
+    /// there is something to build can start them then.
     pub threads: usize,
 }
 
@@ -117,8 +120,8 @@ pub fn build(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Tree, BuildError> {
-    let team = grow::team_for(options.threads, corners.len());
-    team.run(|| tree(corners, options, &team, progress))
+    let threads = grow::worth_starting(options.threads, corners.len());
+    Team::with(threads, |team| tree(corners, options, team, progress))
 }
 
 /// [`build`], by these threads.

@@ -37,7 +37,7 @@ pub mod together;
 mod descent;
 mod hits;
 
-pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild};
+pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild, worth_starting};
 pub use cut::Cut;
 pub use front::{NodePair, front};
 pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};

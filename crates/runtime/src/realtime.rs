@@ -75,13 +75,17 @@ pub fn unshare_after_fork() -> Result<()> {
         let Some((start, end)) = range.split_once('-') else { continue };
         let number = |text: &str| usize::from_str_radix(text, 16).ok();
         let (Some(start), Some(end)) = (number(start), number(end)) else { continue };
-        let pages = core::ptr::with_exposed_provenance_mut(start);
-        let advice = rustix::mm::Advice::LinuxPopulateWrite;
-        // SAFETY: it changes no content; what is not mapped any more is an error that changes
-        // nothing.
-        let _refused = unsafe { rustix::mm::madvise(pages, end.saturating_sub(start), advice) };
+        populate(start, end.saturating_sub(start));
     }
     Ok(())
+}
+
+/// Makes so many bytes from this page on present and writable, as far as they are mapped.
+fn populate(start: usize, bytes: usize) {
+    let pages = core::ptr::with_exposed_provenance_mut(start);
+    let advice = rustix::mm::Advice::LinuxPopulateWrite;
+    // SAFETY: it changes no content; what is not mapped is an error that changes nothing.
+    let _refused = unsafe { rustix::mm::madvise(pages, bytes, advice) };
 }
 
 #[inline(never)]
@@ -103,14 +107,37 @@ fn keep_heap() {
 /// again without a page fault. For work in which threads seldom allocate, since they wait for each
 /// other there. What the heap takes from the system next, up to `soon` bytes, is in large pages
 /// where the system has them. It does nothing where the C library is not GNU's.
-pub fn share_heap(soon: usize) {
+#[must_use]
+pub fn share_heap(soon: usize) -> Soon {
+    if !cfg!(target_env = "gnu") {
+        return Soon::default();
+    }
     keep_heap();
     #[cfg(target_env = "gnu")]
     tune((libc::M_ARENA_MAX, 1));
     let mut room: Vec<u8> = Vec::new();
+    if room.try_reserve_exact(soon).is_err() {
+        return Soon::default();
+    }
     // The advice stays with the addresses when they are freed, and the heap keeps those.
-    if room.try_reserve_exact(soon).is_ok() {
-        large_pages(room.spare_capacity_mut());
+    large_pages(room.spare_capacity_mut());
+    Soon { start: room.as_ptr().expose_provenance().next_multiple_of(PAGE), bytes: soon }
+}
+
+/// What the heap takes soon.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Soon {
+    /// A page.
+    start: usize,
+    bytes: usize,
+}
+
+impl Soon {
+    /// Puts memory where the heap will take its next bytes, at most so many, for all threads: for
+    /// one that waits while another goes on. Clearing it takes longer than asking for it. It is
+    /// left undone by kernels before 5.14.
+    pub fn place(self, bytes: usize) {
+        populate(self.start, bytes.min(self.bytes));
     }
 }
 

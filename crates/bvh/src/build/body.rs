@@ -21,8 +21,8 @@ pub fn body(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
-    let team = grow::team_for(options.threads, mesh.corners.len());
-    team.run(|| body_by(&team, mesh, meta, zones, options, progress))
+    let threads = grow::worth_starting(options.threads, mesh.corners.len());
+    Team::with(threads, |team| body_by(team, mesh, meta, zones, options, progress))
 }
 
 /// [`body`], by these threads.
@@ -86,8 +86,8 @@ pub fn rebuild(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
-    let team = grow::team_for(options.threads, view.corners.len());
-    team.run(|| rebuild_by(&team, view, meta, options, progress))
+    let threads = grow::worth_starting(options.threads, view.corners.len());
+    Team::with(threads, |team| rebuild_by(team, view, meta, options, progress))
 }
 
 /// [`rebuild`], by these threads.

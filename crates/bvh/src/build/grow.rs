@@ -82,9 +82,10 @@ const SHARE: usize = 2;
 /// How many triangles are placed before that is said.
 const STRIDE: u64 = 8192;
 
-/// Those of `threads` that are worth their start for `count` triangles.
-pub(super) fn team_for(threads: usize, count: usize) -> Team {
-    Team::of(threads.clamp(1, count / THREAD_MIN + 1))
+/// Those of `threads` that are worth their start for `count` triangles: at least 1.
+#[must_use]
+pub fn worth_starting(threads: usize, count: usize) -> usize {
+    threads.clamp(1, count / THREAD_MIN + 1)
 }
 
 /// Triangles that wait for a thread.
@@ -156,22 +157,21 @@ pub(super) fn grow<P: Parts>(
 ) -> Forest {
     let count = parts.len();
     let whole = Piece { first: 0, parts, known, order: &mut order };
-    let made = match job.team.pool() {
-        None => Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] },
-        Some(pool) => {
-            let threads = job.team.threads();
-            let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
-            let yard = Yard {
-                job,
-                large: (count / (threads * SHARE)).max(LARGE_MIN),
-                grain,
-                fine: (grain / FINER).max(FINE_MIN),
-                waiting: AtomicUsize::new(0),
-                made: Mutex::default(),
-            };
-            pool.scope(|scope| yard.work(scope, whole));
-            yard.made.into_inner().unwrap_or_else(PoisonError::into_inner)
-        }
+    let made = if job.team.is_alone() {
+        Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] }
+    } else {
+        let threads = job.team.threads();
+        let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
+        let yard = Yard {
+            job,
+            large: (count / (threads * SHARE)).max(LARGE_MIN),
+            grain,
+            fine: (grain / FINER).max(FINE_MIN),
+            waiting: AtomicUsize::new(0),
+            made: Mutex::default(),
+        };
+        rayon::scope(|scope| yard.work(scope, whole));
+        yard.made.into_inner().unwrap_or_else(PoisonError::into_inner)
     };
     job.progress.say();
     Forest { order, made }

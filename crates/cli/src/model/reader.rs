@@ -36,6 +36,8 @@ const MEMORY_MB: [u64; 2] = [2048, 8192];
 const MEMORY_RATIO: u64 = 64;
 /// Heap in large pages for each byte of the file: all that is needed.
 const HEAP_RATIO: u64 = 12;
+/// Bytes of a file for each triangle, at least: binary PLY takes 19, STL 50.
+const TRIANGLE_BYTES: u64 = 16;
 /// Longest line that a child may send: reports hold no list longer than the notes of a file.
 const LINE_MAX: u64 = 16 << 20;
 /// How much of a child's last words on stderr is kept.
@@ -57,7 +59,7 @@ pub(crate) struct Request {
     name: Option<String>,
     /// The tree to build; without one, this is a trial and no model file is made.
     tree: Option<(Build, u32)>,
-    /// Threads that build it.
+    /// Threads that build it: no more than a file of this length is worth.
     threads: usize,
     memory_bytes: u64,
     /// Heap to have in large pages. What is not used of it takes addresses, and no memory.
@@ -124,6 +126,7 @@ impl Request {
         let usual = (length.saturating_mul(MEMORY_RATIO) / MB).clamp(MEMORY_MB[0], MEMORY_MB[1]);
         let memory_bytes = limits.memory_mb.unwrap_or(usual) * MB;
         let heap_bytes = length.saturating_mul(HEAP_RATIO).min(memory_bytes / 4);
+        let threads = tree.map_or(1, |options| options.threads);
         Ok(Self {
             file: text.to_owned(),
             as_it_stands: false,
@@ -134,7 +137,7 @@ impl Request {
             kind: mesh.kind,
             name: name.map(str::to_owned),
             tree: tree.map(|options| (options.build, options.leaf_size)),
-            threads: tree.map_or(1, |options| options.threads),
+            threads: bvh::worth_starting(threads, (length / TRIANGLE_BYTES) as usize),
             memory_bytes,
             heap_bytes: heap_bytes as usize,
             cpu_s: limits.cpu_s,
