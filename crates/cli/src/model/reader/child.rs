@@ -82,7 +82,8 @@ fn by_side(error: &SideError) -> Failure {
 impl Request {
     /// The threads that will build the tree, if they are several. They start now, and while they
     /// wait for what is read, one of them places memory: started for the build, two of them may
-    /// find themselves on one core, and stay there for a good part of a small tree's time.
+    /// find themselves on one core, and stay there for a good part of a small tree's time. So may
+    /// one that is woken up: if there is a core for each, each stays on its own.
     fn builders(&self, heap: Soon) -> Option<ThreadPool> {
         if self.threads < 2 {
             return None;
