@@ -138,13 +138,17 @@ fn threads_do_not_change_a_tree() {
     // An odd number, and many that are equally high.
     let odd = soup(9_999, 0.1, 3).into_iter().map(|corners| corners.map(on_a_grid)).collect();
     let same = vec![soup(1, 1.0, 2)[0]; 20_000];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     for corners in [soup(60_000, 0.02, 1), torus(200, 100, 0.3), same, odd] {
         for build in [Build::Seed, Build::Sah] {
             let alone = grown(&corners, &options(build, 2));
             check(&alone, &corners, 2);
             for threads in [0, 2, 3, 8] {
-                let together = grown(&corners, &BuildOptions { build, leaf_size: 2, threads });
-                assert!(together == alone, "{build:?} with {threads} threads");
+                let options = BuildOptions { build, leaf_size: 2, threads };
+                let grow = || grown(&corners, &options);
+                for together in [grow(), pool.install(grow)] {
+                    assert!(together == alone, "{build:?} with {threads} threads");
+                }
             }
         }
     }
