@@ -106,7 +106,8 @@ fn keep_heap() {
 /// From now on the heap keeps what it got, and all threads share it: memory that was freed is used
 /// again without a page fault. For work in which threads seldom allocate, since they wait for each
 /// other there. What the heap takes from the system next, up to `soon` bytes, is in large pages
-/// where the system has them. It does nothing where the C library is not GNU's.
+/// where the system has them. It does nothing where the C library is not GNU's. Returns where those
+/// bytes will be.
 #[must_use]
 pub fn share_heap(soon: usize) -> Soon {
     if !cfg!(target_env = "gnu") {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::fixtures::with;
 use crate::run_here;
-use crate::{Pursuit, Terms};
+use crate::{Answer, Pursuit, Request, Terms};
 use proptest::prelude::*;
 
 /// What becomes of a job that is not moot.
@@ -40,6 +40,21 @@ fn run_badly(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)], mut fate: imp
             }
         }
     }
+}
+
+/// The answer of a run in which jobs have such fates, and that of its replay.
+fn given_and_again(
+    (request, bodies): (&Request, &[(Meta, BodyView<'_>)]),
+    pursuit: Pursuit,
+    fate: impl FnMut() -> Fate,
+) -> (Answer, Answer) {
+    let terms = Terms { pursuit, ..Terms::default() };
+    let mut work = Work::new(request, bodies, 4).with_terms(terms).with_ledger();
+    run_badly(&mut work, bodies, fate);
+    let ledger = work.ledger().expect("kept");
+    let mut again = Work::new(request, bodies, 4);
+    replay(&mut again, bodies, &ledger.places, &ledger.jobs);
+    (work.answer().expect("sound"), again.answer().expect("sound"))
 }
 
 #[test]
@@ -87,16 +102,9 @@ fn an_answer_that_was_given_early_is_given_again() {
                     left -= i32::from(!is_late);
                     if is_late { Fate::Late } else { Fate::Done }
                 };
-                let terms = Terms { pursuit, ..Terms::default() };
-                let mut work = Work::new(request, bodies, 4).with_terms(terms).with_ledger();
-                run_badly(&mut work, bodies, fate);
-                let ledger = work.ledger().expect("kept");
-                let mut again = Work::new(request, bodies, 4);
-                replay(&mut again, bodies, &ledger.places, &ledger.jobs);
-                let answer = work.answer().expect("sound");
-                let again = again.answer().expect("sound");
-                assert_eq!(again, answer, "{pursuit:?} after {jobs} jobs");
-                states.push(answer.state);
+                let (given, again) = given_and_again((request, bodies), pursuit, fate);
+                assert_eq!(again, given, "{pursuit:?} after {jobs} jobs");
+                states.push(given.state);
             }
             assert_eq!(states.first(), Some(&damage::State::Degraded));
             assert_eq!(states.last(), Some(&damage::State::Complete));
@@ -115,12 +123,8 @@ proptest! {
                 state = geometry::hash::splitmix64(state);
                 if state.is_multiple_of(one_in) { Fate::GivenUp } else { Fate::Done }
             };
-            let mut work = Work::new(request, bodies, 4).with_ledger();
-            run_badly(&mut work, bodies, fate);
-            let ledger = work.ledger().expect("kept");
-            let mut again = Work::new(request, bodies, 4);
-            replay(&mut again, bodies, &ledger.places, &ledger.jobs);
-            prop_assert_eq!(again.answer().expect("sound"), work.answer().expect("sound"));
+            let (given, again) = given_and_again((request, bodies), Pursuit::default(), fate);
+            prop_assert_eq!(again, given);
             Ok(())
         })?;
     }

@@ -15,7 +15,7 @@ impl Work<'_> {
         self
     }
 
-    /// From now on asks nothing that was not asked then.
+    /// Asks nothing but this: what a recorded run had asked when it was answered.
     pub(crate) fn ask_only(&mut self, asked: Asked) {
         let errands = &self.errands;
         self.waiting.retain(|task| asked.has(&errands[*task as usize]));
