@@ -55,6 +55,14 @@ pub struct Mesh {
     pub degenerate: u32,
 }
 
+impl Mesh {
+    /// The box of all triangles; empty if there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.corners.iter().fold(Aabb::EMPTY, |sum, corners| sum.union(&Aabb::of(corners)))
+    }
+}
+
 /// A body with its tree: owned. All arrays below are in leaf order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {

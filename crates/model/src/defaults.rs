@@ -99,7 +99,7 @@ fn mass(kind: Kind, footprint_m2: f64) -> (Option<f64>, String) {
 ///
 /// If the side file contradicts the kind, or puts the centre of mass far outside of the body.
 pub fn assemble(origin: Origin<'_>, mesh: &Mesh, side: Option<&Side>) -> Result<Meta, SideError> {
-    let bounds = mesh.corners.iter().fold(Aabb::EMPTY, |sum, c| sum.union(&Aabb::of(c)));
+    let bounds = mesh.bounds();
     let usual = inertia(origin.kind, &bounds);
     let mut meta = Meta {
         name: origin.name.to_owned(),

@@ -6,7 +6,6 @@
 
 use crate::import::is_degenerate;
 use crate::{BodyView, Mesh, Meta};
-use geometry::Aabb;
 
 /// A size to be stretched to (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +51,7 @@ impl Fit {
 /// Stretches a mesh; f64 products of the stored f32, rounded once, so the same bits everywhere.
 #[must_use]
 pub fn fitted(mut mesh: Mesh, fit: Fit) -> Mesh {
-    let bounds = mesh.corners.iter().fold(Aabb::EMPTY, |sum, c| sum.union(&Aabb::of(c)));
+    let bounds = mesh.bounds();
     let [low, high] = [bounds.min, bounds.max].map(|end| end.map(f64::from));
     let size = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let origin = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]];
@@ -97,7 +96,7 @@ mod tests {
             let size = size_m(&longest);
             prop_assert!(near(size[0].max(size[1]), length) && near(size[2], was[2]));
             prop_assert!(near(size[0] / size[1], was[0] / was[1]));
-            let bounds = plan.corners.iter().fold(Aabb::EMPTY, |sum, c| sum.union(&Aabb::of(c)));
+            let bounds = plan.bounds();
             prop_assert!(bounds.min[2] == 0.0 && (bounds.min[0] + bounds.max[0]).abs() < 1e-5);
             prop_assert_eq!(&plan.source_ids, &mesh.source_ids);
         }

@@ -28,7 +28,7 @@ pub const NAMES: [&str; 7] = ["front", "middle", "rear", "left", "right", "upper
 /// Zones of every triangle of a mesh, in its order.
 #[must_use]
 pub fn of_mesh(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
-    let bounds = mesh.corners.iter().fold(Aabb::EMPTY, |sum, c| sum.union(&Aabb::of(c)));
+    let bounds = mesh.bounds();
     mesh.corners.iter().map(|corners| of_triangle(corners, &bounds, kind)).collect()
 }
 

@@ -109,14 +109,16 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
 /// Sorts triangles by highest vertex along each axis, equal ones by number.
 ///
 /// `spare` has an order's length or more for each of up to three threads. Three axes do not go into
-/// two threads evenly: so the third one is sorted in halves, which are merged from both ends.
+/// two threads evenly: so the third one is sorted in halves, which are merged from both ends. Each
+/// of the two also reads just one half of the triangles, for all axes: what the other made of its
+/// half is a third as long.
 fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], team: &Team) {
     let n = corners.len();
-    let ([x, y, z], all) = (orders, (corners, 0));
+    let [x, y, z] = orders;
     match team.threads() {
         1 => {
             for (axis, order) in [x, y, z].into_iter().enumerate() {
-                sort_along(axis, all, [order, &mut spare[..n]]);
+                sort_along(axis, corners, [order, &mut spare[..n]]);
             }
         }
         2 => {
@@ -124,14 +126,20 @@ fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], tea
             let (left, right) = corners.split_at(middle);
             let (near, far) = z.split_at_mut(middle);
             let (one, other) = spare.split_at_mut(n);
+            let (one_near, one_far) = one.split_at_mut(middle);
+            let (other_near, other_far) = other.split_at_mut(middle);
+            team.both(
+                || read_all(left, 0, [one_near, other_near, near]),
+                || read_all(right, middle as u32, [one_far, other_far, far]),
+            );
             team.both(
                 || {
-                    sort_along(0, all, [x, one]);
-                    sort_along(2, (left, 0), [&mut one[..middle], near]);
+                    sort_entries([x, one]);
+                    sort_entries([&mut one[..middle], near]);
                 },
                 || {
-                    sort_along(1, all, [y, other]);
-                    sort_along(2, (right, middle as u32), [&mut other[middle..], far]);
+                    sort_entries([y, other]);
+                    sort_entries([&mut other[middle..], far]);
                 },
             );
             let halves = (&one[..middle], &other[middle..]);
@@ -140,7 +148,7 @@ fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], tea
         _ => {
             let [of_x, of_y, of_z] = thirds(spare);
             team.three([(0, x, of_x), (1, y, of_y), (2, z, of_z)], |(axis, order, spare)| {
-                sort_along(axis, all, [order, spare]);
+                sort_along(axis, corners, [order, spare]);
             });
         }
     }
@@ -151,22 +159,37 @@ const DIGIT: usize = 11;
 /// Digits of a rank: an odd number of passes from one buffer to the other.
 const DIGITS: usize = 3;
 
-/// Sorts triangles, numbered from `first`, by highest vertex along `axis`, equal ones by number,
-/// digit by digit from the lowest one. They end up in the first buffer.
-///
-/// Knuth, *The Art of Computer Programming* 3, section 5.2.5.
-fn sort_along(
-    axis: usize,
-    (corners, first): (&[Corners], u32),
-    [mut to, mut from]: [&mut [Entry]; 2],
-) {
-    let digit =
-        |entry: &Entry, at: usize| rank(entry.high) as usize >> (at * DIGIT) & ((1 << DIGIT) - 1);
-    let mut counts = [[0_usize; 1 << DIGIT]; DIGITS];
-    for ((entry, corners), id) in from.iter_mut().zip(corners).zip(first..) {
+/// Sorts triangles along `axis`, into the first buffer.
+fn sort_along(axis: usize, corners: &[Corners], [to, from]: [&mut [Entry]; 2]) {
+    read(axis, corners, 0, from);
+    sort_entries([to, from]);
+}
+
+/// The entries of triangles, numbered from `first`, along each axis.
+fn read_all(corners: &[Corners], first: u32, entries: [&mut [Entry]; 3]) {
+    for (axis, entries) in entries.into_iter().enumerate() {
+        read(axis, corners, first, entries);
+    }
+}
+
+/// The entries of triangles, numbered from `first`, along `axis`.
+fn read(axis: usize, corners: &[Corners], first: u32, entries: &mut [Entry]) {
+    for ((entry, corners), id) in entries.iter_mut().zip(corners).zip(first..) {
         let [x, y, z] = corners.map(|corner| corner[axis]);
         let (low, high) = (lesser(lesser(x, y), z), -lesser(lesser(-x, -y), -z));
         *entry = Entry { low, high, id };
+    }
+}
+
+/// Sorts entries by highest vertex, equal ones as they come, digit by digit from the lowest one.
+/// They come in the second buffer and end up in the first.
+///
+/// Knuth, *The Art of Computer Programming* 3, section 5.2.5.
+fn sort_entries([mut to, mut from]: [&mut [Entry]; 2]) {
+    let digit =
+        |entry: &Entry, at: usize| rank(entry.high) as usize >> (at * DIGIT) & ((1 << DIGIT) - 1);
+    let mut counts = [[0_u32; 1 << DIGIT]; DIGITS];
+    for entry in from.iter() {
         counts.iter_mut().enumerate().for_each(|(at, counts)| counts[digit(entry, at)] += 1);
     }
     for (at, counts) in counts.iter_mut().enumerate() {
@@ -176,7 +199,7 @@ fn sort_along(
         }
         for entry in from.iter() {
             let place = &mut counts[digit(entry, at)];
-            to[*place] = *entry;
+            to[*place as usize] = *entry;
             *place += 1;
         }
         (from, to) = (to, from);

@@ -3,7 +3,7 @@
 use super::collect::Part;
 use super::{Fault, Unit};
 use crate::{Kind, Mesh};
-use geometry::{Aabb, Corners};
+use geometry::Corners;
 
 /// Keeps the triangles of the parts that have one of the names; all if no name is given.
 pub(super) fn select(mesh: &mut Mesh, parts: &[Part], only: &[String]) -> Result<(), Fault> {
@@ -107,15 +107,10 @@ pub fn is_degenerate(corners: &Corners) -> bool {
     })
 }
 
-/// Box of a mesh.
-pub(super) fn bounds(mesh: &Mesh) -> Aabb {
-    mesh.corners.iter().fold(Aabb::EMPTY, |sum, corners| sum.union(&Aabb::of(corners)))
-}
-
 /// Length, width and height of a mesh in metres.
 #[must_use]
 pub fn size_m(mesh: &Mesh) -> [f64; 3] {
-    let bounds = bounds(mesh);
+    let bounds = mesh.bounds();
     [0, 1, 2].map(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]))
 }
 

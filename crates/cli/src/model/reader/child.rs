@@ -12,7 +12,8 @@ use model::import::{
     self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
 };
 use model::side::{Side, SideError};
-use model::{Kind, defaults, file, zones};
+use model::{Kind, Mesh, Zones, defaults, file, zones};
+use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use runtime::affinity::{allowed_cores, pin_self};
 use runtime::clock::now_ns;
@@ -31,6 +32,9 @@ const BETWEEN_WORDS_NS: u64 = 50_000_000;
 /// The part of the heap that is placed while the file is read: the first third. The whole of it
 /// made no difference to a tree of 10,000 triangles.
 const PLACED: usize = 3;
+
+/// Fewer triangles are not worth another thread for their zones.
+const SHARE_MIN: usize = 1024;
 
 /// What a panic said, kept for the parent instead of printed.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
@@ -63,6 +67,15 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
             Ok(code.into())
         }
     }
+}
+
+/// Zones of every triangle of a mesh, by all threads of the pool that the caller is in. They build
+/// the tree next: so they are awake and have the triangles in their caches, which for 10,000 of
+/// them saves 5 to 9 % of the build.
+fn zones_by_all(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
+    let bounds = mesh.bounds();
+    let zones = mesh.corners.par_iter().with_min_len(SHARE_MIN);
+    zones.map(|corners| zones::of_triangle(corners, &bounds, kind)).collect()
 }
 
 fn say(word: &Word) -> Result<ExitCode, Failure> {
@@ -192,15 +205,17 @@ impl Request {
             fault: format!("{}: {}", self.file, failure.fault),
             ..failure
         };
-        let zones = zones::of_mesh(&mesh, kind);
-        let begun_ns = now_ns();
-        let build = || bvh::body(mesh, meta, zones, options, &progress);
-        let body = match builders {
-            Some(threads) => threads.install(build),
-            None => build(),
+        let build = |zones: fn(&Mesh, Kind) -> Vec<Zones>| {
+            let zones = zones(&mesh, kind);
+            let begun_ns = now_ns();
+            let body = bvh::body(mesh, meta, zones, options, &progress);
+            (body, now_ns() - begun_ns)
+        };
+        let (body, build_ns) = match builders {
+            Some(threads) => threads.install(|| build(zones_by_all)),
+            None => build(zones::of_mesh),
         };
         let body = body.map_err(|error| named(Failure::input(error.to_string())))?;
-        let build_ns = now_ns() - begun_ns;
         let bytes = file::encode(&body)
             .map_err(|error| named(Failure::input(error.to_string()).help(error.help())))?;
         Ok((build_ns, bytes))

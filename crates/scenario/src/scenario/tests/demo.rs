@@ -19,7 +19,7 @@ fn body(party: &Party, state: &State) -> Body {
     let corners = mesh.corners.iter().flatten();
     Body {
         points: corners.map(|corner| pose.point(*corner)).map(|p| [p.x, p.y]).collect(),
-        bounds: mesh.corners.iter().fold(Aabb::EMPTY, |all, t| all.union(&Aabb::of(t))),
+        bounds: mesh.bounds(),
     }
 }
 
