@@ -153,6 +153,22 @@ fn every_level_of_this_processor_gives_the_same_and_others_are_refused() {
 }
 
 #[test]
+fn what_is_found_is_of_the_pose_though_the_body_moves() {
+    let crash = Crash::new();
+    let truth = crash.truth();
+    assert_eq!(crash.ask(&crash.meshes, &[])["moving"], false);
+    // Not once round, and more than once.
+    for (repeat, threads) in [("1", "1"), ("5", "2"), ("12", "1")] {
+        let how = ["--moving", "--repeat", repeat, "--threads", threads];
+        let line = crash.ask(&crash.meshes, &how);
+        assert_pairs(&line, &truth, repeat);
+        assert_eq!(line["moving"], true);
+        let sets = crash.ask(&crash.meshes, &[&how[..], &["--question", "sets"]].concat());
+        assert_sets(&sets, &truth, repeat);
+    }
+}
+
+#[test]
 fn a_model_file_keeps_its_tree_unless_another_is_asked_for() {
     let crash = Crash::new();
     let truth = crash.truth();

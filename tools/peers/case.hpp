@@ -1,6 +1,6 @@
 // What all drivers share: the case, the clock, the result line. A driver is one library behind
 //
-//     DRIVER CASE [--repeat N] [--threads N] [--cold]
+//     DRIVER CASE [--repeat N] [--threads N] [--cold] [--moving]
 //
 // CASE is a folder with a.stl and b.stl (binary STL) and pose.txt: the world poses of A and then B,
 // each 3 lines of 4 numbers (R | t), row-major. Everybody works in A's frame: R = Ra^T Rb,
@@ -9,7 +9,9 @@
 // is its own affair.
 //
 // The answer is one line of JSON. All times are in milliseconds: of both trees (build_ms), of what
-// a new pose costs before it can be queried (pose_ms), and of a query (query_ms): medians.
+// a new pose costs before it can be queried (pose_ms), and of a query (query_ms): medians. With
+// --moving B is posed anew for each query, some millimetres elsewhere, for a processor learns the
+// branches of a query that is only repeated; the pairs are always those of the case itself.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +22,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -130,7 +133,7 @@ inline Mesh read_stl(const std::string& path) {
 struct Case {
     std::string name;
     Mesh a, b;
-    Pose pose;  // B seen from A
+    Pose worlds[2];  // of A, of B
 
     explicit Case(std::string folder) {
         while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
@@ -138,7 +141,6 @@ struct Case {
         a = read_stl(folder + "/a.stl");
         b = read_stl(folder + "/b.stl");
         std::ifstream file(folder + "/pose.txt");
-        Pose worlds[2];
         for (Pose& world : worlds) {
             for (int i = 0; i < 3; i++) {
                 for (double& x : world.rotation[i]) file >> x;
@@ -146,13 +148,19 @@ struct Case {
             }
         }
         if (!file) throw std::runtime_error(folder + "/pose.txt: not 24 numbers");
-        pose = Pose::between(worlds[0], worlds[1]);
     }
 
-    // B's vertices in A's frame.
-    std::vector<Point> placed_b() const {
+    // B seen from A, with B so far along the world's x from where the case has it.
+    Pose pose(double metres = 0) const {
+        Pose moved = worlds[1];
+        moved.translation[0] += metres;
+        return Pose::between(worlds[0], moved);
+    }
+
+    // B's vertices in A's frame, likewise.
+    std::vector<Point> placed_b(double metres = 0) const {
         std::vector<Point> placed(b.points.size());
-        std::transform(b.points.begin(), b.points.end(), placed.begin(), pose);
+        std::transform(b.points.begin(), b.points.end(), placed.begin(), pose(metres));
         return placed;
     }
 };
@@ -162,6 +170,7 @@ struct Options {
     int repeat = 9;
     int threads = 1;
     bool cold = false;
+    bool moving = false;
 
     Options(int count, char** words) {
         auto number = [&](int& i) {
@@ -173,6 +182,7 @@ struct Options {
             if (word == "--repeat") repeat = number(i);
             else if (word == "--threads") threads = number(i);
             else if (word == "--cold") cold = true;
+            else if (word == "--moving") moving = true;
             else folder = word;
         }
         if (folder.empty()) throw std::runtime_error("no case given");
@@ -197,18 +207,32 @@ inline void flush_caches() {
     asm volatile("" : : "r"(large.data()) : "memory");  // as if somebody read it
 }
 
-// Runs `query` once to warm up and then `repeat` times; the median.
-template <class Query>
-double measure(const Options& options, Query query) {
-    query();
-    std::vector<double> times;
-    for (int i = 0; i < options.repeat; i++) {
-        if (options.cold) flush_caches();
+struct Times {
+    double pose_ms, query_ms;
+};
+
+// Poses B by `place(metres)`, runs `query` once to warm up and then `repeat` times; the medians.
+// The last query is at the pose of the case.
+template <class Place, class Query>
+Times measure(const Options& options, Place place, Query query) {
+    // Where B stands for the last query, the last but one, ..., again and again.
+    constexpr double PLACES[] = {0, .001, .002, .003, .004, -.004, -.003, -.002, -.001};
+    constexpr int POSINGS = 3;  // of a body that does not move
+    std::vector<double> posings, queries;
+    auto time = [](std::vector<double>& times, auto&& work) {
         double start = now_ms();
-        query();
+        work();
         times.push_back(now_ms() - start);
+    };
+    for (int i = 0; i < (options.moving ? 1 : POSINGS); i++) time(posings, [&] { place(0.0); });
+    query();
+    for (int turn = options.repeat; turn-- > 0;) {
+        double metres = PLACES[turn % std::size(PLACES)];
+        if (options.moving) time(posings, [&] { place(metres); });
+        if (options.cold) flush_caches();
+        time(queries, query);
     }
-    return median(times);
+    return {median(posings), median(queries)};
 }
 
 using Pair = std::pair<uint32_t, uint32_t>;  // triangle of A, triangle of B
@@ -229,17 +253,18 @@ inline uint64_t hash(const std::vector<Pair>& pairs) {
 
 struct Result {
     const char* peer;
-    double build_ms, pose_ms, query_ms;
-    std::vector<Pair> pairs;
-    uint64_t np;       // triangle pairs tested, 0 if unknown
-    std::string more;  // further fields, each with a comma before it
+    double build_ms = 0;
+    Times times = {};
+    std::vector<Pair> pairs = {};
+    uint64_t np = 0;        // triangle pairs tested, 0 if unknown
+    std::string more = {};  // further fields, each with a comma before it
 };
 
 inline void print(const Case& c, const Result& r) {
     std::printf(
         "{\"peer\":\"%s\",\"case\":\"%s\",\"build_ms\":%.4f,\"pose_ms\":%.4f,\"query_ms\":%.4f,"
         "\"pairs\":%zu,\"hash\":\"%016llx\",\"nb\":0,\"np\":%llu%s}\n",
-        r.peer, c.name.c_str(), r.build_ms, r.pose_ms, r.query_ms, r.pairs.size(),
+        r.peer, c.name.c_str(), r.build_ms, r.times.pose_ms, r.times.query_ms, r.pairs.size(),
         (unsigned long long)hash(r.pairs), (unsigned long long)r.np, r.more.c_str());
 }
 

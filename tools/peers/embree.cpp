@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <limits>
+#include <optional>
 
 namespace {
 
@@ -97,29 +98,26 @@ Result drive(const Case& c, const Options& options) {
     std::string config = "set_affinity=0,threads=" + std::to_string(options.threads);
     RTCDevice device = rtcNewDevice(config.c_str());
     Body a{c.a, c.a.points}, b{c.b, c.b.points};
-    Result result{"embree", 0, 0, 0, {}, 0, ""};
+    Result result{"embree"};
 
     double start = now_ms();
     Scene scene_a(device, a);
     { Scene unposed_b(device, b); }
     result.build_ms = now_ms() - start;
 
-    std::vector<double> posings;
-    for (int i = 0; i < 3; i++) {
-        double start = now_ms();
-        b.points = c.placed_b();
-        Scene scene_b(device, b);
-        posings.push_back(now_ms() - start);
-    }
-    result.pose_ms = median(posings);
-
-    Scene scene_b(device, b);
+    std::optional<Scene> scene_b;
+    auto place = [&](double metres) {
+        scene_b.reset();
+        b.points = c.placed_b(metres);
+        scene_b.emplace(device, b);
+    };
     // The thread that asks may take part.
     Query query{a, b, std::vector<Found>(options.threads + 1)};
-    result.query_ms = measure(options, [&] {
+    auto ask = [&] {
         for (Found& found : query.by_thread) found.pairs.clear(), found.np = 0;
-        rtcCollide(scene_a, scene_b, collide, &query);
-    });
+        rtcCollide(scene_a, *scene_b, collide, &query);
+    };
+    result.times = measure(options, place, ask);
     for (const Found& found : query.by_thread) {
         result.pairs.insert(result.pairs.end(), found.pairs.begin(), found.pairs.end());
         result.np += found.np;

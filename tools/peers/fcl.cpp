@@ -31,19 +31,21 @@ fcl::Transform3d transform_of(const Pose& pose) {
 }
 
 Result drive(const Case& c, const Options& options) {
-    Result result{"fcl", 0, 0, 0, {}, 0, ""};
+    Result result{"fcl"};
     double start = now_ms();
     auto a = model_of(c.a), b = model_of(c.b);
     result.build_ms = now_ms() - start;
 
     const fcl::CollisionRequestd request(std::numeric_limits<int>::max(), false);
     const auto at_rest = fcl::Transform3d::Identity();
-    const auto placed = transform_of(c.pose);
+    fcl::Transform3d placed;
     fcl::CollisionResultd found;
-    result.query_ms = measure(options, [&] {
+    auto place = [&](double metres) { placed = transform_of(c.pose(metres)); };
+    auto ask = [&] {
         found.clear();
         fcl::collide(a.get(), at_rest, b.get(), placed, request, found);
-    });
+    };
+    result.times = measure(options, place, ask);
     for (size_t i = 0; i < found.numContacts(); i++) {
         const auto& contact = found.getContact(i);
         result.pairs.emplace_back(contact.b1, contact.b2);

@@ -17,29 +17,40 @@ struct Options {
     folder: PathBuf,
     repeat: usize,
     cold: bool,
+    moving: bool,
 }
 
 fn main() -> Result<()> {
     let options = options()?;
     let folder = &options.folder;
     let (a, b) = (read_stl(&folder.join("a.stl"))?, read_stl(&folder.join("b.stl"))?);
-    let pose = read_poses(&folder.join("pose.txt"))?;
+    let worlds = read_poses(&folder.join("pose.txt"))?;
 
     let start = now();
     let (tree_a, tree_b) = (tree(&a), tree(&b));
     let build_ms = ms_since(start);
 
-    let posed = pose32(&pose)?;
-    // Coordinates of either body in A's frame go through a few roundings of f32.
-    let reach = |tree: &Bvh| tree.root_aabb().maxs.abs().max(tree.root_aabb().mins.abs());
-    let size = (reach(&tree_a) + reach(&tree_b) + posed.translation.abs()).element_sum();
-    let slack = 8.0 * f32::EPSILON * size;
-
+    // Where B stands for the last query, the last but one, ..., again and again: see `case.hpp`.
+    let places: &[f64] = match options.moving {
+        true => &[0.0, 0.001, 0.002, 0.003, 0.004, -0.004, -0.003, -0.002, -0.001],
+        false => &[0.0],
+    };
     let mut pairs = Vec::new();
     let mut np = 0_u64;
-    let mut times = Vec::new();
+    let (mut posings, mut queries) = (Vec::new(), Vec::new());
     // One run to warm up.
-    for run in 0..=options.repeat {
+    for turn in (0..=options.repeat).rev() {
+        let start = now();
+        let mut moved = worlds;
+        moved[1].translation[0] += places[turn % places.len()];
+        let pose = RelativePose::between(&moved[0], &moved[1]);
+        let posed = pose32(&pose)?;
+        // Coordinates of either body in A's frame go through a few roundings of f32.
+        let reach = |tree: &Bvh| tree.root_aabb().maxs.abs().max(tree.root_aabb().mins.abs());
+        let size = (reach(&tree_a) + reach(&tree_b) + posed.translation.abs()).element_sum();
+        let slack = 8.0 * f32::EPSILON * size;
+        let posing_ms = ms_since(start);
+
         if options.cold {
             flush_caches();
         }
@@ -56,17 +67,21 @@ fn main() -> Result<()> {
                 pairs.push((i, j));
             }
         }
-        if run > 0 {
-            times.push(ms_since(start));
+        if turn < options.repeat {
+            posings.push(posing_ms);
+            queries.push(ms_since(start));
         }
     }
-    times.sort_by(f64::total_cmp);
-    let query_ms = times[times.len() / 2];
+    let [pose_ms, query_ms] = [posings, queries].map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    });
 
     let case = folder.file_name().context("the case has no name")?.to_string_lossy();
     let hash = pairs.iter().fold(0_u64, |sum, (i, j)| sum.wrapping_add(hash::pair_term(*i, *j)));
     let line = serde_json::json!({
-        "peer": "parry", "case": case, "build_ms": build_ms, "pose_ms": 0.0, "query_ms": query_ms,
+        "peer": "parry", "case": case,
+        "build_ms": build_ms, "pose_ms": pose_ms, "query_ms": query_ms,
         "pairs": pairs.len(), "hash": format!("{hash:016x}"), "nb": 0, "np": np,
     });
     #[expect(clippy::print_stdout, reason = "this line is what the driver is for")]
@@ -77,11 +92,12 @@ fn main() -> Result<()> {
 }
 
 fn options() -> Result<Options> {
-    let mut options = Options { folder: PathBuf::new(), repeat: 9, cold: false };
+    let mut options = Options { folder: PathBuf::new(), repeat: 9, cold: false, moving: false };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--cold" => options.cold = true,
+            "--moving" => options.moving = true,
             "--repeat" => {
                 let count = words.next().context("--repeat needs a count")?;
                 options.repeat = count.parse().with_context(|| format!("--repeat {count}"))?;
@@ -110,19 +126,18 @@ fn read_stl(path: &Path) -> Result<Vec<Corners>> {
     Ok(records.map(corners).collect())
 }
 
-/// The world poses of A and B, to B seen from A.
-fn read_poses(path: &Path) -> Result<RelativePose> {
+/// The world poses of A and B.
+fn read_poses(path: &Path) -> Result<[Pose; 2]> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
     let numbers: Vec<f64> =
         text.split_whitespace().map(str::parse).collect::<Result<_, _>>().context("pose.txt")?;
     if numbers.len() != 24 {
         bail!("{}: {} numbers, not 24", path.display(), numbers.len());
     }
-    let [a, b] = [0, 12].map(|from| Pose {
+    Ok([0, 12].map(|from| Pose {
         rotation: std::array::from_fn(|i| std::array::from_fn(|j| numbers[from + 4 * i + j])),
         translation: std::array::from_fn(|i| numbers[from + 4 * i + 3]),
-    });
-    Ok(RelativePose::between(&a, &b))
+    }))
 }
 
 fn tree(triangles: &[Corners]) -> Bvh {

@@ -37,6 +37,11 @@ use std::process::ExitCode;
 /// What is written to push everything else out of the caches: more than a last level holds.
 const STREAMED_BYTES: usize = 64 << 20;
 
+/// With `--moving`, where B stands for the last query, the last but one, ..., again and again: so
+/// far along the world's x from its pose (m). Far enough for other branches to be taken, near
+/// enough for as much work.
+const PLACES_M: [f64; 9] = [0.0, 0.001, 0.002, 0.003, 0.004, -0.004, -0.003, -0.002, -0.001];
+
 /// How long several threads warm up. One that has just been started may share the core of the one
 /// that started it for some ticks of the scheduler, though another core is idle: without this,
 /// nine queries of 0.3 ms on two threads took as long as on one in 13 runs of 30.
@@ -68,14 +73,16 @@ dropped or merged, and ids are numbers of triangles in file order, from 0. In a 
 With --json, one line:
   peer, schema       \"trolley\", 1
   case               name of the folder of A
-  question, build, leaf_size, simd, walk, threads, cold
+  question, build, leaf_size, simd, walk, threads, cold, moving
                      as asked for, or what was chosen
   triangles_a, triangles_b
                      triangles of the bodies
   build_ms           time to build both trees; 0 where a model file has the tree already
   pose_ms            what a new pose costs before the query, median
   query_ms           median over the repeats, after one more that warms up; several threads are
-                     warmed up for 60 ms, until each has a core of its own
+                     warmed up for 60 ms, until each has a core of its own. With --moving B stands
+                     up to 4 mm before or behind its pose along x each time: a processor learns the
+                     branches of a query that is only repeated. What is found is of its pose
   nb, np             tests of boxes and of triangles in one query
   jobs               parts of the last query: 1 unless several threads share the work
 and according to the question:
@@ -111,6 +118,9 @@ pub(crate) struct IntersectArgs {
     /// Empty the caches before each timed query: the first crash of the day meets them so.
     #[arg(long)]
     cold: bool,
+    /// Put B some millimetres elsewhere for each timed query, as a moving body is.
+    #[arg(long)]
+    moving: bool,
     /// Threads that build and query.
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -183,6 +193,7 @@ pub(crate) fn run(args: &IntersectArgs, output: &Output) -> Result<ExitCode, Fai
         simd: simd::name(level),
         walk: args.walk,
         cold: args.cold,
+        moving: args.moving,
         build_ns: a.build_ns + b.build_ns,
         repeat: args.repeat,
         asked: ask(args, level, [&a, &b], &poses)?,
@@ -224,25 +235,35 @@ fn ask(
             query(together, views, poses, question);
         }
         let mut streamed = vec![0_u64; if args.cold { STREAMED_BYTES / 8 } else { 0 }];
-        let timed = (0..args.repeat).map(|_| {
+        let places = if args.moving { PLACES_M.as_slice() } else { &[0.0] };
+        let mut timed = Vec::new();
+        for turn in (0..args.repeat as usize).rev() {
+            let place = places[turn % places.len()];
             // One word per cache line.
             streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
             black_box(&mut streamed);
-            query(together, views, poses, question)
-        });
-        let all: Vec<Asked> = timed.collect();
-        let (Some(last), true) = (all.last(), all.iter().all(|asked| asked.found == first.found))
+            timed.push((place, query(together, views, &moved(*poses, place), question)));
+        }
+        let mut at_its_pose = timed.iter().filter(|(place, _)| *place == 0.0);
+        let (Some((_, last)), true) =
+            (timed.last(), at_its_pose.all(|(_, asked)| asked.found == first.found))
         else {
             let fault = "the same query found different things: this is a mistake of ours";
             return Err(Failure::new(Code::Internal, fault));
         };
         let median = |time: fn(&Asked) -> u64| {
-            let mut times: Vec<u64> = all.iter().map(time).collect();
+            let mut times: Vec<u64> = timed.iter().map(|(_, asked)| time(asked)).collect();
             times.sort_unstable();
             times[times.len() / 2].midpoint(times[(times.len() - 1) / 2])
         };
         Ok(Asked { pose_ns: median(|it| it.pose_ns), query_ns: median(|it| it.query_ns), ..*last })
     })
+}
+
+/// The poses, with B so far along the world's x (m).
+fn moved([a, mut b]: [Pose; 2], metres: f64) -> [Pose; 2] {
+    b.translation[0] += metres;
+    [a, b]
 }
 
 fn query<'t>(

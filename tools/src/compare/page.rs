@@ -1,4 +1,5 @@
-//! The page: per case a table of all rows, then cold caches, two threads, and growth with size.
+//! The page: per case a table of all rows, at rest, moving and with cold caches; then two threads,
+//! and growth with size.
 
 use super::cases::Case;
 use super::log::{Log, Measured};
@@ -26,11 +27,11 @@ pub(crate) struct Page<'a> {
 impl fmt::Display for Page<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.head(f)?;
-        writeln!(f, "\n## One core, warm caches")?;
-        self.cases.iter().try_for_each(|case| self.case(f, Section::Warm, case))?;
-        if self.has(Section::Cold) {
-            writeln!(f, "\n## One core, cold caches\n\n64 MiB are written before each query.")?;
-            self.cases.iter().try_for_each(|case| self.case(f, Section::Cold, case))?;
+        for (section, title) in PINNED {
+            if self.has(*section) {
+                writeln!(f, "\n## {title}")?;
+                self.cases.iter().try_for_each(|case| self.case(f, *section, case))?;
+            }
         }
         if self.has(Section::Threads) {
             self.threads(f)?;
@@ -186,13 +187,26 @@ impl Page<'_> {
     }
 }
 
+/// The sections with a table per case.
+const PINNED: &[(Section, &str)] = &[
+    (Section::Warm, "One core, warm caches\n\nThe same query again and again."),
+    (
+        Section::Moving,
+        "One core, a moving body\n\n\
+         B stands up to 4 mm before or behind its pose for each query: Embree rebuilds before it.",
+    ),
+    (Section::Cold, "One core, cold caches\n\n64 MiB are written before each query."),
+];
+
 const HOW_TO_READ: &str = "\
 All intersecting triangle pairs of two posed bodies (or, where it says so, the sets of triangles
 hit, or whether any is). Times are medians in milliseconds over the rounds, in which all rows took
 turns; trust the ratios, not the absolutes. `ratio` is the query against the first row; `with pose`
 is the same with what a new pose costs before it can be queried: a rebuild of B for Embree, nothing
 for the others. `build` is of both trees. No column includes reading files. Embree and parry
-find candidates only: Embree's are decided by a test in plain doubles, parry's by our exact one.";
+find candidates only: Embree's are decided by a test in plain doubles, parry's by our exact one.
+A processor learns the branches of a query that is only repeated, and a moving body never repeats
+one: hence a section for each.";
 
 fn table(head: &[&str]) -> Table {
     let mut table = Table::new();

@@ -14,8 +14,10 @@ const REPEAT: &str = "9";
 /// Under which conditions a row runs; each is a section of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Section {
-    /// One core, pinned, caches warm.
+    /// One core, pinned, caches warm, the same query again and again.
     Warm,
+    /// One core, pinned, B posed anew for each query, as a moving body is.
+    Moving,
     /// One core, pinned, caches flushed before each query.
     Cold,
     /// Not pinned, on one thread and on two.
@@ -27,6 +29,7 @@ impl Section {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Warm => "warm",
+            Self::Moving => "moving",
             Self::Cold => "cold",
             Self::Threads => "threads",
         }
@@ -79,15 +82,14 @@ pub(crate) fn all(trolley: &Path, peers: &[(&str, PathBuf)], cold: bool) -> Vec<
         options: options.into(),
     };
     let mut rows = Vec::new();
-    rows.extend(
-        OUR_OPTIONS.iter().map(|(suffix, options)| ours(Section::Warm, suffix, &[options])),
-    );
-    rows.extend(peers.iter().map(|peer| theirs(Section::Warm, peer, "", &[])));
+    let mut pinned = |section, ours_of: &[(&str, &[&'static str])], more: &[&'static str]| {
+        rows.extend(ours_of.iter().map(|(suffix, own)| ours(section, suffix, &[own, more])));
+        rows.extend(peers.iter().map(|peer| theirs(section, peer, "", more)));
+    };
+    pinned(Section::Warm, OUR_OPTIONS, &[]);
+    pinned(Section::Moving, OUR_OPTIONS, &["--moving"]);
     if cold {
-        let ours_cold =
-            |(suffix, options): &(&str, &[_])| ours(Section::Cold, suffix, &[options, &["--cold"]]);
-        rows.extend(OUR_OPTIONS[..2].iter().map(ours_cold));
-        rows.extend(peers.iter().map(|peer| theirs(Section::Cold, peer, "", &["--cold"])));
+        pinned(Section::Cold, &OUR_OPTIONS[..2], &["--cold"]);
     }
     for (suffix, threads) in [(", 1 thread", "1"), (", 2 threads", "2")] {
         let threads: &[_] = &["--threads", threads];
@@ -121,7 +123,7 @@ impl Row {
     pub(crate) fn run(&self, case: &Case, core: usize) -> Result<Measured> {
         let (Program::Trolley(program) | Program::Driver(program)) = &self.program;
         let mut command = match self.section {
-            Section::Warm | Section::Cold => pinned(core, program),
+            Section::Warm | Section::Moving | Section::Cold => pinned(core, program),
             Section::Threads => Command::new(program),
         };
         match self.program {

@@ -44,6 +44,8 @@ pub(super) struct Answer<'a> {
     pub(super) repeat: u32,
     /// Whether the caches were emptied before each query.
     pub(super) cold: bool,
+    /// Whether B stood elsewhere for each query.
+    pub(super) moving: bool,
     pub(super) asked: Asked,
 }
 
@@ -70,6 +72,7 @@ struct Line<'a> {
     walk: WalkName,
     threads: usize,
     cold: bool,
+    moving: bool,
     jobs: u64,
     triangles_a: usize,
     triangles_b: usize,
@@ -116,6 +119,7 @@ impl Answer<'_> {
             walk: self.walk,
             threads: self.tree.threads,
             cold: self.cold,
+            moving: self.moving,
             jobs: self.asked.jobs,
             triangles_a: self.triangles[0],
             triangles_b: self.triangles[1],
@@ -153,9 +157,10 @@ impl Answer<'_> {
         let BuildOptions { build, leaf_size, threads } = self.tree;
         let Asked { counters, jobs, pose_ns, query_ns, .. } = self.asked;
         let query = format!(
-            "{}, {}median of {}; a new pose {}",
+            "{}, {}{}median of {}; a new pose {}",
             time(query_ns),
             if self.cold { "cold caches, " } else { "" },
+            if self.moving { "B moving, " } else { "" },
             self.repeat,
             time(pose_ns)
         );
