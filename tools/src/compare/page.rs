@@ -193,7 +193,8 @@ const PINNED: &[(Section, &str)] = &[
     (
         Section::Moving,
         "One core, a moving body\n\n\
-         B stands up to 4 mm before or behind its pose for each query: Embree rebuilds before it.",
+         B stands up to 4 mm before or behind its pose for each query: Embree rebuilds before it.\n\
+         Faces that are in one plane at its pose are not elsewhere.",
     ),
     (Section::Cold, "One core, cold caches\n\n64 MiB are written before each query."),
 ];
