@@ -1,7 +1,8 @@
 // Embree 3: rtcCollide over two scenes of user geometry, with the triangle test in its callback.
 //
 // rtcCollide knows no instances, so a new pose means B's boxes anew and a rebuild of its scene:
-// that is pose_ms. The boxes are rounded outward to floats: Embree's walk loses no pair.
+// that, with the end of the former one, is pose_ms. The boxes are rounded outward to floats:
+// Embree's walk loses no pair.
 #include "triangle.hpp"
 
 #include <embree3/rtcore.h>

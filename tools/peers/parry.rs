@@ -30,20 +30,18 @@ fn main() -> Result<()> {
     let (tree_a, tree_b) = (tree(&a), tree(&b));
     let build_ms = ms_since(start);
 
-    // Where B stands for the last query, the last but one, ..., again and again: see `case.hpp`.
-    let places: &[f64] = match options.moving {
-        true => &[0.0, 0.001, 0.002, 0.003, 0.004, -0.004, -0.003, -0.002, -0.001],
-        false => &[0.0],
-    };
     let mut pairs = Vec::new();
     let mut np = 0_u64;
     let (mut posings, mut queries) = (Vec::new(), Vec::new());
     // One run to warm up.
     for turn in (0..=options.repeat).rev() {
         let start = now();
-        let mut moved = worlds;
-        moved[1].translation[0] += places[turn % places.len()];
-        let pose = RelativePose::between(&moved[0], &moved[1]);
+        let [world_a, mut world_b] = worlds;
+        if options.moving {
+            // The same places as those of `case.hpp`.
+            world_b.translation[0] += 0.001 * (((turn + 4) % 9) as f64 - 4.0);
+        }
+        let pose = RelativePose::between(&world_a, &world_b);
         let posed = pose32(&pose)?;
         // Coordinates of either body in A's frame go through a few roundings of f32.
         let reach = |tree: &Bvh| tree.root_aabb().maxs.abs().max(tree.root_aabb().mins.abs());

@@ -37,11 +37,6 @@ use std::process::ExitCode;
 /// What is written to push everything else out of the caches: more than a last level holds.
 const STREAMED_BYTES: usize = 64 << 20;
 
-/// With `--moving`, where B stands for the last query, the last but one, ..., again and again: so
-/// far along the world's x from its pose (m). Far enough for other branches to be taken, near
-/// enough for as much work.
-const PLACES_M: [f64; 9] = [0.0, 0.001, 0.002, 0.003, 0.004, -0.004, -0.003, -0.002, -0.001];
-
 /// How long several threads warm up. One that has just been started may share the core of the one
 /// that started it for some ticks of the scheduler, though another core is idle: without this,
 /// nine queries of 0.3 ms on two threads took as long as on one in 13 runs of 30.
@@ -235,10 +230,9 @@ fn ask(
             query(together, views, poses, question);
         }
         let mut streamed = vec![0_u64; if args.cold { STREAMED_BYTES / 8 } else { 0 }];
-        let places = if args.moving { PLACES_M.as_slice() } else { &[0.0] };
         let mut timed = Vec::new();
-        for turn in (0..args.repeat as usize).rev() {
-            let place = places[turn % places.len()];
+        for turn in (0..args.repeat).rev() {
+            let place = if args.moving { place_m(turn) } else { 0.0 };
             // One word per cache line.
             streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
             black_box(&mut streamed);
@@ -258,6 +252,13 @@ fn ask(
         };
         Ok(Asked { pose_ns: median(|it| it.pose_ns), query_ns: median(|it| it.query_ns), ..*last })
     })
+}
+
+/// With `--moving`, where B stands for the last query (turn 0), the last but one, ...: so far along
+/// the world's x from its pose (m), which is where it stands at last. Elsewhere each time, far
+/// enough for other branches to be taken, near enough for as much work.
+fn place_m(turn: u32) -> f64 {
+    0.001 * (f64::from((turn + 4) % 9) - 4.0)
 }
 
 /// The poses, with B so far along the world's x (m).
@@ -299,5 +300,20 @@ fn found(outcome: &Outcome, together: &Together<'_, '_>, bodies: [&BodyView<'_>;
         hash: outcome.hash,
         hits: hits.map(<[u32]>::len),
         hashes: [hash(hits[0], bodies[0]), hash(hits[1], bodies[1])],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moving_body_never_stays_and_ends_at_its_pose() {
+        let places: Vec<f64> = (0..20).rev().map(place_m).collect();
+        assert!(places.windows(2).all(|two| two[0] != two[1]), "{places:?}");
+        assert!(places.iter().all(|place| place.abs() <= 0.004), "{places:?}");
+        assert_eq!(places.last(), Some(&0.0));
+        let poses = moved([Pose::IDENTITY; 2], -0.004);
+        assert_eq!(poses.map(|pose| pose.translation[0]), [0.0, -0.004]);
     }
 }

@@ -203,8 +203,8 @@ const HOW_TO_READ: &str = "\
 All intersecting triangle pairs of two posed bodies (or, where it says so, the sets of triangles
 hit, or whether any is). Times are medians in milliseconds over the rounds, in which all rows took
 turns; trust the ratios, not the absolutes. `ratio` is the query against the first row; `with pose`
-is the same with what a new pose costs before it can be queried: a rebuild of B for Embree, nothing
-for the others. `build` is of both trees. No column includes reading files. Embree and parry
+is the same with what a new pose costs before it can be queried: a rebuild of B for Embree, next to
+nothing for the others. `build` is of both trees. No column includes reading files. Embree and parry
 find candidates only: Embree's are decided by a test in plain doubles, parry's by our exact one.
 A processor learns the branches of a query that is only repeated, and a moving body never repeats
 one: hence a section for each.";

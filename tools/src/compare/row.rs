@@ -82,14 +82,14 @@ pub(crate) fn all(trolley: &Path, peers: &[(&str, PathBuf)], cold: bool) -> Vec<
         options: options.into(),
     };
     let mut rows = Vec::new();
-    let mut pinned = |section, ours_of: &[(&str, &[&'static str])], more: &[&'static str]| {
+    let mut add = |section, ours_of: &[(&str, &[&'static str])], more: &[&'static str]| {
         rows.extend(ours_of.iter().map(|(suffix, own)| ours(section, suffix, &[own, more])));
         rows.extend(peers.iter().map(|peer| theirs(section, peer, "", more)));
     };
-    pinned(Section::Warm, OUR_OPTIONS, &[]);
-    pinned(Section::Moving, OUR_OPTIONS, &["--moving"]);
+    add(Section::Warm, OUR_OPTIONS, &[]);
+    add(Section::Moving, OUR_OPTIONS, &["--moving"]);
     if cold {
-        pinned(Section::Cold, &OUR_OPTIONS[..2], &["--cold"]);
+        add(Section::Cold, &OUR_OPTIONS[..2], &["--cold"]);
     }
     for (suffix, threads) in [(", 1 thread", "1"), (", 2 threads", "2")] {
         let threads: &[_] = &["--threads", threads];

@@ -61,7 +61,10 @@ fn the_page_shows_medians_ratios_and_who_is_wrong() {
             log.add(&rows[0], &case.name, round, right.clone());
             let embree = rows.iter().find(|row| row.name == "embree").unwrap();
             let slow = Measured { query_ms: 3.0 * query_ms, pose_ms: 4.0, pairs: 4, ..right };
-            log.add(embree, &case.name, round, slow);
+            log.add(embree, &case.name, round, slow.clone());
+            let moving =
+                rows.iter().find(|row| row.key() == (row::Section::Moving, "embree".into()));
+            log.add(moving.unwrap(), &case.name, round, Measured { query_ms: 7.0, ..slow });
         }
     }
     let cases = [case.clone(), larger.clone()];
@@ -86,6 +89,8 @@ fn the_page_shows_medians_ratios_and_who_is_wrong() {
         cells("| embree "),
         ["embree", "6.00", "3.00", "4.00", "5.00", "1.00", "WRONG: 4 pairs"]
     );
+    let moving = &text[text.find("## One core, a moving body").unwrap()..];
+    assert!(moving.contains("| embree |     7.00 |  1.00 "), "{moving}");
     assert!(text.contains("### cars-10k-deep: 20,000 triangles, 3 intersecting pairs"), "{text}");
     assert!(text.contains("\n- fcl: left out\n") && !text.contains("## One core, cold"), "{text}");
     let growth = &text[text.find("## Growth").unwrap()..];
