@@ -3,10 +3,10 @@
 
 mod support;
 
+use body::Mesh;
 use geometry::{Pose, RelativePose};
-use model::Mesh;
-use model::generate::generate;
 use scenario::{Scenario, Source, State};
+use shapes::generate;
 use support::{Found, Place, assert_found, brute_force, json, run, six};
 
 /// B at a travel, seen from A: moved against the direction of the relative velocity.

@@ -8,8 +8,8 @@
 
 mod support;
 
+use body::file;
 use geometry::{DVec3, RelativePose};
-use model::file;
 use std::path::{Path, PathBuf};
 use support::{Place, answer, assert_found, brute_force, json, run, text, trolley};
 

@@ -4,11 +4,12 @@
 
 mod support;
 
+use body::Shape;
+use body::{Mesh, defaults, file, zones};
 use bvh::BuildOptions;
 use geometry::Corners;
-use model::generate::{Shape, generate};
-use model::{Mesh, defaults, file, zones};
 use serde_json::Value;
+use shapes::generate;
 use support::{Place, json, run, six, text};
 
 fn rows(output: &std::process::Output) -> Vec<Value> {
@@ -97,10 +98,10 @@ fn doubled(mesh: &Mesh) -> Mesh {
 
 fn write(place: &Place, name: &str, shape: Shape, mesh: &Mesh) {
     let origin = defaults::Origin { name, kind: shape.kind(), origin: name, hash: "" };
-    let meta = defaults::assemble(origin, mesh, None).unwrap();
+    let meta = defaults::assemble(origin, mesh);
     // Zones are those of the source triangles, whose middles lie elsewhere: none, so that only
     // surfaces are compared.
-    let zones = vec![model::Zones(0); zones::of_mesh(mesh, shape.kind()).len()];
+    let zones = vec![body::Zones(0); zones::of_mesh(mesh, shape.kind()).len()];
     let options = BuildOptions::default();
     let body = bvh::body(mesh.clone(), meta, zones, &options, &|_| {}).unwrap();
     std::fs::write(place.path().join(name), file::encode(&body).unwrap()).unwrap();

@@ -20,13 +20,15 @@ use tree::{Text, all_sources, packages, root};
 const LAYERS: &[&str] = &[
     "geometry",
     "protocol",
-    "model",
+    "body",
+    "shapes",
     "bvh",
     "damage",
     "scenario",
-    "traffic",
-    "dispatch",
     "record",
+    "dispatch",
+    "mesh",
+    "traffic",
     "transport",
     "runtime",
     "client",
@@ -54,12 +56,12 @@ const ONLY: &[(&str, &[&str])] = &[
 const ALONE: &[(&str, &[&str])] = &[
     ("iceoryx2", &["transport"]),
     ("libc", &["runtime"]),
-    ("bincode", &["model"]),
-    ("tobj", &["model"]),
-    ("stl_io", &["model"]),
-    ("ply-rs-bw", &["model"]),
-    ("gltf", &["model"]),
-    ("earcut", &["model"]),
+    ("bincode", &["body"]),
+    ("tobj", &["mesh"]),
+    ("stl_io", &["mesh"]),
+    ("ply-rs-bw", &["mesh"]),
+    ("gltf", &["mesh"]),
+    ("earcut", &["mesh"]),
     ("robust", &["geometry"]),
     ("clap", &["cli", "tools"]),
     ("kuva", &["cli"]),
@@ -68,8 +70,8 @@ const ALONE: &[(&str, &[&str])] = &[
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
 /// Crates without I/O, clock and waiting.
 const PURE: &[&str] = &[
-    "geometry", "protocol", "model", "bvh", "damage", "scenario", "traffic", "dispatch", "record",
-    "simulate",
+    "geometry", "protocol", "body", "shapes", "mesh", "bvh", "damage", "scenario", "traffic",
+    "dispatch", "record", "simulate",
 ];
 /// Longest line, in characters.
 const COLUMNS_MAX: usize = 100;

@@ -1,9 +1,10 @@
 //! Tree builds: time per triangle, on one thread and on two.
 
+use body::Build;
+use body::Shape;
 use bvh::{BuildOptions, build};
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput};
-use model::Build;
-use model::generate::{Shape, generate};
+use shapes::generate;
 use std::hint::black_box;
 
 fn main() {

@@ -4,13 +4,13 @@
 mod posed;
 mod scene;
 
+use body::Build;
 use bvh::build::LEAF_SIZE_MAX;
 use bvh::{BuildOptions, Question, build};
 use fearless_simd::dispatch;
 use geometry::patch::{self, Patches, meet_all};
 use geometry::simd::Level;
 use geometry::{DVec3, Directions, triangle};
-use model::Build;
 use posed::Posed;
 use scene::Scene;
 use std::hint::black_box;

@@ -3,13 +3,13 @@
 mod posed;
 mod scene;
 
+use body::Build;
 use bvh::Question;
 use bvh::build::LEAF_SIZE_MAX;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
 use geometry::patch::{self, Patches, meet_all};
 use geometry::{DVec3, Directions, simd, triangle};
-use model::Build;
 use posed::Posed;
 use std::hint::black_box;
 

@@ -4,20 +4,20 @@
 //! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other. `team` shares
 //! work out among threads.
 
-mod body;
+mod assemble;
 mod grow;
 mod sah;
 mod seed;
 mod team;
 
-pub use body::{body, rebuild};
+pub use assemble::{body, rebuild};
 pub use grow::worth_starting;
 
+use body::{Build, Node};
 use geometry::Corners;
-use model::{Build, Node};
 use team::Team;
 
-pub use model::LEAF_SIZE_MAX;
+pub use body::LEAF_SIZE_MAX;
 
 /// Most triangles that [`Build::Literal`] accepts: its tree may be as deep as there are triangles,
 /// so its time is quadratic.

@@ -12,8 +12,8 @@
 use crate::descent::{Descent, side_to_open};
 use crate::front::{NodePair, PAIRS_MAX};
 use crate::{Counters, Side};
+use body::BodyView;
 use geometry::{Aabb, DVec3, RelativePose};
-use model::BodyView;
 
 /// Added to every motion (m): far above what rounding does to it for bodies within 1000 km.
 const ROUNDING_M: f64 = 1e-7;

@@ -1,8 +1,8 @@
 //! One step down a pair of trees: shared by the front and by the walk of a job.
 
 use crate::{Counters, NodePair, Placement, Side};
+use body::{BodyView, Node};
 use geometry::RelativePose;
-use model::{BodyView, Node};
 
 /// Two trees and how they lie.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 use crate::{
     BuildOptions, Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task, Walk, body,
 };
+use body::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
 use geometry::simd::{self, Level};
 use geometry::{Corners, DVec3, Directions, Pose, RelativePose, Supports, hash, triangle};
-use model::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

@@ -6,8 +6,8 @@
 
 use crate::descent::{Descent, side_to_open};
 use crate::{Counters, Side};
+use body::BodyView;
 use geometry::RelativePose;
-use model::BodyView;
 use smallvec::SmallVec;
 
 /// A node of A and a node of B.

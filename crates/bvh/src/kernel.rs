@@ -8,11 +8,11 @@
 
 use crate::hits::Hits;
 use crate::{Counters, NodePair, section};
+use body::BodyView;
 use fearless_simd::dispatch;
 use found::Found;
 use geometry::simd::Level;
 use geometry::{Directions, RelativePose, Supports};
-use model::BodyView;
 use std::ops::ControlFlow;
 
 mod boxes;
@@ -35,7 +35,7 @@ pub const fn within(budget: u64) -> u64 {
 }
 
 /// Triangles that are tested together at least, as if they were one leaf.
-pub const LEAF_TRIANGLES: usize = model::wide::LEAF_TRIANGLES;
+pub const LEAF_TRIANGLES: usize = body::wide::LEAF_TRIANGLES;
 
 /// How a job walks its trees: the answer is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

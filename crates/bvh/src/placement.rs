@@ -4,8 +4,8 @@
 //! as separating axes: the first six of the fifteen of Gottschalk, Lin and Manocha, *OBBTree*
 //! (1996). The nine that remain cost more than they save.
 
+use body::BodyView;
 use geometry::{Aabb, DVec3, RelativePose};
-use model::BodyView;
 
 /// B's boxes among A's.
 ///

@@ -3,8 +3,8 @@
 //! Two triangles meet where both are, so all points of their contact lie in both nodes' boxes.
 
 use crate::NodePair;
+use body::BodyView;
 use geometry::{Directions, RelativePose, Supports};
-use model::BodyView;
 
 /// Adds to `supports` those of everything that contact below `pair` can reach, in A's frame.
 ///

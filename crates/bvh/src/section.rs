@@ -4,7 +4,7 @@
 //! range of nodes and one range of triangles. A section is such a pair of ranges, named by its
 //! node; it is what the match schemes count and what the transfer ledger weighs.
 
-use model::Node;
+use body::Node;
 use std::ops::Range;
 
 /// Bytes of a triangle in a section: nine f32.

@@ -4,8 +4,8 @@
 //! three products, taken at the corner of the box that lies farthest, and products and sums of
 //! floats are monotone even when rounded. So the result is the brute-force maximum, bit for bit.
 
+use body::BodyView;
 use geometry::{Aabb, DVec3};
-use model::BodyView;
 use smallvec::SmallVec;
 
 mod extremes;

@@ -3,12 +3,12 @@
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use body::{BodyView, Fit, Kind, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
-use model::generate::{Shape, call, generate};
-use model::{BodyView, Fit, Kind, Mesh, Meta, defaults, file, zones};
 use runtime::FileMap;
 use runtime::error::chain;
 use scenario::{Engine, FileRef, Scenario, Source};
+use shapes::{call, generate};
 use std::path::{Path, PathBuf};
 
 /// A body on its way into the model store.
@@ -101,16 +101,15 @@ fn stretched(
     view: &BodyView<'_>,
     size: Fit,
     options: &BuildOptions,
-) -> Result<model::Body, Failure> {
-    let mesh = model::fit::fitted(model::fit::mesh_of(meta, view), size);
+) -> Result<body::Body, Failure> {
+    let mesh = body::fit::fitted(body::fit::mesh_of(meta, view), size);
     let origin = defaults::Origin {
         name: &meta.name,
         kind: meta.kind,
         origin: &format!("{}, stretched", meta.origin),
         hash: &meta.origin_hash,
     };
-    let mut new = defaults::assemble(origin, &mesh, None)
-        .map_err(|error| Failure::input(error.to_string()))?;
+    let mut new = defaults::assemble(origin, &mesh);
     if !meta.mass_source.starts_with("default") {
         new.mass_kg = meta.mass_kg;
         new.mass_source.clone_from(&meta.mass_source);
@@ -126,7 +125,7 @@ pub(crate) fn generate_body(
     seed: u64,
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<model::Body, Failure> {
+) -> Result<body::Body, Failure> {
     let mesh = generate(shape, triangles, seed)
         .map_err(|error| Failure::input(error.to_string()).help("change `triangles`"))?;
     let origin = call(shape, triangles, seed);
@@ -137,8 +136,7 @@ pub(crate) fn generate_body(
         origin: &origin,
         hash: hash.as_str(),
     };
-    let meta = defaults::assemble(origin, &mesh, None)
-        .map_err(|error| Failure::input(error.to_string()))?;
+    let meta = defaults::assemble(origin, &mesh);
     with_tree(mesh, meta, options, progress)
 }
 
@@ -148,14 +146,14 @@ pub(crate) fn with_tree(
     meta: Meta,
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<model::Body, Failure> {
+) -> Result<body::Body, Failure> {
     let zones = zones::of_mesh(&mesh, meta.kind);
     bvh::body(mesh, meta, zones, options, progress)
         .map_err(|error| Failure::input(error.to_string()))
 }
 
 /// A body as a model file in memory.
-pub(crate) fn encoded(body: &model::Body) -> Result<Loaded, Failure> {
+pub(crate) fn encoded(body: &body::Body) -> Result<Loaded, Failure> {
     let bytes =
         file::encode(body).map_err(|error| Failure::input(error.to_string()).help(error.help()))?;
     Ok(Loaded { kind: body.meta.kind, bytes: file::Aligned::copy_of(&bytes), source_hash: None })

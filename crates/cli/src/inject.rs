@@ -66,7 +66,7 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(bodies);
-    let views = model::store::open(store.bytes())
+    let views = body::store::open(store.bytes())
         .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut alone = Work::new(&request, &views, plan.depth);

@@ -22,10 +22,10 @@ pub(crate) mod write;
 
 use crate::args::Output;
 use crate::failure::Failure;
+use body::{Build, Kind};
 use bvh::BuildOptions;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
-use model::import::{Axis, Unit};
-use model::{Build, Kind};
+use mesh::import::{Axis, Unit};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -8,8 +8,8 @@
 
 use crate::args::EngineArgs;
 use crate::failure::{Code, Failure};
+use body::{BodyView, Meta};
 use coordinator::{DEPTHS, DryCandidate, DryRuns, Request};
-use model::{BodyView, Meta};
 use runtime::{affinity, clock};
 use scenario::{Depth, Engine, Overrides};
 use serde::Serialize;

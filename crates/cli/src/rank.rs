@@ -138,11 +138,11 @@ fn answer(
     let named = asked.record.as_ref().map(|_| record::bodies(&scenario, &bodies)).transpose()?;
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let hashes: Result<Vec<String>, _> =
-        files.iter().map(|bytes| model::file::content_hash(bytes)).collect();
+        files.iter().map(|bytes| body::file::content_hash(bytes)).collect();
     let hashes = hashes.map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let store = coordinator::seal(&files)?;
     drop(bodies);
-    let views = model::store::open(store.bytes())
+    let views = body::store::open(store.bytes())
         .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let loaded_ns = clock::now_ns();
     let request = Request::new(&scenario, &views, policy, curves)?;

@@ -85,7 +85,7 @@ pub(crate) struct Made<'a> {
 /// The bodies as a record names them.
 pub(crate) fn bodies(scenario: &Scenario, loaded: &[Loaded]) -> Result<Vec<Body>, Failure> {
     let one = |(party, body): (&scenario::Party, &Loaded)| {
-        let hash = model::file::content_hash(body.bytes.bytes())
+        let hash = body::file::content_hash(body.bytes.bytes())
             .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
         let source = match (&party.source, &body.source_hash) {
             (scenario::Source::File(reference), Some(hash)) => {

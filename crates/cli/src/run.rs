@@ -6,8 +6,8 @@ use crate::failure::{Code, Failure};
 use crate::plan::{Choice, Plan};
 use crate::terms::{Certain, Kept};
 use crate::transfer;
+use body::{BodyView, Meta};
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
-use model::{BodyView, Meta};
 use runtime::error::chain;
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
@@ -40,7 +40,7 @@ pub(crate) struct Run {
     /// Why this depth, and whether jobs were spread; absent if nothing was left to choose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) choice: Option<Choice>,
-    pub(crate) tree: model::Build,
+    pub(crate) tree: body::Build,
     pub(crate) scheme: &'static str,
     /// How the deadline was kept, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -66,7 +66,7 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(bodies);
-    let views = model::store::open(store.bytes())
+    let views = body::store::open(store.bytes())
         .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let engine = &opened.deployment.engine;
     pin_coordinator(engine)?;

@@ -3,10 +3,10 @@
 //! None of it changes an answer. What a person wrote is checked here, against the bodies at hand.
 
 use crate::failure::{Code, Failure};
+use body::{BodyView, Meta};
 use bvh::section;
 use clap::{Args as ClapArgs, ValueEnum};
 use dispatch::{Cache, Entry, Matching, Queues};
-use model::{BodyView, Meta};
 use scenario::{Engine, Scheme};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

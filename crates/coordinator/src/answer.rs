@@ -5,11 +5,11 @@
 
 use crate::case::{Case, Stage};
 use crate::request::{Candidate, Request};
+use body::{BodyView, Kind, Meta};
 use damage::{
     CandidateHarm, Contact, DeltaV, Note, Party, Place, Range, Ranking, State, Unevaluable, Work,
 };
 use geometry::DVec3;
-use model::{BodyView, Kind, Meta};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -252,7 +252,7 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
 fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
     let row = |person: &damage::PersonHarm| PersonRow {
         party: request.persons[person.id.0].party.to_string(),
-        seat: person.seat.map(model::Seat::name),
+        seat: person.seat.map(body::Seat::name),
         victim: person.victim.name(),
         curve: person.curve.to_string(),
         work: person.work,

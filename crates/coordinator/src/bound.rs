@@ -7,11 +7,11 @@
 
 use crate::gather::Gathered;
 use crate::request::Candidate;
+use body::{BodyView, Zones};
 use bvh::{NodePair, reach};
 use damage::approach::ROUNDING_M;
 use damage::{Seen, Stop};
 use geometry::{RelativePose, Supports};
-use model::{BodyView, Zones};
 
 /// Most open jobs of a pose whose boxes are looked at one by one.
 const BOXES_MAX: usize = 512;

@@ -6,9 +6,9 @@
 use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
+use body::{BodyView, Zones};
 use damage::{Evidence, First, Meeting, Search, Seen, Stop, Stops, Travels};
 use geometry::Supports;
-use model::{BodyView, Zones};
 use protocol::Question;
 
 /// What a task is for.

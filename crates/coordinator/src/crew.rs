@@ -61,8 +61,8 @@ const FAREWELL_MS: u64 = 200;
 ///
 /// If there is not enough memory.
 pub fn seal(files: &[&[u8]]) -> Result<SealedMemory, runtime::OsError> {
-    let len = model::store::length(files);
-    SealedMemory::create("trolley-models", len, |bytes| model::store::fill(bytes, files))
+    let len = body::store::length(files);
+    SealedMemory::create("trolley-models", len, |bytes| body::store::fill(bytes, files))
 }
 
 /// Worker processes, ready for requests.

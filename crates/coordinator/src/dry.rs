@@ -5,11 +5,11 @@
 //! many candidates or requests have it.
 
 use crate::request::Request;
+use body::{BodyView, Meta};
 use bvh::{Counters, front};
 use damage::Meeting;
 use dispatch::Descent;
 use geometry::RelativePose;
-use model::{BodyView, Meta};
 use std::collections::BTreeMap;
 
 /// Depths of a dry run, ascending; the first is the work in one piece. By the last two the pairs of

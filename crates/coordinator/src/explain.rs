@@ -243,7 +243,7 @@ fn separation(
     };
     Some(Separation {
         party: person.party.to_string(),
-        seat: person.seat.map(model::Seat::name),
+        seat: person.seat.map(body::Seat::name),
         here: risk(here),
         there: risk(there),
         rule: rule.map(|rule| rule.name()),
@@ -263,7 +263,7 @@ fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) 
     };
     PersonChain {
         party: request.persons[person.id.0].party.to_string(),
-        seat: person.seat.map(model::Seat::name),
+        seat: person.seat.map(body::Seat::name),
         victim: person.victim.name(),
         curve: person.curve.to_string(),
         x: person.x,

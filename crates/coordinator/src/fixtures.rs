@@ -2,11 +2,12 @@
 //! the hulls of the person and the car first meet, none of their boxes do: such a pose has no job.
 
 use crate::request::Request;
+use body::Shape;
+use body::{Body, BodyView, Meta, defaults, zones};
 use bvh::BuildOptions;
 use damage::{Curves, Policy};
-use model::generate::{Shape, generate};
-use model::{Body, BodyView, Meta, defaults, zones};
 use scenario::Scenario;
+use shapes::generate;
 
 const SCENARIO: &str = r#"
 schema = "trolley.scenario/1"
@@ -37,7 +38,7 @@ other = { party = "person", position_m = [2.5, 0.35, 0], yaw_deg = 90, speed_m_s
 fn body(shape: Shape, triangles: u32) -> Body {
     let mesh = generate(shape, triangles, 0).expect("a known size");
     let origin = defaults::Origin { name: "b", kind: shape.kind(), origin: "b", hash: "" };
-    let meta = defaults::assemble(origin, &mesh, None).expect("sound");
+    let meta = defaults::assemble(origin, &mesh);
     let zones = zones::of_mesh(&mesh, shape.kind());
     bvh::body(mesh, meta, zones, &BuildOptions::default(), &|_| {}).expect("a tree")
 }

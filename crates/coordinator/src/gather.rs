@@ -1,9 +1,9 @@
 //! What one task has found so far: the union of its jobs, in any order.
 
+use body::BodyView;
 use bvh::Counters;
 use geometry::hash::splitmix64;
 use geometry::{Supports, support::DIRECTIONS};
-use model::BodyView;
 use protocol::Side;
 use protocol::result::{Last, read_hit};
 use std::collections::BTreeSet;

@@ -2,11 +2,11 @@
 
 use crate::gather::Part;
 use crate::work::{Errands, PartOf};
+use body::{BodyView, Meta};
 use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
 use core::ops::ControlFlow;
 use dispatch::{Closed, Spec};
 use geometry::{Directions, RelativePose};
-use model::{BodyView, Meta};
 use protocol::result::{End, Last, hit, write_rest};
 use protocol::{Side, Summary};
 use runtime::clock;

@@ -5,10 +5,10 @@
 
 use crate::gather::{Gathered, SetSummary};
 use crate::work::{Errands, PartOf};
+use body::BodyView;
 use bvh::{Counters, NodePair, front, section};
 use dispatch::{Closed, Spec};
 use geometry::{DVec3, RelativePose};
-use model::BodyView;
 use protocol::{Question, Section, Task, TaskId};
 use runtime::clock;
 

@@ -3,8 +3,8 @@
 use crate::here::Desk;
 use crate::ledger::{Asked, Ends};
 use crate::work::Work;
+use body::{BodyView, Meta};
 use dispatch::{Closed, Work as _};
-use model::{BodyView, Meta};
 use record::{End, Job, Place};
 
 /// Asks what a ledger says was asked, does the jobs that were done, gives up those that were given

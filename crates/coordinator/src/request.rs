@@ -1,5 +1,6 @@
 //! A request as the engine takes it: every candidate in the ego's frame, and who is at stake.
 
+use body::{BodyView, Kind, Meta, Seat};
 use bvh::support::{Extremes, support};
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
@@ -9,7 +10,6 @@ use damage::{
 };
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
-use model::{BodyView, Kind, Meta, Seat};
 use scenario::{Name, Scenario, State};
 use smallvec::SmallVec;
 use std::ops::Range;

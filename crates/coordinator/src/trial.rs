@@ -14,10 +14,10 @@ use crate::run_here;
 use crate::strategy::Pursuit;
 use crate::terms::Terms;
 use crate::work::Work;
+use body::{BodyView, Meta};
 use damage::{Bounds, CandidateHarm, Ranking, State, Work as Interval};
 use dispatch::{Closed, Work as _};
 use geometry::hash::splitmix64;
-use model::{BodyView, Meta};
 
 /// A bound that is wrong on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

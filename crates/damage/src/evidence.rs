@@ -12,9 +12,9 @@
 
 use crate::approach::{HORIZONTAL, cosine};
 use crate::interval::Work;
+use body::Zones;
 use geometry::Supports;
 use geometry::support::DIRECTIONS;
-use model::Zones;
 use serde::Serialize;
 
 /// Whether the bodies touch.

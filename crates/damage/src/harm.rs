@@ -11,7 +11,7 @@ use crate::evidence::Touch;
 use crate::injury::{Quantity, Victim};
 use crate::interval::{Range, Work};
 use crate::party::PersonId;
-use model::Seat;
+use body::Seat;
 use serde::Serialize;
 use std::sync::Arc;
 

@@ -14,7 +14,7 @@
 //! use damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, Party, Policy};
 //! use damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
 //! use geometry::{DVec3, Directions, Supports};
-//! use model::{Kind, Seat};
+//! use body::{Kind, Seat};
 //!
 //! // A box of a car drives at 15 m/s into a wall.
 //! let points = |x: [f64; 2], y: f64| {

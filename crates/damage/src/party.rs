@@ -5,9 +5,9 @@
 
 use crate::crush::Stiffness;
 use crate::injury::Victim;
+use body::meta::Occupant;
+use body::{Kind, Seat};
 use geometry::DVec3;
-use model::meta::Occupant;
-use model::{Kind, Seat};
 use serde::Serialize;
 use smallvec::{SmallVec, smallvec};
 

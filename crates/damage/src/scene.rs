@@ -13,8 +13,8 @@ use crate::injury::Curves;
 use crate::party::{Aboard, Party, PersonId};
 use crate::path::{Meeting, Path, plan};
 use crate::search::{First, Search};
+use body::{Kind, Seat, Zones};
 use geometry::{DVec3, Directions, Supports};
-use model::{Kind, Seat, Zones};
 
 /// An upright prism over a convex outline, metres.
 #[derive(Clone, Debug)]

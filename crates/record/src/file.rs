@@ -8,14 +8,14 @@
 //!        24  number     8   place in its chain, from 0
 //!        32  previous  32   hash of the record before; zeros for the first
 //!        64  hash      32   BLAKE3 of the file with this field zero
-//!        96  Record         [`model::codec`]
+//!        96  Record         [`body::codec`]
 //! ```
 //!
 //! All numbers are little-endian. The length is checked first, then the hash, then the form.
 
 use crate::content::Record;
+use body::codec;
 use bytemuck::{Pod, Zeroable};
-use model::codec;
 
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";

@@ -12,7 +12,7 @@ use crate::names::{self, choices, quoted};
 use crate::raw::{self, Table};
 use crate::rules;
 use crate::scenario::{Candidate, FileRef, Occupants, Party, PartyIndex, SCHEMA, Scenario, Source};
-use model::{Fit, Kind, Seat, meta::Occupant};
+use body::{Fit, Kind, Seat, meta::Occupant};
 use std::time::Duration;
 use toml::de::DeValue;
 

@@ -7,7 +7,7 @@
 use crate::error::Misfit;
 use crate::limit::{self, Limit};
 use crate::names;
-use model::Build;
+use body::Build;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::fmt;

@@ -64,7 +64,7 @@ pub(crate) const PARTIES: Limit<usize> = limit(2, 17, "");
 pub(crate) const NAME_CHARS: Limit<usize> = limit(1, 60, " characters");
 /// The longest path that the kernel opens, in bytes.
 pub(crate) const PATH_BYTES: Limit<usize> = limit(1, 4095, " bytes");
-/// As many as a bus has seats, and more than [`model::Seat`] can name.
+/// As many as a bus has seats, and more than [`body::Seat`] can name.
 pub(crate) const PERSONS_MAX: usize = 100;
 
 impl<T: Copy + PartialOrd + Show> Limit<T> {

@@ -2,7 +2,7 @@
 
 use crate::engine::Scheme;
 use crate::error::Misfit;
-use model::{Build, Seat, generate::Shape};
+use body::{Build, Seat, Shape};
 
 /// A thing that a scenario calls by a word.
 pub(crate) trait Word: Copy + Sized + 'static {

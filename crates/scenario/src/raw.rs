@@ -9,7 +9,7 @@ use crate::engine::Overrides;
 use crate::limit;
 use crate::names;
 use crate::scenario::SCHEMA;
-use model::{Seat, generate::Shape};
+use body::{Seat, Shape};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;

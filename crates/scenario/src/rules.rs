@@ -5,8 +5,8 @@
 //! [`crate::Scenario::check_kinds`].
 
 use crate::error::Misfit;
+use body::{Kind, meta::Occupant};
 use geometry::DVec3;
-use model::{Kind, meta::Occupant};
 
 /// Whether a person can be in a body of this kind, among the persons before: on a seat that there
 /// is, and not on that of another.

@@ -9,8 +9,8 @@ use crate::engine::Engine;
 use crate::error::{Misfit, ScenarioError};
 use crate::limit;
 use crate::rules;
+use body::{Fit, Kind, Shape, meta::Occupant};
 use geometry::{DVec3, Pose};
-use model::{Fit, Kind, generate::Shape, meta::Occupant};
 use std::time::Duration;
 
 /// Name and version of the form, the value of the key `schema`.

@@ -4,7 +4,7 @@
 //! numbers written out. Nothing here depends on when a request came or on what was asked before.
 
 use crate::deployment::Deployment;
-use model::{BodyView, Kind, Meta, Seat, meta::Occupant};
+use body::{BodyView, Kind, Meta, Seat, meta::Occupant};
 use protocol::public::{
     Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Party, Reason, VERSION,
 };

@@ -3,7 +3,7 @@
 //! Every value that is not written has its default here, with its reason; keys that are not known
 //! are refused, with their line. It opens no file: paths are returned as they were written.
 
-use model::generate::Shape;
+use body::Shape;
 use scenario::{Engine, Overrides};
 use serde::Deserialize;
 use std::path::PathBuf;

@@ -6,10 +6,10 @@
 use crate::answer::lay_out;
 use crate::ask::{self, Lists, Refusal};
 use crate::deployment::Deployment;
+use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use coordinator::{Candidates, Desk, Request, Room, Work};
 use damage::{Curves, Policy};
-use model::{BodyView, Meta};
 use protocol::public::{Answer, Ask, Reason, Verdict};
 use std::sync::Arc;
 

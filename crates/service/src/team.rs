@@ -1,8 +1,8 @@
 //! Who does the work: a crew of worker processes, in which whoever is lost has a successor, or, for
 //! comparison and for machines with a single core, this process itself.
 
+use body::{BodyView, Meta};
 use coordinator::{Attendant, Crew, CrewError, Desk, Mended, Options, Share, Work};
-use model::{BodyView, Meta};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
 

@@ -1,6 +1,6 @@
 //! Which body stands for which type: a file of data.
 
-use model::generate::Shape;
+use body::Shape;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

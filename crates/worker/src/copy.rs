@@ -3,8 +3,8 @@
 //! Everything lies where it lies in the store, so that numbers of nodes and triangles are the same.
 //! What was not sent is empty; no job names it, because a section is sent before its first job.
 
+use body::{BodyView, Node, WideNode, Zones};
 use geometry::{Aabb, Corners};
-use model::{BodyView, Node, WideNode, Zones};
 use protocol::parcel::read_piece;
 use protocol::{Array, Piece};
 

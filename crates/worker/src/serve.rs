@@ -3,11 +3,11 @@
 use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
 use crate::misdeed::{Commit as _, Orders};
+use body::{BodyView, Meta, store};
 use bvh::{Kernel, NodePair, Question};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use geometry::{Directions, RelativePose};
-use model::{BodyView, Meta, store};
 use protocol::result::End;
 use protocol::{Head, Job, Kind, Launch, Reject, RequestId, State, Task, job, launch};
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
@@ -34,7 +34,7 @@ pub enum WorkerError {
     Batch(Reject),
     /// The model store cannot be read.
     #[error("model store: {0}")]
-    Store(#[from] model::file::FileError),
+    Store(#[from] body::file::FileError),
 }
 
 /// How long an idle worker sleeps at most before it looks again (ns).

@@ -4,10 +4,10 @@
 //! `cargo x fuzz` runs them with libFuzzer on stable Rust; the tests here run each over its corpus
 //! and over bent copies of it, so that what was found stays found.
 
+use body::file::Aligned;
 use bytemuck::Zeroable as _;
 use damage::{Curves, Policy};
-use model::file::Aligned;
-use model::import::{Format, ImportOptions, Unit};
+use mesh::import::{Format, ImportOptions, Unit};
 use protocol::public::Ask;
 use protocol::{Boot, Head, Incarnation, Launch, job, parcel, result};
 use std::sync::OnceLock;
@@ -52,7 +52,7 @@ fn mesh(format: Format, bytes: &[u8]) {
     let file = "fuzz".to_owned();
     let options = ImportOptions { file, unit, any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(format!("{name}: no side files here"));
-    let read = || drop(model::import::read(format, bytes, &mut nothing, &options));
+    let read = || drop(mesh::import::read(format, bytes, &mut nothing, &options));
     drop(std::panic::catch_unwind(core::panic::AssertUnwindSafe(read)));
 }
 
@@ -83,9 +83,9 @@ static LIBRARY: OnceLock<traffic::Library> = OnceLock::new();
 
 fn model_file(bytes: &[u8]) {
     let aligned = Aligned::copy_of(bytes);
-    drop(model::file::view(aligned.bytes()));
-    drop(model::file::quick_view(aligned.bytes()));
-    drop(model::store::open(aligned.bytes()));
+    drop(body::file::view(aligned.bytes()));
+    drop(body::file::quick_view(aligned.bytes()));
+    drop(body::store::open(aligned.bytes()));
 }
 
 /// A header, then words: accepted or not, read as everything that it could be.
@@ -134,8 +134,8 @@ impl House {
             [[models]]\nid = 2\nname = \"b\"\nmodel = \"b\"\n";
         let body: &[u8] = include_bytes!("../corpus/model-file/box.bin");
         let files = [body, body];
-        let mut store = vec![0; model::store::length(&files)];
-        model::store::fill(&mut store, &files);
+        let mut store = vec![0; body::store::length(&files)];
+        body::store::fill(&mut store, &files);
         let policy = include_str!("../../../config/policies/default.toml");
         let curves = include_str!("../../../config/curves/default.toml");
         Self {
@@ -154,7 +154,7 @@ fn ask(bytes: &[u8]) {
     let length = bytes.len().min(room.len());
     room[..length].copy_from_slice(&bytes[..length]);
     let house = HOUSE.get_or_init(House::new);
-    let bodies = model::store::open(house.store.bytes()).expect("it was made here");
+    let bodies = body::store::open(house.store.bytes()).expect("it was made here");
     let rules = (house.policy.clone(), house.curves.clone());
     let answer = service::Here::new(&house.deployment, &bodies, rules, 2).answer(&asked);
     assert_eq!(answer.sequence, asked.sequence);

@@ -1,9 +1,9 @@
 //! A scene with trees, ready to be asked.
 
 use crate::scene::Scene;
+use body::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
 use bvh::{BuildOptions, Counters, Kernel, NodePair, Outcome, Question, Sink, Task, body, front};
 use geometry::{Corners, Directions, Pose, RelativePose};
-use model::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
 use std::ops::{ControlFlow, Range};
 
 /// Two bodies with trees, one pose, and scratch for queries.

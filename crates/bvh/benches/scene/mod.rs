@@ -11,9 +11,10 @@
 //! - `faces-touching`, `faces-rounded`: two boxes that touch in a plane, all coplanar; and the same
 //!   under a pose whose rounding makes them only nearly so.
 
+use body::Shape;
 use core::array::from_fn;
 use geometry::{Corners, Pose};
-use model::generate::{Shape, generate};
+use shapes::generate;
 
 /// Two bodies and their poses in the world.
 pub(crate) struct Scene {

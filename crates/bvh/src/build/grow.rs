@@ -8,9 +8,9 @@
 
 use super::Tree;
 use super::team::Team;
+use body::Node;
 use bytemuck::zeroed_vec;
 use geometry::Aabb;
-use model::Node;
 use rayon::Scope;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};

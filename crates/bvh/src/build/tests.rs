@@ -266,7 +266,7 @@ fn what_cannot_be_built_is_refused() {
         assert_eq!(refused(&corners, &options), BuildError::NotFinite { triangle: bad });
     }
     let mesh =
-        model::Mesh { corners: one, source_ids: vec![0], part_of: vec![], ..Default::default() };
-    let error = body(mesh, meta(), vec![model::Zones(0)], &seed, &|_| ()).expect_err("no parts");
+        body::Mesh { corners: one, source_ids: vec![0], part_of: vec![], ..Default::default() };
+    let error = body(mesh, meta(), vec![body::Zones(0)], &seed, &|_| ()).expect_err("no parts");
     assert_eq!(error, BuildError::Lengths { triangles: 1, array: "part numbers", entries: 0 });
 }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::fixtures::{any_build, body_of, options, pose, soup, triangles};
+use body::Build;
 use geometry::Pose;
-use model::Build;
 use proptest::prelude::*;
 
 /// Steps of a way: where to, and how much turned.

@@ -3,8 +3,8 @@
 use super::*;
 use crate::fixtures::{any_build, body_of, options, pose, soup, triangles};
 use crate::section;
+use body::{Body, Build, Node};
 use geometry::{Pose, triangle};
-use model::{Body, Build, Node};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 

@@ -13,19 +13,19 @@
 //! into B's frame, that R is not quite a rotation counts too: what [`RelativePose::point`] moved by
 //! R comes back by Rᵀ, which misses by (RᵀR − I) times the point.
 //!
-//! A [`model::wide::Slab`] of B in A's frame has a normal that is off by 5u in each coordinate, and
+//! A [`body::wide::Slab`] of B in A's frame has a normal that is off by 5u in each coordinate, and
 //! is shifted by its product with t (3u·S, S now of both bodies) and a sum (2u·S); it is compared
 //! in a frame close by, whose origin it is moved to (3u·S, and two sums of 3u·S each). That is
 //! 19u·S of the 32u·S on either side.
 
+use body::wide::LANES;
+use body::{BodyView, WideNode};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8};
 use fearless_simd_macros::simd;
 use geometry::lanes::{minus, plus, turned};
 use geometry::patch::{Boxes, OneBox, Vector, same, side_by_side};
 use geometry::{Aabb, DVec3, RelativePose};
-use model::wide::LANES;
-use model::{BodyView, WideNode};
 
 mod leaves;
 

@@ -10,8 +10,8 @@ use super::End;
 use super::found::{Found, Halt, Sums};
 use crate::NodePair;
 use crate::descent::{Descent, side_to_open};
+use body::Node;
 use geometry::{Bounds, Corners, DVec3, Triangle, triangle};
-use model::Node;
 use std::ops::{ControlFlow, Range};
 
 /// Triangles of A that are looked at together; a larger leaf is taken in parts.

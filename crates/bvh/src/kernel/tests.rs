@@ -6,9 +6,9 @@ use crate::fixtures::{
     kernel_for, named, options, pose, run_all, soup, task, torus, triangles,
 };
 use crate::{BuildOptions, front};
+use body::Shape;
+use body::{Body, Build};
 use geometry::Pose;
-use model::generate::{self, Shape};
-use model::{Body, Build};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -187,7 +187,7 @@ fn structured_bodies_give_the_same_answer_whatever_the_tree() {
 #[test]
 fn generated_bodies_give_the_answer_of_brute_force() {
     let body = |shape, built: &BuildOptions| {
-        let mesh = generate::generate(shape, 500, 0).expect("500 triangles are possible");
+        let mesh = shapes::generate(shape, 500, 0).expect("500 triangles are possible");
         body_of(&mesh.corners, built)
     };
     let cases = [

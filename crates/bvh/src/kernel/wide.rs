@@ -14,13 +14,13 @@ use super::boxes::{self, Frames, LEAF_MAX};
 use super::found::{Found, Halt};
 use super::{End, Question, Task};
 use crate::{NodePair, section};
+use body::wide::{LANES, LEAF_LANES};
+use body::{BodyView, WideLeaf, WideNode};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use geometry::patch::{Close, LANES as EIGHT, Pairs, Places};
 use geometry::simd::prefetch;
 use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
-use model::wide::{LANES, LEAF_LANES};
-use model::{BodyView, WideLeaf, WideNode};
 use std::ops::ControlFlow;
 
 /// Pairs of lanes of two wide nodes.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fixtures::{self, any_build, body_of, options, soup};
-use model::Build;
+use body::Build;
 use proptest::prelude::*;
 
 proptest! {

@@ -11,8 +11,8 @@
 //! list: there the tree is asked.
 
 use super::{along, farthest, reach, support};
+use body::BodyView;
 use geometry::DVec3;
-use model::BodyView;
 
 /// Cells along an edge of the cube: some 5° each.
 const SIDE: usize = 16;

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::fixtures::{any_build, body_of, directions, options, torus, triangles};
+use body::Build;
 use geometry::Corners;
-use model::Build;
 use proptest::prelude::*;
 
 fn brute_force(corners: &[Corners], d: DVec3) -> f64 {

@@ -5,8 +5,8 @@ use crate::fixtures::{
     Found as Truth, Gathered, any_build, body_of, brute_force, directions, kernel_for, named,
     options, pose, soup, task, torus,
 };
+use body::{Body, Build};
 use geometry::{Pose, RelativePose};
-use model::{Body, Build};
 use proptest::prelude::*;
 use std::cell::Cell;
 

@@ -2,9 +2,9 @@
 
 use crate::failure::{Code, Failure};
 use crate::measure::pair;
+use body::{BodyView, Kind, Meta, file};
 use coordinator::{Chance, Request};
 use damage::{Curves, Policy};
-use model::{BodyView, Kind, Meta, file};
 use runtime::SealedMemory;
 use runtime::error::chain;
 use scenario::Scenario;
@@ -59,7 +59,7 @@ impl Pool {
 
     /// The bodies, read in place.
     pub(super) fn views(&self) -> Result<Vec<(Meta, BodyView<'_>)>, Failure> {
-        model::store::open(self.store.bytes())
+        body::store::open(self.store.bytes())
             .map_err(|error| Failure::new(Code::Internal, chain(&error)))
     }
 }

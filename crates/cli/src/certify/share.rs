@@ -5,9 +5,9 @@ use super::{median, percentile};
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use body::{BodyView, Meta};
 use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_here};
 use damage::evidence::Touch;
-use model::{BodyView, Meta};
 use runtime::clock;
 use std::fmt::Write as _;
 

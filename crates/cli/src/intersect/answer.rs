@@ -4,8 +4,8 @@ use super::{QuestionName, WalkName};
 use crate::failure::Failure;
 use crate::model::facts::{shown, thousands};
 use crate::print;
+use body::Build;
 use bvh::{BuildOptions, Counters};
-use model::Build;
 use serde::Serialize;
 use std::path::Path;
 

@@ -5,8 +5,8 @@ use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::model::reader::{Outcome, Request};
 use crate::model::{LimitArgs, open};
+use body::{BodyView, Build, Meta, file};
 use bvh::BuildOptions;
-use model::{BodyView, Build, Meta, file};
 use runtime::clock::now_ns;
 use runtime::error::chain;
 use std::path::Path;
@@ -22,7 +22,7 @@ pub(super) struct Body {
 enum Held {
     /// A model file that was verified.
     File(file::Aligned),
-    Built(Box<model::Body>),
+    Built(Box<body::Body>),
 }
 
 /// How both trees are to be built: as was said, else as the first model file's was, else by surface

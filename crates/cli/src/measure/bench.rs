@@ -3,13 +3,13 @@
 use super::pair::{Pair, views};
 use crate::BUILD;
 use crate::failure::{Code, Failure};
+use body::{BodyView, Meta};
 use bvh::{Kernel, Question, Task, together};
 use coordinator::{
     Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
 };
 use dispatch::{Cache, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
-use model::{BodyView, Meta};
 use runtime::{affinity, clock};
 use simulate::{Costs, DryRun, JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
 

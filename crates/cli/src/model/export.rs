@@ -6,7 +6,7 @@ use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::print;
 use clap::Args as ClapArgs;
-use model::export::{self, ExportFormat};
+use mesh::export::{self, ExportFormat};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;

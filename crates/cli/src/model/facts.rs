@@ -1,8 +1,8 @@
 //! What is known of a body, as a table for people and as JSON.
 
 use crate::failure::Failure;
-use model::import::{Guess, guess};
-use model::{BodyView, Build, Kind, Mesh, Meta, Seat, file};
+use body::{BodyView, Build, Kind, Mesh, Meta, Seat, file};
+use mesh::import::{Guess, guess};
 use serde::Serialize;
 use std::fmt::Write as _;
 

@@ -6,10 +6,11 @@ use crate::args::Output;
 use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use crate::{bodies, print};
+use body::Shape;
+use body::file;
 use clap::Args as ClapArgs;
-use model::file;
-use model::generate::{Shape, TRIANGLES_MAX, TRIANGLES_MIN};
 use serde::Serialize;
+use shapes::{TRIANGLES_MAX, TRIANGLES_MIN};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

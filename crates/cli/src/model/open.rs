@@ -1,7 +1,7 @@
 //! Opening what a person named: every failure names the file and says what to do.
 
 use crate::failure::Failure;
-use model::{BodyView, Meta, file};
+use body::{BodyView, Meta, file};
 use runtime::FileMap;
 use runtime::error::chain;
 use std::io::{ErrorKind, Read as _};

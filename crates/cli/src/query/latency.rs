@@ -69,7 +69,7 @@ pub(super) fn run(
     let files: Vec<&[u8]> = loaded.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(loaded);
-    let bodies = model::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
+    let bodies = body::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
     let depth = deployment::depth(&opened.deployment.engine)?;
     let mut twin = service::Here::new(&opened.deployment, &bodies, rules, depth);
     let mut here = || twin.answer(ask);

@@ -87,7 +87,7 @@ fn again(
 /// A request made again from its record.
 pub(crate) struct Again<'a> {
     pub(crate) scenario: &'a Scenario,
-    pub(crate) views: &'a [(model::Meta, model::BodyView<'a>)],
+    pub(crate) views: &'a [(body::Meta, body::BodyView<'a>)],
     pub(crate) work: &'a Work<'a>,
     pub(crate) jobs: u64,
 }
@@ -114,7 +114,7 @@ pub(crate) fn with<T>(
     compare(path, record, &scenario, &loaded)?;
     let bytes: Vec<&[u8]> = loaded.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&bytes)?;
-    let views = model::store::open(store.bytes())
+    let views = body::store::open(store.bytes())
         .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut work = Work::new(&request, &views, record.settings.depth);
@@ -177,7 +177,7 @@ fn hashes(folder: &Path) -> Result<BTreeMap<String, PathBuf>, Failure> {
         }
         let map = FileMap::open(&path).map_err(|error| Failure::input(chain(&error)))?;
         // What is no model file is none of ours.
-        if let Ok(hash) = model::file::content_hash(map.bytes()) {
+        if let Ok(hash) = body::file::content_hash(map.bytes()) {
             files.insert(hash, path);
         }
     }

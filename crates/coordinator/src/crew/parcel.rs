@@ -6,8 +6,8 @@
 //! more than the ledger's logical bytes, which say what a lean format would need.
 
 use super::Station;
+use body::BodyView;
 use bvh::section;
-use model::BodyView;
 use protocol::launch::PARCEL_WORDS;
 use protocol::parcel::{Piece, write_piece};
 use protocol::{Array, Head, Section};

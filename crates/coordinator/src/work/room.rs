@@ -12,8 +12,8 @@ use crate::cuts::Cuts;
 use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
+use body::{BodyView, Meta};
 use bvh::NodePair;
-use model::{BodyView, Meta};
 use protocol::{Question, Task};
 use std::collections::VecDeque;
 

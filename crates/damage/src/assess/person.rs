@@ -8,7 +8,7 @@ use crate::harm::PersonHarm;
 use crate::injury::{Rung, Speeds};
 use crate::interval::{Range, Work};
 use crate::party::{Aboard, PartyError, Struck};
-use model::{Seat, Zones};
+use body::{Seat, Zones};
 use smallvec::SmallVec;
 
 /// The range takes every side that N, widened by this, touches (degrees).

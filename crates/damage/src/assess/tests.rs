@@ -9,8 +9,8 @@ use crate::harm::PersonHarm;
 use crate::path::plan;
 use crate::scene::{Prism, Scene, car, fixed, head_on, walker};
 use crate::search::{First, Search};
+use body::{Kind, Zones};
 use geometry::{DVec3, Supports};
-use model::{Kind, Zones};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -1,7 +1,7 @@
 //! The rules here and those of model files agree, case by case.
 
 use super::*;
-use model::{Build, Meta, Seat};
+use body::{Build, Meta, Seat};
 
 fn seats() -> impl Iterator<Item = Option<Seat>> {
     [None].into_iter().chain(Seat::ALL.map(Some))

@@ -3,7 +3,7 @@
 use super::*;
 use crate::engine::{Cores, Engine, Overrides};
 use crate::testing::{FULL, parse};
-use model::Seat;
+use body::Seat;
 use proptest::prelude::*;
 
 #[test]
@@ -44,7 +44,7 @@ fn the_full_scenario_reads_as_it_is_written() {
             alpha: 0.25,
             batch: 8,
             queue: 32,
-            build: model::Build::Sah,
+            build: body::Build::Sah,
             leaf_size: 2,
             seed: 7,
         },

@@ -2,7 +2,7 @@
 //! was.
 
 use super::*;
-use model::generate::Shape;
+use body::Shape;
 use proptest::prelude::*;
 use protocol::public::Person;
 
@@ -37,7 +37,7 @@ fn bodies() -> Vec<(Meta, BodyView<'static>)> {
         origin: String::new(),
         origin_hash: String::new(),
         degenerate: 0,
-        build: model::Build::Seed,
+        build: body::Build::Seed,
         leaf_size: 4,
         depth: 1,
     };

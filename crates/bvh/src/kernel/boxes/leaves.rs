@@ -6,14 +6,14 @@
 
 use super::{Frames, Motion, combined};
 use crate::build::LEAF_SIZE_MAX;
+use body::WideLeaf;
+use body::wide::{Grid, LEAF_LANES, LEAF_TRIANGLES, Slab};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, i32x4, mask8x32, mask32x8, u8x32, u16x16};
 use fearless_simd_macros::simd;
 use geometry::lanes::dot;
 use geometry::patch::{Boxes, Choice, Close, OneBox, Places, ROOM, Vector, same, side_by_side};
 use geometry::{Patch, Posed};
-use model::WideLeaf;
-use model::wide::{Grid, LEAF_LANES, LEAF_TRIANGLES, Slab};
 
 /// Most triangles of a leaf, wide or binary.
 pub(in crate::kernel) const LEAF_MAX: usize =

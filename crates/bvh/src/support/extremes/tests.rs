@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fixtures::{any_build, body_of, directions, options, torus, triangles};
-use model::Build;
+use body::Build;
 use proptest::prelude::*;
 
 proptest! {

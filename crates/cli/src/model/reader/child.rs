@@ -7,12 +7,12 @@ use super::super::open;
 use super::{Report, Request, Word};
 use crate::failure::{Code, Failure};
 use crate::print;
+use body::{Kind, Mesh, Zones, defaults, file, zones};
 use bvh::BuildOptions;
-use model::import::{
+use mesh::import::{
     self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
 };
-use model::side::{Side, SideError};
-use model::{Kind, Mesh, Zones, defaults, file, zones};
+use mesh::side::{Side, SideError};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use runtime::affinity::{allowed_cores, pin_self};
@@ -151,7 +151,7 @@ impl Request {
             text.as_deref()
                 .map(str::parse)
                 .transpose()
-                .map_err(|error: model::import::UnknownAxis| wrong(error.to_string()))
+                .map_err(|error: mesh::import::UnknownAxis| wrong(error.to_string()))
         };
         let unit = self.unit_m.map(|metres| metres.to_string().parse::<Unit>());
         let unit = unit.transpose().map_err(|error| wrong(error.to_string()))?;
@@ -184,7 +184,10 @@ impl Request {
             origin: &report.origin,
             hash: &report.hash,
         };
-        let mut meta = defaults::assemble(origin, &mesh, side).map_err(|e| by_side(&e))?;
+        let mut meta = defaults::assemble(origin, &mesh);
+        if let Some(side) = side {
+            side.apply(&mut meta, &mesh.bounds()).map_err(|error| by_side(&error))?;
+        }
         if let Some(name) = &self.name {
             name.clone_into(&mut meta.name);
         }

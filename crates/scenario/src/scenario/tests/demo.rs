@@ -14,7 +14,7 @@ struct Body {
 fn body(party: &Party, state: &State) -> Body {
     let Source::Generate { shape, seed, .. } = party.source else { panic!("{}", party.name) };
     // The shape does not depend on the count by more than millimetres.
-    let mesh = model::generate::generate(shape, 3000, seed).unwrap();
+    let mesh = shapes::generate(shape, 3000, seed).unwrap();
     let pose = RelativePose { rotation: state.pose.rotation, translation: state.pose.translation };
     let corners = mesh.corners.iter().flatten();
     Body {

@@ -2,10 +2,10 @@
 
 use super::super::ROUNDING;
 use super::*;
+use body::{Node, wide::Wide};
 use fearless_simd::dispatch;
 use geometry::{Aabb, simd};
 use geometry::{Corners, DVec3};
-use model::{Node, wide::Wide};
 use proptest::prelude::*;
 
 /// Small numbers, some of them alike, and some out of any body.

@@ -1,0 +1,29 @@
+//! What a triangulated body is: its triangles, its tree's nodes, its mass and seats, and the file
+//! and the store that hold all of it.
+//!
+//! ```text
+//! Mesh --(bvh builds a tree)--> Body --file::encode--> model file --store::fill--> model store
+//!                               BodyView <-------------- file::view, store::open
+//! ```
+//!
+//! Nothing is imported or generated here (`mesh` and `shapes` do), and no tree is built or walked
+//! (`bvh` does). Lengths are metres, x forward, y left, z up.
+
+mod body;
+pub mod codec;
+pub mod defaults;
+pub mod file;
+pub mod fit;
+pub mod meta;
+mod shape;
+pub mod store;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
+pub mod wide;
+pub mod zones;
+
+pub use body::{Body, BodyView, Mesh, Node, Zones, is_degenerate};
+pub use fit::Fit;
+pub use meta::{Build, Kind, LEAF_SIZE_MAX, Meta, Seat};
+pub use shape::{Shape, UnknownShape};
+pub use wide::{Wide, WideLeaf, WideNode};

@@ -1,0 +1,135 @@
+//! From a mesh to a body: the tree is built, and every array brought into leaf order.
+
+use super::team::Team;
+use super::{BuildError, BuildOptions, Tree, grow, tree};
+use body::wide::{Laid, Share};
+use body::{Body, BodyView, Mesh, Meta, Zones};
+
+/// Builds the tree of a mesh and brings everything into leaf order.
+///
+/// `zones` has one entry per triangle in the order of the mesh. Of `meta`, the fields that follow
+/// from mesh and tree are set: parts, degenerate, build, leaf size, depth.
+///
+/// # Errors
+///
+/// As [`super::build`], and [`BuildError::Lengths`] if an array of the mesh is too short or too
+/// long.
+pub fn body(
+    mesh: Mesh,
+    meta: Meta,
+    zones: Vec<Zones>,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Body, BuildError> {
+    let threads = grow::worth_starting(options.threads, mesh.corners.len());
+    Team::with(threads, |team| body_by(team, mesh, meta, zones, options, progress))
+}
+
+/// [`body`], by these threads.
+fn body_by(
+    team: &Team,
+    mesh: Mesh,
+    meta: Meta,
+    zones: Vec<Zones>,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Body, BuildError> {
+    let triangles = mesh.corners.len();
+    belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
+    let Tree { nodes, order, depth } = tree(&mesh.corners, options, team, progress)?;
+    // The largest array is the first to ask for the memory in which the tree was built.
+    let mut corners = Vec::with_capacity(triangles);
+    // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
+    // brings the arrays into order.
+    let (laid, (source_ids, part_of, zones)) = team.both(
+        || Laid::out(&nodes),
+        || {
+            team.map(&order, |&from| mesh.corners[from as usize], &mut corners);
+            let source_ids = permuted(&mesh.source_ids, &order, team);
+            let part_of = permuted(&mesh.part_of, &order, team);
+            (source_ids, part_of, permuted(&zones, &order, team))
+        },
+    );
+    let wide = laid.filled(&corners, team.threads(), |shares| {
+        team.each(shares, Share::fill);
+    });
+    Ok(Body {
+        meta: Meta {
+            parts: mesh.parts,
+            degenerate: mesh.degenerate,
+            build: options.build,
+            leaf_size: options.leaf_size,
+            depth,
+            ..meta
+        },
+        wide,
+        nodes,
+        corners,
+        source_ids,
+        part_of,
+        zones,
+        dropped: mesh.dropped.iter().map(|&(dropped, kept)| [dropped, kept]).collect(),
+    })
+}
+
+/// Builds another tree over a body that already has one.
+///
+/// The triangles are first brought back into source order, so the result is the one that [`body`]
+/// would have given with these options, if the mesh was in order of its source ids.
+///
+/// # Errors
+///
+/// As [`body`].
+pub fn rebuild(
+    view: BodyView<'_>,
+    meta: &Meta,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Body, BuildError> {
+    let threads = grow::worth_starting(options.threads, view.corners.len());
+    Team::with(threads, |team| rebuild_by(team, view, meta, options, progress))
+}
+
+/// [`rebuild`], by these threads.
+fn rebuild_by(
+    team: &Team,
+    view: BodyView<'_>,
+    meta: &Meta,
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Body, BuildError> {
+    let triangles = view.corners.len();
+    belong_together(triangles, view.source_ids.len(), view.part_of.len(), view.zones.len())?;
+    let mut order: Vec<u32> = (0..triangles as u32).collect();
+    order.sort_by_key(|&triangle| view.source_ids[triangle as usize]);
+    let mesh = Mesh {
+        corners: permuted(view.corners, &order, team),
+        source_ids: permuted(view.source_ids, &order, team),
+        part_of: permuted(view.part_of, &order, team),
+        parts: meta.parts.clone(),
+        dropped: view.dropped.iter().map(|&[dropped, kept]| (dropped, kept)).collect(),
+        degenerate: meta.degenerate,
+    };
+    let zones = permuted(view.zones, &order, team);
+    body_by(team, mesh, meta.clone(), zones, options, progress)
+}
+
+fn belong_together(
+    triangles: usize,
+    source_ids: usize,
+    part_of: usize,
+    zones: usize,
+) -> Result<(), BuildError> {
+    let lengths = [("source ids", source_ids), ("part numbers", part_of), ("zone sets", zones)];
+    match lengths.into_iter().find(|(_, entries)| *entries != triangles) {
+        Some((array, entries)) => Err(BuildError::Lengths { triangles, array, entries }),
+        None => Ok(()),
+    }
+}
+
+/// `values[order[0]], values[order[1]], ...`
+fn permuted<T: Copy + Send + Sync>(values: &[T], order: &[u32], team: &Team) -> Vec<T> {
+    let mut permuted = Vec::with_capacity(order.len());
+    team.map(order, |&from| values[from as usize], &mut permuted);
+    permuted
+}

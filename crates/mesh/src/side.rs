@@ -1,0 +1,222 @@
+//! The TOML file beside a mesh: what its maker knows of mass, centre of mass, inertia and seats.
+//!
+//! ```toml
+//! name = "sedan"
+//! kind = "sedan"
+//! mass_kg = 1550.0
+//! centre_m = [0.0, 0.0, 0.7]      # body frame: x forward, y left, z up
+//! yaw_inertia_kg_m2 = 1053.5      # or gyration_m
+//! occupants = [{ seat = "front-left" }]
+//! source = "maker's data sheet, 2024"
+//! ```
+//!
+//! Every key may be left out; unknown keys are refused. Errors name file, line and column.
+
+use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
+use body::{Kind, Meta};
+use geometry::Aabb;
+use serde::Deserialize;
+use std::ops::Range;
+use toml::Spanned;
+
+/// A side file, read and checked as far as it can be without the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    file: String,
+    text: String,
+    keys: Keys,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    name: Option<Spanned<String>>,
+    kind: Option<Kind>,
+    mass_kg: Option<Spanned<f64>>,
+    centre_m: Option<Spanned<[f64; 3]>>,
+    yaw_inertia_kg_m2: Option<Spanned<f64>>,
+    gyration_m: Option<Spanned<f64>>,
+    occupants: Option<Spanned<Vec<Occupant>>>,
+    source: Option<String>,
+}
+
+/// A side file was refused: `file:line:column: fault`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {fault}")]
+pub struct SideError {
+    /// Name of the file, as the caller gave it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1, in characters.
+    pub column: usize,
+    /// What is wrong.
+    pub fault: String,
+    /// What to do about it.
+    pub help: &'static str,
+}
+
+const KEYS: &str = "the keys are name, kind, mass_kg, centre_m, yaw_inertia_kg_m2 or gyration_m, \
+                    occupants, source";
+
+impl Side {
+    /// Reads a side file.
+    ///
+    /// # Errors
+    ///
+    /// If it is no TOML, has an unknown key, or a figure is not finite or out of range.
+    pub fn parse(file: &str, text: &str) -> Result<Self, SideError> {
+        let keys: Keys = toml::from_str(text).map_err(|fault| {
+            error(file, text, fault.span(), fault.message().trim().to_owned(), KEYS)
+        })?;
+        let side = Self { file: file.to_owned(), text: text.to_owned(), keys };
+        side.check()?;
+        Ok(side)
+    }
+
+    /// The kind that the file states.
+    #[must_use]
+    pub fn kind(&self) -> Option<Kind> {
+        self.keys.kind
+    }
+
+    /// The name that the file states.
+    #[must_use]
+    pub fn name(&self) -> Option<&str> {
+        self.keys.name.as_ref().map(|name| name.as_ref().as_str())
+    }
+
+    fn check(&self) -> Result<(), SideError> {
+        let keys = &self.keys;
+        if let Some(name) = keys.name.as_ref().filter(|name| name.as_ref().trim().is_empty()) {
+            return self.fail(name.span(), "the name is empty".into(), "give it a name");
+        }
+        self.check_positive(keys.mass_kg.as_ref(), "mass_kg", MASS_MAX_KG)?;
+        self.check_positive(keys.gyration_m.as_ref(), "gyration_m", LENGTH_MAX_M)?;
+        let inertia_max = MASS_MAX_KG * 1.0e4;
+        self.check_positive(keys.yaw_inertia_kg_m2.as_ref(), "yaw_inertia_kg_m2", inertia_max)?;
+        if let (Some(inertia), Some(_)) = (&keys.yaw_inertia_kg_m2, &keys.gyration_m) {
+            let fault = "yaw_inertia_kg_m2 and gyration_m say the same thing twice";
+            return self.fail(inertia.span(), fault.into(), "keep one of them");
+        }
+        match &keys.centre_m {
+            Some(centre) if centre.as_ref().iter().any(|x| !(x.abs() <= LENGTH_MAX_M)) => {
+                let fault = format!("centre_m {:?} is not finite", centre.as_ref());
+                self.fail(centre.span(), fault, "three numbers in metres: forward, left, up")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_positive(
+        &self,
+        value: Option<&Spanned<f64>>,
+        key: &str,
+        max: f64,
+    ) -> Result<(), SideError> {
+        match value {
+            Some(value) if !(*value.as_ref() > 0.0 && *value.as_ref() <= max) => {
+                let fault = format!("{key} = {} is not in (0, {max}]", value.as_ref());
+                self.fail(value.span(), fault, "the unit stands in the key's name")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts what the file says in the place of defaults. `bounds` is the body's box.
+    ///
+    /// # Errors
+    ///
+    /// If the file contradicts the kind, or puts the centre of mass far outside of the body.
+    pub fn apply(&self, meta: &mut Meta, bounds: &Aabb) -> Result<(), SideError> {
+        let keys = &self.keys;
+        if let Some(name) = self.name() {
+            name.clone_into(&mut meta.name);
+        }
+        let mut said = Vec::new();
+        if let Some(mass) = &keys.mass_kg {
+            if meta.kind.is_fixed() {
+                let fault = format!("a {} is fixed to the ground and has no mass", meta.kind);
+                return self.fail(mass.span(), fault, "leave mass_kg out, or state another kind");
+            }
+            meta.mass_kg = Some(*mass.as_ref());
+            said.push("mass");
+        }
+        if let Some(centre) = &keys.centre_m {
+            self.check_centre(centre, bounds)?;
+            meta.centre_m = *centre.as_ref();
+            said.push("centre");
+        }
+        if let Some(gyration) = &keys.gyration_m {
+            meta.gyration_m = *gyration.as_ref();
+            said.push("gyration");
+        }
+        if let Some(inertia) = &keys.yaw_inertia_kg_m2 {
+            let Some(mass) = meta.mass_kg else {
+                let fault = format!("a {} is fixed to the ground and does not turn", meta.kind);
+                return self.fail(inertia.span(), fault, "leave yaw_inertia_kg_m2 out");
+            };
+            meta.gyration_m = (inertia.as_ref() / mass).sqrt();
+            said.push("yaw inertia");
+        }
+        if let Some(occupants) = &keys.occupants {
+            meta.occupants = Some(occupants.as_ref().clone());
+            said.push("occupants");
+        }
+        if !said.is_empty() {
+            let file = self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file);
+            let source = keys.source.as_deref().map_or(String::new(), |s| format!(" ({s})"));
+            let rest = format!("else {}", meta.mass_source);
+            let rest = if said.contains(&"mass") { "else default" } else { rest.as_str() };
+            meta.mass_source = format!("{} from {file}{source}, {rest}", said.join(", "));
+        }
+        let place = keys.occupants.as_ref().map_or(0..0, Spanned::span);
+        meta.check().or_else(|fault| self.fail(place, fault, "correct the side file or --kind"))
+    }
+
+    /// The centre must lie in the body's box, grown by half its size: a frame of another origin or
+    /// another unit is caught, a chassis without its wheels is not.
+    fn check_centre(&self, centre: &Spanned<[f64; 3]>, bounds: &Aabb) -> Result<(), SideError> {
+        let outside = (0..3).any(|axis| {
+            let (min, max) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
+            let room = (max - min) / 2.0;
+            !(min - room..=max + room).contains(&centre.as_ref()[axis])
+        });
+        if !outside {
+            return Ok(());
+        }
+        let fault = format!(
+            "centre_m {:?} is far outside of the body, which reaches from {:?} to {:?}",
+            centre.as_ref(),
+            bounds.min,
+            bounds.max
+        );
+        self.fail(centre.span(), fault, "metres in the body frame: x forward, y left, z up")
+    }
+
+    fn fail(&self, span: Range<usize>, fault: String, help: &'static str) -> Result<(), SideError> {
+        Err(error(&self.file, &self.text, Some(span), fault, help))
+    }
+}
+
+fn error(
+    file: &str,
+    text: &str,
+    span: Option<Range<usize>>,
+    fault: String,
+    help: &'static str,
+) -> SideError {
+    let at = span.map_or(0, |span| span.start);
+    let before = text.get(..at).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    SideError {
+        file: file.to_owned(),
+        line: before.matches('\n').count() + 1,
+        column: before[line_start..].chars().count() + 1,
+        fault,
+        help,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,105 @@
+//! A side file is read whole or refused with file, line and column.
+
+use super::*;
+use body::Mesh;
+use body::defaults::{Origin, assemble};
+use body::testing::mesh_of;
+
+#[test]
+fn every_fault_has_line_and_column() {
+    let cases = [
+        ("mass_kg = 1.0\nmas_kg = 1.0\n", "a.toml:2:1: unknown field `mas_kg`"),
+        ("\n  mass_kg = -1.0\n", "a.toml:2:13: mass_kg = -1 is not in (0, 1000000]"),
+        ("mass_kg = nan", "a.toml:1:11: mass_kg = NaN is not in (0, 1000000]"),
+        ("mass_kg = inf", "a.toml:1:11: mass_kg = inf is not in (0, 1000000]"),
+        ("gyration_m = 0.0", "a.toml:1:14: gyration_m = 0 is not in (0, 1000000]"),
+        ("centre_m = [0.0, nan, 1.0]", "a.toml:1:12: centre_m [0.0, NaN, 1.0] is not finite"),
+        (
+            "yaw_inertia_kg_m2 = 9.0\ngyration_m = 1.0",
+            "a.toml:1:21: yaw_inertia_kg_m2 and gyration_m",
+        ),
+        ("name = \"  \"", "a.toml:1:8: the name is empty"),
+        ("kind = \"boat\"", "a.toml:1:8: unknown variant `boat`"),
+        ("occupants = [{ chair = 1 }]", "a.toml:1:16: unknown field `chair`"),
+        ("name = \"\u{e9}\" mass", "a.toml:1:12: "),
+        ("mass_kg = 1.0\nmass_kg = 2.0", "a.toml:2:1: duplicate key"),
+    ];
+    for (text, expected) in cases {
+        let fault = Side::parse("a.toml", text).expect_err(text);
+        assert!(fault.to_string().starts_with(expected), "{text:?}: {fault}");
+        assert!(!fault.help.is_empty());
+    }
+}
+
+#[test]
+fn an_empty_file_says_nothing() {
+    let side = Side::parse("a.toml", "# nothing is known\n").expect("valid");
+    assert_eq!((side.name(), side.kind()), (None, None));
+}
+
+#[test]
+fn the_documented_example_is_read() {
+    let text = "name = \"sedan\"\nkind = \"sedan\"\nmass_kg = 1550.0\ncentre_m = [0.0, 0.0, 0.7]\n\
+                yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
+                source = \"maker's data sheet, 2024\"\n";
+    let side = Side::parse("a.toml", text).expect("valid");
+    assert_eq!((side.name(), side.kind()), (Some("sedan"), Some(Kind::Sedan)));
+}
+
+/// A body of one triangle whose box has this size (m).
+fn body_of_size(length: f32, width: f32, height: f32) -> Mesh {
+    mesh_of(vec![[
+        [1.0, -0.5 * width, 0.2],
+        [1.0 + length, 0.5 * width, 0.2],
+        [1.0, 0.0, 0.2 + height],
+    ]])
+}
+
+#[test]
+fn the_side_file_wins_and_is_named() {
+    let mesh = body_of_size(4.5, 1.8, 1.4);
+    let text = "name = \"taxi\"\nmass_kg = 1550.0\ncentre_m = [3.0, 0.0, 0.7]\n\
+                yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
+                source = \"a data sheet\"\n";
+    let side = Side::parse("cars/taxi.toml", text).expect("valid");
+    let origin = Origin { name: "mesh", kind: Kind::Sedan, origin: "o", hash: "h" };
+    let mut meta = assemble(origin, &mesh);
+    side.apply(&mut meta, &mesh.bounds()).expect("it fits");
+    assert_eq!((&*meta.name, meta.mass_kg, meta.centre_m), ("taxi", Some(1550.0), [3.0, 0.0, 0.7]));
+    assert!((meta.gyration_m * meta.gyration_m * 1550.0 - 1053.5).abs() < 1e-9);
+    assert_eq!(meta.occupants.map(|them| them.len()), Some(1));
+    let source = "mass, centre, yaw inertia, occupants from taxi.toml (a data sheet), else default";
+    assert_eq!(meta.mass_source, source);
+}
+
+#[test]
+fn a_side_file_that_does_not_fit_is_refused_at_its_place() {
+    let mesh = body_of_size(4.5, 1.8, 1.4);
+    let cases = [
+        (
+            Kind::Sedan,
+            "centre_m = [3.0, 0.0, 70.0]",
+            "a.toml:1:12: centre_m [3.0, 0.0, 70.0] is far",
+        ),
+        (Kind::Wall, "\nmass_kg = 100.0", "a.toml:2:11: a wall is fixed to the ground"),
+        (Kind::Pole, "yaw_inertia_kg_m2 = 1.0", "a.toml:1:21: a pole is fixed to the ground"),
+        (
+            Kind::Pedestrian,
+            "occupants = [{ seat = \"rider\" }]",
+            "a.toml:1:13: a pedestrian has no seat rider",
+        ),
+        (Kind::Sedan, "occupants = [{}]", "a.toml:1:13: an occupant of a sedan needs a seat"),
+        (
+            Kind::Cyclist,
+            "occupants = [{ seat = \"rider\" }, { seat = \"rider\" }]",
+            "a.toml:1:13: two occupants on seat rider",
+        ),
+    ];
+    for (kind, text, expected) in cases {
+        let side = Side::parse("a.toml", text).expect("right by itself");
+        let origin = Origin { name: "mesh", kind, origin: "o", hash: "h" };
+        let mut meta = assemble(origin, &mesh);
+        let fault = side.apply(&mut meta, &mesh.bounds()).expect_err(text);
+        assert!(fault.to_string().starts_with(expected), "{fault}");
+    }
+}
