@@ -18,6 +18,7 @@ use tree::{Text, all_sources, packages, root};
 
 /// Crates from the bottom up; each may use only what stands before it.
 const LAYERS: &[&str] = &[
+    "diagnostic",
     "geometry",
     "protocol",
     "body",
@@ -45,11 +46,11 @@ const LAYERS: &[&str] = &[
 const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "client-c"];
 /// Crates that may use but a few of ours.
 const ONLY: &[(&str, &[&str])] = &[
-    ("dispatch", &["protocol"]),
-    ("simulate", &["dispatch", "protocol"]),
-    ("transport", &["protocol"]),
-    ("runtime", &["protocol"]),
-    ("client", &["protocol", "transport"]),
+    ("dispatch", &["diagnostic", "protocol"]),
+    ("simulate", &["diagnostic", "dispatch", "protocol"]),
+    ("transport", &["diagnostic", "protocol"]),
+    ("runtime", &["diagnostic", "protocol"]),
+    ("client", &["diagnostic", "protocol", "transport"]),
     ("client-c", &["client", "protocol", "transport"]),
 ];
 /// Outside crates, with what belongs to them, that a few of ours alone may name.
@@ -70,8 +71,19 @@ const ALONE: &[(&str, &[&str])] = &[
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
 /// Crates without I/O, clock and waiting.
 const PURE: &[&str] = &[
-    "geometry", "protocol", "body", "shapes", "mesh", "bvh", "damage", "scenario", "traffic",
-    "dispatch", "record", "simulate",
+    "diagnostic",
+    "geometry",
+    "protocol",
+    "body",
+    "shapes",
+    "mesh",
+    "bvh",
+    "damage",
+    "scenario",
+    "traffic",
+    "dispatch",
+    "record",
+    "simulate",
 ];
 /// Longest line, in characters.
 const COLUMNS_MAX: usize = 100;
