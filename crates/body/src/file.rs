@@ -22,6 +22,8 @@ mod check;
 
 use crate::{Body, BodyView, Meta, codec};
 use bytemuck::{Pod, Zeroable};
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 use std::ops::Range;
 
 pub use check::{COORDINATE_MAX_M, check_body};
@@ -95,32 +97,35 @@ pub enum FileError {
     #[error("content hash does not match: the file is damaged")]
     Hash,
     /// The table or the metadata is malformed.
-    #[error("{place}: {fault}")]
+    #[error("{place}: {what}")]
     Malformed {
         /// Which section or field.
         place: &'static str,
         /// What is wrong with it.
-        fault: String,
+        what: String,
     },
 }
 
-impl FileError {
-    /// What to do about it.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
+impl Diagnostic for FileError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        let remedy = match self {
             Self::Foreign => "make a model file with: trolley model import MESH -o MODEL.trolley",
             Self::Version(_) => "import the mesh again with this program",
             Self::Length { .. } | Self::Hash | Self::Malformed { .. } => {
                 "the copy is damaged: copy it again, or import the mesh again"
             }
             Self::Unaligned => "map the file, or read it into file::Aligned",
-        }
+        };
+        Some(remedy.into())
     }
 }
 
-fn malformed(place: &'static str, fault: impl Into<String>) -> FileError {
-    FileError::Malformed { place, fault: fault.into() }
+fn malformed(place: &'static str, what: impl Into<String>) -> FileError {
+    FileError::Malformed { place, what: what.into() }
 }
 
 /// Bytes in memory that lie at a multiple of [`ALIGN`], for files that are read and not mapped.

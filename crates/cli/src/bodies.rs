@@ -1,12 +1,11 @@
 //! The bodies of a scenario, as model files in memory.
 
 use crate::args::Output;
-use crate::failure::Failure;
 use crate::progress::Progress;
 use body::{BodyView, Fit, Kind, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
+use diagnostic::{Failure, chain};
 use runtime::FileMap;
-use runtime::error::chain;
 use scenario::{Engine, FileRef, Scenario, Source};
 use shapes::{call, generate};
 use std::path::{Path, PathBuf};
@@ -51,14 +50,11 @@ pub(crate) fn load(
                 progress.add(u64::from(*triangles));
                 encoded(&body)?
             }
-            Source::File(reference) => open(&find(number, reference), party.size, &options)
-                .map_err(|failure| Failure {
-                    fault: format!(
-                        "{file}:{}: party \"{}\": {}",
-                        reference.place, party.name, failure.fault
-                    ),
-                    ..failure
-                })?,
+            Source::File(reference) => {
+                let place = || format!("{file}:{}: party \"{}\"", reference.place, party.name);
+                open(&find(number, reference), party.size, &options)
+                    .map_err(|failure| failure.at(place()))?
+            }
         };
         loaded.push(body);
     }
@@ -74,11 +70,9 @@ pub(crate) fn open(
     options: &BuildOptions,
 ) -> Result<Loaded, Failure> {
     let map = FileMap::open(path).map_err(|error| {
-        Failure::input(chain(&error)).help("paths are relative to the scenario's folder")
+        Failure::input(chain(&error)).with_remedy("paths are relative to the scenario's folder")
     })?;
-    let bad = |error: file::FileError| {
-        Failure::input(format!("{}: {error}", path.display())).help(error.help())
-    };
+    let bad = |error: file::FileError| Failure::from(error).at(path.display());
     let (meta, view) = file::view(map.bytes()).map_err(bad)?;
     let source_hash = Some(file::content_hash(map.bytes()).map_err(bad)?);
     if let Some(size) = size {
@@ -127,7 +121,7 @@ pub(crate) fn generate_body(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<body::Body, Failure> {
     let mesh = generate(shape, triangles, seed)
-        .map_err(|error| Failure::input(error.to_string()).help("change `triangles`"))?;
+        .map_err(|error| Failure::input(error.to_string()).with_remedy("change `triangles`"))?;
     let origin = call(shape, triangles, seed);
     let hash = blake3::hash(origin.as_bytes()).to_hex();
     let origin = defaults::Origin {
@@ -154,7 +148,6 @@ pub(crate) fn with_tree(
 
 /// A body as a model file in memory.
 pub(crate) fn encoded(body: &body::Body) -> Result<Loaded, Failure> {
-    let bytes =
-        file::encode(body).map_err(|error| Failure::input(error.to_string()).help(error.help()))?;
+    let bytes = file::encode(body)?;
     Ok(Loaded { kind: body.meta.kind, bytes: file::Aligned::copy_of(&bytes), source_hash: None })
 }

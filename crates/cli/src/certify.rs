@@ -4,8 +4,8 @@
 //! the command with exit code 1.
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::{print, transfer};
+use diagnostic::Failure;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -69,7 +69,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
 
 /// What must never be.
 fn wrong(what: String) -> Failure {
-    Failure::new(Code::Internal, what)
+    Failure::internal(what)
 }
 
 /// Names of bodies without their folders.

@@ -1,12 +1,12 @@
 //! Deployment files, and the bodies that they name.
 
 use crate::bodies::{self, Loaded};
-use crate::failure::{Code, Failure};
 use crate::inputs::text;
 use bvh::BuildOptions;
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
+use diagnostic::Failure;
 use scenario::{Depth, Engine};
 use service::{Deployment, Source};
 use std::path::{Path, PathBuf};
@@ -22,8 +22,7 @@ pub(crate) fn open(path: &Path, instance: Option<&str>) -> Result<Opened, Failur
     let name = path.display().to_string();
     let mut deployment = Deployment::parse(&name, &text(path)?)?;
     if let Some(instance) = instance {
-        transport::Address::new(&deployment.folder, instance)
-            .map_err(|error| crate::failure::unopened(&error))?;
+        transport::Address::new(&deployment.folder, instance)?;
         deployment.instance = instance.to_owned();
     }
     Ok(Opened { deployment, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
@@ -37,7 +36,6 @@ impl Opened {
 
     /// The policy and the curves.
     pub(crate) fn rules(&self) -> Result<(Policy, Curves), Failure> {
-        let broken = |fault: damage::Fault| Failure::input(fault.to_string());
         let or_shipped = |path: &Option<PathBuf>, name: &str, shipped: &str| match path {
             None => Ok((name.to_owned(), shipped.to_owned())),
             Some(path) => {
@@ -47,10 +45,10 @@ impl Opened {
         };
         let Deployment { policy, curves, .. } = &self.deployment;
         let (name, policy) = or_shipped(policy, "config/policies/default.toml", DEFAULT_POLICY)?;
-        let policy = Policy::parse(&name, &policy).map_err(broken)?;
+        let policy = Policy::parse(&name, &policy)?;
         let (name, curves) = or_shipped(curves, "config/curves/default.toml", DEFAULT_CURVES)?;
-        let curves = Curves::parse(&name, &curves).map_err(broken)?;
-        curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
+        let curves = Curves::parse(&name, &curves)?;
+        curves.covers(policy.outcome)?;
         Ok((policy, curves))
     }
 
@@ -63,12 +61,8 @@ impl Opened {
             threads: runtime::affinity::allowed_cores().len(),
         };
         let load = |model: &service::Model| match &model.source {
-            Source::File(path) => {
-                bodies::open(&self.path(path), None, &options).map_err(|failure| Failure {
-                    fault: format!("model \"{}\": {}", model.name, failure.fault),
-                    ..failure
-                })
-            }
+            Source::File(path) => bodies::open(&self.path(path), None, &options)
+                .map_err(|failure| failure.at(format!("model \"{}\"", model.name))),
             Source::Generate { shape, triangles, seed } => {
                 let body = bodies::generate_body(*shape, *triangles, *seed, &options, &|_| {})?;
                 bodies::encoded(&body)
@@ -82,6 +76,6 @@ impl Opened {
 pub(crate) fn depth(engine: &Engine) -> Result<u32, Failure> {
     match engine.depth {
         Depth::At(depth) => Ok(depth),
-        Depth::Auto => Err(Failure::new(Code::Internal, "a deployment without a depth")),
+        Depth::Auto => Err(Failure::internal("a deployment without a depth")),
     }
 }

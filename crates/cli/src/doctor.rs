@@ -7,8 +7,8 @@
 
 use crate::BUILD;
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
+use diagnostic::{Failure, Kind};
 use runtime::{affinity, realtime};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -80,7 +80,7 @@ pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
         print::out(&page(&findings))?;
     }
     let has_problem = findings.iter().any(|finding| finding.level == Level::Problem);
-    Ok(if has_problem { Code::GateFailed.into() } else { ExitCode::SUCCESS })
+    Ok(if has_problem { Kind::CheckFailed.into() } else { ExitCode::SUCCESS })
 }
 
 fn page(findings: &[Finding]) -> String {

@@ -20,12 +20,12 @@ mod signals;
 
 use crate::args::Output;
 use crate::bodies;
-use crate::failure::{Code, Failure};
 use crate::inputs::{self, Inputs, Read};
 use crate::print;
 use crate::progress::Progress;
 use crate::terms::TermsArgs;
 use coordinator::{Request, Work, run_here};
+use diagnostic::Failure;
 use kind::Kind;
 use plan::Plan;
 use report::Report;
@@ -59,15 +59,16 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
     let Read { scenario, policy, curves } = inputs.read()?;
     let folder = plan.scenario.parent().unwrap_or(Path::new(""));
     let beside = |_: usize, reference: &scenario::FileRef| folder.join(&reference.path);
-    let engine = scenario.engine.apply(&scenario::Overrides::default()).map_err(|misfit| {
-        Failure::new(Code::Configuration, misfit.fault.clone()).help(misfit.help)
-    })?;
+    let engine = scenario
+        .engine
+        .apply(&scenario::Overrides::default())
+        .map_err(|misfit| Failure::from(misfit).of_kind(diagnostic::Kind::Configuration))?;
     let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(bodies);
-    let views = body::store::open(store.bytes())
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+    let views =
+        body::store::open(store.bytes()).map_err(|error| Failure::internal(error.to_string()))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut alone = Work::new(&request, &views, plan.depth);
     let _jobs = run_here(&mut alone, &views);
@@ -109,7 +110,7 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
         print::out(&report::page(&document))?;
     }
     if report.is_interrupted {
-        return Ok(Code::Interrupted.into());
+        return Ok(diagnostic::Kind::Interrupted.into());
     }
     Ok(ExitCode::from(u8::from(!document.is_survived)))
 }

@@ -2,10 +2,10 @@
 //!
 //! Texts come from files, or from a decision record; both are read and checked alike.
 
-use crate::failure::Failure;
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
+use diagnostic::Failure;
 use scenario::{FileRef, Scenario};
 use std::path::Path;
 
@@ -49,11 +49,10 @@ impl Inputs {
 
     /// Reads and checks all three.
     pub(crate) fn read(&self) -> Result<Read, Failure> {
-        let broken = |fault: damage::Fault| Failure::input(fault.to_string());
         let scenario = Scenario::parse(&self.scenario.name, &self.scenario.text)?;
-        let policy = Policy::parse(&self.policy.name, &self.policy.text).map_err(broken)?;
-        let curves = Curves::parse(&self.curves.name, &self.curves.text).map_err(broken)?;
-        curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
+        let policy = Policy::parse(&self.policy.name, &self.policy.text)?;
+        let curves = Curves::parse(&self.curves.name, &self.curves.text)?;
+        curves.covers(policy.outcome)?;
         Ok(Read { scenario, policy, curves })
     }
 }
@@ -64,7 +63,7 @@ pub(crate) fn text(path: &Path) -> Result<String, Failure> {
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     if about.len() > scenario::TEXT_BYTES_MAX as u64 {
         let fault = format!("{}: {} bytes are too many", path.display(), about.len());
-        return Err(Failure::input(fault).help("is this the right file?"));
+        return Err(Failure::input(fault).with_remedy("is this the right file?"));
     }
     std::fs::read_to_string(path)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))
@@ -73,9 +72,7 @@ pub(crate) fn text(path: &Path) -> Result<String, Failure> {
 /// The text of a file that the scenario names.
 fn named(path: &Path, reference: &FileRef) -> Result<Text, Failure> {
     let name = path.parent().unwrap_or(Path::new("")).join(&reference.path);
-    let text = text(&name).map_err(|failure| Failure {
-        fault: format!("{}:{}: {}", path.display(), reference.place, failure.fault),
-        ..failure
-    })?;
+    let place = || format!("{}:{}", path.display(), reference.place);
+    let text = text(&name).map_err(|failure| failure.at(place()))?;
     Ok(Text { name: name.display().to_string(), text })
 }

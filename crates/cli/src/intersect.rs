@@ -15,7 +15,6 @@ mod bodies;
 pub(crate) mod poses;
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::model::{BuildName, LimitArgs, open};
 use crate::print;
 use answer::{Answer, Asked, Found};
@@ -25,6 +24,7 @@ use bvh::kernel::Walk;
 use bvh::together::{self, Together};
 use bvh::{Kernel, Outcome, Question, Side, Task};
 use clap::{Args as ClapArgs, ValueEnum};
+use diagnostic::Failure;
 use geometry::hash::splitmix64;
 use geometry::simd::{self, Level, Simd};
 use geometry::{Pose, RelativePose};
@@ -202,7 +202,7 @@ fn read_poses(path: &Path) -> Result<[Pose; 2], Failure> {
     let name = path.display().to_string();
     if file.bytes().len() > poses::BYTES_MAX {
         let fault = format!("{name}: {} bytes are too many for two poses", file.bytes().len());
-        return Err(Failure::input(fault).help("is this the right file?"));
+        return Err(Failure::input(fault).with_remedy("is this the right file?"));
     }
     poses::parse(&name, file.bytes())
 }
@@ -243,7 +243,7 @@ fn ask(
             (timed.last(), at_its_pose.all(|(_, asked)| asked.found == first.found))
         else {
             let fault = "the same query found different things: this is a mistake of ours";
-            return Err(Failure::new(Code::Internal, fault));
+            return Err(Failure::internal(fault));
         };
         let median = |time: fn(&Asked) -> u64| {
             let mut times: Vec<u64> = timed.iter().map(|(_, asked)| time(asked)).collect();

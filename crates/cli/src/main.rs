@@ -2,7 +2,7 @@
 //!
 //! One binary plays every role: the command line for people, the coordinator of a request, and, as
 //! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to
-//! stderr. Exit codes are those of [`failure::Code`].
+//! stderr. Exit codes are those of [`diagnostic::Kind`].
 
 mod args;
 mod bodies;
@@ -10,7 +10,6 @@ mod certify;
 mod deployment;
 mod doctor;
 mod explain;
-mod failure;
 mod inject;
 mod inputs;
 mod intersect;
@@ -35,7 +34,7 @@ mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};
-use failure::Failure;
+use diagnostic::Failure;
 use std::process::ExitCode;
 
 /// Counts what a request allocates; it costs an increment.
@@ -52,7 +51,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(failure) => {
             print::err(&format!("error: {failure}"));
-            failure.code.into()
+            failure.kind().into()
         }
     }
 }
@@ -85,12 +84,12 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Man => {
             let mut text = Vec::new();
             let page = clap_mangen::Man::new(Args::command());
-            page.render(&mut text).map_err(Failure::output)?;
+            page.render(&mut text).map_err(print::failed)?;
             print::out_bytes(&text)
         }
         Command::Worker { word } => {
             runtime::process::set_name("trolley-worker");
-            worker::run(word, BUILD).map_err(Failure::from)?;
+            worker::run(word, BUILD)?;
             Ok(ExitCode::SUCCESS)
         }
     }

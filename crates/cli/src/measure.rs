@@ -18,12 +18,12 @@ mod sweep;
 mod swept;
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use crate::{print, transfer};
 use bench::Bench;
 use claims::{Claim, claims, curve};
 use clap::Args as ClapArgs;
+use diagnostic::{Failure, Kind};
 use figure::{Figure, Line, draw};
 use pair::PairName;
 use row::{Mode, Row};
@@ -106,20 +106,19 @@ struct Document<'d> {
 pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failure> {
     if !(0.0..=1.0).contains(&args.alpha) {
         let fault = format!("--alpha is {}", args.alpha);
-        return Err(Failure::new(Code::Configuration, fault).help("--alpha may be 0 to 1"));
+        return Err(Failure::setting(fault).with_remedy("--alpha may be 0 to 1"));
     }
     // Nobody wants to hear after minutes that the folder cannot be written.
     std::fs::create_dir_all(&args.out).map_err(|error| {
-        Failure::new(Code::System, format!("{}: {error}", args.out.display()))
-            .help("name a folder that you may write to")
+        Failure::new(Kind::System, format!("{}: {error}", args.out.display()))
+            .with_remedy("name a folder that you may write to")
     })?;
     transfer::write(&args.out.join("rows.csv"), row::csv(&[]).as_bytes())?;
     let plan = plan(args);
     let mut names = args.pair.clone();
     if names.is_empty() {
         let known = PAIRS.iter().map(|text| text.parse());
-        names =
-            known.collect::<Result<_, String>>().map_err(|e| Failure::new(Code::Internal, e))?;
+        names = known.collect::<Result<_, String>>().map_err(Failure::internal)?;
     }
     let command = command(args);
     let bar = Progress::new("measuring", names.len() as u64 * sweep::steps(&plan), output);

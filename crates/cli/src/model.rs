@@ -21,10 +21,10 @@ pub(crate) mod reader;
 pub(crate) mod write;
 
 use crate::args::Output;
-use crate::failure::Failure;
 use body::{Build, Kind};
 use bvh::BuildOptions;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
+use diagnostic::Failure;
 use mesh::import::{Axis, Unit};
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -7,9 +7,9 @@
 //! What is predicted is the work alone: processes are started before it. No answer depends on it.
 
 use crate::args::EngineArgs;
-use crate::failure::{Code, Failure};
 use body::{BodyView, Meta};
 use coordinator::{DEPTHS, DryCandidate, DryRuns, Request};
+use diagnostic::Failure;
 use runtime::{affinity, clock};
 use scenario::{Depth, Engine, Overrides};
 use serde::Serialize;
@@ -81,14 +81,14 @@ pub(crate) fn plan(
             Some(path) => {
                 let fault = format!("--costs {}: nothing is left to choose", path.display());
                 let help = "give --depth auto or --distribute auto besides";
-                Err(Failure::new(Code::Configuration, fault).help(help))
+                Err(Failure::setting(fault).with_remedy(help))
             }
         };
     }
     if !options.transfer.is_plain() {
         let fault = "what is predicted is work on one store without limits";
         let help = "name a depth, or leave --transfer copy and --cache-bytes out";
-        return Err(Failure::new(Code::Configuration, fault).help(help));
+        return Err(Failure::setting(fault).with_remedy(help));
     }
     let begun_ns = clock::now_ns();
     let costs = options.costs.as_deref().map_or(Ok(Costs::BUILT_IN), read)?;
@@ -100,7 +100,7 @@ pub(crate) fn plan(
     let dry = dry_runs(&known.of(request, bodies, hashes), &costs);
     let depths = asked.map_or(0..=DEEPEST, |depth| depth..=depth);
     let advice = advise(&dry, &costs, &Team { workers, cores, queues }, depths)
-        .ok_or_else(|| Failure::new(Code::Internal, "no dry run"))?;
+        .ok_or_else(|| Failure::internal("no dry run"))?;
     let distributed = advice.distribute || !may_be_whole;
     let (engine, depth) =
         if distributed { (engine, advice.depth) } else { (in_one_piece(&engine)?, 0) };
@@ -146,14 +146,14 @@ fn in_one_piece(engine: &Engine) -> Result<Engine, Failure> {
         queue: Some(PIECE),
         ..Overrides::default()
     };
-    engine.apply(&whole).map_err(|misfit| Failure::new(Code::Internal, misfit.fault))
+    engine.apply(&whole).map_err(|misfit| Failure::internal(misfit.what))
 }
 
 /// Costs that `trolley calibrate --out` wrote.
 fn read(path: &Path) -> Result<Costs, Failure> {
     let wrong = |why: String| {
         let fault = format!("{}: {why}", path.display());
-        Failure::input(fault).help("write it anew: trolley calibrate --out FILE")
+        Failure::input(fault).with_remedy("write it anew: trolley calibrate --out FILE")
     };
     let length = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?.len();
     if length > COSTS_BYTES_MAX {

@@ -1,12 +1,12 @@
 //! `trolley policy check`: would these policies and curves be accepted, and what do they say?
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::{inputs, print};
 use clap::Subcommand;
 use damage::curve::Level;
 use damage::injury::Victim;
 use damage::{Curves, Policy};
+use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -52,7 +52,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         None => Curves::shipped(),
         Some(path) => Curves::parse(&path.display().to_string(), &inputs::text(path)?),
     };
-    let curves = curves.map_err(|fault| Failure::input(fault.to_string()))?;
+    let curves = curves?;
     let checked: Vec<Checked> = files.iter().map(|file| check(file, &curves)).collect();
     if output.json {
         #[derive(Serialize)]
@@ -74,7 +74,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         }
     }
     let is_sound = checked.iter().all(|one| one.fault.is_none());
-    Ok(if is_sound { ExitCode::SUCCESS } else { Code::Input.into() })
+    Ok(if is_sound { ExitCode::SUCCESS } else { Kind::Input.into() })
 }
 
 fn check(path: &Path, curves: &Curves) -> Checked {
@@ -101,7 +101,7 @@ fn check(path: &Path, curves: &Curves) -> Checked {
         (Ok((name, says)), fault) => Checked { file, kind, name, says, fault },
         (Err(fault), _) => {
             let (name, says) = (String::new(), Vec::new());
-            Checked { file, kind, name, says, fault: Some(fault.to_string()) }
+            Checked { file, kind, name, says, fault: Some(Failure::from(fault).to_string()) }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The only place that writes to stdout and stderr.
 
-use crate::failure::{Code, Failure};
+use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
@@ -12,13 +12,12 @@ pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {
 
 /// A document as JSON, for people to read, too.
 pub(crate) fn json(document: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(document)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))
+    serde_json::to_string_pretty(document).map_err(|error| Failure::internal(error.to_string()))
 }
 
 /// A document as JSON on one line, for programs and for records.
 pub(crate) fn line(document: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string(document).map_err(|error| Failure::new(Code::Internal, error.to_string()))
+    serde_json::to_string(document).map_err(|error| Failure::internal(error.to_string()))
 }
 
 /// Prints a result as it is. A reader that has gone away is no error.
@@ -26,9 +25,14 @@ pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
-        Err(error) => Err(Failure::output(error)),
+        Err(error) => Err(failed(error)),
         Ok(()) => Ok(ExitCode::SUCCESS),
     }
+}
+
+/// Stdout could not be written.
+pub(crate) fn failed(error: std::io::Error) -> Failure {
+    Failure::new(Kind::System, format!("cannot write the output: {error}"))
 }
 
 /// Prints a line for the person at the terminal.

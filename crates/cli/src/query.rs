@@ -2,11 +2,11 @@
 
 use crate::args::{Assume, Output};
 use crate::deployment::{self, Opened};
-use crate::failure::{Code, Failure, unopened};
 use crate::{inputs, print, table};
 use clap::Args;
 use client::{Client, Waiting};
 use comfy_table::{CellAlignment, Table};
+use diagnostic::{Failure, Kind};
 use protocol::public::{Answer, Ask, Place, Reason, Verdict, flag};
 use scenario::{Scenario, Source};
 use serde::Serialize;
@@ -82,12 +82,11 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let ask = ask(&opened, &scenario, options)?;
     if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
         let fault = format!("--deadline-ms {}: no such time", options.deadline_ms);
-        return Err(Failure::new(Code::Configuration, fault).help("up to 3600000 ms"));
+        return Err(Failure::setting(fault).with_remedy("up to 3600000 ms"));
     }
     let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
     let deployment = &opened.deployment;
-    let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)
-        .map_err(|error| unopened(&error))?;
+    let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)?;
     if let Some(repeat) = options.repeat {
         return latency::run(&mut client, &ask, repeat, patience, &opened, output);
     }
@@ -100,7 +99,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
     match answer.verdict() {
         Verdict::Complete | Verdict::Certified => Ok(ExitCode::SUCCESS),
-        Verdict::Degraded => Ok(Code::Degraded.into()),
+        Verdict::Degraded => Ok(Kind::Degraded.into()),
         _ if output.json => Ok(code(&answer).into()),
         verdict => {
             let fault = format!("{}: {}", verdict.name(), answer.text());
@@ -109,10 +108,10 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
 }
 
-fn code(answer: &Answer) -> Code {
+fn code(answer: &Answer) -> Kind {
     match (answer.verdict(), answer.reason()) {
-        (Verdict::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Code::TryAgain,
-        _ => Code::Refused,
+        (Verdict::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Kind::TryAgain,
+        _ => Kind::Refused,
     }
 }
 
@@ -140,7 +139,7 @@ fn ask(opened: &Opened, scenario: &Scenario, options: &QueryArgs) -> Result<Ask,
                 options.scenario.display()
             );
             let help = format!("add it to [[models]] of {}", options.deployment.display());
-            return Err(Failure::input(fault).help(help));
+            return Err(Failure::input(fault).with_remedy(help));
         };
         models.push(model.id);
     }

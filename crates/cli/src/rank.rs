@@ -2,7 +2,6 @@
 
 use crate::args::{AnswerArgs, Assume, EngineArgs, Output, RankArgs};
 use crate::bodies;
-use crate::failure::{Code, Failure};
 use crate::inputs::{self, Inputs, Read};
 use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
@@ -11,8 +10,8 @@ use crate::traffic;
 use crate::{explain, plan, print, table};
 use coordinator::{DryRuns, Request, Work};
 use damage::State;
+use diagnostic::{Failure, Kind, chain};
 use runtime::clock;
-use runtime::error::chain;
 use scenario::{FileRef, Overrides, Scenario};
 use serde::Serialize;
 use std::path::Path;
@@ -79,8 +78,8 @@ fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
         Some(list) => {
             let cores: Result<Vec<i64>, _> = list.split(',').map(|c| c.trim().parse()).collect();
             Some(cores.map_err(|error| {
-                Failure::new(Code::Configuration, format!("--cores {list}: {error}"))
-                    .help("write --cores 0,1,2,3, or --cores none")
+                Failure::setting(format!("--cores {list}: {error}"))
+                    .with_remedy("write --cores 0,1,2,3, or --cores none")
             })?)
         }
     };
@@ -108,7 +107,7 @@ fn check_unknown(file: &str, scenario: &Scenario, asked: &AnswerArgs) -> Result<
         Some(Assume::UnknownFixed) => Ok(scenario.check_fixed(file)?),
         None => {
             let fault = format!("{file}:{}: \"{}\" is of unknown kind", party.place, party.name);
-            Err(Failure::new(Code::Refused, fault).help(
+            Err(Failure::new(Kind::Refused, fault).with_remedy(
                 "say what it is, or let it be taken as fixed to the ground with nobody in it: \
                  --assume unknown=fixed",
             ))
@@ -128,9 +127,10 @@ fn answer(
     let Read { scenario, policy, curves } = inputs.read()?;
     check_unknown(&inputs.scenario.name, &scenario, asked)?;
     asked.record.as_deref().map(record::ready).transpose()?;
-    let engine = scenario.engine.apply(&overrides(options)?).map_err(|misfit| {
-        Failure::new(Code::Configuration, misfit.fault.clone()).help(misfit.help)
-    })?;
+    let engine = scenario
+        .engine
+        .apply(&overrides(options)?)
+        .map_err(|misfit| Failure::from(misfit).of_kind(Kind::Configuration))?;
     let terms = asked.terms.terms(scenario.deadline, asked.record.is_some())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside = |_: usize, reference: &FileRef| folder.join(&reference.path);
@@ -139,11 +139,11 @@ fn answer(
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let hashes: Result<Vec<String>, _> =
         files.iter().map(|bytes| body::file::content_hash(bytes)).collect();
-    let hashes = hashes.map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
+    let hashes = hashes.map_err(|error| Failure::internal(chain(&error)))?;
     let store = coordinator::seal(&files)?;
     drop(bodies);
-    let views = body::store::open(store.bytes())
-        .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
+    let views =
+        body::store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))?;
     let loaded_ns = clock::now_ns();
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut stages = Stages {
@@ -205,8 +205,8 @@ fn answer(
     }
     Ok(match answer.state {
         State::Complete | State::Certified => ExitCode::SUCCESS,
-        State::Degraded => Code::Degraded.into(),
-        State::Refused => Code::Refused.into(),
+        State::Degraded => Kind::Degraded.into(),
+        State::Refused => Kind::Refused.into(),
     })
 }
 

@@ -7,14 +7,13 @@
 use crate::BUILD;
 use crate::args::Output;
 use crate::bodies::Loaded;
-use crate::failure::{Code, Failure};
 use crate::inputs::Inputs;
 use crate::print;
 use crate::run::Run;
 use clap::Subcommand;
 use coordinator::Work;
+use diagnostic::{Failure, Kind};
 use record::{Body, Chain, Edge, Link, Record, Settings, Source, Span, Stage, Text};
-use runtime::error::chain;
 use scenario::{Engine, Scenario};
 use serde::Serialize;
 use std::io::Write as _;
@@ -86,7 +85,7 @@ pub(crate) struct Made<'a> {
 pub(crate) fn bodies(scenario: &Scenario, loaded: &[Loaded]) -> Result<Vec<Body>, Failure> {
     let one = |(party, body): (&scenario::Party, &Loaded)| {
         let hash = body::file::content_hash(body.bytes.bytes())
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+            .map_err(|error| Failure::internal(error.to_string()))?;
         let source = match (&party.source, &body.source_hash) {
             (scenario::Source::File(reference), Some(hash)) => {
                 Source::File { path: reference.path.clone(), hash: hash.clone() }
@@ -111,8 +110,7 @@ pub(crate) fn write(folder: &Path, made: Made<'_>) -> Result<PathBuf, Failure> {
     // Somebody else may take the number meanwhile: then the next one is ours.
     for _ in 0..100 {
         let (number, last) = end(folder)?;
-        let (bytes, _) = record::encode(&record, last.as_ref())
-            .map_err(|error| Failure::new(Code::Resources, error.to_string()).help(error.help()))?;
+        let (bytes, _) = record::encode(&record, last.as_ref())?;
         let mut file =
             tempfile::NamedTempFile::new_in(folder).map_err(|error| unwritable(folder, &error))?;
         let written = file.write_all(&bytes).and_then(|()| file.as_file().sync_all());
@@ -125,12 +123,12 @@ pub(crate) fn write(folder: &Path, made: Made<'_>) -> Result<PathBuf, Failure> {
         }
     }
     let fault = format!("{}: others write records here all the time", folder.display());
-    Err(Failure::new(Code::Resources, fault).help("give each of them a folder of its own"))
+    Err(Failure::new(Kind::Resources, fault).with_remedy("give each of them a folder of its own"))
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(Code::System, format!("{}: {error}", path.display()))
-        .help("--record needs a folder that may be written to")
+    Failure::new(Kind::System, format!("{}: {error}", path.display()))
+        .with_remedy("--record needs a folder that may be written to")
 }
 
 fn content(made: Made<'_>) -> Record {
@@ -241,15 +239,14 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     let length = std::fs::metadata(path).map_err(wrong)?.len();
     if length > record::file::LENGTH_MAX as u64 {
         let fault = format!("{}: {length} bytes are too many for a record", path.display());
-        return Err(Failure::input(fault).help("is this the right file?"));
+        return Err(Failure::input(fault).with_remedy("is this the right file?"));
     }
     std::fs::read(path).map_err(wrong)
 }
 
 /// A record and its link, every byte checked.
 pub(crate) fn read(path: &Path) -> Result<(Record, Link), Failure> {
-    record::decode(&bytes(path)?)
-        .map_err(|error| Failure::input(format!("{}: {error}", path.display())).help(error.help()))
+    record::decode(&bytes(path)?).map_err(|error| Failure::from(error).at(path.display()))
 }
 
 pub(crate) fn hex(hash: &[u8; 32]) -> String {
@@ -269,11 +266,7 @@ fn verify(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
         let mut whole = Chain::default();
         for file in &files {
             let name = file.display().to_string();
-            let next = whole.next(&name, &bytes(file)?);
-            let link = next.map_err(|error| {
-                Failure::input(chain(&error)).help("take the copy of another keeper, and compare")
-            })?;
-            last = Some(link);
+            last = Some(whole.next(&name, &bytes(file)?)?);
         }
     } else {
         last = Some(read(path)?.1);

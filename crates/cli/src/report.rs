@@ -5,7 +5,6 @@
 //! the answer is not the recorded one, no page is written.
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::model::write;
 use crate::record::{self, replay};
 use crate::{explain, print};
@@ -14,6 +13,7 @@ use clap::Args as ClapArgs;
 use clap::builder::NonEmptyStringValueParser;
 use coordinator::{Answer, Explanation, PersonRow, Row, Scene};
 use damage::evidence::Touch;
+use diagnostic::{Failure, Kind};
 use report::still::Camera;
 use report::{Body, Candidate, Decision, Figure, Measurement, Moment, Patch, Shot, Span, Worker};
 use std::collections::BTreeMap;
@@ -76,8 +76,9 @@ impl ReportArgs {
 pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failure> {
     if args.out.is_none() && args.glb.is_none() && args.png.is_none() && args.mcap().is_none() {
         let fault = "nothing to write";
-        return Err(Failure::new(Code::Configuration, fault)
-            .help("add --out FILE.html, --glb DIR or --png DIR"));
+        return Err(
+            Failure::setting(fault).with_remedy("add --out FILE.html, --glb DIR or --png DIR")
+        );
     }
     if args.source.is_dir() {
         return measurement(args, output);
@@ -89,8 +90,9 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
         let text = print::line(&answer)?;
         if text != record.answer {
             let fault = format!("{}: made again, the answer is another", path.display());
-            return Err(Failure::new(Code::Skew, fault)
-                .help("make the report with the build that recorded it; see record replay"));
+            return Err(Failure::new(Kind::Skew, fault).with_remedy(
+                "make the report with the build that recorded it; see record replay",
+            ));
         }
         let parties = again.scenario.parties.iter().zip(again.views);
         let bodies = parties.map(|(party, (_, view))| Body {
@@ -109,7 +111,7 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
     if let Some(name) = args.candidate.iter().find(|name| !shots.iter().any(|s| s.name == **name)) {
         let names: Vec<&str> = shots.iter().map(|shot| shot.name.as_str()).collect();
         return Err(Failure::input(format!("there is no candidate \"{name}\""))
-            .help(format!("candidates here: {}", names.join(", "))));
+            .with_remedy(format!("candidates here: {}", names.join(", "))));
     }
     let mut written = Vec::new();
     if let Some(out) = &args.out {
@@ -122,8 +124,7 @@ pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failur
     #[cfg(feature = "mcap")]
     if let Some(path) = args.mcap() {
         let shots: Vec<&Shot> = shots.iter().filter(|shot| args.wants(shot)).collect();
-        let file = report::mcap::mcap(&shots, &made.bodies)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let file = report::mcap::mcap(&shots, &made.bodies)?;
         write::replace(path, &file)?;
         written.push(path.to_owned());
     }
@@ -150,8 +151,7 @@ fn picture(
     if let Some(folder) = folder(args.png.as_deref())? {
         for (camera, from) in [(Camera::Corner, "corner"), (Camera::Above, "above")] {
             let file = folder.join(format!("{stem}-{from}.png"));
-            let still = report::still::still(shot, bodies, camera, STILL)
-                .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+            let still = report::still::still(shot, bodies, camera, STILL)?;
             write::replace(&file, &still)?;
             written.push(file);
         }
@@ -185,7 +185,7 @@ fn said(written: &[PathBuf], output: &Output) -> Result<ExitCode, Failure> {
 fn folder(path: Option<&Path>) -> Result<Option<&Path>, Failure> {
     let Some(path) = path else { return Ok(None) };
     std::fs::create_dir_all(path)
-        .map_err(|error| Failure::new(Code::System, format!("{}: {error}", path.display())))?;
+        .map_err(|error| Failure::new(Kind::System, format!("{}: {error}", path.display())))?;
     Ok(Some(path))
 }
 
@@ -352,11 +352,11 @@ fn facts(record: &Record, link: &::record::Link) -> Vec<(String, String)> {
 fn measurement(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failure> {
     let Some(out) = &args.out else {
         let fault = "a measurement has no bodies to show";
-        return Err(Failure::new(Code::Configuration, fault).help("add --out FILE.html"));
+        return Err(Failure::setting(fault).with_remedy("add --out FILE.html"));
     };
     let wrong = |path: &Path, error: &dyn std::fmt::Display| {
         Failure::input(format!("{}: {error}", path.display()))
-            .help("give a folder that `trolley measure --out` wrote")
+            .with_remedy("give a folder that `trolley measure --out` wrote")
     };
     let page = args.source.join("README.md");
     let text = std::fs::read_to_string(&page).map_err(|error| wrong(&page, &error))?;

@@ -2,13 +2,12 @@
 
 use crate::BUILD;
 use crate::args::EngineArgs;
-use crate::failure::{Code, Failure};
 use crate::plan::{Choice, Plan};
 use crate::terms::{Certain, Kept};
 use crate::transfer;
 use body::{BodyView, Meta};
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
-use runtime::error::chain;
+use diagnostic::{Failure, chain};
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
 use serde::Serialize;
@@ -217,8 +216,8 @@ pub(crate) fn crew<'w>(
 pub(crate) fn pin_coordinator(engine: &Engine) -> Result<(), Failure> {
     let Some(core) = engine.coordinator_core else { return Ok(()) };
     affinity::pin_self(usize::from(core)).map_err(|error| {
-        Failure::new(Code::Configuration, chain(&error))
-            .help("choose a core that this process may use: taskset -p $$")
+        Failure::setting(chain(&error))
+            .with_remedy("choose a core that this process may use: taskset -p $$")
     })
 }
 
@@ -235,7 +234,7 @@ pub(crate) fn worker_cores(
             if let Some(core) = cores.clone().find(|core| !granted.contains(core)) {
                 let fault = format!("core {core} is not one that this process may use");
                 let help = format!("cores granted here: {granted:?}; see taskset and cpusets");
-                return Err(Failure::new(Code::Configuration, fault).help(help));
+                return Err(Failure::setting(fault).with_remedy(help));
             }
             Ok(cores.map(Some).collect())
         }

@@ -3,13 +3,12 @@
 use crate::BUILD;
 use crate::args::Output;
 use crate::deployment;
-use crate::failure::{Code, Failure};
 use crate::run::{pin_coordinator, worker_cores};
 use crate::{print, transfer};
 use clap::Args;
 use coordinator::Options;
+use diagnostic::{Failure, chain};
 use dispatch::{Intensity, Queues};
-use runtime::error::chain;
 use service::{Idle, Lack, Site};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -66,8 +65,8 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&files)?;
     drop(bodies);
-    let views = body::store::open(store.bytes())
-        .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
+    let views =
+        body::store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))?;
     let engine = &opened.deployment.engine;
     pin_coordinator(engine)?;
     let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;

@@ -1,10 +1,10 @@
 //! `trolley simulate faults`: seeded worlds in which everything goes wrong, in virtual time.
 
 use crate::args::Output;
-use crate::failure::Failure;
 use crate::print;
 use crate::progress::Progress;
 use clap::{Args, Subcommand};
+use diagnostic::Failure;
 use serde::Serialize;
 use simulate::faults::{Fault, Faults, Limits, Tally, Violation, run, shrink};
 use std::fmt::Write as _;

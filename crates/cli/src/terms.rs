@@ -1,9 +1,9 @@
 //! How far, by when and in which order a request is worked on, as a person asks for it.
 
-use crate::failure::{Code, Failure};
 use crate::run::milliseconds;
 use clap::Args as ClapArgs;
 use coordinator::{Certainty, Pursuit, Terms, Until, Work};
+use diagnostic::Failure;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -94,14 +94,14 @@ impl TermsArgs {
             Some(ms) => {
                 let fault = format!("--deadline-ms is {ms}");
                 let help = format!("--deadline-ms may be 0.001 to {DEADLINE_MS}");
-                return Err(Failure::new(Code::Configuration, fault).help(help));
+                return Err(Failure::setting(fault).with_remedy(help));
             }
             None => scenario,
         };
         if let Some(budget) = self.budget.filter(|budget| *budget < BUDGET_MIN) {
             let fault = format!("--budget is {budget}");
             let help = format!("--budget may be {BUDGET_MIN} or more: a step of a job takes half");
-            return Err(Failure::new(Code::Configuration, fault).help(help));
+            return Err(Failure::setting(fault).with_remedy(help));
         }
         let until = match self.until {
             UntilName::Complete => Until::Complete,

@@ -3,9 +3,9 @@
 
 use crate::args::Output;
 use crate::deployment;
-use crate::failure::{Code, Failure, unopened};
 use crate::print;
 use clap::Args;
+use diagnostic::{Failure, Kind};
 use protocol::public::{Condition, Health, Stage, Verdict};
 use runtime::clock;
 use serde::Serialize;
@@ -67,16 +67,16 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
     let opened = deployment::open(&options.deployment, options.instance.as_deref())?;
     let deployment = &opened.deployment;
     let address = Address::new(&deployment.folder, &deployment.instance);
-    let address = address.map_err(|error| unopened(&error))?;
-    let listener = Listener::open(&address).map_err(|error| unopened(&error))?;
+    let address = address?;
+    let listener = Listener::open(&address)?;
     let clears = std::io::stdout().is_terminal() && !output.json;
     let mut before: Option<Health> = None;
     let mut shown = 0;
     while options.times.is_none_or(|times| shown < times) {
         let Some(health) = hear(&listener) else {
             let fault = format!("instance \"{}\" says nothing", deployment.instance);
-            return Err(Failure::new(Code::TryAgain, fault)
-                .help("it was killed, or stands still: systemctl status trolley"));
+            return Err(Failure::new(Kind::TryAgain, fault)
+                .with_remedy("it was killed, or stands still: systemctl status trolley"));
         };
         let rate = rate(before.as_ref(), &health);
         if output.json {

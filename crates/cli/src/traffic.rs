@@ -4,9 +4,9 @@
 //! scenario, which is then read as if a person had written it.
 
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
 use clap::{Args as ClapArgs, Subcommand};
+use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ impl TrafficArgs {
         if let Some(brake) = sweep.brakes_m_s2.iter().find(|brake| **brake > sweep.grip_m_s2) {
             let fault = format!("--brakes: {brake} m/s² is more than the tyres give");
             let help = format!("--grip is {} m/s²", sweep.grip_m_s2);
-            return Err(Failure::new(Code::Configuration, fault).help(help));
+            return Err(Failure::setting(fault).with_remedy(help));
         }
         Ok(sweep)
     }
@@ -111,11 +111,11 @@ impl TrafficArgs {
     fn library(&self) -> Result<Library, Failure> {
         let Some(path) = &self.bodies else {
             let shipped = Library::parse("config/bodies/default.toml", DEFAULT_LIBRARY);
-            return shipped.map_err(|fault| Failure::new(Code::Internal, fault));
+            return shipped.map_err(Failure::internal);
         };
         let text = crate::inputs::text(path)?;
         let library = Library::parse(&path.display().to_string(), &text).map_err(|fault| {
-            Failure::input(fault).help("see config/bodies/default.toml for the form")
+            Failure::input(fault).with_remedy("see config/bodies/default.toml for the form")
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let folder = std::path::absolute(folder.join("x"))
@@ -158,18 +158,14 @@ fn text(path: &Path) -> Result<String, Failure> {
     let about = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
     if about.len() > traffic::TEXT_BYTES_MAX as u64 {
         let fault = format!("{} bytes are too many for a traffic file", about.len());
-        return Err(wrong(fault).help("is this the right file?"));
+        return Err(wrong(fault).with_remedy("is this the right file?"));
     }
     let bytes = std::fs::read(path).map_err(|error| wrong(error.to_string()))?;
     String::from_utf8(bytes).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
         wrong(format!("not UTF-8 from byte {byte} on"))
-            .help("is this the right file? save as UTF-8")
+            .with_remedy("is this the right file? save as UTF-8")
     })
-}
-
-fn refused(error: traffic::TrafficError) -> Failure {
-    Failure::input(error.to_string()).help(error.help)
 }
 
 /// Reads a traffic file, sweeps, and writes the scenario.
@@ -186,7 +182,7 @@ pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<Imported, Failur
         catalogs.iter().map(|(file, text)| Catalog { file, text }).collect();
     let options =
         ReadOptions { ego: args.ego.as_deref(), without: &args.without, catalogs: &catalogs };
-    let recording = traffic::read(&name, &source, &options).map_err(refused)?;
+    let recording = traffic::read(&name, &source, &options)?;
     let mut notes = recording.notes.clone();
     let mut swept = recording.sweep(&sweep);
     if swept.meetings.is_empty()
@@ -204,7 +200,7 @@ pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<Imported, Failur
         let id = &recording.others[whom].id;
         let fault = format!("{name}: the ego and obstacle {id} overlap where manoeuvres begin");
         let help = format!("if it is the ego itself: --without {id}; else begin earlier: --at");
-        return Err(Failure::new(Code::Refused, fault).help(help));
+        return Err(Failure::new(Kind::Refused, fault).with_remedy(help));
     }
     let text = match swept.meetings.as_slice() {
         [] => None,
@@ -212,7 +208,7 @@ pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<Imported, Failur
             let written = traffic::scenario_text(&name, &recording, &swept, &library);
             let (text, more) = written.map_err(|fault| {
                 Failure::input(format!("{name}: {fault}"))
-                    .help("add it to a library and name that: --bodies FILE")
+                    .with_remedy("add it to a library and name that: --bodies FILE")
             })?;
             notes.extend(more);
             Some(text)

@@ -2,10 +2,10 @@
 //!
 //! None of it changes an answer. What a person wrote is checked here, against the bodies at hand.
 
-use crate::failure::{Code, Failure};
 use body::{BodyView, Meta};
 use bvh::section;
 use clap::{Args as ClapArgs, ValueEnum};
+use diagnostic::{Failure, Kind};
 use dispatch::{Cache, Entry, Matching, Queues};
 use scenario::{Engine, Scheme};
 use std::fmt::Write as _;
@@ -55,7 +55,7 @@ impl TransferArgs {
         let linger_us = self.linger.unwrap_or(0);
         if linger_us > LINGER_MAX_US {
             let help = format!("--linger may be 0 to {LINGER_MAX_US} µs");
-            return Err(setting(format!("--linger is {linger_us}")).help(help));
+            return Err(setting(format!("--linger is {linger_us}")).with_remedy(help));
         }
         Ok(Queues {
             capacity: engine.queue as u32,
@@ -74,11 +74,12 @@ impl TransferArgs {
         match (self.transfer, self.cache_bytes, self.memory_budget) {
             (Mode::Copy, Some(_), _) => {
                 let help = "--memory-budget bounds what a worker that copies can hold";
-                Err(setting("--cache-bytes is for zero-copy alone".to_owned()).help(help))
+                Err(setting("--cache-bytes is for zero-copy alone".to_owned()).with_remedy(help))
             }
             (Mode::ZeroCopy, _, Some(_)) => {
                 let help = "give --transfer copy besides, or --cache-bytes";
-                Err(setting("--memory-budget is for workers that copy".to_owned()).help(help))
+                Err(setting("--memory-budget is for workers that copy".to_owned())
+                    .with_remedy(help))
             }
             (Mode::Copy, None, Some(budget)) => {
                 fits("--memory-budget", budget, depth, largest().unwrap_or(0))?;
@@ -119,7 +120,7 @@ pub(crate) fn matching(scheme: Scheme, alpha: f64, seed: u64) -> Result<Matching
         Scheme::RoundRobin => Matching::RoundRobin,
         other => {
             let fault = format!("{} is read, but not carried out", other.name());
-            return Err(Failure::new(Code::Internal, fault));
+            return Err(Failure::internal(fault));
         }
     })
 }
@@ -145,11 +146,12 @@ pub(crate) fn fits(option: &str, bytes: u64, depth: u32, largest: u64) -> Result
         return Ok(());
     }
     let fault = format!("{option} {bytes} is less than the largest section at depth {depth}");
-    Err(setting(fault).help(format!("{largest} bytes are the least; a deeper cut needs less")))
+    Err(setting(fault)
+        .with_remedy(format!("{largest} bytes are the least; a deeper cut needs less")))
 }
 
 fn setting(fault: String) -> Failure {
-    Failure::new(Code::Configuration, fault)
+    Failure::setting(fault)
 }
 
 /// Writes the job log.
@@ -185,6 +187,6 @@ pub(crate) fn ready(path: &Path) -> Result<(), Failure> {
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(Code::System, format!("{}: {error}", path.display()))
-        .help("name a file in a folder that exists and that you may write to")
+    Failure::new(Kind::System, format!("{}: {error}", path.display()))
+        .with_remedy("name a file in a folder that exists and that you may write to")
 }

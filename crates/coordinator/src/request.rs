@@ -8,10 +8,12 @@ use damage::{
     Aboard, Approach, Curves, Encounter, Meeting, Parameters, Party, PersonId, Policy, Stiffness,
     crew, heading, plan,
 };
+use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use scenario::{Name, Scenario, State};
 use smallvec::SmallVec;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -99,6 +101,16 @@ pub enum RequestError {
     /// The candidates cannot be ranked.
     #[error(transparent)]
     Rank(#[from] damage::RankError),
+}
+
+impl Diagnostic for RequestError {
+    fn kind(&self) -> diagnostic::Kind {
+        diagnostic::Kind::Refused
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some("correct the candidate, or leave it out".into())
+    }
 }
 
 impl Request {

@@ -1,10 +1,12 @@
 //! A fault in a data file (curves, policies): file, place, what is wrong, what would be right.
 
 use core::ops::Range;
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 
 /// A data file that is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}:{line}:{column}: {fault}\n  help: {remedy}")]
+#[error("{file}:{line}:{column}: {what}")]
 pub struct Fault {
     /// Name of the file, as the caller gave it.
     pub file: String,
@@ -13,9 +15,27 @@ pub struct Fault {
     /// Column in characters, from 1.
     pub column: usize,
     /// What is wrong.
-    pub fault: String,
+    pub what: String,
     /// What would be right.
     pub remedy: String,
+}
+
+impl Diagnostic for Fault {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn place(&self) -> Option<String> {
+        Some(format!("{}:{}:{}", self.file, self.line, self.column))
+    }
+
+    fn what(&self) -> String {
+        self.what.clone()
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.as_str().into())
+    }
 }
 
 /// A text being read, and the name to blame.
@@ -30,14 +50,14 @@ impl Source<'_> {
     pub(crate) fn fault(
         &self,
         span: Range<usize>,
-        fault: impl Into<String>,
+        what: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Fault {
         let before = self.text.get(..span.start).unwrap_or("");
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         let file = self.file.to_owned();
-        Fault { file, line, column, fault: fault.into(), remedy: remedy.into() }
+        Fault { file, line, column, what: what.into(), remedy: remedy.into() }
     }
 
     /// A fault that the TOML reader found. `keys` says what belongs into such a file.

@@ -116,6 +116,12 @@ pub struct MissingCurve {
     pub level: Level,
 }
 
+impl diagnostic::Diagnostic for MissingCurve {
+    fn kind(&self) -> diagnostic::Kind {
+        diagnostic::Kind::Input
+    }
+}
+
 impl Victim {
     /// All kinds of persons.
     pub const ALL: [Self; 6] = [

@@ -138,6 +138,12 @@ impl Failure {
         Self { what: format!("{place}: {}", self.what), ..self }
     }
 
+    /// The same, of another kind: whose fault it is may depend on who asked.
+    #[must_use]
+    pub fn of_kind(self, kind: Kind) -> Self {
+        Self { kind, ..self }
+    }
+
     /// What kind of failure it is.
     #[must_use]
     pub fn kind(&self) -> Kind {

@@ -11,6 +11,7 @@
 
 use core::fmt;
 use core::str::FromStr;
+use diagnostic::{Diagnostic, Kind};
 
 pub use fearless_simd::Level;
 
@@ -168,6 +169,12 @@ impl fmt::Display for Unknown {
 
 impl core::error::Error for Unavailable {}
 impl core::error::Error for Unknown {}
+
+impl Diagnostic for Unavailable {
+    fn kind(&self) -> Kind {
+        Kind::Configuration
+    }
+}
 
 #[cfg(test)]
 mod tests;

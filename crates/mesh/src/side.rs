@@ -14,8 +14,10 @@
 
 use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
 use body::{Kind, Meta};
+use diagnostic::Diagnostic;
 use geometry::Aabb;
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::ops::Range;
 use toml::Spanned;
 
@@ -40,9 +42,9 @@ struct Keys {
     source: Option<String>,
 }
 
-/// A side file was refused: `file:line:column: fault`.
+/// A side file was refused: `file:line:column: what`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}:{line}:{column}: {fault}")]
+#[error("{file}:{line}:{column}: {what}")]
 pub struct SideError {
     /// Name of the file, as the caller gave it.
     pub file: String,
@@ -51,9 +53,27 @@ pub struct SideError {
     /// Column, from 1, in characters.
     pub column: usize,
     /// What is wrong.
-    pub fault: String,
+    pub what: String,
     /// What to do about it.
-    pub help: &'static str,
+    pub remedy: &'static str,
+}
+
+impl Diagnostic for SideError {
+    fn kind(&self) -> diagnostic::Kind {
+        diagnostic::Kind::Input
+    }
+
+    fn place(&self) -> Option<String> {
+        Some(format!("{}:{}:{}", self.file, self.line, self.column))
+    }
+
+    fn what(&self) -> String {
+        self.what.clone()
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.into())
+    }
 }
 
 const KEYS: &str = "the keys are name, kind, mass_kg, centre_m, yaw_inertia_kg_m2 or gyration_m, \
@@ -194,8 +214,13 @@ impl Side {
         self.fail(centre.span(), fault, "metres in the body frame: x forward, y left, z up")
     }
 
-    fn fail(&self, span: Range<usize>, fault: String, help: &'static str) -> Result<(), SideError> {
-        Err(error(&self.file, &self.text, Some(span), fault, help))
+    fn fail(
+        &self,
+        span: Range<usize>,
+        what: String,
+        remedy: &'static str,
+    ) -> Result<(), SideError> {
+        Err(error(&self.file, &self.text, Some(span), what, remedy))
     }
 }
 
@@ -203,8 +228,8 @@ fn error(
     file: &str,
     text: &str,
     span: Option<Range<usize>>,
-    fault: String,
-    help: &'static str,
+    what: String,
+    remedy: &'static str,
 ) -> SideError {
     let at = span.map_or(0, |span| span.start);
     let before = text.get(..at).unwrap_or(text);
@@ -213,8 +238,8 @@ fn error(
         file: file.to_owned(),
         line: before.matches('\n').count() + 1,
         column: before[line_start..].chars().count() + 1,
-        fault,
-        help,
+        what,
+        remedy,
     }
 }
 

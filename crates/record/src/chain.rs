@@ -1,6 +1,8 @@
 //! A chain of records: each names the hash of the one before it.
 
 use crate::file::{Link, RecordError, link};
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 
 /// The end of a chain that was checked so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -37,6 +39,16 @@ pub enum ChainError {
         /// The file before it; "none" for the first.
         before: String,
     },
+}
+
+impl Diagnostic for ChainError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some("take the copy of another keeper, and compare".into())
+    }
 }
 
 impl Chain {

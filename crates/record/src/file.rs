@@ -16,6 +16,8 @@
 use crate::content::Record;
 use body::codec;
 use bytemuck::{Pod, Zeroable};
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";
@@ -80,17 +82,23 @@ pub enum RecordError {
     TooLong(codec::CodecError),
 }
 
-impl RecordError {
-    /// What to do about it.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
+impl Diagnostic for RecordError {
+    fn kind(&self) -> Kind {
         match self {
+            Self::TooLong(_) => Kind::Resources,
+            _ => Kind::Input,
+        }
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        let remedy = match self {
             Self::Foreign => "name a file that --record wrote",
             Self::Version(_) => "use the program of the build that the record was written by",
             Self::Length { .. } | Self::Hash => "take the copy of another keeper, and compare",
             Self::Content(_) => "the writer was at fault: keep the file and report it",
             Self::TooLong(_) => "lower --depth",
-        }
+        };
+        Some(remedy.into())
     }
 }
 

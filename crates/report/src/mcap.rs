@@ -12,6 +12,12 @@ use std::io::Cursor;
 #[error("cannot write MCAP: {0}")]
 pub struct McapError(#[from] mcap::McapError);
 
+impl diagnostic::Diagnostic for McapError {
+    fn kind(&self) -> diagnostic::Kind {
+        diagnostic::Kind::Internal
+    }
+}
+
 /// The file.
 ///
 /// # Errors

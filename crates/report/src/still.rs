@@ -26,6 +26,12 @@ const SKY: [f64; 3] = [250.0, 250.0, 248.0];
 #[error("cannot encode the picture: {0}")]
 pub struct StillError(String);
 
+impl diagnostic::Diagnostic for StillError {
+    fn kind(&self) -> diagnostic::Kind {
+        diagnostic::Kind::Internal
+    }
+}
+
 /// Draws a shot, `width` by `height` pixels.
 ///
 /// # Errors

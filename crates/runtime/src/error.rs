@@ -1,7 +1,6 @@
-//! What the operating system refused, and any error with its causes, in words for the person at the
-//! terminal.
+//! What the operating system refused, in words for the person at the terminal.
 
-use std::error::Error;
+use diagnostic::{Diagnostic, Kind};
 use std::io;
 
 /// A call to the operating system failed.
@@ -24,7 +23,7 @@ impl OsError {
 
     /// What kind of failure the system reported.
     #[must_use]
-    pub fn kind(&self) -> io::ErrorKind {
+    pub fn io_kind(&self) -> io::ErrorKind {
         self.source.kind()
     }
 
@@ -43,17 +42,8 @@ impl OsError {
     }
 }
 
-/// An error with all its causes on one line. What an error has said of its cause is not repeated.
-#[must_use]
-pub fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(next) = cause {
-        let more = next.to_string();
-        if !text.contains(&more) {
-            text = format!("{text}: {more}");
-        }
-        cause = next.source();
+impl Diagnostic for OsError {
+    fn kind(&self) -> Kind {
+        Kind::System
     }
-    text
 }

@@ -43,7 +43,7 @@ pub(crate) fn scenario(file: &str, text: &str) -> Result<Scenario, ScenarioError
     };
     let document = Document::parse(text).map_err(objected)?;
     let broken = |Fault { path, misfit }| {
-        ScenarioError::new(file, document.place(&path), misfit.fault, misfit.help)
+        ScenarioError::new(file, document.place(&path), misfit.what, misfit.remedy)
     };
     // The version comes first: a newer form may have keys that this one does not know.
     version(&document).map_err(broken)?;

@@ -1,11 +1,13 @@
 //! What is wrong with a scenario, where, and what to do about it.
 //!
 //! [`Misfit`] knows the fault and the remedy, [`ScenarioError`] also the place. Both are written
-//! for a person at a terminal; nothing here knows colours, prefixes or exit codes.
+//! for a person at a terminal; nothing here knows colours or prefixes.
 
 use crate::document::Place;
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 
-/// A scenario that cannot be used: file, place, fault and remedy, in that order.
+/// A scenario that cannot be used: file, place and fault, in that order; the remedy beside.
 ///
 /// ```
 /// let error = scenario::ScenarioError::new(
@@ -15,22 +17,22 @@ use crate::document::Place;
 ///     "parties defined here: ego, suv.  Did you mean \"suv\"?",
 /// );
 /// assert_eq!(
-///     error.to_string(),
+///     diagnostic::Failure::from(error).to_string(),
 ///     "left-turn.toml:14:9: party \"suvv\" is not defined\n  \
 ///      help: parties defined here: ego, suv.  Did you mean \"suv\"?"
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}:{place}: {fault}\n  help: {help}")]
+#[error("{file}:{place}: {what}")]
 pub struct ScenarioError {
     /// The file as it was named by whoever opened it.
     pub file: String,
     /// Where in it.
     pub place: Place,
     /// What is wrong, on one line.
-    pub fault: String,
+    pub what: String,
     /// What to do about it, on one line.
-    pub help: String,
+    pub remedy: String,
 }
 
 impl ScenarioError {
@@ -39,31 +41,59 @@ impl ScenarioError {
     pub fn new(
         file: impl Into<String>,
         place: Place,
-        fault: impl Into<String>,
-        help: impl Into<String>,
+        what: impl Into<String>,
+        remedy: impl Into<String>,
     ) -> Self {
-        Self { file: file.into(), place, fault: fault.into(), help: help.into() }
+        Self { file: file.into(), place, what: what.into(), remedy: remedy.into() }
     }
 }
 
 /// A value that breaks a rule, wherever it was written: fault and remedy without a place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{fault}\n  help: {help}")]
+#[error("{what}")]
 pub struct Misfit {
     /// Which setting, by its name in a scenario.
     pub setting: &'static str,
     /// What is wrong, on one line.
-    pub fault: String,
+    pub what: String,
     /// What to do about it, on one line.
-    pub help: String,
+    pub remedy: String,
 }
 
 impl Misfit {
     pub(crate) fn new(
         setting: &'static str,
-        fault: impl Into<String>,
-        help: impl Into<String>,
+        what: impl Into<String>,
+        remedy: impl Into<String>,
     ) -> Self {
-        Self { setting, fault: fault.into(), help: help.into() }
+        Self { setting, what: what.into(), remedy: remedy.into() }
+    }
+}
+
+impl Diagnostic for ScenarioError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn place(&self) -> Option<String> {
+        Some(format!("{}:{}", self.file, self.place))
+    }
+
+    fn what(&self) -> String {
+        self.what.clone()
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.as_str().into())
+    }
+}
+
+impl Diagnostic for Misfit {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.as_str().into())
     }
 }

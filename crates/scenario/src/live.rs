@@ -97,7 +97,7 @@ mod tests {
             assert!(state(at, 1.0).is_ok());
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e9] {
                 let misfit = state(at, value).unwrap_err();
-                assert!(misfit.fault.contains(misfit.setting), "{misfit}");
+                assert!(misfit.what.contains(misfit.setting), "{misfit}");
             }
         }
         assert!(share("probability", 1.5).is_err() && share("probability", f64::NAN).is_err());

@@ -180,7 +180,7 @@ impl Scenario {
     /// The first body that does not fit, at its party or at the candidate that moves it.
     pub fn check_kinds(&self, file: &str, kinds: &[Kind]) -> Result<(), ScenarioError> {
         let at = |place: Place| {
-            move |misfit: Misfit| ScenarioError::new(file, place, misfit.fault, misfit.help)
+            move |misfit: Misfit| ScenarioError::new(file, place, misfit.what, misfit.remedy)
         };
         for (index, (party, kind)) in self.parties.iter().zip(kinds).enumerate() {
             let broken = at(party.place);

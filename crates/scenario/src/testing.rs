@@ -102,3 +102,8 @@ pub(crate) fn with_line(number: usize, line: &str) -> String {
         FULL.lines().enumerate().map(|(i, old)| if i + 1 == number { line } else { old }).collect();
     lines.join("\n")
 }
+
+/// What a person is told of an error.
+pub(crate) fn told(error: impl diagnostic::Diagnostic) -> String {
+    diagnostic::Failure::from(error).to_string()
+}

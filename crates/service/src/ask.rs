@@ -100,7 +100,7 @@ pub(crate) fn check(
         models.iter().map(|model| bodies[*model].0.kind).collect();
     if let Err(error) = scenario.check_kinds("", &kinds) {
         let number = error.place.line;
-        return refuse(Reason::Misfit, format!("{} {}", whose(number), error.fault));
+        return refuse(Reason::Misfit, format!("{} {}", whose(number), error.what));
     }
     let has_unknown = scenario.parties.iter().any(|party| party.is_unknown);
     if has_unknown {
@@ -112,7 +112,7 @@ pub(crate) fn check(
             return refuse(Reason::UnknownKind, "the ego knows what it is");
         }
         if let Err(error) = scenario.check_fixed("") {
-            return refuse(Reason::UnknownKind, error.fault);
+            return refuse(Reason::UnknownKind, error.what);
         }
     }
     Ok(Checked { scenario, models, has_unknown })
@@ -172,7 +172,7 @@ fn counts(ask: &Ask) -> Result<(), Refusal> {
 fn beyond(number: usize) -> impl Fn(Misfit) -> Refusal {
     move |misfit| Refusal {
         reason: Reason::OutOfRange,
-        text: format!("{} {}: {}", whose(number), misfit.fault, misfit.help),
+        text: format!("{} {}: {}", whose(number), misfit.what, misfit.remedy),
     }
 }
 

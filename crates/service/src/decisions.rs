@@ -11,7 +11,9 @@
 
 use crate::deployment::Decisions;
 use bytemuck::Zeroable as _;
+use diagnostic::{Diagnostic, Kind};
 use protocol::public::{Answer, Ask};
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -41,6 +43,20 @@ pub enum DecisionError {
     /// It was changed since it was written.
     #[error("decision {0} was changed since it was written: its hash does not match")]
     Changed(usize),
+}
+
+impl Diagnostic for DecisionError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        match self {
+            Self::Io(_) => None,
+            Self::Foreign => Some("name a file that a service kept".into()),
+            Self::Changed(_) => Some("take the copy of another keeper, and compare".into()),
+        }
+    }
 }
 
 /// Reads a file of decisions and checks its chain. One that was cut in the middle of an entry gives

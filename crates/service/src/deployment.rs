@@ -4,8 +4,10 @@
 //! are refused, with their line. It opens no file: paths are returned as they were written.
 
 use body::Shape;
+use diagnostic::{Diagnostic, Kind};
 use scenario::{Engine, Overrides};
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 /// Name and version of the form, the value of the key `schema`.
@@ -162,14 +164,32 @@ fn sixteen() -> u32 {
     16
 }
 
-/// A deployment that cannot be used: file, place, fault and remedy, in that order.
+/// A deployment that cannot be used: file, place and fault, in that order; the remedy beside.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}{place}: {fault}\n  help: {help}")]
+#[error("{file}{place}: {what}")]
 pub struct DeploymentError {
     file: String,
     place: String,
-    fault: String,
-    help: String,
+    what: String,
+    remedy: String,
+}
+
+impl Diagnostic for DeploymentError {
+    fn kind(&self) -> Kind {
+        Kind::Configuration
+    }
+
+    fn place(&self) -> Option<String> {
+        Some(format!("{}{}", self.file, self.place))
+    }
+
+    fn what(&self) -> String {
+        self.what.clone()
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.as_str().into())
+    }
 }
 
 #[derive(Deserialize)]
@@ -220,11 +240,11 @@ impl Deployment {
     ///
     /// The first fault found, with its place and what to do about it.
     pub fn parse(file: &str, text: &str) -> Result<Self, DeploymentError> {
-        let broken = |place: String, fault: String, help: &str| DeploymentError {
+        let broken = |place: String, what: String, remedy: &str| DeploymentError {
             file: file.to_owned(),
             place,
-            fault,
-            help: help.to_owned(),
+            what,
+            remedy: remedy.to_owned(),
         };
         if text.len() > TEXT_BYTES_MAX {
             let fault = format!("{} bytes are too many for a deployment", text.len());
@@ -276,7 +296,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     }
     let engine = Engine::DEFAULT
         .apply(&raw.engine)
-        .map_err(|misfit| (misfit.setting, misfit.fault, misfit.help))?;
+        .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
     if engine.depth == scenario::Depth::Auto {
         let help = "name a depth: the service starts before it knows what will be asked";
         return wrong("depth", "depth = \"auto\" cannot be used here".to_owned(), help);

@@ -13,9 +13,10 @@ use coordinator::{Attendant, Candidates, CrewError, Options, Pursuit, Request, R
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
+use diagnostic::{Diagnostic, Kind, chain};
 use protocol::public::{Answer, Ask, Condition, Reason, Stage, Verdict};
-use runtime::error::chain;
 use runtime::{SealedMemory, clock, heap, realtime};
+use std::borrow::Cow;
 use std::rc::Rc;
 use std::sync::Arc;
 use transport::{Address, OpenError, Server};
@@ -88,6 +89,34 @@ pub enum ServiceError {
     /// There is no memory for counting.
     #[error("no memory is left for histograms")]
     Memory,
+}
+
+impl Diagnostic for ServiceError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Open(error) => error.kind(),
+            Self::Crew(error) => error.kind(),
+            Self::System(error) => error.kind(),
+            Self::Files { .. } => Kind::System,
+            Self::NoRealtime(_) => Kind::NoRealtime,
+            Self::Memory => Kind::Resources,
+        }
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        match self {
+            Self::Open(error) => error.remedy(),
+            Self::Crew(error) => error.remedy(),
+            Self::System(error) => error.remedy(),
+            Self::Files { .. } => Some("`decisions` needs a folder that may be written to".into()),
+            Self::NoRealtime(_) => Some(
+                "raise LimitRTPRIO and LimitMEMLOCK (see tools/systemd), or start without \
+                 --require-rt"
+                    .into(),
+            ),
+            Self::Memory => None,
+        }
+    }
 }
 
 /// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered,

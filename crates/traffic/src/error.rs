@@ -1,5 +1,8 @@
 //! What is wrong with a traffic file: file, line, element, fault and remedy, in that order.
 
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
+
 /// A file that cannot be used.
 ///
 /// ```
@@ -8,7 +11,7 @@
 /// assert!(error.to_string().starts_with("a.xml:1:1: <commonRoad>: version \"2017a\""));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}:{line}:{column}: {fault}")]
+#[error("{file}:{line}:{column}: {what}")]
 pub struct TrafficError {
     /// The file as it was named by whoever opened it.
     pub file: String,
@@ -17,7 +20,25 @@ pub struct TrafficError {
     /// Column, from 1.
     pub column: u32,
     /// Which element, and what is wrong with it, on one line.
-    pub fault: String,
+    pub what: String,
     /// What to do about it, on one line.
-    pub help: String,
+    pub remedy: String,
+}
+
+impl Diagnostic for TrafficError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn place(&self) -> Option<String> {
+        Some(format!("{}:{}:{}", self.file, self.line, self.column))
+    }
+
+    fn what(&self) -> String {
+        self.what.clone()
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.as_str().into())
+    }
 }

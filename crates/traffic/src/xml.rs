@@ -25,8 +25,8 @@ impl<'t> Document<'t> {
             file: file.to_owned(),
             line,
             column,
-            fault,
-            help: help.to_owned(),
+            what: fault,
+            remedy: help.to_owned(),
         };
         if text.len() > TEXT_BYTES_MAX {
             let fault = format!("{} bytes are too many for a traffic file", text.len());
@@ -107,8 +107,8 @@ impl<'d> Element<'d> {
             file: self.file.to_owned(),
             line: at.row,
             column: at.col,
-            fault: format!("{}: {}", self.title(), fault.as_ref()),
-            help: help.into(),
+            what: format!("{}: {}", self.title(), fault.as_ref()),
+            remedy: help.into(),
         }
     }
 

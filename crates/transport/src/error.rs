@@ -4,6 +4,8 @@
 //! program: it is small, and each variant says what to do next.
 
 use core::error::Error;
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 
 /// A domain or a link could not be opened. Start-up must stop.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +81,30 @@ impl OpenError {
         what: &'a str,
     ) -> impl FnOnce(E) -> Self + use<'a, E> {
         move |source| Self::Failed { step, what: what.to_owned(), source: Box::new(source) }
+    }
+}
+
+impl Diagnostic for OpenError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Skew { .. } => Kind::Skew,
+            Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => Kind::Configuration,
+            Self::Taken { .. } | Self::NoService { .. } => Kind::TryAgain,
+            Self::Failed { .. } => Kind::Resources,
+        }
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        let remedy = match self {
+            Self::Skew { .. } => "start both from the same program",
+            Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => {
+                "correct `instance` and `folder` in the deployment file"
+            }
+            Self::Taken { .. } => "stop the other one, or choose another instance",
+            Self::NoService { .. } => "start it: trolley serve DEPLOYMENT.toml",
+            Self::Failed { .. } => "/dev/shm and the folder must be writable and large enough",
+        };
+        Some(remedy.into())
     }
 }
 

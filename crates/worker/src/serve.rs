@@ -7,6 +7,7 @@ use body::{BodyView, Meta, store};
 use bvh::{Kernel, NodePair, Question};
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
+use diagnostic::Diagnostic;
 use geometry::{Directions, RelativePose};
 use protocol::result::End;
 use protocol::{Head, Job, Kind, Launch, Reject, RequestId, State, Task, job, launch};
@@ -35,6 +36,18 @@ pub enum WorkerError {
     /// The model store cannot be read.
     #[error("model store: {0}")]
     Store(#[from] body::file::FileError),
+}
+
+impl Diagnostic for WorkerError {
+    fn kind(&self) -> diagnostic::Kind {
+        match self {
+            Self::Launch => diagnostic::Kind::Configuration,
+            Self::Open(open) if open.is_skew() => diagnostic::Kind::Skew,
+            Self::Open(_) => diagnostic::Kind::Resources,
+            Self::System(error) => Diagnostic::kind(error),
+            Self::Use(_) | Self::Batch(_) | Self::Store(_) => diagnostic::Kind::Internal,
+        }
+    }
 }
 
 /// How long an idle worker sleeps at most before it looks again (ns).

@@ -2,9 +2,9 @@
 
 use super::requests::{self, POLICIES, Pool};
 use crate::args::Output;
-use crate::failure::Failure;
 use crate::progress::Progress;
 use coordinator::{Chance, Flaw, Verdict, trial};
+use diagnostic::Failure;
 use std::fmt::Write as _;
 
 /// What is asked.

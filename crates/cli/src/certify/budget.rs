@@ -3,10 +3,10 @@
 use super::requests::Pool;
 use super::{percentile, wrong};
 use crate::args::Output;
-use crate::failure::Failure;
 use crate::progress::Progress;
 use bvh::{End, Kernel, NodePair, Question, Task, kernel};
 use core::ops::ControlFlow;
+use diagnostic::Failure;
 use geometry::{DVec3, Directions, Pose, RelativePose};
 use runtime::clock;
 use std::fmt::Write as _;

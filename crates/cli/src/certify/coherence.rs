@@ -4,11 +4,11 @@
 use super::requests::{self, Pool};
 use super::wrong;
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use body::{BodyView, Meta};
 use bvh::{Counters, Cut, NodePair, front};
 use coordinator::{Chance, Cuts, Request, Terms, Work, run_here};
+use diagnostic::Failure;
 use geometry::{Pose, RelativePose};
 use runtime::clock;
 use std::fmt::Write as _;
@@ -173,7 +173,7 @@ fn trajectory(path: &std::path::Path) -> Result<Vec<RelativePose>, Failure> {
             }
             _ => {
                 let fault = format!("{}:{}: not three numbers", path.display(), number + 1);
-                Err(Failure::new(Code::Input, fault).help("x y yaw: metres and degrees"))
+                Err(Failure::input(fault).with_remedy("x y yaw: metres and degrees"))
             }
         }
     };

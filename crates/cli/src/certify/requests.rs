@@ -1,12 +1,11 @@
 //! Requests as chance will have them: an ego among bodies that it may hit, from any side.
 
-use crate::failure::{Code, Failure};
 use crate::measure::pair;
 use body::{BodyView, Kind, Meta, file};
 use coordinator::{Chance, Request};
 use damage::{Curves, Policy};
+use diagnostic::{Failure, chain};
 use runtime::SealedMemory;
-use runtime::error::chain;
 use scenario::Scenario;
 use std::fmt::Write as _;
 
@@ -46,9 +45,7 @@ impl Pool {
         };
         if !(2..=17).contains(&names.len()) {
             let fault = format!("{} bodies are named with --body", names.len());
-            return Err(
-                Failure::new(Code::Configuration, fault).help("name 2 to 17, the ego first")
-            );
+            return Err(Failure::setting(fault).with_remedy("name 2 to 17, the ego first"));
         }
         let bodies: Result<Vec<file::Aligned>, _> =
             names.iter().map(|name| pair::body(name)).collect();
@@ -59,15 +56,15 @@ impl Pool {
 
     /// The bodies, read in place.
     pub(super) fn views(&self) -> Result<Vec<(Meta, BodyView<'_>)>, Failure> {
-        body::store::open(self.store.bytes())
-            .map_err(|error| Failure::new(Code::Internal, chain(&error)))
+        body::store::open(self.store.bytes()).map_err(|error| Failure::internal(chain(&error)))
     }
 }
 
 /// A policy of those that come with the program.
 pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
     let (name, text) = POLICIES[number % POLICIES.len()];
-    Policy::parse(name, text).map_err(|error| Failure::new(Code::Internal, error.to_string()))
+    Policy::parse(name, text)
+        .map_err(|error| Failure::from(error).of_kind(diagnostic::Kind::Internal))
 }
 
 /// A request of so many candidates between bodies of a pool, in their order; they stand to the side
@@ -84,7 +81,7 @@ pub(super) fn request(
 }
 
 fn curves() -> Result<Curves, Failure> {
-    Curves::shipped().map_err(|error| Failure::new(Code::Internal, error.to_string()))
+    Curves::shipped().map_err(|error| Failure::from(error).of_kind(diagnostic::Kind::Internal))
 }
 
 /// A request from its scenario.

@@ -3,11 +3,11 @@
 use super::requests::{self, Pool};
 use super::{median, percentile};
 use crate::args::Output;
-use crate::failure::Failure;
 use crate::progress::Progress;
 use body::{BodyView, Meta};
 use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_here};
 use damage::evidence::Touch;
+use diagnostic::Failure;
 use runtime::clock;
 use std::fmt::Write as _;
 

@@ -5,8 +5,8 @@ use super::live;
 use super::plan::{Dice, Plan};
 use super::report::{Report, State};
 use super::signals::flip;
-use crate::failure::{Code, Failure};
 use coordinator::{Answer, Crew, CrewError};
+use diagnostic::Failure;
 use runtime::process::{self, Held, Spawn};
 use runtime::{Child, Exit, SealedMemory, clock};
 use std::fs::File;
@@ -39,7 +39,8 @@ struct Run {
 impl Run {
     /// `wrap`: a program and its arguments that are to run it.
     fn start(plan: &Plan, wrap: &[&str]) -> Result<Self, Failure> {
-        let internal = |error: std::io::Error| Failure::new(Code::System, error.to_string());
+        let internal =
+            |error: std::io::Error| Failure::new(diagnostic::Kind::System, error.to_string());
         let own = std::env::current_exe().map_err(internal)?.display().to_string();
         let scenario = plan.scenario.display().to_string();
         let (workers, depth) = (plan.workers.to_string(), plan.depth.to_string());
@@ -248,8 +249,8 @@ fn is_granted(kind: Kind) -> Result<bool, Failure> {
         _ => return Ok(true),
     };
     let args: Vec<String> = test.iter().map(|&word| word.to_owned()).collect();
-    let null =
-        File::open("/dev/null").map_err(|error| Failure::new(Code::System, error.to_string()))?;
+    let null = File::open("/dev/null")
+        .map_err(|error| Failure::new(diagnostic::Kind::System, error.to_string()))?;
     let program = Path::new("/usr/bin/unshare");
     let mut child =
         process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?;

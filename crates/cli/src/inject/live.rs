@@ -6,9 +6,9 @@ use super::plan::{Dice, Plan};
 use super::report::{Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use crate::BUILD;
-use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
+use diagnostic::Failure;
 use dispatch::Intensity;
 use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
@@ -112,7 +112,9 @@ pub(super) fn run<'w>(
         let before = left.len();
         match live.round(&mut left, report) {
             // What is finished is told.
-            Err(failure) if failure.code == Code::Interrupted => report.is_interrupted = true,
+            Err(failure) if failure.kind() == diagnostic::Kind::Interrupted => {
+                report.is_interrupted = true
+            }
             other => other?,
         }
         progress.add(before.saturating_sub(left.len()) as u64);

@@ -1,8 +1,8 @@
 //! A fault plan: which faults, how often, against which scenario.
 
 use super::kind::Kind;
-use crate::failure::Failure;
 use crate::inputs;
+use diagnostic::Failure;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ impl Plan {
         let written: Written =
             toml::from_str(text).map_err(|error| Failure::input(format!("{name}: {error}")))?;
         let refuse = |fault: String, help: String| {
-            Err(Failure::input(format!("{name}: {fault}")).help(help))
+            Err(Failure::input(format!("{name}: {fault}")).with_remedy(help))
         };
         if written.schema != SCHEMA {
             let fault = format!("schema \"{}\" is not known", written.schema);
@@ -149,7 +149,7 @@ mod tests {
             ("workers", "worker", "worker"),
         ] {
             let failure = parse(&good.replace(from, to)).unwrap_err();
-            assert!(failure.fault.contains(said), "{failure}");
+            assert!(failure.what().contains(said), "{failure}");
         }
     }
 }

@@ -1,11 +1,11 @@
 //! What was found, and how it is shown: a few lines for people, one line of JSON for programs.
 
 use super::{QuestionName, WalkName};
-use crate::failure::Failure;
 use crate::model::facts::{shown, thousands};
 use crate::print;
 use body::Build;
 use bvh::{BuildOptions, Counters};
+use diagnostic::Failure;
 use serde::Serialize;
 use std::path::Path;
 

@@ -2,13 +2,12 @@
 
 use super::IntersectArgs;
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::model::reader::{Outcome, Request};
 use crate::model::{LimitArgs, open};
 use body::{BodyView, Build, Meta, file};
 use bvh::BuildOptions;
+use diagnostic::{Failure, chain};
 use runtime::clock::now_ns;
-use runtime::error::chain;
 use std::path::Path;
 
 /// A body and what it took to build its tree.
@@ -70,7 +69,7 @@ impl Body {
         match &self.held {
             Held::File(bytes) => file::quick_view(bytes.bytes())
                 .map(|(_, view)| view)
-                .map_err(|error| Failure::new(Code::Internal, chain(&error))),
+                .map_err(|error| Failure::internal(chain(&error))),
             Held::Built(body) => Ok(body.view()),
         }
     }

@@ -3,7 +3,7 @@
 //! Six rows of four numbers, R | t: three for A, then three for B. Empty lines count for nothing,
 //! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
 
-use crate::failure::Failure;
+use diagnostic::Failure;
 use geometry::Pose;
 
 /// Longest file, in bytes: 24 numbers and remarks.
@@ -43,8 +43,9 @@ type Refusal = (Place, String);
 pub(crate) fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
     let refuse = |(place, what): Refusal| {
         let Place { line, column } = place;
-        Failure::input(format!("{file}:{line}:{column}: {what}"))
-            .help("write six lines of four numbers, R | t in metres: three for A, three for B")
+        Failure::input(format!("{file}:{line}:{column}: {what}")).with_remedy(
+            "write six lines of four numbers, R | t in metres: three for A, three for B",
+        )
     };
     let rows = text(bytes).and_then(rows).map_err(refuse)?;
     let (of_a, of_b) = rows.split_at(ROWS);
@@ -55,7 +56,7 @@ pub(crate) fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
         };
         bend(&pose.rotation).map_or(Ok(pose), |bend| {
             let refusal = (rows[0].place, format!("the rotation of {name} {bend}"));
-            Err(refuse(refusal).help(
+            Err(refuse(refusal).with_remedy(
                 "R turns and does nothing else: columns of length 1, at right angles, \
                  right-handed, seven decimals or more",
             ))

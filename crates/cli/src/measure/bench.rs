@@ -2,12 +2,12 @@
 
 use super::pair::{Pair, views};
 use crate::BUILD;
-use crate::failure::{Code, Failure};
 use body::{BodyView, Meta};
 use bvh::{Kernel, Question, Task, together};
 use coordinator::{
     Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
 };
+use diagnostic::Failure;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
@@ -112,7 +112,7 @@ impl<'p> Bench<'p> {
         if work.found().ok_or_else(unknown)? == self.truth {
             return Ok(());
         }
-        Err(Failure::new(Code::Internal, "two ways of working found different triangles"))
+        Err(Failure::internal("two ways of working found different triangles"))
     }
 
     /// All in this process, whose jobs are timed one by one: the least of the repeats.
@@ -230,5 +230,5 @@ impl<'p> Bench<'p> {
 }
 
 fn unknown() -> Failure {
-    Failure::new(Code::Internal, "a job was not done, so nothing can be measured")
+    Failure::internal("a job was not done, so nothing can be measured")
 }

@@ -5,8 +5,8 @@
 //! its kernel is what is left of the run's time where that worker was never idle.
 
 use super::bench::{Alone, Bench, Way};
-use crate::failure::Failure;
 use coordinator::Options;
+use diagnostic::Failure;
 use dispatch::{Cache, Matching, Queues};
 use simulate::{Costs, fit};
 

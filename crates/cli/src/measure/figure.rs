@@ -4,7 +4,7 @@
 //! can be told apart in grey; where a run thrashed the line has a gap, marked at the foot
 //! and in the legend.
 
-use crate::failure::{Code, Failure};
+use diagnostic::Failure;
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
@@ -98,6 +98,6 @@ pub(crate) fn draw(figure: &Figure) -> Result<Drawn, Failure> {
     let png = PngBackend::new()
         .with_scale(SCALE)
         .render_scene(&scene)
-        .map_err(|error| Failure::new(Code::Internal, format!("cannot draw a figure: {error}")))?;
+        .map_err(|error| Failure::internal(format!("cannot draw a figure: {error}")))?;
     Ok(Drawn { svg: SvgBackend.render_scene(&scene), png })
 }

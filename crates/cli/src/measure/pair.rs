@@ -4,16 +4,15 @@
 //! found: sixteen directions around A from which B comes until it touches, then so much deeper.
 
 use crate::bodies::generate_body;
-use crate::failure::{Code, Failure};
 use crate::intersect::poses;
 use crate::model::open;
 use body::Shape;
 use body::{BodyView, Meta, file, store};
 use bvh::{BuildOptions, Kernel, NodePair, Question, Task};
 use core::ops::ControlFlow;
+use diagnostic::{Failure, chain};
 use geometry::{Pose, RelativePose};
 use runtime::SealedMemory;
-use runtime::error::chain;
 use std::path::Path;
 
 /// Directions from which B comes.
@@ -94,7 +93,7 @@ impl PairName {
 
 /// The bodies of a store, read in place.
 pub(crate) fn views(store: &SealedMemory) -> Result<Vec<(Meta, BodyView<'_>)>, Failure> {
-    store::open(store.bytes()).map_err(|error| Failure::new(Code::Internal, chain(&error)))
+    store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))
 }
 
 /// A model file in memory: one of that name, or generated.
@@ -112,7 +111,7 @@ pub(crate) fn body(text: &str) -> Result<file::Aligned, Failure> {
     let threads = runtime::affinity::allowed_cores().len();
     let options = BuildOptions { threads, ..BuildOptions::default() };
     let body = generate_body(shape, triangles, 1, &options, &|_| {})?;
-    let bytes = file::encode(&body).map_err(|error| Failure::input(error.to_string()))?;
+    let bytes = file::encode(&body)?;
     Ok(file::Aligned::copy_of(&bytes))
 }
 
@@ -120,7 +119,9 @@ fn written(path: &Path) -> Result<Vec<RelativePose>, Failure> {
     let map = open::bytes(path)?;
     if map.bytes().len() > poses::BYTES_MAX {
         let fault = format!("{}: {} bytes are no poses", path.display(), map.bytes().len());
-        return Err(Failure::input(fault).help("six lines of four numbers: see trolley intersect"));
+        return Err(
+            Failure::input(fault).with_remedy("six lines of four numbers: see trolley intersect")
+        );
     }
     let [a, b] = poses::parse(&path.display().to_string(), map.bytes())?;
     Ok(vec![RelativePose::between(&a, &b)])
@@ -143,7 +144,7 @@ impl bvh::Sink for Enough {
 /// A. Directions from which the bodies never touch are left out.
 fn found(bodies: &[(Meta, BodyView<'_>)], depth_m: f64) -> Result<Vec<RelativePose>, Failure> {
     let [(meta_a, a), (meta_b, b)] = bodies else {
-        return Err(Failure::new(Code::Internal, "a pair is two bodies"));
+        return Err(Failure::internal("a pair is two bodies"));
     };
     let rooms = (a.corners.len(), b.corners.len());
     let mut kernel = Kernel::with_room(meta_a.depth, meta_b.depth, rooms.0, rooms.1);
@@ -179,7 +180,7 @@ fn found(bodies: &[(Meta, BodyView<'_>)], depth_m: f64) -> Result<Vec<RelativePo
     }
     if poses.is_empty() {
         return Err(Failure::input("the bodies touch from no direction")
-            .help("name a file of poses instead of deep or scratch"));
+            .with_remedy("name a file of poses instead of deep or scratch"));
     }
     Ok(poses)
 }

@@ -4,9 +4,9 @@ use super::facts::{Facts, shown, thousands, triangles};
 use super::reader::{Outcome, Request};
 use super::{LimitArgs, MeshArgs, open};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
 use clap::Args as ClapArgs;
+use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -64,14 +64,14 @@ pub(super) fn run(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure
                 help: None,
             },
             // Not the file's fault, but the machine's or ours: the others would fare no better.
-            Err(failure) if failure.code != Code::Input => return Err(failure),
+            Err(failure) if failure.kind() != Kind::Input => return Err(failure),
             Err(failure) => Verdict {
                 file: path.display().to_string(),
                 ok: false,
                 what: None,
                 doubts: Vec::new(),
-                fault: Some(failure.fault),
-                help: failure.help,
+                fault: Some(failure.what().to_owned()),
+                help: failure.remedy().map(str::to_owned),
             },
         };
         if !(output.json || output.quiet && verdict.ok) {
@@ -84,7 +84,7 @@ pub(super) fn run(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure
         let schema = "trolley.model-check/1";
         print::out(&print::json(&Document { schema, refused, files: verdicts })?)?;
     }
-    Ok(if refused == 0 { ExitCode::SUCCESS } else { Code::Input.into() })
+    Ok(if refused == 0 { ExitCode::SUCCESS } else { Kind::Input.into() })
 }
 
 fn line(verdict: &Verdict) -> String {

@@ -3,9 +3,9 @@
 use super::facts;
 use super::{open, write};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
 use clap::Args as ClapArgs;
+use diagnostic::Failure;
 use mesh::export::{self, ExportFormat};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -76,6 +76,6 @@ fn format(args: &ExportArgs) -> Result<ExportFormat, Failure> {
     let end = args.out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     end.parse().map_err(|_unknown| {
         let fault = format!("{}: its name does not say which format", args.out.display());
-        Failure::new(Code::Configuration, fault).help("add --format stl, ply or obj")
+        Failure::setting(fault).with_remedy("add --format stl, ply or obj")
     })
 }

@@ -1,7 +1,7 @@
 //! What is known of a body, as a table for people and as JSON.
 
-use crate::failure::Failure;
 use body::{BodyView, Build, Kind, Mesh, Meta, Seat, file};
+use diagnostic::Failure;
 use mesh::import::{Guess, guess};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -51,8 +51,7 @@ struct Part {
 impl Facts {
     /// The facts of a model file that was viewed: `bytes` are all of it.
     pub(super) fn new(meta: Meta, body: &BodyView<'_>, bytes: &[u8]) -> Result<Self, Failure> {
-        let content_hash =
-            file::content_hash(bytes).map_err(|error| Failure::input(error.to_string()))?;
+        let content_hash = file::content_hash(bytes)?;
         let bounds = body.bounds();
         let Guess { size_m, looks_like, doubts } = guess_of(body);
         let sentence =

@@ -3,12 +3,12 @@
 use super::facts::Facts;
 use super::{TreeArgs, open, write};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use crate::{bodies, print};
 use body::Shape;
 use body::file;
 use clap::Args as ClapArgs;
+use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use shapes::{TRIANGLES_MAX, TRIANGLES_MIN};
 use std::path::PathBuf;
@@ -55,8 +55,8 @@ pub(super) fn run(args: &GenerateArgs, output: &Output) -> Result<ExitCode, Fail
         progress.add(n)
     })?;
     drop(progress);
-    let bytes = file::encode(&body)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()).help(error.help()))?;
+    let bytes =
+        file::encode(&body).map_err(|error| Failure::from(error).of_kind(Kind::Internal))?;
     drop(body);
     let bytes = file::Aligned::copy_of(&bytes);
     let (meta, view) = open::view(&args.out, bytes.bytes())?;

@@ -4,10 +4,10 @@ use super::facts::{Facts, thousands, triangles};
 use super::reader::{Outcome, Report, Request};
 use super::{LimitArgs, MeshArgs, TreeArgs, open, write};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
 use clap::Args as ClapArgs;
 use clap::builder::NonEmptyStringValueParser;
+use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,8 +56,8 @@ pub(super) fn run(args: &ImportArgs, output: &Output) -> Result<ExitCode, Failur
     let request = Request::new(&args.file, &args.mesh, name, Some(&options), args.limits)?;
     let Outcome { report, bytes, .. } = request.run(output)?;
     // What a damaged child sent is not written.
-    let (meta, view) = open::view(&args.file, bytes.bytes())
-        .map_err(|failure| Failure { code: Code::Internal, ..failure })?;
+    let (meta, view) =
+        open::view(&args.file, bytes.bytes()).map_err(|failure| failure.of_kind(Kind::Internal))?;
     let facts = Facts::new(meta, &view, bytes.bytes())?;
     write::replace(&args.out, bytes.bytes())?;
     let out = args.out.display().to_string();

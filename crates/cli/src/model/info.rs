@@ -4,10 +4,10 @@ use super::facts::{Facts, shown, thousands};
 use super::reader::{Outcome, Request};
 use super::{LimitArgs, open};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
 use body::Mesh;
 use bvh::BuildOptions;
+use diagnostic::{Failure, Kind};
 use mesh::import::{Format, Reading, readings};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -67,8 +67,8 @@ pub(super) fn run(path: &Path, limits: LimitArgs, output: &Output) -> Result<Exi
 fn mesh(path: &Path, limits: LimitArgs, output: &Output) -> Result<ExitCode, Failure> {
     let request = Request::as_it_stands(path, &BuildOptions::default(), limits)?;
     let Outcome { report, bytes, .. } = request.run(output)?;
-    let (meta, view) = open::view(path, bytes.bytes())
-        .map_err(|failure| Failure { code: Code::Internal, ..failure })?;
+    let (meta, view) =
+        open::view(path, bytes.bytes()).map_err(|failure| failure.of_kind(Kind::Internal))?;
     let format = Format::ALL.into_iter().find(|format| format.name() == report.format);
     let format = format.unwrap_or(Format::Obj);
     let whole = Mesh { corners: view.corners.to_vec(), ..Mesh::default() };

@@ -1,9 +1,8 @@
 //! Opening what a person named: every failure names the file and says what to do.
 
-use crate::failure::Failure;
 use body::{BodyView, Meta, file};
+use diagnostic::{Failure, chain};
 use runtime::FileMap;
-use runtime::error::chain;
 use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 
@@ -12,18 +11,17 @@ pub(crate) fn bytes(path: &Path) -> Result<FileMap, Failure> {
     // A folder opens, and only reading it fails: say what it is first.
     if path.is_dir() {
         let fault = format!("{}: this is a folder, not a file", path.display());
-        return Err(Failure::input(fault).help("name the file in it"));
+        return Err(Failure::input(fault).with_remedy("name the file in it"));
     }
-    FileMap::open(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => {
-            Failure::input(format!("{}: there is no such file", path.display())).help(nearby(path))
-        }
+    FileMap::open(path).map_err(|error| match error.io_kind() {
+        ErrorKind::NotFound => Failure::input(format!("{}: there is no such file", path.display()))
+            .with_remedy(nearby(path)),
         ErrorKind::PermissionDenied => {
             Failure::input(format!("{}: this user may not read it", path.display()))
-                .help("change its permissions, or copy it")
+                .with_remedy("change its permissions, or copy it")
         }
         _ => Failure::input(format!("{}: {}", path.display(), chain(&error)))
-            .help("name a regular file that can be read"),
+            .with_remedy("name a regular file that can be read"),
     })
 }
 
@@ -57,8 +55,7 @@ fn nearby(path: &Path) -> String {
 
 /// All of a model file, verified.
 pub(crate) fn view<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Meta, BodyView<'a>), Failure> {
-    file::view(bytes)
-        .map_err(|error| Failure::input(format!("{}: {error}", path.display())).help(error.help()))
+    file::view(bytes).map_err(|error| Failure::from(error).at(path.display()))
 }
 
 /// Whether a file is called, or begins like, a model file.

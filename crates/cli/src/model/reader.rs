@@ -14,10 +14,10 @@ pub(super) mod child;
 
 use super::{LimitArgs, MeshArgs, open};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use body::{Build, Kind, file};
 use bvh::BuildOptions;
+use diagnostic::Failure;
 use mesh::import::{Axis, Unit};
 use runtime::{Child, Exit, Spawn, process};
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ enum Word {
     /// Triangles in the tree so far.
     Progress { done: u64, total: u64 },
     /// The file is at fault.
-    Refused { fault: String, help: Option<String> },
+    Refused { what: String, remedy: Option<String> },
     /// The file was read; so many bytes of a model file follow.
     Read { report: Box<Report>, build_ns: u64, model_bytes: u64 },
 }
@@ -119,7 +119,7 @@ impl Request {
     ) -> Result<Self, Failure> {
         let Some(text) = file.to_str() else {
             let fault = format!("{}: its name is not UTF-8", file.display());
-            return Err(Failure::input(fault).help("rename the file"));
+            return Err(Failure::input(fault).with_remedy("rename the file"));
         };
         // A missing file is the child's to report.
         let length = std::fs::metadata(file).map_or(0, |about| about.len());
@@ -176,22 +176,24 @@ impl Request {
                 Ok(Outcome { report: *report, bytes, build_ns })
             }
             // The limit may strike while the file is read, which is an error and no abort.
-            Some((Word::Refused { fault, .. }, _)) if fault.contains(NO_MEMORY) => {
+            Some((Word::Refused { what, .. }, _)) if what.contains(NO_MEMORY) => {
                 Err(self.took_too_much())
             }
-            Some((Word::Refused { fault, help }, _)) => {
-                Err(Failure { code: Code::Input, fault, help })
+            Some((Word::Refused { what, remedy: None }, _)) => Err(Failure::input(what)),
+            Some((Word::Refused { what, remedy: Some(remedy) }, _)) => {
+                Err(Failure::input(what).with_remedy(remedy))
             }
             _ => Err(self.ended(exit, &last_words)),
         }
     }
 
     fn start(&self) -> Result<(Child, PipeReader, std::thread::JoinHandle<String>), Failure> {
-        let pipe = |error: io::Error| Failure::new(Code::System, format!("no pipe: {error}"));
+        let pipe =
+            |error: io::Error| Failure::new(diagnostic::Kind::System, format!("no pipe: {error}"));
         let (words, says) = io::pipe().map_err(pipe)?;
         let (complaints, complains) = io::pipe().map_err(pipe)?;
-        let request = serde_json::to_string(self)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let request =
+            serde_json::to_string(self).map_err(|error| Failure::internal(error.to_string()))?;
         let child = process::spawn(Spawn {
             program: process::self_exe(),
             args: &["model".to_owned(), "import-child".to_owned(), request],
@@ -205,14 +207,16 @@ impl Request {
     fn took_too_much(&self) -> Failure {
         let megabytes = self.memory_bytes / MB;
         let fault = format!("reading it needed more than {megabytes} MB of memory");
-        Failure::input(format!("{}: {fault}", self.file))
-            .help(format!("allow more with --memory-mb {}, or reduce the mesh", 4 * megabytes))
+        Failure::input(format!("{}: {fault}", self.file)).with_remedy(format!(
+            "allow more with --memory-mb {}, or reduce the mesh",
+            4 * megabytes
+        ))
     }
 
     /// Why a child ended without a report; `exit` is none if it did not end at all.
     fn ended(&self, exit: Option<Exit>, last_words: &str) -> Failure {
         let refuse = |fault: &str, help: String| {
-            Failure::input(format!("{}: {fault}", self.file)).help(help)
+            Failure::input(format!("{}: {fault}", self.file)).with_remedy(help)
         };
         if last_words.contains("memory allocation of") {
             return self.took_too_much();
@@ -222,10 +226,12 @@ impl Request {
             return refuse("reading it ran out of stack", help.to_owned());
         }
         match exit {
-            Some(Exit::Code(code)) if code == Code::System as i32 => {
+            Some(Exit::Code(code)) if code == diagnostic::Kind::System as i32 => {
                 let fault = last_words.trim().trim_start_matches("error: ");
-                Failure::new(Code::System, format!("{}: {fault}", self.file))
-                    .help("a limit of this session is lower: see ulimit -a, or use --memory-mb")
+                Failure::new(diagnostic::Kind::System, format!("{}: {fault}", self.file))
+                    .with_remedy(
+                        "a limit of this session is lower: see ulimit -a, or use --memory-mb",
+                    )
             }
             Some(Exit::Signal(_)) if exit.is_some_and(|exit| exit.to_string() == "SIGXCPU") => {
                 refuse(

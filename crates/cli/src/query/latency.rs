@@ -5,13 +5,12 @@
 
 use crate::args::Output;
 use crate::deployment::{self, Opened};
-use crate::failure::{Code, Failure};
 use crate::print;
 use client::Client;
+use diagnostic::{Failure, Kind, chain};
 use hdrhistogram::Histogram;
 use protocol::public::{Answer, Ask, Place, Verdict};
 use runtime::clock;
-use runtime::error::chain;
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -63,7 +62,7 @@ pub(super) fn run(
     opened: &Opened,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let internal = |text: String| Failure::new(Code::Internal, text);
+    let internal = |text: String| Failure::internal(text);
     let rules = opened.rules()?;
     let loaded = opened.bodies()?;
     let files: Vec<&[u8]> = loaded.iter().map(|body| body.bytes.bytes()).collect();
@@ -118,7 +117,7 @@ pub(super) fn run(
     } else {
         print::out(&page(&document))?;
     }
-    Ok(if wrong == 0 { ExitCode::SUCCESS } else { Code::GateFailed.into() })
+    Ok(if wrong == 0 { ExitCode::SUCCESS } else { Kind::CheckFailed.into() })
 }
 
 /// Whether an answer agrees with one to which nothing is missing: in every bit if it is complete;

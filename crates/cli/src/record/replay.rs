@@ -4,13 +4,12 @@ use super::read;
 use crate::BUILD;
 use crate::args::Output;
 use crate::bodies;
-use crate::failure::{Code, Failure};
 use crate::inputs::{Inputs, Read, Text};
 use crate::print;
 use coordinator::{Request, Work};
+use diagnostic::{Failure, Kind, chain};
 use record::{Record, Source};
 use runtime::FileMap;
-use runtime::error::chain;
 use scenario::{Engine, Overrides, Scenario, WrittenDepth};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -64,11 +63,11 @@ pub(super) fn run(
         around(&record.answer)
     );
     let (code, help) = if same_build {
-        (Code::Internal, "the same build must give the same answer: keep both and report it")
+        (Kind::Internal, "the same build must give the same answer: keep both and report it")
     } else {
-        (Code::Skew, "replay it with the build that recorded it")
+        (Kind::Skew, "replay it with the build that recorded it")
     };
-    Err(Failure::new(code, fault).help(help))
+    Err(Failure::new(code, fault).with_remedy(help))
 }
 
 /// The answer once more, and how many jobs it took.
@@ -114,8 +113,8 @@ pub(crate) fn with<T>(
     compare(path, record, &scenario, &loaded)?;
     let bytes: Vec<&[u8]> = loaded.iter().map(|body| body.bytes.bytes()).collect();
     let store = coordinator::seal(&bytes)?;
-    let views = body::store::open(store.bytes())
-        .map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
+    let views =
+        body::store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut work = Work::new(&request, &views, record.settings.depth);
     let jobs = coordinator::replay(&mut work, &views, &record.places, &record.jobs);
@@ -130,8 +129,7 @@ fn engine(record: &Record) -> Result<Engine, Failure> {
         leaf_size: Some(i64::from(record.settings.leaf_size)),
         ..Overrides::default()
     };
-    let wrong = |misfit: scenario::Misfit| Failure::input(misfit.fault).help(misfit.help);
-    Engine::DEFAULT.apply(&changes).map_err(wrong)
+    Ok(Engine::DEFAULT.apply(&changes)?)
 }
 
 /// The model file of each party that has one, found by its hash.
@@ -159,7 +157,7 @@ fn found(
                 None => "name the folder of the model files: --models DIR".to_owned(),
                 Some(folder) => format!("no *.trolley in {} has this hash", folder.display()),
             };
-            return Err(Failure::input(fault).help(help));
+            return Err(Failure::input(fault).with_remedy(help));
         };
         files.insert(party, file.clone());
     }
@@ -202,5 +200,5 @@ fn compare(
         then.hash
     );
     let help = "another build generates or divides bodies differently: use the recorded one";
-    Err(Failure::new(Code::Skew, fault).help(help))
+    Err(Failure::new(Kind::Skew, fault).with_remedy(help))
 }

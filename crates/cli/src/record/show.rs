@@ -2,9 +2,9 @@
 
 use super::{hex, read};
 use crate::args::Output;
-use crate::failure::{Code, Failure};
 use crate::print;
 use crate::table::wrap;
+use diagnostic::Failure;
 use record::{End, Link, Record, Source};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -15,8 +15,8 @@ pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let answer = parsed(&record.answer)?;
     if output.json {
         let explanation = parsed(&record.explanation)?;
-        let mut document = serde_json::to_value(&record)
-            .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+        let mut document =
+            serde_json::to_value(&record).map_err(|error| Failure::internal(error.to_string()))?;
         document["schema"] = json!("trolley.record/1");
         document["number"] = json!(link.number);
         document["previous"] = json!(hex(&link.previous));
@@ -29,7 +29,7 @@ pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
 }
 
 fn parsed(text: &str) -> Result<Value, Failure> {
-    serde_json::from_str(text).map_err(|error| Failure::new(Code::Internal, error.to_string()))
+    serde_json::from_str(text).map_err(|error| Failure::internal(error.to_string()))
 }
 
 fn words(path: &Path, record: &Record, link: &Link, answer: &Value) -> String {

@@ -1,6 +1,8 @@
 //! Why a run could not be finished.
 
+use diagnostic::{Diagnostic, Kind};
 use runtime::Exit;
+use std::borrow::Cow;
 use transport::OpenError;
 
 /// A run that could not be finished.
@@ -56,10 +58,38 @@ pub enum CrewError {
     Interrupted,
 }
 
-impl CrewError {
-    /// Whether a setting is at fault, and not the machine.
-    #[must_use]
-    pub fn is_setting(&self) -> bool {
-        matches!(self, Self::Open(OpenError::Name { .. }))
+impl Diagnostic for CrewError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::System(error) => error.kind(),
+            Self::Open(open) if open.is_skew() => Kind::Skew,
+            // A name is the user's, all else is the machine's.
+            Self::Open(OpenError::Name { .. }) => Kind::Configuration,
+            Self::Lack(lack) => lack.kind(),
+            Self::Open(_)
+            | Self::StillBorn { .. }
+            | Self::Mute { .. }
+            | Self::NobodyLeft { .. }
+            | Self::Thrashed(_) => Kind::Resources,
+            Self::Interrupted => Kind::Interrupted,
+        }
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        match self {
+            Self::Open(OpenError::Skew { .. } | OpenError::Name { .. }) => None,
+            Self::Open(_) => {
+                Some("shared memory must be writable and large enough: df -h /dev/shm".into())
+            }
+            Self::Thrashed(_) => {
+                Some("more --depth makes sections smaller, --memory-budget gives more room".into())
+            }
+            Self::Lack(lack) => lack.remedy(),
+            Self::System(_)
+            | Self::StillBorn { .. }
+            | Self::Mute { .. }
+            | Self::NobodyLeft { .. }
+            | Self::Interrupted => None,
+        }
     }
 }

@@ -3,7 +3,9 @@
 
 use super::Options;
 use core::fmt;
+use diagnostic::{Diagnostic, Kind};
 use runtime::machine;
+use std::borrow::Cow;
 use transport::Sizes;
 
 /// Something that the machine lacks.
@@ -19,7 +21,19 @@ pub struct Lack {
 
 impl fmt::Display for Lack {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}; {}", self.what, self.remedy)
+        f.write_str(&self.what)
+    }
+}
+
+impl core::error::Error for Lack {}
+
+impl Diagnostic for Lack {
+    fn kind(&self) -> Kind {
+        Kind::Resources
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(self.remedy.as_str().into())
     }
 }
 

@@ -129,7 +129,7 @@ fn pair(unit: &str, mild: (&str, f64, f64), severe: (&str, f64, f64)) -> Result<
 
 /// Speeds as the message gives them: "from 26.6 to 40.0 m/s".
 fn broken(result: Result<Curves, Fault>) -> String {
-    let fault = result.expect_err("the ladder is broken").fault;
+    let fault = result.expect_err("the ladder is broken").what;
     fault.split(" from ").nth(1).unwrap_or_default().to_owned()
 }
 
@@ -178,7 +178,7 @@ fn unsound_files_are_refused_with_their_place() {
     ];
     for (from, to, expected) in cases {
         let fault = refused(from, to);
-        assert!(fault.fault.contains(expected), "{to}: {fault}");
+        assert!(fault.what.contains(expected), "{to}: {fault}");
         assert!(fault.line > 1 && fault.column > 0, "{to}: {fault}");
         assert!(fault.to_string().starts_with(&format!("my.toml:{}:", fault.line)));
     }
@@ -195,5 +195,5 @@ fn several_origins_need_a_reason() {
     let to = DEFAULT_CURVES.find("# --- occupants").expect("goes on");
     let silent = format!("{}{}", &DEFAULT_CURVES[..from], &DEFAULT_CURVES[to..]);
     let fault = Curves::parse("my.toml", &silent).expect_err("no reason");
-    assert!(fault.fault.contains("different origins"), "{fault}");
+    assert!(fault.what.contains("different origins"), "{fault}");
 }

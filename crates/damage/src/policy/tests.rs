@@ -80,7 +80,7 @@ fn unsound_policies_are_refused_with_their_place() {
     ];
     for (text, expected) in cases {
         let fault = refused(&text);
-        assert!(fault.fault.contains(expected), "{expected}: {fault}");
+        assert!(fault.what.contains(expected), "{expected}: {fault}");
         assert!(fault.line >= 1 && !fault.remedy.is_empty(), "{fault}");
     }
 }
@@ -104,7 +104,7 @@ fn equality_may_not_make_harm_an_improvement() {
         .replace("weight = 0.5", third)
         .replace("weight = 0.2", third)
         .replace("weight = 0.3\n", "weight = 0.333333333334\n");
-    assert!(refused(&text).fault.contains("more than half of bayes"));
+    assert!(refused(&text).what.contains("more than half of bayes"));
     let stakes = [crate::rule::Stake::default(); 3];
     let sum = |risks: &[f64]| {
         let rules = [Rule::Bayes, Rule::Equality, Rule::Maximin];

@@ -2,9 +2,11 @@
 
 use super::Format;
 use core::fmt;
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
 
-/// A mesh was refused. Displays as one sentence, `file: place: fault`; [`ImportError::help`] is the
-/// remedy.
+/// A mesh was refused. Displays as one sentence, `file: place: fault`; [`Diagnostic::remedy`]
+/// says what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}: {place}{fault}")]
 pub struct ImportError {
@@ -146,50 +148,57 @@ impl ImportError {
     pub fn new(file: &str, place: Place, fault: Fault) -> Self {
         Self { file: file.to_owned(), place, fault }
     }
+}
 
-    /// What to do about it, in one sentence.
-    #[must_use]
-    pub fn help(&self) -> String {
-        match &self.fault {
+impl Diagnostic for ImportError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        let remedy = match &self.fault {
             Fault::Unsupported { .. } => {
                 "convert it to OBJ, STL, PLY, glTF, GLB or COLLADA (Blender: File, Export)"
-                    .to_owned()
             }
             Fault::Misnamed { looks, .. } => match Format::ALL.iter().find(|f| f.name() == looks) {
-                Some(format) => format!("rename it to end in .{}", format.extension()),
-                None => "convert it to UTF-8 OBJ, STL, PLY, glTF or GLB".to_owned(),
+                Some(format) => {
+                    return Some(format!("rename it to end in .{}", format.extension()).into());
+                }
+                None => "convert it to UTF-8 OBJ, STL, PLY, glTF or GLB",
             },
-            Fault::Syntax(_) => "correct this place, or export the mesh again".to_owned(),
-            Fault::Feature(_) => "export the mesh without it".to_owned(),
+            Fault::Syntax(_) => "correct this place, or export the mesh again",
+            Fault::Feature(_) => "export the mesh without it",
             Fault::Truncated(_) => {
-                "the file is incomplete: copy it again, or export the mesh again".to_owned()
+                "the file is incomplete: copy it again, or export the mesh again"
             }
-            Fault::NotFinite { .. } => "export the mesh again: NaN and infinity are no \
+            Fault::NotFinite { .. } => {
+                "export the mesh again: NaN and infinity are no \
                                         positions"
-                .to_owned(),
-            Fault::TooFar { .. } => "state the unit (--unit mm, cm, inch, ...), or move the body \
+            }
+            Fault::TooFar { .. } => {
+                "state the unit (--unit mm, cm, inch, ...), or move the body \
                                      to the origin"
-                .to_owned(),
-            Fault::Index { .. } => "correct the face, or export the mesh again".to_owned(),
-            Fault::Empty(_) => "export the surface as triangles or polygons".to_owned(),
-            Fault::TooMany { .. } => {
-                "reduce the mesh, or import parts of it with --only".to_owned()
             }
-            Fault::SideFile { .. } => "put the side file beside the mesh, or export as one .glb \
+            Fault::Index { .. } => "correct the face, or export the mesh again",
+            Fault::Empty(_) => "export the surface as triangles or polygons",
+            Fault::TooMany { .. } => "reduce the mesh, or import parts of it with --only",
+            Fault::SideFile { .. } => {
+                "put the side file beside the mesh, or export as one .glb \
                                        file"
-                .to_owned(),
-            Fault::Singular(_) => "apply the transforms when exporting".to_owned(),
-            Fault::NoSuchPart { .. } => "give one of these names to --only".to_owned(),
-            Fault::NoUnit => {
-                "state the length that it was written in: --unit mm, --unit m, ...".to_owned()
             }
-            Fault::Options(_) => "the axes are +x, -x, +y, -y, +z, -z".to_owned(),
+            Fault::Singular(_) => "apply the transforms when exporting",
+            Fault::NoSuchPart { .. } => "give one of these names to --only",
+            Fault::NoUnit => "state the length that it was written in: --unit mm, --unit m, ...",
+            Fault::Options(_) => "the axes are +x, -x, +y, -y, +z, -z",
             Fault::Size { unit: Some(unit), .. } => {
-                format!("is its unit {unit}? then import it with --unit {unit}")
+                return Some(
+                    format!("is its unit {unit}? then import it with --unit {unit}").into(),
+                );
             }
             Fault::Size { unit: None, .. } => {
-                "state its unit or a factor with --unit, and check --kind".to_owned()
+                "state its unit or a factor with --unit, and check --kind"
             }
-        }
+        };
+        Some(remedy.into())
     }
 }

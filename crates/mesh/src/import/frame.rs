@@ -2,6 +2,7 @@
 
 use super::{Fault, Format};
 use core::{fmt, str::FromStr};
+use diagnostic::{Diagnostic, Kind};
 
 /// Length of one unit of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +44,12 @@ impl fmt::Display for Unit {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no unit: one of m, dm, cm, mm, inch, or a factor to metres above 0")]
 pub struct UnknownUnit(pub String);
+
+impl Diagnostic for UnknownUnit {
+    fn kind(&self) -> Kind {
+        Kind::Configuration
+    }
+}
 
 impl FromStr for Unit {
     type Err = UnknownUnit;
@@ -99,6 +106,12 @@ impl fmt::Display for Axis {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no axis: one of +x, -x, +y, -y, +z, -z")]
 pub struct UnknownAxis(pub String);
+
+impl Diagnostic for UnknownAxis {
+    fn kind(&self) -> Kind {
+        Kind::Configuration
+    }
+}
 
 impl FromStr for Axis {
     type Err = UnknownAxis;

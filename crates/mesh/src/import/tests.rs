@@ -2,6 +2,7 @@
 //! of real formats never panic.
 
 use super::*;
+use diagnostic::Diagnostic as _;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -291,7 +292,10 @@ fn parts_of_real_bodies_can_be_chosen_by_their_names() {
     let fault = count(truck, "Sofa").expect_err("there is none");
     let words = fault.to_string();
     assert!(words.starts_with("MAN_10t_chassis.obj: no part is named \"Sofa\"; the names are "));
-    assert!(words.contains("\"Material_Cabin.005\"") && !fault.help().is_empty(), "{words}");
+    assert!(
+        words.contains("\"Material_Cabin.005\"") && !fault.remedy().unwrap_or_default().is_empty(),
+        "{words}"
+    );
 }
 
 #[test]
@@ -330,7 +334,7 @@ fn malformed_files_load_or_are_refused_in_words() {
                 format!("{name}: {} triangles{notes}", it.report.triangles)
             }
             Err(fault) => {
-                assert!(!fault.help().is_empty());
+                assert!(!fault.remedy().unwrap_or_default().is_empty());
                 fault.to_string()
             }
         };
@@ -365,7 +369,7 @@ fn a_car_of_4500_metres_is_refused_with_its_size_and_unit() {
         "a/b/car.obj: 4500.00 × 1800.00 × 1400.00 m is no plausible sedan: its greatest length \
          should be 1 to 30 m"
     );
-    assert_eq!(fault.help(), "is its unit mm? then import it with --unit mm");
+    assert_eq!(fault.remedy().unwrap_or_default(), "is its unit mm? then import it with --unit mm");
     let options = ImportOptions { unit: Some("mm".parse().expect("a unit")), ..options };
     let it = read(Format::Obj, text.as_bytes(), &mut none, &options).expect("plausible");
     assert_eq!(it.report.name, "car");
@@ -415,7 +419,7 @@ proptest! {
                 let mut points = it.mesh.corners.as_flattened().iter().flatten();
                 prop_assert!(!it.mesh.corners.is_empty() && points.all(|x| x.is_finite()));
             }
-            Err(fault) => prop_assert!(fault.to_string().len() > 10 && fault.help().len() > 10),
+            Err(fault) => prop_assert!(fault.to_string().len() > 10 && fault.remedy().unwrap_or_default().len() > 10),
         }
     }
 }

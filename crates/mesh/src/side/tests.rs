@@ -27,7 +27,7 @@ fn every_fault_has_line_and_column() {
     for (text, expected) in cases {
         let fault = Side::parse("a.toml", text).expect_err(text);
         assert!(fault.to_string().starts_with(expected), "{text:?}: {fault}");
-        assert!(!fault.help.is_empty());
+        assert!(!fault.remedy.is_empty());
     }
 }
 

@@ -89,7 +89,7 @@ fn memory_with_a_seal_missing_is_not_trusted() {
         rustix::fs::ftruncate(&fd, 4096).unwrap();
         let seals = all.into_iter().filter(|seal| *seal != missing).collect();
         rustix::fs::fcntl_add_seals(&fd, seals).unwrap();
-        assert_eq!(SealedMemory::from_fd(fd).unwrap_err().kind(), ErrorKind::InvalidData);
+        assert_eq!(SealedMemory::from_fd(fd).unwrap_err().io_kind(), ErrorKind::InvalidData);
     }
 }
 
@@ -141,7 +141,7 @@ fn what_is_not_a_file_is_refused_at_once() {
         (&folder.path().join("absent"), ErrorKind::NotFound),
     ] {
         let error = FileMap::open(path).unwrap_err();
-        assert_eq!(error.kind(), kind);
+        assert_eq!(error.io_kind(), kind);
         assert!(error.to_string().contains(&*path.to_string_lossy()), "{error}");
     }
 }

@@ -139,13 +139,13 @@ fn what_cannot_be_started_is_an_error_and_leaves_nobody() {
     let fds = [];
     let what = Spawn { program: absent, args: &[], fds: &fds, core: None };
     let error = spawn(what).unwrap_err();
-    assert_eq!(error.kind(), std::io::ErrorKind::NotFound);
+    assert_eq!(error.io_kind(), std::io::ErrorKind::NotFound);
     assert!(error.to_string().contains("/absent/program"), "{error}");
 
     let shell = Path::new("/bin/sh");
     for core in [1_000, usize::MAX] {
         let what = Spawn { program: shell, args: &[], fds: &fds, core: Some(core) };
-        assert_eq!(spawn(what).unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
+        assert_eq!(spawn(what).unwrap_err().io_kind(), std::io::ErrorKind::InvalidInput);
     }
     let nul = ["a\0b".to_owned()];
     assert!(spawn(Spawn { program: shell, args: &nul, fds: &fds, core: None }).is_err());

@@ -1,6 +1,6 @@
 //! Every value of a scenario, made wrong, is refused at its own line; and how the refusals read.
 
-use crate::testing::{FULL, parse, settings, with_line};
+use crate::testing::{FULL, parse, settings, told, with_line};
 
 /// Wrong values by key: the ends of each range, other types, other words, contradictions.
 const WRONG: &[(&str, &[&str])] = &[
@@ -74,7 +74,7 @@ fn every_wrong_value_is_refused_at_its_own_line() {
             assert_eq!(error.place.line, number, "{section} {key} = {wrong}: {error}");
             let least = if number == 1 { 1 } else { key.len() + 4 };
             assert!(error.place.column >= least, "{section} {key} = {wrong}: {error}");
-            assert_reads_well(&error.to_string());
+            assert_reads_well(&told(error));
         }
     }
 }
@@ -87,8 +87,8 @@ fn every_misspelt_key_is_refused_where_it_stands() {
         assert_eq!((error.place.line, error.place.column), (number, 1), "{section} {error}");
         let traits = key == "seat";
         let remedy = if traits { "seat only".into() } else { format!("Did you mean {key:?}?") };
-        assert!(error.help.contains(&remedy), "{section} {key}: {error}");
-        assert_reads_well(&error.to_string());
+        assert!(error.remedy.contains(&remedy), "{section} {key}: {error}");
+        assert_reads_well(&told(error));
     }
 }
 
@@ -120,7 +120,7 @@ fn a_missing_key_is_either_optional_or_named() {
         match parse(&with_line(number, "")) {
             Ok(_) => assert!(!REQUIRED.contains(&key), "{section} {key}"),
             Err(error) if REQUIRED.contains(&key) => {
-                assert!(error.fault.contains(key), "{section} {key}: {error}");
+                assert!(error.what.contains(key), "{section} {key}: {error}");
                 assert!(error.place.line <= number, "{section} {key}: {error}");
             }
             // Without it another value no longer fits: the ego is looked for by its usual name, and
@@ -132,7 +132,7 @@ fn a_missing_key_is_either_optional_or_named() {
                     "seat" => "a person in a sedan needs a seat",
                     _ => panic!("{section} {key}: {error}"),
                 };
-                assert_eq!(error.fault, expected);
+                assert_eq!(error.what, expected);
             }
         }
     }
@@ -156,7 +156,7 @@ fn changed(from: &str, to: &str) -> String {
 }
 
 fn refusal(from: &str, to: &str) -> String {
-    parse(&changed(from, to)).expect_err(to).to_string()
+    told(parse(&changed(from, to)).expect_err(to))
 }
 
 #[test]
@@ -248,9 +248,9 @@ fn what_is_unknown_has_neither_mass_nor_persons_and_is_not_the_ego() {
 fn zero_and_too_many_candidates_are_refused() {
     let (head, _) = FULL.split_once("[[candidates]]").unwrap();
     let none = "f.toml:1:1: no candidates: there is nothing to rank\n  help: add [[candidates]]";
-    assert_eq!(parse(head).unwrap_err().to_string(), none);
+    assert_eq!(told(parse(head).unwrap_err()), none);
     let empty = format!("candidates = []\n{head}");
-    assert!(parse(&empty).unwrap_err().fault.starts_with("no candidates"));
+    assert!(parse(&empty).unwrap_err().what.starts_with("no candidates"));
 
     let one = |i: usize| {
         format!(
@@ -261,7 +261,7 @@ fn zero_and_too_many_candidates_are_refused() {
     let many = |n: usize| head.to_owned() + &(0..n).map(one).collect::<String>();
     assert_eq!(parse(&many(16)).unwrap().candidates.len(), 16);
     let error = parse(&many(17)).unwrap_err();
-    assert_eq!(error.fault, "17 candidates are too many");
+    assert_eq!(error.what, "17 candidates are too many");
     assert_eq!(error.place.line, head.lines().count() + 1);
 }
 
@@ -270,7 +270,7 @@ fn the_number_of_parties_is_bounded() {
     let party = |i: usize| format!("[parties.p{i}.generate]\nshape = \"pole\"\ntriangles = 500\n");
     let with = |n: usize| format!("{FULL}{}", (0..n).map(party).collect::<String>());
     assert_eq!(parse(&with(14)).unwrap().parties.len(), 17);
-    assert_eq!(parse(&with(15)).unwrap_err().fault, "18 parties are defined");
+    assert_eq!(parse(&with(15)).unwrap_err().what, "18 parties are defined");
 }
 
 #[test]
@@ -287,14 +287,14 @@ fn bodies_that_cannot_play_their_part_are_refused() {
         ("size_m = [0.3, 0.25]", "size_m = [0.3, 0.25]\npersons = [{}]", "a pole holds nobody"),
     ];
     for (from, to, fault) in cases {
-        assert_eq!(parse(&changed(from, to)).unwrap_err().fault, fault);
+        assert_eq!(parse(&changed(from, to)).unwrap_err().what, fault);
     }
     let ridden = FULL
         .replace("shape = \"sedan\"", "shape = \"cyclist\"")
         .replace("seat = \"front-left\"", "seat = \"rider\"")
         .replace("[[parties.car.persons]]\nseat = \"rear-right\"\n", "");
     let error = parse(&ridden).unwrap_err();
-    assert_eq!((error.fault.as_str(), error.place.line), ("a cyclist cannot be the ego", 6));
+    assert_eq!((error.what.as_str(), error.place.line), ("a cyclist cannot be the ego", 6));
 }
 
 #[test]
@@ -302,7 +302,7 @@ fn too_much_text_is_refused_unread() {
     let text = format!("{FULL}#{}", "x".repeat(crate::TEXT_BYTES_MAX));
     let error = parse(&text).unwrap_err();
     assert_eq!((error.place.line, error.place.column), (1, 1));
-    assert!(error.fault.contains("too many for a scenario"), "{error}");
+    assert!(error.what.contains("too many for a scenario"), "{error}");
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn a_list_is_not_taken_for_a_table() {
     ] {
         assert!(minimal.contains(table), "{table}");
         let error = parse(&minimal.replacen(table, list, 1)).expect_err(list);
-        assert!(error.fault.contains("found a list, expected a table"), "{list}: {error}");
-        assert_reads_well(&error.to_string());
+        assert!(error.what.contains("found a list, expected a table"), "{list}: {error}");
+        assert_reads_well(&told(error));
     }
 }

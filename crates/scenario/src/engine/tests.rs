@@ -104,8 +104,8 @@ proptest! {
     #[test]
     fn what_is_refused_is_named(change in changes()) {
         if let Err(misfit) = Engine::DEFAULT.apply(&change) {
-            prop_assert!(!misfit.help.is_empty());
-            prop_assert!(misfit.fault.contains(misfit.setting), "{}", misfit);
+            prop_assert!(!misfit.remedy.is_empty());
+            prop_assert!(misfit.what.contains(misfit.setting), "{}", misfit);
         } else {
             prop_assert!(Engine::DEFAULT.apply(&change).is_ok_and(|engine| is_valid(&engine)));
         }
@@ -125,7 +125,7 @@ fn fewer_workers_take_the_first_of_the_listed_cores() {
     assert_eq!(engine.apply(&with(2)).unwrap().cores, Cores::Listed(vec![4, 5]));
     let error = engine.apply(&with(5)).unwrap_err();
     assert_eq!(
-        error.to_string(),
+        crate::testing::told(error),
         "cores lists 4 of them for 5 workers\n  help: list one core for each worker (a core may \
          stand twice), or none: cores = []"
     );

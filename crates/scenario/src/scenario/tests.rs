@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::engine::{Cores, Engine, Overrides};
-use crate::testing::{FULL, parse};
+use crate::testing::{FULL, parse, told};
 use body::Seat;
 use proptest::prelude::*;
 
@@ -247,8 +247,8 @@ proptest! {
                 let line = lines.get(error.place.line.wrapping_sub(1));
                 let end = line.map_or(0, |line| line.chars().count() + 1);
                 prop_assert!((1..=end).contains(&error.place.column), "{error}\n{text}");
-                prop_assert!(!error.help.is_empty());
-                prop_assert_eq!(error.to_string().lines().count(), 2, "{}", error);
+                prop_assert!(!error.remedy.is_empty());
+                prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error);
             }
             Ok(scenario) => {
                 prop_assert!((1..=16).contains(&scenario.candidates.len()));
@@ -288,7 +288,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
     let scenario = parse(FULL).unwrap();
     let kinds = |walker| [Kind::Sedan, Kind::Pole, walker];
     scenario.check_kinds("f.toml", &kinds(Kind::Pedestrian)).unwrap();
-    let refused = |kinds: &[Kind]| scenario.check_kinds("f.toml", kinds).unwrap_err().to_string();
+    let refused = |kinds: &[Kind]| told(scenario.check_kinds("f.toml", kinds).unwrap_err());
     assert_eq!(
         refused(&kinds(Kind::Building)),
         "f.toml:44:1: a building is fixed to the ground and cannot move\n  help: write \
@@ -308,7 +308,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
     let heavy = parse(&text).unwrap();
     let error = heavy.check_kinds("f.toml", &kinds(Kind::Wall)).unwrap_err();
     assert_eq!(error.place, Place { line: 33, column: 1 });
-    assert_eq!(error.fault, "a wall is fixed to the ground and has no mass");
+    assert_eq!(error.what, "a wall is fixed to the ground and has no mass");
 }
 
 #[test]

@@ -191,7 +191,7 @@ fn what_the_schema_requires_the_parser_requires() {
         let error = parse(&with_line(number, "")).err();
         let missed = error.as_ref().is_some_and(|error| {
             let quoted = format!("{key:?} is missing");
-            error.fault.starts_with(&quoted) || error.fault == format!("{key} is missing")
+            error.what.starts_with(&quoted) || error.what == format!("{key} is missing")
         });
         assert_eq!(required, missed, "{section} {key}: {error:?}");
     }

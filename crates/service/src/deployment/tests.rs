@@ -40,7 +40,8 @@ fn every_mistake_is_named_with_its_place_and_a_remedy() {
     ] {
         assert!(MINIMAL.contains(from), "{from}");
         let wrong = MINIMAL.replacen(from, to, 1);
-        let error = Deployment::parse("deployment.toml", &wrong).unwrap_err().to_string();
+        let error = Deployment::parse("deployment.toml", &wrong).unwrap_err();
+        let error = diagnostic::Failure::from(error).to_string();
         assert!(error.contains(said), "{to}: {error}");
         assert!(error.starts_with("deployment.toml:") && error.contains("\n  help: "), "{error}");
     }

@@ -88,20 +88,20 @@ fn each_fault_is_named_at_its_line_with_a_remedy() {
     for (old, new, line, says) in WRONG {
         let error = small(old, new).expect_err(new);
         assert_eq!(error.line, *line, "{new}: {error}");
-        assert!(error.fault.contains(says), "{new}: {error}");
-        assert!(error.help.len() > 8, "{new}: {}", error.help);
+        assert!(error.what.contains(says), "{new}: {error}");
+        assert!(error.remedy.len() > 8, "{new}: {}", error.remedy);
     }
 }
 
 #[test]
 fn what_is_not_xml_or_another_xml_is_named() {
     let read = |text: &str| read("a.xml", text, &ReadOptions::default()).expect_err("refused");
-    assert!(read("schema = 1").fault.contains("not XML: it begins with \"schema = 1\""));
-    assert!(read("").fault.contains("not XML"));
-    assert!(read("<svg/>").fault.contains("<svg>, neither CommonRoad nor OpenSCENARIO"));
+    assert!(read("schema = 1").what.contains("not XML: it begins with \"schema = 1\""));
+    assert!(read("").what.contains("not XML"));
+    assert!(read("<svg/>").what.contains("<svg>, neither CommonRoad nor OpenSCENARIO"));
     // A million elements in each other: nesting is only many nodes.
     let deep = format!("<commonRoad>{}", "<a>".repeat(1_000_000));
-    assert!(read(&deep).fault.contains("not readable as XML"));
+    assert!(read(&deep).what.contains("not readable as XML"));
 }
 
 #[test]
@@ -112,13 +112,13 @@ fn obstacles_can_be_left_out_and_named_as_the_ego() {
     let without = ["9".to_owned()];
     let options = ReadOptions { without: &without, ..ReadOptions::default() };
     let error = read("s.xml", SMALL, &options).expect_err("unknown");
-    assert!(error.fault.contains("no obstacle \"9\"") && error.help.contains("1, 2"), "{error}");
+    assert!(error.what.contains("no obstacle \"9\"") && error.remedy.contains("1, 2"), "{error}");
     let options = ReadOptions { ego: Some("2"), ..ReadOptions::default() };
     let recording = read("s.xml", SMALL, &options).expect("valid");
     assert_eq!((recording.ego.went.len(), recording.others.len()), (2, 1));
     let nobody = SMALL.replace("planningProblem", "something");
     let error = read("s.xml", &nobody, &ReadOptions::default()).expect_err("no ego");
-    assert!(error.help.contains("--ego"), "{error}");
+    assert!(error.remedy.contains("--ego"), "{error}");
 }
 
 #[test]
@@ -149,7 +149,7 @@ proptest! {
         let text = String::from_utf8(bytes).expect("ASCII");
         match read("s.xml", &text, &ReadOptions::default()) {
             Ok(recording) => drop(recording.sweep(&Sweep { horizon_s: 0.2, ..Sweep::default() })),
-            Err(error) => prop_assert!(error.line >= 1 && !error.help.is_empty()),
+            Err(error) => prop_assert!(error.line >= 1 && !error.remedy.is_empty()),
         }
     }
 }

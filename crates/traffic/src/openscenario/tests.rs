@@ -57,8 +57,8 @@ fn the_rest_is_refused_with_a_reason() {
         ("<WorldPosition x=\"20\"", "<WorldPosition x=\"far\"", "x is not a finite number"),
     ] {
         let error = small(old, new).expect_err(new);
-        assert!(error.fault.contains(says) && !error.help.is_empty(), "{new}: {error}");
+        assert!(error.what.contains(says) && !error.remedy.is_empty(), "{new}: {error}");
     }
     let error = read("c.xosc", CATALOG, &ReadOptions::default()).expect_err("a catalogue");
-    assert!(error.help.contains("--catalog"), "{error}");
+    assert!(error.remedy.contains("--catalog"), "{error}");
 }

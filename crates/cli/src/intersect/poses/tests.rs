@@ -39,7 +39,7 @@ proptest! {
         let at = at.index(bytes.len());
         bytes[at] = byte;
         if let Err(failure) = parse("p", &bytes) {
-            prop_assert!(failure.fault.starts_with("p:") && failure.help.is_some(), "{failure}");
+            prop_assert!(failure.what().starts_with("p:") && failure.remedy().is_some(), "{failure}");
         }
     }
 }
@@ -50,8 +50,8 @@ fn every_fault_has_its_place() {
         assert!(GOOD.contains(change.0), "{change:?}");
         let text = GOOD.replacen(change.0, change.1, 1);
         let failure = parse("p", text.as_bytes()).expect_err(change.1);
-        assert!(failure.help.is_some(), "{failure}");
-        failure.fault
+        assert!(failure.remedy().is_some(), "{failure}");
+        failure.what().to_owned()
     };
     for (change, said) in [
         (("2.5", "zwei"), "p:4:8: \"zwei\" is no number"),
@@ -79,7 +79,7 @@ fn every_fault_has_its_place() {
         assert_eq!(fault(change), said);
     }
     let failure = parse("p", b"1 0 0 0\n0 \xff").expect_err("bytes");
-    assert_eq!(failure.fault, "p:2:3: this is not UTF-8 text");
+    assert_eq!(failure.what(), "p:2:3: this is not UTF-8 text");
     // Six decimals of rounding pass, a thousandth of a degree off does not matter to anybody.
     let rounded = GOOD.replacen("1 0 0 0\n", "0.9999997 0 0 0\n", 1);
     assert!(parse("p", rounded.as_bytes()).is_ok());

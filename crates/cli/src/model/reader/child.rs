@@ -5,14 +5,14 @@
 
 use super::super::open;
 use super::{Report, Request, Word};
-use crate::failure::{Code, Failure};
 use crate::print;
 use body::{Kind, Mesh, Zones, defaults, file, zones};
 use bvh::BuildOptions;
+use diagnostic::Failure;
 use mesh::import::{
     self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
 };
-use mesh::side::{Side, SideError};
+use mesh::side::Side;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use runtime::affinity::{allowed_cores, pin_self};
@@ -42,7 +42,7 @@ static PANIC: Mutex<Option<String>> = Mutex::new(None);
 pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
     runtime::process::set_name("trolley-import");
     let request: Request = serde_json::from_str(request).map_err(|error| {
-        Failure::new(Code::Configuration, error.to_string()).help("use: trolley model import")
+        Failure::setting(error.to_string()).with_remedy("use: trolley model import")
     })?;
     runtime::process::limit_self(request.memory_bytes, request.cpu_s)?;
     // Building begins where reading freed its memory: two trees of a million triangles each are
@@ -62,9 +62,10 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
             say(&Word::Read { report: Box::new(report), build_ns, model_bytes })?;
             print::out_bytes(&bytes)
         }
-        Err(Failure { code, fault, help }) => {
-            say(&Word::Refused { fault, help })?;
-            Ok(code.into())
+        Err(failure) => {
+            let (what, remedy) = (failure.what().to_owned(), failure.remedy().map(str::to_owned));
+            say(&Word::Refused { what, remedy })?;
+            Ok(failure.kind().into())
         }
     }
 }
@@ -79,17 +80,8 @@ fn zones_by_all(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
 }
 
 fn say(word: &Word) -> Result<ExitCode, Failure> {
-    let line = serde_json::to_string(word)
-        .map_err(|error| Failure::new(Code::Internal, error.to_string()))?;
+    let line = serde_json::to_string(word).map_err(|error| Failure::internal(error.to_string()))?;
     print::out(&line)
-}
-
-fn by_import(error: &ImportError) -> Failure {
-    Failure::input(error.to_string()).help(error.help())
-}
-
-fn by_side(error: &SideError) -> Failure {
-    Failure::input(error.to_string()).help(error.help)
 }
 
 impl Request {
@@ -124,11 +116,11 @@ impl Request {
         let map = open::bytes(path)?;
         let side = if self.as_it_stands { None } else { self.side(path)? };
         let kind = self.kind.or_else(|| side.as_ref().and_then(Side::kind));
-        let format = Format::detect(&self.file, map.bytes()).map_err(|e| by_import(&e))?;
+        let format = Format::detect(&self.file, map.bytes())?;
         let folder = folder(path);
         let mut resolve = |name: &str| side_file(&folder, name);
         let mut imported = import::read(format, map.bytes(), &mut resolve, &self.options(kind)?)
-            .map_err(|error| self.by_import(&error))?;
+            .map_err(|error| self.by_import(error))?;
         drop(map);
         if let (Some(flag), Some(said)) = (self.kind, side.as_ref().and_then(Side::kind))
             && flag != said
@@ -146,18 +138,11 @@ impl Request {
     }
 
     fn options(&self, kind: Option<Kind>) -> Result<ImportOptions, Failure> {
-        let wrong = |fault: String| Failure::new(Code::Configuration, fault);
-        let axis = |text: &Option<String>| -> Result<Option<Axis>, Failure> {
-            text.as_deref()
-                .map(str::parse)
-                .transpose()
-                .map_err(|error: mesh::import::UnknownAxis| wrong(error.to_string()))
-        };
+        let axis = |text: &Option<String>| text.as_deref().map(str::parse::<Axis>).transpose();
         let unit = self.unit_m.map(|metres| metres.to_string().parse::<Unit>());
-        let unit = unit.transpose().map_err(|error| wrong(error.to_string()))?;
         Ok(ImportOptions {
             file: self.file.clone(),
-            unit,
+            unit: unit.transpose()?,
             up: axis(&self.up)?,
             forward: axis(&self.forward)?,
             only: self.only.clone(),
@@ -186,7 +171,7 @@ impl Request {
         };
         let mut meta = defaults::assemble(origin, &mesh);
         if let Some(side) = side {
-            side.apply(&mut meta, &mesh.bounds()).map_err(|error| by_side(&error))?;
+            side.apply(&mut meta, &mesh.bounds())?;
         }
         if let Some(name) = &self.name {
             name.clone_into(&mut meta.name);
@@ -204,10 +189,6 @@ impl Request {
                 let _told = say(&Word::Progress { done: *done, total });
             }
         };
-        let named = |failure: Failure| Failure {
-            fault: format!("{}: {}", self.file, failure.fault),
-            ..failure
-        };
         let build = |zones: fn(&Mesh, Kind) -> Vec<Zones>| {
             let zones = zones(&mesh, kind);
             let begun_ns = now_ns();
@@ -218,19 +199,20 @@ impl Request {
             Some(threads) => threads.install(|| build(zones_by_all)),
             None => build(zones::of_mesh),
         };
-        let body = body.map_err(|error| named(Failure::input(error.to_string())))?;
-        let bytes = file::encode(&body)
-            .map_err(|error| named(Failure::input(error.to_string()).help(error.help())))?;
+        let body = body.map_err(|error| Failure::input(error.to_string()).at(&self.file))?;
+        let bytes = file::encode(&body).map_err(|error| Failure::from(error).at(&self.file))?;
         Ok((build_ns, bytes))
     }
 
     /// Where no unit can be stated, no unit is the remedy.
-    fn by_import(&self, error: &ImportError) -> Failure {
-        match error.fault {
-            Fault::TooFar { .. } if self.as_it_stands => Failure::input(error.to_string())
-                .help("coordinates are taken as they stand: move the body to its origin"),
-            _ => by_import(error),
+    fn by_import(&self, error: ImportError) -> Failure {
+        let is_too_far = matches!(error.fault, Fault::TooFar { .. });
+        let failure = Failure::from(error);
+        if is_too_far && self.as_it_stands {
+            let remedy = "coordinates are taken as they stand: move the body to its origin";
+            return failure.with_remedy(remedy);
         }
+        failure
     }
 
     /// The TOML file beside the mesh, if there is one.
@@ -239,13 +221,13 @@ impl Request {
         let Ok(about) = std::fs::metadata(&name) else { return Ok(None) };
         if about.len() > SIDE_BYTES_MAX {
             let fault = format!("{}: {} bytes are too many", name.display(), about.len());
-            return Err(Failure::input(fault).help("a side file has a few lines"));
+            return Err(Failure::input(fault).with_remedy("a side file has a few lines"));
         }
         let map = open::bytes(&name)?;
         let text = std::str::from_utf8(map.bytes()).map_err(|error| {
-            Failure::input(format!("{}: {error}", name.display())).help("save it as UTF-8")
+            Failure::input(format!("{}: {error}", name.display())).with_remedy("save it as UTF-8")
         })?;
-        Side::parse(&name.display().to_string(), text).map(Some).map_err(|e| by_side(&e))
+        Ok(Some(Side::parse(&name.display().to_string(), text)?))
     }
 
     fn kind_missing(&self, path: &Path, imported: &Imported) -> Failure {
@@ -265,7 +247,7 @@ impl Request {
             "{}: what this body is was not said; it measures {guess}{doubts}",
             self.file
         ))
-        .help(format!(
+        .with_remedy(format!(
             "add --kind {likely}, or write kind = \"...\" into {}; kinds: {kinds}",
             side_path(path).display()
         ))
@@ -274,7 +256,7 @@ impl Request {
     fn panicked(&self) -> Failure {
         let said = PANIC.lock().ok().and_then(|mut said| said.take()).unwrap_or_default();
         Failure::input(format!("{}: its reader failed: {said}", self.file))
-            .help("export the mesh again, or in another format")
+            .with_remedy("export the mesh again, or in another format")
     }
 }
 
@@ -283,7 +265,7 @@ fn check_length(path: &Path) -> Result<(), Failure> {
         Ok(about) if about.is_file() && about.len() > BYTES_MAX as u64 => {
             let (found, most) = (about.len(), BYTES_MAX);
             let fault = format!("{}: {found} bytes are above the limit of {most}", path.display());
-            Err(Failure::input(fault).help("reduce the mesh, or split it"))
+            Err(Failure::input(fault).with_remedy("reduce the mesh, or split it"))
         }
         _ => Ok(()),
     }
@@ -338,6 +320,6 @@ fn side_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     }
     match open::bytes(&real) {
         Ok(map) => Ok(map.bytes().to_vec()),
-        Err(failure) => Err(failure.fault),
+        Err(failure) => Err(failure.what().to_owned()),
     }
 }

@@ -23,35 +23,35 @@ fn request() -> Request {
 #[test]
 fn every_end_names_the_file_what_happened_and_a_remedy() {
     let ends = [
-        (Some(Exit::Signal(24)), "", "stopped after 120 s of CPU time", Code::Input),
-        (Some(Exit::Signal(11)), "", "crashed (SIGSEGV)", Code::Input),
-        (Some(Exit::Signal(9)), "", "crashed (SIGKILL)", Code::Input),
+        (Some(Exit::Signal(24)), "", "stopped after 120 s of CPU time", diagnostic::Kind::Input),
+        (Some(Exit::Signal(11)), "", "crashed (SIGSEGV)", diagnostic::Kind::Input),
+        (Some(Exit::Signal(9)), "", "crashed (SIGKILL)", diagnostic::Kind::Input),
         (
             Some(Exit::Signal(6)),
             "memory allocation of 9 bytes failed",
             "more than 2048 MB of memory",
-            Code::Input,
+            diagnostic::Kind::Input,
         ),
         (
             Some(Exit::Signal(6)),
             "thread 'main' has overflowed its stack",
             "ran out of stack",
-            Code::Input,
+            diagnostic::Kind::Input,
         ),
-        (Some(Exit::Code(101)), "oh", "gave up (exit code 101) oh", Code::Input),
+        (Some(Exit::Code(101)), "oh", "gave up (exit code 101) oh", diagnostic::Kind::Input),
         (
             Some(Exit::Code(71)),
             "error: cannot limit 'address space'",
             "cannot limit 'address space'",
-            Code::System,
+            diagnostic::Kind::System,
         ),
-        (None, "", "did not end", Code::Input),
+        (None, "", "did not end", diagnostic::Kind::Input),
     ];
     for (exit, last_words, says, code) in ends {
         let failure = request().ended(exit, last_words);
-        assert!(failure.fault.starts_with("car.obj: "), "{failure}");
-        assert!(failure.fault.contains(says) && failure.help.is_some(), "{failure}");
-        assert_eq!(failure.code, code, "{failure}");
+        assert!(failure.what().starts_with("car.obj: "), "{failure}");
+        assert!(failure.what().contains(says) && failure.remedy().is_some(), "{failure}");
+        assert_eq!(failure.kind(), code, "{failure}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! The name decides unless the content plainly says otherwise.
 
 use super::*;
+use diagnostic::Diagnostic as _;
 
 fn detect(file: &str, bytes: &[u8]) -> Result<Format, String> {
     Format::detect(file, bytes).map_err(|fault| fault.to_string())
@@ -54,5 +55,5 @@ fn wrong_names_are_refused_with_what_the_content_looks_like() {
         assert_eq!(detect(file, bytes).expect_err(file), expected);
     }
     let fault = Format::detect("a.obj", b"ply\n").expect_err("misnamed");
-    assert_eq!(fault.help(), "rename it to end in .ply");
+    assert_eq!(fault.remedy().unwrap_or_default(), "rename it to end in .ply");
 }
