@@ -30,34 +30,6 @@ impl<'a> Descent<'a> {
         self.placement.apart(&self.placement.box_a(&a.bounds), &self.placement.box_b(&b.bounds))
     }
 
-    /// How far the boxes of a pair are apart at least (m); not above 0: they may overlap. One test.
-    pub(crate) fn gap(&self, pair: NodePair, counters: &mut Counters) -> f64 {
-        let (a, b) = self.nodes(pair);
-        counters.nb += 1;
-        let (a, b) = (self.placement.box_a(&a.bounds), self.placement.box_b(&b.bounds));
-        self.placement.gap(&a, &b)
-    }
-
-    /// Opens the node of `pair` on `side`, which is no leaf: tells `take` both pairs below, the
-    /// right one first, and how far their boxes are apart.
-    pub(crate) fn open_with_gaps(
-        &self,
-        pair: NodePair,
-        side: Side,
-        counters: &mut Counters,
-        mut take: impl FnMut(NodePair, f64),
-    ) {
-        let (node_a, node_b) = self.nodes(pair);
-        let below = match side {
-            Side::A => [node_a.link, pair.a + 1].map(|a| NodePair { a, ..pair }),
-            Side::B => [node_b.link, pair.b + 1].map(|b| NodePair { b, ..pair }),
-        };
-        for pair in below {
-            let gap_m = self.gap(pair, counters);
-            take(pair, gap_m);
-        }
-    }
-
     /// Opens the node of `pair` on `side`, which is no leaf: tells `keep` the right pair below,
     /// then the left one, where their boxes overlap; so on a stack the left one comes to lie on
     /// top. Two tests, for which the box of the other side is made ready once.

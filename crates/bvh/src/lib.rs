@@ -25,7 +25,6 @@
 //! - Nothing recurses, and [`kernel::Kernel::run`] allocates nothing.
 
 pub mod build;
-pub mod cut;
 pub mod front;
 pub mod kernel;
 pub mod placement;
@@ -38,7 +37,6 @@ mod descent;
 mod hits;
 
 pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild, worth_starting};
-pub use cut::Cut;
 pub use front::{NodePair, front};
 pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};
 pub use placement::Placement;

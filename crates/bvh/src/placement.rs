@@ -116,23 +116,6 @@ impl Placement {
         }
         combine(&self.rows, between).abs().cmpgt(a.reach + b.half).any()
     }
-
-    /// How far (m) `a` and `b` are apart at least, along one of the axes that [`Placement::apart`]
-    /// tries; above 0 exactly where that says yes.
-    #[must_use]
-    #[inline]
-    pub fn gap(&self, a: &BoxA, b: &BoxB) -> f64 {
-        let between = b.centre - a.centre;
-        let along_a = between.abs() - (a.half + b.reach);
-        let along_b = combine(&self.rows, between).abs() - (a.reach + b.half);
-        greatest(along_a).max(greatest(along_b))
-    }
-}
-
-/// The greatest coordinate.
-#[inline]
-fn greatest(v: DVec3) -> f64 {
-    v.x.max(v.y).max(v.z)
 }
 
 /// The sum of three vectors, each times one coordinate: with the columns of R it is R v, with its

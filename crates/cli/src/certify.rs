@@ -11,7 +11,6 @@ use std::process::ExitCode;
 
 mod bounds;
 mod budget;
-mod coherence;
 mod deadline;
 mod requests;
 mod share;
@@ -22,8 +21,7 @@ Examples:
   trolley certify bounds --stops 100000
   trolley certify bounds --stops 1000 --flaw forgets-open-poses
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
-  trolley certify budget --body sedan.trolley --body suv.trolley
-  trolley certify coherence --depth 5,8";
+  trolley certify budget --body sedan.trolley --body suv.trolley";
 
 /// What is measured.
 #[derive(Debug, clap::Subcommand)]
@@ -42,8 +40,6 @@ pub(crate) enum Verb {
     Deadline(deadline::DeadlineArgs),
     /// Whether jobs keep their budget, in tests and in CPU time.
     Budget(budget::BudgetArgs),
-    /// What it saves to begin each descent where the last one ended.
-    Coherence(coherence::CoherenceArgs),
 }
 
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
@@ -63,7 +59,6 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         }
         Verb::Deadline(args) => print::out(&deadline::run(args, output)?),
         Verb::Budget(args) => print::out(&budget::run(args, output)?),
-        Verb::Coherence(args) => print::out(&coherence::run(args, output)?),
     }
 }
 

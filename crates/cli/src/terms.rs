@@ -125,7 +125,7 @@ impl TermsArgs {
             (None, _) => u64::MAX,
         };
         let deadline_ns = deadline.map(Terms::guarded);
-        Ok(Terms { until, deadline_ns, pursuit, budget, is_cold: false })
+        Ok(Terms { until, deadline_ns, pursuit, budget })
     }
 
     /// When an answer is due after the request was accepted.

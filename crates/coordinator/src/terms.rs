@@ -27,8 +27,6 @@ pub struct Terms {
     pub pursuit: Pursuit,
     /// Most tests of boxes and triangles that one job may take.
     pub budget: u64,
-    /// Whether every descent begins at the roots, and not where the last one ended.
-    pub is_cold: bool,
 }
 
 impl Default for Terms {
@@ -38,7 +36,6 @@ impl Default for Terms {
             deadline_ns: None,
             pursuit: Pursuit::default(),
             budget: u64::MAX,
-            is_cold: false,
         }
     }
 }

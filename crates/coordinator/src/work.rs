@@ -1,7 +1,6 @@
 //! The work of one request: tasks become jobs, results become evidence, evidence becomes an answer.
 
 use crate::case::{Aim, Case};
-use crate::cuts::Cuts;
 use crate::ledger::{Asked, Ledger};
 use crate::request::Request;
 use crate::strategy::Strategy;
@@ -75,8 +74,6 @@ pub struct Work<'w> {
     /// Tasks with jobs to hand out, in the order in which they were asked for.
     waiting: VecDeque<u32>,
     pairs: Vec<NodePair>,
-    /// Where the last descents ended.
-    cuts: Cuts,
     aims: Vec<(Aim, f64, Question)>,
     /// Jobs there are, those included that were never handed out.
     slots: usize,
@@ -107,7 +104,7 @@ impl<'w> Work<'w> {
         depth: u32,
         room: Room,
     ) -> Self {
-        let Room { zones, cases, errands, waiting, pairs, cuts, aims, outlook, spare } =
+        let Room { zones, cases, errands, waiting, pairs, aims, outlook, spare } =
             room.for_request(request, bodies);
         let terms = Terms::default();
         let mut work = Self {
@@ -119,7 +116,6 @@ impl<'w> Work<'w> {
             errands,
             waiting,
             pairs,
-            cuts,
             aims,
             slots: 0,
             effort: Effort::default(),
@@ -140,27 +136,14 @@ impl<'w> Work<'w> {
     /// The room, for the next request.
     #[must_use]
     pub fn into_room(self) -> Room {
-        let Self { zones, cases, errands, waiting, pairs, cuts, aims, outlook, spare, .. } = self;
-        Room { zones, cases, errands, waiting, pairs, cuts, aims, outlook, spare }
+        let Self { zones, cases, errands, waiting, pairs, aims, outlook, spare, .. } = self;
+        Room { zones, cases, errands, waiting, pairs, aims, outlook, spare }
     }
 
     /// The same on other terms.
     #[must_use]
     pub fn with_terms(self, terms: Terms) -> Self {
         Self { terms, strategy: terms.pursuit.strategy(), ..self }
-    }
-
-    /// The same, with descents that begin where those of an earlier request of the same bodies at
-    /// the same depth ended.
-    #[must_use]
-    pub fn with_cuts(self, cuts: Cuts) -> Self {
-        Self { cuts, ..self }
-    }
-
-    /// Where the descents ended, for the next request.
-    #[must_use]
-    pub fn into_cuts(self) -> Cuts {
-        self.cuts
     }
 
     pub(crate) fn request(&self) -> &'w Request {
@@ -224,12 +207,7 @@ impl<'w> Work<'w> {
         let pose = pose_of(&wire);
         self.pairs.clear();
         let descent = &mut self.effort.descent;
-        if self.terms.is_cold {
-            front(a, b, &pose, self.depth, &mut self.pairs, descent);
-        } else {
-            let cut = self.cuts.of(self.request, self.errands[number as usize].case);
-            cut.front((a, b), &pose, self.depth, &mut self.pairs, descent);
-        }
+        front(a, b, &pose, self.depth, &mut self.pairs, descent);
         self.slots += self.pairs.len();
         let errand = &mut self.errands[number as usize];
         errand.is_descended = true;

@@ -4,7 +4,6 @@ use super::{Errand, Work};
 use crate::explain::Explanation;
 use crate::ledger::{Asked, Ledger};
 use crate::request::RequestError;
-use geometry::RelativePose;
 use protocol::TaskId;
 
 impl Work<'_> {
@@ -26,18 +25,6 @@ impl Work<'_> {
     #[must_use]
     pub fn ledger(&self) -> Option<&Ledger> {
         self.ledger.as_ref()
-    }
-
-    /// Per candidate: its two models, and the poses at which descents were made, in order.
-    #[must_use]
-    pub fn poses(&self) -> Vec<([u32; 2], Vec<RelativePose>)> {
-        let candidates = self.request.candidates.iter();
-        let mut poses: Vec<([u32; 2], Vec<RelativePose>)> =
-            candidates.map(|c| ([c.model_a, c.model_b], Vec::new())).collect();
-        for errand in self.errands.iter().filter(|errand| errand.is_descended) {
-            poses[errand.case].1.push(super::pose_of(&errand.wire));
-        }
-        poses
     }
 
     /// The errand of a task.

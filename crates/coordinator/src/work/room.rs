@@ -8,7 +8,6 @@ use super::{Errand, Outlook};
 use crate::bound;
 use crate::brief::Judged;
 use crate::case::{Aim, Case};
-use crate::cuts::Cuts;
 use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
@@ -19,8 +18,7 @@ use std::collections::VecDeque;
 
 /// What [`super::Work::into_room`] gives and [`super::Work::in_room`] takes.
 ///
-/// It must not be kept for other bodies, or another depth: it holds the zones of its bodies, and
-/// where descents ended.
+/// It must not be kept for other bodies: it holds their zones.
 #[derive(Debug, Default)]
 pub struct Room {
     pub(super) zones: Vec<u16>,
@@ -28,7 +26,6 @@ pub struct Room {
     pub(super) errands: Vec<Errand>,
     pub(super) waiting: VecDeque<u32>,
     pub(super) pairs: Vec<NodePair>,
-    pub(super) cuts: Cuts,
     pub(super) aims: Vec<(Aim, f64, Question)>,
     pub(super) outlook: Outlook,
     pub(super) spare: Spare,
