@@ -8,7 +8,7 @@ use crate::failure::{Code, Failure};
 use crate::progress::Progress;
 use body::{BodyView, Meta};
 use bvh::{Counters, Cut, NodePair, front};
-use coordinator::{Chance, Cuts, Request, Terms, Work, run_here};
+use coordinator::{Chance, Cuts, Request, Terms, Work, run_in_process};
 use geometry::{Pose, RelativePose};
 use runtime::clock;
 use std::fmt::Write as _;
@@ -109,7 +109,7 @@ fn along_paths(
     let cold = Terms { is_cold: true, ..Terms::default() };
     let ran = |terms: Terms, cuts: Cuts| {
         let mut work = Work::new(request, views, depth).with_terms(terms).with_cuts(cuts);
-        run_here(&mut work, views);
+        run_in_process(&mut work, views);
         Ok::<_, Failure>((work.answer()?, work.effort(), work.poses(), work.into_cuts()))
     };
     let (answer, effort, poses, _) = ran(cold, Cuts::default())?;
