@@ -28,6 +28,7 @@ const LAYERS: &[&str] = &[
     "scenario",
     "record",
     "dispatch",
+    "executor",
     "mesh",
     "traffic",
     "transport",
@@ -48,6 +49,7 @@ const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "clie
 const ONLY: &[(&str, &[&str])] = &[
     ("dispatch", &["diagnostic", "protocol"]),
     ("simulate", &["diagnostic", "dispatch", "protocol"]),
+    ("executor", &["geometry", "protocol", "body", "bvh"]),
     ("transport", &["diagnostic", "protocol"]),
     ("runtime", &["diagnostic", "protocol"]),
     ("client", &["diagnostic", "protocol", "transport"]),
@@ -82,6 +84,7 @@ const PURE: &[&str] = &[
     "scenario",
     "traffic",
     "dispatch",
+    "executor",
     "record",
     "simulate",
 ];

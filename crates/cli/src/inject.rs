@@ -24,7 +24,7 @@ use crate::inputs::{self, Inputs, Read};
 use crate::print;
 use crate::progress::Progress;
 use crate::terms::TermsArgs;
-use coordinator::{Request, Work, run_here};
+use coordinator::{Request, Work, run_in_process};
 use diagnostic::Failure;
 use kind::Kind;
 use plan::Plan;
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
         body::store::open(store.bytes()).map_err(|error| Failure::internal(error.to_string()))?;
     let request = Request::new(&scenario, &views, policy, curves)?;
     let mut alone = Work::new(&request, &views, plan.depth);
-    let _jobs = run_here(&mut alone, &views);
+    let _jobs = run_in_process(&mut alone, &views);
     let reference = alone.answer()?;
 
     let asked = TermsArgs { deadline_ms: plan.deadline_ms.map(f64::from), ..Default::default() };

@@ -6,7 +6,7 @@ use crate::plan::{Choice, Plan};
 use crate::terms::{Certain, Kept};
 use crate::transfer;
 use body::{BodyView, Meta};
-use coordinator::{Crew, Options, Work, WorkerReport, run_here};
+use coordinator::{Crew, Options, Work, WorkerReport, run_in_process};
 use diagnostic::{Failure, chain};
 use runtime::{SealedMemory, affinity, clock};
 use scenario::{Cores, Engine};
@@ -136,7 +136,7 @@ pub(crate) fn here<'w>(
     stages: &mut Stages,
 ) -> (Work<'w>, Run) {
     let begun_ns = clock::now_ns();
-    let jobs = run_here(&mut work, bodies);
+    let jobs = run_in_process(&mut work, bodies);
     stages.work_ms = milliseconds(clock::now_ns() - begun_ns);
     let mut run = blank(bodies, plan, "in-process");
     run.remarks.push("no workers: all jobs ran in the coordinator's process".to_owned());

@@ -1,7 +1,7 @@
 //! What one task has found so far: the union of its jobs, in any order.
 
 use body::BodyView;
-use bvh::Counters;
+use bvh::{Counters, NodePair};
 use geometry::hash::splitmix64;
 use geometry::{Supports, support::DIRECTIONS};
 use protocol::Side;
@@ -38,10 +38,24 @@ impl Hits {
 pub(crate) struct Part<'p> {
     /// Hits of this part.
     pub(crate) hits: &'p [u32],
-    /// What its job left open, as a rest travels; empty if nothing, or in another part.
-    pub(crate) rest: &'p [u64],
+    /// What its job left open, as far as this part says.
+    pub(crate) rest: Rest<'p>,
     /// The rest, if it is the last part.
     pub(crate) last: Option<Last<'p>>,
+}
+
+/// What a job left open: pairs of nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Rest<'p> {
+    /// All of them, of a job that was done in this process.
+    Pairs(&'p [NodePair]),
+    /// Those in one message, as they travel.
+    Words(&'p [u64]),
+}
+
+impl Rest<'_> {
+    /// Nothing, or in another part.
+    pub(crate) const NONE: Self = Self::Pairs(&[]);
 }
 
 /// The union.

@@ -4,8 +4,8 @@
 //! Scenario + bodies --Request::new--> Request --Work::new--> tasks --front--> jobs
 //!                                                  ^                           |  Crew::run: four
 //!                                                  |  follow-up tasks          |  worker processes
-//!                                                  +---------- fold <--hits----+  run_here: in
-//!                                                                this process
+//!                                                  +---------- fold <--hits----+  run_in_process:
+//!                                                                                 here, one by one
 //! Work::finish --> damage::assess, damage::rank --> Answer
 //! ```
 //!
@@ -14,7 +14,8 @@
 //! - A complete [`Answer`] is a pure function of bodies, scenario, policy and curves: it holds
 //!   order-free values only, and both ways of running fill it from the same fold:
 //!   `tests/identical.rs` at the top level.
-//! - It never runs a triangle test itself, except in [`run_here`], and that is said in the report.
+//! - It never runs a triangle test itself, except in [`run_in_process`], and that is said in the
+//!   report.
 //! - Whatever ends a run, no process and no shared memory is left: `tests/kill.rs`.
 //!
 //! It does not know formats of files, nor how harm is computed.
@@ -29,7 +30,7 @@ mod explain;
 #[cfg(test)]
 mod fixtures;
 mod gather;
-mod here;
+mod in_process;
 mod ledger;
 mod pairs;
 mod replay;
@@ -49,7 +50,7 @@ pub use crew::{
 };
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
-pub use here::{Desk, run_here, run_watched};
+pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use ledger::Ledger;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;

@@ -1,6 +1,6 @@
 //! Making the evidence of a recorded request again, in this process.
 
-use crate::here::Desk;
+use crate::in_process::InProcessExecutor;
 use crate::ledger::{Asked, Ends};
 use crate::work::Work;
 use body::{BodyView, Meta};
@@ -20,7 +20,7 @@ pub fn replay(
 ) -> u64 {
     let ends = Ends::of(places, jobs);
     work.ask_only(Asked::of(places));
-    let mut desk = Desk::new(bodies);
+    let mut executor = InProcessExecutor::with_room_for(bodies);
     let (mut open, mut done) = (Vec::new(), 0);
     loop {
         work.more(&mut open);
@@ -34,7 +34,7 @@ pub fn replay(
                 // In another order it may be needed here though it was not needed there.
                 Some(End::Done | End::Cut) => {
                     done += 1;
-                    desk.run(work, &job, &mut |_, _| {});
+                    executor.run(work, &job, &mut |_, _| {});
                 }
                 Some(End::Abandoned) | None => work.close(&job, Closed::Abandoned),
             }

@@ -8,9 +8,9 @@
 //! [`Flaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing.
 
 use crate::bound::Open;
-use crate::here::Desk;
+use crate::in_process::InProcessExecutor;
 use crate::request::{Request, RequestError};
-use crate::run_here;
+use crate::run_in_process;
 use crate::strategy::Pursuit;
 use crate::terms::Terms;
 use crate::work::Work;
@@ -129,7 +129,7 @@ pub fn trial(
     flaw: Option<Flaw>,
 ) -> Result<Verdict, RequestError> {
     let mut whole = Work::new(request, bodies, depth);
-    let jobs = run_here(&mut whole, bodies).max(1);
+    let jobs = run_in_process(&mut whole, bodies).max(1);
     let mut trial = Trial { last: whole.judge()?, before: None, verdict: Verdict::default() };
     let mut chance = Chance::new(seed);
     let pursuit = Pursuit::ALL[chance.below(Pursuit::ALL.len() as u64) as usize];
@@ -137,7 +137,7 @@ pub fn trial(
     let loses = [0, 0, 0, 200, 20][chance.below(5) as usize];
     let terms = Terms { pursuit, budget, ..Terms::default() };
     let mut work = Work::new(request, bodies, depth).with_terms(terms);
-    let mut desk = Desk::new(bodies);
+    let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     trial.look(&work, flaw)?;
     loop {
@@ -155,7 +155,7 @@ pub fn trial(
         } else if loses > 0 && chance.below(loses) == 0 {
             work.close(&job, Closed::Abandoned);
         } else {
-            desk.run(&mut work, &job, &mut |_, _| {});
+            executor.run(&mut work, &job, &mut |_, _| {});
         }
         if chance.below(jobs) < stops {
             trial.look(&work, flaw)?;

@@ -8,7 +8,7 @@ use crate::ask::{self, Lists, Refusal};
 use crate::deployment::Deployment;
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
-use coordinator::{Candidates, Desk, Request, Room, Work};
+use coordinator::{Candidates, InProcessExecutor, Request, Room, Work};
 use damage::{Curves, Policy};
 use protocol::public::{Answer, Ask, Reason, Verdict};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub struct Here<'b> {
     lists: Lists,
     candidates: Candidates,
     room: Room,
-    desk: Desk<'b>,
+    executor: InProcessExecutor,
 }
 
 impl<'b> Here<'b> {
@@ -39,8 +39,8 @@ impl<'b> Here<'b> {
         let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
         let rules = (Arc::new(policy), Arc::new(curves));
         let (lists, candidates) = (Lists::default(), Candidates::default());
-        let (room, desk) = (Room::default(), Desk::new(bodies));
-        Self { deployment, bodies, extremes, rules, depth, lists, candidates, room, desk }
+        let (room, executor) = (Room::default(), InProcessExecutor::with_room_for(bodies));
+        Self { deployment, bodies, extremes, rules, depth, lists, candidates, room, executor }
     }
 
     /// Answers a request.
@@ -65,7 +65,7 @@ impl<'b> Here<'b> {
         let request = request.map_err(unassessable)?;
         let room = core::mem::take(&mut self.room);
         let mut work = Work::in_room(&request, self.bodies, self.depth, room);
-        self.desk.work_off(&mut work);
+        self.executor.work_off(&mut work);
         let answer = work.brief(|brief| lay_out(ask.sequence, brief));
         self.room = work.into_room();
         (self.candidates, self.lists) = (request.into_room(), checked.into_room());

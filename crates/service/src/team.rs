@@ -2,7 +2,7 @@
 //! comparison and for machines with a single core, this process itself.
 
 use body::{BodyView, Meta};
-use coordinator::{Attendant, Crew, CrewError, Desk, Mended, Options, Share, Work};
+use coordinator::{Attendant, Crew, CrewError, InProcessExecutor, Mended, Options, Share, Work};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
 
@@ -15,7 +15,7 @@ pub(crate) struct Team<'s> {
     guard: Poller,
     crew: Option<Crew>,
     /// Where this process does the work itself.
-    desk: Desk<'s>,
+    executor: InProcessExecutor,
     store: &'s SealedMemory,
 }
 
@@ -38,7 +38,7 @@ impl<'s> Team<'s> {
         if let Some(crew) = &mut crew {
             crew.listen(bell, attendant)?;
         }
-        Ok(Self { guard, crew, desk: Desk::new(bodies), store })
+        Ok(Self { guard, crew, executor: InProcessExecutor::with_room_for(bodies), store })
     }
 
     /// Gives successors to those who were lost, and does not wait for them.
@@ -67,7 +67,7 @@ impl<'s> Team<'s> {
         match &mut self.crew {
             Some(crew) => crew.work_off(work),
             None => {
-                self.desk.work_off(work);
+                self.executor.work_off(work);
                 Ok(())
             }
         }

@@ -1,14 +1,16 @@
 //! Writes the hits of one job into shared memory as the kernel finds them.
 
 use crate::misdeed::Spoilt;
-use bvh::{NodePair, Outcome, Sink};
+use bvh::{NodePair, Sink};
 use core::cell::Cell;
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
-use protocol::result::{End, hit, write_hit, write_last, write_rest};
-use protocol::{CoordinatorLine, Head, Incarnation, Job, Kind, RequestId, Side, Summary};
+use executor::{Done, hit};
+use protocol::result::{write_hit, write_last, write_rest};
+use protocol::{CoordinatorLine, Head, Incarnation, Job, Kind, RequestId};
 use protocol::{WorkerLine, launch, status};
+use runtime::clock;
 use transport::{OpenMessage, Sender, UseError};
 
 /// Where results go, and what is told about it.
@@ -180,14 +182,15 @@ impl<'w> Answer<'w> {
     /// Sends what is left open, then the last part.
     pub(crate) fn finish(
         mut self,
-        end: End,
-        (outcome, rest): (&Outcome, &[NodePair]),
-        with_supports: bool,
-        wall_ns: u64,
+        done: &Done,
+        rest: &[NodePair],
+        started_ns: u64,
     ) -> Result<(), UseError> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
+        // Before anything waits for a credit: that is not the job's time.
+        let wall_ns = clock::now_ns() - started_ns;
         if !rest.is_empty() {
             self.leave(rest)?;
         }
@@ -195,21 +198,8 @@ impl<'w> Answer<'w> {
             self.message = self.outlet.open()?;
         }
         let Some(mut message) = self.message.take() else { return Ok(()) };
-        let summary = Summary {
-            nb: outcome.counters.nb,
-            np: outcome.counters.np,
-            pairs: outcome.pairs,
-            hash: outcome.hash,
-            wall_ns,
-            zones_a: outcome.zones_a,
-            zones_b: outcome.zones_b,
-            end: end as u32,
-            hits: self.hits_before + self.hits as u32,
-            rest: rest.len() as u64,
-            ..Summary::default()
-        };
-        let supports = with_supports.then_some(&outcome.supports.0);
-        let used = write_last(message.words(), self.hits, &summary, supports);
+        let summary = done.summary(self.hits_before + self.hits as u32, wall_ns);
+        let used = write_last(message.words(), self.hits, &summary, done.supports());
         match self.outlet.spoilt.get() {
             Some(Spoilt::Withhold) => {
                 self.outlet.spoilt.take();
@@ -231,10 +221,6 @@ impl<'w> Answer<'w> {
 
 impl Sink for Answer<'_> {
     fn hit(&mut self, side: bvh::Side, triangle: u32) -> ControlFlow<()> {
-        let side = match side {
-            bvh::Side::A => Side::A,
-            bvh::Side::B => Side::B,
-        };
         match self.put(hit(side, triangle)) {
             Ok(true) => ControlFlow::Continue(()),
             Ok(false) => ControlFlow::Break(()),

@@ -1,7 +1,7 @@
 //! The worker process: takes jobs, intersects triangles, returns hits.
 //!
 //! ```text
-//! job channel --batch--> for each job: kernel over the sealed model store --hits--> result channel
+//! job channel --batch--> for each job: executor over the sealed models --hits--> result channel
 //!                        status line: beat, started job, credits
 //! ```
 //!

@@ -4,12 +4,11 @@ use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
 use crate::misdeed::{Commit as _, Orders};
 use body::{BodyView, Meta, store};
-use bvh::{Kernel, NodePair, Question};
+use bvh::NodePair;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use diagnostic::Diagnostic;
-use geometry::{Directions, RelativePose};
-use protocol::result::End;
+use executor::{Executor, NotDone};
 use protocol::{Head, Job, Kind, Launch, Reject, RequestId, State, Task, job, launch};
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -113,7 +112,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
 struct Desk<'w> {
     bodies: &'w [(Meta, BodyView<'w>)],
     outlet: &'w Outlet<'w>,
-    kernel: Kernel,
+    executor: Executor,
     /// Set if jobs are done on copies.
     copies: Option<Copies>,
     /// Set if faults are injected.
@@ -122,10 +121,8 @@ struct Desk<'w> {
 
 impl<'w> Desk<'w> {
     fn new(bodies: &'w [(Meta, BodyView<'w>)], outlet: &'w Outlet<'w>) -> Self {
-        let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
-        let triangles = bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0);
-        let kernel = Kernel::with_room(depth, depth, triangles, triangles);
-        Self { bodies, outlet, kernel, copies: None, orders: None }
+        let executor = Executor::with_room_for(bodies);
+        Self { bodies, outlet, executor, copies: None, orders: None }
     }
 
     /// Says that all batches below a number are answered, after the last of their results was sent.
@@ -186,25 +183,15 @@ impl<'w> Desk<'w> {
     fn work_off(&mut self, head: &Head, words: &[u64]) -> Result<(), WorkerError> {
         let (tasks, jobs) = job::read_batch(words).ok_or(WorkerError::Batch(Reject::Length))?;
         let request = RequestId(head.request);
-        let mut prepared: Option<(u32, Directions)> = None;
         if !self.outlet.is_wanted(request) {
             return Ok(());
         }
         for job in jobs {
-            let task = &tasks[job.task as usize];
-            // Directions are made once per task: jobs of a task lie beside each other.
-            let (_, directions) = match prepared.take() {
-                Some(made) if made.0 == task.task => prepared.insert(made),
-                _ => {
-                    let around = Directions::around(task.u.into(), task.z.into());
-                    prepared.insert((task.task, around))
-                }
-            };
             let _started = Started::new(self.outlet, request, job);
             let misdeed = self.orders.as_mut().and_then(|orders| orders.due(self.outlet, job));
             let run = AssertUnwindSafe(|| {
                 misdeed.map_or(Ok(()), |misdeed| misdeed.commit(self.outlet))?;
-                self.run(request, task, job, directions)
+                self.run(request, &tasks[job.task as usize], job)
             });
             match catch_unwind(run) {
                 Ok(result) => result?,
@@ -217,50 +204,21 @@ impl<'w> Desk<'w> {
         Ok(())
     }
 
-    fn run(
-        &mut self,
-        request: RequestId,
-        task: &Task,
-        job: &Job,
-        directions: &Directions,
-    ) -> Result<(), UseError> {
+    fn run(&mut self, request: RequestId, task: &Task, job: &Job) -> Result<(), UseError> {
         let started_ns = clock::now_ns();
         let body = |number: u32| match &self.copies {
             Some(copies) => copies.body(number),
             None => self.bodies.get(number as usize).map(|(_, body)| *body),
         };
-        let question = protocol::Question::from_number(task.question);
-        let (Some(a), Some(b), Some(question)) = (body(task.model_a), body(task.model_b), question)
-        else {
-            return self.refuse(request, job);
-        };
-        let (question, with_supports) = match question {
-            protocol::Question::Touches => (Question::Touches, false),
-            protocol::Question::Sets => (Question::Sets, false),
-            protocol::Question::Pairs => (Question::Pairs, true),
-        };
-        if job.node_a as usize >= a.nodes.len() || job.node_b as usize >= b.nodes.len() {
-            return self.refuse(request, job);
-        }
-        let task = bvh::Task {
-            a,
-            b,
-            pose: RelativePose { rotation: task.rotation, translation: task.translation },
-            question,
-            directions: with_supports.then_some(directions),
-        };
         let start = NodePair { a: job.node_a, b: job.node_b };
+        let part = executor::Job { start, budget: job.budget };
         let mut answer = Answer::new(self.outlet, request, *job);
-        let budget = bvh::kernel::within(job.budget);
-        let outcome = self.kernel.run(&task, start, budget, &mut answer);
-        let end = match outcome.end {
-            bvh::End::Complete => End::Complete,
-            bvh::End::OutOfBudget => End::OutOfBudget,
+        match self.executor.execute(task, body, part, &mut answer) {
+            Ok(done) => answer.finish(&done, self.executor.rest(), started_ns),
             // Told to stop in the middle: the job is not answered, and whoever asked is gone.
-            bvh::End::Stopped => return answer.abandon(),
-        };
-        let found = (&outcome, self.kernel.remaining());
-        answer.finish(end, found, with_supports, clock::now_ns() - started_ns)
+            Err(NotDone::Stopped) => answer.abandon(),
+            Err(NotDone::Unknown) => self.refuse(request, job),
+        }
     }
 
     /// Says that a job cannot be run here.

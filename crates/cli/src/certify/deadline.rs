@@ -6,7 +6,7 @@ use crate::BUILD;
 use crate::args::Output;
 use crate::progress::Progress;
 use body::{BodyView, Meta};
-use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_here};
+use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_in_process};
 use damage::State;
 use diagnostic::Failure;
 use dispatch::Queues;
@@ -100,7 +100,7 @@ fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<St
     let most_ns = 20_000_000_000;
     let terms = Terms { deadline_ns: Some(most_ns), budget: Terms::BUDGET, ..Terms::default() };
     let mut work = Work::new(request, views, 5).with_terms(terms);
-    run_here(&mut work, views);
+    run_in_process(&mut work, views);
     let answer = work.answer()?;
     let first = answer.ranking.first().map(|row| row.name.clone());
     Ok(first.filter(|_| answer.state == State::Complete))

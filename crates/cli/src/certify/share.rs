@@ -5,7 +5,7 @@ use super::{median, percentile};
 use crate::args::Output;
 use crate::progress::Progress;
 use body::{BodyView, Meta};
-use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_here};
+use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_in_process};
 use damage::evidence::Touch;
 use diagnostic::Failure;
 use runtime::clock;
@@ -56,7 +56,7 @@ fn run(
 ) -> Result<(f64, f64, Winner), Failure> {
     let mut work = Work::new(request, views, depth).with_terms(terms);
     let begun_ns = clock::now_ns();
-    run_here(&mut work, views);
+    run_in_process(&mut work, views);
     let took_ns = (clock::now_ns() - begun_ns) as f64;
     let effort = work.effort();
     let tests = (effort.descent.tests() + effort.jobs.tests()) as f64;

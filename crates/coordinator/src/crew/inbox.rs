@@ -5,7 +5,7 @@
 //! here: the dispatcher's fence decides that.
 
 use super::{Crew, Sight};
-use crate::gather::Part;
+use crate::gather::{Part, Rest};
 use crate::work::{Errands, PartOf};
 use dispatch::{Effect, Event, Progress};
 use protocol::result::{read_hits, read_last};
@@ -162,11 +162,11 @@ impl Crew {
 fn read_part<'w>(kind: Kind, head: &Head, words: &'w [u64]) -> Option<Part<'w>> {
     if kind == Kind::Rest {
         let fits = words.len() == 1 + head.hits as usize;
-        return fits.then_some(Part { hits: &[], rest: words, last: None });
+        return fits.then_some(Part { hits: &[], rest: Rest::Words(words), last: None });
     }
     if !head.is_last() {
-        return Some(Part { hits: read_hits(words, head.hits)?, rest: &[], last: None });
+        return Some(Part { hits: read_hits(words, head.hits)?, rest: Rest::NONE, last: None });
     }
     let last = read_last(words, head.hits)?;
-    Some(Part { hits: last.hits, rest: &[], last: Some(last) })
+    Some(Part { hits: last.hits, rest: Rest::NONE, last: Some(last) })
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fixtures::with;
-use crate::run_here;
+use crate::run_in_process;
 use crate::{Answer, Pursuit, Request, Terms};
 use proptest::prelude::*;
 
@@ -16,7 +16,7 @@ enum Fate {
 
 /// Runs a request, from the last open job to the first, giving up some by a rule, until it is over.
 fn run_badly(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)], mut fate: impl FnMut() -> Fate) {
-    let mut desk = Desk::new(bodies);
+    let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     loop {
         // Two tasks' jobs at a time, the last first: another order than any other run has.
@@ -34,7 +34,7 @@ fn run_badly(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)], mut fate: imp
                 continue;
             }
             match fate() {
-                Fate::Done => desk.run(work, &job, &mut |_, _| {}),
+                Fate::Done => executor.run(work, &job, &mut |_, _| {}),
                 Fate::GivenUp => work.close(&job, Closed::Abandoned),
                 Fate::Late => return,
             }
@@ -61,7 +61,7 @@ fn given_and_again(
 fn a_complete_run_is_replayed_from_its_ledger_alone() {
     with(|request, bodies| {
         let mut work = Work::new(request, bodies, 4).with_ledger();
-        run_here(&mut work, bodies);
+        run_in_process(&mut work, bodies);
         let ledger = work.ledger().expect("kept").clone();
         assert!(ledger.jobs.len() > 50, "{} jobs are too few to tell", ledger.jobs.len());
         assert_eq!(ledger.moments.last().map(|m| m.state.as_str()), Some("complete"));
@@ -79,7 +79,7 @@ fn a_complete_run_is_replayed_from_its_ledger_alone() {
 fn work_intervals_only_nest_from_moment_to_moment() {
     with(|request, bodies| {
         let mut work = Work::new(request, bodies, 3).with_ledger();
-        run_here(&mut work, bodies);
+        run_in_process(&mut work, bodies);
         let moments = &work.ledger().expect("kept").moments;
         assert!(moments.len() >= 2);
         for pair in moments.windows(2) {

@@ -2,7 +2,7 @@
 //! out, done, or lost. What the parts of their results say of that; not what they found.
 
 use crate::case::Aim;
-use crate::gather::{Gathered, Part};
+use crate::gather::{Gathered, Part, Rest};
 use bvh::NodePair;
 use geometry::Supports;
 use protocol::Task;
@@ -43,9 +43,25 @@ impl Errand {
         part: &Part<'_>,
         spare: &mut Vec<Vec<NodePair>>,
     ) {
-        let words = part.rest;
-        let count = words.len().saturating_sub(1) as u32;
-        let Some((first, pairs)) = read_rest(words, count) else { return };
+        match part.rest {
+            Rest::Pairs([]) => {}
+            Rest::Pairs(pairs) => self.keep(job, 0, pairs.iter().copied(), spare),
+            Rest::Words(words) => {
+                let count = words.len().saturating_sub(1) as u32;
+                let Some((first, pairs)) = read_rest(words, count) else { return };
+                self.keep(job, first, pairs.map(|(a, b)| NodePair { a, b }), spare);
+            }
+        }
+    }
+
+    /// Keeps pairs that a job left open, from number `first` on.
+    fn keep(
+        &mut self,
+        job: NodePair,
+        first: u64,
+        pairs: impl Iterator<Item = NodePair>,
+        spare: &mut Vec<Vec<NodePair>>,
+    ) {
         let at = self.rests.iter().position(|(of, _)| *of == job);
         let at = at.unwrap_or_else(|| {
             let mut room = spare.pop().unwrap_or_default();
@@ -57,7 +73,7 @@ impl Errand {
         // Parts come in order: this one goes on where the last one ended, or was seen before.
         rest.truncate(first as usize);
         if rest.len() as u64 == first {
-            rest.extend(pairs.map(|(a, b)| NodePair { a, b }));
+            rest.extend(pairs);
         }
     }
 

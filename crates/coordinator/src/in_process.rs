@@ -1,0 +1,133 @@
+//! All jobs in this process, one after the other: no workers, no channels.
+
+use crate::gather::{Part, Rest};
+use crate::work::{Errands, PartOf};
+use body::{BodyView, Meta};
+use bvh::{NodePair, Sink};
+use core::ops::ControlFlow;
+use dispatch::{Closed, Spec};
+use executor::{Executor, Job, NotDone, hit};
+use protocol::Summary;
+use protocol::result::Last;
+use runtime::clock;
+
+/// Hits of a job, which ends when the answer is due.
+#[derive(Debug)]
+struct Hits<'h> {
+    hits: &'h mut Vec<u32>,
+    due_ns: Option<u64>,
+}
+
+impl Sink for Hits<'_> {
+    fn hit(&mut self, side: bvh::Side, triangle: u32) -> ControlFlow<()> {
+        self.hits.push(hit(side, triangle));
+        ControlFlow::Continue(())
+    }
+
+    fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        match self.due_ns {
+            Some(due_ns) if clock::now_ns() >= due_ns => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    }
+}
+
+/// Does jobs in this process. It holds scratch alone, so it can be kept from request to request,
+/// whatever their bodies; once it has room for these it takes nothing from the heap.
+#[derive(Debug)]
+pub struct InProcessExecutor {
+    executor: Executor,
+    hits: Vec<u32>,
+    jobs: Vec<Spec>,
+}
+
+/// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs
+/// there were.
+pub fn run_in_process<W: Errands>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
+    run_watched(work, bodies, |_, _| {})
+}
+
+/// The same, and tells `watch` what each job said of itself before it is folded.
+pub fn run_watched<W: Errands>(
+    work: &mut W,
+    bodies: &[(Meta, BodyView<'_>)],
+    watch: impl FnMut(&Spec, &Summary),
+) -> u64 {
+    InProcessExecutor::with_room_for(bodies).work_off_watched(work, watch)
+}
+
+impl InProcessExecutor {
+    /// Room for jobs of these bodies.
+    #[must_use]
+    pub fn with_room_for(bodies: &[(Meta, BodyView<'_>)]) -> Self {
+        let executor = Executor::with_room_for(bodies);
+        Self { executor, hits: Vec::new(), jobs: Vec::new() }
+    }
+
+    /// Makes room for jobs of other bodies; allocates only if these are larger.
+    pub fn make_room_for(&mut self, bodies: &[(Meta, BodyView<'_>)]) {
+        self.executor.make_room_for(bodies);
+    }
+
+    /// Runs a request to its end, or as far as it is wanted. Returns how many jobs there were.
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> u64 {
+        self.work_off_watched(work, |_, _| {})
+    }
+
+    fn work_off_watched<W: Errands>(
+        &mut self,
+        work: &mut W,
+        mut watch: impl FnMut(&Spec, &Summary),
+    ) -> u64 {
+        let mut jobs = std::mem::take(&mut self.jobs);
+        let mut count = 0;
+        work.accept(clock::now_ns());
+        'work: loop {
+            jobs.clear();
+            work.more(&mut jobs);
+            if jobs.is_empty() {
+                break;
+            }
+            for job in &jobs {
+                if work.is_over(clock::now_ns()) {
+                    break 'work;
+                }
+                count += 1;
+                if work.is_moot(job.task) {
+                    work.close(job, Closed::Cut);
+                    continue;
+                }
+                self.run(work, job, &mut watch);
+            }
+        }
+        self.jobs = jobs;
+        count
+    }
+
+    /// Does one job, unless the answer is due before it is done: then it stays open.
+    pub(crate) fn run<W: Errands>(
+        &mut self,
+        work: &mut W,
+        job: &Spec,
+        watch: &mut impl FnMut(&Spec, &Summary),
+    ) {
+        let begun_ns = clock::now_ns();
+        let Some(task) = work.task(job.task) else { return };
+        let start = NodePair { a: job.a.node, b: job.b.node };
+        let asked = Job { start, budget: work.budget() };
+        self.hits.clear();
+        let mut sink = Hits { hits: &mut self.hits, due_ns: work.deadline_ns() };
+        let done = match self.executor.execute(task, |model| work.body(model), asked, &mut sink) {
+            Ok(done) => done,
+            Err(NotDone::Stopped) => return,
+            // Nobody could do it, so nothing will be known of it.
+            Err(NotDone::Unknown) => return work.close(job, Closed::Abandoned),
+        };
+        let summary = done.summary(self.hits.len() as u32, clock::now_ns() - begun_ns);
+        watch(job, &summary);
+        let last = Some(Last { summary, supports: done.supports(), hits: &self.hits });
+        let rest = Rest::Pairs(self.executor.rest());
+        work.fold(job, PartOf(Part { hits: &self.hits, rest, last }));
+        work.close(job, Closed::Done);
+    }
+}

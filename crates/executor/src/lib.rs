@@ -1,0 +1,190 @@
+//! One job of a task, done: the same in a worker and in the coordinator's own process.
+//!
+//! ```text
+//! protocol::Task + bodies by number --> bvh::Task --Kernel::run--> hits: to the caller's sink
+//!                                                                  rest: Summary, supports, pairs
+//! ```
+//!
+//! # Invariants
+//!
+//! - A task or job that names a body, a node or a question that does not exist is refused before
+//!   anything is tested: `tests.rs`.
+//! - What a job finds depends on the task, the bodies and the job alone, not on the jobs before it:
+//!   `tests.rs`.
+//!
+//! It does not know where hits go, who asked, or what time it is.
+
+use body::{BodyView, Meta};
+use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
+use geometry::{Directions, RelativePose};
+use protocol::result::{End, SUPPORTS};
+use protocol::{Side, Summary, Task};
+
+/// Scratch for jobs, and what was made ready for the task at hand. Kept from job to job and from
+/// request to request, it takes nothing from the heap while bodies are no larger.
+#[derive(Debug)]
+pub struct Executor {
+    kernel: Kernel,
+    /// Triangles of a body that there is room for.
+    triangles: usize,
+    prepared: Option<Prepared>,
+}
+
+/// The directions of a task, which jobs of one task share.
+#[derive(Debug)]
+struct Prepared {
+    /// Bits of the two vectors that they were made of. Not the number of the task: tasks of
+    /// different requests have the same numbers.
+    of: [[u64; 3]; 2],
+    directions: Directions,
+}
+
+/// Part of a task: everything below a pair of nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// Where it starts.
+    pub start: NodePair,
+    /// Most tests of boxes and triangles that it may take.
+    pub budget: u64,
+}
+
+/// What a job found, beside the hits that went to the sink.
+#[derive(Clone, Copy, Debug)]
+pub struct Done {
+    outcome: Outcome,
+    rest: usize,
+    has_supports: bool,
+}
+
+/// Why there is nothing to say of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotDone {
+    /// It names a body, a node or a question that does not exist.
+    Unknown,
+    /// The sink said stop.
+    Stopped,
+}
+
+/// A hit as it travels.
+#[must_use]
+pub const fn hit(side: bvh::Side, triangle: u32) -> u32 {
+    let side = match side {
+        bvh::Side::A => Side::A,
+        bvh::Side::B => Side::B,
+    };
+    protocol::result::hit(side, triangle)
+}
+
+impl Executor {
+    /// Room for jobs of these bodies.
+    #[must_use]
+    pub fn with_room_for(bodies: &[(Meta, BodyView<'_>)]) -> Self {
+        let (depth, triangles) = extent(bodies);
+        let kernel = Kernel::with_room(depth, depth, triangles, triangles);
+        Self { kernel, triangles, prepared: None }
+    }
+
+    /// Makes room for jobs of other bodies; allocates only if these are larger.
+    pub fn make_room_for(&mut self, bodies: &[(Meta, BodyView<'_>)]) {
+        let (depth, triangles) = extent(bodies);
+        self.triangles = self.triangles.max(triangles);
+        self.kernel.ensure_room(depth, depth, self.triangles, self.triangles);
+    }
+
+    /// Does a job; `body` gives the bodies that its task names.
+    ///
+    /// # Errors
+    ///
+    /// If the job names what does not exist, or the sink said stop.
+    pub fn execute<'b>(
+        &mut self,
+        task: &Task,
+        body: impl Fn(u32) -> Option<BodyView<'b>>,
+        job: Job,
+        sink: &mut dyn Sink,
+    ) -> Result<Done, NotDone> {
+        let question = protocol::Question::from_number(task.question).ok_or(NotDone::Unknown)?;
+        let a = body(task.model_a).ok_or(NotDone::Unknown)?;
+        let b = body(task.model_b).ok_or(NotDone::Unknown)?;
+        let Job { start, budget } = job;
+        if start.a as usize >= a.nodes.len() || start.b as usize >= b.nodes.len() {
+            return Err(NotDone::Unknown);
+        }
+        let triangles = a.corners.len().max(b.corners.len());
+        if triangles > self.triangles {
+            self.triangles = triangles;
+            self.kernel.ensure_room(0, 0, triangles, triangles);
+        }
+        let (question, directions) = match question {
+            protocol::Question::Touches => (Question::Touches, None),
+            protocol::Question::Sets => (Question::Sets, None),
+            protocol::Question::Pairs => (Question::Pairs, directions(&mut self.prepared, task)),
+        };
+        let has_supports = directions.is_some();
+        let pose = RelativePose { rotation: task.rotation, translation: task.translation };
+        let asked = bvh::Task { a, b, pose, question, directions };
+        let outcome = self.kernel.run(&asked, start, kernel::within(budget), sink);
+        if outcome.end == bvh::End::Stopped {
+            return Err(NotDone::Stopped);
+        }
+        Ok(Done { outcome, rest: self.rest().len(), has_supports })
+    }
+
+    /// The pairs of nodes that the last job that was done left open: none, unless it ran out of
+    /// budget.
+    #[must_use]
+    pub fn rest(&self) -> &[NodePair] {
+        self.kernel.remaining()
+    }
+}
+
+/// The largest depth and number of triangles.
+fn extent(bodies: &[(Meta, BodyView<'_>)]) -> (u32, usize) {
+    let depth = bodies.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);
+    (depth, bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0))
+}
+
+/// The directions of a task: made once for all jobs of it that follow each other.
+fn directions<'p>(prepared: &'p mut Option<Prepared>, task: &Task) -> Option<&'p Directions> {
+    let of = [task.u, task.z].map(|vector| vector.map(f64::to_bits));
+    if prepared.as_ref().is_none_or(|made| made.of != of) {
+        let directions = Directions::around(task.u.into(), task.z.into());
+        *prepared = Some(Prepared { of, directions });
+    }
+    prepared.as_ref().map(|made| &made.directions)
+}
+
+impl Done {
+    /// What the job says of itself; the sink knows how many hits it took, the caller how long it
+    /// was.
+    #[must_use]
+    pub fn summary(&self, hits: u32, wall_ns: u64) -> Summary {
+        let outcome = &self.outcome;
+        let end = match outcome.end {
+            bvh::End::Complete => End::Complete,
+            bvh::End::Stopped | bvh::End::OutOfBudget => End::OutOfBudget,
+        };
+        Summary {
+            nb: outcome.counters.nb,
+            np: outcome.counters.np,
+            pairs: outcome.pairs,
+            hash: outcome.hash,
+            wall_ns,
+            zones_a: outcome.zones_a,
+            zones_b: outcome.zones_b,
+            end: end as u32,
+            hits,
+            rest: self.rest as u64,
+            ..Summary::default()
+        }
+    }
+
+    /// Supports of the contact, if pairs were asked for.
+    #[must_use]
+    pub fn supports(&self) -> Option<&[f64; SUPPORTS]> {
+        self.has_supports.then_some(&self.outcome.supports.0)
+    }
+}
+
+#[cfg(test)]
+mod tests;
