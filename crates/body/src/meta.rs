@@ -60,6 +60,18 @@ pub enum Build {
     Sah,
 }
 
+impl Build {
+    /// Its name in settings, records and documents.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Seed => "seed",
+            Self::Literal => "literal",
+            Self::Sah => "sah",
+        }
+    }
+}
+
 /// A person that belongs to a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,76 +1,56 @@
 //! Progress of long work: a bar on a terminal, a line a minute elsewhere, nothing when quiet.
 
-use crate::args::Output;
+use crate::print;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::IsTerminal as _;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
-/// Nothing is shown before work has taken this long `[ns]`.
-const PATIENCE_NS: u64 = 1_000_000_000;
-/// Where there is no terminal, one line in this time `[ns]`.
-const LINE_NS: u64 = 60_000_000_000;
+/// Nothing is shown before work has taken this long.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Where there is no terminal, one line in this time.
+const LINE: Duration = Duration::from_secs(60);
 
-/// Work of known size.
+/// Long work, and how it is shown.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    what: String,
-    total: u64,
-    done: AtomicU64,
-    started_ns: u64,
-    said_ns: AtomicU64,
-    output: Output,
+    what: &'static str,
+    is_shown: bool,
+    begun: Instant,
+    said: Mutex<Instant>,
 }
 
 impl Progress {
-    /// Nothing done yet of `total` things, which are called `what`.
-    pub(crate) fn new(what: &str, total: u64, output: &Output) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
+    /// Nothing done yet of things that are called `what`.
+    #[expect(clippy::disallowed_methods, reason = "for a person to read; nothing is decided by it")]
+    pub(crate) fn new(what: &'static str, is_shown: bool) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let form = "{msg} [{bar:30}] {human_pos} of {human_len} ({rate}/s, {eta} left)";
         if let Ok(style) = ProgressStyle::with_template(form) {
             bar.set_style(style.with_key("rate", whole_rate));
         }
-        bar.set_message(what.to_owned());
-        let now = runtime::clock::now_ns();
-        Self {
-            bar,
-            what: what.to_owned(),
-            total,
-            done: AtomicU64::new(0),
-            started_ns: now,
-            said_ns: AtomicU64::new(now),
-            output: *output,
-        }
+        bar.set_message(what);
+        let now = Instant::now();
+        Self { bar, what, is_shown, begun: now, said: Mutex::new(now) }
     }
 
-    /// Counts patience from an earlier time `[ns]`: the work began before its size was known.
-    pub(crate) fn since(mut self, begun_ns: u64) -> Self {
-        self.started_ns = begun_ns;
-        self
-    }
-
-    /// `more` things are done.
-    pub(crate) fn add(&self, more: u64) {
-        let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
-        let now = runtime::clock::now_ns();
-        if self.output.quiet || self.output.json || now - self.started_ns < PATIENCE_NS {
+    /// So many of so many are done.
+    pub(crate) fn set(&self, done: u64, total: u64) {
+        if !self.is_shown || self.begun.elapsed() < PATIENCE {
             return;
         }
         if std::io::stderr().is_terminal() {
             if self.bar.is_hidden() {
                 self.bar.set_draw_target(ProgressDrawTarget::stderr());
             }
+            self.bar.set_length(total);
             self.bar.set_position(done);
             return;
         }
-        let said = self.said_ns.load(Ordering::Relaxed);
-        let taken = self.said_ns.compare_exchange(said, now, Ordering::Relaxed, Ordering::Relaxed);
-        match taken {
-            Ok(_) if now - said >= LINE_NS => {
-                let percent = 100 * done / self.total.max(1);
-                crate::print::err(&format!("{}: {percent} %", self.what));
-            }
-            Ok(_) => self.said_ns.store(said, Ordering::Relaxed),
-            Err(_) => {}
+        let Ok(mut said) = self.said.try_lock() else { return };
+        if said.elapsed() >= LINE {
+            *said += said.elapsed();
+            print::err(&format!("{}: {} %", self.what, 100 * done / total.max(1)));
         }
     }
 }

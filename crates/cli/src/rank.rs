@@ -1,31 +1,20 @@
 //! `trolley demo` and `trolley rank`: from a scenario to a printed answer.
 
-use crate::args::{AnswerArgs, Assume, EngineArgs, Output, RankArgs};
-use crate::bodies;
-use crate::inputs::{self, Inputs, Read};
-use crate::record::{self, Made};
-use crate::run::{self, Run, Stages};
-use crate::terms::{Kept, certain};
-use crate::traffic;
-use crate::{explain, plan, print, table};
-use coordinator::{DryRuns, Request, Work};
-use damage::State;
-use diagnostic::{Failure, Kind, chain};
-use runtime::clock;
-use scenario::{FileRef, Overrides, Scenario};
+use crate::args::{AnswerArgs, Assume, EngineArgs, RankArgs};
+use crate::output::Output;
+use crate::{explain, print, table, traffic};
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
-
-const DEMO: &str = include_str!("../../../config/scenarios/demo.toml");
+use trolley::{Answer, Engine, Explanation, Failure, Kind, Ranking, Record, Run, Scenario, State};
 
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Document<'a> {
     schema: &'static str,
-    answer: &'a coordinator::Answer,
+    answer: &'a Answer,
     #[serde(skip_serializing_if = "Option::is_none")]
-    explanation: Option<&'a coordinator::Explanation>,
+    explanation: Option<&'a Explanation>,
     run: &'a Run,
 }
 
@@ -34,21 +23,21 @@ pub(crate) fn demo(
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    answer(Path::new("config/scenarios/demo.toml"), DEMO, asked, options, output)
+    answer(Scenario::demo()?, asked, options, output)
 }
 
 pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
     let RankArgs { scenario: path, traffic, answer: asked, options } = args;
-    if !traffic::is_traffic(path) {
-        let text = inputs::text(path)?;
-        return answer(path, &text, asked, options, output);
+    if !trolley::traffic::is_traffic(path) {
+        return answer(Scenario::open(path)?, asked, options, output);
     }
     let imported = traffic::import(path, traffic)?;
-    if !output.quiet && !output.json {
-        print::err(&imported.summary());
-    }
+    output.say(&imported.summary());
     match &imported.text {
-        Some(text) => answer(path, text, asked, options, output),
+        Some(text) => {
+            let scenario = Scenario::parse(&path.display().to_string(), text)?;
+            answer(scenario, asked, options, output)
+        }
         None => nothing(path, &imported, output),
     }
 }
@@ -56,7 +45,7 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
 /// Nobody is met: a complete answer without a candidate.
 fn nothing(
     path: &Path,
-    imported: &traffic::Imported,
+    imported: &trolley::traffic::Imported,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     if !output.json {
@@ -71,159 +60,69 @@ fn nothing(
     print::out(&print::line(&document)?)
 }
 
-fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
-    let cores = match options.cores.as_deref() {
-        None => None,
-        Some("none") => Some(Vec::new()),
-        Some(list) => {
-            let cores: Result<Vec<i64>, _> = list.split(',').map(|c| c.trim().parse()).collect();
-            Some(cores.map_err(|error| {
-                Failure::setting(format!("--cores {list}: {error}"))
-                    .with_remedy("write --cores 0,1,2,3, or --cores none")
-            })?)
-        }
-    };
-    Ok(Overrides {
-        workers: options.workers,
-        cores,
-        coordinator_core: None,
-        depth: options.depth.clone(),
-        scheme: options.scheme.clone(),
-        alpha: options.alpha,
-        batch: options.batch,
-        queue: options.queue,
-        build: options.build.clone(),
-        leaf_size: options.leaf_size,
-        seed: options.seed,
-    })
-}
-
-/// Refuses what nobody knows, unless something may be assumed of it.
-fn check_unknown(file: &str, scenario: &Scenario, asked: &AnswerArgs) -> Result<(), Failure> {
-    let Some(party) = scenario.parties.iter().find(|party| party.is_unknown) else {
-        return Ok(());
-    };
-    match asked.assume {
-        Some(Assume::UnknownFixed) => Ok(scenario.check_fixed(file)?),
-        None => {
-            let fault = format!("{file}:{}: \"{}\" is of unknown kind", party.place, party.name);
-            Err(Failure::new(Kind::Refused, fault).with_remedy(
-                "say what it is, or let it be taken as fixed to the ground with nobody in it: \
-                 --assume unknown=fixed",
-            ))
-        }
-    }
-}
-
 fn answer(
-    path: &Path,
-    text: &str,
+    scenario: Scenario,
     asked: &AnswerArgs,
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let begun_ns = clock::now_ns();
-    let inputs = Inputs::of(path, text)?;
-    let Read { scenario, policy, curves } = inputs.read()?;
-    check_unknown(&inputs.scenario.name, &scenario, asked)?;
-    asked.record.as_deref().map(record::ready).transpose()?;
-    let engine = scenario
-        .engine
-        .apply(&overrides(options)?)
-        .map_err(|misfit| Failure::from(misfit).of_kind(Kind::Configuration))?;
-    let terms = asked.terms.terms(scenario.deadline, asked.record.is_some())?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let beside = |_: usize, reference: &FileRef| folder.join(&reference.path);
-    let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
-    let named = asked.record.as_ref().map(|_| record::bodies(&scenario, &bodies)).transpose()?;
-    let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
-    let hashes: Result<Vec<String>, _> =
-        files.iter().map(|bytes| body::file::content_hash(bytes)).collect();
-    let hashes = hashes.map_err(|error| Failure::internal(chain(&error)))?;
-    let store = coordinator::seal(&files)?;
-    drop(bodies);
-    let views =
-        body::store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))?;
-    let loaded_ns = clock::now_ns();
-    let request = Request::new(&scenario, &views, policy, curves)?;
-    let mut stages = Stages {
-        load_ms: run::milliseconds(loaded_ns - begun_ns),
-        plan_ms: run::milliseconds(clock::now_ns() - loaded_ns),
-        ..Stages::default()
+    let scenario = match asked.assume {
+        Some(Assume::UnknownFixed) => scenario.assuming_unknown_is_fixed(),
+        None => scenario,
     };
-    let mut known = DryRuns::default();
-    let plan = plan::plan(engine, options, &request, &views, &hashes, &mut known)?;
-    let work = Work::new(&request, &views, plan.depth).with_terms(terms);
-    let work = if asked.record.is_some() { work.with_ledger() } else { work };
-    let (work, ran, crew) = if options.in_process {
-        let (work, ran) = run::here(work, &plan, &views, &mut stages);
-        (work, ran, None)
-    } else {
-        let (work, ran, crew) = run::crew(work, &plan, &views, &store, options, &mut stages)?;
-        (work, ran, Some(crew))
-    };
-    let before_ns = clock::now_ns();
-    let answer = work.answer()?;
-    let answered_ns = clock::now_ns();
-    stages.assess_ms = run::milliseconds(answered_ns - before_ns);
-    let deadline = asked
-        .terms
-        .deadline(scenario.deadline)
-        .map(|due| Kept::of(due, answered_ns.saturating_sub(work.accepted_ns())));
+    asked.record.as_deref().map(Record::prepare).transpose()?;
+    let limits = asked.limits.limits(asked)?;
+    let mut engine = engine(options)?;
+    let progress = output.progress("building bodies: triangles");
+    let told = |done, total| progress.set(done, total);
+    let mut ranking = engine.rank_telling(&scenario, &limits, &told)?;
+    drop(progress);
     // Whoever waits for an answer does not wait for the workers' end.
-    let crew = if deadline.is_some() { crew } else { run::stop(crew, &mut stages) };
-    let [winner_certain, order_certain] = certain(&work);
-    let ran = Run { deadline, winner_certain, order_certain, ..ran };
-    let explains = asked.explain || asked.record.is_some();
-    let explanation = explains.then(|| work.explanation()).transpose()?;
-    let run = Run { stages, ..ran };
-    let recorded = match (&asked.record, &named) {
-        (Some(folder), Some(bodies)) => {
-            let made = Made {
-                inputs: &inputs,
-                engine: &plan.engine,
-                bodies,
-                work: &work,
-                run: &run,
-                unknown_is_fixed: asked.assume == Some(Assume::UnknownFixed),
-                answer: print::line(&answer)?,
-                explanation: print::line(&explanation)?,
-            };
-            record::write(folder, made).map(Some)
-        }
-        _ => Ok(None),
-    };
-    let explanation = explanation.filter(|_| asked.explain);
-    show(&scenario, &answer, explanation.as_ref(), &run, output)?;
-    run::stop(crew, &mut Stages::default());
-    // An answer that could not be recorded is shown, and then the failure.
-    if let Some(path) = recorded?
-        && !output.json
-        && !output.quiet
-    {
-        print::err(&format!("recorded as {}", path.display()));
+    if ranking.run.deadline.is_none() {
+        ranking.run.stages.stop_ms = engine.stop_workers();
     }
-    Ok(match answer.state {
+    let recorded =
+        asked.record.as_deref().map(|folder| Record::write(folder, &scenario, &ranking));
+    show(&scenario, &ranking, asked.explain, output)?;
+    drop(engine);
+    // An answer that could not be recorded is shown, and then the failure.
+    if let Some(path) = recorded.transpose()? {
+        output.say(&format!("recorded as {}", path.display()));
+    }
+    Ok(match ranking.answer.state {
         State::Complete | State::Certified => ExitCode::SUCCESS,
         State::Degraded => Kind::Degraded.into(),
         State::Refused => Kind::Refused.into(),
     })
 }
 
+/// The engine as the command line says.
+fn engine(options: &EngineArgs) -> Result<Engine, Failure> {
+    let mut builder = Engine::builder().overrides(options.overrides()?);
+    if let Some(instance) = &options.instance {
+        builder = builder.instance(instance);
+    }
+    if options.in_process {
+        builder = builder.in_process();
+    }
+    Ok(builder.build()?)
+}
+
 /// Prints the answer, as a document or as a table.
 fn show(
     scenario: &Scenario,
-    answer: &coordinator::Answer,
-    explanation: Option<&coordinator::Explanation>,
-    run: &Run,
+    ranking: &Ranking,
+    explains: bool,
     output: &Output,
 ) -> Result<(), Failure> {
+    let Ranking { answer, run, .. } = ranking;
+    let explanation = ranking.explanation.as_ref().filter(|_| explains);
     if output.json {
         let document = Document { schema: "trolley.rank/1", answer, explanation, run };
         print::out(&print::json(&document)?)?;
         return Ok(());
     }
-    print::out(&table::ranking(scenario, answer, run))?;
+    print::out(&table::ranking(scenario.parsed(), answer, run))?;
     if let Some(explanation) = explanation {
         print::out(&format!("\n{}", explain::text(explanation)))?;
     }

@@ -1,17 +1,10 @@
 //! `trolley serve`: a service from a deployment file.
 
-use crate::BUILD;
-use crate::args::Output;
-use crate::deployment;
-use crate::run::{pin_coordinator, worker_cores};
-use crate::{print, transfer};
+use crate::output::Output;
 use clap::Args;
-use coordinator::Options;
-use diagnostic::{Failure, chain};
-use dispatch::{Intensity, Queues};
-use service::{Idle, Lack, Site};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::{Failure, Greeting, Idle, OpenDeployment, ServeOptions};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -48,68 +41,28 @@ fn idle(text: &str) -> Result<Idle, String> {
     }
 }
 
-pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let mut opened = deployment::open(&options.deployment, options.instance.as_deref())?;
-    opened.deployment.idle = options.idle.unwrap_or(opened.deployment.idle);
-    opened.deployment.realtime.require |= options.require_rt;
-    if let Some(metrics) = &opened.deployment.metrics {
-        let file = opened.path(&metrics.file);
-        opened.deployment.metrics = Some(service::Metrics { file, ..metrics.clone() });
-    }
-    if let Some(kept) = &opened.deployment.decisions {
-        let folder = opened.path(&kept.folder);
-        opened.deployment.decisions = Some(service::Decisions { folder, ..kept.clone() });
-    }
-    let (policy, curves) = opened.rules()?;
-    let bodies = opened.bodies()?;
-    let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
-    let store = coordinator::seal(&files)?;
-    drop(bodies);
-    let views =
-        body::store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))?;
-    let engine = &opened.deployment.engine;
-    pin_coordinator(engine)?;
-    let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
-    let crew = Options {
-        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
-        queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
-        intensity: Intensity {
-            core_deaths: opened.deployment.restarts.core_in_10_s as usize,
-            all_deaths: opened.deployment.restarts.all_in_60_s as usize,
-            ..Intensity::default()
-        },
-        ..Options::new(opened.deployment.instance.clone(), BUILD, cores)
+pub(crate) fn run(args: &ServeArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let deployment = OpenDeployment::open(&args.deployment, args.instance.as_deref())?;
+    let options = ServeOptions {
+        idle: args.idle,
+        require_realtime: args.require_rt,
+        in_process: args.in_process,
     };
-    let site = Site {
-        deployment: &opened.deployment,
-        policy: &policy,
-        curves: &curves,
-        bodies: &views,
-        store: &store,
-        options: (!options.in_process).then_some(&crew),
-        depth: deployment::depth(engine)?,
-    };
-    runtime::process::set_name("trolley-serve");
-    service::serve(&site, |lacks| greet(&site, lacks, output))?;
+    trolley::serve(deployment, options, |greeting| greet(greeting, output))?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn greet(site: &Site<'_>, lacks: &[Lack], output: &Output) {
-    for lack in lacks {
+fn greet(greeting: &Greeting<'_>, output: &Output) {
+    for lack in greeting.lacks {
         tracing::warn!("{}: {}", lack.what, lack.why);
     }
-    if output.quiet || output.json {
-        return;
-    }
-    let deployment = site.deployment;
-    let triangles: usize = site.bodies.iter().map(|(_, body)| body.corners.len()).sum();
-    let workers = match site.options {
-        Some(options) => format!("{} workers", options.cores.len()),
-        None => "no workers: all work is done in this process".to_owned(),
+    let Greeting { instance, models, triangles, workers, .. } = greeting;
+    let workers = match workers {
+        0 => "no workers: all work is done in this process".to_owned(),
+        workers => format!("{workers} workers"),
     };
-    let models = deployment.models.len();
-    print::err(&format!(
-        "serving as \"{}\": {models} models · {triangles} triangles · {workers}. Ctrl-C ends it.",
-        deployment.instance
+    output.say(&format!(
+        "serving as \"{instance}\": {models} models · {triangles} triangles · {workers}. \
+         Ctrl-C ends it."
     ));
 }

@@ -124,6 +124,12 @@ pub struct PoseRow {
 }
 
 impl Answer {
+    /// The candidate of least harm; none if nothing was asked about, or no bound can be given.
+    #[must_use]
+    pub fn best(&self) -> Option<&Row> {
+        if self.state == State::Refused { None } else { self.ranking.first() }
+    }
+
     pub(crate) fn new(
         request: &Request,
         ranking: &Ranking,

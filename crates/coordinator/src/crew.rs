@@ -296,7 +296,9 @@ impl Crew {
         self.dispatcher.log()
     }
 
-    fn report(&self) -> CrewReport {
+    /// What the last request took.
+    #[must_use]
+    pub fn report(&self) -> CrewReport {
         CrewReport {
             duty: self.duty,
             counts: self.dispatcher.counts(),

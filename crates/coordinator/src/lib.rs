@@ -40,6 +40,7 @@ mod strategy;
 mod terms;
 mod trial;
 mod work;
+mod workspace;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use brief::{Brief, BriefRow};
@@ -59,4 +60,5 @@ pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};
 pub use trial::{Chance, Flaw, Verdict, trial};
+pub use workspace::{Backend, Course, Inquiry, RankError, Stage, Workspace};
 pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};

@@ -131,13 +131,13 @@ impl Request {
         curves: impl Into<Arc<Curves>>,
     ) -> Result<Self, RequestError> {
         let models: Vec<usize> = (0..scenario.parties.len()).collect();
-        let support = |model: usize, direction: DVec3| support(&bodies[model].1, direction);
         let rules = (policy.into(), curves.into());
-        Self::made(scenario, bodies, &models, rules, &support, Candidates::default())
+        Self::with_models(scenario, bodies, (&models, None), rules, Candidates::default())
     }
 
     /// The same for parties that share bodies that many requests are asked about: party i has body
-    /// `models[i]`, and `extremes` are those of the bodies. The room is that of an earlier request.
+    /// `models[i]`, and `extremes` are those of the bodies, if they were found. The room is that of
+    /// an earlier request.
     ///
     /// # Errors
     ///
@@ -149,23 +149,14 @@ impl Request {
     pub fn with_models(
         scenario: &Scenario,
         bodies: &[(Meta, BodyView<'_>)],
-        (models, extremes): (&[usize], &[Extremes]),
-        rules: (Arc<Policy>, Arc<Curves>),
-        room: Candidates,
-    ) -> Result<Self, RequestError> {
-        let support =
-            |model: usize, direction: DVec3| extremes[model].support(&bodies[model].1, direction);
-        Self::made(scenario, bodies, models, rules, &support, room)
-    }
-
-    fn made(
-        scenario: &Scenario,
-        bodies: &[(Meta, BodyView<'_>)],
-        models: &[usize],
+        (models, extremes): (&[usize], Option<&[Extremes]>),
         (policy, curves): (Arc<Policy>, Arc<Curves>),
-        support: &impl Fn(usize, DVec3) -> f64,
         Candidates(mut candidates): Candidates,
     ) -> Result<Self, RequestError> {
+        let support = |model: usize, direction: DVec3| match extremes {
+            Some(extremes) => extremes[model].support(&bodies[model].1, direction),
+            None => support(&bodies[model].1, direction),
+        };
         let body = |party: usize| &bodies[models[party]];
         let (persons, aboard) = persons(scenario, &body);
         candidates.clear();

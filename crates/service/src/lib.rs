@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! requests --Desk: taken at once, checked, queued, or answered busy--> one at a time:
-//!     ask.rs: checked values --> coordinator::Request --> Work --Crew, or here--> Answer
+//!     ranker.rs: checked values --coordinator::Workspace, by workers or in this process--> Answer
 //!     --> answer.rs --> the client; then whoever listens; then the decision file
 //! beside it: a thread that cleans up behind dead clients and writes files
 //! ```
@@ -22,9 +22,10 @@ mod ask;
 mod decisions;
 mod deployment;
 mod desk;
-mod here;
 mod housekeeping;
+mod in_process;
 mod metrics;
+mod ranker;
 mod run;
 mod stats;
 mod team;
@@ -35,5 +36,5 @@ pub use deployment::{
     Decisions, Deployment, DeploymentError, Idle, Metrics, Model, Realtime, SCHEMA, Source,
     TEXT_BYTES_MAX,
 };
-pub use here::Here;
+pub use in_process::InProcess;
 pub use run::{Lack, ServiceError, Site, serve};

@@ -1,15 +1,14 @@
 //! The service's life: open, tell systemd, answer one request after the other, end on a signal.
 
-use crate::answer::lay_out;
-use crate::ask::{self, Lists, Refusal};
+use crate::ask::Refusal;
 use crate::deployment::{Deployment, Idle};
 use crate::desk::{Desk, Taken};
 use crate::housekeeping::Housekeeping;
+use crate::ranker::{Ranker, Unranked};
 use crate::stats::{Stats, Times};
 use crate::team::Team;
 use body::{BodyView, Meta};
-use bvh::support::Extremes;
-use coordinator::{Attendant, Candidates, CrewError, Options, Pursuit, Request, Room, Terms, Work};
+use coordinator::{Attendant, CrewError, Options, Pursuit, Terms};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -156,11 +155,12 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
     })?;
     let mut service = Service {
         site,
-        extremes: site.bodies.iter().map(|(_, body)| Extremes::of(body)).collect(),
-        rules: (Arc::new(site.policy.clone()), Arc::new(site.curves.clone())),
-        lists: Lists::default(),
-        candidates: Candidates::default(),
-        room: Room::default(),
+        ranker: Ranker::new(
+            site.deployment,
+            site.bodies,
+            (Arc::new(site.policy.clone()), Arc::new(site.curves.clone())),
+            site.depth,
+        ),
         desk,
         team,
         house,
@@ -219,15 +219,24 @@ impl Watchdog {
     }
 }
 
+/// The terms of a request that is due then (ns; 0: whenever all is done), where requests of late took
+/// so long (ns; 0: it is not known).
+fn terms(answer_by_ns: u64, usual_ns: u64) -> Terms {
+    if answer_by_ns == 0 {
+        return Terms::default();
+    }
+    let left_ns = answer_by_ns.saturating_sub(clock::now_ns());
+    let mut terms = Terms::due_in(Duration::from_nanos(left_ns));
+    if usual_ns > 0 && left_ns / PLENTY > usual_ns {
+        // All will be done in time, and soonest if nobody looks for who is certain first.
+        terms.pursuit = Pursuit::AsAsked;
+    }
+    terms
+}
+
 struct Service<'s> {
     site: &'s Site<'s>,
-    /// What can lie farthest of each body.
-    extremes: Vec<Extremes>,
-    rules: (Arc<Policy>, Arc<Curves>),
-    // Room for the work of requests: empty while one is worked on.
-    lists: Lists,
-    candidates: Candidates,
-    room: Room,
+    ranker: Ranker<'s>,
     // Dropped in this order: the workers, the files, then the port.
     team: Team<'s>,
     house: Housekeeping,
@@ -408,64 +417,36 @@ impl Service<'_> {
             let text = "the time was up before its turn came".to_owned();
             return Err(refuse(Reason::TooLate, text));
         }
-        let site = self.site;
-        let lists = core::mem::take(&mut self.lists);
-        let checked = ask::check(ask, site.deployment, site.bodies, lists)?;
+        let checked = self.ranker.check(ask)?;
         self.request += 1;
-        let request = Request::with_models(
-            &checked.scenario,
-            site.bodies,
-            (&checked.models, &self.extremes),
-            self.rules.clone(),
-            core::mem::take(&mut self.candidates),
-        );
-        let unassessable =
-            |error: coordinator::RequestError| refuse(Reason::Unassessable, chain(&error));
-        let request = request.map_err(unassessable)?;
-        let room = core::mem::take(&mut self.room);
-        let mut work = Work::in_room(&request, site.bodies, site.depth, room);
-        if ask.answer_by_ns != 0 {
-            let left_ns = ask.answer_by_ns.saturating_sub(clock::now_ns());
-            let mut terms = Terms::due_in(Duration::from_nanos(left_ns));
-            if self.usual_ns > 0 && left_ns / PLENTY > self.usual_ns {
-                // All will be done in time, and soonest if nobody looks for who is certain first.
-                terms.pursuit = Pursuit::AsAsked;
-            }
-            work = work.with_terms(terms);
-        }
-        let planned_ns = clock::now_ns();
-        times.set(Stage::Plan, planned_ns - begun_ns);
-        match self.team.run(&mut work) {
-            Ok(()) => self.desk.borrow_mut().stats.shared(self.team.shares()),
-            Err(CrewError::Interrupted) => {
+        let usual_ns = self.usual_ns;
+        let terms = || terms(ask.answer_by_ns, usual_ns);
+        let ranked = self.ranker.rank(ask.sequence, checked, terms, &mut self.team.backend);
+        let ranked = ranked.map_err(|error| match error {
+            Unranked::Refused(refusal) => refusal,
+            Unranked::Crew(CrewError::Interrupted) => {
                 self.is_stopping = true;
-                return Err(refuse(Reason::Stopping, "the service is stopping".to_owned()));
+                refuse(Reason::Stopping, "the service is stopping".to_owned())
             }
-            Err(error @ CrewError::NobodyLeft { .. }) => {
+            Unranked::Crew(error) => {
                 tracing::error!(%error, "a request could not be worked off");
-                return Err(refuse(Reason::NoWorkers, "all workers were lost".to_owned()));
+                match error {
+                    CrewError::NobodyLeft { .. } => {
+                        refuse(Reason::NoWorkers, "all workers were lost".to_owned())
+                    }
+                    error => refuse(Reason::Internal, chain(&error)),
+                }
             }
-            Err(error) => {
-                tracing::error!(%error, "a request could not be worked off");
-                return Err(refuse(Reason::Internal, chain(&error)));
-            }
+        })?;
+        self.desk.borrow_mut().stats.shared(self.team.shares());
+        times.set(Stage::Plan, ranked.planned_ns - begun_ns);
+        times.set(Stage::Work, ranked.worked_ns - ranked.planned_ns);
+        times.set(Stage::Assess, ranked.done_ns - ranked.worked_ns);
+        if ranked.answer.verdict() == Verdict::Complete {
+            let lasted_ns = ranked.done_ns - begun_ns;
+            self.usual_ns = (self.usual_ns - self.usual_ns / 32).max(lasted_ns);
         }
-        let worked_ns = clock::now_ns();
-        times.set(Stage::Work, worked_ns - planned_ns);
-        let answer = work.brief(|brief| lay_out(ask.sequence, brief));
-        self.room = work.into_room();
-        let has_unknown = checked.has_unknown;
-        (self.candidates, self.lists) = (request.into_room(), checked.into_room());
-        let mut answer = answer.map_err(unassessable)?;
-        if has_unknown && answer.verdict().has_ranking() {
-            answer.say("parties of unknown kind were taken as fixed, with nobody in them");
-        }
-        let done_ns = clock::now_ns();
-        times.set(Stage::Assess, done_ns - worked_ns);
-        if answer.verdict() == Verdict::Complete {
-            self.usual_ns = (self.usual_ns - self.usual_ns / 32).max(done_ns - begun_ns);
-        }
-        Ok(answer)
+        Ok(ranked.answer)
     }
 
     /// Says how it is to whoever listens.

@@ -2,7 +2,9 @@
 //! comparison and for machines with a single core, this process itself.
 
 use body::{BodyView, Meta};
-use coordinator::{Attendant, Crew, CrewError, InProcessExecutor, Mended, Options, Share, Work};
+use coordinator::{
+    Attendant, Backend, Crew, CrewError, InProcessExecutor, Mended, Options, Share,
+};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
 
@@ -13,9 +15,7 @@ const BELL: u32 = 0;
 pub(crate) struct Team<'s> {
     /// Where this process sleeps while it has no crew.
     guard: Poller,
-    crew: Option<Crew>,
-    /// Where this process does the work itself.
-    executor: InProcessExecutor,
+    pub(crate) backend: Backend,
     store: &'s SealedMemory,
 }
 
@@ -34,53 +34,46 @@ impl<'s> Team<'s> {
         let mut guard = Poller::new()?;
         guard.catch_signals()?;
         guard.add_fd(bell, BELL)?;
-        let mut crew = options.map(|options| Crew::start(store, options)).transpose()?;
-        if let Some(crew) = &mut crew {
-            crew.listen(bell, attendant)?;
-        }
-        Ok(Self { guard, crew, executor: InProcessExecutor::with_room_for(bodies), store })
+        let backend = match options {
+            Some(options) => {
+                let mut crew = Crew::start(store, options)?;
+                crew.listen(bell, attendant)?;
+                Backend::Workers(Box::new(crew))
+            }
+            None => Backend::InProcess(Box::new(InProcessExecutor::with_room_for(bodies))),
+        };
+        Ok(Self { guard, backend, store })
     }
 
     /// Gives successors to those who were lost, and does not wait for them.
     pub(crate) fn mend(&mut self) -> Result<Mended, CrewError> {
         let store = self.store;
-        self.crew.as_mut().map_or_else(|| Ok(Mended::default()), |crew| crew.mend(store))
+        self.backend.crew_mut().map_or_else(|| Ok(Mended::default()), |crew| crew.mend(store))
     }
 
     /// Process ids of the workers.
     pub(crate) fn pids(&self) -> Vec<u32> {
-        self.crew.as_ref().map(Crew::pids).unwrap_or_default()
+        self.backend.crew().map(Crew::pids).unwrap_or_default()
     }
 
     /// Workers that there should be.
     pub(crate) fn size(&self) -> usize {
-        self.crew.as_ref().map_or(0, Crew::size)
+        self.backend.crew().map_or(0, Crew::size)
     }
 
     /// Workers that are gone.
     pub(crate) fn missing(&self) -> usize {
-        self.crew.as_ref().map_or(0, Crew::missing)
-    }
-
-    /// Works a request off.
-    pub(crate) fn run(&mut self, work: &mut Work<'_>) -> Result<(), CrewError> {
-        match &mut self.crew {
-            Some(crew) => crew.work_off(work),
-            None => {
-                self.executor.work_off(work);
-                Ok(())
-            }
-        }
+        self.backend.crew().map_or(0, Crew::missing)
     }
 
     /// What each worker did for the last request.
     pub(crate) fn shares(&self) -> impl Iterator<Item = Share> {
-        self.crew.iter().flat_map(Crew::shares)
+        self.backend.shares()
     }
 
     /// Sleeps until somebody rings, a worker ends or a signal comes, at most so long; 0: looks.
     pub(crate) fn idle(&mut self, timeout_ns: u64) -> Result<Option<Interrupted>, OsError> {
-        if let Some(crew) = &mut self.crew {
+        if let Some(crew) = self.backend.crew_mut() {
             return match crew.idle(timeout_ns) {
                 Ok(()) => Ok(None),
                 Err(CrewError::System(error)) => Err(error),

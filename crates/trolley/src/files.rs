@@ -12,7 +12,11 @@ use std::path::{Path, PathBuf};
 /// Refuses a target that could not be written, before work is spent on it.
 ///
 /// `source` is the file that is read: it must not be replaced by what is made of it.
-pub(crate) fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
+///
+/// # Errors
+///
+/// If the folder is not there, or the name is that of a folder, a device or the source.
+pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
     let refuse = |fault: &str, help: &str| {
         let fault = format!("{}: {fault}", target.display());
         Err(Failure::new(Kind::System, fault).with_remedy(help))
@@ -39,7 +43,11 @@ pub(crate) fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure>
 }
 
 /// Writes `bytes` under the name `target`, replacing what had it.
-pub(crate) fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
+///
+/// # Errors
+///
+/// If the folder cannot be written to or has no room.
+pub fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
     // A link stays a link: what it points at is replaced.
     let place = target.canonicalize().unwrap_or_else(|_| target.to_owned());
     write(&place, bytes).map_err(|error| {

@@ -1,0 +1,192 @@
+//! The way of one request from a scenario to its evidence, whoever asks and whoever does the jobs.
+//!
+//! ```text
+//! Scenario --plan--> Request --> Work --Backend: worker processes, or this one--> evidence --> read
+//! ```
+//!
+//! A command that ranks once and a service that ranks for months both go through
+//! [`Workspace::rank`], so that they cannot drift apart.
+
+use crate::crew::{Crew, CrewError, CrewReport, Share};
+use crate::in_process::InProcessExecutor;
+use crate::request::{Candidates, Request, RequestError};
+use crate::terms::Terms;
+use crate::work::{Errands, Room, Work};
+use body::{BodyView, Meta};
+use bvh::support::Extremes;
+use damage::{Curves, Policy};
+use diagnostic::{Diagnostic, Kind};
+use runtime::clock;
+use scenario::Scenario;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The sealed bodies that requests are about, and how deep their trees are cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage<'b> {
+    /// The bodies, as they lie in the store.
+    pub bodies: &'b [(Meta, BodyView<'b>)],
+    /// What can lie farthest of each body; `None`: its tree is asked, which is quicker for a single
+    /// request.
+    pub extremes: Option<&'b [Extremes]>,
+    /// Distribution depth.
+    pub depth: u32,
+}
+
+/// One request.
+#[derive(Clone, Debug)]
+pub struct Inquiry<'a> {
+    /// Parties and candidates.
+    pub scenario: &'a Scenario,
+    /// The body of each party: its number in the store.
+    pub models: &'a [usize],
+    /// By what candidates are judged.
+    pub rules: (Arc<Policy>, Arc<Curves>),
+    /// Whether a ledger of questions and jobs is kept.
+    pub ledger: bool,
+}
+
+/// Who does the jobs.
+#[derive(Debug)]
+pub enum Backend {
+    /// Worker processes.
+    Workers(Box<Crew>),
+    /// This process, one job after the other.
+    InProcess(Box<InProcessExecutor>),
+}
+
+/// When the stages of one request ended (ns, monotonic), and what was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Course {
+    /// Paths and hulls are known.
+    pub planned_ns: u64,
+    /// No job is waited for any more.
+    pub worked_ns: u64,
+    /// Jobs that this process did itself.
+    pub jobs_in_process: u64,
+}
+
+/// A request that could not be worked on to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum RankError {
+    /// It cannot be worked on at all.
+    #[error(transparent)]
+    Request(#[from] RequestError),
+    /// Its jobs could not be done.
+    #[error(transparent)]
+    Crew(#[from] CrewError),
+}
+
+impl Diagnostic for RankError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Request(error) => error.kind(),
+            Self::Crew(error) => error.kind(),
+        }
+    }
+
+    fn what(&self) -> String {
+        match self {
+            Self::Request(error) => error.what(),
+            Self::Crew(error) => error.what(),
+        }
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        match self {
+            Self::Request(error) => error.remedy(),
+            Self::Crew(error) => error.remedy(),
+        }
+    }
+}
+
+/// What is kept from one request to the next, so that the next takes nothing from the heap.
+///
+/// It must not be kept for other bodies, or another depth: it holds the zones of its bodies.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    candidates: Candidates,
+    room: Room,
+}
+
+impl Backend {
+    /// Works tasks off, or as far as they are wanted. Says how many jobs this process did itself.
+    ///
+    /// # Errors
+    ///
+    /// As [`Crew::run`]; never without worker processes.
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<u64, CrewError> {
+        match self {
+            Self::Workers(crew) => crew.work_off(work).map(|()| 0),
+            Self::InProcess(executor) => Ok(executor.work_off(work)),
+        }
+    }
+
+    /// The workers, if there are any.
+    #[must_use]
+    pub fn crew(&self) -> Option<&Crew> {
+        match self {
+            Self::Workers(crew) => Some(crew),
+            Self::InProcess(_) => None,
+        }
+    }
+
+    /// The workers, if there are any.
+    pub fn crew_mut(&mut self) -> Option<&mut Crew> {
+        match self {
+            Self::Workers(crew) => Some(crew),
+            Self::InProcess(_) => None,
+        }
+    }
+
+    /// What the last request took, if there are workers.
+    #[must_use]
+    pub fn report(&self) -> Option<CrewReport> {
+        self.crew().map(Crew::report)
+    }
+
+    /// What each worker did for the last request.
+    pub fn shares(&self) -> impl Iterator<Item = Share> {
+        self.crew().into_iter().flat_map(Crew::shares)
+    }
+}
+
+impl Workspace {
+    /// Works a request off, and gives what is known then to `read`. `terms` says on which terms,
+    /// once the request is planned: what is left of a deadline is known then.
+    ///
+    /// # Errors
+    ///
+    /// If the request cannot be worked on, or nobody is left to do its jobs.
+    ///
+    /// # Panics
+    ///
+    /// If there is no model for a party, or no such body.
+    pub fn rank<T>(
+        &mut self,
+        stage: &Stage<'_>,
+        inquiry: Inquiry<'_>,
+        terms: impl FnOnce() -> Terms,
+        backend: &mut Backend,
+        read: impl FnOnce(&mut Work<'_>, Course) -> T,
+    ) -> Result<T, RankError> {
+        let Inquiry { scenario, models, rules, ledger } = inquiry;
+        let candidates = core::mem::take(&mut self.candidates);
+        let request =
+            Request::with_models(scenario, stage.bodies, (models, stage.extremes), rules, candidates)?;
+        let room = core::mem::take(&mut self.room);
+        let mut work = Work::in_room(&request, stage.bodies, stage.depth, room).with_terms(terms());
+        if ledger {
+            work = work.with_ledger();
+        }
+        let planned_ns = clock::now_ns();
+        let done = backend.work_off(&mut work);
+        let worked_ns = clock::now_ns();
+        let told = done.map(|jobs_in_process| {
+            read(&mut work, Course { planned_ns, worked_ns, jobs_in_process })
+        });
+        self.room = work.into_room();
+        self.candidates = request.into_room();
+        Ok(told?)
+    }
+}

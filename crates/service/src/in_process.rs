@@ -1,0 +1,58 @@
+//! One request without a service: checked, worked off and laid out in the caller's process.
+//!
+//! It is what the service does between taking a request and answering it, so it says what an answer
+//! must be, and what the service itself costs.
+
+use crate::ask::Refusal;
+use crate::deployment::Deployment;
+use crate::ranker::{Ranker, Unranked};
+use body::{BodyView, Meta};
+use coordinator::{Backend, InProcessExecutor, Terms};
+use damage::{Curves, Policy};
+use protocol::public::{Answer, Ask, Reason, Verdict};
+use std::sync::Arc;
+
+/// Where requests are answered in this process, as a service with these settings would.
+#[derive(Debug)]
+pub struct InProcess<'b> {
+    ranker: Ranker<'b>,
+    backend: Backend,
+}
+
+impl<'b> InProcess<'b> {
+    /// Made once, as a service is.
+    #[must_use]
+    pub fn new(
+        deployment: &'b Deployment,
+        bodies: &'b [(Meta, BodyView<'b>)],
+        (policy, curves): (Policy, Curves),
+        depth: u32,
+    ) -> Self {
+        let rules = (Arc::new(policy), Arc::new(curves));
+        let executor = InProcessExecutor::with_room_for(bodies);
+        let backend = Backend::InProcess(Box::new(executor));
+        Self { ranker: Ranker::new(deployment, bodies, rules, depth), backend }
+    }
+
+    /// Answers a request.
+    #[must_use]
+    pub fn answer(&mut self, ask: &Ask) -> Answer {
+        self.ranked(ask).unwrap_or_else(|Refusal { reason, text }| {
+            Answer::without_ranking(ask.sequence, Verdict::Refused, reason, &text)
+        })
+    }
+
+    fn ranked(&mut self, ask: &Ask) -> Result<Answer, Refusal> {
+        let checked = self.ranker.check(ask)?;
+        let ranked =
+            self.ranker.rank(ask.sequence, checked, Terms::default, &mut self.backend);
+        match ranked {
+            Ok(ranked) => Ok(ranked.answer),
+            Err(Unranked::Refused(refusal)) => Err(refusal),
+            // Without workers none can be lost.
+            Err(Unranked::Crew(error)) => {
+                Err(Refusal { reason: Reason::Internal, text: error.to_string() })
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! One request from what a client sent to what it is answered: checked, ranked, laid out.
+//!
+//! The service and its twin in the caller's process both go this way.
+
+use crate::answer::lay_out;
+use crate::ask::{self, Checked, Lists, Refusal};
+use crate::deployment::Deployment;
+use body::{BodyView, Meta};
+use bvh::support::Extremes;
+use coordinator::{Backend, CrewError, Inquiry, RankError, Stage, Terms, Workspace};
+use damage::{Curves, Policy};
+use diagnostic::chain;
+use protocol::public::{Answer, Ask, Reason};
+use runtime::clock;
+use std::sync::Arc;
+
+/// What ranks requests about the bodies of a deployment. Kept from one request to the next, it takes
+/// nothing from the heap once it is warm.
+#[derive(Debug)]
+pub(crate) struct Ranker<'s> {
+    deployment: &'s Deployment,
+    bodies: &'s [(Meta, BodyView<'s>)],
+    /// What can lie farthest of each body.
+    extremes: Vec<Extremes>,
+    rules: (Arc<Policy>, Arc<Curves>),
+    depth: u32,
+    lists: Lists,
+    workspace: Workspace,
+}
+
+/// A request that was answered, and when its stages ended (ns).
+pub(crate) struct Ranked {
+    pub(crate) answer: Answer,
+    pub(crate) planned_ns: u64,
+    pub(crate) worked_ns: u64,
+    pub(crate) done_ns: u64,
+}
+
+/// Why a checked request has no answer.
+pub(crate) enum Unranked {
+    Refused(Refusal),
+    Crew(CrewError),
+}
+
+impl<'s> Ranker<'s> {
+    pub(crate) fn new(
+        deployment: &'s Deployment,
+        bodies: &'s [(Meta, BodyView<'s>)],
+        rules: (Arc<Policy>, Arc<Curves>),
+        depth: u32,
+    ) -> Self {
+        let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
+        let (lists, workspace) = (Lists::default(), Workspace::default());
+        Self { deployment, bodies, extremes, rules, depth, lists, workspace }
+    }
+
+    /// Checks every value of a request.
+    pub(crate) fn check(&mut self, ask: &Ask) -> Result<Checked, Refusal> {
+        let lists = core::mem::take(&mut self.lists);
+        ask::check(ask, self.deployment, self.bodies, lists)
+    }
+
+    /// Ranks a request that was checked; `terms` says on which terms, once it is planned.
+    pub(crate) fn rank(
+        &mut self,
+        sequence: u64,
+        checked: Checked,
+        terms: impl FnOnce() -> Terms,
+        backend: &mut Backend,
+    ) -> Result<Ranked, Unranked> {
+        let stage =
+            Stage { bodies: self.bodies, extremes: Some(&self.extremes), depth: self.depth };
+        let inquiry = Inquiry {
+            scenario: &checked.scenario,
+            models: &checked.models,
+            rules: self.rules.clone(),
+            ledger: false,
+        };
+        let told = self.workspace.rank(&stage, inquiry, terms, backend, |work, course| {
+            (work.brief(|brief| lay_out(sequence, brief)), course)
+        });
+        let has_unknown = checked.has_unknown;
+        self.lists = checked.into_room();
+        let (answer, course) = told.map_err(|error| match error {
+            RankError::Request(error) => unassessable(&error),
+            RankError::Crew(error) => Unranked::Crew(error),
+        })?;
+        let mut answer = answer.map_err(|error| unassessable(&error))?;
+        if has_unknown && answer.verdict().has_ranking() {
+            answer.say("parties of unknown kind were taken as fixed, with nobody in them");
+        }
+        let done_ns = clock::now_ns();
+        let (planned_ns, worked_ns) = (course.planned_ns, course.worked_ns);
+        Ok(Ranked { answer, planned_ns, worked_ns, done_ns })
+    }
+}
+
+fn unassessable(error: &coordinator::RequestError) -> Unranked {
+    Unranked::Refused(Refusal { reason: Reason::Unassessable, text: chain(error) })
+}

@@ -1,0 +1,428 @@
+//! The engine: it owns the sealed bodies, the workers and the workspace, and ranks.
+//!
+//! ```text
+//! Scenario --Bodies::of_scenario--> sealed store --Backend--> Workspace::rank --> Ranking
+//! ```
+//!
+//! Bodies, trees, workers and workspace are kept for as long as scenarios are about the same bodies
+//! and cut in the same way: whoever ranks many variants of a scene pays for them once.
+
+use crate::bodies::{Bodies, OnProgress, SILENT};
+use crate::handing::{self, Handing};
+use crate::limits::Limits;
+use crate::run::{Kept, Mode, Run, Stages, milliseconds};
+use crate::scenario::Scenario;
+use crate::{BUILD, Failure};
+use body::{BodyView, Build, Fit, Meta, Shape, file};
+use bvh::support::Extremes;
+use coordinator::{
+    Answer, Backend, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options,
+    Row, Stage, Workspace,
+};
+use dispatch::Entry;
+use runtime::{FileMap, affinity, clock};
+use scenario::{Cores, Engine as Settings, FileRef, Overrides, Source};
+use std::path::PathBuf;
+
+/// Says how an [`Engine`] is to work.
+#[derive(Clone, Debug, Default)]
+pub struct EngineBuilder {
+    overrides: Overrides,
+    in_process: bool,
+    instance: Option<String>,
+    program: Option<PathBuf>,
+    handing: Handing,
+}
+
+/// Ranks scenarios: see the [crate's page](crate).
+#[derive(Debug)]
+pub struct Engine {
+    settings: EngineBuilder,
+    loaded: Option<Loaded>,
+}
+
+/// A scenario, ranked.
+#[derive(Clone, Debug)]
+pub struct Ranking {
+    /// What was asked, answered. Complete answers are the same bytes whoever did the work.
+    pub answer: Answer,
+    /// The chain from contact to rank, if it was asked for.
+    pub explanation: Option<Explanation>,
+    /// What it took.
+    pub run: Run,
+    pub(crate) ledger: Option<Ledger>,
+    pub(crate) settings: Settings,
+    pub(crate) bodies: Vec<record::Body>,
+}
+
+/// What is kept from one scenario to the next.
+#[derive(Debug)]
+struct Loaded {
+    settings: Settings,
+    sources: Vec<BodySource>,
+    bodies: Bodies,
+    /// Found when the bodies are asked about for the second time: it takes longer than one request.
+    extremes: Option<Vec<Extremes>>,
+    backend: Option<Backend>,
+    workspace: Workspace,
+}
+
+/// Where a party's body comes from; equal ones are equal bodies.
+#[derive(Clone, Debug, PartialEq)]
+enum BodySource {
+    Generated { shape: Shape, triangles: u32, seed: u64, size: Option<Fit> },
+    File { path: PathBuf, hash: String, size: Option<Fit> },
+}
+
+impl EngineBuilder {
+    /// So many worker processes, 1 to 16, instead of the scenario's.
+    #[must_use]
+    pub fn workers(mut self, workers: usize) -> Self {
+        self.overrides.workers = Some(workers as i64);
+        self
+    }
+
+    /// All jobs in the calling process: nothing is started and nothing stands in shared memory.
+    #[must_use]
+    pub fn in_process(self) -> Self {
+        Self { in_process: true, ..self }
+    }
+
+    /// Distribution depth: levels of both trees that the coordinator descends itself.
+    #[must_use]
+    pub fn depth(mut self, levels: u32) -> Self {
+        self.overrides.depth = Some(i64::from(levels));
+        self
+    }
+
+    /// How trees are built.
+    #[must_use]
+    pub fn tree(mut self, build: Build) -> Self {
+        self.overrides.build = Some(build.name().to_owned());
+        self
+    }
+
+    /// All settings of the engine that a scenario may state, in place of the scenario's; those that
+    /// were set before are lost.
+    #[must_use]
+    pub fn overrides(self, overrides: Overrides) -> Self {
+        Self { overrides, ..self }
+    }
+
+    /// The name of this instance in shared memory, 1 to 12 of a-z, 0-9 and -; else one is made of
+    /// the process id.
+    #[must_use]
+    pub fn instance(self, name: impl Into<String>) -> Self {
+        Self { instance: Some(name.into()), ..self }
+    }
+
+    /// The program that plays the workers, else this program itself: see
+    /// [`play_worker`](crate::play_worker). It must be of the same [build](BUILD).
+    #[must_use]
+    pub fn worker_program(self, program: impl Into<PathBuf>) -> Self {
+        Self { program: Some(program.into()), ..self }
+    }
+
+    /// How jobs reach the workers: for measurements.
+    #[must_use]
+    pub fn handing(self, handing: Handing) -> Self {
+        Self { handing, ..self }
+    }
+
+    /// The engine. Workers are started with the first scenario, whose bodies they need.
+    ///
+    /// # Errors
+    ///
+    /// If a setting is out of range or contradicts another.
+    pub fn build(self) -> Result<Engine, Failure> {
+        Settings::DEFAULT.apply(&self.overrides)?;
+        Ok(Engine { settings: self, loaded: None })
+    }
+}
+
+impl Engine {
+    /// Begins to say how an engine is to work.
+    #[must_use]
+    pub fn builder() -> EngineBuilder {
+        EngineBuilder::default()
+    }
+
+    /// Ranks a scenario.
+    ///
+    /// # Errors
+    ///
+    /// If a body cannot be had, the request cannot be worked on, or the machine refuses what workers
+    /// need. An answer that is not complete is no error: see [`Answer::state`].
+    pub fn rank(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Ranking, Failure> {
+        self.rank_telling(scenario, limits, SILENT)
+    }
+
+    /// The same, and tells how far the bodies are built.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::rank`].
+    pub fn rank_telling(
+        &mut self,
+        scenario: &Scenario,
+        limits: &Limits,
+        progress: OnProgress<'_>,
+    ) -> Result<Ranking, Failure> {
+        let begun_ns = clock::now_ns();
+        scenario.check_unknown()?;
+        let settings = scenario.parsed.engine.apply(&self.settings.overrides)?;
+        let terms = limits.terms(scenario.parsed.deadline);
+        let loaded = loaded(&mut self.loaded, scenario, &settings, progress)?;
+        let loaded_ns = clock::now_ns();
+        let mut backend = match loaded.backend.take() {
+            Some(backend) => backend,
+            None => self.settings.backend(&settings, &loaded.bodies)?,
+        };
+        let started_ns = clock::now_ns();
+        let views = loaded.bodies.views()?;
+        let run = Run::new(&self.settings, &settings, &views);
+        let stage =
+            Stage { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
+        let models: Vec<usize> = (0..views.len()).collect();
+        let inquiry = Inquiry {
+            scenario: &scenario.parsed,
+            models: &models,
+            rules: (scenario.policy.clone(), scenario.curves.clone()),
+            ledger: limits.ledger,
+        };
+        let told = loaded.workspace.rank(&stage, inquiry, || terms, &mut backend, |work, course| {
+            let answer = work.answer()?;
+            let answered_ns = clock::now_ns();
+            let run = Run {
+                stages: Stages {
+                    load_ms: milliseconds(loaded_ns - begun_ns),
+                    plan_ms: milliseconds(course.planned_ns - started_ns),
+                    start_ms: milliseconds(started_ns - loaded_ns),
+                    work_ms: milliseconds(course.worked_ns - course.planned_ns),
+                    assess_ms: milliseconds(answered_ns - course.worked_ns),
+                    stop_ms: 0.0,
+                },
+                deadline: limits.deadline(scenario.parsed.deadline).map(|due| {
+                    Kept::of(due, answered_ns.saturating_sub(work.accepted_ns()))
+                }),
+                jobs: course.jobs_in_process,
+                ..run.with_effort(work)
+            };
+            let explanation = limits.explanation.then(|| work.explanation()).transpose()?;
+            Ok::<_, coordinator::RequestError>((answer, explanation, run, work.ledger().cloned()))
+        });
+        // Workers that could not finish are not used again.
+        let (answer, explanation, run, ledger) = told??;
+        let report = backend.report();
+        loaded.backend = Some(backend);
+        let run = match report {
+            Some(report) => run.with_crew(report, loaded.bodies.store().bytes().len()),
+            None => run,
+        };
+        let bodies = crate::record::bodies(&scenario.parsed, &loaded.bodies);
+        Ok(Ranking { answer, explanation, run, ledger, settings, bodies })
+    }
+
+    /// Ends the workers, if there are any, and says how long that took (ms). The next ranking starts
+    /// others.
+    pub fn stop_workers(&mut self) -> f64 {
+        let begun_ns = clock::now_ns();
+        if let Some(loaded) = &mut self.loaded {
+            drop(loaded.backend.take());
+        }
+        milliseconds(clock::now_ns() - begun_ns)
+    }
+
+    /// Who got which job in the last ranking, if [`Handing::log`] is set.
+    #[must_use]
+    pub fn job_log(&self) -> &[Entry] {
+        let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
+        backend.and_then(Backend::crew).map_or(&[], Crew::log)
+    }
+}
+
+impl Ranking {
+    /// The candidate of least harm.
+    #[must_use]
+    pub fn best(&self) -> Option<&Row> {
+        self.answer.best()
+    }
+}
+
+/// The bodies of a scenario: those there are, if they are the same, or others in their place.
+fn loaded<'l>(
+    kept: &'l mut Option<Loaded>,
+    scenario: &Scenario,
+    settings: &Settings,
+    progress: OnProgress<'_>,
+) -> Result<&'l mut Loaded, Failure> {
+    let sources = sources(scenario);
+    let is_same = kept.as_ref().is_some_and(|kept| {
+        kept.settings == *settings && sources.as_ref() == Some(&kept.sources)
+    });
+    if is_same && let Some(kept) = kept {
+        let views = kept.bodies.views()?;
+        let of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
+        kept.extremes.get_or_insert_with(of_all);
+    } else {
+        // First the old workers go: they may be as many as the machine has room for.
+        *kept = None;
+        let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
+        let file = scenario.file();
+        let bodies = Bodies::of_scenario(&scenario.parsed, settings, file, &find, progress)?;
+        *kept = Some(Loaded {
+            settings: settings.clone(),
+            sources: sources.unwrap_or_default(),
+            bodies,
+            extremes: None,
+            backend: None,
+            workspace: Workspace::default(),
+        });
+    }
+    kept.as_mut().ok_or_else(|| Failure::internal("no bodies"))
+}
+
+/// Where the bodies come from; `None` if a file cannot be looked at.
+fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
+    let of = |party: &scenario::Party| {
+        let size = party.size;
+        Some(match &party.source {
+            Source::Generate { shape, triangles, seed } => {
+                BodySource::Generated { shape: *shape, triangles: *triangles, seed: *seed, size }
+            }
+            Source::File(reference) => {
+                let path = scenario.path_of(reference);
+                let hash = file::content_hash(FileMap::open(&path).ok()?.bytes()).ok()?;
+                BodySource::File { path, hash, size }
+            }
+        })
+    };
+    scenario.parsed.parties.iter().map(of).collect()
+}
+
+impl EngineBuilder {
+    /// Whoever does the jobs, ready for them.
+    fn backend(&self, settings: &Settings, bodies: &Bodies) -> Result<Backend, Failure> {
+        if self.in_process {
+            return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(&bodies.views()?))));
+        }
+        let cores = worker_cores(settings, &affinity::allowed_cores())?;
+        pin_coordinator(settings)?;
+        let options = self.options(settings, bodies, cores)?;
+        Ok(Backend::Workers(Box::new(Crew::start(bodies.store(), &options)?)))
+    }
+
+    /// What is not as it should be on this machine.
+    fn remarks(&self, settings: &Settings, granted: &[usize]) -> Vec<String> {
+        let processes = settings.workers + 1;
+        if self.in_process {
+            vec!["no workers: all jobs ran in the coordinator's process".to_owned()]
+        } else if granted.len() < processes {
+            let remark = format!("{processes} processes share {} cores", granted.len());
+            tracing::info!("{remark}: the coordinator and some workers take turns");
+            vec![remark]
+        } else {
+            Vec::new()
+        }
+    }
+
+    fn options(
+        &self,
+        settings: &Settings,
+        bodies: &Bodies,
+        cores: Vec<Option<usize>>,
+    ) -> Result<Options, Failure> {
+        let instance = self.instance.clone();
+        let instance = instance.unwrap_or_else(|| format!("p{}", std::process::id()));
+        let usual = Options::new(instance, BUILD, cores);
+        Ok(Options {
+            program: self.program.clone().unwrap_or_else(|| usual.program.clone()),
+            matching: handing::matching(settings)?,
+            queues: self.handing.queues(settings)?,
+            cache: self.handing.cache(settings.depth, &bodies.views()?)?,
+            copies: self.handing.copies(),
+            log: self.handing.log,
+            ..usual
+        })
+    }
+}
+
+impl Run {
+    /// Nothing done yet.
+    fn new(
+        engine: &EngineBuilder,
+        settings: &Settings,
+        bodies: &[(Meta, BodyView<'_>)],
+    ) -> Self {
+        let cores_granted = affinity::allowed_cores();
+        Self {
+            build: BUILD,
+            mode: if engine.in_process { Mode::InProcess } else { Mode::Workers },
+            stages: Stages::default(),
+            depth: settings.depth,
+            tree: settings.build,
+            scheme: settings.scheme.name(),
+            deadline: None,
+            winner_certain: None,
+            order_certain: None,
+            bodies: bodies.len(),
+            triangles: bodies.iter().map(|(_, body)| body.corners.len()).sum(),
+            store_bytes: 0,
+            remarks: engine.remarks(settings, &cores_granted),
+            cores_granted,
+            tasks: 0,
+            jobs: 0,
+            jobs_cut: 0,
+            jobs_abandoned: 0,
+            jobs_reissued: 0,
+            nb_descent: 0,
+            nb: 0,
+            np: 0,
+            messages: 0,
+            message_bytes: 0,
+            messages_rejected: 0,
+            parts_fenced: 0,
+            section_bytes: 0,
+            section_bytes_unshared: 0,
+            sections_evicted: 0,
+            workers: Vec::new(),
+        }
+    }
+}
+
+/// Keeps this process on the core that is named for it.
+///
+/// # Errors
+///
+/// If this process may not use that core.
+pub fn pin_coordinator(settings: &Settings) -> Result<(), Failure> {
+    let Some(core) = settings.coordinator_core else { return Ok(()) };
+    affinity::pin_self(usize::from(core)).map_err(|error| {
+        Failure::setting(diagnostic::chain(&error))
+            .with_remedy("choose a core that this process may use: taskset -p $$")
+    })
+}
+
+/// The core of each worker; `None`: wherever the system puts it.
+///
+/// # Errors
+///
+/// If a core is named that this process may not use.
+pub fn worker_cores(
+    settings: &Settings,
+    granted: &[usize],
+) -> Result<Vec<Option<usize>>, Failure> {
+    match &settings.cores {
+        Cores::Unpinned => Ok(vec![None; settings.workers]),
+        Cores::Granted => Ok(affinity::in_turn(granted, settings.workers)),
+        Cores::Listed(cores) => {
+            let cores = cores.iter().map(|core| usize::from(*core));
+            if let Some(core) = cores.clone().find(|core| !granted.contains(core)) {
+                let what = format!("core {core} is not one that this process may use");
+                return Err(Failure::setting(what)
+                    .with_remedy(format!("cores granted here: {granted:?}; see taskset and cpusets")));
+            }
+            Ok(cores.map(Some).collect())
+        }
+    }
+}

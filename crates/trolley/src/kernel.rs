@@ -1,0 +1,1 @@
+//! The kernel for anybody's triangles: trees, and which triangles of two bodies intersect.

@@ -1,0 +1,63 @@
+//! Which of several unavoidable collisions does least harm, and how sure that is: the library.
+//!
+//! ```no_run
+//! use trolley::{Engine, Limits, Scenario};
+//!
+//! # fn main() -> Result<(), trolley::Failure> {
+//! trolley::play_worker(); // workers are this program, started again
+//! let scenario = Scenario::open("crash.toml")?;
+//! let mut engine = Engine::builder().workers(4).build()?;
+//! let ranking = engine.rank(&scenario, &Limits::default())?;
+//! if let Some(best) = ranking.best() {
+//!     println!("least harm: {} ({})", best.name, ranking.answer.state.name());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | module | what it is for |
+//! |---|---|
+//! | [`Scenario`], [`Engine`], [`Limits`], [`Ranking`] | from a file to an answer |
+//! | [`Record`] | an answer kept with all that it was made from, and made again |
+//! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
+//! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
+//! | [`bodies`] | bodies opened, generated, sealed |
+//!
+//! # Invariants
+//!
+//! - There is one way from a scenario to an answer: what ranks once and what serves for months runs
+//!   the same code (`coordinator/src/workspace.rs`). `tests/identical.rs`.
+//! - A complete answer is a pure function of bodies, scenario, policy and curves.
+//!
+//! It prints nothing and parses no command line.
+
+pub mod bodies;
+mod deployment;
+mod engine;
+pub mod files;
+pub mod handing;
+pub mod kernel;
+mod limits;
+pub mod record;
+pub mod run;
+mod scenario;
+mod serve;
+pub mod traffic;
+mod worker;
+
+pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Pursuit, Row, Until};
+pub use damage::State;
+pub use deployment::OpenDeployment;
+pub use diagnostic::{Diagnostic, Failure, Kind};
+pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
+pub use limits::Limits;
+pub use record::Record;
+pub use run::Run;
+pub use service::Idle;
+pub use scenario::{Scenario, Text, Texts, read_text};
+pub use serve::{Greeting, ServeOptions, serve};
+pub use worker::{play_worker, run_worker};
+
+/// Name of this build, by a hash of what it was made of: both ends of every channel carry it, so
+/// that no two versions ever talk.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("TROLLEY_BUILD"));

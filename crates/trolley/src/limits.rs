@@ -1,0 +1,89 @@
+//! How far, by when, in which order and in how large pieces a request is worked on.
+
+use crate::{Failure, Kind};
+use core::time::Duration;
+use coordinator::{Pursuit, Terms, Until};
+
+/// Least budget: two full leaves are tested in one step.
+const BUDGET_MIN: u64 = 2 * bvh::kernel::STEP_TESTS;
+/// Longest deadline (ms), as in scenarios.
+const DEADLINE_MS: f64 = 3_600_000.0;
+
+/// When to stop, and what is kept beside the answer. None of it changes a complete answer.
+///
+/// ```
+/// let limits = trolley::Limits::default().with_deadline_ms(20.0)?;
+/// assert!(trolley::Limits::default().with_deadline_ms(f64::NAN).is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// How much must be certain before work stops.
+    pub until: Until,
+    /// Whose job goes out next; `None`: the order that suits `until` and the deadline.
+    pub pursuit: Option<Pursuit>,
+    /// Whether the chain from contact to rank is wanted, with every source.
+    pub explanation: bool,
+    /// Whether a ledger is kept of questions and jobs, from which a record can be replayed.
+    pub ledger: bool,
+    deadline: Option<Duration>,
+    budget: Option<u64>,
+}
+
+impl Limits {
+    /// The same with an answer after so many milliseconds at the latest, and bounds on what is not
+    /// done by then; in place of the scenario's deadline. The clock starts when bodies are sealed
+    /// and workers ready.
+    ///
+    /// # Errors
+    ///
+    /// If it is not 0.001 to 3,600,000 ms.
+    pub fn with_deadline_ms(self, ms: f64) -> Result<Self, Failure> {
+        if (0.001..=DEADLINE_MS).contains(&ms) {
+            return Ok(Self { deadline: Some(Duration::from_secs_f64(ms / 1e3)), ..self });
+        }
+        Err(Failure::new(Kind::Configuration, format!("--deadline-ms is {ms}"))
+            .with_remedy(format!("--deadline-ms may be 0.001 to {DEADLINE_MS}")))
+    }
+
+    /// The same with at most so many tests of boxes and triangles in one job; what it leaves becomes
+    /// new jobs.
+    ///
+    /// # Errors
+    ///
+    /// If it is less than what one step of a job may take.
+    pub fn with_budget(self, tests: u64) -> Result<Self, Failure> {
+        if tests >= BUDGET_MIN {
+            return Ok(Self { budget: Some(tests), ..self });
+        }
+        Err(Failure::new(Kind::Configuration, format!("--budget is {tests}")).with_remedy(format!(
+            "--budget may be {BUDGET_MIN} or more: a step of a job takes half"
+        )))
+    }
+
+    /// When the answer is due after the request was accepted; `scenario`: as the scenario says.
+    #[must_use]
+    pub fn deadline(&self, scenario: Option<Duration>) -> Option<Duration> {
+        self.deadline.or(scenario)
+    }
+
+    /// As the coordinator takes them.
+    #[must_use]
+    pub fn terms(&self, scenario: Option<Duration>) -> Terms {
+        let deadline = self.deadline(scenario);
+        let is_early = self.until != Until::Complete || deadline.is_some();
+        let usual = if is_early { Pursuit::Deciding } else { Pursuit::AsAsked };
+        // A replay makes the jobs of a ledger again, and knows of no parts of them.
+        let budget = match (self.budget, deadline) {
+            (Some(budget), _) => budget,
+            (None, Some(_)) if !self.ledger => Terms::BUDGET,
+            (None, _) => u64::MAX,
+        };
+        Terms {
+            until: self.until,
+            deadline_ns: deadline.map(Terms::guarded),
+            pursuit: self.pursuit.unwrap_or(usual),
+            budget,
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Decision records: what was asked, decided, and by what, so that the answer can be made again.
+//!
+//! Records lie in their folder as `000000.record`, `000001.record`, ...: one chain. A record is
+//! written aside and then given its name, so a folder never holds half of one, and two writers
+//! never take the same number.
+
+use crate::bodies::Bodies;
+use crate::engine::Ranking;
+use crate::run::Run;
+use crate::scenario::Scenario;
+use crate::{BUILD, Failure, Kind};
+use record::{Body, Chain, Edge, Link, Settings, Source, Span, Stage, Text};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+mod replay;
+
+pub use record::{End, Record as Content};
+pub use replay::Replay;
+
+/// A decision record, and its place in its chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Everything about one request.
+    pub content: Content,
+    /// Its number and hash, and the hash of the one before it.
+    pub link: Link,
+}
+
+impl Record {
+    /// Looks whether a folder can take a record, and makes it if it is not there: better known
+    /// before the work than after it.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written to, or its last record cannot be read.
+    pub fn prepare(folder: &Path) -> Result<(), Failure> {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        tempfile::tempfile_in(folder).map_err(|error| unwritable(folder, &error))?;
+        end(folder).map(drop)
+    }
+
+    /// Adds a ranking to a folder's records; returns the new record's path. The ranking must have
+    /// been made with its ledger and its explanation: see [`Limits`](crate::Limits).
+    ///
+    /// # Errors
+    ///
+    /// If the folder cannot be written to.
+    pub fn write(
+        folder: &Path,
+        scenario: &Scenario,
+        ranking: &Ranking,
+    ) -> Result<PathBuf, Failure> {
+        let record = content(scenario, ranking)?;
+        // Somebody else may take the number meanwhile: then the next one is ours.
+        for _ in 0..100 {
+            let (number, last) = end(folder)?;
+            let (bytes, _) = record::encode(&record, last.as_ref())?;
+            let mut file = tempfile::NamedTempFile::new_in(folder)
+                .map_err(|error| unwritable(folder, &error))?;
+            let written = file.write_all(&bytes).and_then(|()| file.as_file().sync_all());
+            written.map_err(|error| unwritable(folder, &error))?;
+            let path = folder.join(name(number));
+            match file.persist_noclobber(&path) {
+                Ok(_) => return Ok(path),
+                Err(error) if error.error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(unwritable(&path, &error.error)),
+            }
+        }
+        Err(Failure::new(Kind::Resources, "others write records here all the time")
+            .at(folder.display())
+            .with_remedy("give each of them a folder of its own"))
+    }
+
+    /// Reads a record, and checks every byte of it.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read, is none, or was changed since it was written.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let read = record::decode(&bytes(path)?);
+        let (content, link) = read.map_err(|error| Failure::from(error).at(path.display()))?;
+        Ok(Self { content, link })
+    }
+
+    /// Checks every byte of all records of a folder, and that each follows on the one before it; or
+    /// of a single record. Says how many there are, and gives the last one's link.
+    ///
+    /// # Errors
+    ///
+    /// If one was changed, exchanged or removed.
+    pub fn verify(path: &Path) -> Result<(usize, Option<Link>), Failure> {
+        if !path.is_dir() {
+            return Ok((1, Some(Self::read(path)?.link)));
+        }
+        let files = records(path)?;
+        let (mut chain, mut last) = (Chain::default(), None);
+        for file in &files {
+            let name = file.display().to_string();
+            let link = chain.next(&name, &bytes(file)?).map_err(|error| {
+                Failure::input(diagnostic::chain(&error))
+                    .with_remedy("take the copy of another keeper, and compare")
+            })?;
+            last = Some(link);
+        }
+        // The content must decode, too.
+        for file in &files {
+            Self::read(file)?;
+        }
+        Ok((files.len(), last))
+    }
+}
+
+/// The bodies as a record names them.
+pub(crate) fn bodies(scenario: &scenario::Scenario, bodies: &Bodies) -> Vec<Body> {
+    let parties = scenario.parties.iter().zip(bodies.hashes()).zip(bodies.source_hashes());
+    let one = |((party, hash), source_hash): ((&scenario::Party, &String), &Option<String>)| {
+        let source = match (&party.source, source_hash) {
+            (scenario::Source::File(reference), Some(hash)) => {
+                Source::File { path: reference.path.clone(), hash: hash.clone() }
+            }
+            _ => Source::Generated,
+        };
+        Body { party: party.name.to_string(), source, hash: hash.clone() }
+    };
+    parties.map(one).collect()
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(Kind::System, error.to_string())
+        .at(path.display())
+        .with_remedy("--record needs a folder that may be written to")
+}
+
+fn content(scenario: &Scenario, ranking: &Ranking) -> Result<Content, Failure> {
+    let Ranking { run, settings: engine, .. } = ranking;
+    let (Some(ledger), Some(explanation)) = (&ranking.ledger, &ranking.explanation) else {
+        let what = "a ranking without ledger and explanation cannot be recorded";
+        return Err(Failure::setting(what)
+            .with_remedy("rank with Limits { ledger: true, explanation: true, .. }"));
+    };
+    let text = |text: &crate::scenario::Text| Text::new(&text.name, &text.text);
+    let lost = run.workers.iter().filter_map(|worker| {
+        worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
+    });
+    Ok(Content {
+        build: BUILD.to_owned(),
+        scenario: text(&scenario.texts.scenario),
+        policy: text(&scenario.texts.policy),
+        curves: text(&scenario.texts.curves),
+        settings: Settings {
+            mode: run.mode.name().to_owned(),
+            workers: engine.workers as u32,
+            depth: run.depth,
+            tree: engine.build.name().to_owned(),
+            leaf_size: engine.leaf_size,
+            scheme: engine.scheme.name().to_owned(),
+            alpha: engine.alpha,
+            batch: engine.batch as u32,
+            queue: engine.queue as u32,
+            seed: engine.seed,
+            unknown_is_fixed: scenario.unknown_is_fixed,
+        },
+        bodies: ranking.bodies.clone(),
+        places: ledger.places.clone(),
+        jobs: ledger.jobs.clone(),
+        moments: ledger.moments.clone(),
+        spans: spans(run),
+        edges: edges(run),
+        stages: stages(run),
+        faults: lost.chain(run.remarks.iter().cloned()).collect(),
+        answer: line(&ranking.answer)?,
+        explanation: line(explanation)?,
+    })
+}
+
+/// A document as JSON on one line.
+pub(crate) fn line(document: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string(document).map_err(|error| Failure::internal(error.to_string()))
+}
+
+fn stages(run: &Run) -> Vec<Stage> {
+    let s = &run.stages;
+    let all = [
+        ("load", s.load_ms),
+        ("plan", s.plan_ms),
+        ("start", s.start_ms),
+        ("work", s.work_ms),
+        ("assess", s.assess_ms),
+        ("stop", s.stop_ms),
+    ];
+    all.into_iter().map(|(name, ms)| Stage { name: name.to_owned(), ms }).collect()
+}
+
+/// When each job ran on its worker, from the beginning of the first.
+fn spans(run: &Run) -> Vec<Span> {
+    let begun = |[end, wall]: &[u64; 2]| end.saturating_sub(*wall);
+    let all = || run.workers.iter().flat_map(|w| w.spans.iter().map(move |span| (w.worker, span)));
+    let first = all().map(|(_, span)| begun(span)).min().unwrap_or(0);
+    let span = |(worker, span): (u8, &[u64; 2])| Span {
+        worker,
+        from_ns: begun(span) - first,
+        to_ns: span[0] - first,
+    };
+    all().map(span).collect()
+}
+
+/// What went between coordinator and workers.
+fn edges(run: &Run) -> Vec<Edge> {
+    let of = |worker: &coordinator::WorkerReport| {
+        let name = format!("worker {}", worker.worker);
+        let coordinator = || "coordinator".to_owned();
+        let (messages, bytes) = (worker.batches, worker.batch_bytes);
+        let out = Edge { from: coordinator(), to: name.clone(), messages, bytes };
+        let (messages, bytes) = (worker.results, worker.result_bytes);
+        [out, Edge { from: name, to: coordinator(), messages, bytes }]
+    };
+    run.workers.iter().flat_map(of).collect()
+}
+
+fn name(number: u64) -> String {
+    format!("{number:06}.record")
+}
+
+/// The number that comes next in a folder, and the link of the last record.
+fn end(folder: &Path) -> Result<(u64, Option<Link>), Failure> {
+    let Some(last) = records(folder)?.pop() else { return Ok((0, None)) };
+    let link = Record::read(&last)?.link;
+    Ok((link.number + 1, Some(link)))
+}
+
+/// The records of a folder, by name.
+fn records(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(folder.display());
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        let path = entry.map_err(wrong)?.path();
+        if path.extension().is_some_and(|end| end == "record") {
+            paths.push(path);
+        }
+    }
+    // By number: the millionth has one digit more.
+    paths.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
+    Ok(paths)
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(path.display());
+    let length = std::fs::metadata(path).map_err(wrong)?.len();
+    if length > record::file::LENGTH_MAX as u64 {
+        return Err(Failure::input(format!("{length} bytes are too many for a record"))
+            .at(path.display())
+            .with_remedy("is this the right file?"));
+    }
+    std::fs::read(path).map_err(wrong)
+}

@@ -1,0 +1,154 @@
+//! The recorded answer, made again from what it was made from.
+
+use super::{Record, line};
+use crate::bodies::{Bodies, OnProgress};
+use crate::scenario::{Scenario, Text, Texts};
+use crate::{BUILD, Failure, Kind};
+use coordinator::{Answer, Explanation, Request, Scene, Work};
+use record::Source;
+use runtime::FileMap;
+use scenario::{Engine, Overrides};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A request made again from its record, as its ledger says it was done.
+#[derive(Debug)]
+pub struct Replay {
+    /// What was asked.
+    pub scenario: Scenario,
+    /// The bodies it was asked about.
+    pub bodies: Bodies,
+    /// The answer once more.
+    pub answer: Answer,
+    /// Its explanation.
+    pub explanation: Explanation,
+    /// How the bodies of each candidate lie, and what is hit.
+    pub scenes: Vec<Scene>,
+    /// How many jobs it took.
+    pub jobs: u64,
+    /// The answer as JSON, as it would be recorded.
+    pub json: String,
+}
+
+impl Record {
+    /// Whether this build made it.
+    #[must_use]
+    pub fn is_of_this_build(&self) -> bool {
+        self.content.build == BUILD
+    }
+
+    /// Makes the recorded request again. `file` is the record's name in errors; `models` is the
+    /// folder of the model files, which are found by their hash.
+    ///
+    /// # Errors
+    ///
+    /// If a body is missing or is another one here. That the answer is another one is no error:
+    /// compare [`Replay::json`] with the content's.
+    pub fn replay(
+        &self,
+        file: &Path,
+        models: Option<&Path>,
+        progress: OnProgress<'_>,
+    ) -> Result<Replay, Failure> {
+        let content = &self.content;
+        let text = |text: &record::Text| Text { name: text.name.clone(), text: text.text.clone() };
+        let scenario = Scenario::of_texts(Texts {
+            scenario: text(&content.scenario),
+            policy: text(&content.policy),
+            curves: text(&content.curves),
+        })?;
+        let engine = self.engine()?;
+        let files = self.found(file, models)?;
+        let find = |party: usize, _: &scenario::FileRef| files[&party].clone();
+        let bodies =
+            Bodies::of_scenario(&scenario.parsed, &engine, scenario.file(), &find, progress)?;
+        self.compare(file, &scenario, &bodies)?;
+        let views = bodies.views()?;
+        let rules = (scenario.policy.clone(), scenario.curves.clone());
+        let request = Request::new(&scenario.parsed, &views, rules.0, rules.1)?;
+        let mut work = Work::new(&request, &views, content.settings.depth);
+        let jobs = coordinator::replay(&mut work, &views, &content.places, &content.jobs);
+        let answer = work.answer()?;
+        let (json, explanation, scenes) = (line(&answer)?, work.explanation()?, work.scenes());
+        drop(work);
+        drop(views);
+        Ok(Replay { scenario, bodies, answer, explanation, scenes, jobs, json })
+    }
+
+    /// The settings that the ledger depends on.
+    fn engine(&self) -> Result<Engine, Failure> {
+        let settings = &self.content.settings;
+        let changes = Overrides {
+            depth: Some(i64::from(settings.depth)),
+            build: Some(settings.tree.clone()),
+            leaf_size: Some(i64::from(settings.leaf_size)),
+            ..Overrides::default()
+        };
+        let applied = Engine::DEFAULT.apply(&changes);
+        applied.map_err(|misfit| Failure::from(misfit).of_kind(Kind::Input))
+    }
+
+    /// The model file of each party that has one, found by its hash.
+    fn found(
+        &self,
+        file: &Path,
+        models: Option<&Path>,
+    ) -> Result<BTreeMap<usize, PathBuf>, Failure> {
+        let mut wanted = BTreeMap::new();
+        for (party, body) in self.content.bodies.iter().enumerate() {
+            if let Source::File { hash, .. } = &body.source {
+                wanted.insert(party, hash.as_str());
+            }
+        }
+        if wanted.is_empty() {
+            return Ok(BTreeMap::new());
+        }
+        let there = models.map(hashes).transpose()?.unwrap_or_default();
+        let mut files = BTreeMap::new();
+        for (party, hash) in wanted {
+            let Some(found) = there.get(hash) else {
+                let name = &self.content.bodies[party].party;
+                let remedy = match models {
+                    None => "name the folder of the model files: --models DIR".to_owned(),
+                    Some(folder) => format!("no *.trolley in {} has this hash", folder.display()),
+                };
+                return Err(Failure::input(format!("the body of \"{name}\" is missing: {hash}"))
+                    .at(file.display())
+                    .with_remedy(remedy));
+            };
+            files.insert(party, found.clone());
+        }
+        Ok(files)
+    }
+
+    /// Whether the bodies are those of the record.
+    fn compare(&self, file: &Path, scenario: &Scenario, bodies: &Bodies) -> Result<(), Failure> {
+        let now = super::bodies(&scenario.parsed, bodies);
+        let other = now.iter().zip(&self.content.bodies).find(|(now, then)| now.hash != then.hash);
+        let Some((now, then)) = other else { return Ok(()) };
+        let what =
+            format!("the body of \"{}\" is {} here, and was {}", now.party, now.hash, then.hash);
+        Err(Failure::new(Kind::Skew, what).at(file.display()).with_remedy(
+            "another build generates or divides bodies differently: use the recorded one",
+        ))
+    }
+}
+
+/// The model files of a folder by the hash that they state; it is checked when they are opened.
+fn hashes(folder: &Path) -> Result<BTreeMap<String, PathBuf>, Failure> {
+    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(folder.display());
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        let path = entry.map_err(wrong)?.path();
+        if path.extension().is_none_or(|end| end != "trolley") {
+            continue;
+        }
+        let map =
+            FileMap::open(&path).map_err(|error| Failure::input(diagnostic::chain(&error)))?;
+        // What is no model file is none of ours.
+        if let Ok(hash) = body::file::content_hash(map.bytes()) {
+            files.insert(hash, path);
+        }
+    }
+    Ok(files)
+}

@@ -1,0 +1,93 @@
+//! A service from a deployment: bodies sealed, workers started, planners answered.
+
+use crate::bodies::Bodies;
+use crate::deployment::OpenDeployment;
+use crate::engine::{pin_coordinator, worker_cores};
+use crate::{BUILD, Failure, handing};
+use coordinator::Options;
+use dispatch::{Intensity, Queues};
+use service::{Idle, Lack, Site};
+
+/// What is decided at the start, in place of what the deployment says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ServeOptions {
+    /// What the service does while nothing is asked.
+    pub idle: Option<Idle>,
+    /// Whether to refuse to start without locked memory and fixed priorities.
+    pub require_realtime: bool,
+    /// Whether all work is done in this process: a body that crashes the kernel crashes it.
+    pub in_process: bool,
+}
+
+/// What a service that has just started can say of itself.
+#[derive(Clone, Debug)]
+pub struct Greeting<'s> {
+    /// Name of the instance.
+    pub instance: &'s str,
+    /// Bodies that requests may name.
+    pub models: usize,
+    /// Their triangles.
+    pub triangles: usize,
+    /// Worker processes; 0: all work is done in this process.
+    pub workers: usize,
+    /// What real time lacks on this machine.
+    pub lacks: &'s [Lack],
+}
+
+/// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered.
+///
+/// # Errors
+///
+/// If a body, a policy or the curves cannot be used, or the machine refuses what it needs.
+pub fn serve(
+    mut opened: OpenDeployment,
+    options: ServeOptions,
+    ready: impl FnOnce(&Greeting<'_>),
+) -> Result<(), Failure> {
+    opened.deployment.idle = options.idle.unwrap_or(opened.deployment.idle);
+    opened.deployment.realtime.require |= options.require_realtime;
+    if let Some(metrics) = &opened.deployment.metrics {
+        let file = opened.path(&metrics.file);
+        opened.deployment.metrics = Some(service::Metrics { file, ..metrics.clone() });
+    }
+    if let Some(kept) = &opened.deployment.decisions {
+        let folder = opened.path(&kept.folder);
+        opened.deployment.decisions = Some(service::Decisions { folder, ..kept.clone() });
+    }
+    let (policy, curves) = opened.rules()?;
+    let bodies = Bodies::of_deployment(&opened)?;
+    let views = bodies.views()?;
+    let engine = &opened.deployment.engine;
+    pin_coordinator(engine)?;
+    let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
+    let crew = Options {
+        matching: handing::matching(engine)?,
+        queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
+        intensity: Intensity {
+            core_deaths: opened.deployment.restarts.core_in_10_s as usize,
+            all_deaths: opened.deployment.restarts.all_in_60_s as usize,
+            ..Intensity::default()
+        },
+        ..Options::new(opened.deployment.instance.clone(), BUILD, cores)
+    };
+    let site = Site {
+        deployment: &opened.deployment,
+        policy: &policy,
+        curves: &curves,
+        bodies: &views,
+        store: bodies.store(),
+        options: (!options.in_process).then_some(&crew),
+        depth: engine.depth,
+    };
+    runtime::process::set_name("trolley-serve");
+    service::serve(&site, |lacks| {
+        ready(&Greeting {
+            instance: &opened.deployment.instance,
+            models: opened.deployment.models.len(),
+            triangles: views.iter().map(|(_, body)| body.corners.len()).sum(),
+            workers: if options.in_process { 0 } else { crew.cores.len() },
+            lacks,
+        });
+    })?;
+    Ok(())
+}

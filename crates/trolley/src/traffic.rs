@@ -1,0 +1,249 @@
+//! Recorded or written traffic as scenarios: CommonRoad 2018b and 2020a, OpenSCENARIO 1.x.
+//!
+//! Files are opened here; `traffic` reads their text, sweeps the ego's manoeuvres and writes the
+//! scenario, which is then read as if a person had written it.
+
+use crate::scenario::read_text;
+use crate::{Failure, Kind};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use traffic::{
+    Catalog, DEFAULT_LIBRARY, Library, Manoeuvre, Meeting, ReadOptions, Recording, Sweep, Swept,
+};
+
+/// When a recorded ego meets somebody too late for a sweep from its start, manoeuvres begin this
+/// long before (s): a driver's reaction.
+const BEFORE_S: f64 = 1.0;
+
+/// How a traffic file is to be understood, and which manoeuvres are tried.
+#[derive(Clone, Debug, Default)]
+pub struct TrafficOptions {
+    /// Which obstacle, planning problem or entity is the ego, where the file leaves that open.
+    pub ego: Option<String>,
+    /// Obstacles to leave out.
+    pub without: Vec<String>,
+    /// When manoeuvres begin, after the ego's start (s); until then it goes as recorded.
+    pub at_s: Option<f64>,
+    /// How far ahead is looked (s).
+    pub horizon_s: Option<f64>,
+    /// Decelerations to try (m/s²).
+    pub brakes_m_s2: Option<Vec<f64>>,
+    /// Lateral accelerations to try, left positive (m/s²).
+    pub laterals_m_s2: Option<Vec<f64>>,
+    /// What the tyres give in all (m/s²).
+    pub grip_m_s2: Option<f64>,
+    /// Library of bodies by type; `None`: generated ones.
+    pub bodies: Option<PathBuf>,
+    /// Catalogues of OpenSCENARIO.
+    pub catalogs: Vec<PathBuf>,
+}
+
+impl TrafficOptions {
+    fn sweep(&self) -> Result<Sweep, Failure> {
+        let usual = Sweep::default();
+        let sweep = Sweep {
+            brakes_m_s2: self.brakes_m_s2.clone().unwrap_or(usual.brakes_m_s2),
+            laterals_m_s2: self.laterals_m_s2.clone().unwrap_or(usual.laterals_m_s2),
+            grip_m_s2: self.grip_m_s2.unwrap_or(usual.grip_m_s2),
+            horizon_s: self.horizon_s.unwrap_or(usual.horizon_s),
+            after_s: self.at_s.unwrap_or(usual.after_s),
+            ..usual
+        };
+        if let Some(brake) = sweep.brakes_m_s2.iter().find(|brake| **brake > sweep.grip_m_s2) {
+            let fault = format!("--brakes: {brake} m/s² is more than the tyres give");
+            let help = format!("--grip is {} m/s²", sweep.grip_m_s2);
+            return Err(Failure::setting(fault).with_remedy(help));
+        }
+        Ok(sweep)
+    }
+
+    fn library(&self) -> Result<Library, Failure> {
+        let Some(path) = &self.bodies else {
+            let shipped = Library::parse("config/bodies/default.toml", DEFAULT_LIBRARY);
+            return shipped.map_err(Failure::internal);
+        };
+        let text = read_text(path)?;
+        let library = Library::parse(&path.display().to_string(), &text).map_err(|fault| {
+            Failure::input(fault).with_remedy("see config/bodies/default.toml for the form")
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let folder = std::path::absolute(folder.join("x"))
+            .ok()
+            .and_then(|inside| inside.parent().map(Path::to_owned))
+            .unwrap_or_else(|| folder.to_owned());
+        Ok(library.with_files(|file| folder.join(file).display().to_string()))
+    }
+}
+
+/// A traffic file, read and swept.
+pub struct Imported {
+    recording: Recording,
+    swept: Swept,
+    horizon_s: f64,
+    notes: Vec<String>,
+    /// The scenario; `None`: nobody is met.
+    pub text: Option<String>,
+}
+
+/// Whether a file is traffic rather than a scenario of ours: by its name, or by its first letter.
+pub fn is_traffic(path: &Path) -> bool {
+    let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
+    if matches!(end.as_deref(), Some("xml" | "xosc")) {
+        return true;
+    }
+    let mut head = [0; 64];
+    let read = std::fs::File::open(path).and_then(|mut file| {
+        use std::io::Read as _;
+        file.read(&mut head)
+    });
+    let head = &head[..read.unwrap_or(0)];
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    head.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'<')
+}
+
+/// The text of a traffic file or catalogue.
+fn text(path: &Path) -> Result<String, Failure> {
+    let wrong = |fault: String| Failure::input(format!("{}: {fault}", path.display()));
+    let about = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
+    if about.len() > traffic::TEXT_BYTES_MAX as u64 {
+        let fault = format!("{} bytes are too many for a traffic file", about.len());
+        return Err(wrong(fault).with_remedy("is this the right file?"));
+    }
+    let bytes = std::fs::read(path).map_err(|error| wrong(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let byte = error.utf8_error().valid_up_to();
+        wrong(format!("not UTF-8 from byte {byte} on"))
+            .with_remedy("is this the right file? save as UTF-8")
+    })
+}
+
+/// Reads a traffic file, sweeps, and writes the scenario.
+pub fn import(path: &Path, options: &TrafficOptions) -> Result<Imported, Failure> {
+    let name = path.display().to_string();
+    let mut sweep = options.sweep()?;
+    let library = options.library()?;
+    let source = text(path)?;
+    let mut catalogs = Vec::new();
+    for path in &options.catalogs {
+        catalogs.push((path.display().to_string(), text(path)?));
+    }
+    let catalogs: Vec<Catalog<'_>> =
+        catalogs.iter().map(|(file, text)| Catalog { file, text }).collect();
+    let read =
+        ReadOptions { ego: options.ego.as_deref(), without: &options.without, catalogs: &catalogs };
+    let recording = traffic::read(&name, &source, &read)?;
+    let mut notes = recording.notes.clone();
+    let mut swept = recording.sweep(&sweep);
+    if swept.meetings.is_empty()
+        && options.at_s.is_none()
+        && let Some(meets_s) = recording.recorded_meeting_s(sweep.step_s)
+    {
+        sweep.after_s = (meets_s - BEFORE_S).max(0.0);
+        notes.push(format!(
+            "as recorded, the ego meets somebody after {meets_s:.2} s: manoeuvres begin \
+             {BEFORE_S} s before; --at changes that"
+        ));
+        swept = recording.sweep(&sweep);
+    }
+    if let Some(whom) = swept.overlapped {
+        let id = &recording.others[whom].id;
+        let fault = format!("{name}: the ego and obstacle {id} overlap where manoeuvres begin");
+        let help = format!("if it is the ego itself: --without {id}; else begin earlier: --at");
+        return Err(Failure::new(Kind::Refused, fault).with_remedy(help));
+    }
+    let text = match swept.meetings.as_slice() {
+        [] => None,
+        _ => {
+            let written = traffic::scenario_text(&name, &recording, &swept, &library);
+            let (text, more) = written.map_err(|fault| {
+                Failure::input(format!("{name}: {fault}"))
+                    .with_remedy("add it to a library and name that: --bodies FILE")
+            })?;
+            notes.extend(more);
+            Some(text)
+        }
+    };
+    Ok(Imported { recording, swept, horizon_s: sweep.horizon_s, notes, text })
+}
+
+/// A meeting as `--json` has it.
+#[derive(Serialize)]
+struct MeetingRow<'a> {
+    manoeuvre: String,
+    after_s: f64,
+    ego_m: [f64; 2],
+    ego_yaw_rad: f64,
+    ego_speed_m_s: f64,
+    other: &'a str,
+    kind: &'a str,
+    other_m: [f64; 2],
+    other_yaw_rad: f64,
+    other_speed_m_s: f64,
+}
+
+/// What `--json` has of an import.
+#[derive(Serialize)]
+pub struct Document<'a> {
+    schema: &'static str,
+    file: String,
+    name: &'a str,
+    scenario: Option<&'a str>,
+    meetings: Vec<MeetingRow<'a>>,
+    /// Manoeuvres that meet nobody.
+    free: Vec<String>,
+    horizon_s: f64,
+    notes: &'a [String],
+}
+
+impl Imported {
+    fn row(&self, meeting: &Meeting) -> MeetingRow<'_> {
+        let other = &self.recording.others[meeting.whom];
+        MeetingRow {
+            manoeuvre: meeting.manoeuvre.name(),
+            after_s: meeting.ego.time_s - self.swept.began_s,
+            ego_m: meeting.ego.place.at,
+            ego_yaw_rad: meeting.ego.place.yaw,
+            ego_speed_m_s: meeting.ego.speed_m_s,
+            other: &other.id,
+            kind: &other.kind,
+            other_m: meeting.other.place.at,
+            other_yaw_rad: meeting.other.place.yaw,
+            other_speed_m_s: meeting.other.speed_m_s,
+        }
+    }
+
+    pub fn document(&self, path: &Path) -> Document<'_> {
+        Document {
+            schema: "trolley.scenario-import/1",
+            file: path.display().to_string(),
+            name: &self.recording.name,
+            scenario: self.text.as_deref(),
+            meetings: self.swept.meetings.iter().map(|meeting| self.row(meeting)).collect(),
+            free: self.swept.free.iter().map(Manoeuvre::name).collect(),
+            horizon_s: self.horizon_s,
+            notes: &self.notes,
+        }
+    }
+
+    /// What was found, for people: one line for each fact.
+    pub fn summary(&self) -> String {
+        let (meet, free) = (self.swept.meetings.len(), self.swept.free.len());
+        let mut text = format!(
+            "{}: {} obstacles; {meet} of {} manoeuvres meet somebody within {} s",
+            self.recording.name,
+            self.recording.others.len(),
+            meet + free,
+            self.horizon_s
+        );
+        if free > 0 && meet > 0 {
+            let names: Vec<String> = self.swept.free.iter().take(4).map(Manoeuvre::name).collect();
+            let more = if free > 4 { "; …" } else { "" };
+            let _w = write!(text, "\nfree of any: {}{more}", names.join("; "));
+        }
+        for note in &self.notes {
+            let _w = write!(text, "\nNote: {note}.");
+        }
+        text
+    }
+}
