@@ -1,9 +1,11 @@
 //! The command line.
 
-use crate::plan::Distribute;
+use crate::limits::LimitArgs;
+use crate::output::Output;
 use clap::{Args as ClapArgs, Parser, Subcommand};
-use scenario::WrittenDepth;
+use scenario::Overrides;
 use std::path::PathBuf;
+use trolley::Failure;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -18,7 +20,7 @@ Exit codes: 0 ok, 2 usage, 3 degraded, 4 refused, 65 input, 69 resources, 70 int
 
 /// Ranks unavoidable collisions by the harm they do, and says how sure that is.
 #[derive(Debug, Parser)]
-#[command(name = "trolley", version = crate::BUILD, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "trolley", version = trolley::BUILD, after_help = EXAMPLES, max_term_width = 100)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -31,13 +33,6 @@ pub(crate) struct Args {
     /// More log lines on stderr; twice for all.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub(crate) verbose: u8,
-}
-
-/// How results and progress are shown.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Output {
-    pub(crate) json: bool,
-    pub(crate) quiet: bool,
 }
 
 impl Args {
@@ -98,17 +93,6 @@ pub(crate) enum Command {
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
     Intersect(crate::intersect::IntersectArgs),
-    /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
-    #[command(after_help = crate::measure::EXAMPLES)]
-    Measure(crate::measure::MeasureArgs),
-    /// Try bounds, deadlines and budgets on requests of chance: tables, and whether all holds.
-    #[command(after_help = crate::certify::EXAMPLES)]
-    Certify {
-        #[command(subcommand)]
-        verb: crate::certify::Verb,
-    },
-    /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
-    Calibrate(crate::measure::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
     Model {
         #[command(subcommand)]
@@ -119,14 +103,6 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::record::Verb,
     },
-    /// Decide among simulated workers and channels that fail, by seed.
-    Simulate {
-        #[command(subcommand)]
-        verb: crate::simulate::Verb,
-    },
-    /// Answer requests while faults are injected into real processes; report what became of them.
-    #[command(after_help = crate::inject::EXAMPLES)]
-    Inject(crate::inject::InjectArgs),
     /// Show a decision record or a measurement: one HTML page, .glb, PNG stills.
     #[command(after_help = crate::report::EXAMPLES)]
     Report(crate::report::ReportArgs),
@@ -161,7 +137,7 @@ pub(crate) struct AnswerArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) record: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) terms: crate::terms::TermsArgs,
+    pub(crate) limits: LimitArgs,
 }
 
 /// What may be assumed of what nobody knows.
@@ -172,64 +148,66 @@ pub(crate) enum Assume {
     UnknownFixed,
 }
 
-/// A depth as a person writes it.
-fn depth(text: &str) -> Result<WrittenDepth, String> {
-    match (text, text.parse()) {
-        (_, Ok(levels)) => Ok(WrittenDepth::Levels(levels)),
-        ("auto", _) => Ok(WrittenDepth::Word(text.to_owned())),
-        _ => Err("write a whole number of levels, or auto".to_owned()),
-    }
-}
-
 /// Settings of the engine; each overrides the scenario's. None changes a complete answer.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct EngineArgs {
     /// Worker processes, 1 to 16.
     #[arg(long, value_name = "N")]
-    pub(crate) workers: Option<i64>,
+    workers: Option<i64>,
     /// Core of each worker, as 0,1,2,3; "none": no pinning.
     #[arg(long, value_name = "LIST")]
-    pub(crate) cores: Option<String>,
-    /// Distribution depth: levels of both trees that the coordinator descends itself; "auto": as
-    /// many as dry runs predict to be the quickest.
-    #[arg(long, value_name = "D", value_parser = depth)]
-    pub(crate) depth: Option<WrittenDepth>,
-    /// Whether jobs are spread over the workers; "auto": not where one piece on one worker is
-    /// predicted to be quicker.
-    #[arg(long, value_name = "WHEN", default_value = "always", conflicts_with = "in_process")]
-    pub(crate) distribute: Distribute,
-    /// What each step costs, as `trolley calibrate --out FILE` wrote it; for predictions [default:
-    /// built in].
-    #[arg(long, value_name = "FILE")]
-    pub(crate) costs: Option<PathBuf>,
+    cores: Option<String>,
+    /// Distribution depth: levels of both trees that the coordinator descends itself.
+    #[arg(long, value_name = "D")]
+    depth: Option<i64>,
     /// How trees are built: seed, literal or sah.
     #[arg(long)]
-    pub(crate) build: Option<String>,
+    build: Option<String>,
     /// Triangles in a leaf at most.
     #[arg(long, value_name = "N")]
-    pub(crate) leaf_size: Option<i64>,
-    /// How jobs are matched to workers: best-match-load, best-match, random-match, lowest-match or
-    /// round-robin.
-    #[arg(long)]
-    pub(crate) scheme: Option<String>,
-    /// Weight of the match against the load, 0 to 1.
-    #[arg(long)]
-    pub(crate) alpha: Option<f64>,
+    leaf_size: Option<i64>,
     /// Jobs per message.
     #[arg(long, value_name = "N")]
-    pub(crate) batch: Option<i64>,
+    batch: Option<i64>,
     /// Jobs on their way to one worker at most.
     #[arg(long, value_name = "N")]
-    pub(crate) queue: Option<i64>,
-    #[command(flatten)]
-    pub(crate) transfer: crate::transfer::TransferArgs,
+    queue: Option<i64>,
     /// Seed of every choice that is called random.
     #[arg(long, value_name = "N")]
-    pub(crate) seed: Option<i64>,
+    seed: Option<i64>,
     /// Name of this instance in shared memory: 1 to 12 of a-z, 0-9 and -.
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: Option<String>,
     /// Run all jobs in this process, without workers: for comparison.
     #[arg(long)]
     pub(crate) in_process: bool,
+}
+
+impl EngineArgs {
+    /// What takes the place of the scenario's settings.
+    pub(crate) fn overrides(&self) -> Result<Overrides, Failure> {
+        let cores = match self.cores.as_deref() {
+            None => None,
+            Some("none") => Some(Vec::new()),
+            Some(list) => {
+                let cores: Result<Vec<i64>, _> =
+                    list.split(',').map(|core| core.trim().parse()).collect();
+                Some(cores.map_err(|error| {
+                    Failure::setting(format!("--cores {list}: {error}"))
+                        .with_remedy("write --cores 0,1,2,3, or --cores none")
+                })?)
+            }
+        };
+        Ok(Overrides {
+            workers: self.workers,
+            cores,
+            depth: self.depth,
+            batch: self.batch,
+            queue: self.queue,
+            build: self.build.clone(),
+            leaf_size: self.leaf_size,
+            seed: self.seed,
+            ..Overrides::default()
+        })
+    }
 }

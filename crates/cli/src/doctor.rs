@@ -5,16 +5,16 @@
 //! the service from working or from keeping its promises; a *note* makes it slower or less
 //! predictable.
 
-use crate::BUILD;
-use crate::args::Output;
+use crate::output::Output;
 use crate::print;
-use diagnostic::{Failure, Kind};
 use runtime::{affinity, realtime};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
+use trolley::BUILD;
+use trolley::{Failure, Kind};
 
 /// Shared memory that a service of four workers and sixteen clients takes at most (bytes).
 const SHM_BYTES: u64 = 64 << 20;

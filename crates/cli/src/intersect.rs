@@ -14,8 +14,8 @@ mod answer;
 mod bodies;
 pub(crate) mod poses;
 
-use crate::args::Output;
 use crate::model::{BuildName, LimitArgs, open};
+use crate::output::Output;
 use crate::print;
 use answer::{Answer, Asked, Found};
 use bodies::Body;
@@ -24,7 +24,6 @@ use bvh::kernel::Walk;
 use bvh::together::{self, Together};
 use bvh::{Kernel, Outcome, Question, Side, Task};
 use clap::{Args as ClapArgs, ValueEnum};
-use diagnostic::Failure;
 use geometry::hash::splitmix64;
 use geometry::simd::{self, Level, Simd};
 use geometry::{Pose, RelativePose};
@@ -33,6 +32,7 @@ use serde::Serialize;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::Failure;
 
 /// What is written to push everything else out of the caches: more than a last level holds.
 const STREAMED_BYTES: usize = 64 << 20;

@@ -5,17 +5,12 @@
 //! stderr. Exit codes are those of [`diagnostic::Kind`].
 
 mod args;
-mod bodies;
-mod certify;
-mod deployment;
 mod doctor;
 mod explain;
-mod inject;
-mod inputs;
 mod intersect;
-mod measure;
+mod limits;
 mod model;
-mod plan;
+mod output;
 mod policy;
 mod print;
 mod progress;
@@ -23,26 +18,19 @@ mod query;
 mod rank;
 mod record;
 mod report;
-mod run;
 mod serve;
-mod simulate;
 mod table;
-mod terms;
 mod top;
 mod traffic;
-mod transfer;
 
 use args::{Args, Command};
 use clap::{CommandFactory as _, Parser as _};
-use diagnostic::Failure;
 use std::process::ExitCode;
+use trolley::Failure;
 
 /// Counts what a request allocates; it costs an increment.
 #[global_allocator]
 static HEAP: runtime::heap::Counting = runtime::heap::Counting;
-
-/// Name of this build: both ends of every channel carry it.
-const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("TROLLEY_BUILD"));
 
 fn main() -> ExitCode {
     let args = Args::parse();
@@ -65,12 +53,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Record { verb } => record::run(verb, &args.output()),
         Command::Report(asked) => report::run(asked, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
-        Command::Certify { verb } => certify::run(verb, &args.output()),
-        Command::Calibrate(options) => measure::calibrate(options),
-        Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
-        Command::Simulate { verb } => simulate::simulate(verb, args.verbose, &args.output()),
-        Command::Inject(options) => inject::run(options, &args.output()),
         Command::Serve(options) => serve::run(options, &args.output()),
         Command::Query(options) => query::run(options, &args.output()),
         Command::Top(options) => top::run(options, &args.output()),
@@ -88,8 +71,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
             print::out_bytes(&text)
         }
         Command::Worker { word } => {
-            runtime::process::set_name("trolley-worker");
-            worker::run(word, BUILD)?;
+            trolley::run_worker(word)?;
             Ok(ExitCode::SUCCESS)
         }
     }
@@ -98,8 +80,6 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
 fn start_logging(args: &Args) {
     let level = match (args.quiet, args.verbose) {
         (true, _) => tracing::Level::ERROR,
-        // Thousands of faults are to be told by the ledger alone.
-        (false, 0) if matches!(args.command, Command::Inject(_)) => tracing::Level::ERROR,
         (false, 0) => tracing::Level::WARN,
         (false, 1) => tracing::Level::INFO,
         (false, _) => tracing::Level::DEBUG,

@@ -18,16 +18,15 @@ mod import;
 mod info;
 pub(crate) mod open;
 pub(crate) mod reader;
-pub(crate) mod write;
 
-use crate::args::Output;
+use crate::output::Output;
 use body::{Build, Kind};
 use bvh::BuildOptions;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
-use diagnostic::Failure;
 use mesh::import::{Axis, Unit};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::Failure;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {

@@ -9,7 +9,7 @@
 use crate::args::EngineArgs;
 use body::{BodyView, Meta};
 use coordinator::{DEPTHS, DryCandidate, DryRuns, Request};
-use diagnostic::Failure;
+use trolley::Failure;
 use runtime::{affinity, clock};
 use scenario::{Depth, Engine, Overrides};
 use serde::Serialize;

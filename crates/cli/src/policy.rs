@@ -1,15 +1,15 @@
 //! `trolley policy check`: would these policies and curves be accepted, and what do they say?
 
-use crate::args::Output;
+use crate::output::Output;
 use crate::{inputs, print};
 use clap::Subcommand;
 use damage::curve::Level;
 use damage::injury::Victim;
 use damage::{Curves, Policy};
-use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::{Failure, Kind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -50,7 +50,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let Verb::Check { files, curves } = verb;
     let curves = match curves {
         None => Curves::shipped(),
-        Some(path) => Curves::parse(&path.display().to_string(), &inputs::text(path)?),
+        Some(path) => Curves::parse(&path.display().to_string(), &trolley::read_text(path)?),
     };
     let curves = curves?;
     let checked: Vec<Checked> = files.iter().map(|file| check(file, &curves)).collect();
@@ -79,7 +79,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
 
 fn check(path: &Path, curves: &Curves) -> Checked {
     let file = path.display().to_string();
-    let text = match inputs::text(path) {
+    let text = match trolley::read_text(path) {
         Ok(text) => text,
         Err(failure) => {
             let (kind, name, says) = ("file", String::new(), Vec::new());

@@ -1,9 +1,9 @@
 //! The only place that writes to stdout and stderr.
 
-use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
+use trolley::{Failure, Kind};
 
 /// Prints a result and a line feed.
 pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {

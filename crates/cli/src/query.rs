@@ -1,18 +1,19 @@
 //! `trolley query`: a scenario file, asked of a running service.
 
-use crate::args::{Assume, Output};
+use crate::args::Assume;
 use crate::deployment::{self, Opened};
+use crate::output::Output;
 use crate::{inputs, print, table};
 use clap::Args;
 use client::{Client, Waiting};
 use comfy_table::{CellAlignment, Table};
-use diagnostic::{Failure, Kind};
 use protocol::public::{Answer, Ask, Place, Reason, Verdict, flag};
 use scenario::{Scenario, Source};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
+use trolley::{Failure, Kind};
 
 mod latency;
 
@@ -76,7 +77,7 @@ struct Row<'a> {
 
 pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
     let opened = deployment::open(&options.deployment, options.instance.as_deref())?;
-    let text = inputs::text(&options.scenario)?;
+    let text = trolley::read_text(&options.scenario)?;
     let name = options.scenario.display().to_string();
     let scenario = Scenario::parse(&name, &text)?;
     let ask = ask(&opened, &scenario, options)?;

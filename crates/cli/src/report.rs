@@ -4,8 +4,7 @@
 //! A record holds no hit sets, so the request is made again from it, as `record replay` does; if
 //! the answer is not the recorded one, no page is written.
 
-use crate::args::Output;
-use crate::model::write;
+use crate::output::Output;
 use crate::record::{self, replay};
 use crate::{explain, print};
 use ::record::{End, Record};
@@ -13,12 +12,13 @@ use clap::Args as ClapArgs;
 use clap::builder::NonEmptyStringValueParser;
 use coordinator::{Answer, Explanation, PersonRow, Row, Scene};
 use damage::evidence::Touch;
-use diagnostic::{Failure, Kind};
 use report::still::Camera;
 use report::{Body, Candidate, Decision, Figure, Measurement, Moment, Patch, Shot, Span, Worker};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::files;
+use trolley::{Failure, Kind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

@@ -1,11 +1,10 @@
 //! `trolley top`: how a running service is, each second: rate, answers, latencies, workers,
 //! transfer.
 
-use crate::args::Output;
 use crate::deployment;
+use crate::output::Output;
 use crate::print;
 use clap::Args;
-use diagnostic::{Failure, Kind};
 use protocol::public::{Condition, Health, Stage, Verdict};
 use runtime::clock;
 use serde::Serialize;
@@ -14,6 +13,7 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use transport::{Address, Listener};
+use trolley::{Failure, Kind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

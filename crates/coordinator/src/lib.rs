@@ -25,7 +25,6 @@ mod bound;
 mod brief;
 mod case;
 mod crew;
-mod dry;
 mod explain;
 #[cfg(test)]
 mod fixtures;
@@ -49,7 +48,6 @@ pub use crew::{
     Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Share,
     Sight, Spoiled, WorkerReport, preflight, seal,
 };
-pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use ledger::Ledger;
@@ -60,5 +58,5 @@ pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};
 pub use trial::{Chance, Flaw, Verdict, trial};
-pub use workspace::{Backend, Course, Inquiry, RankError, Stage, Workspace};
 pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};
+pub use workspace::{Backend, Course, Inquiry, RankError, Stage, Workspace};

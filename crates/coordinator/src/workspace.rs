@@ -172,8 +172,13 @@ impl Workspace {
     ) -> Result<T, RankError> {
         let Inquiry { scenario, models, rules, ledger } = inquiry;
         let candidates = core::mem::take(&mut self.candidates);
-        let request =
-            Request::with_models(scenario, stage.bodies, (models, stage.extremes), rules, candidates)?;
+        let request = Request::with_models(
+            scenario,
+            stage.bodies,
+            (models, stage.extremes),
+            rules,
+            candidates,
+        )?;
         let room = core::mem::take(&mut self.room);
         let mut work = Work::in_room(&request, stage.bodies, stage.depth, room).with_terms(terms());
         if ledger {

@@ -132,13 +132,6 @@ impl Failure {
         Self { remedy: Some(remedy.into()), ..self }
     }
 
-    /// The same, of another kind: what is wrong with a file that a person gave is no mistake of
-    /// theirs where the program made it.
-    #[must_use]
-    pub fn of_kind(self, kind: Kind) -> Self {
-        Self { kind, ..self }
-    }
-
     /// The same, found at this place: a file, a line of it, or the name of a part.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {

@@ -44,8 +44,7 @@ impl<'b> InProcess<'b> {
 
     fn ranked(&mut self, ask: &Ask) -> Result<Answer, Refusal> {
         let checked = self.ranker.check(ask)?;
-        let ranked =
-            self.ranker.rank(ask.sequence, checked, Terms::default, &mut self.backend);
+        let ranked = self.ranker.rank(ask.sequence, checked, Terms::default, &mut self.backend);
         match ranked {
             Ok(ranked) => Ok(ranked.answer),
             Err(Unranked::Refused(refusal)) => Err(refusal),

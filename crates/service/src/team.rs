@@ -2,9 +2,7 @@
 //! comparison and for machines with a single core, this process itself.
 
 use body::{BodyView, Meta};
-use coordinator::{
-    Attendant, Backend, Crew, CrewError, InProcessExecutor, Mended, Options, Share,
-};
+use coordinator::{Attendant, Backend, Crew, CrewError, InProcessExecutor, Mended, Options, Share};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
 

@@ -1,7 +1,7 @@
 //! A deployment file, and what it names beside itself.
 
-use crate::scenario::read_text;
 use crate::Failure;
+use crate::scenario::read_text;
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};

@@ -16,8 +16,8 @@ use crate::{BUILD, Failure};
 use body::{BodyView, Build, Fit, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options,
-    Row, Stage, Workspace,
+    Answer, Backend, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row, Stage,
+    Workspace,
 };
 use dispatch::Entry;
 use runtime::{FileMap, affinity, clock};
@@ -190,27 +190,38 @@ impl Engine {
             rules: (scenario.policy.clone(), scenario.curves.clone()),
             ledger: limits.ledger,
         };
-        let told = loaded.workspace.rank(&stage, inquiry, || terms, &mut backend, |work, course| {
-            let answer = work.answer()?;
-            let answered_ns = clock::now_ns();
-            let run = Run {
-                stages: Stages {
-                    load_ms: milliseconds(loaded_ns - begun_ns),
-                    plan_ms: milliseconds(course.planned_ns - started_ns),
-                    start_ms: milliseconds(started_ns - loaded_ns),
-                    work_ms: milliseconds(course.worked_ns - course.planned_ns),
-                    assess_ms: milliseconds(answered_ns - course.worked_ns),
-                    stop_ms: 0.0,
-                },
-                deadline: limits.deadline(scenario.parsed.deadline).map(|due| {
-                    Kept::of(due, answered_ns.saturating_sub(work.accepted_ns()))
-                }),
-                jobs: course.jobs_in_process,
-                ..run.with_effort(work)
-            };
-            let explanation = limits.explanation.then(|| work.explanation()).transpose()?;
-            Ok::<_, coordinator::RequestError>((answer, explanation, run, work.ledger().cloned()))
-        });
+        let told = loaded.workspace.rank(
+            &stage,
+            inquiry,
+            || terms,
+            &mut backend,
+            |work, course| {
+                let answer = work.answer()?;
+                let answered_ns = clock::now_ns();
+                let run = Run {
+                    stages: Stages {
+                        load_ms: milliseconds(loaded_ns - begun_ns),
+                        plan_ms: milliseconds(course.planned_ns - started_ns),
+                        start_ms: milliseconds(started_ns - loaded_ns),
+                        work_ms: milliseconds(course.worked_ns - course.planned_ns),
+                        assess_ms: milliseconds(answered_ns - course.worked_ns),
+                        stop_ms: 0.0,
+                    },
+                    deadline: limits
+                        .deadline(scenario.parsed.deadline)
+                        .map(|due| Kept::of(due, answered_ns.saturating_sub(work.accepted_ns()))),
+                    jobs: course.jobs_in_process,
+                    ..run.with_effort(work)
+                };
+                let explanation = limits.explanation.then(|| work.explanation()).transpose()?;
+                Ok::<_, coordinator::RequestError>((
+                    answer,
+                    explanation,
+                    run,
+                    work.ledger().cloned(),
+                ))
+            },
+        );
         // Workers that could not finish are not used again.
         let (answer, explanation, run, ledger) = told??;
         let report = backend.report();
@@ -257,9 +268,9 @@ fn loaded<'l>(
     progress: OnProgress<'_>,
 ) -> Result<&'l mut Loaded, Failure> {
     let sources = sources(scenario);
-    let is_same = kept.as_ref().is_some_and(|kept| {
-        kept.settings == *settings && sources.as_ref() == Some(&kept.sources)
-    });
+    let is_same = kept
+        .as_ref()
+        .is_some_and(|kept| kept.settings == *settings && sources.as_ref() == Some(&kept.sources));
     if is_same && let Some(kept) = kept {
         let views = kept.bodies.views()?;
         let of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
@@ -304,7 +315,9 @@ impl EngineBuilder {
     /// Whoever does the jobs, ready for them.
     fn backend(&self, settings: &Settings, bodies: &Bodies) -> Result<Backend, Failure> {
         if self.in_process {
-            return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(&bodies.views()?))));
+            return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(
+                &bodies.views()?,
+            ))));
         }
         let cores = worker_cores(settings, &affinity::allowed_cores())?;
         pin_coordinator(settings)?;
@@ -349,11 +362,7 @@ impl EngineBuilder {
 
 impl Run {
     /// Nothing done yet.
-    fn new(
-        engine: &EngineBuilder,
-        settings: &Settings,
-        bodies: &[(Meta, BodyView<'_>)],
-    ) -> Self {
+    fn new(engine: &EngineBuilder, settings: &Settings, bodies: &[(Meta, BodyView<'_>)]) -> Self {
         let cores_granted = affinity::allowed_cores();
         Self {
             build: BUILD,
@@ -408,10 +417,7 @@ pub fn pin_coordinator(settings: &Settings) -> Result<(), Failure> {
 /// # Errors
 ///
 /// If a core is named that this process may not use.
-pub fn worker_cores(
-    settings: &Settings,
-    granted: &[usize],
-) -> Result<Vec<Option<usize>>, Failure> {
+pub fn worker_cores(settings: &Settings, granted: &[usize]) -> Result<Vec<Option<usize>>, Failure> {
     match &settings.cores {
         Cores::Unpinned => Ok(vec![None; settings.workers]),
         Cores::Granted => Ok(affinity::in_turn(granted, settings.workers)),
@@ -419,8 +425,9 @@ pub fn worker_cores(
             let cores = cores.iter().map(|core| usize::from(*core));
             if let Some(core) = cores.clone().find(|core| !granted.contains(core)) {
                 let what = format!("core {core} is not one that this process may use");
-                return Err(Failure::setting(what)
-                    .with_remedy(format!("cores granted here: {granted:?}; see taskset and cpusets")));
+                return Err(Failure::setting(what).with_remedy(format!(
+                    "cores granted here: {granted:?}; see taskset and cpusets"
+                )));
             }
             Ok(cores.map(Some).collect())
         }

@@ -53,9 +53,9 @@ pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
 pub use record::Record;
 pub use run::Run;
-pub use service::Idle;
 pub use scenario::{Scenario, Text, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
+pub use service::Idle;
 pub use worker::{play_worker, run_worker};
 
 /// Name of this build, by a hash of what it was made of: both ends of every channel carry it, so

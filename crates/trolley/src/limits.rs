@@ -1,8 +1,8 @@
 //! How far, by when, in which order and in how large pieces a request is worked on.
 
 use crate::{Failure, Kind};
-use core::time::Duration;
 use coordinator::{Pursuit, Terms, Until};
+use core::time::Duration;
 
 /// Least budget: two full leaves are tested in one step.
 const BUDGET_MIN: u64 = 2 * bvh::kernel::STEP_TESTS;

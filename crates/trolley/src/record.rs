@@ -254,3 +254,9 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     }
     std::fs::read(path).map_err(wrong)
 }
+
+/// A hash as people read it.
+#[must_use]
+pub fn hex(hash: &[u8; 32]) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -5,9 +5,9 @@ use crate::model::facts::{shown, thousands};
 use crate::print;
 use body::Build;
 use bvh::{BuildOptions, Counters};
-use diagnostic::Failure;
 use serde::Serialize;
 use std::path::Path;
+use trolley::Failure;
 
 /// What a query found. For one pose it is always the same, but for the counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! The two bodies: meshes as they stand, read in a child, or model files; each with its tree.
 
 use super::IntersectArgs;
-use crate::args::Output;
 use crate::model::reader::{Outcome, Request};
 use crate::model::{LimitArgs, open};
+use crate::output::Output;
 use body::{BodyView, Build, Meta, file};
 use bvh::BuildOptions;
 use diagnostic::{Failure, chain};

@@ -3,8 +3,8 @@
 //! Six rows of four numbers, R | t: three for A, then three for B. Empty lines count for nothing,
 //! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
 
-use diagnostic::Failure;
 use geometry::Pose;
+use trolley::Failure;
 
 /// Longest file, in bytes: 24 numbers and remarks.
 pub(crate) const BYTES_MAX: usize = 64 << 10;

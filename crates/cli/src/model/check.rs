@@ -3,13 +3,13 @@
 use super::facts::{Facts, shown, thousands, triangles};
 use super::reader::{Outcome, Request};
 use super::{LimitArgs, MeshArgs, open};
-use crate::args::Output;
+use crate::output::Output;
 use crate::print;
 use clap::Args as ClapArgs;
-use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::{Failure, Kind};
 
 pub(super) const EXAMPLES: &str = "\
 Examples:

@@ -2,14 +2,14 @@
 
 use super::facts;
 use super::{open, write};
-use crate::args::Output;
+use crate::output::Output;
 use crate::print;
 use clap::Args as ClapArgs;
-use diagnostic::Failure;
 use mesh::export::{self, ExportFormat};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::Failure;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:

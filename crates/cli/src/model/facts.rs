@@ -1,10 +1,10 @@
 //! What is known of a body, as a table for people and as JSON.
 
 use body::{BodyView, Build, Kind, Mesh, Meta, Seat, file};
-use diagnostic::Failure;
 use mesh::import::{Guess, guess};
 use serde::Serialize;
 use std::fmt::Write as _;
+use trolley::Failure;
 
 /// Parts that the table names; JSON names all.
 const PARTS_SHOWN: usize = 20;

@@ -2,17 +2,17 @@
 
 use super::facts::Facts;
 use super::{TreeArgs, open, write};
-use crate::args::Output;
+use crate::output::Output;
 use crate::progress::Progress;
 use crate::{bodies, print};
 use body::Shape;
 use body::file;
 use clap::Args as ClapArgs;
-use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use shapes::{TRIANGLES_MAX, TRIANGLES_MIN};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::{Failure, Kind};
 
 pub(super) const EXAMPLES: &str = "\
 Examples:

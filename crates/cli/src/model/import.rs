@@ -3,14 +3,14 @@
 use super::facts::{Facts, thousands, triangles};
 use super::reader::{Outcome, Report, Request};
 use super::{LimitArgs, MeshArgs, TreeArgs, open, write};
-use crate::args::Output;
+use crate::output::Output;
 use crate::print;
 use clap::Args as ClapArgs;
 use clap::builder::NonEmptyStringValueParser;
-use diagnostic::{Failure, Kind};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::{Failure, Kind};
 
 pub(super) const EXAMPLES: &str = "\
 Examples:

@@ -3,16 +3,16 @@
 use super::facts::{Facts, shown, thousands};
 use super::reader::{Outcome, Request};
 use super::{LimitArgs, open};
-use crate::args::Output;
+use crate::output::Output;
 use crate::print;
 use body::Mesh;
 use bvh::BuildOptions;
-use diagnostic::{Failure, Kind};
 use mesh::import::{Format, Reading, readings};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
+use trolley::{Failure, Kind};
 
 /// Offers that are shown.
 const READINGS_MAX: usize = 4;

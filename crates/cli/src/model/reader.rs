@@ -13,17 +13,17 @@
 pub(super) mod child;
 
 use super::{LimitArgs, MeshArgs, open};
-use crate::args::Output;
+use crate::output::Output;
 use crate::progress::Progress;
 use body::{Build, Kind, file};
 use bvh::BuildOptions;
-use diagnostic::Failure;
 use mesh::import::{Axis, Unit};
 use runtime::{Child, Exit, Spawn, process};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufRead as _, BufReader, PipeReader, Read};
 use std::os::fd::AsFd as _;
 use std::path::Path;
+use trolley::Failure;
 
 /// How the operating system says ENOMEM.
 const NO_MEMORY: &str = "(os error 12)";

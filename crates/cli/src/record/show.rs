@@ -1,14 +1,14 @@
 //! `trolley record show`: what a record holds, for people and for programs.
 
 use super::{hex, read};
-use crate::args::Output;
+use crate::output::Output;
 use crate::print;
 use crate::table::wrap;
-use diagnostic::Failure;
 use record::{End, Link, Record, Source};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
+use trolley::Failure;
 
 pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let (record, link) = read(path)?;

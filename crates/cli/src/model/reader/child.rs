@@ -8,7 +8,6 @@ use super::{Report, Request, Word};
 use crate::print;
 use body::{Kind, Mesh, Zones, defaults, file, zones};
 use bvh::BuildOptions;
-use diagnostic::Failure;
 use mesh::import::{
     self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
 };
@@ -22,6 +21,7 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
+use trolley::Failure;
 
 /// Longest side file, in bytes: it has nine keys.
 const SIDE_BYTES_MAX: u64 = 1 << 20;
