@@ -60,6 +60,21 @@ pub enum Build {
     Sah,
 }
 
+impl Build {
+    /// All of them, the default first.
+    pub const ALL: [Self; 3] = [Self::Seed, Self::Literal, Self::Sah];
+
+    /// Its name, as files and the command line have it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Seed => "seed",
+            Self::Literal => "literal",
+            Self::Sah => "sah",
+        }
+    }
+}
+
 /// A person that belongs to a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

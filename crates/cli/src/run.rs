@@ -8,8 +8,9 @@ use crate::transfer;
 use body::{BodyView, Meta};
 use coordinator::{Crew, Options, Work, WorkerReport, run_here};
 use diagnostic::{Failure, chain};
+use record::Mode;
 use runtime::{SealedMemory, affinity, clock};
-use scenario::{Cores, Engine};
+use scenario::{Cores, Engine, Scheme};
 use serde::Serialize;
 
 /// Times of the stages, in milliseconds.
@@ -33,14 +34,14 @@ pub(crate) struct Stages {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Run {
     pub(crate) build: &'static str,
-    pub(crate) mode: &'static str,
+    pub(crate) mode: Mode,
     pub(crate) stages: Stages,
     pub(crate) depth: u32,
     /// Why this depth, and whether jobs were spread; absent if nothing was left to choose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) choice: Option<Choice>,
     pub(crate) tree: body::Build,
-    pub(crate) scheme: &'static str,
+    pub(crate) scheme: Scheme,
     /// How the deadline was kept, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) deadline: Option<Kept>,
@@ -80,7 +81,7 @@ pub(crate) fn milliseconds(ns: u64) -> f64 {
     ns as f64 / 1e6
 }
 
-fn blank(bodies: &[(Meta, BodyView<'_>)], plan: &Plan, mode: &'static str) -> Run {
+fn blank(bodies: &[(Meta, BodyView<'_>)], plan: &Plan, mode: Mode) -> Run {
     let engine = &plan.engine;
     Run {
         build: BUILD,
@@ -89,7 +90,7 @@ fn blank(bodies: &[(Meta, BodyView<'_>)], plan: &Plan, mode: &'static str) -> Ru
         depth: plan.depth,
         choice: plan.choice.clone(),
         tree: engine.build,
-        scheme: engine.scheme.name(),
+        scheme: engine.scheme,
         deadline: None,
         winner_certain: None,
         order_certain: None,
@@ -138,7 +139,7 @@ pub(crate) fn here<'w>(
     let begun_ns = clock::now_ns();
     let jobs = run_here(&mut work, bodies);
     stages.work_ms = milliseconds(clock::now_ns() - begun_ns);
-    let mut run = blank(bodies, plan, "in-process");
+    let mut run = blank(bodies, plan, Mode::InProcess);
     run.remarks.push("no workers: all jobs ran in the coordinator's process".to_owned());
     let run = Run { jobs, ..with_effort(run, &work) };
     (work, run)
@@ -162,7 +163,7 @@ pub(crate) fn crew<'w>(
     stages: &mut Stages,
 ) -> Result<(Work<'w>, Run, Crew), Failure> {
     let engine = &plan.engine;
-    let mut run = blank(bodies, plan, "workers");
+    let mut run = blank(bodies, plan, Mode::Workers);
     let granted = run.cores_granted.clone();
     let cores = worker_cores(engine, &granted)?;
     pin_coordinator(engine)?;
@@ -176,7 +177,7 @@ pub(crate) fn crew<'w>(
     let handing = &options.transfer;
     let instance = options.instance.clone().unwrap_or_else(|| format!("p{}", std::process::id()));
     let options = Options {
-        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
+        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed),
         queues: handing.queues(engine)?,
         cache: handing.cache(plan.depth, bodies)?,
         copies: handing.copies(),

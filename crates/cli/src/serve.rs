@@ -71,7 +71,7 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
     pin_coordinator(engine)?;
     let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
     let crew = Options {
-        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
+        matching: transfer::matching(engine.scheme, engine.alpha, engine.seed),
         queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
         intensity: Intensity {
             core_deaths: opened.deployment.restarts.core_in_10_s as usize,

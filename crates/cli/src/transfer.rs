@@ -8,6 +8,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use diagnostic::{Failure, Kind};
 use dispatch::{Cache, Entry, Matching, Queues};
 use scenario::{Engine, Scheme};
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -18,14 +19,25 @@ const LINGER_MAX_US: u64 = 10_000;
 pub(crate) const BUDGET_PERCENT: u64 = 60;
 
 /// How workers come by the bodies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Mode {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Transfer {
     /// They read the one sealed store in place.
     #[default]
     ZeroCopy,
     /// Sections are shipped into memory of their own, without eviction, for comparison: the first
     /// that does not fit ends the run.
     Copy,
+}
+
+impl Transfer {
+    /// Its name, as files and the command line have it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::ZeroCopy => "zero-copy",
+            Self::Copy => "copy",
+        }
+    }
 }
 
 /// What a person may say about transfer, beside the scenario's settings.
@@ -40,7 +52,7 @@ pub(crate) struct TransferArgs {
     cache_bytes: Option<u64>,
     /// How workers come by the bodies.
     #[arg(long, value_name = "MODE", default_value = "zero-copy")]
-    transfer: Mode,
+    transfer: Transfer,
     /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of bodies].
     #[arg(long, value_name = "BYTES")]
     memory_budget: Option<u64>,
@@ -72,57 +84,53 @@ impl TransferArgs {
     ) -> Result<Cache, Failure> {
         let largest = || bodies.iter().map(|(_, body)| largest_section(body, depth)).max();
         match (self.transfer, self.cache_bytes, self.memory_budget) {
-            (Mode::Copy, Some(_), _) => {
+            (Transfer::Copy, Some(_), _) => {
                 let help = "--memory-budget bounds what a worker that copies can hold";
                 Err(setting("--cache-bytes is for zero-copy alone".to_owned()).with_remedy(help))
             }
-            (Mode::ZeroCopy, _, Some(_)) => {
+            (Transfer::ZeroCopy, _, Some(_)) => {
                 let help = "give --transfer copy besides, or --cache-bytes";
                 Err(setting("--memory-budget is for workers that copy".to_owned())
                     .with_remedy(help))
             }
-            (Mode::Copy, None, Some(budget)) => {
+            (Transfer::Copy, None, Some(budget)) => {
                 fits("--memory-budget", budget, depth, largest().unwrap_or(0))?;
                 Ok(Cache::Fixed(budget))
             }
-            (Mode::Copy, None, None) => {
+            (Transfer::Copy, None, None) => {
                 let all: u64 = bodies.iter().map(|(_, body)| section::bytes(body.nodes, 0)).sum();
                 Ok(Cache::Fixed(all * BUDGET_PERCENT / 100))
             }
-            (Mode::ZeroCopy, Some(bytes), None) => {
+            (Transfer::ZeroCopy, Some(bytes), None) => {
                 fits("--cache-bytes", bytes, depth, largest().unwrap_or(0))?;
                 Ok(Cache::Recent(bytes))
             }
-            (Mode::ZeroCopy, None, None) => Ok(Cache::Unlimited),
+            (Transfer::ZeroCopy, None, None) => Ok(Cache::Unlimited),
         }
     }
 
     /// Whether workers read the one store in place, and the ledger has no limit.
     pub(crate) fn is_plain(&self) -> bool {
-        self.transfer == Mode::ZeroCopy
+        self.transfer == Transfer::ZeroCopy
             && self.cache_bytes.is_none()
             && self.memory_budget.is_none()
     }
 
     /// Whether sections are copied.
     pub(crate) fn copies(&self) -> bool {
-        self.transfer == Mode::Copy
+        self.transfer == Transfer::Copy
     }
 }
 
 /// The scheme that the engine names.
-pub(crate) fn matching(scheme: Scheme, alpha: f64, seed: u64) -> Result<Matching, Failure> {
-    Ok(match scheme {
+pub(crate) fn matching(scheme: Scheme, alpha: f64, seed: u64) -> Matching {
+    match scheme {
         Scheme::BestMatchLoad => Matching::BestMatchLoad(alpha),
         Scheme::BestMatch => Matching::BestMatch,
         Scheme::RandomMatch => Matching::RandomMatch(seed),
         Scheme::LowestMatch => Matching::LowestMatch,
         Scheme::RoundRobin => Matching::RoundRobin,
-        other => {
-            let fault = format!("{} is read, but not carried out", other.name());
-            return Err(Failure::internal(fault));
-        }
-    })
+    }
 }
 
 /// The largest section of a body at a distribution depth (bytes).

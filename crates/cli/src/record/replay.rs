@@ -125,7 +125,7 @@ pub(crate) fn with<T>(
 fn engine(record: &Record) -> Result<Engine, Failure> {
     let changes = Overrides {
         depth: Some(WrittenDepth::Levels(i64::from(record.settings.depth))),
-        build: Some(record.settings.tree.clone()),
+        build: Some(record.settings.tree.name().to_owned()),
         leaf_size: Some(i64::from(record.settings.leaf_size)),
         ..Overrides::default()
     };
