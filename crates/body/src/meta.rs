@@ -61,9 +61,12 @@ pub enum Build {
 }
 
 impl Build {
-    /// Its name in settings, records and documents.
+    /// All of them, the default first.
+    pub const ALL: [Self; 3] = [Self::Seed, Self::Literal, Self::Sah];
+
+    /// Its name, as files and the command line have it.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Seed => "seed",
             Self::Literal => "literal",

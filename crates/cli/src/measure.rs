@@ -19,6 +19,7 @@ mod swept;
 
 use crate::args::Output;
 use crate::progress::Progress;
+use crate::transfer::Transfer;
 use crate::{print, transfer};
 use bench::Bench;
 use claims::{Claim, claims, curve};
@@ -27,6 +28,7 @@ use diagnostic::{Failure, Kind};
 use figure::{Figure, Line, draw};
 use pair::PairName;
 use row::{Mode, Row};
+use scenario::Scheme;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -204,15 +206,13 @@ fn write_all(out: &Path, swept: &[Swept], claims: &[Claim], command: &str) -> Re
     Ok(())
 }
 
-const SCHEMES: [&str; 5] =
-    ["best-match-load", "best-match", "random-match", "lowest-match", "round-robin"];
-
 /// Speed-up when copying, speed-up without, and transfer.
 fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
-    let line = |scheme: &str, transfer: &str, value: fn(&Row) -> Option<f64>| {
+    let line = |scheme: Scheme, transfer: Transfer, value: fn(&Row) -> Option<f64>| {
         let points = curve(pair, scheme, transfer, value);
         Line {
-            name: scheme.to_owned(),
+            name: scheme.name().to_owned(),
+            scheme: Some(scheme),
             points: points.into_iter().map(|(depth, value)| (f64::from(depth), value)).collect(),
         }
     };
@@ -233,18 +233,20 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
         y,
         lines,
     };
-    let copying = SCHEMES.map(|scheme| line(scheme, "copy", speed));
+    let copying = Scheme::ALL.map(|scheme| line(scheme, Transfer::Copy, speed));
     let mut shared: Vec<Line> =
-        SCHEMES.iter().map(|scheme| line(scheme, "zero-copy", speed)).collect();
+        Scheme::ALL.map(|scheme| line(scheme, Transfer::ZeroCopy, speed)).into();
     let measured = pair.rows.iter().filter(|row| {
         (row.mode, row.workers, row.queue) == (Mode::Measured, 2, calibrate::QUEUES.capacity)
-            && (row.scheme, row.transfer) == ("best-match-load", "zero-copy")
+            && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
     });
     shared.push(Line {
         name: "measured, 2 workers".to_owned(),
+        scheme: None,
         points: measured.map(|row| (f64::from(row.depth), row.speed_up)).collect(),
     });
-    let moved = SCHEMES.map(|scheme| line(scheme, "zero-copy", |row| row.relative_to_models));
+    let moved =
+        Scheme::ALL.map(|scheme| line(scheme, Transfer::ZeroCopy, |row| row.relative_to_models));
     [
         (
             "speed-up",

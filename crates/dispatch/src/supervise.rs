@@ -49,6 +49,19 @@ pub enum Verdict {
     Silent,
 }
 
+impl Verdict {
+    /// One word for it, as records and reports have it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Alive => "alive",
+            Self::Stopped => "stopped",
+            Self::Hung => "hung",
+            Self::Silent => "silent",
+        }
+    }
+}
+
 /// The memory of one watched worker.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch {

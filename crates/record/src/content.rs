@@ -1,5 +1,8 @@
 //! What a record holds. Plain values: their meaning is that of the crates which they come from.
 
+use crate::named;
+use body::Build;
+use scenario::Scheme;
 use serde::{Deserialize, Serialize};
 
 /// A text that a person wrote.
@@ -38,21 +41,48 @@ pub struct Body {
     pub hash: String,
 }
 
+/// Who does the jobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Worker processes.
+    Workers,
+    /// The coordinator's own process.
+    InProcess,
+}
+
+impl Mode {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Workers, Self::InProcess];
+
+    /// Its name in records and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Workers => "workers",
+            Self::InProcess => "in-process",
+        }
+    }
+}
+
 /// How the work was cut. Workers and channels are named for the reader: no answer depends on them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// "workers" or "in-process".
-    pub mode: String,
+    /// Who did the jobs.
+    #[serde(with = "named")]
+    pub mode: Mode,
     /// Worker processes.
     pub workers: u32,
     /// Distribution depth.
     pub depth: u32,
     /// Tree of the bodies.
-    pub tree: String,
+    #[serde(with = "named")]
+    pub tree: Build,
     /// Triangles per leaf at most.
     pub leaf_size: u32,
     /// Match scheme.
-    pub scheme: String,
+    #[serde(with = "named")]
+    pub scheme: Scheme,
     /// Its weight of held sections.
     pub alpha: f64,
     /// Jobs per message.

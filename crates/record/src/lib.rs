@@ -24,9 +24,11 @@
 pub mod chain;
 pub mod content;
 pub mod file;
+mod named;
 
 pub use chain::{Chain, ChainError};
 pub use content::{
-    Body, Edge, End, Job, Moment, Place, Record, Settings, Source, Span, Stage, Text, hash_of_text,
+    Body, Edge, End, Job, Mode, Moment, Place, Record, Settings, Source, Span, Stage, Text,
+    hash_of_text,
 };
 pub use file::{Link, RecordError, decode, encode};

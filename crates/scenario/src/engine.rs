@@ -9,12 +9,12 @@ use crate::limit::{self, Limit};
 use crate::names;
 use body::Build;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// How jobs are matched to workers: the schemes of Wiseman and Grinberg, and one that looks at
 /// nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// The worker that holds most of a job's sections, weighed against how much it has to do
     /// already.
@@ -41,7 +41,7 @@ impl Scheme {
 
     /// Its name in a scenario.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::BestMatchLoad => "best-match-load",
             Self::BestMatch => "best-match",

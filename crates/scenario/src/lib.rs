@@ -34,6 +34,7 @@
 //! ```
 
 mod check;
+mod decimal;
 mod document;
 mod engine;
 mod error;
@@ -48,6 +49,7 @@ mod schema;
 #[cfg(test)]
 mod testing;
 
+pub use decimal::decimal;
 pub use document::Place;
 pub use engine::{Cores, Engine, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};

@@ -30,14 +30,10 @@ impl Word for Seat {
 }
 
 impl Word for Build {
-    const ALL: &'static [Self] = &[Self::Seed, Self::Literal, Self::Sah];
+    const ALL: &'static [Self] = &Build::ALL;
 
     fn word(self) -> &'static str {
-        match self {
-            Self::Seed => "seed",
-            Self::Literal => "literal",
-            Self::Sah => "sah",
-        }
+        self.name()
     }
 }
 

@@ -7,6 +7,7 @@ use crate::library::{Entry, Library};
 use crate::outline::{Outline, Placed};
 use crate::recording::{Moment, Recording, wrapped};
 use crate::sweep::{Meeting, Swept};
+use scenario::decimal;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -46,10 +47,10 @@ pub fn scenario_text(
     let _w =
         writeln!(text, "# From {}: ego manoeuvres and whom each meets first.", one_line(source));
     if moved != [0.0; 2] {
-        let _w =
-            writeln!(text, "# Moved by {:?} m, so that the ego starts near the origin.", moved);
+        let [x, y] = moved.map(decimal);
+        let _w = writeln!(text, "# Moved by [{x}, {y}] m, so that the ego starts near the origin.");
     }
-    let _w = writeln!(text, "schema = {:?}", scenario::SCHEMA);
+    let _w = writeln!(text, "schema = {}", quoted(scenario::SCHEMA));
     let _w = writeln!(text, "name = {}\n", quoted(&recording.name));
     let ego_outline = recording.ego_outline();
     party(&mut text, "ego", &ego_outline, entry(library, "ego")?);
@@ -110,11 +111,11 @@ fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
         }
         (None, file) => writeln!(text, "file = {}", quoted(file.as_deref().unwrap_or_default())),
     };
-    let [length, width] = outline.size().map(|x| round(x, 1e4));
+    let [length, width] = outline.size().map(rounded);
     let _w = if outline.is_round() {
-        writeln!(text, "size_m = [{length:?}]")
+        writeln!(text, "size_m = [{length}]")
     } else {
-        writeln!(text, "size_m = [{length:?}, {width:?}]")
+        writeln!(text, "size_m = [{length}, {width}]")
     };
     if entry.nobody {
         text.push_str("persons = []\n");
@@ -126,20 +127,20 @@ fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
 
 fn state(moment: &Moment, outline: &Outline, moved: [f64; 2]) -> String {
     let place = middle(moment, outline);
-    let [x, y] = [0, 1].map(|axis| round(place.at[axis] - moved[axis], 1e4));
-    let yaw = round(wrapped(place.yaw).to_degrees(), 1e4);
+    let [x, y] = [0, 1].map(|axis| rounded(place.at[axis] - moved[axis]));
+    let yaw = rounded(wrapped(place.yaw).to_degrees());
     let motion = if moment.slip == 0.0 {
-        format!("speed_m_s = {:?}", round(moment.speed_m_s, 1e4))
+        format!("speed_m_s = {}", rounded(moment.speed_m_s))
     } else {
-        let [x, y] = moment.velocity_m_s().map(|v| round(v, 1e4));
-        format!("velocity_m_s = [{x:?}, {y:?}]")
+        let [x, y] = moment.velocity_m_s().map(rounded);
+        format!("velocity_m_s = [{x}, {y}]")
     };
-    format!("position_m = [{x:?}, {y:?}, 0.0], yaw_deg = {yaw:?}, {motion}")
+    format!("position_m = [{x}, {y}, 0.0], yaw_deg = {yaw}, {motion}")
 }
 
-/// Rounded to a grid of 1/`per`; −0 becomes +0.
-fn round(value: f64, per: f64) -> f64 {
-    (value * per).round() / per + 0.0
+/// Rounded to 0.0001; −0 becomes +0.
+fn rounded(value: f64) -> String {
+    decimal((value * 1e4).round() / 1e4 + 0.0)
 }
 
 /// A TOML string.

@@ -10,7 +10,7 @@
 use crate::bodies::{Bodies, OnProgress, SILENT};
 use crate::handing::{self, Handing};
 use crate::limits::Limits;
-use crate::run::{Kept, Mode, Run, Stages, milliseconds};
+use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
 use crate::{BUILD, Failure};
 use body::{BodyView, Build, Fit, Meta, Shape, file};
@@ -20,6 +20,7 @@ use coordinator::{
     Workspace,
 };
 use dispatch::Entry;
+use record::Mode;
 use runtime::{FileMap, affinity, clock};
 use scenario::{Cores, Engine as Settings, FileRef, Overrides, Source};
 use std::path::PathBuf;
@@ -350,7 +351,7 @@ impl EngineBuilder {
         let usual = Options::new(instance, BUILD, cores);
         Ok(Options {
             program: self.program.clone().unwrap_or_else(|| usual.program.clone()),
-            matching: handing::matching(settings)?,
+            matching: handing::matching(settings),
             queues: self.handing.queues(settings)?,
             cache: self.handing.cache(settings.depth, &bodies.views()?)?,
             copies: self.handing.copies(),
@@ -370,7 +371,7 @@ impl Run {
             stages: Stages::default(),
             depth: settings.depth,
             tree: settings.build,
-            scheme: settings.scheme.name(),
+            scheme: settings.scheme,
             deadline: None,
             winner_certain: None,
             order_certain: None,

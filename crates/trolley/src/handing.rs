@@ -1,7 +1,7 @@
 //! How jobs reach the workers: buffers, how workers come by the bodies, and what the transfer ledger
 //! lets a core hold. For measurements; none of it changes an answer.
 
-use crate::{Failure, Kind};
+use crate::Failure;
 use body::{BodyView, Meta};
 use bvh::section;
 use dispatch::{Cache, Entry, Matching, Queues};
@@ -99,23 +99,16 @@ impl Handing {
     }
 }
 
-/// The scheme that the engine names.
-///
-/// # Errors
-///
-/// If this version reads the name and does not know the scheme.
-pub fn matching(engine: &Engine) -> Result<Matching, Failure> {
-    Ok(match engine.scheme {
+/// Who gets which job, as the engine's settings say.
+#[must_use]
+pub fn matching(engine: &Engine) -> Matching {
+    match engine.scheme {
         Scheme::BestMatchLoad => Matching::BestMatchLoad(engine.alpha),
         Scheme::BestMatch => Matching::BestMatch,
         Scheme::RandomMatch => Matching::RandomMatch(engine.seed),
         Scheme::LowestMatch => Matching::LowestMatch,
         Scheme::RoundRobin => Matching::RoundRobin,
-        other => {
-            let what = format!("{} is read, but not carried out", other.name());
-            return Err(Failure::new(Kind::Internal, what));
-        }
-    })
+    }
 }
 
 /// The largest section of a body at a distribution depth (bytes).

@@ -3,6 +3,8 @@
 use body::Build;
 use coordinator::{Certainty, CrewReport, Work, WorkerReport};
 use core::time::Duration;
+use record::Mode;
+use scenario::Scheme;
 use serde::Serialize;
 
 /// Times of the stages, in milliseconds.
@@ -22,27 +24,6 @@ pub struct Stages {
     pub stop_ms: f64,
 }
 
-/// Who did the jobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Mode {
-    /// Worker processes.
-    Workers,
-    /// The process that was asked.
-    InProcess,
-}
-
-impl Mode {
-    /// As documents and records name it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Workers => "workers",
-            Self::InProcess => "in-process",
-        }
-    }
-}
-
 /// What it took.
 #[derive(Clone, Debug, Serialize)]
 pub struct Run {
@@ -57,7 +38,7 @@ pub struct Run {
     /// How the trees were built.
     pub tree: Build,
     /// How jobs were matched to workers.
-    pub scheme: &'static str,
+    pub scheme: Scheme,
     /// How the deadline was kept, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deadline: Option<Kept>,

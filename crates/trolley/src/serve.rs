@@ -61,7 +61,7 @@ pub fn serve(
     pin_coordinator(engine)?;
     let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
     let crew = Options {
-        matching: handing::matching(engine)?,
+        matching: handing::matching(engine),
         queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
         intensity: Intensity {
             core_deaths: opened.deployment.restarts.core_in_10_s as usize,

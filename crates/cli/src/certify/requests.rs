@@ -160,12 +160,13 @@ fn candidate(
     ego_speed: f64,
     (other, [x, y], yaw, speed): (usize, [f64; 2], f64, f64),
 ) {
+    let [ego_speed, x, y, yaw, speed] = [ego_speed, x, y, yaw, speed].map(scenario::decimal);
     let _written = write!(
         text,
         "[[candidates]]\nname = \"c{number}\"\n\
-         ego = {{ position_m = [0, 0, 0], speed_m_s = {ego_speed:?} }}\n\
-         other = {{ party = \"{}\", position_m = [{x:?}, {y:?}, 0], yaw_deg = {yaw:?}, \
-         speed_m_s = {speed:?} }}\n",
+         ego = {{ position_m = [0, 0, 0], speed_m_s = {ego_speed} }}\n\
+         other = {{ party = \"{}\", position_m = [{x}, {y}, 0], yaw_deg = {yaw}, \
+         speed_m_s = {speed} }}\n",
         party(other)
     );
 }

@@ -167,7 +167,7 @@ impl Answer<'_> {
         let tests = format!("{} of boxes, {} of triangles", count(counters.nb), count(counters.np));
         let trees = format!(
             "{}, {leaf_size} triangles in a leaf at most, built in {}",
-            name(build),
+            build.name(),
             time(self.build_ns)
         );
         let vectors = match self.walk {
@@ -186,14 +186,6 @@ impl Answer<'_> {
         ];
         let rows = rows.map(|(name, value)| format!("  {name:<8}{value}\n"));
         format!("{verdict}\n\n{}", rows.concat())
-    }
-}
-
-fn name(build: Build) -> &'static str {
-    match build {
-        Build::Seed => "seed",
-        Build::Literal => "literal",
-        Build::Sah => "sah",
     }
 }
 

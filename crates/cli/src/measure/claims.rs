@@ -6,6 +6,8 @@
 
 use super::row::{Mode, Row};
 use super::swept::Swept;
+use crate::transfer::Transfer;
+use scenario::Scheme;
 use serde::Serialize;
 
 /// Speed-ups closer than this are the same.
@@ -24,8 +26,8 @@ pub(crate) struct Claim {
 /// One curve: values by depth, for one scheme and way of transfer, on virtual cores.
 pub(crate) fn curve<'s>(
     swept: &'s Swept,
-    scheme: &str,
-    transfer: &str,
+    scheme: Scheme,
+    transfer: Transfer,
     value: impl Fn(&Row) -> Option<f64> + 's,
 ) -> Vec<(u32, Option<f64>)> {
     let standard = super::calibrate::QUEUES;
@@ -39,13 +41,13 @@ pub(crate) fn curve<'s>(
 
 /// The depth with the greatest speed-up of Best Match-Load, and that speed-up.
 pub(crate) fn best_depth(swept: &Swept) -> Option<(u32, f64)> {
-    let curve = curve(swept, "best-match-load", "zero-copy", |row| row.speed_up);
+    let curve = curve(swept, Scheme::BestMatchLoad, Transfer::ZeroCopy, |row| row.speed_up);
     let known = curve.into_iter().filter_map(|(depth, value)| Some((depth, value?)));
     known.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn at(swept: &Swept, scheme: &str, depth: u32, value: fn(&Row) -> Option<f64>) -> Option<f64> {
-    let curve = curve(swept, scheme, "zero-copy", value);
+fn at(swept: &Swept, scheme: Scheme, depth: u32, value: fn(&Row) -> Option<f64>) -> Option<f64> {
+    let curve = curve(swept, scheme, Transfer::ZeroCopy, value);
     curve.into_iter().find(|(known, _)| *known == depth)?.1
 }
 
@@ -76,11 +78,17 @@ fn each(
     Claim { letter, claim, holds, data }
 }
 
+/// Depths in brackets.
+fn list(depths: &[u32]) -> String {
+    let depths: Vec<String> = depths.iter().map(u32::to_string).collect();
+    format!("[{}]", depths.join(", "))
+}
+
 fn less_travels(swept: &[Swept]) -> Claim {
     let claim = "transfer: best match ≤ random match ≤ lowest match at every depth";
     each('a', claim, swept, |pair| {
-        let [best, random, lowest] = ["best-match", "random-match", "lowest-match"]
-            .map(|scheme| curve(pair, scheme, "zero-copy", |row| row.relative_to_models));
+        let [best, random, lowest] = [Scheme::BestMatch, Scheme::RandomMatch, Scheme::LowestMatch]
+            .map(|scheme| curve(pair, scheme, Transfer::ZeroCopy, |row| row.relative_to_models));
         let all = best.iter().zip(&random).zip(&lowest);
         let bad: Vec<u32> = all
             .filter(|((best, random), lowest)| !(best.1 <= random.1 && random.1 <= lowest.1))
@@ -88,7 +96,7 @@ fn less_travels(swept: &[Swept]) -> Claim {
             .collect();
         let data = match bad.as_slice() {
             [] => "at every depth".to_owned(),
-            bad => format!("not at depths {bad:?}"),
+            bad => format!("not at depths {}", list(bad)),
         };
         (bad.is_empty(), data)
     })
@@ -96,7 +104,7 @@ fn less_travels(swept: &[Swept]) -> Claim {
 
 fn interior(swept: &[Swept]) -> Claim {
     each('b', "speed-up has an interior best depth", swept, |pair| {
-        let depths = curve(pair, "best-match-load", "zero-copy", |row| row.speed_up);
+        let depths = curve(pair, Scheme::BestMatchLoad, Transfer::ZeroCopy, |row| row.speed_up);
         let Some((best, speed_up)) = best_depth(pair) else { return (false, String::new()) };
         let ends = [depths.first(), depths.last()].map(|end| end.map(|(depth, _)| *depth));
         let is_interior = !ends.contains(&Some(best));
@@ -131,7 +139,7 @@ fn grows(swept: &[Swept]) -> Claim {
     let gain = |pair: &Swept| {
         let (depth, _) = best_depth(pair)?;
         let value = |scheme| at(pair, scheme, depth, |row| row.relative_to_models);
-        Some(value("random-match")? / value("best-match")?)
+        Some(value(Scheme::RandomMatch)? / value(Scheme::BestMatch)?)
     };
     let mut gains: Vec<(usize, f64, &str)> = Vec::new();
     for pair in swept.iter().filter(|pair| pair.pair.ends_with("-deep")) {
@@ -152,15 +160,17 @@ fn thrashes(swept: &[Swept]) -> Claim {
     each('e', claim, swept, |pair| {
         let mut data = Vec::new();
         let mut holds = true;
-        for scheme in ["best-match-load", "best-match", "random-match", "lowest-match"] {
-            let curve = curve(pair, scheme, "copy", |row| row.speed_up);
+        let copying =
+            [Scheme::BestMatchLoad, Scheme::BestMatch, Scheme::RandomMatch, Scheme::LowestMatch];
+        for scheme in copying {
+            let curve = curve(pair, scheme, Transfer::Copy, |row| row.speed_up);
             let out: Vec<u32> =
                 curve.iter().filter(|(_, value)| value.is_none()).map(|(d, _)| *d).collect();
             let is_low = curve.iter().take(out.len()).all(|(depth, _)| out.contains(depth));
-            let may = scheme.starts_with("random") || scheme.starts_with("lowest");
+            let may = matches!(scheme, Scheme::RandomMatch | Scheme::LowestMatch);
             holds &= out.is_empty() || (may && is_low && out.len() < curve.len());
             if !out.is_empty() {
-                data.push(format!("{scheme} at depths {out:?}"));
+                data.push(format!("{} at depths {}", scheme.name(), list(&out)));
             }
         }
         (holds, if data.is_empty() { "nobody runs out".to_owned() } else { data.join(", ") })
@@ -175,7 +185,7 @@ fn buffer(swept: &[Swept]) -> Claim {
         let of = |mode: Mode, workers: u8| {
             let rows = pair.rows.iter().filter(move |row| {
                 (row.mode, row.workers, row.depth) == (mode, workers, depth)
-                    && (row.scheme, row.transfer) == ("best-match-load", "zero-copy")
+                    && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
             });
             let mut all: Vec<(u32, f64)> =
                 rows.filter_map(|row| Some((row.queue, row.speed_up?))).collect();
@@ -204,7 +214,7 @@ fn faster(swept: &[Swept]) -> Claim {
     let claim = "speed-up: best match ≥ random match ≥ lowest match at the best depth";
     each('g', claim, swept, |pair| {
         let Some((depth, _)) = best_depth(pair) else { return (false, String::new()) };
-        let [best, random, lowest] = ["best-match", "random-match", "lowest-match"]
+        let [best, random, lowest] = [Scheme::BestMatch, Scheme::RandomMatch, Scheme::LowestMatch]
             .map(|scheme| at(pair, scheme, depth, |row| row.speed_up).unwrap_or(f64::NAN));
         let data = format!("{best:.3}, {random:.3}, {lowest:.3} at depth {depth}");
         (best >= random && random >= lowest, data)

@@ -11,10 +11,13 @@ use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
+use scenario::Scheme;
 
 /// One line of a figure.
 pub(crate) struct Line {
     pub(crate) name: String,
+    /// Whose it is; `None`: measured, all others are simulated.
+    pub(crate) scheme: Option<Scheme>,
     /// Depth or buffer size, and the value; `None` where the run thrashed.
     pub(crate) points: Vec<(f64, Option<f64>)>,
 }
@@ -35,14 +38,14 @@ pub(crate) struct Drawn {
 }
 
 /// The same colour and dash for the same scheme everywhere (Okabe and Ito's palette).
-fn style(name: &str) -> (&'static str, LineStyle) {
-    match name {
-        name if name.starts_with("best-match-load") => ("#0072B2", LineStyle::Solid),
-        name if name.starts_with("best-match") => ("#009E73", LineStyle::Dashed),
-        name if name.starts_with("random") => ("#E69F00", LineStyle::DashDot),
-        name if name.starts_with("lowest") => ("#D55E00", LineStyle::Dotted),
-        name if name.starts_with("measured") => ("#000000", LineStyle::Dashed),
-        _ => ("#7F7F7F", LineStyle::Solid),
+fn style(scheme: Option<Scheme>) -> (&'static str, LineStyle) {
+    match scheme {
+        Some(Scheme::BestMatchLoad) => ("#0072B2", LineStyle::Solid),
+        Some(Scheme::BestMatch) => ("#009E73", LineStyle::Dashed),
+        Some(Scheme::RandomMatch) => ("#E69F00", LineStyle::DashDot),
+        Some(Scheme::LowestMatch) => ("#D55E00", LineStyle::Dotted),
+        Some(Scheme::RoundRobin) => ("#7F7F7F", LineStyle::Solid),
+        None => ("#000000", LineStyle::Dashed),
     }
 }
 
@@ -52,7 +55,7 @@ const SCALE: f32 = 2.0;
 pub(crate) fn draw(figure: &Figure) -> Result<Drawn, Failure> {
     let mut plots: Vec<Plot> = Vec::new();
     for line in &figure.lines {
-        let (colour, dash) = style(&line.name);
+        let (colour, dash) = style(line.scheme);
         let lost: Vec<(f64, f64)> =
             line.points.iter().filter(|p| p.1.is_none()).map(|p| (p.0, 0.0)).collect();
         let mut name = Some(match lost.last() {

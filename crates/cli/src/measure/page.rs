@@ -3,6 +3,8 @@
 use super::claims::{Claim, best_depth};
 use super::row::Mode;
 use super::swept::{Check, Swept};
+use crate::transfer::Transfer;
+use scenario::Scheme;
 use std::fmt::Write as _;
 
 /// The median error of the predictions, as a share.
@@ -21,7 +23,7 @@ pub(crate) fn worst(checks: &[Check]) -> f64 {
 pub(crate) fn best(swept: &Swept, mode: Mode, workers: u8) -> Option<(f64, u32)> {
     let rows = swept.rows.iter().filter(|row| {
         (row.mode, row.workers) == (mode, workers)
-            && (row.scheme, row.transfer) == ("best-match-load", "zero-copy")
+            && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
     });
     let known = rows.filter_map(|row| Some((row.speed_up?, row.depth)));
     known.max_by(|a, b| a.0.total_cmp(&b.0))
@@ -189,15 +191,15 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
         .to_owned());
     say("| depth | zero-copy | copy | time | zero-copy | copy | bytes |".to_owned());
     say("|--:|--:|--:|--:|--:|--:|--:|".to_owned());
-    let of = |transfer: &str, depth: u32| {
+    let of = |transfer: Transfer, depth: u32| {
         pair.rows.iter().find(|row| {
             (row.mode, row.workers, row.depth) == (Mode::Measured, 2, depth)
                 && row.queue == super::calibrate::QUEUES.capacity
-                && (row.scheme, row.transfer) == ("best-match-load", transfer)
+                && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, transfer)
         })
     };
     for shares in pair.shares.iter().filter(|shares| shares.workers == 2) {
-        let rows = (of("zero-copy", shares.depth), of("copy", shares.depth));
+        let rows = (of(Transfer::ZeroCopy, shares.depth), of(Transfer::Copy, shares.depth));
         let (Some(shared), Some(copy)) = rows else { continue };
         let kb = |row: &super::row::Row| row.message_bytes.map(|bytes| bytes as f64 / 1e3);
         let line = match (shared.time_ms, copy.time_ms, kb(shared), kb(copy)) {

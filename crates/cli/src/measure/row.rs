@@ -1,5 +1,7 @@
 //! One line of the table that a measurement writes: how it was worked, and what came out.
 
+use crate::transfer::Transfer;
+use scenario::Scheme;
 use serde::Serialize;
 
 /// Where a figure comes from.
@@ -29,8 +31,8 @@ impl Mode {
 pub(crate) struct Row {
     pub(crate) pair: String,
     pub(crate) mode: Mode,
-    pub(crate) transfer: &'static str,
-    pub(crate) scheme: &'static str,
+    pub(crate) transfer: Transfer,
+    pub(crate) scheme: Scheme,
     pub(crate) depth: u32,
     pub(crate) workers: u8,
     pub(crate) queue: u32,
@@ -67,8 +69,8 @@ pub(crate) fn csv(rows: &[Row]) -> String {
         let fields = [
             row.pair.clone(),
             row.mode.name().to_owned(),
-            row.transfer.to_owned(),
-            row.scheme.to_owned(),
+            row.transfer.name().to_owned(),
+            row.scheme.name().to_owned(),
             row.depth.to_string(),
             row.workers.to_string(),
             row.queue.to_string(),

@@ -6,15 +6,14 @@ use super::calibrate::{QUEUES, calibrate};
 use super::row::{Mode, Row};
 use super::swept::{Check, Choice, Shares, Swept};
 use crate::progress::Progress;
-use crate::transfer::{self, BUDGET_PERCENT};
+use crate::transfer::{self, BUDGET_PERCENT, Transfer};
 use diagnostic::Failure;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
 use simulate::{Costs, Home, Setup, Team, advise};
 
-/// Ways of transfer by name.
-const ZERO_COPY: (&str, Cache) = ("zero-copy", Cache::Unlimited);
-const COPY: &str = "copy";
+/// Reading in place, with what a worker may hold.
+const ZERO_COPY: (Transfer, Cache) = (Transfer::ZeroCopy, Cache::Unlimited);
 /// Workers of the quad-core machine.
 pub(crate) const CORES: u8 = 4;
 /// Depth at which costs are calibrated.
@@ -33,7 +32,7 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    fn matching(&self, scheme: Scheme) -> Result<Matching, Failure> {
+    fn matching(&self, scheme: Scheme) -> Matching {
         transfer::matching(scheme, self.alpha, self.seed)
     }
 }
@@ -158,11 +157,11 @@ impl Sweep<'_> {
     /// Every scheme at one depth with two workers, and one alone.
     fn measure_depth(&mut self, depth: u32) -> Result<(), Failure> {
         for scheme in Scheme::ALL {
-            let matching = self.plan.matching(scheme)?;
+            let matching = self.plan.matching(scheme);
             self.measure(scheme, matching, 2, depth, QUEUES, ZERO_COPY)?;
             if scheme == Scheme::BestMatchLoad {
                 self.measure(scheme, matching, 1, depth, QUEUES, ZERO_COPY)?;
-                self.measure(scheme, matching, 2, depth, QUEUES, (COPY, self.budget()))?;
+                self.measure(scheme, matching, 2, depth, QUEUES, (Transfer::Copy, self.budget()))?;
             }
         }
         Ok(())
@@ -176,14 +175,14 @@ impl Sweep<'_> {
     /// two.
     fn simulate_depth(&mut self, depth: u32, alone: &Alone) -> Result<(), Failure> {
         for scheme in Scheme::ALL {
-            let matching = self.plan.matching(scheme)?;
-            for transfer in [ZERO_COPY, (COPY, self.budget())] {
+            let matching = self.plan.matching(scheme);
+            for transfer in [ZERO_COPY, (Transfer::Copy, self.budget())] {
                 for home in [Home::Own, Home::Shared] {
                     self.simulate(scheme, matching, depth, alone, QUEUES, transfer, home);
                 }
             }
         }
-        let usual = self.plan.matching(Scheme::BestMatchLoad)?;
+        let usual = self.plan.matching(Scheme::BestMatchLoad);
         for (workers, home) in [(1, Home::Own), (2, Home::Shared)] {
             let setup = Setup {
                 workers,
@@ -235,7 +234,7 @@ impl Sweep<'_> {
             let Some(advice) = advise(&dry, &self.costs, &team, 0..=deepest) else { continue };
             let rows = self.rows.iter().filter(|row| {
                 (row.mode, row.workers, row.queue) == (mode, workers, QUEUES.capacity)
-                    && (row.scheme, row.transfer) == ("best-match-load", ZERO_COPY.0)
+                    && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
             });
             let known: Vec<(u32, f64)> =
                 rows.filter_map(|row| Some((row.depth, row.time_ms?))).collect();
@@ -261,10 +260,10 @@ impl Sweep<'_> {
     /// Best Match-Load with every buffer at its best depth.
     fn buffers(&mut self, alone: &[(u32, Alone)]) -> Result<(), Failure> {
         let scheme = Scheme::BestMatchLoad;
-        let matching = self.plan.matching(scheme)?;
+        let matching = self.plan.matching(scheme);
         let best = self.rows.iter().filter(|row| {
-            (row.mode, row.transfer) == (Mode::SimulatedOwnCore, "zero-copy")
-                && row.scheme == scheme.name()
+            (row.mode, row.transfer, row.scheme)
+                == (Mode::SimulatedOwnCore, Transfer::ZeroCopy, scheme)
         });
         let best =
             best.max_by(|a, b| a.speed_up.unwrap_or(0.0).total_cmp(&b.speed_up.unwrap_or(0.0)));
@@ -296,7 +295,7 @@ impl Sweep<'_> {
         workers: u8,
         depth: u32,
         queues: Queues,
-        (transfer, cache): (&'static str, Cache),
+        (transfer, cache): (Transfer, Cache),
     ) -> Result<(), Failure> {
         let way = Way { workers, depth, matching, queues, cache };
         let ran = match self.bench.run(&way)? {
@@ -313,9 +312,10 @@ impl Sweep<'_> {
         let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
         let moved = report.transfer;
         let run_ns = duty.run_ns as f64;
-        let is_usual = queues == QUEUES && transfer != COPY && scheme == Scheme::BestMatchLoad;
+        let is_usual =
+            queues == QUEUES && transfer != Transfer::Copy && scheme == Scheme::BestMatchLoad;
         let same = |row: &Row| {
-            (row.mode, row.transfer, row.scheme) == (Mode::Measured, transfer, scheme.name())
+            (row.mode, row.transfer, row.scheme) == (Mode::Measured, transfer, scheme)
                 && (row.depth, row.workers, row.queue) == (depth, workers, queues.capacity)
         };
         if let Some(at) = self.rows.iter().position(same) {
@@ -378,11 +378,17 @@ impl Sweep<'_> {
         depth: u32,
         alone: &Alone,
         queues: Queues,
-        (transfer, cache): (&'static str, Cache),
+        (transfer, cache): (Transfer, Cache),
         home: Home,
     ) {
-        let setup =
-            Setup { workers: CORES, home, matching, queues, cache, copies: transfer == COPY };
+        let setup = Setup {
+            workers: CORES,
+            home,
+            matching,
+            queues,
+            cache,
+            copies: transfer == Transfer::Copy,
+        };
         let out = simulate::run(&alone.trace, &self.costs, &setup);
         let mode = match home {
             Home::Own => Mode::SimulatedOwnCore,
@@ -408,7 +414,7 @@ impl Sweep<'_> {
     }
 
     /// Whether a run that thrashed is in the table already.
-    fn has(&self, transfer: &str, depth: u32, workers: u8) -> bool {
+    fn has(&self, transfer: Transfer, depth: u32, workers: u8) -> bool {
         self.rows.iter().any(|row| {
             (row.mode, row.transfer, row.depth, row.workers)
                 == (Mode::Measured, transfer, depth, workers)
@@ -420,7 +426,7 @@ impl Sweep<'_> {
     fn lost(
         &self,
         mode: Mode,
-        transfer: &'static str,
+        transfer: Transfer,
         scheme: Scheme,
         way: &Way,
         thrash: &Thrash,
@@ -433,12 +439,12 @@ impl Sweep<'_> {
     }
 
     /// A row of which no figure is known yet.
-    fn row(&self, mode: Mode, transfer: &'static str, scheme: Scheme, way: &Way) -> Row {
+    fn row(&self, mode: Mode, transfer: Transfer, scheme: Scheme, way: &Way) -> Row {
         Row {
             pair: self.bench.pair.name.clone(),
             mode,
             transfer,
-            scheme: scheme.name(),
+            scheme,
             depth: way.depth,
             workers: way.workers,
             queue: way.queues.capacity,

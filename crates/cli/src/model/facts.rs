@@ -178,11 +178,7 @@ impl Facts {
     }
 
     fn tree(&self) -> String {
-        let build = match self.build {
-            Build::Seed => "seed",
-            Build::Literal => "literal",
-            Build::Sah => "sah",
-        };
+        let build = self.build.name();
         format!(
             "{build}, depth {}, {} nodes, leaves of {} at most; {:.1} MB",
             self.depth,

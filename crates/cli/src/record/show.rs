@@ -51,12 +51,12 @@ fn words(path: &Path, record: &Record, link: &Link, answer: &Value) -> String {
         format!(
             "settings  {}, {} workers, depth {}, tree {}, leaves of {}, {} (alpha {}), batch {}, \
              queue {}, seed {}",
-            s.mode,
+            s.mode.name(),
             s.workers,
             s.depth,
-            s.tree,
+            s.tree.name(),
             s.leaf_size,
-            s.scheme,
+            s.scheme.name(),
             s.alpha,
             s.batch,
             s.queue,

@@ -78,7 +78,7 @@ impl Crew {
             return false;
         };
         tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
-        station.kill(&format!("{verdict:?}").to_lowercase());
+        station.kill(verdict.name());
         self.see(self.stations[number].who, Sight::StoodStill(verdict));
         true
     }

@@ -1,7 +1,9 @@
 //! A record comes back as it was written; nothing else is accepted; the bytes are pinned.
 
 use super::*;
-use crate::content::{Body, Edge, End, Job, Moment, Place, Settings, Source, Span, Stage, Text};
+use crate::content::{
+    Body, Edge, End, Job, Mode, Moment, Place, Settings, Source, Span, Stage, Text,
+};
 use proptest::prelude::*;
 
 pub(crate) fn record(name: &str) -> Record {
@@ -11,12 +13,12 @@ pub(crate) fn record(name: &str) -> Record {
         policy: Text::new("p.toml", "p"),
         curves: Text::new("c.toml", "c"),
         settings: Settings {
-            mode: "workers".into(),
+            mode: Mode::Workers,
             workers: 4,
             depth: 8,
-            tree: "seed".into(),
+            tree: body::Build::Seed,
             leaf_size: 4,
-            scheme: "best-match-load".into(),
+            scheme: scenario::Scheme::BestMatchLoad,
             alpha: 0.5,
             batch: 16,
             queue: 64,

@@ -80,7 +80,7 @@ impl Record {
         let settings = &self.content.settings;
         let changes = Overrides {
             depth: Some(i64::from(settings.depth)),
-            build: Some(settings.tree.clone()),
+            build: Some(settings.tree.name().to_owned()),
             leaf_size: Some(i64::from(settings.leaf_size)),
             ..Overrides::default()
         };
