@@ -8,7 +8,8 @@
 //!
 //! - No panic leaves this library: it would end the caller's process. It becomes a refusal.
 //! - The structs are those of `protocol::public`; the header states the same sizes and offsets, and
-//!   `tests/clients.rs` at the top level compiles it with a C++ compiler and compares the answers.
+//!   `tests/processes/clients.rs` at the top level compiles it with a C++ compiler and compares the
+//!   answers.
 
 #![expect(unsafe_code, reason = "C hands over pointers; each is checked for null and used once")]
 

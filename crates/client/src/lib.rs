@@ -30,7 +30,8 @@
 //! - [`Client::ask`] returns by its deadline, whatever has become of the service: an answer that
 //!   did not come is a refusal made here, [`Reason::Silence`] or [`Reason::NoService`].
 //! - An answer is to what was asked: it carries a number that no other client chooses.
-//! - A service that was restarted is found again without help: `tests/serve.rs` at the top level.
+//! - A service that was restarted is found again without help: `tests/processes/serve.rs` at the
+//!   top level.
 //!
 //! It knows the public structs and the transport, and nothing of bodies, harm or policies.
 

@@ -13,10 +13,10 @@
 //!
 //! - A complete [`Answer`] is a pure function of bodies, scenario, policy and curves: it holds
 //!   order-free values only, and both ways of running fill it from the same fold:
-//!   `tests/identical.rs` at the top level.
+//!   `tests/answers/identical.rs` at the top level.
 //! - It never runs a triangle test itself, except in [`run_in_process`], and that is said in the
 //!   report.
-//! - Whatever ends a run, no process and no shared memory is left: `tests/kill.rs`.
+//! - Whatever ends a run, no process and no shared memory is left: `tests/processes/kill.rs`.
 //!
 //! It does not know formats of files, nor how harm is computed.
 

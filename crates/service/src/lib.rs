@@ -10,8 +10,8 @@
 //! # Invariants
 //!
 //! - Whatever a client sends, it gets an answer or a refusal with a reason, and the next request is
-//!   worked on as if nothing had been: `ask/tests.rs`, `tests/serve.rs` at the top level.
-//! - The ranking is that of `trolley rank` in every bit: `tests/serve.rs`.
+//!   worked on as if nothing had been: `ask/tests.rs`, `tests/processes/serve.rs` at the top level.
+//! - The ranking is that of `trolley rank` in every bit: `tests/processes/serve.rs`.
 //! - The queue, the pools and the files are bounded: nothing grows with the number of requests.
 //! - On the way of a request no file is written and nothing waits but for workers.
 //!

@@ -25,7 +25,7 @@ pub fn body(
     Team::with(threads, |team| body_by(team, mesh, meta, zones, options, progress))
 }
 
-/// [`body`], by these threads.
+/// [`body()`], by these threads.
 fn body_by(
     team: &Team,
     mesh: Mesh,
@@ -74,12 +74,12 @@ fn body_by(
 
 /// Builds another tree over a body that already has one.
 ///
-/// The triangles are first brought back into source order, so the result is the one that [`body`]
+/// The triangles are first brought back into source order, so the result is the one that [`body()`]
 /// would have given with these options, if the mesh was in order of its source ids.
 ///
 /// # Errors
 ///
-/// As [`body`].
+/// As [`body()`].
 pub fn rebuild(
     view: BodyView<'_>,
     meta: &Meta,

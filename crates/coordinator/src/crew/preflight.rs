@@ -39,7 +39,8 @@ impl Diagnostic for Lack {
 
 /// File descriptors that the coordinator needs beside those of its workers.
 const FILES: u64 = 48;
-/// File descriptors for each worker, more than were counted for one (see `tests/inject.rs`).
+/// File descriptors for each worker, more than were counted for one (see
+/// `tests/processes/inject.rs`).
 const FILES_PER_WORKER: u64 = 40;
 /// Shared memory for each worker beside its messages (bytes): iceoryx2's own segments.
 const SHM_PER_WORKER: u64 = 512 << 10;

@@ -1,10 +1,8 @@
 //! A whole measurement of small bodies: its tables, figures and page fit together; and bad input is
 //! refused before anything is measured.
 
-mod support;
-
+use crate::support::{Place, text, trolley};
 use std::path::Path;
-use support::{Place, text, trolley};
 
 const PAIRS: [&str; 2] = ["sedan:3000,suv:3000,deep", "sedan:3000,suv:3000,scratch"];
 

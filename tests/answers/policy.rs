@@ -1,10 +1,8 @@
 //! `trolley policy check`: what is shipped is sound; each kind of fault has place and remedy.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{Place, text, trolley};
 use std::path::{Path, PathBuf};
-use support::{Place, text, trolley};
 
 fn config(folder: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config").join(folder)

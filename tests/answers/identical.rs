@@ -1,9 +1,7 @@
 //! A complete answer is a pure function of bodies, scenario, policy and curves: the same bytes for
 //! any number of workers, scheme, depth, build, leaf size, buffers and cache, and without workers.
 
-mod support;
-
-use support::{Place, answer, run, six};
+use crate::support::{self, Place, answer, run, six};
 
 #[test]
 fn the_answer_does_not_depend_on_how_the_work_was_done() {

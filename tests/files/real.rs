@@ -6,12 +6,10 @@
     reason = "a test that cannot go on has failed; one that cannot begin says so"
 )]
 
-mod support;
-
+use crate::support::{Place, answer, assert_found, brute_force, json, run, text, trolley};
 use body::file;
 use geometry::{DVec3, RelativePose};
 use std::path::{Path, PathBuf};
-use support::{Place, answer, assert_found, brute_force, json, run, text, trolley};
 
 fn data() -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");

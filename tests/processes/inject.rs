@@ -2,9 +2,7 @@
 //! of simulated ones.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
-use support::{Place, json, run, text};
+use crate::support::{self, Place, json, run, text};
 
 fn plan(place: &Place, faults: &str) -> String {
     let scenario = support::six(600);

@@ -2,11 +2,9 @@
 //! cut, exchanged or removed is found and named.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{Place, answer, json, run, six, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::Output;
-use support::{Place, answer, json, run, six, text, trolley};
 
 fn command(args: &[&str]) -> Output {
     trolley().args(args).output().unwrap()

@@ -2,12 +2,10 @@
 //! files that are none.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{Place, text, trolley};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Output;
-use support::{Place, text, trolley};
 
 fn asked(args: &[&str]) -> Output {
     trolley().args(args).output().unwrap()

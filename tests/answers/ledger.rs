@@ -1,10 +1,8 @@
 //! The transfer ledger of a real run equals what follows from its job log, recomputed here with a
 //! plain list per core; and the log names each job's sections with the weight that its trees give.
 
-mod support;
-
+use crate::support::{Place, json, run, six, text};
 use std::collections::BTreeMap;
-use support::{Place, json, run, six, text};
 
 /// Bytes transferred, bytes if nothing were held, sections evicted.
 type Sums = (u64, u64, u64);

@@ -1,10 +1,8 @@
 //! What is left to the program: a small request goes uncut to one worker, a large one is spread, by
 //! predictions that the report shows; and the answer is the same bytes whatever was chosen.
 
-mod support;
-
+use crate::support::{self, Place, answer, json, run, six, text, trolley};
 use serde_json::Value;
-use support::{Place, answer, json, run, six, text, trolley};
 
 /// A crash of two small bodies: hardly any work.
 const TINY: &str = r#"

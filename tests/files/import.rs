@@ -6,17 +6,15 @@
     reason = "a test that cannot go on has failed; one that cannot begin says so"
 )]
 
-#[path = "import/bodies.rs"]
 mod bodies;
-mod support;
 
+use crate::support::{Place, json, text, trolley};
 use bodies::{BODIES, Body, ODD};
 use runtime::clock::now_ns;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Output;
-use support::{Place, json, text, trolley};
 
 /// A refusal takes a fraction of a second; this leaves room for a busy machine.
 const REFUSAL_NS_MAX: u64 = 10_000_000_000;

@@ -2,10 +2,8 @@
 //! and the last ones are those of the answer.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{Place, json, run, six, text};
 use serde_json::Value;
-use support::{Place, json, run, six, text};
 
 fn near(value: &Value, expected: f64, what: &str) {
     let value = value.as_f64().unwrap();

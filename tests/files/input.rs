@@ -1,9 +1,7 @@
 //! Bad input: each kind gets an error that names file, place and remedy, with its exit code, and
 //! leaves nothing behind.
 
-mod support;
-
-use support::{Place, run, six, text};
+use crate::support::{self, Place, run, six, text};
 
 struct Bad {
     /// What is replaced in a good scenario, and by what.

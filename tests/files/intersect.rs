@@ -3,14 +3,12 @@
 //! The meshes are the project's own, exported and read back; ids are numbers of triangles.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{Found, Place, brute_force, json, text, trolley};
 use geometry::simd::{self, Simd};
 use geometry::{Corners, Pose, RelativePose};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use support::{Found, Place, brute_force, json, text, trolley};
 
 /// Runs `trolley ...`, which must succeed.
 fn done(args: &[&str]) -> std::process::Output {

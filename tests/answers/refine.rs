@@ -2,15 +2,13 @@
 //! faces may be split and faces doubled.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{Place, json, run, six, text};
 use body::Shape;
 use body::{Mesh, defaults, file, zones};
 use bvh::BuildOptions;
 use geometry::Corners;
 use serde_json::Value;
 use shapes::generate;
-use support::{Place, json, run, six, text};
 
 fn rows(output: &std::process::Output) -> Vec<Value> {
     assert!(output.status.success(), "{}", text(&output.stderr));

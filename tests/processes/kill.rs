@@ -2,15 +2,13 @@
 //! is left behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::{
+    self, Crash, Place, answer, children, instance, json, left_in_shm, run, scenario, signal, text,
+    trolley, wait_for, workers_at_work,
+};
 use rustix::process::Signal;
 use std::fmt::Write as _;
 use std::process::{Child, Output};
-use support::{
-    Crash, Place, answer, children, instance, json, left_in_shm, run, scenario, signal, text,
-    trolley, wait_for, workers_at_work,
-};
 
 /// Work for a second or so: sixteen deep contacts of the same two bodies.
 fn heavy(triangles: u32) -> String {

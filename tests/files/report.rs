@@ -9,11 +9,9 @@
     reason = "a test that cannot go on has failed; one that cannot begin says so"
 )]
 
-mod support;
-
+use crate::support::{Place, instance, left_in_shm, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use support::{Place, instance, left_in_shm, text, trolley};
 
 /// Runs a command that must succeed.
 fn done(args: &[&str]) -> String {

@@ -4,13 +4,11 @@
 //! A client whose tools are not here is skipped, and that is said loudly.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::service::{ranked, serve, shipped};
+use crate::support::{self, Place, run, text, trolley};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use support::service::{ranked, serve, shipped};
-use support::{Place, run, text, trolley};
 
 /// Names and work of a ranking that an example printed: "1 wall, frontal 0.1 0.2".
 fn printed(output: &Output) -> Vec<(String, [u64; 2])> {

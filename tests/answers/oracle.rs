@@ -1,13 +1,11 @@
 //! Hit sets against brute force: every pair of triangles, tested one by one, at the poses that the
 //! answer names. It uses neither trees nor jobs nor processes, and places the bodies by itself.
 
-mod support;
-
+use crate::support::{Found, Place, assert_found, brute_force, json, run, six};
 use body::Mesh;
 use geometry::{Pose, RelativePose};
 use scenario::{Scenario, Source, State};
 use shapes::generate;
-use support::{Found, Place, assert_found, brute_force, json, run, six};
 
 /// B at a travel, seen from A: moved against the direction of the relative velocity.
 fn placed(ego: &State, other: &State, travel_m: f64) -> RelativePose {

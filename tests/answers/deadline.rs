@@ -1,9 +1,9 @@
 //! Deadlines and early stops with real workers: the four states, their exit codes, what is missing,
 //! and that whatever was said to be certain is what a finished run says.
 
-mod support;
-
-use support::{Place, answer, instance, json, left_in_shm, run, scenario, six, text, trolley};
+use crate::support::{
+    self, Place, answer, instance, json, left_in_shm, run, scenario, six, text, trolley,
+};
 
 /// Work that no machine ends within a few milliseconds: a dense body right in another like it.
 fn heavy() -> String {

@@ -2,14 +2,12 @@
 //! wrongly, vanishes or is killed; and nothing is left behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-mod support;
-
+use crate::support::service::{deployment, left_behind, ranked, ranking, serve, shipped};
+use crate::support::{self, Place, children, run, signal, six, text, trolley, wait_for};
 use client::public::{Ask, Candidate, Motion, Party, Reason, Verdict};
 use client::{Client, Waiting};
 use rustix::process::Signal;
 use std::time::Duration;
-use support::service::{deployment, left_behind, ranked, ranking, serve, shipped};
-use support::{Place, children, run, signal, six, text, trolley, wait_for};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 

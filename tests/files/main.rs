@@ -1,0 +1,11 @@
+//! Files from outside and files for outside: meshes, scenarios, traffic, reports, and bad input.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod import;
+mod input;
+mod intersect;
+mod real;
+mod report;
+mod traffic;

@@ -1,0 +1,13 @@
+//! Real processes that live, die and talk to one another: runs, services, clients, measurements.
+//!
+//! They run side by side: each names its own runs (`support::instance`), counts what those alone
+//! left in /dev/shm, and ends processes that it started and no others.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod clients;
+mod inject;
+mod kill;
+mod measure;
+mod serve;
