@@ -67,6 +67,12 @@ fn the_ledger_equals_its_recomputation_from_the_job_log() {
         assert_eq!(ledger, recomputed(&log, *capacity), "{way:?}");
         assert!(ledger.0 > 0 && ledger.0 < ledger.1, "{way:?}: {ledger:?}");
         assert_eq!(ledger.2 > 0, *capacity < u64::MAX, "{way:?}: {ledger:?}");
+        for worker in document["run"]["workers"].as_array().unwrap() {
+            let hardware = &worker["hardware"];
+            let counted = hardware["instructions"].as_u64().is_some_and(|n| n > 0);
+            let says_why = hardware.as_str().is_some_and(|why| why.starts_with("not available: "));
+            assert!(counted || says_why, "{worker}");
+        }
         let assigned = log.lines().filter(|line| line.starts_with("assigned")).count() as u64;
         let ran = sum("jobs") - sum("jobs_cut") + sum("jobs_reissued");
         assert_eq!(assigned, ran, "{way:?}");

@@ -1,8 +1,6 @@
 //! The command line.
 
-use crate::plan::Distribute;
 use clap::{Args as ClapArgs, Parser, Subcommand};
-use scenario::WrittenDepth;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -172,15 +170,6 @@ pub(crate) enum Assume {
     UnknownFixed,
 }
 
-/// A depth as a person writes it.
-fn depth(text: &str) -> Result<WrittenDepth, String> {
-    match (text, text.parse()) {
-        (_, Ok(levels)) => Ok(WrittenDepth::Levels(levels)),
-        ("auto", _) => Ok(WrittenDepth::Word(text.to_owned())),
-        _ => Err("write a whole number of levels, or auto".to_owned()),
-    }
-}
-
 /// Settings of the engine; each overrides the scenario's. None changes a complete answer.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub(crate) struct EngineArgs {
@@ -190,18 +179,9 @@ pub(crate) struct EngineArgs {
     /// Core of each worker, as 0,1,2,3; "none": no pinning.
     #[arg(long, value_name = "LIST")]
     pub(crate) cores: Option<String>,
-    /// Distribution depth: levels of both trees that the coordinator descends itself; "auto": as
-    /// many as dry runs predict to be the quickest.
-    #[arg(long, value_name = "D", value_parser = depth)]
-    pub(crate) depth: Option<WrittenDepth>,
-    /// Whether jobs are spread over the workers; "auto": not where one piece on one worker is
-    /// predicted to be quicker.
-    #[arg(long, value_name = "WHEN", default_value = "always", conflicts_with = "in_process")]
-    pub(crate) distribute: Distribute,
-    /// What each step costs, as `trolley calibrate --out FILE` wrote it; for predictions [default:
-    /// built in].
-    #[arg(long, value_name = "FILE")]
-    pub(crate) costs: Option<PathBuf>,
+    /// Distribution depth: levels of both trees that the coordinator descends itself, 0 to 20.
+    #[arg(long, value_name = "D")]
+    pub(crate) depth: Option<i64>,
     /// How trees are built: seed, literal or sah.
     #[arg(long)]
     pub(crate) build: Option<String>,

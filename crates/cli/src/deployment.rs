@@ -1,13 +1,12 @@
 //! Deployment files, and the bodies that they name.
 
 use crate::bodies::{self, Loaded};
-use crate::failure::{Code, Failure};
+use crate::failure::Failure;
 use crate::inputs::text;
 use bvh::BuildOptions;
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
-use scenario::{Depth, Engine};
 use service::{Deployment, Source};
 use std::path::{Path, PathBuf};
 
@@ -75,13 +74,5 @@ impl Opened {
             }
         };
         self.deployment.models.iter().map(load).collect()
-    }
-}
-
-/// The distribution depth, which a deployment always names.
-pub(crate) fn depth(engine: &Engine) -> Result<u32, Failure> {
-    match engine.depth {
-        Depth::At(depth) => Ok(depth),
-        Depth::Auto => Err(Failure::new(Code::Internal, "a deployment without a depth")),
     }
 }

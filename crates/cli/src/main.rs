@@ -16,7 +16,6 @@ mod inputs;
 mod intersect;
 mod measure;
 mod model;
-mod plan;
 mod policy;
 mod print;
 mod progress;

@@ -8,8 +8,8 @@ use crate::record::{self, Made};
 use crate::run::{self, Run, Stages};
 use crate::terms::{Kept, certain};
 use crate::traffic;
-use crate::{explain, plan, print, table};
-use coordinator::{DryRuns, Request, Work};
+use crate::{explain, print, table};
+use coordinator::{Request, Work};
 use damage::State;
 use runtime::clock;
 use runtime::error::chain;
@@ -88,7 +88,7 @@ fn overrides(options: &EngineArgs) -> Result<Overrides, Failure> {
         workers: options.workers,
         cores,
         coordinator_core: None,
-        depth: options.depth.clone(),
+        depth: options.depth,
         scheme: options.scheme.clone(),
         alpha: options.alpha,
         batch: options.batch,
@@ -137,9 +137,6 @@ fn answer(
     let bodies = bodies::load(&scenario, &engine, &inputs.scenario.name, &beside, output)?;
     let named = asked.record.as_ref().map(|_| record::bodies(&scenario, &bodies)).transpose()?;
     let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes.bytes()).collect();
-    let hashes: Result<Vec<String>, _> =
-        files.iter().map(|bytes| body::file::content_hash(bytes)).collect();
-    let hashes = hashes.map_err(|error| Failure::new(Code::Internal, chain(&error)))?;
     let store = coordinator::seal(&files)?;
     drop(bodies);
     let views = body::store::open(store.bytes())
@@ -151,15 +148,13 @@ fn answer(
         plan_ms: run::milliseconds(clock::now_ns() - loaded_ns),
         ..Stages::default()
     };
-    let mut known = DryRuns::default();
-    let plan = plan::plan(engine, options, &request, &views, &hashes, &mut known)?;
-    let work = Work::new(&request, &views, plan.depth).with_terms(terms);
+    let work = Work::new(&request, &views, engine.depth).with_terms(terms);
     let work = if asked.record.is_some() { work.with_ledger() } else { work };
     let (work, ran, crew) = if options.in_process {
-        let (work, ran) = run::here(work, &plan, &views, &mut stages);
+        let (work, ran) = run::here(work, &engine, &views, &mut stages);
         (work, ran, None)
     } else {
-        let (work, ran, crew) = run::crew(work, &plan, &views, &store, options, &mut stages)?;
+        let (work, ran, crew) = run::crew(work, &engine, &views, &store, options, &mut stages)?;
         (work, ran, Some(crew))
     };
     let before_ns = clock::now_ns();
@@ -181,7 +176,7 @@ fn answer(
         (Some(folder), Some(bodies)) => {
             let made = Made {
                 inputs: &inputs,
-                engine: &plan.engine,
+                engine: &engine,
                 bodies,
                 work: &work,
                 run: &run,

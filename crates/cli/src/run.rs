@@ -3,7 +3,6 @@
 use crate::BUILD;
 use crate::args::EngineArgs;
 use crate::failure::{Code, Failure};
-use crate::plan::{Choice, Plan};
 use crate::terms::{Certain, Kept};
 use crate::transfer;
 use body::{BodyView, Meta};
@@ -37,9 +36,6 @@ pub(crate) struct Run {
     pub(crate) mode: &'static str,
     pub(crate) stages: Stages,
     pub(crate) depth: u32,
-    /// Why this depth, and whether jobs were spread; absent if nothing was left to choose.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) choice: Option<Choice>,
     pub(crate) tree: body::Build,
     pub(crate) scheme: &'static str,
     /// How the deadline was kept, if there was one.
@@ -81,14 +77,12 @@ pub(crate) fn milliseconds(ns: u64) -> f64 {
     ns as f64 / 1e6
 }
 
-fn blank(bodies: &[(Meta, BodyView<'_>)], plan: &Plan, mode: &'static str) -> Run {
-    let engine = &plan.engine;
+fn blank(bodies: &[(Meta, BodyView<'_>)], engine: &Engine, mode: &'static str) -> Run {
     Run {
         build: BUILD,
         mode,
         stages: Stages::default(),
-        depth: plan.depth,
-        choice: plan.choice.clone(),
+        depth: engine.depth,
         tree: engine.build,
         scheme: engine.scheme.name(),
         deadline: None,
@@ -132,14 +126,14 @@ fn with_effort(run: Run, work: &Work<'_>) -> Run {
 /// Does all the work in this process.
 pub(crate) fn here<'w>(
     mut work: Work<'w>,
-    plan: &Plan,
+    engine: &Engine,
     bodies: &'w [(Meta, BodyView<'w>)],
     stages: &mut Stages,
 ) -> (Work<'w>, Run) {
     let begun_ns = clock::now_ns();
     let jobs = run_here(&mut work, bodies);
     stages.work_ms = milliseconds(clock::now_ns() - begun_ns);
-    let mut run = blank(bodies, plan, "in-process");
+    let mut run = blank(bodies, engine, "in-process");
     run.remarks.push("no workers: all jobs ran in the coordinator's process".to_owned());
     let run = Run { jobs, ..with_effort(run, &work) };
     (work, run)
@@ -156,14 +150,13 @@ pub(crate) fn stop(crew: Option<Crew>, stages: &mut Stages) -> Option<Crew> {
 /// Does the work with a crew of worker processes, which live on until the crew is dropped.
 pub(crate) fn crew<'w>(
     mut work: Work<'w>,
-    plan: &Plan,
+    engine: &Engine,
     bodies: &'w [(Meta, BodyView<'w>)],
     store: &SealedMemory,
     options: &EngineArgs,
     stages: &mut Stages,
 ) -> Result<(Work<'w>, Run, Crew), Failure> {
-    let engine = &plan.engine;
-    let mut run = blank(bodies, plan, "workers");
+    let mut run = blank(bodies, engine, "workers");
     let granted = run.cores_granted.clone();
     let cores = worker_cores(engine, &granted)?;
     pin_coordinator(engine)?;
@@ -179,7 +172,7 @@ pub(crate) fn crew<'w>(
     let options = Options {
         matching: transfer::matching(engine.scheme, engine.alpha, engine.seed)?,
         queues: handing.queues(engine)?,
-        cache: handing.cache(plan.depth, bodies)?,
+        cache: handing.cache(engine.depth, bodies)?,
         copies: handing.copies(),
         log: handing.job_log.is_some(),
         ..Options::new(instance, BUILD, cores)

@@ -88,7 +88,7 @@ pub(crate) fn run(options: &ServeArgs, output: &Output) -> Result<ExitCode, Fail
         bodies: &views,
         store: &store,
         options: (!options.in_process).then_some(&crew),
-        depth: deployment::depth(engine)?,
+        depth: engine.depth,
     };
     runtime::process::set_name("trolley-serve");
     service::serve(&site, |lacks| greet(&site, lacks, output))?;

@@ -96,13 +96,6 @@ impl TransferArgs {
         }
     }
 
-    /// Whether workers read the one store in place, and the ledger has no limit.
-    pub(crate) fn is_plain(&self) -> bool {
-        self.transfer == Mode::ZeroCopy
-            && self.cache_bytes.is_none()
-            && self.memory_budget.is_none()
-    }
-
     /// Whether sections are copied.
     pub(crate) fn copies(&self) -> bool {
         self.transfer == Mode::Copy

@@ -24,7 +24,6 @@ mod bound;
 mod brief;
 mod case;
 mod crew;
-mod dry;
 mod explain;
 #[cfg(test)]
 mod fixtures;
@@ -47,7 +46,6 @@ pub use crew::{
     Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Share,
     Sight, Spoiled, WorkerReport, preflight, seal,
 };
-pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use here::{Desk, run_here, run_watched};
 pub use ledger::Ledger;

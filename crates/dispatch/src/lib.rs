@@ -12,13 +12,11 @@
 //! - Only eligible cores get jobs, so no queue ever overflows: same tests.
 //! - No core holds more sections than it may, and the ledger equals its recomputation from the log:
 //!   `ledger/tests.rs`, `dispatcher/tests.rs`.
-//! - The largest job that a descent shows has what lies below it: `descent/tests.rs`.
 //! - A worker is killed for what it did, a job abandoned for what it did, and neither for what
 //!   others did: `dispatcher/tests/faults.rs`. A crash loop ends: `restart.rs`.
 //! - Nothing here depends on a hash order or reads a clock, so equal events at equal times give
 //!   equal effects.
 
-mod descent;
 mod dispatcher;
 mod ledger;
 mod quarantine;
@@ -26,7 +24,6 @@ mod restart;
 mod scheme;
 mod supervise;
 
-pub use descent::Descent;
 #[cfg(feature = "flaws")]
 pub use dispatcher::Flaw;
 pub use dispatcher::{

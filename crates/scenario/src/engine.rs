@@ -8,9 +8,8 @@ use crate::error::Misfit;
 use crate::limit::{self, Limit};
 use crate::names;
 use body::Build;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use schemars::JsonSchema;
 use serde::Deserialize;
-use std::fmt;
 
 /// How jobs are matched to workers: the schemes of Wiseman and Grinberg, and one that looks at
 /// nothing.
@@ -64,27 +63,6 @@ pub enum Cores {
     Listed(Vec<u16>),
 }
 
-/// How many levels both trees are descended before pairs become jobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Depth {
-    /// As many as a cost model predicts to be the quickest for the request at hand.
-    Auto,
-    /// So many.
-    At(u32),
-}
-
-/// The word for [`Depth::Auto`].
-const AUTO: &str = "auto";
-
-impl fmt::Display for Depth {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Auto => f.write_str(AUTO),
-            Self::At(depth) => write!(f, "{depth}"),
-        }
-    }
-}
-
 /// How the engine works. Always valid: made by [`Engine::apply`] from [`Engine::DEFAULT`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Engine {
@@ -94,8 +72,8 @@ pub struct Engine {
     pub cores: Cores,
     /// Where the coordinator runs; `None`: wherever the workers' cores leave room.
     pub coordinator_core: Option<u16>,
-    /// Distribution depth.
-    pub depth: Depth,
+    /// Distribution depth: how many levels both trees are descended before pairs become jobs.
+    pub depth: u32,
     /// Which worker gets a job.
     pub scheme: Scheme,
     /// Weight of held sections against load in Best Match-Load: 1 looks at sections only, 0 at
@@ -123,7 +101,7 @@ impl Engine {
         coordinator_core: None,
         // On four virtual cores the best depth for bodies of 60,000 to 2 million triangles was 3 to
         // 6, and two real workers were the quickest at 3 to 5: `trolley measure`.
-        depth: Depth::At(4),
+        depth: 4,
         // The scheme that the method's authors found best.
         scheme: Scheme::BestMatchLoad,
         // Held sections and load weigh the same until measured otherwise.
@@ -150,15 +128,13 @@ impl Engine {
     pub fn apply(&self, changes: &Overrides) -> Result<Self, Misfit> {
         let mut new = self.clone();
         set(&mut new.workers, changes.workers, "workers", limit::WORKERS)?;
+        set(&mut new.depth, changes.depth, "depth", limit::DEPTH)?;
         set(&mut new.batch, changes.batch, "batch", limit::BATCH)?;
         set(&mut new.queue, changes.queue, "queue", limit::QUEUE)?;
         set(&mut new.leaf_size, changes.leaf_size, "leaf_size", limit::LEAF_SIZE)?;
         set(&mut new.seed, changes.seed, "seed", limit::SEED)?;
         if let Some(core) = changes.coordinator_core {
             new.coordinator_core = Some(limit::CORE.whole("coordinator_core", core)?);
-        }
-        if let Some(depth) = &changes.depth {
-            new.depth = depth.check()?;
         }
         if let Some(alpha) = changes.alpha {
             new.alpha = limit::SHARE.check("alpha", alpha)? + 0.0;
@@ -225,9 +201,9 @@ pub struct Overrides {
     /// Core number of the coordinator. Default: wherever the workers' cores leave room.
     #[schemars(range(min = limit::CORE.least, max = limit::CORE.most))]
     pub coordinator_core: Option<i64>,
-    /// Distribution depth: levels of both trees that the coordinator descends itself; or "auto": as
-    /// many as dry runs predict to be the quickest. Default 4.
-    pub depth: Option<WrittenDepth>,
+    /// Distribution depth: levels of both trees that the coordinator descends itself. Default 4.
+    #[schemars(range(min = limit::DEPTH.least, max = limit::DEPTH.most))]
+    pub depth: Option<i64>,
     /// How jobs are matched to workers. Default best-match-load.
     #[schemars(extend("enum" = names::all::<Scheme>()))]
     pub scheme: Option<String>,
@@ -250,57 +226,6 @@ pub struct Overrides {
     /// Seed of every choice that is called random. Default 0.
     #[schemars(range(min = limit::SEED.least, max = limit::SEED.most))]
     pub seed: Option<i64>,
-}
-
-/// A depth as somebody wrote it, unchecked.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(untagged, expecting = "expected a whole number, or \"auto\"")]
-pub enum WrittenDepth {
-    /// Levels.
-    Levels(i64),
-    /// A word: "auto" is the only one that means something.
-    Word(String),
-}
-
-impl WrittenDepth {
-    fn check(&self) -> Result<Depth, Misfit> {
-        match self {
-            Self::Levels(depth) => Ok(Depth::At(limit::DEPTH.whole("depth", *depth)?)),
-            Self::Word(word) if word == AUTO => Ok(Depth::Auto),
-            Self::Word(word) => {
-                let fault = format!("depth {} is not known", names::quoted(word));
-                let help = format!("depth may be {}, or {AUTO:?}", limit::DEPTH.range());
-                Err(Misfit::new("depth", fault, help))
-            }
-        }
-    }
-}
-
-impl From<Depth> for WrittenDepth {
-    fn from(depth: Depth) -> Self {
-        match depth {
-            Depth::Auto => Self::Word(AUTO.to_owned()),
-            Depth::At(depth) => Self::Levels(i64::from(depth)),
-        }
-    }
-}
-
-impl JsonSchema for WrittenDepth {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Depth".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let limit::Limit { least, most, .. } = limit::DEPTH;
-        json_schema!({ "oneOf": [
-            { "type": "integer", "minimum": least, "maximum": most },
-            { "const": AUTO },
-        ] })
-    }
 }
 
 /// Replaces a whole number if another is written and in range.

@@ -6,6 +6,8 @@
 //! wording.
 
 use crate::document::{Objection, Path};
+use crate::engine::Engine;
+use crate::limit;
 use crate::names::{choices, quoted};
 
 /// Words for what a person is. None of them is an input, wherever they are written.
@@ -48,10 +50,18 @@ pub(crate) fn explain(objection: &Objection) -> (String, String) {
     }
     let subject = path.last_key().map_or_else(String::new, |key| format!("{}: ", quoted(key)));
     let help = match path.last_key() {
-        Some("candidates") => "each candidate is a table of its own under [[candidates]]",
-        _ => SEE_SCHEMA,
+        Some("candidates") => {
+            "each candidate is a table of its own under [[candidates]]".to_owned()
+        }
+        // Earlier versions read "auto".
+        Some("depth") => format!(
+            "write a number of levels, {}; the default is {}",
+            limit::DEPTH.range(),
+            Engine::DEFAULT.depth
+        ),
+        _ => SEE_SCHEMA.to_owned(),
     };
-    (shortened(&format!("{subject}{}", in_plain_words(&message))), help.to_owned())
+    (shortened(&format!("{subject}{}", in_plain_words(&message))), help)
 }
 
 const SEE_SCHEMA: &str = "`trolley schema` prints every key with its type, unit and range";

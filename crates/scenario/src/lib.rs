@@ -49,7 +49,7 @@ mod schema;
 mod testing;
 
 pub use document::Place;
-pub use engine::{Cores, Depth, Engine, Overrides, Scheme, WrittenDepth};
+pub use engine::{Cores, Engine, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
 pub use scenario::{
     Candidate, FileRef, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source,

@@ -277,10 +277,6 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     let engine = Engine::DEFAULT
         .apply(&raw.engine)
         .map_err(|misfit| (misfit.setting, misfit.fault, misfit.help))?;
-    if engine.depth == scenario::Depth::Auto {
-        let help = "name a depth: the service starts before it knows what will be asked";
-        return wrong("depth", "depth = \"auto\" cannot be used here".to_owned(), help);
-    }
     for (key, priority) in
         [("priority", raw.realtime.priority), ("worker_priority", raw.realtime.worker_priority)]
     {

@@ -3,11 +3,10 @@
 //! The kernel's part is the seed's model T = Nb·Cb + Np·Cp, with a start of the job and a price per
 //! hit besides: a vectorised walk has a fixed cost that the seed's did not.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Costs in nanoseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Costs {
     /// Worker: per job, whatever is in it.
     pub job_ns: f64,
@@ -17,8 +16,7 @@ pub struct Costs {
     pub triangle_ns: f64,
     /// Worker: per hit.
     pub hit_ns: f64,
-    /// Worker: per pair of leaves whose boxes overlap, all tests and hits of a job in one: where a
-    /// descent alone is known.
+    /// Worker: per pair of leaves whose boxes overlap, all tests and hits of a job in one.
     pub leaves_ns: f64,
     /// Worker: per result message.
     pub send_ns: f64,
@@ -43,39 +41,6 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// What holds where nothing was calibrated: `trolley calibrate` on a shared two-core Xeon at
-    /// 2.5 GHz with AVX2, two generated cars of 100,000 triangles in deep contact.
-    pub const BUILT_IN: Self = Self {
-        job_ns: 640.0,
-        box_ns: 3.2,
-        triangle_ns: 33.0,
-        hit_ns: 375.0,
-        leaves_ns: 650.0,
-        send_ns: 3_400.0,
-        section_byte_ns: 2.5,
-        ship_byte_ns: 1.6,
-        task_ns: 1_300.0,
-        descent_ns: 47.0,
-        batch_ns: 750.0,
-        place_ns: 480.0,
-        take_ns: 550.0,
-        fold_hit_ns: 12.0,
-        flight_ns: 340.0,
-    };
-
-    /// Whether all are numbers that a time can have: finite, and not below 0.
-    #[must_use]
-    pub fn are_sound(&self) -> bool {
-        let Self { job_ns, box_ns, triangle_ns, hit_ns, leaves_ns, send_ns, .. } = *self;
-        let Self { section_byte_ns, ship_byte_ns, task_ns, descent_ns, batch_ns, .. } = *self;
-        let Self { place_ns, take_ns, fold_hit_ns, flight_ns, .. } = *self;
-        let kernel = [job_ns, box_ns, triangle_ns, hit_ns, leaves_ns, send_ns];
-        let coordinator = [task_ns, descent_ns, batch_ns, place_ns, take_ns, fold_hit_ns];
-        let mut all = kernel.into_iter().chain(coordinator);
-        let is_time = |ns: f64| ns.is_finite() && ns >= 0.0;
-        all.all(is_time) && [section_byte_ns, ship_byte_ns, flight_ns].into_iter().all(is_time)
-    }
-
     /// What the kernel takes for a job (ns).
     #[must_use]
     pub fn kernel_ns(&self, nb: u64, np: u64, hits: u64) -> f64 {

@@ -14,23 +14,18 @@
 //!
 //! - Equal input gives equal output; no time is shorter than the work shared out evenly, nor longer
 //!   than all of it done by one: `machine/tests.rs`.
-//! - Advice on the depth is the best of what is predicted: `advice/tests.rs`.
 //! - Costs are found again from times that follow from them: `costs/tests.rs`.
 //!
 //! [`faults`] drives the same dispatcher through a world in which everything goes wrong.
 //!
-//! Advice ([`advise`]) needs no trace: descents alone ([`dispatch::Descent`]) and costs.
-//!
 //! It knows nothing of caches beyond the ledger's, of memory bandwidth that cores share, or of
 //! other programs on the machine.
 
-mod advice;
 mod costs;
 pub mod faults;
 mod machine;
 mod trace;
 
-pub use advice::{Advice, DryRun, Team, advise, leaf_pairs};
 pub use costs::{Costs, Sample, fit};
 pub use machine::{Home, Outcome, Setup, run};
 pub use trace::{JobTrace, TaskTrace, Trace};

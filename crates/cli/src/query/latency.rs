@@ -4,7 +4,7 @@
 //! others by their intervals.
 
 use crate::args::Output;
-use crate::deployment::{self, Opened};
+use crate::deployment::Opened;
 use crate::failure::{Code, Failure};
 use crate::print;
 use client::Client;
@@ -70,7 +70,7 @@ pub(super) fn run(
     let store = coordinator::seal(&files)?;
     drop(loaded);
     let bodies = body::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
-    let depth = deployment::depth(&opened.deployment.engine)?;
+    let depth = opened.deployment.engine.depth;
     let mut twin = service::Here::new(&opened.deployment, &bodies, rules, depth);
     let mut here = || twin.answer(ask);
     let expected = here();

@@ -11,7 +11,7 @@ use coordinator::{Request, Work};
 use record::{Record, Source};
 use runtime::FileMap;
 use runtime::error::chain;
-use scenario::{Engine, Overrides, Scenario, WrittenDepth};
+use scenario::{Engine, Overrides, Scenario};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -125,7 +125,7 @@ pub(crate) fn with<T>(
 /// The settings that the ledger depends on.
 fn engine(record: &Record) -> Result<Engine, Failure> {
     let changes = Overrides {
-        depth: Some(WrittenDepth::Levels(i64::from(record.settings.depth))),
+        depth: Some(i64::from(record.settings.depth)),
         build: Some(record.settings.tree.clone()),
         leaf_size: Some(i64::from(record.settings.leaf_size)),
         ..Overrides::default()

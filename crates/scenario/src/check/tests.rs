@@ -202,6 +202,11 @@ fn the_main_faults_read_like_this() {
              schema` prints every key with its type, unit and range",
         ),
         (
+            ("depth = 6", "depth = \"auto\""),
+            "f.toml:12:9: \"depth\": found \"auto\", expected a whole number\n  help: write a \
+             number of levels, 0 to 20; the default is 4",
+        ),
+        (
             ("name = \"post\"", "name = \"walker\""),
             "f.toml:62:8: two candidates are called \"walker\"\n  help: the first stands at 44:1; \
              give one another name",

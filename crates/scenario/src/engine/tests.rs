@@ -7,13 +7,10 @@ fn changes() -> impl Strategy<Value = Overrides> {
     let whole = || proptest::option::of(-2_i64..70);
     let cores = proptest::option::of(proptest::collection::vec(-1_i64..1030, 0..6));
     let words = prop_oneof![Just("seed"), Just("literal"), Just("sah"), Just("none")];
-    let word = |word: &str| WrittenDepth::Word(word.to_owned());
-    let levels = (-2_i64..70).prop_map(WrittenDepth::Levels);
-    let depth = prop_oneof![levels, Just(word("auto")), Just(word("deep"))];
     let alpha = proptest::option::of(prop_oneof![-0.5..1.5, Just(f64::NAN), Just(-0.0)]);
     let scheme = proptest::option::of(prop_oneof![Just("best-match-load"), Just("worst")]);
     (
-        (whole(), cores, whole(), proptest::option::of(depth), scheme, alpha),
+        (whole(), cores, whole(), whole(), scheme, alpha),
         (whole(), whole(), proptest::option::of(words), whole(), whole()),
     )
         .prop_map(|((workers, cores, coordinator_core, depth, scheme, alpha), rest)| {
@@ -46,7 +43,7 @@ fn as_written(engine: &Engine) -> Overrides {
             Cores::Listed(cores) => Some(cores.iter().map(|core| i64::from(*core)).collect()),
         },
         coordinator_core: engine.coordinator_core.map(i64::from),
-        depth: Some(engine.depth.into()),
+        depth: Some(i64::from(engine.depth)),
         scheme: Some(engine.scheme.name().to_owned()),
         alpha: Some(engine.alpha),
         batch: number(engine.batch),
@@ -66,7 +63,7 @@ fn is_valid(engine: &Engine) -> bool {
     };
     cores
         && (1..=16).contains(&engine.workers)
-        && matches!(engine.depth, Depth::Auto | Depth::At(0..=20))
+        && (0..=20).contains(&engine.depth)
         && (0.0..=1.0).contains(&engine.alpha)
         && (1..=256).contains(&engine.batch)
         && (engine.batch..=4096).contains(&engine.queue)
@@ -87,7 +84,7 @@ proptest! {
                 // Each value that was written stands there now; cores of None were kept or cut.
                 let written = as_written(&next);
                 prop_assert!(change.workers.is_none_or(|_| change.workers == written.workers));
-                prop_assert!(change.depth.is_none() || change.depth == written.depth);
+                prop_assert!(change.depth.is_none_or(|_| change.depth == written.depth));
                 prop_assert!(change.batch.is_none_or(|_| change.batch == written.batch));
                 prop_assert!(change.queue.is_none_or(|_| change.queue == written.queue));
                 prop_assert!(change.build.is_none() || change.build == written.build);

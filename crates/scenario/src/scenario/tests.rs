@@ -39,7 +39,7 @@ fn the_full_scenario_reads_as_it_is_written() {
             workers: 2,
             cores: Cores::Listed(vec![0, 1]),
             coordinator_core: Some(3),
-            depth: crate::Depth::At(6),
+            depth: 6,
             scheme: crate::Scheme::BestMatchLoad,
             alpha: 0.25,
             batch: 8,

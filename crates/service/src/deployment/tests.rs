@@ -24,7 +24,7 @@ fn every_mistake_is_named_with_its_place_and_a_remedy() {
         ("trolley.deployment/1", "trolley.deployment/9", "is not known"),
         ("instance = \"minimal\"", "instance = \"Mini mal\"", "must be 1 to 12 letters"),
         ("workers = 2", "workers = 99", "workers is 99"),
-        ("workers = 2", "depth = \"auto\"", "cannot be used here"),
+        ("workers = 2", "depth = \"auto\"", "expected i64"),
         ("workers = 2", "wrokers = 2", "unknown field"),
         ("id = 2", "id = 1", "has the id or the name of"),
         ("name = \"wall\"", "name = \"pole\"", "has the id or the name of"),
