@@ -2,6 +2,7 @@
 //! plain list per core; and the log names each job's sections with the weight that its trees give.
 
 use crate::support::{Place, builder, overrides, six};
+use coordinator::Hardware;
 use std::collections::BTreeMap;
 use trolley::handing::{Handing, log_csv};
 use trolley::{Limits, Scenario};
@@ -72,6 +73,13 @@ fn the_ledger_equals_its_recomputation_from_the_job_log() {
         assert_eq!(ledger, recomputed(&log, capacity), "{scheme}");
         assert!(ledger.0 > 0 && ledger.0 < ledger.1, "{scheme}: {ledger:?}");
         assert_eq!(ledger.2 > 0, capacity < u64::MAX, "{scheme}: {ledger:?}");
+        for worker in &run.workers {
+            let is_told = match &worker.hardware {
+                Hardware::Counted { instructions, .. } => *instructions > 0,
+                Hardware::NotAvailable(why) => why.starts_with("not available: "),
+            };
+            assert!(is_told, "{worker:?}");
+        }
         let assigned = log.lines().filter(|line| line.starts_with("assigned")).count() as u64;
         assert_eq!(assigned, run.jobs - run.jobs_cut + run.jobs_reissued, "{scheme}");
     }

@@ -77,7 +77,7 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "N", default_value_t = 7,
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Write it to this file besides, for --costs.
+    /// Write it to this file besides.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

@@ -1,6 +1,5 @@
 //! The first screen: what was asked, what came out, how sure, and why.
 
-use crate::plan::Choice;
 use crate::run::Run;
 use crate::terms::{Certain, Kept};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -179,7 +178,6 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     if !near.is_empty() {
         lines.push(format!("Near misses, closer than poses are known: {}.", near.join(", ")));
     }
-    lines.extend(run.choice.as_ref().map(chosen));
     lines.extend(run.remarks.iter().map(|remark| format!("Note: {remark}.")));
     for worker in run.workers.iter().filter(|worker| worker.lost.is_some()) {
         let how = worker.lost.as_deref().unwrap_or_default();
@@ -206,22 +204,6 @@ fn kept(kept: &Kept) -> String {
         return format!("Due at {due_ms} ms, answered {late_ms:.1} ms late.");
     }
     format!("Due at {due_ms} ms, answered at {answered_ms:.1} ms.")
-}
-
-/// How the work was cut, where that was left to the program.
-fn chosen(choice: &Choice) -> String {
-    let Choice { depth, predicted_ms, predicted_whole_ms, costs, .. } = choice;
-    let costs = format!("costs: {costs}");
-    if !choice.distributed {
-        return format!(
-            "Not distributed: in one piece on one worker, {predicted_ms:.2} ms predicted ({costs})."
-        );
-    }
-    let word = if choice.depth_is_chosen { "chosen" } else { "asked for" };
-    format!(
-        "Depth {depth} ({word}): {predicted_ms:.2} ms predicted, {predicted_whole_ms:.2} in one \
-         piece on one worker ({costs})."
-    )
 }
 
 /// Breaks a line at spaces so that it fits; what follows stands two columns further in.

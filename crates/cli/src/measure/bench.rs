@@ -3,15 +3,17 @@
 use super::pair::{Pair, views};
 use crate::BUILD;
 use body::{BodyView, Meta};
-use bvh::{Kernel, Question, Task, together};
-use coordinator::{
-    Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
-};
+use bvh::{Counters, Kernel, Question, Task, front, together};
+use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
 use diagnostic::Failure;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
-use simulate::{Costs, DryRun, JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
+use simulate::{JobTrace, Sample, TaskTrace, Trace};
+
+/// Depths by which pairs of leaves are reckoned: from less deep ones they came out four times too
+/// many.
+const DEPTHS: [u32; 2] = [8, 12];
 
 /// A pair at work.
 pub(crate) struct Bench<'p> {
@@ -80,28 +82,27 @@ impl<'p> Bench<'p> {
         self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
     }
 
-    /// Dry runs of every pose.
-    fn dry_pairs(&self) -> Vec<DryPair> {
-        let [(_, a), (_, b)] = &self.bodies[..] else { return Vec::new() };
-        self.pair.poses.iter().map(|pose| DryPair::new(a, b, pose)).collect()
-    }
-
-    /// Pairs of leaves that would overlap over all poses, by dry runs.
+    /// Pairs of leaves whose boxes overlap, over all poses: reckoned from two descents each, since
+    /// to count them takes half as long as the work itself.
     pub(crate) fn leaf_pairs(&self) -> f64 {
-        self.dry_pairs().iter().map(|pair| leaf_pairs(&pair.descents, pair.levels)).sum()
-    }
-
-    /// The whole work by dry runs, at each of their depths.
-    pub(crate) fn dry(&self, costs: &Costs) -> Vec<DryRun> {
-        let pairs = self.dry_pairs();
-        let at = |(number, depth): (usize, &u32)| {
-            let none = DryRun { depth: *depth, ..DryRun::default() };
-            pairs.iter().fold(none, |sum, pair| {
-                let leaves = leaf_pairs(&pair.descents, pair.levels);
-                sum.and(&DryRun::of_descent(&pair.descents[number], leaves, costs))
-            })
+        let [(_, a), (_, b)] = &self.bodies[..] else { return 0.0 };
+        // A binary tree has one node less than twice its leaves.
+        let levels = |body: &BodyView<'_>| (body.nodes.len().div_ceil(2).max(1) as f64).log2();
+        let below = f64::midpoint(levels(a), levels(b)) - f64::from(DEPTHS[1]);
+        let of = |pose| {
+            let [upper, lower] = DEPTHS.map(|depth| {
+                let mut pairs = Vec::new();
+                front(a, b, pose, depth, &mut pairs, &mut Counters::default());
+                pairs.len() as f64
+            });
+            if upper == 0.0 || below <= 0.0 {
+                return lower;
+            }
+            // A level of both trees makes no more than four pairs out of one.
+            let growth = (lower / upper).powf(1.0 / f64::from(DEPTHS[1] - DEPTHS[0]));
+            lower * growth.clamp(1.0, 4.0).powf(below)
         };
-        DEPTHS.iter().enumerate().map(at).collect()
+        self.pair.poses.iter().map(of).sum()
     }
 
     fn work(&self, depth: u32) -> PairWork<'p> {

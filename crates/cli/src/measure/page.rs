@@ -109,22 +109,6 @@ fn one(pair: &Swept, say: &mut impl FnMut(String)) {
         pair.threads_ms,
         pair.alone_ms / pair.threads_ms
     ));
-    for choice in &pair.choices {
-        let verdict = if choice.distribute { "distribute" } else { "do not distribute" };
-        say(format!(
-            "Advice from dry runs (descents alone) for {} workers ({}): {verdict}, depth {}, \
-             predicted {:.2} ms; there it takes {:.2} ms, {:.0} % more than the best of the sweep \
-             ({:.2} ms at depth {}).\n",
-            choice.workers,
-            choice.source,
-            choice.depth,
-            choice.predicted_ms,
-            choice.found_ms,
-            100.0 * choice.regret(),
-            choice.best_ms,
-            choice.best_depth
-        ));
-    }
     say("Where the time of a measured run went (Best Match-Load, ms):\n".to_owned());
     say("| workers | depth | run | speed-up | kernel, all workers | least – most of a worker | \
          descent | fold | decide | send | take |"

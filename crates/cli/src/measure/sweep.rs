@@ -4,13 +4,13 @@
 use super::bench::{Alone, Bench, Ran, Way};
 use super::calibrate::{QUEUES, calibrate};
 use super::row::{Mode, Row};
-use super::swept::{Check, Choice, Shares, Swept};
+use super::swept::{Check, Shares, Swept};
 use crate::progress::Progress;
 use crate::transfer::{self, BUDGET_PERCENT, Transfer};
 use diagnostic::Failure;
 use dispatch::{Cache, Matching, Queues, Thrash};
 use scenario::Scheme;
-use simulate::{Costs, Home, Setup, Team, advise};
+use simulate::{Costs, Home, Setup};
 
 /// Reading in place, with what a worker may hold.
 const ZERO_COPY: (Transfer, Cache) = (Transfer::ZeroCopy, Cache::Unlimited);
@@ -89,7 +89,6 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
     }
     sweep.buffers(&alone)?;
     sweep.relate();
-    let choices = sweep.choices();
     let [a, b] = [0, 1].map(|body: usize| bench.bodies[body].1.corners.len());
     Ok(Swept {
         pair: bench.pair.name.clone(),
@@ -105,7 +104,6 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
         threads_ms: threads_ns / 1e6,
         alone_predicted_ms: sweep.predicted_ns / 1e6,
         checks: sweep.checks,
-        choices,
         shares: sweep.shares,
         rows: sweep.rows,
     })
@@ -220,41 +218,6 @@ impl Sweep<'_> {
             shares.speed_up = alone_ms / shares.run_ms;
             shares.kernel_alone_ms = alone_ms;
         }
-    }
-
-    /// The depth that dry runs advise, and what it costs against the best of the sweep.
-    fn choices(&self) -> Vec<Choice> {
-        let dry = self.bench.dry(&self.costs);
-        let mut choices = Vec::new();
-        let cases = [(2, 2, Mode::Measured), (CORES, CORES + 1, Mode::SimulatedOwnCore)];
-        for (workers, cores, mode) in cases {
-            let [size, cores] = [workers, cores].map(usize::from);
-            let team = Team { workers: size, cores, queues: QUEUES };
-            let deepest = self.plan.depths.iter().copied().max().unwrap_or(0);
-            let Some(advice) = advise(&dry, &self.costs, &team, 0..=deepest) else { continue };
-            let rows = self.rows.iter().filter(|row| {
-                (row.mode, row.workers, row.queue) == (mode, workers, QUEUES.capacity)
-                    && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
-            });
-            let known: Vec<(u32, f64)> =
-                rows.filter_map(|row| Some((row.depth, row.time_ms?))).collect();
-            // The sweep may have left the advised depth out: then the nearest one that it has.
-            let near = known.iter().min_by_key(|(depth, _)| depth.abs_diff(advice.depth));
-            let best = known.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-            if let (Some((depth, found_ms)), Some((best_depth, best_ms))) = (near, best) {
-                choices.push(Choice {
-                    workers,
-                    depth: *depth,
-                    distribute: advice.distribute,
-                    predicted_ms: advice.predicted_ns / 1e6,
-                    found_ms: *found_ms,
-                    best_ms: *best_ms,
-                    best_depth: *best_depth,
-                    source: mode.name(),
-                });
-            }
-        }
-        choices
     }
 
     /// Best Match-Load with every buffer at its best depth.

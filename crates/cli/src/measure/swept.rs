@@ -26,28 +26,6 @@ impl Check {
     }
 }
 
-/// A depth that was chosen by a model, and what that cost against the best of the sweep.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Choice {
-    pub(crate) workers: u8,
-    pub(crate) depth: u32,
-    /// Whether to distribute at all; if not, one piece goes to one worker.
-    pub(crate) distribute: bool,
-    pub(crate) predicted_ms: f64,
-    /// By the same source: simulated for four cores, measured for two workers.
-    pub(crate) found_ms: f64,
-    pub(crate) best_ms: f64,
-    pub(crate) best_depth: u32,
-    pub(crate) source: &'static str,
-}
-
-impl Choice {
-    /// How much longer than the best of the sweep it takes: 0.1 is 10 %.
-    pub(crate) fn regret(&self) -> f64 {
-        self.found_ms / self.best_ms - 1.0
-    }
-}
-
 /// Where the time of a run went, per core: shares of the run's time.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Shares {
@@ -88,7 +66,6 @@ pub(crate) struct Swept {
     /// The same by the cost model (ms).
     pub(crate) alone_predicted_ms: f64,
     pub(crate) checks: Vec<Check>,
-    pub(crate) choices: Vec<Choice>,
     pub(crate) shares: Vec<Shares>,
     pub(crate) rows: Vec<Row>,
 }

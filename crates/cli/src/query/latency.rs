@@ -69,7 +69,7 @@ pub(super) fn run(
     let store = coordinator::seal(&files)?;
     drop(loaded);
     let bodies = body::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
-    let depth = deployment::depth(&opened.deployment.engine)?;
+    let depth = opened.deployment.engine.depth;
     let mut twin = service::Here::new(&opened.deployment, &bodies, rules, depth);
     let mut here = || twin.answer(ask);
     let expected = here();
