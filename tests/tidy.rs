@@ -3,6 +3,8 @@
 //!
 //! A fault names file and line. The checks read text; they know of Rust what `tidy/code.rs` knows.
 
+#[path = "tidy/circles.rs"]
+mod circles;
 #[path = "tidy/code.rs"]
 mod code;
 #[path = "tidy/guards.rs"]
@@ -34,11 +36,12 @@ const LAYERS: &[&str] = &[
     "transport",
     "runtime",
     "client",
-    "report",
     "simulate",
     "coordinator",
     "worker",
     "service",
+    "trolley",
+    "report",
     "client-c",
     "cli",
     "tools",
@@ -54,7 +57,12 @@ const ONLY: &[(&str, &[&str])] = &[
     ("runtime", &["diagnostic", "protocol"]),
     ("client", &["diagnostic", "protocol", "transport"]),
     ("client-c", &["client", "protocol", "transport"]),
+    ("report", &["diagnostic", "geometry", "trolley"]),
 ];
+/// What the command line may name of ours, its tests aside: flags, one call to a library, print.
+const COMMAND_LINE: &[&str] = &["scenario", "client", "trolley", "report", "lab"];
+/// Most lines of the command line.
+const COMMAND_LINE_MAX: usize = 5_000;
 /// Outside crates, with what belongs to them, that a few of ours alone may name.
 const ALONE: &[(&str, &[&str])] = &[
     ("iceoryx2", &["transport"]),
@@ -124,6 +132,36 @@ fn arrows_between_crates_point_downwards() {
         }
     }
     none(&faults);
+}
+
+#[test]
+fn the_command_line_names_the_library_and_no_engine_crate() {
+    let packages = packages();
+    let cli = packages.iter().find(|package| package.name == "cli").expect("the command line");
+    let is_ours = |name: &String| packages.iter().any(|package| package.name == *name);
+    let used = cli.uses_as(&["dependencies", "build-dependencies"]).into_iter();
+    let others = used.filter(|(used, _)| is_ours(used) && !COMMAND_LINE.contains(&used.as_str()));
+    let fault = |(used, line): (String, usize)| {
+        cli.manifest.fault(line, &format!("cli must not use {used}: see COMMAND_LINE"))
+    };
+    none(&others.map(fault).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_command_line_is_short() {
+    let files = tree::sources(&root().join("crates/cli/src"));
+    let lines: usize = files.iter().map(|file| file.text.lines().count()).sum();
+    assert!(lines <= COMMAND_LINE_MAX, "crates/cli/src: {lines} lines, not {COMMAND_LINE_MAX}");
+}
+
+#[test]
+fn no_files_of_the_command_line_name_each_other_in_a_circle() {
+    let packages = packages();
+    let cli = packages.iter().find(|package| package.name == "cli").expect("the command line");
+    let names = circles::names(cli);
+    assert!(names[""].contains("args") && names["args"].contains("rank"), "{names:?}");
+    let circles = circles::circles(names);
+    assert!(circles.is_empty(), "these files name each other in a circle: {circles:?}");
 }
 
 #[test]

@@ -109,10 +109,14 @@ impl Package {
 
     /// All that it uses, for whatever purpose: the packages' own names, and the lines that say so.
     pub(crate) fn uses(&self) -> Vec<(String, usize)> {
+        self.uses_as(&["dependencies", "dev-dependencies", "build-dependencies"])
+    }
+
+    /// The same of some tables alone: its program, its tests, its build.
+    pub(crate) fn uses_as(&self, kinds: &[&str]) -> Vec<(String, usize)> {
         let everywhere = workspace_dependencies();
         let for_targets = self.table.get("target").and_then(Value::as_table);
         let tables = for_targets.into_iter().flat_map(Table::values).filter_map(Value::as_table);
-        let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
         let mut uses = Vec::new();
         for table in std::iter::once(&self.table).chain(tables) {
             let kinds = kinds.iter().filter_map(|kind| table.get(*kind)?.as_table());
