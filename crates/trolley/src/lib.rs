@@ -22,6 +22,7 @@
 //! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
 //! | [`bodies`] | bodies opened, generated, sealed |
+//! | [`model`] | model files made of meshes and shapes, looked at, checked, exported |
 //!
 //! # Invariants
 //!
@@ -38,6 +39,7 @@ pub mod files;
 pub mod handing;
 pub mod kernel;
 mod limits;
+pub mod model;
 pub mod record;
 pub mod run;
 mod scenario;
@@ -56,7 +58,7 @@ pub use run::Run;
 pub use scenario::{Scenario, Text, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
 pub use service::Idle;
-pub use worker::{play_worker, run_worker};
+pub use worker::{play_worker, run_reader, run_worker};
 
 /// Name of this build, by a hash of what it was made of: both ends of every channel carry it, so
 /// that no two versions ever talk.

@@ -1,0 +1,76 @@
+//! The two bodies: meshes as they stand, read in a child, or model files; each with its tree.
+
+use super::IntersectArgs;
+use crate::model::reader::{Outcome, Request};
+use crate::model::{LimitArgs, open};
+use crate::output::Output;
+use body::{BodyView, Build, Meta, file};
+use bvh::BuildOptions;
+use diagnostic::{Failure, chain};
+use runtime::clock::now_ns;
+use std::path::Path;
+
+/// A body and what it took to build its tree.
+pub(super) struct Body {
+    pub(super) meta: Meta,
+    held: Held,
+    /// 0 if a model file had the tree that was asked for.
+    pub(super) build_ns: u64,
+}
+
+enum Held {
+    /// A model file that was verified.
+    File(file::Aligned),
+    Built(Box<body::Body>),
+}
+
+/// How both trees are to be built: as was said, else as the first model file's was, else by surface
+/// area, which is the quickest to build and to walk.
+pub(super) fn options(args: &IntersectArgs) -> Result<BuildOptions, Failure> {
+    let mut options =
+        BuildOptions { build: Build::Sah, threads: args.threads.into(), ..BuildOptions::default() };
+    if let Some(path) = [&args.a, &args.b].into_iter().find(|path| open::is_model(path)) {
+        let map = open::bytes(path)?;
+        let (meta, _) = open::view(path, map.bytes())?;
+        (options.build, options.leaf_size) = (meta.build, meta.leaf_size);
+    }
+    options.build = args.build.map_or(options.build, Into::into);
+    options.leaf_size = args.leaf_size.unwrap_or(options.leaf_size);
+    Ok(options)
+}
+
+impl Body {
+    /// Reads and verifies a body, and gives it the tree that is asked for if it has another.
+    pub(super) fn load(
+        path: &Path,
+        options: &BuildOptions,
+        limits: LimitArgs,
+        output: &Output,
+    ) -> Result<Self, Failure> {
+        let (bytes, build_ns) = if open::is_model(path) {
+            (open::copy(path)?, 0)
+        } else {
+            let Outcome { bytes, build_ns, .. } =
+                Request::as_it_stands(path, options, limits)?.run(output)?;
+            (bytes, build_ns)
+        };
+        let (meta, view) = open::view(path, bytes.bytes())?;
+        if (meta.build, meta.leaf_size) == (options.build, options.leaf_size) {
+            return Ok(Self { meta, held: Held::File(bytes), build_ns });
+        }
+        let begun_ns = now_ns();
+        let body = bvh::rebuild(view, &meta, options, &|_| {})
+            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+        let build_ns = now_ns() - begun_ns;
+        Ok(Self { meta: body.meta.clone(), held: Held::Built(Box::new(body)), build_ns })
+    }
+
+    pub(super) fn view(&self) -> Result<BodyView<'_>, Failure> {
+        match &self.held {
+            Held::File(bytes) => file::quick_view(bytes.bytes())
+                .map(|(_, view)| view)
+                .map_err(|error| Failure::internal(chain(&error))),
+            Held::Built(body) => Ok(body.view()),
+        }
+    }
+}

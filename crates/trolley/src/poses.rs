@@ -1,0 +1,168 @@
+//! The world poses of two bodies, as a person or a program wrote them down.
+//!
+//! Six rows of four numbers, R | t: three for A, then three for B. Empty lines count for nothing,
+//! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
+
+use geometry::Pose;
+use trolley::Failure;
+
+/// Longest file, in bytes: 24 numbers and remarks.
+pub(crate) const BYTES_MAX: usize = 64 << 10;
+
+/// How far RᵀR may be from the identity in any entry: seven decimals are good enough.
+const BEND_MAX: f64 = 1e-6;
+
+/// Greatest coordinate of a position (m): f64 still tells a tenth of a micrometre there.
+const POSITION_MAX_M: f64 = 1e9;
+
+/// Rows of a pose.
+const ROWS: usize = 3;
+
+/// Where in a file; both from 1, columns in characters.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    line: usize,
+    column: usize,
+}
+
+/// Four numbers and where they begin.
+#[derive(Debug, Default)]
+struct Row {
+    numbers: [f64; 4],
+    place: Place,
+}
+
+/// Why a text was refused, and where.
+type Refusal = (Place, String);
+
+/// Reads the poses of A and B; `file` is what messages call the text.
+///
+/// # Errors
+///
+/// If this is not six rows of four finite numbers, or a rotation is not rigid.
+pub(crate) fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
+    let refuse = |(place, what): Refusal| {
+        let Place { line, column } = place;
+        Failure::input(format!("{file}:{line}:{column}: {what}")).with_remedy(
+            "write six lines of four numbers, R | t in metres: three for A, three for B",
+        )
+    };
+    let rows = text(bytes).and_then(rows).map_err(refuse)?;
+    let (of_a, of_b) = rows.split_at(ROWS);
+    let pose = |name, rows: &[Row]| {
+        let pose = Pose {
+            rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[i].numbers[j])),
+            translation: [0, 1, 2].map(|i| rows[i].numbers[3]),
+        };
+        bend(&pose.rotation).map_or(Ok(pose), |bend| {
+            let refusal = (rows[0].place, format!("the rotation of {name} {bend}"));
+            Err(refuse(refusal).with_remedy(
+                "R turns and does nothing else: columns of length 1, at right angles, \
+                 right-handed, seven decimals or more",
+            ))
+        })
+    };
+    Ok([pose("A", of_a)?, pose("B", of_b)?])
+}
+
+fn text(bytes: &[u8]) -> Result<&str, Refusal> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let before = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
+        (end_of(&before), "this is not UTF-8 text".to_owned())
+    })
+}
+
+/// The six rows of two poses.
+fn rows(text: &str) -> Result<Vec<Row>, Refusal> {
+    let mut rows = Vec::new();
+    for (line, content) in (1..).zip(text.lines()) {
+        let content = content.split('#').next().unwrap_or_default();
+        if content.trim().is_empty() {
+            continue;
+        }
+        let row = row(line, content)?;
+        if rows.len() == 2 * ROWS {
+            return Err((row.place, "this is a seventh row, two poses have six".to_owned()));
+        }
+        rows.push(row);
+    }
+    if rows.len() < 2 * ROWS {
+        let what = format!("the text ends after {} of the six rows of two poses", rows.len());
+        return Err((end_of(text), what));
+    }
+    Ok(rows)
+}
+
+/// The row that a line holds, which is not blank.
+fn row(line: usize, content: &str) -> Result<Row, Refusal> {
+    let mut row = Row::default();
+    let mut count = 0;
+    for (column, word) in words(content) {
+        let place = Place { line, column };
+        if count == 0 {
+            row.place = place;
+        }
+        let Some(number) = row.numbers.get_mut(count) else {
+            return Err((place, format!("\"{word}\" is a fifth number, a row has four")));
+        };
+        let Ok(value) = word.parse::<f64>() else {
+            return Err((place, format!("\"{word}\" is no number")));
+        };
+        if !value.is_finite() {
+            return Err((place, format!("{word} is not finite")));
+        }
+        count += 1;
+        if count == 4 && value.abs() > POSITION_MAX_M {
+            return Err((place, format!("{word} m is beyond {POSITION_MAX_M:e} m")));
+        }
+        *number = value;
+    }
+    if count < row.numbers.len() {
+        let column = content.trim_end().chars().count() + 1;
+        return Err((
+            Place { line, column },
+            format!("the row ends after {count} of four numbers"),
+        ));
+    }
+    Ok(row)
+}
+
+/// The words of a line, each with the column of its first character.
+fn words(line: &str) -> impl Iterator<Item = (usize, &str)> {
+    line.split_whitespace().map(|word| {
+        let before = word.as_ptr() as usize - line.as_ptr() as usize;
+        (line[..before].chars().count() + 1, word)
+    })
+}
+
+/// The place behind the last character.
+fn end_of(text: &str) -> Place {
+    let last = text.rsplit('\n').next().unwrap_or_default();
+    Place { line: text.matches('\n').count() + 1, column: last.chars().count() + 1 }
+}
+
+/// What is wrong with a rotation, if anything is.
+fn bend(rotation: &[[f64; 3]; 3]) -> Option<String> {
+    let [x, y, z] = [0, 1, 2].map(|j| rotation.map(|row| row[j]));
+    let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    let columns = [x, y, z];
+    let mut most = 0.0_f64;
+    for i in 0..3 {
+        for j in 0..3 {
+            let identity = if i == j { 1.0 } else { 0.0 };
+            most = most.max((dot(columns[i], columns[j]) - identity).abs());
+        }
+    }
+    let cross = [y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]];
+    // Entries are finite, but their products need not be.
+    if !(most <= BEND_MAX) {
+        Some(format!("is not rigid: RᵀR differs from the identity by {most:.1e}"))
+    } else if dot(x, cross) < 0.0 {
+        Some("mirrors the body: its determinant is -1".to_owned())
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests;
