@@ -22,6 +22,7 @@
 //! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
 //! | [`bodies`] | bodies opened, generated, sealed |
+//! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
 //! | [`model`] | model files made of meshes and shapes, looked at, checked, exported |
 //!
 //! # Invariants
@@ -37,9 +38,11 @@ mod deployment;
 mod engine;
 pub mod files;
 pub mod handing;
+pub mod intersect;
 pub mod kernel;
 mod limits;
 pub mod model;
+pub mod poses;
 pub mod record;
 pub mod run;
 mod scenario;
