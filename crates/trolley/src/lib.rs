@@ -22,6 +22,8 @@
 //! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
 //! | [`bodies`] | bodies opened, generated, sealed |
+//! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
+//! | [`model`] | model files made of meshes and shapes, looked at, checked, exported |
 //! | [`policy`] | policies and curves: would they be accepted, and what do they say |
 //! | [`doctor`] | what this machine has of what the service needs |
 //!
@@ -39,9 +41,13 @@ pub mod doctor;
 mod engine;
 pub mod files;
 pub mod handing;
+pub mod intersect;
 pub mod kernel;
 mod limits;
+pub mod model;
+
 pub mod policy;
+pub mod poses;
 pub mod record;
 pub mod run;
 mod scenario;
@@ -62,7 +68,7 @@ pub use runtime::heap::Counting as CountingAllocator;
 pub use scenario::{Scenario, Text, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
 pub use service::Idle;
-pub use worker::{play_worker, run_worker};
+pub use worker::{play_worker, run_reader, run_worker};
 
 /// What an [`Explanation`] is made of.
 pub mod explanation {

@@ -3,11 +3,14 @@
 //! Six rows of four numbers, R | t: three for A, then three for B. Empty lines count for nothing,
 //! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
 
-use geometry::Pose;
-use trolley::Failure;
+use crate::Failure;
+use crate::model::open;
+use std::path::Path;
+
+pub use geometry::Pose;
 
 /// Longest file, in bytes: 24 numbers and remarks.
-pub(crate) const BYTES_MAX: usize = 64 << 10;
+pub const BYTES_MAX: usize = 64 << 10;
 
 /// How far RᵀR may be from the identity in any entry: seven decimals are good enough.
 const BEND_MAX: f64 = 1e-6;
@@ -35,12 +38,27 @@ struct Row {
 /// Why a text was refused, and where.
 type Refusal = (Place, String);
 
+/// Reads the poses of A and B from a file.
+///
+/// # Errors
+///
+/// If the file cannot be read, is too long, or as [`parse`].
+pub fn read(path: &Path) -> Result<[Pose; 2], Failure> {
+    let file = open::bytes(path)?;
+    let name = path.display().to_string();
+    if file.bytes().len() > BYTES_MAX {
+        let fault = format!("{name}: {} bytes are too many for two poses", file.bytes().len());
+        return Err(Failure::input(fault).with_remedy("is this the right file?"));
+    }
+    parse(&name, file.bytes())
+}
+
 /// Reads the poses of A and B; `file` is what messages call the text.
 ///
 /// # Errors
 ///
 /// If this is not six rows of four finite numbers, or a rotation is not rigid.
-pub(crate) fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
+pub fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
     let refuse = |(place, what): Refusal| {
         let Place { line, column } = place;
         Failure::input(format!("{file}:{line}:{column}: {what}")).with_remedy(
