@@ -98,15 +98,18 @@ pub(crate) enum Command {
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
     Intersect(crate::intersect::IntersectArgs),
+    #[cfg(feature = "lab")]
     /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
     #[command(after_help = crate::measure::EXAMPLES)]
     Measure(crate::measure::MeasureArgs),
+    #[cfg(feature = "lab")]
     /// Try bounds, deadlines and budgets on requests of chance: tables, and whether all holds.
     #[command(after_help = crate::certify::EXAMPLES)]
     Certify {
         #[command(subcommand)]
         verb: crate::certify::Verb,
     },
+    #[cfg(feature = "lab")]
     /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
     Calibrate(crate::measure::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
@@ -119,11 +122,13 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::record::Verb,
     },
+    #[cfg(feature = "lab")]
     /// Decide among simulated workers and channels that fail, by seed.
     Simulate {
         #[command(subcommand)]
         verb: crate::simulate::Verb,
     },
+    #[cfg(feature = "lab")]
     /// Answer requests while faults are injected into real processes; report what became of them.
     #[command(after_help = crate::inject::EXAMPLES)]
     Inject(crate::inject::InjectArgs),

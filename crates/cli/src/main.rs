@@ -6,14 +6,17 @@
 
 mod args;
 mod bodies;
+#[cfg(feature = "lab")]
 mod certify;
 mod deployment;
 mod doctor;
 mod explain;
 mod failure;
+#[cfg(feature = "lab")]
 mod inject;
 mod inputs;
 mod intersect;
+#[cfg(feature = "lab")]
 mod measure;
 mod model;
 mod plan;
@@ -26,6 +29,7 @@ mod record;
 mod report;
 mod run;
 mod serve;
+#[cfg(feature = "lab")]
 mod simulate;
 mod table;
 mod terms;
@@ -66,11 +70,16 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Record { verb } => record::run(verb, &args.output()),
         Command::Report(asked) => report::run(asked, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
+        #[cfg(feature = "lab")]
         Command::Certify { verb } => certify::run(verb, &args.output()),
+        #[cfg(feature = "lab")]
         Command::Calibrate(options) => measure::calibrate(options),
+        #[cfg(feature = "lab")]
         Command::Measure(options) => measure::run(options, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
+        #[cfg(feature = "lab")]
         Command::Simulate { verb } => simulate::simulate(verb, args.verbose, &args.output()),
+        #[cfg(feature = "lab")]
         Command::Inject(options) => inject::run(options, &args.output()),
         Command::Serve(options) => serve::run(options, &args.output()),
         Command::Query(options) => query::run(options, &args.output()),
@@ -100,6 +109,7 @@ fn start_logging(args: &Args) {
     let level = match (args.quiet, args.verbose) {
         (true, _) => tracing::Level::ERROR,
         // Thousands of faults are to be told by the ledger alone.
+        #[cfg(feature = "lab")]
         (false, 0) if matches!(args.command, Command::Inject(_)) => tracing::Level::ERROR,
         (false, 0) => tracing::Level::WARN,
         (false, 1) => tracing::Level::INFO,

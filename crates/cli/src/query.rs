@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+#[cfg(feature = "lab")]
 mod latency;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
   trolley query D.toml S.toml --json | jq .ranking[0].name
-  trolley query D.toml S.toml --repeat 100000    latencies, beside the kernel in this process
 
 Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not running.";
 
@@ -42,6 +42,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "unknown=fixed")]
     assume: Option<Assume>,
     /// Ask so often, and print latencies beside those of the same work done in this process.
+    #[cfg(feature = "lab")]
     #[arg(long, value_name = "N")]
     repeat: Option<u32>,
 }
@@ -88,6 +89,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let deployment = &opened.deployment;
     let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)
         .map_err(|error| unopened(&error))?;
+    #[cfg(feature = "lab")]
     if let Some(repeat) = options.repeat {
         return latency::run(&mut client, &ask, repeat, patience, &opened, output);
     }

@@ -179,6 +179,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 }
 
 /// Whether a file can be written; what it holds stays.
+#[cfg(feature = "lab")]
 pub(crate) fn ready(path: &Path) -> Result<(), Failure> {
     let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
     file.map(drop).map_err(|error| unwritable(path, &error))

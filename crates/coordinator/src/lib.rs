@@ -39,15 +39,18 @@ mod request;
 mod scene;
 mod strategy;
 mod terms;
+#[cfg(any(test, feature = "faults"))]
 mod trial;
 mod work;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use brief::{Brief, BriefRow};
 
+#[cfg(feature = "faults")]
+pub use crew::Spoiled;
 pub use crew::{
     Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Share,
-    Sight, Spoiled, WorkerReport, preflight, seal,
+    Sight, WorkerReport, preflight, seal,
 };
 pub use cuts::Cuts;
 pub use dry::{DEPTHS, DryCandidate, DryPair, DryRuns};
@@ -60,5 +63,6 @@ pub use request::{Candidates, Request, RequestError};
 pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};
+#[cfg(any(test, feature = "faults"))]
 pub use trial::{Chance, Flaw, Verdict, trial};
 pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};

@@ -27,7 +27,7 @@ mod scheme;
 mod supervise;
 
 pub use descent::Descent;
-#[cfg(feature = "flaws")]
+#[cfg(feature = "faults")]
 pub use dispatcher::Flaw;
 pub use dispatcher::{
     Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Why, Work,

@@ -17,7 +17,8 @@
 //! - Advice on the depth is the best of what is predicted: `advice/tests.rs`.
 //! - Costs are found again from times that follow from them: `costs/tests.rs`.
 //!
-//! [`faults`] drives the same dispatcher through a world in which everything goes wrong.
+//! `faults`, behind the feature of that name, drives the same dispatcher through a world in which
+//! everything goes wrong.
 //!
 //! Advice ([`advise`]) needs no trace: descents alone ([`dispatch::Descent`]) and costs.
 //!
@@ -26,6 +27,7 @@
 
 mod advice;
 mod costs;
+#[cfg(any(test, feature = "faults"))]
 pub mod faults;
 mod machine;
 mod trace;
