@@ -1,5 +1,6 @@
 //! What a compiler cannot check: the arrows between crates, who may hold `unsafe` or name an
-//! outside crate, what pure crates never touch, how files look, that files named in prose exist.
+//! outside crate, what pure crates never touch, what stands behind a feature, how files look, that
+//! files named in prose exist.
 //!
 //! A fault names file and line. The checks read text; they know of Rust what `tidy/code.rs` knows.
 
@@ -7,6 +8,8 @@
 mod circles;
 #[path = "tidy/code.rs"]
 mod code;
+#[path = "tidy/faults.rs"]
+mod faults;
 #[path = "tidy/guards.rs"]
 mod guards;
 #[path = "tidy/pure.rs"]
@@ -16,7 +19,7 @@ mod tree;
 
 use code::{calls, code, words};
 use std::path::Path;
-use tree::{Text, all_sources, packages, root};
+use tree::{Package, Text, all_sources, packages, root};
 
 /// Crates from the bottom up; each may use only what stands before it.
 const LAYERS: &[&str] = &[
@@ -243,6 +246,31 @@ fn pure_crates_touch_no_file_network_process_or_clock() {
         }
     }
     none(&faults);
+}
+
+#[test]
+fn orders_to_misbehave_and_deliberate_flaws_stand_behind_a_feature() {
+    let (mut all, mut gated) = (Vec::new(), 0);
+    for package in packages().iter().filter(|package| package.name != "tools") {
+        let (faults, there) = faults::ungated(package);
+        all.extend(faults);
+        gated += there;
+    }
+    none(&all);
+    assert!(gated > 100, "only {gated} names: are they called something else by now?");
+}
+
+#[test]
+fn the_lab_alone_turns_on_faults_and_all_of_them() {
+    let packages = packages();
+    none(&faults::turned_on(&packages, &Text::read(&root().join("Cargo.toml"))));
+    let on = faults::of_the_lab(&packages);
+    let with_feature = faults::with_feature(&packages);
+    assert!(with_feature.len() >= 5, "only {} crates with faults", with_feature.len());
+    let off = with_feature.iter().filter(|package| !on.contains(&package.name));
+    let fault =
+        |package: &&Package| package.manifest.fault(0, "the lab does not turn its faults on");
+    none(&off.map(fault).collect::<Vec<_>>());
 }
 
 #[test]
