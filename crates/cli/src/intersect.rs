@@ -12,7 +12,6 @@
 
 mod answer;
 mod bodies;
-pub(crate) mod poses;
 
 use crate::model::{BuildName, LimitArgs, open};
 use crate::output::Output;

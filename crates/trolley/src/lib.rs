@@ -38,6 +38,7 @@ pub mod files;
 pub mod handing;
 pub mod kernel;
 mod limits;
+pub mod poses;
 pub mod record;
 pub mod run;
 mod scenario;

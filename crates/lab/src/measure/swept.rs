@@ -4,6 +4,7 @@
 //! these figures is not judged here: see `claims`.
 
 use super::row::Row;
+use dispatch::Entry;
 use serde::Serialize;
 use simulate::Costs;
 
@@ -23,28 +24,6 @@ impl Check {
     /// How far the predicted speed-up is off: 0.1 is 10 %.
     pub(crate) fn error(&self) -> f64 {
         self.predicted_speed_up / self.measured_speed_up - 1.0
-    }
-}
-
-/// A depth that was chosen by a model, and what that cost against the best of the sweep.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Choice {
-    pub(crate) workers: u8,
-    pub(crate) depth: u32,
-    /// Whether to distribute at all; if not, one piece goes to one worker.
-    pub(crate) distribute: bool,
-    pub(crate) predicted_ms: f64,
-    /// By the same source: simulated for four cores, measured for two workers.
-    pub(crate) found_ms: f64,
-    pub(crate) best_ms: f64,
-    pub(crate) best_depth: u32,
-    pub(crate) source: &'static str,
-}
-
-impl Choice {
-    /// How much longer than the best of the sweep it takes: 0.1 is 10 %.
-    pub(crate) fn regret(&self) -> f64 {
-        self.found_ms / self.best_ms - 1.0
     }
 }
 
@@ -88,7 +67,9 @@ pub(crate) struct Swept {
     /// The same by the cost model (ms).
     pub(crate) alone_predicted_ms: f64,
     pub(crate) checks: Vec<Check>,
-    pub(crate) choices: Vec<Choice>,
     pub(crate) shares: Vec<Shares>,
     pub(crate) rows: Vec<Row>,
+    /// Who got which job of the last measured run, if that was written down.
+    #[serde(skip)]
+    pub(crate) log: Vec<Entry>,
 }

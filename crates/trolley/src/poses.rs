@@ -3,11 +3,11 @@
 //! Six rows of four numbers, R | t: three for A, then three for B. Empty lines count for nothing,
 //! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
 
+use crate::Failure;
 use geometry::Pose;
-use trolley::Failure;
 
 /// Longest file, in bytes: 24 numbers and remarks.
-pub(crate) const BYTES_MAX: usize = 64 << 10;
+pub const BYTES_MAX: usize = 64 << 10;
 
 /// How far RᵀR may be from the identity in any entry: seven decimals are good enough.
 const BEND_MAX: f64 = 1e-6;
@@ -40,7 +40,7 @@ type Refusal = (Place, String);
 /// # Errors
 ///
 /// If this is not six rows of four finite numbers, or a rotation is not rigid.
-pub(crate) fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
+pub fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
     let refuse = |(place, what): Refusal| {
         let Place { line, column } = place;
         Failure::input(format!("{file}:{line}:{column}: {what}")).with_remedy(

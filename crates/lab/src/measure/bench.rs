@@ -1,17 +1,20 @@
 //! Real runs: in this process, and by a crew of workers; each repeated, and each checked.
 
-use super::pair::{Pair, views};
-use crate::BUILD;
+use crate::pair::Pair;
 use body::{BodyView, Meta};
-use bvh::{Kernel, Question, Task, together};
-use coordinator::{
-    Crew, CrewError, CrewReport, DEPTHS, DryPair, Options, PairWork, PoseFound, Spent, run_watched,
-};
-use diagnostic::Failure;
-use dispatch::{Cache, Matching, Queues, Thrash};
+use bvh::{Counters, Kernel, Question, Task, front, together};
+use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
+use dispatch::{Cache, Entry, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
-use simulate::{Costs, DryRun, JobTrace, Sample, TaskTrace, Trace, leaf_pairs};
+use scenario::Scheme;
+use simulate::{JobTrace, Sample, TaskTrace, Trace};
+use trolley::handing::Transfer;
+use trolley::{BUILD, Failure};
+
+/// Depths by which pairs of leaves are reckoned: from less deep ones they came out four times too
+/// many.
+const DEPTHS: [u32; 2] = [8, 12];
 
 /// A pair at work.
 pub(crate) struct Bench<'p> {
@@ -20,6 +23,8 @@ pub(crate) struct Bench<'p> {
     /// What is found at each pose: whatever finds something else is wrong.
     truth: Vec<PoseFound>,
     repeats: usize,
+    /// Whether it is written down who got which job.
+    log: bool,
 }
 
 /// One way of handing out work.
@@ -27,8 +32,10 @@ pub(crate) struct Bench<'p> {
 pub(crate) struct Way {
     pub(crate) workers: u8,
     pub(crate) depth: u32,
+    pub(crate) scheme: Scheme,
     pub(crate) matching: Matching,
     pub(crate) queues: Queues,
+    pub(crate) transfer: Transfer,
     pub(crate) cache: Cache,
 }
 
@@ -38,6 +45,8 @@ pub(crate) struct Ran {
     pub(crate) spent: Spent,
     /// Median of all (ns).
     pub(crate) median_ns: f64,
+    /// Who got which job in the last of them, if that is written down.
+    pub(crate) log: Vec<Entry>,
 }
 
 /// What this process alone took at one depth.
@@ -61,9 +70,9 @@ impl Alone {
 }
 
 impl<'p> Bench<'p> {
-    pub(crate) fn new(pair: &'p Pair, repeats: usize) -> Result<Self, Failure> {
-        let bodies = views(&pair.store)?;
-        let mut bench = Self { pair, bodies, truth: Vec::new(), repeats };
+    pub(crate) fn new(pair: &'p Pair, repeats: usize, log: bool) -> Result<Self, Failure> {
+        let bodies = pair.bodies.views()?;
+        let mut bench = Self { pair, bodies, truth: Vec::new(), repeats, log };
         let mut work = bench.work(0);
         run_watched(&mut work, &bench.bodies, |_, _| {});
         bench.truth = work.found().ok_or_else(unknown)?;
@@ -80,28 +89,27 @@ impl<'p> Bench<'p> {
         self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
     }
 
-    /// Dry runs of every pose.
-    fn dry_pairs(&self) -> Vec<DryPair> {
-        let [(_, a), (_, b)] = &self.bodies[..] else { return Vec::new() };
-        self.pair.poses.iter().map(|pose| DryPair::new(a, b, pose)).collect()
-    }
-
-    /// Pairs of leaves that would overlap over all poses, by dry runs.
+    /// Pairs of leaves whose boxes overlap, over all poses: reckoned from two descents each, since
+    /// to count them takes half as long as the work itself.
     pub(crate) fn leaf_pairs(&self) -> f64 {
-        self.dry_pairs().iter().map(|pair| leaf_pairs(&pair.descents, pair.levels)).sum()
-    }
-
-    /// The whole work by dry runs, at each of their depths.
-    pub(crate) fn dry(&self, costs: &Costs) -> Vec<DryRun> {
-        let pairs = self.dry_pairs();
-        let at = |(number, depth): (usize, &u32)| {
-            let none = DryRun { depth: *depth, ..DryRun::default() };
-            pairs.iter().fold(none, |sum, pair| {
-                let leaves = leaf_pairs(&pair.descents, pair.levels);
-                sum.and(&DryRun::of_descent(&pair.descents[number], leaves, costs))
-            })
+        let [(_, a), (_, b)] = &self.bodies[..] else { return 0.0 };
+        // A binary tree has one node less than twice its leaves.
+        let levels = |body: &BodyView<'_>| (body.nodes.len().div_ceil(2).max(1) as f64).log2();
+        let below = f64::midpoint(levels(a), levels(b)) - f64::from(DEPTHS[1]);
+        let of = |pose| {
+            let [upper, lower] = DEPTHS.map(|depth| {
+                let mut pairs = Vec::new();
+                front(a, b, pose, depth, &mut pairs, &mut Counters::default());
+                pairs.len() as f64
+            });
+            if upper == 0.0 || below <= 0.0 {
+                return lower;
+            }
+            // A level of both trees makes no more than four pairs out of one.
+            let growth = (lower / upper).powf(1.0 / f64::from(DEPTHS[1] - DEPTHS[0]));
+            lower * growth.clamp(1.0, 4.0).powf(below)
         };
-        DEPTHS.iter().enumerate().map(at).collect()
+        self.pair.poses.iter().map(of).sum()
     }
 
     fn work(&self, depth: u32) -> PairWork<'p> {
@@ -206,10 +214,11 @@ impl<'p> Bench<'p> {
             matching: way.matching,
             queues: way.queues,
             cache: way.cache,
-            copies: matches!(way.cache, Cache::Fixed(_)),
+            copies: way.transfer == Transfer::Copy,
+            log: self.log,
             ..Options::new(format!("m{}", std::process::id()), BUILD, cores)
         };
-        let mut crew = Crew::start(&self.pair.store, &options)?;
+        let mut crew = Crew::start(self.pair.bodies.store(), &options)?;
         let mut runs = Vec::new();
         for round in 0..=self.repeats {
             let mut work = self.work(way.depth);
@@ -219,13 +228,13 @@ impl<'p> Bench<'p> {
             };
             self.check(&work)?;
             if round > 0 {
-                runs.push(Ran { report, spent: work.spent, median_ns: 0.0 });
+                runs.push((report, work.spent));
             }
         }
-        runs.sort_by_key(|ran| ran.report.duty.run_ns);
-        let median_ns = runs[runs.len() / 2].report.duty.run_ns as f64;
-        let quickest = runs.swap_remove(0);
-        Ok(Ok(Ran { median_ns, ..quickest }))
+        runs.sort_by_key(|(report, _)| report.duty.run_ns);
+        let median_ns = runs[runs.len() / 2].0.duty.run_ns as f64;
+        let (report, spent) = runs.swap_remove(0);
+        Ok(Ok(Ran { report, spent, median_ns, log: crew.log().to_vec() }))
     }
 }
 
