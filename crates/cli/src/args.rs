@@ -1,11 +1,9 @@
 //! The command line.
 
-use crate::limits::LimitArgs;
+use crate::answer_args::AnswerArgs;
+use crate::engine_args::EngineArgs;
 use crate::output::Output;
-use clap::{Args as ClapArgs, Parser, Subcommand};
-use scenario::Overrides;
-use std::path::PathBuf;
-use trolley::Failure;
+use clap::{Parser, Subcommand};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,19 +39,6 @@ impl Args {
     }
 }
 
-/// What `rank` is asked.
-#[derive(Clone, Debug, ClapArgs)]
-pub(crate) struct RankArgs {
-    /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
-    pub(crate) scenario: PathBuf,
-    #[command(flatten)]
-    pub(crate) traffic: crate::traffic::TrafficArgs,
-    #[command(flatten)]
-    pub(crate) answer: AnswerArgs,
-    #[command(flatten)]
-    pub(crate) options: EngineArgs,
-}
-
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Rank seven crashes between bodies that the program generates itself.
@@ -68,7 +53,7 @@ pub(crate) enum Command {
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
         trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name\n  \
         trolley rank DEU_Gar-1_1_T-1.xml")]
-    Rank(Box<RankArgs>),
+    Rank(Box<crate::rank::RankArgs>),
     /// Answer requests of planners until told to stop: models, workers and all from one file.
     #[command(after_help = crate::serve::EXAMPLES)]
     Serve(crate::serve::ServeArgs),
@@ -121,93 +106,4 @@ pub(crate) enum Command {
         /// How it was started.
         word: String,
     },
-}
-
-/// What is done with an answer, and what may be assumed for it.
-#[derive(Clone, Debug, Default, ClapArgs)]
-pub(crate) struct AnswerArgs {
-    /// Print the chain from contact to rank, with every source, and what would flip the winner.
-    #[arg(long)]
-    pub(crate) explain: bool,
-    /// Take parties of unknown kind as fixed to the ground, with nobody in them; the answer says
-    /// so. Without it a scenario that has any is refused.
-    #[arg(long, value_name = "unknown=fixed")]
-    pub(crate) assume: Option<Assume>,
-    /// Add a decision record to this folder: what was asked, decided, and by what.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) record: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) limits: LimitArgs,
-}
-
-/// What may be assumed of what nobody knows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Assume {
-    /// Unknown things are fixed to the ground.
-    #[value(name = "unknown=fixed")]
-    UnknownFixed,
-}
-
-/// Settings of the engine; each overrides the scenario's. None changes a complete answer.
-#[derive(Clone, Debug, Default, ClapArgs)]
-pub(crate) struct EngineArgs {
-    /// Worker processes, 1 to 16.
-    #[arg(long, value_name = "N")]
-    workers: Option<i64>,
-    /// Core of each worker, as 0,1,2,3; "none": no pinning.
-    #[arg(long, value_name = "LIST")]
-    cores: Option<String>,
-    /// Distribution depth: levels of both trees that the coordinator descends itself.
-    #[arg(long, value_name = "D")]
-    depth: Option<i64>,
-    /// How trees are built: seed, literal or sah.
-    #[arg(long)]
-    build: Option<String>,
-    /// Triangles in a leaf at most.
-    #[arg(long, value_name = "N")]
-    leaf_size: Option<i64>,
-    /// Jobs per message.
-    #[arg(long, value_name = "N")]
-    batch: Option<i64>,
-    /// Jobs on their way to one worker at most.
-    #[arg(long, value_name = "N")]
-    queue: Option<i64>,
-    /// Seed of every choice that is called random.
-    #[arg(long, value_name = "N")]
-    seed: Option<i64>,
-    /// Name of this instance in shared memory: 1 to 12 of a-z, 0-9 and -.
-    #[arg(long, value_name = "NAME")]
-    pub(crate) instance: Option<String>,
-    /// Run all jobs in this process, without workers: for comparison.
-    #[arg(long)]
-    pub(crate) in_process: bool,
-}
-
-impl EngineArgs {
-    /// What takes the place of the scenario's settings.
-    pub(crate) fn overrides(&self) -> Result<Overrides, Failure> {
-        let cores = match self.cores.as_deref() {
-            None => None,
-            Some("none") => Some(Vec::new()),
-            Some(list) => {
-                let cores: Result<Vec<i64>, _> =
-                    list.split(',').map(|core| core.trim().parse()).collect();
-                Some(cores.map_err(|error| {
-                    Failure::setting(format!("--cores {list}: {error}"))
-                        .with_remedy("write --cores 0,1,2,3, or --cores none")
-                })?)
-            }
-        };
-        Ok(Overrides {
-            workers: self.workers,
-            cores,
-            depth: self.depth,
-            batch: self.batch,
-            queue: self.queue,
-            build: self.build.clone(),
-            leaf_size: self.leaf_size,
-            seed: self.seed,
-            ..Overrides::default()
-        })
-    }
 }

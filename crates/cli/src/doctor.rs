@@ -1,48 +1,13 @@
 //! `trolley doctor`: what this machine has of what the service needs, and what to do about the
 //! rest.
-//!
-//! It changes nothing, and asks for nothing that the service would not ask for. A *problem* keeps
-//! the service from working or from keeping its promises; a *note* makes it slower or less
-//! predictable.
 
 use crate::output::Output;
 use crate::print;
-use runtime::{affinity, realtime};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::fs;
-use std::path::Path;
 use std::process::ExitCode;
-use trolley::BUILD;
-use trolley::{Failure, Kind};
-
-/// Shared memory that a service of four workers and sixteen clients takes at most (bytes).
-const SHM_BYTES: u64 = 64 << 20;
-/// Locked memory below which no service can lock what it has (bytes).
-const LOCKED_BYTES: u64 = 1 << 30;
-/// Descriptors that a service with sixteen clients may open.
-const FILES: u64 = 1024;
-/// Priority of the coordinator in the deployments that are shipped.
-const PRIORITY: u64 = 60;
-
-/// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Level {
-    Ok,
-    Note,
-    Problem,
-}
-
-/// One thing that was looked at.
-#[derive(Clone, Debug, Serialize)]
-struct Finding {
-    subject: &'static str,
-    level: Level,
-    found: String,
-    /// What it costs, and what to do about it; nothing if nothing is to be done.
-    remedy: String,
-}
+use trolley::doctor::{self, Finding, Level};
+use trolley::{BUILD, Failure, Kind};
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -52,27 +17,8 @@ struct Document<'a> {
     findings: &'a [Finding],
 }
 
-fn finding(subject: &'static str, level: Level, found: impl Into<String>, remedy: &str) -> Finding {
-    let remedy = if level == Level::Ok { String::new() } else { remedy.to_owned() };
-    Finding { subject, level, found: found.into(), remedy }
-}
-
 pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
-    let findings = [
-        cores(),
-        isolation(),
-        governor(),
-        preemption(),
-        throttling(),
-        priority(),
-        locked_memory(),
-        descriptors(),
-        swap(),
-        shared_memory(),
-        leftovers(),
-        counters(),
-        versions(),
-    ];
+    let findings = doctor::look();
     if output.json {
         let document = Document { schema: "trolley.doctor/1", build: BUILD, findings: &findings };
         print::out(&print::json(&document)?)?;
@@ -98,172 +44,4 @@ fn page(findings: &[Finding]) -> String {
         }
     }
     text
-}
-
-/// A file of /proc or /sys, without its line feed.
-fn read(path: &str) -> Option<String> {
-    fs::read_to_string(path).ok().map(|text| text.trim().to_owned())
-}
-
-fn cores() -> Finding {
-    let cores = affinity::allowed_cores();
-    let found = format!("{} granted: {cores:?}", cores.len());
-    let level = if cores.len() >= 4 { Level::Ok } else { Level::Note };
-    finding(
-        "cores",
-        level,
-        found,
-        "four workers want four cores; with fewer use config/deployments/dual-core.toml, or widen \
-         the cpuset",
-    )
-}
-
-fn isolation() -> Finding {
-    let isolated = read("/sys/devices/system/cpu/isolated").unwrap_or_default();
-    let level = if isolated.is_empty() { Level::Note } else { Level::Ok };
-    let found = if isolated.is_empty() { "no core is isolated".to_owned() } else { isolated };
-    finding(
-        "isolation",
-        level,
-        found,
-        "other processes may run in between; kernel command line: \
-         isolcpus=managed_irq,domain,1-3 nohz_full=1-3 rcu_nocbs=1-3 irqaffinity=0",
-    )
-}
-
-fn governor() -> Finding {
-    let mut governors = Vec::new();
-    for core in affinity::allowed_cores() {
-        let path = format!("/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_governor");
-        governors.extend(read(&path));
-    }
-    governors.sort_unstable();
-    governors.dedup();
-    if governors.is_empty() {
-        let remedy = "nothing to do here: a virtual machine, or the firmware decides";
-        return finding("governor", Level::Note, "the kernel does not say", remedy);
-    }
-    let level = if governors == ["performance"] { Level::Ok } else { Level::Note };
-    let remedy = "clocks fall while nothing is asked: cpupower frequency-set -g performance";
-    finding("governor", level, governors.join(", "), remedy)
-}
-
-fn preemption() -> Finding {
-    let version = read("/proc/sys/kernel/version").unwrap_or_default();
-    let is_preempt = version.contains("PREEMPT");
-    let level = if is_preempt { Level::Ok } else { Level::Note };
-    let remedy = "calls of other processes into the kernel may delay us: a kernel with PREEMPT or \
-                  PREEMPT_RT";
-    let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
-    finding("kernel", level, format!("{release} {version}"), remedy)
-}
-
-fn throttling() -> Finding {
-    let runtime_us = read("/proc/sys/kernel/sched_rt_runtime_us");
-    let runtime_us = runtime_us.and_then(|text| text.parse::<i64>().ok()).unwrap_or(-1);
-    let level = if runtime_us == -1 { Level::Ok } else { Level::Note };
-    let found = if level == Level::Ok {
-        "none".to_owned()
-    } else {
-        format!("fixed priorities run {} ms of each second", runtime_us / 1000)
-    };
-    let remedy = "with idle = \"spin\" and a fixed priority the service pauses 50 ms each second; \
-                  use park, or sysctl kernel.sched_rt_runtime_us=-1";
-    finding("RT throttling", level, found, remedy)
-}
-
-/// Whether this process has a capability, by its number in `linux/capability.h`.
-fn has_capability(number: u32) -> bool {
-    let status = read("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("CapEff:"));
-    let bits = line.and_then(|line| u64::from_str_radix(line.trim(), 16).ok()).unwrap_or(0);
-    bits >> number & 1 == 1
-}
-
-/// CAP_IPC_LOCK and CAP_SYS_NICE.
-const IPC_LOCK: u32 = 14;
-const SYS_NICE: u32 = 23;
-
-fn priority() -> Finding {
-    let [_, priority, _] = realtime::limits();
-    let may = has_capability(SYS_NICE) || priority.is_none_or(|most| most >= PRIORITY);
-    let found = match (has_capability(SYS_NICE), priority) {
-        (true, _) => "SCHED_FIFO by CAP_SYS_NICE".to_owned(),
-        (false, None) => "SCHED_FIFO at any priority".to_owned(),
-        (false, Some(most)) => format!("SCHED_FIFO up to {most}"),
-    };
-    let remedy = "answers wait for other processes: LimitRTPRIO=80 in the unit, or rtprio in \
-                  /etc/security/limits.d";
-    finding("fixed priority", if may { Level::Ok } else { Level::Note }, found, remedy)
-}
-
-fn locked_memory() -> Finding {
-    let [locked, _, _] = realtime::limits();
-    let may = has_capability(IPC_LOCK) || locked.is_none_or(|most| most >= LOCKED_BYTES);
-    let found = match (has_capability(IPC_LOCK), locked) {
-        (true, _) => "any amount by CAP_IPC_LOCK".to_owned(),
-        (false, None) => "no limit".to_owned(),
-        (false, Some(most)) => format!("{} kB", most / 1024),
-    };
-    let remedy = "page faults may delay answers: LimitMEMLOCK=infinity in the unit, or memlock in \
-                  /etc/security/limits.d";
-    finding("locked memory", if may { Level::Ok } else { Level::Note }, found, remedy)
-}
-
-fn descriptors() -> Finding {
-    let [_, _, files] = realtime::limits();
-    let enough = files.is_none_or(|most| most >= FILES);
-    let found = files.map_or("no limit".to_owned(), |most| most.to_string());
-    let remedy = "clients may be refused: LimitNOFILE=4096 in the unit, or ulimit -n 4096";
-    finding("descriptors", if enough { Level::Ok } else { Level::Problem }, found, remedy)
-}
-
-fn swap() -> Finding {
-    let swaps = read("/proc/swaps").unwrap_or_default();
-    let count = swaps.lines().count().saturating_sub(1);
-    let level = if count == 0 { Level::Ok } else { Level::Note };
-    let found = if count == 0 { "none".to_owned() } else { format!("{count} in use") };
-    finding("swap", level, found, "memory that is not locked may be on a disk: swapoff -a")
-}
-
-fn shared_memory() -> Finding {
-    let remedy = "the service needs 64 MiB: mount -o remount,size=256M /dev/shm; in a container \
-                  --shm-size=256m";
-    match fs::metadata("/dev/shm").and_then(|_| Ok(rustix::fs::statvfs("/dev/shm")?)) {
-        Ok(about) => {
-            let free = about.f_bavail * about.f_frsize;
-            let size = about.f_blocks * about.f_frsize;
-            let level = if free >= SHM_BYTES { Level::Ok } else { Level::Problem };
-            let found = format!("{} of {} MiB free", free >> 20, size >> 20);
-            finding("/dev/shm", level, found, remedy)
-        }
-        Err(error) => finding("/dev/shm", Level::Problem, error.to_string(), remedy),
-    }
-}
-
-fn leftovers() -> Finding {
-    let dead = transport::dead_instances(Path::new("/dev/shm"));
-    let level = if dead.is_empty() { Level::Ok } else { Level::Note };
-    let found = if dead.is_empty() { "none".to_owned() } else { dead.join(", ") };
-    let remedy = "of runs that were killed; the next run of their kind removes them, or \
-                  trolley demo, and of a service: start and stop it";
-    finding("leftovers", level, found, remedy)
-}
-
-fn counters() -> Finding {
-    match runtime::counters::Counters::of(std::process::id()) {
-        Ok(_) => finding("counters", Level::Ok, "instructions and cache misses are counted", ""),
-        Err(error) => {
-            let cause = std::error::Error::source(&error).map(ToString::to_string);
-            let found = format!("not available: {}", cause.unwrap_or_else(|| error.to_string()));
-            let remedy = "reports say so and count bytes instead; a virtual machine often has \
-                          none, elsewhere CAP_PERFMON";
-            finding("counters", Level::Note, found, remedy)
-        }
-    }
-}
-
-fn versions() -> Finding {
-    let found = format!("trolley {BUILD}, iceoryx2 0.10.0, layouts v{}", protocol::public::VERSION);
-    finding("versions", Level::Ok, found, "")
 }

@@ -1,45 +1,15 @@
-//! `trolley intersect`: the exact kernel alone, on two bodies at one pose, with its times.
-//!
-//! ```text
-//! mesh ──▶ reader::child ──▶ model file ──▶ view ─┐
-//! model file ─────────────────────────────▶ view ─┴▶ bvh::together ──▶ Answer ──▶ text or JSON
-//! poses ──▶ poses::parse ──▶ RelativePose ────────┘
-//! ```
-//!
-//! No scenario, no workers, no harm. A mesh is taken as it stands: no unit, no axes, nothing
-//! dropped or merged, and a triangle's id is its number in the file. So other programs can be
-//! compared with this one, in what they find and in how long they take.
+//! `trolley intersect`: the exact kernel alone, on two bodies at one pose, with its times;
+//! [`trolley::intersect`] does the work.
 
-mod answer;
-mod bodies;
-
-use crate::model::{BuildName, LimitArgs, open};
+use crate::model::{BuildName, LimitArgs, reading, shown, thousands};
 use crate::output::Output;
 use crate::print;
-use answer::{Answer, Asked, Found};
-use bodies::Body;
-use body::BodyView;
-use bvh::kernel::Walk;
-use bvh::together::{self, Together};
-use bvh::{Kernel, Outcome, Question, Side, Task};
 use clap::{Args as ClapArgs, ValueEnum};
-use geometry::hash::splitmix64;
-use geometry::simd::{self, Level, Simd};
-use geometry::{Pose, RelativePose};
-use runtime::clock::now_ns;
-use serde::Serialize;
-use std::hint::black_box;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::Failure;
-
-/// What is written to push everything else out of the caches: more than a last level holds.
-const STREAMED_BYTES: usize = 64 << 20;
-
-/// How long several threads warm up. One that has just been started may share the core of the one
-/// that started it for some ticks of the scheduler, though another core is idle: without this,
-/// nine queries of 0.3 ms on two threads took as long as on one in 13 runs of 30.
-const WARM_UP_NS: u64 = 60_000_000;
+use trolley::intersect::{Asked, Found, Intersect, Intersected, Question, Simd, Walk, hex};
+use trolley::model::{BuildOptions, LEAF_SIZE_MAX};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -103,7 +73,7 @@ pub(crate) struct IntersectArgs {
     build: Option<BuildName>,
     /// Triangles in a leaf at most [default: as in the first model file named, else 4].
     #[arg(long, value_name = "N",
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(bvh::build::LEAF_SIZE_MAX)))]
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(LEAF_SIZE_MAX)))]
     leaf_size: Option<u32>,
     /// How often the query is timed.
     #[arg(long, value_name = "N", default_value_t = 1,
@@ -129,8 +99,7 @@ pub(crate) struct IntersectArgs {
     limits: LimitArgs,
 }
 
-#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum WalkName {
     /// Eight boxes against eight at once.
     Wide,
@@ -147,8 +116,7 @@ impl From<WalkName> for Walk {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum QuestionName {
     /// All pairs of triangles that intersect: how many, and a hash of which.
     Pairs,
@@ -169,150 +137,90 @@ impl From<QuestionName> for Question {
 }
 
 pub(crate) fn run(args: &IntersectArgs, output: &Output) -> Result<ExitCode, Failure> {
-    // What is quick to refuse comes first.
-    let level = args.simd.level()?;
-    let poses = read_poses(&args.poses)?;
-    let files = [args.a.as_path(), args.b.as_path()];
-    for file in files {
-        let _there = open::bytes(file)?;
-    }
-    let tree = bodies::options(args)?;
-    let a = Body::load(files[0], &tree, args.limits, output)?;
-    let b = Body::load(files[1], &tree, args.limits, output)?;
-    let answer = Answer {
-        files,
-        triangles: [a.view()?.corners.len(), b.view()?.corners.len()],
-        question: args.question,
-        tree,
-        simd: simd::name(level),
-        walk: args.walk,
+    let intersect = Intersect {
+        files: [args.a.clone(), args.b.clone()],
+        poses: args.poses.clone(),
+        question: args.question.into(),
+        build: args.build.map(Into::into),
+        leaf_size: args.leaf_size,
+        repeat: args.repeat,
         cold: args.cold,
         moving: args.moving,
-        build_ns: a.build_ns + b.build_ns,
-        repeat: args.repeat,
-        asked: ask(args, level, [&a, &b], &poses)?,
+        threads: args.threads.into(),
+        simd: args.simd,
+        walk: args.walk.into(),
+        limits: args.limits.into(),
     };
-    let text = if output.json { answer.json()? } else { answer.text() };
-    print::out(&text)
+    let intersected = reading(output, |told| intersect.run(told))?;
+    print::out(&if output.json { print::line(&intersected)? } else { text(&intersected) })
 }
 
-fn read_poses(path: &Path) -> Result<[Pose; 2], Failure> {
-    let file = open::bytes(path)?;
-    let name = path.display().to_string();
-    if file.bytes().len() > poses::BYTES_MAX {
-        let fault = format!("{name}: {} bytes are too many for two poses", file.bytes().len());
-        return Err(Failure::input(fault).with_remedy("is this the right file?"));
-    }
-    poses::parse(&name, file.bytes())
-}
-
-/// Asks to warm up, and then as often as is said, each time as if the poses were new.
-fn ask(
-    args: &IntersectArgs,
-    level: Level,
-    bodies: [&Body; 2],
-    poses: &[Pose; 2],
-) -> Result<Asked, Failure> {
-    let views @ [a, b] = [bodies[0].view()?, bodies[1].view()?];
-    let [depth_a, depth_b] = bodies.map(|body| body.meta.depth);
-    let kernel = || {
-        let mut kernel = Kernel::with_room(depth_a, depth_b, a.corners.len(), b.corners.len());
-        kernel.set_level(level);
-        kernel.set_walk(args.walk.into());
-        kernel
-    };
-    let question = args.question.into();
-    together::with(args.threads.into(), kernel, |together| {
-        let begun_ns = now_ns();
-        let first = query(together, views, poses, question);
-        while args.threads > 1 && now_ns() - begun_ns < WARM_UP_NS {
-            query(together, views, poses, question);
+/// A verdict, and how it was come by.
+fn text(of: &Intersected) -> String {
+    let Found { pairs, hash, hits, hashes } = of.asked.found;
+    let pairs = usize::try_from(pairs).unwrap_or(usize::MAX);
+    let (verdict, hash) = match of.question {
+        Question::Pairs if pairs == 1 => {
+            ("One pair of triangles intersects.".to_owned(), hex(hash))
         }
-        let mut streamed = vec![0_u64; if args.cold { STREAMED_BYTES / 8 } else { 0 }];
-        let mut timed = Vec::new();
-        for turn in (0..args.repeat).rev() {
-            let place = if args.moving { place_m(turn) } else { 0.0 };
-            // One word per cache line.
-            streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
-            black_box(&mut streamed);
-            timed.push((place, query(together, views, &moved(*poses, place), question)));
+        Question::Pairs => {
+            (format!("{} pairs of triangles intersect.", thousands(pairs)), hex(hash))
         }
-        let mut at_its_pose = timed.iter().filter(|(place, _)| *place == 0.0);
-        let (Some((_, last)), true) =
-            (timed.last(), at_its_pose.all(|(_, asked)| asked.found == first.found))
-        else {
-            let fault = "the same query found different things: this is a mistake of ours";
-            return Err(Failure::internal(fault));
-        };
-        let median = |time: fn(&Asked) -> u64| {
-            let mut times: Vec<u64> = timed.iter().map(|(_, asked)| time(asked)).collect();
-            times.sort_unstable();
-            times[times.len() / 2].midpoint(times[(times.len() - 1) / 2])
-        };
-        Ok(Asked { pose_ns: median(|it| it.pose_ns), query_ns: median(|it| it.query_ns), ..*last })
-    })
-}
-
-/// With `--moving`, where B stands for the last query (turn 0), the last but one, ...: so far along
-/// the world's x from its pose (m), which is where it stands at last. Elsewhere each time, far
-/// enough for other branches to be taken, near enough for as much work.
-fn place_m(turn: u32) -> f64 {
-    0.001 * (f64::from((turn + 4) % 9) - 4.0)
-}
-
-/// The poses, with B so far along the world's x (m).
-fn moved([a, mut b]: [Pose; 2], metres: f64) -> [Pose; 2] {
-    b.translation[0] += metres;
-    [a, b]
-}
-
-fn query<'t>(
-    together: &mut Together<'_, 't>,
-    [a, b]: [BodyView<'t>; 2],
-    poses: &[Pose; 2],
-    question: Question,
-) -> Asked {
-    let begun_ns = now_ns();
-    let [of_a, of_b] = black_box(poses);
-    let pose = RelativePose::between(of_a, of_b);
-    let posed_ns = now_ns();
-    let outcome = together.run(&Task { a, b, pose, question, directions: None });
-    let query_ns = now_ns() - posed_ns;
-    Asked {
-        found: found(&outcome, together, [&a, &b]),
-        counters: outcome.counters,
-        jobs: together.jobs(),
-        pose_ns: posed_ns - begun_ns,
-        query_ns,
-    }
-}
-
-/// What a query found, in terms of the ids that others know.
-fn found(outcome: &Outcome, together: &Together<'_, '_>, bodies: [&BodyView<'_>; 2]) -> Found {
-    let hits = [Side::A, Side::B].map(|side| together.hits(side));
-    let hash = |hits: &[u32], body: &BodyView<'_>| {
-        let ids = hits.iter().map(|triangle| body.source_ids[*triangle as usize]);
-        ids.fold(0_u64, |sum, id| sum.wrapping_add(splitmix64(id.into())))
+        Question::Sets => {
+            let [a, b] = hits.map(thousands);
+            let [hash_a, hash_b] = hashes.map(hex);
+            (format!("Hit are {a} triangles of A and {b} of B."), format!("{hash_a} {hash_b}"))
+        }
+        Question::Touches if pairs == 0 => ("They do not touch.".to_owned(), "–".to_owned()),
+        Question::Touches => ("They touch.".to_owned(), "–".to_owned()),
     };
-    Found {
-        pairs: outcome.pairs,
-        hash: outcome.hash,
-        hits: hits.map(<[u32]>::len),
-        hashes: [hash(hits[0], bodies[0]), hash(hits[1], bodies[1])],
-    }
+    let body = |i: usize| {
+        let name = shown(&of.files[i].display().to_string());
+        format!("{name}, {} triangles", thousands(of.triangles[i]))
+    };
+    let count = |tests: u64| thousands(usize::try_from(tests).unwrap_or(usize::MAX));
+    let BuildOptions { build, leaf_size, threads } = of.tree;
+    let Asked { counters, jobs, pose_ns, query_ns, .. } = of.asked;
+    let query = format!(
+        "{}, {}{}median of {}; a new pose {}",
+        time(query_ns),
+        if of.cold { "cold caches, " } else { "" },
+        if of.moving { "B moving, " } else { "" },
+        of.repeat,
+        time(pose_ns)
+    );
+    let tests = format!("{} of boxes, {} of triangles", count(counters.nb), count(counters.np));
+    let trees = format!(
+        "{}, {leaf_size} triangles in a leaf at most, built in {}",
+        build.name(),
+        time(of.build_ns)
+    );
+    let vectors = match of.walk {
+        Walk::Wide => of.simd.to_owned(),
+        Walk::Plain => "none: the plain walk".to_owned(),
+    };
+    let rows = [
+        ("A", body(0)),
+        ("B", body(1)),
+        ("query", query),
+        ("tests", tests),
+        ("trees", trees),
+        ("threads", format!("{threads}, jobs {jobs}")),
+        ("vectors", vectors),
+        ("hash", hash),
+    ];
+    let rows = rows.map(|(name, value)| format!("  {name:<8}{value}\n"));
+    format!("{verdict}\n\n{}", rows.concat())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_moving_body_never_stays_and_ends_at_its_pose() {
-        let places: Vec<f64> = (0..20).rev().map(place_m).collect();
-        assert!(places.windows(2).all(|two| two[0] != two[1]), "{places:?}");
-        assert!(places.iter().all(|place| place.abs() <= 0.004), "{places:?}");
-        assert_eq!(places.last(), Some(&0.0));
-        let poses = moved([Pose::IDENTITY; 2], -0.004);
-        assert_eq!(poses.map(|pose| pose.translation[0]), [0.0, -0.004]);
-    }
+/// A time with three digits and its unit.
+fn time(ns: u64) -> String {
+    let (value, unit) = match ns {
+        0..1_000 => return format!("{ns} ns"),
+        1_000..1_000_000 => (ns as f64 / 1e3, "µs"),
+        1_000_000..1_000_000_000 => (ns as f64 / 1e6, "ms"),
+        _ => (ns as f64 / 1e9, "s"),
+    };
+    let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
+    format!("{value:.digits$} {unit}")
 }

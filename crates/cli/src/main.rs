@@ -2,13 +2,13 @@
 //!
 //! One binary plays every role: the command line for people, the coordinator of a request, and, as
 //! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to
-//! stderr. Exit codes are those of [`diagnostic::Kind`].
+//! stderr. Exit codes are those of [`trolley::Kind`].
 
+mod answer_args;
 mod args;
 mod doctor;
-mod explain;
+mod engine_args;
 mod intersect;
-mod limits;
 mod model;
 mod output;
 mod policy;
@@ -30,7 +30,7 @@ use trolley::Failure;
 
 /// Counts what a request allocates; it costs an increment.
 #[global_allocator]
-static HEAP: runtime::heap::Counting = runtime::heap::Counting;
+static HEAP: trolley::CountingAllocator = trolley::CountingAllocator;
 
 fn main() -> ExitCode {
     let args = Args::parse();

@@ -1,38 +1,60 @@
-//! `trolley model`: bodies on the command line.
-//!
-//! ```text
-//! import, check ──starts──▶ reader::child (limits itself, reads the mesh, builds the tree)
-//!       ▲                       │ progress, then a report and the model file, through a pipe
-//!       └── verify, write ◀─────┘
-//! info, export, check ──▶ open: a model file, verified     generate ──▶ bodies ──▶ write
-//! ```
-//!
-//! Whatever a mesh file does to its reader happens in the child. A file is replaced only by a
-//! finished and verified one, so a failure leaves nothing behind and nothing damaged.
+//! `trolley model`: bodies on the command line; [`trolley::model`] does the work.
 
-mod check;
-mod export;
-pub(crate) mod facts;
-mod generate;
-mod import;
-mod info;
-pub(crate) mod open;
-pub(crate) mod reader;
+mod text;
 
 use crate::output::Output;
-use body::{Build, Kind};
-use bvh::BuildOptions;
+use crate::print;
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
-use mesh::import::{Axis, Unit};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::Failure;
+use trolley::model::{
+    self, Axis, BodyKind, Build, BuildOptions, Export, ExportFormat, Generate, Import, Info,
+    MeshOptions, ReadLimits, Shape, TRIANGLES_MAX, TRIANGLES_MIN, Unit,
+};
+use trolley::{Failure, Kind};
+
+pub(crate) use text::{shown, thousands};
+
+const IMPORT: &str = "\
+Examples:
+  trolley model import car.obj --unit cm --up z --forward -y --kind sedan -o car.trolley
+  trolley model import human.obj --unit dm --up y --forward z --only body --kind pedestrian \\
+      -o human.trolley
+  trolley model import pickup.dae --forward y --kind suv -o pickup.trolley
+  trolley model import shells.k --unit mm --only roof --kind sedan -o shells.trolley
+
+Mass, centre of mass, inertia and seats come from a TOML file beside the mesh (car.toml), else from
+defaults by kind; `trolley model info` says which.";
+
+const CHECK: &str = "\
+Examples:
+  trolley model check *.trolley
+  trolley model check scans/*.ply --unit mm
+
+One line per file. Exit code 65 if a file was refused. Without --kind, any size is accepted.";
+
+const GENERATE: &str = "\
+Examples:
+  trolley model generate wall --triangles 500 -o wall.trolley
+  trolley model generate sedan --triangles 100000 --seed 7 -o sedan.trolley
+
+Shapes: sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, pole.";
+
+const EXPORT: &str = "\
+Examples:
+  trolley model export car.trolley --format stl -o car.stl
+  trolley model export car.trolley -o car.obj
+
+Triangles stand in the order of their source ids, with their exact coordinates, in metres,
+x forward, y left, z up: importing the file with --up z --forward x gives the same triangles
+again.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Make a model file from a mesh: OBJ, STL, PLY, glTF, GLB, COLLADA or LS-DYNA.
-    #[command(after_help = import::EXAMPLES)]
-    Import(import::ImportArgs),
+    #[command(after_help = IMPORT)]
+    Import(ImportArgs),
     /// Say what a model file holds (size, mass, parts, tree, origin), or how a mesh might be meant.
     #[command(
         after_help = "Examples:\n  trolley model info car.trolley --json | jq .body.size_m\n  \
@@ -45,14 +67,14 @@ pub(crate) enum Verb {
         limits: LimitArgs,
     },
     /// Verify model files, and try whether meshes could be imported; writes nothing.
-    #[command(after_help = check::EXAMPLES)]
-    Check(check::CheckArgs),
+    #[command(after_help = CHECK)]
+    Check(CheckArgs),
     /// Make a model file of a shape that the program generates itself.
-    #[command(after_help = generate::EXAMPLES)]
-    Generate(generate::GenerateArgs),
+    #[command(after_help = GENERATE)]
+    Generate(GenerateArgs),
     /// Write the triangles of a model file as a mesh for other programs.
-    #[command(after_help = export::EXAMPLES)]
-    Export(export::ExportArgs),
+    #[command(after_help = EXPORT)]
+    Export(ExportArgs),
     /// The process that reads a mesh: started by import and check, not by hand.
     #[command(hide = true)]
     ImportChild {
@@ -61,9 +83,69 @@ pub(crate) enum Verb {
     },
 }
 
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ImportArgs {
+    /// Mesh: .obj, .stl, .ply, .gltf, .glb, .dae, .k or .key.
+    file: PathBuf,
+    #[command(flatten)]
+    mesh: MeshArgs,
+    /// Name of the body [default: the side file's, else the file's].
+    #[arg(long, value_parser = NonEmptyStringValueParser::new())]
+    name: Option<String>,
+    #[command(flatten)]
+    tree: TreeArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+    /// Model file to write.
+    #[arg(short, long, value_name = "OUT.trolley")]
+    out: PathBuf,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CheckArgs {
+    /// Model files, or meshes: .obj, .stl, .ply, .gltf, .glb, .dae, .k.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    mesh: MeshArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct GenerateArgs {
+    /// What to generate.
+    shape: Shape,
+    /// How finely; an odd number gives one triangle less.
+    #[arg(long, value_name = "N",
+          value_parser = clap::value_parser!(u32)
+              .range(i64::from(TRIANGLES_MIN)..=i64::from(TRIANGLES_MAX)))]
+    triangles: u32,
+    /// Varies size and proportions by a few per cent; 0 is the nominal body.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    tree: TreeArgs,
+    /// Model file to write.
+    #[arg(short, long, value_name = "OUT.trolley")]
+    out: PathBuf,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ExportArgs {
+    /// Model file.
+    file: PathBuf,
+    /// stl, ply or obj [default: what the output's name ends in].
+    #[arg(long)]
+    format: Option<ExportFormat>,
+    /// Mesh file to write.
+    #[arg(short, long, value_name = "OUT")]
+    out: PathBuf,
+}
+
 /// How a mesh file is to be understood.
 #[derive(Clone, Debug, ClapArgs)]
-pub(crate) struct MeshArgs {
+struct MeshArgs {
     /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres [default: what a COLLADA
     /// file states, else m; an LS-DYNA deck needs one].
     #[arg(long, value_name = "UNIT")]
@@ -81,7 +163,7 @@ pub(crate) struct MeshArgs {
     /// What the body is: sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, pole or
     /// building. A TOML file beside the mesh may say it, too.
     #[arg(long)]
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
 }
 
 /// What the process that reads a mesh may use.
@@ -91,20 +173,20 @@ pub(crate) struct LimitArgs {
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(16..=1_048_576))]
     memory_mb: Option<u64>,
     /// CPU time for reading one mesh, in seconds.
-    #[arg(long, value_name = "S", default_value_t = 120,
+    #[arg(long, value_name = "S", default_value_t = ReadLimits::CPU_S,
           value_parser = clap::value_parser!(u64).range(1..=86_400))]
     cpu_s: u64,
 }
 
 /// How the tree is built.
 #[derive(Clone, Copy, Debug, ClapArgs)]
-pub(crate) struct TreeArgs {
+struct TreeArgs {
     /// The split: the seed's with a balance rule, the seed's by the letter, or surface area.
     #[arg(long, default_value = "seed")]
     build: BuildName,
     /// Triangles in a leaf at most.
     #[arg(long, value_name = "N", default_value_t = BuildOptions::default().leaf_size,
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(bvh::build::LEAF_SIZE_MAX)))]
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(model::LEAF_SIZE_MAX)))]
     leaf_size: u32,
 }
 
@@ -115,9 +197,22 @@ pub(crate) enum BuildName {
     Sah,
 }
 
+impl MeshArgs {
+    fn options(&self) -> MeshOptions {
+        let Self { unit, up, forward, only, kind } = self.clone();
+        MeshOptions { unit, up, forward, only, kind }
+    }
+}
+
+impl From<LimitArgs> for ReadLimits {
+    fn from(LimitArgs { memory_mb, cpu_s }: LimitArgs) -> Self {
+        Self { memory_mb, cpu_s }
+    }
+}
+
 impl TreeArgs {
     fn options(self) -> BuildOptions {
-        BuildOptions { build: self.build.into(), leaf_size: self.leaf_size, threads: threads() }
+        model::tree(self.build.into(), self.leaf_size)
     }
 }
 
@@ -131,18 +226,98 @@ impl From<BuildName> for Build {
     }
 }
 
-/// Threads that build a tree; more than eight gain nothing, but each takes address space.
-fn threads() -> usize {
-    runtime::affinity::allowed_cores().len().clamp(1, 8)
-}
-
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
-        Verb::Import(args) => import::run(args, output),
-        Verb::Info { file, limits } => info::run(file, *limits, output),
-        Verb::Check(args) => check::run(args, output),
-        Verb::Generate(args) => generate::run(args, output),
-        Verb::Export(args) => export::run(args, output),
-        Verb::ImportChild { request } => reader::child::run(request),
+        Verb::Import(args) => import(args, output),
+        Verb::Info { file, limits } => {
+            let info = reading(output, |told| model::info(file, (*limits).into(), told))?;
+            if output.json {
+                return print::out(&print::json(&info)?);
+            }
+            print::out(&match &info {
+                Info::Body(info) => text::table(&info.body, None, &[]),
+                Info::Mesh(info) => text::mesh(info),
+            })
+        }
+        Verb::Check(args) => check(args, output),
+        Verb::Generate(args) => generate(args, output),
+        Verb::Export(args) => export(args, output),
+        Verb::ImportChild { request } => Ok(trolley::run_reader(request).into()),
     }
+}
+
+/// Does what may take a while, because a mesh is read and a tree built, and shows its progress.
+pub(crate) fn reading<T>(
+    output: &Output,
+    work: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let progress = output.progress("building the tree: triangles");
+    work(&|done, total| progress.set(done, total))
+}
+
+fn import(args: &ImportArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let import = Import {
+        mesh: args.file.clone(),
+        options: args.mesh.options(),
+        name: args.name.clone(),
+        tree: args.tree.options(),
+        limits: args.limits.into(),
+        out: args.out.clone(),
+    };
+    let made = reading(output, |told| import.run(told))?;
+    result(output, &made, || {
+        let read = text::read(&made.import);
+        format!("{}: {}", made.file, text::table(&made.body, Some(&read), &made.import.notes))
+    })
+}
+
+fn check(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let checked =
+        model::check(&args.files, &args.mesh.options(), args.limits.into(), &mut |verdict| {
+            if output.json || output.quiet && verdict.ok {
+                return Ok(());
+            }
+            print::out(&text::verdict(verdict)).map(drop)
+        })?;
+    if output.json {
+        print::out(&print::json(&checked)?)?;
+    }
+    Ok(if checked.refused == 0 { ExitCode::SUCCESS } else { Kind::Input.into() })
+}
+
+fn generate(args: &GenerateArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let generate = Generate {
+        shape: args.shape,
+        triangles: args.triangles,
+        seed: args.seed,
+        tree: args.tree.options(),
+        out: args.out.clone(),
+    };
+    let made = reading(output, |told| generate.run(told))?;
+    result(output, &made, || format!("{}: {}", made.file, text::table(&made.body, None, &[])))
+}
+
+fn export(args: &ExportArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let ExportArgs { file, format, out } = args;
+    let made = Export { file: file.clone(), format: *format, out: out.clone() }.run()?;
+    result(output, &made, || {
+        let triangles = model::facts::triangles(made.triangles);
+        let format = made.format.name().to_uppercase();
+        format!("{}: {triangles} as {format}, in metres, x forward, y left, z up", made.file)
+    })
+}
+
+/// Prints what was done: as JSON, or for people, unless they want to hear nothing of it.
+fn result(
+    output: &Output,
+    document: &impl serde::Serialize,
+    text: impl FnOnce() -> String,
+) -> Result<ExitCode, Failure> {
+    if output.json {
+        return print::out(&print::json(document)?);
+    }
+    if output.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
+    print::out(&text())
 }

@@ -49,7 +49,8 @@ impl Progress {
         }
         let Ok(mut said) = self.said.try_lock() else { return };
         if said.elapsed() >= LINE {
-            *said += said.elapsed();
+            let since = said.elapsed();
+            *said += since;
             print::err(&format!("{}: {} %", self.what, 100 * done / total.max(1)));
         }
     }

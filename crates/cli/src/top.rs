@@ -1,19 +1,18 @@
 //! `trolley top`: how a running service is, each second: rate, answers, latencies, workers,
 //! transfer.
 
-use crate::deployment;
 use crate::output::Output;
 use crate::print;
 use clap::Args;
-use protocol::public::{Condition, Health, Stage, Verdict};
-use runtime::clock;
+use client::Listener;
+use client::public::{Condition, Health, Stage, Verdict};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use transport::{Address, Listener};
-use trolley::{Failure, Kind};
+use std::time::Duration;
+use trolley::{Failure, Kind, OpenDeployment};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -35,10 +34,8 @@ pub(crate) struct TopArgs {
     times: Option<u64>,
 }
 
-/// How long to wait for the service to say something (ns): it does each second.
-const SILENCE_NS: u64 = 5_000_000_000;
-/// How often to look (ns).
-const NAP_NS: u64 = 50_000_000;
+/// How long to wait for the service to say something: it does each second.
+const SILENCE: Duration = Duration::from_secs(5);
 
 /// What `--json` prints, a line each time.
 #[derive(Serialize)]
@@ -64,16 +61,14 @@ struct Document {
 }
 
 pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let opened = deployment::open(&options.deployment, options.instance.as_deref())?;
+    let opened = OpenDeployment::open(&options.deployment, options.instance.as_deref())?;
     let deployment = &opened.deployment;
-    let address = Address::new(&deployment.folder, &deployment.instance);
-    let address = address?;
-    let listener = Listener::open(&address)?;
+    let listener = Listener::connect(&deployment.folder, &deployment.instance)?;
     let clears = std::io::stdout().is_terminal() && !output.json;
     let mut before: Option<Health> = None;
     let mut shown = 0;
     while options.times.is_none_or(|times| shown < times) {
-        let Some(health) = hear(&listener) else {
+        let Some(health) = listener.health(SILENCE) else {
             let fault = format!("instance \"{}\" says nothing", deployment.instance);
             return Err(Failure::new(Kind::TryAgain, fault)
                 .with_remedy("it was killed, or stands still: systemctl status trolley"));
@@ -94,18 +89,6 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
         before = Some(health);
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The next that the service says; `None` if it says nothing for long.
-fn hear(listener: &Listener) -> Option<Health> {
-    let end_ns = clock::now_ns() + SILENCE_NS;
-    while clock::now_ns() < end_ns {
-        if let Some(health) = listener.health() {
-            return Some(health);
-        }
-        clock::nap_ns(NAP_NS);
-    }
-    None
 }
 
 /// Answers per second since the page before, or since the start.

@@ -99,7 +99,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let Verb::Import(args) = verb;
     let imported = import(&args.file, &args.traffic)?;
     if let (Some(out), Some(text)) = (&args.out, &imported.text) {
-        trolley::model::write::replace(out, text.as_bytes())?;
+        trolley::files::replace(out, text.as_bytes())?;
     }
     if output.json {
         return print::out(&print::json(&imported.document(&args.file))?);

@@ -33,12 +33,14 @@
 //! - A service that was restarted is found again without help: `tests/processes/serve.rs` at the
 //!   top level.
 //!
+//! Whoever only watches uses a [`Listener`].
+//!
 //! It knows the public structs and the transport, and nothing of bodies, harm or policies.
 
 use core::fmt;
 use core::hash::{BuildHasher as _, Hasher as _};
 use core::time::Duration;
-use protocol::public::{Answer, Ask, Reason, Verdict};
+use protocol::public::{Answer, Ask, Health, Reason, Verdict};
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use std::hash::RandomState;
 use transport::{Address, Client as Port, UseError};
@@ -158,14 +160,7 @@ impl Client {
     fn wait(&self, left_ns: u64) {
         match self.waiting {
             Waiting::Spin => rustix::thread::sched_yield(),
-            Waiting::Nap(nap) => {
-                let ns = nanoseconds(nap).min(left_ns);
-                let nap = Timespec {
-                    tv_sec: (ns / 1_000_000_000) as i64,
-                    tv_nsec: (ns % 1_000_000_000) as i64,
-                };
-                let _early = rustix::thread::nanosleep(&nap);
-            }
+            Waiting::Nap(long) => nap(long.min(Duration::from_nanos(left_ns))),
         }
     }
 }
@@ -174,6 +169,47 @@ impl fmt::Debug for Client {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Client").field("address", &self.address).finish_non_exhaustive()
     }
+}
+
+/// Hears how a service is, which says so each second; it asks nothing of it.
+#[derive(Debug)]
+pub struct Listener(transport::Listener);
+
+/// How often a listener looks.
+const LOOK: Duration = Duration::from_millis(50);
+
+impl Listener {
+    /// Listens to the service of this instance in this folder, as [`Client::connect`] finds it.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such service, it has as many listeners as it takes, or shared memory or file
+    /// descriptors ran out.
+    pub fn connect(folder: &str, instance: &str) -> Result<Self, OpenError> {
+        Ok(Self(transport::Listener::open(&Address::new(folder, instance)?)?))
+    }
+
+    /// Waits for what the service says next of its health, at most for so long; `None` if it says
+    /// nothing.
+    #[must_use]
+    pub fn health(&self, patience: Duration) -> Option<Health> {
+        let end_ns = now_ns().saturating_add(nanoseconds(patience));
+        while now_ns() < end_ns {
+            if let Some(health) = self.0.health() {
+                return Some(health);
+            }
+            nap(LOOK);
+        }
+        None
+    }
+}
+
+/// Sleeps, or less if a signal comes.
+fn nap(duration: Duration) {
+    let ns = nanoseconds(duration);
+    let nap =
+        Timespec { tv_sec: (ns / 1_000_000_000) as i64, tv_nsec: (ns % 1_000_000_000) as i64 };
+    let _early = rustix::thread::nanosleep(&nap);
 }
 
 fn nanoseconds(duration: Duration) -> u64 {

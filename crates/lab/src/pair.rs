@@ -101,9 +101,8 @@ pub(crate) fn body(text: &str) -> Result<ModelFile, Failure> {
 
 fn written(path: &Path) -> Result<Vec<RelativePose>, Failure> {
     let help = "six lines of four numbers: see trolley intersect";
-    let map = FileMap::open(path).map_err(|error| {
-        Failure::input(diagnostic::chain(&error)).with_remedy(help)
-    })?;
+    let map = FileMap::open(path)
+        .map_err(|error| Failure::input(diagnostic::chain(&error)).with_remedy(help))?;
     if map.bytes().len() > poses::BYTES_MAX {
         let fault = format!("{}: {} bytes are no poses", path.display(), map.bytes().len());
         return Err(Failure::input(fault).with_remedy(help));

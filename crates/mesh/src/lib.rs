@@ -3,11 +3,13 @@
 //! ```text
 //! bytes of a mesh file --import--> Mesh, with guesses of unit and axes
 //! BodyView --export--> OBJ, STL
+//! a mesh file --reader--> a model file, made in a child process with limits
 //! ```
 //!
 //! Importers take bytes and a resolver for side files. Lengths that leave this crate are metres, x
-//! forward, y left, z up.
+//! forward, y left, z up. All but [`reader`] is pure.
 
 pub mod export;
 pub mod import;
+pub mod reader;
 pub mod side;

@@ -2,14 +2,18 @@
 //! colours, and stills that need no browser.
 //!
 //! ```text
+//! record ──▶ trolley: the answer, made again ──write──▶ the files that are wanted
+//!                │ decision
+//!                ▼
 //! Decision (plain values) ──▶ html    one file: text, tables, charts (SVG), 3D view (three.js)
 //!      └── Shot (two bodies, hits, patch) ──▶ glb    for Blender and the like
 //!                                         ├─▶ still  PNG, drawn here
 //!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
 //! ```
 //!
-//! Plain values come in, bytes go out; no file is opened here, and nothing is computed anew: every
-//! figure is one that decided. All shots are in the ego's frame, in metres, x forward, z up.
+//! Above `write` plain values come in and bytes go out; no file is opened there. Nothing is assessed
+//! here: every figure is one that decided. All shots are in the ego's frame, in metres, x forward, z
+//! up.
 //!
 //! # Invariants
 //!
@@ -18,6 +22,8 @@
 //! - A still shows a triangle where it is, the nearer one before the farther: `still/tests.rs`.
 //! - A .glb is well-formed, and holds each triangle with its colour: `glb/tests.rs`.
 
+mod decision;
+pub mod explain;
 pub mod glb;
 pub mod html;
 #[cfg(feature = "mcap")]
@@ -26,7 +32,10 @@ mod measurement;
 mod pack;
 mod shot;
 pub mod still;
+pub mod text;
+mod write;
 
 pub use html::{Candidate, Decision, Moment, Span, Worker};
 pub use measurement::{Figure, Measurement};
 pub use shot::{Body, Patch, Shot};
+pub use write::{Wanted, write};

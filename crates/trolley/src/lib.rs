@@ -22,6 +22,10 @@
 //! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
 //! | [`bodies`] | bodies opened, generated, sealed |
+//! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
+//! | [`model`] | model files made of meshes and shapes, looked at, checked, exported |
+//! | [`policy`] | policies and curves: would they be accepted, and what do they say |
+//! | [`doctor`] | what this machine has of what the service needs |
 //!
 //! # Invariants
 //!
@@ -33,11 +37,16 @@
 
 pub mod bodies;
 mod deployment;
+pub mod doctor;
 mod engine;
 pub mod files;
 pub mod handing;
+pub mod intersect;
 pub mod kernel;
 mod limits;
+pub mod model;
+
+pub mod policy;
 pub mod poses;
 pub mod record;
 pub mod run;
@@ -46,18 +55,27 @@ mod serve;
 pub mod traffic;
 mod worker;
 
-pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Pursuit, Row, Until};
-pub use damage::State;
+pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Pursuit, Row, Scene, Until};
+pub use damage::{State, Touch};
 pub use deployment::OpenDeployment;
 pub use diagnostic::{Diagnostic, Failure, Kind};
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
+pub use protocol::public::Ask;
 pub use record::Record;
 pub use run::Run;
+pub use runtime::heap::Counting as CountingAllocator;
 pub use scenario::{Scenario, Text, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
 pub use service::Idle;
-pub use worker::{play_worker, run_worker};
+pub use worker::{play_worker, run_reader, run_worker};
+
+/// What an [`Explanation`] is made of.
+pub mod explanation {
+    pub use coordinator::{Chain, PersonChain, PolicyStep, Separation};
+    pub use damage::curve::Unit;
+    pub use damage::{Knob, Margin, Reserve, Stability};
+}
 
 /// Name of this build, by a hash of what it was made of: both ends of every channel carry it, so
 /// that no two versions ever talk.

@@ -4,7 +4,10 @@
 //! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
 
 use crate::Failure;
-use geometry::Pose;
+use crate::model::open;
+use std::path::Path;
+
+pub use geometry::Pose;
 
 /// Longest file, in bytes: 24 numbers and remarks.
 pub const BYTES_MAX: usize = 64 << 10;
@@ -34,6 +37,21 @@ struct Row {
 
 /// Why a text was refused, and where.
 type Refusal = (Place, String);
+
+/// Reads the poses of A and B from a file.
+///
+/// # Errors
+///
+/// If the file cannot be read, is too long, or as [`parse`].
+pub fn read(path: &Path) -> Result<[Pose; 2], Failure> {
+    let file = open::bytes(path)?;
+    let name = path.display().to_string();
+    if file.bytes().len() > BYTES_MAX {
+        let fault = format!("{name}: {} bytes are too many for two poses", file.bytes().len());
+        return Err(Failure::input(fault).with_remedy("is this the right file?"));
+    }
+    parse(&name, file.bytes())
+}
 
 /// Reads the poses of A and B; `file` is what messages call the text.
 ///

@@ -9,13 +9,13 @@ use crate::engine::Ranking;
 use crate::run::Run;
 use crate::scenario::Scenario;
 use crate::{BUILD, Failure, Kind};
-use record::{Body, Chain, Edge, Link, Settings, Source, Span, Stage, Text};
+use record::{Chain, Edge, Settings, Span, Stage, Text};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 mod replay;
 
-pub use record::{End, Record as Content};
+pub use record::{Body, End, Link, Record as Content, Source};
 pub use replay::Replay;
 
 /// A decision record, and its place in its chain.

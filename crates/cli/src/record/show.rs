@@ -1,17 +1,16 @@
 //! `trolley record show`: what a record holds, for people and for programs.
 
-use super::{hex, read};
 use crate::output::Output;
 use crate::print;
-use crate::table::wrap;
-use record::{End, Link, Record, Source};
+use report::text::wrap;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
-use trolley::Failure;
+use trolley::record::{Content, End, Link, Source, hex};
+use trolley::{Failure, Record};
 
 pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
-    let (record, link) = read(path)?;
+    let Record { content: record, link } = Record::read(path)?;
     let answer = parsed(&record.answer)?;
     if output.json {
         let explanation = parsed(&record.explanation)?;
@@ -32,7 +31,7 @@ fn parsed(text: &str) -> Result<Value, Failure> {
     serde_json::from_str(text).map_err(|error| Failure::internal(error.to_string()))
 }
 
-fn words(path: &Path, record: &Record, link: &Link, answer: &Value) -> String {
+fn words(path: &Path, record: &Content, link: &Link, answer: &Value) -> String {
     let s = &record.settings;
     let count = |end: End| record.jobs.iter().filter(|job| job.end == end).count();
     let ms: f64 = record.stages.iter().map(|stage| stage.ms).sum();

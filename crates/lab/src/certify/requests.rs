@@ -55,8 +55,7 @@ impl Pool {
 /// A policy of those that come with the program.
 pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
     let (name, text) = POLICIES[number % POLICIES.len()];
-    Policy::parse(name, text)
-        .map_err(|error| Failure::from(error).of_kind(trolley::Kind::Internal))
+    Policy::parse(name, text).map_err(|error| Failure::from(error).of_kind(trolley::Kind::Internal))
 }
 
 /// A request of so many candidates between bodies of a pool, in their order; they stand to the side

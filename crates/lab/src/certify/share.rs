@@ -106,8 +106,7 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
     options.out.as_deref().map(|path| files::check(path, None)).transpose()?;
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
-    let bar =
-        Progress::new(u64::from(options.requests) * options.depths.len() as u64, told);
+    let bar = Progress::new(u64::from(options.requests) * options.depths.len() as u64, told);
     let mut rows = Vec::new();
     let mut sizes = Vec::new();
     for &depth in &options.depths {

@@ -49,11 +49,7 @@ pub(crate) fn steps(plan: &Plan) -> u64 {
 
 /// Sweeps a pair. What is measured is measured in several passes, and the quickest counts: other
 /// programs come in bursts that are longer than the repeats of one run.
-pub(crate) fn sweep(
-    bench: &Bench<'_>,
-    plan: &Plan,
-    bar: &Progress<'_>,
-) -> Result<Swept, Failure> {
+pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress<'_>) -> Result<Swept, Failure> {
     let deepest = plan.depths.iter().copied().max().unwrap_or(0);
     let cache = plan.handing.cache(deepest, &bench.bodies)?;
     let mut alone: Vec<(u32, Alone)> = Vec::new();

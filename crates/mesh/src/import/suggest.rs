@@ -8,9 +8,10 @@
 use super::guess::shape;
 use super::{Format, Unit};
 use body::Mesh;
+use serde::Serialize;
 
 /// One way to read a mesh.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reading {
     /// Name of the unit.
     pub unit: &'static str,

@@ -1,10 +1,8 @@
-//! `--explain` in words: the chain from contact to rank, to be checked with a pocket calculator.
+//! An explanation in words: the chain from contact to rank, to be checked with a pocket calculator.
 
-use crate::table::wrap;
-use coordinator::{Chain, Explanation, PersonChain};
-use damage::curve::Unit;
-use damage::evidence::Touch;
-use damage::{Knob, Reserve};
+use crate::text::wrap;
+use trolley::explanation::{Chain, Knob, PersonChain, Reserve, Unit};
+use trolley::{Explanation, Touch};
 
 /// What the figures are made with; the same for all candidates.
 const FORMULAS: &str = "\
@@ -12,8 +10,9 @@ Formulas: w_n = Σ(1 + h²/k²)/m, w_t = Σ(1 + q²/k²)/m over both bodies, a f
   J_n = (1+e) v_n / w_n, J_t = min(μ J_n, v_t / w_t), ΔV = √(J_n² + J_t²) / m;
   P(x) = 1/(1 + exp(-(a + b x))), H = (P(x) - P(0)) / (1 - P(0)), risk R = p H.";
 
-/// The whole explanation; no line is longer than 100 columns.
-pub(crate) fn text(explanation: &Explanation) -> String {
+/// The whole explanation; no line is longer than [`COLUMNS`](crate::text::COLUMNS).
+#[must_use]
+pub fn text(explanation: &Explanation) -> String {
     let parameters = &explanation.parameters;
     let mut lines = vec![
         format!(

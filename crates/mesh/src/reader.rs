@@ -5,25 +5,33 @@
 //!        ◀── Word per line: Progress*, then Refused, or Read and the model file's bytes ──
 //! ```
 //!
+//! This module alone touches files and processes; the parsers in [`import`](crate::import) are pure.
 //! Parsers are others' code, and hostile bytes may make them panic, abort, loop, overflow the
 //! stack or ask for all memory. The kernel ends such a child; here its end becomes a sentence. The
 //! child opens files for reading only, so nothing is left behind whatever ends it, and it dies with
 //! its parent.
 
-pub(super) mod child;
+mod child;
+pub mod open;
 
-use super::{LimitArgs, MeshArgs, open};
-use crate::output::Output;
-use crate::progress::Progress;
+use crate::import::{Axis, Unit};
 use body::{Build, Kind, file};
 use bvh::BuildOptions;
-use mesh::import::{Axis, Unit};
+use diagnostic::Failure;
 use runtime::{Child, Exit, Spawn, process};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufRead as _, BufReader, PipeReader, Read};
 use std::os::fd::AsFd as _;
 use std::path::Path;
-use trolley::Failure;
+
+pub use child::play;
+
+/// How a child is started, from the program that the parent is: `PROGRAM model import-child
+/// REQUEST`. Whoever is started with these two words gives the third to [`play()`].
+pub const ROLE: [&str; 2] = ["model", "import-child"];
+
+/// Told how many triangles of how many are in the tree.
+pub type OnProgress<'p> = &'p dyn Fn(u64, u64);
 
 /// How the operating system says ENOMEM.
 const NO_MEMORY: &str = "(os error 12)";
@@ -45,9 +53,45 @@ const STDERR_MAX: u64 = 64 << 10;
 /// A child that has closed its pipe ends within this time, even while the kernel dumps it `[ms]`.
 const END_MS: u64 = 10_000;
 
+/// How a mesh file is to be understood.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshOptions {
+    /// Unit of the coordinates; none: what a COLLADA file states, else metres. An LS-DYNA deck
+    /// needs one.
+    pub unit: Option<Unit>,
+    /// Axis of the file that points up; none: +y for glTF, what a COLLADA file states, else +z.
+    pub up: Option<Axis>,
+    /// Axis of the file that points forward; none: +z for glTF, else +x.
+    pub forward: Option<Axis>,
+    /// Parts, groups, objects, materials or nodes that alone are kept; empty: all.
+    pub only: Vec<String>,
+    /// What the body is; none: what the TOML file beside the mesh says.
+    pub kind: Option<Kind>,
+}
+
+/// What the process that reads a mesh may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReadLimits {
+    /// Memory (MB); none: 64 times the file, 2048 to 8192.
+    pub memory_mb: Option<u64>,
+    /// CPU time (s).
+    pub cpu_s: u64,
+}
+
+impl ReadLimits {
+    /// CPU time, if nothing was said (s).
+    pub const CPU_S: u64 = 120;
+}
+
+impl Default for ReadLimits {
+    fn default() -> Self {
+        Self { memory_mb: None, cpu_s: Self::CPU_S }
+    }
+}
+
 /// What to read, and what for.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Request {
+pub struct Request {
     file: String,
     /// Whether every triangle is taken as it stands: no side file, nothing dropped, any size.
     as_it_stands: bool,
@@ -80,42 +124,61 @@ enum Word {
 
 /// What a child made of a mesh file.
 #[derive(Debug)]
-pub(crate) struct Outcome {
-    pub(super) report: Report,
-    /// The model file; empty for a trial.
-    pub(crate) bytes: file::Aligned,
-    /// Time that building the tree took.
-    pub(crate) build_ns: u64,
+pub struct Outcome {
+    /// What was found.
+    pub report: Report,
+    /// The model file; empty for a trial. What a damaged child sent need not be sound.
+    pub bytes: file::Aligned,
+    /// Time that building the tree took (ns).
+    pub build_ns: u64,
 }
 
 /// What was found in a mesh file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Report {
-    pub(super) format: String,
-    pub(super) unit_m: f64,
-    pub(super) up: String,
-    pub(super) forward: String,
-    pub(super) triangles_in_file: usize,
-    pub(super) triangles_selected: usize,
-    pub(super) triangles: usize,
-    pub(super) duplicates_dropped: usize,
-    pub(super) degenerate_kept: u32,
-    pub(super) size_m: [f64; 3],
+pub struct Report {
+    /// Name of the format.
+    pub format: String,
+    /// The unit that was used (m).
+    pub unit_m: f64,
+    /// The axis of the file that was taken to point up.
+    pub up: String,
+    /// The axis of the file that was taken to point forward.
+    pub forward: String,
+    /// Triangles before any choice.
+    pub triangles_in_file: usize,
+    /// Triangles of the parts that were asked for.
+    pub triangles_selected: usize,
+    /// Triangles of the body.
+    pub triangles: usize,
+    /// Triangles left out, because another has the same corners.
+    pub duplicates_dropped: usize,
+    /// Triangles of zero area, which are kept.
+    pub degenerate_kept: u32,
+    /// Extent forward, left and up (m).
+    pub size_m: [f64; 3],
     /// Size and guess in words.
-    pub(super) sentence: String,
-    pub(super) doubts: Vec<String>,
-    pub(super) notes: Vec<String>,
+    pub sentence: String,
+    /// What speaks against unit and axes.
+    pub doubts: Vec<String>,
+    /// What was noticed in the file.
+    pub notes: Vec<String>,
     /// The side file that was used.
-    pub(super) side_file: Option<String>,
+    pub side_file: Option<String>,
 }
 
 impl Request {
-    pub(super) fn new(
+    /// To read `file`, and make a model file of it that is called `name`, with such a tree; without
+    /// a tree to try whether it could be read.
+    ///
+    /// # Errors
+    ///
+    /// If the file's name is not UTF-8.
+    pub fn new(
         file: &Path,
-        mesh: &MeshArgs,
+        mesh: &MeshOptions,
         name: Option<&str>,
         tree: Option<&BuildOptions>,
-        limits: LimitArgs,
+        limits: ReadLimits,
     ) -> Result<Self, Failure> {
         let Some(text) = file.to_str() else {
             let fault = format!("{}: its name is not UTF-8", file.display());
@@ -147,12 +210,16 @@ impl Request {
     /// To take every triangle of a mesh as it stands: the coordinates of the file are metres of
     /// the body's own frame, ids count from 0 in file order, nothing is left out, and the size
     /// may be any.
-    pub(crate) fn as_it_stands(
+    ///
+    /// # Errors
+    ///
+    /// If the file's name is not UTF-8.
+    pub fn as_it_stands(
         file: &Path,
         tree: &BuildOptions,
-        limits: LimitArgs,
+        limits: ReadLimits,
     ) -> Result<Self, Failure> {
-        let mesh = MeshArgs {
+        let mesh = MeshOptions {
             unit: Some(Unit::METRE),
             up: Some(Axis::Z),
             forward: Some(Axis::X),
@@ -164,10 +231,14 @@ impl Request {
         Ok(Self { as_it_stands: true, ..request })
     }
 
-    /// Reads the file in a child.
-    pub(crate) fn run(&self, output: &Output) -> Result<Outcome, Failure> {
+    /// Reads the file in a child: this program, started again in its [`ROLE`].
+    ///
+    /// # Errors
+    ///
+    /// If the file is at fault, reading it took more than it was allowed, or no child can be had.
+    pub fn run(&self, progress: OnProgress<'_>) -> Result<Outcome, Failure> {
         let (mut child, words, stderr) = self.start()?;
-        let heard = hear(words, self.memory_bytes, output);
+        let heard = hear(words, self.memory_bytes, progress);
         let exit = child.wait_ms(END_MS)?;
         drop(child);
         let last_words = stderr.join().unwrap_or_default();
@@ -196,7 +267,7 @@ impl Request {
             serde_json::to_string(self).map_err(|error| Failure::internal(error.to_string()))?;
         let child = process::spawn(Spawn {
             program: process::self_exe(),
-            args: &["model".to_owned(), "import-child".to_owned(), request],
+            args: &[ROLE[0].to_owned(), ROLE[1].to_owned(), request],
             fds: &[(says.as_fd(), 1), (complains.as_fd(), 2)],
             core: None,
         })?;
@@ -257,22 +328,17 @@ impl Request {
 
 /// Follows a child's words to the last one, and takes the model file behind it, of at most
 /// `bytes_max`. None if the child ended in mid-sentence, or says that it has more.
-fn hear(words: PipeReader, bytes_max: u64, output: &Output) -> Option<(Word, file::Aligned)> {
+fn hear(
+    words: PipeReader,
+    bytes_max: u64,
+    progress: OnProgress<'_>,
+) -> Option<(Word, file::Aligned)> {
     let mut words = BufReader::with_capacity(1 << 16, words);
-    let begun_ns = runtime::clock::now_ns();
-    let mut progress: Option<(Progress, u64)> = None;
     loop {
         let mut line = Vec::new();
         words.by_ref().take(LINE_MAX).read_until(b'\n', &mut line).ok()?;
         match serde_json::from_slice(&line).ok()? {
-            Word::Progress { done, total } => {
-                let (bar, before) = progress.get_or_insert_with(|| {
-                    let bar = Progress::new("building the tree: triangles", total, output);
-                    (bar.since(begun_ns), 0)
-                });
-                bar.add(done.saturating_sub(*before));
-                *before = done;
-            }
+            Word::Progress { done, total } => progress(done, total),
             Word::Read { report, build_ns, model_bytes } => {
                 // It cannot have more than it was allowed: whoever says so speaks nonsense.
                 let len = usize::try_from(model_bytes).ok().filter(|_| model_bytes <= bytes_max)?;

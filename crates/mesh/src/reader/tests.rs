@@ -60,12 +60,12 @@ fn heard(bytes: &[u8]) -> Option<(Word, file::Aligned)> {
     let (words, mut says) = io::pipe().expect("a pipe");
     io::Write::write_all(&mut says, bytes).expect("room");
     drop(says);
-    hear(words, 2048, &Output { json: false, quiet: true })
+    hear(words, 2048, &|_, _| {})
 }
 
 #[test]
 fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
-    let refused = br#"{"Refused":{"fault":"car.obj: bent","help":null}}"#;
+    let refused = br#"{"Refused":{"what":"car.obj: bent","remedy":null}}"#;
     assert!(matches!(heard(refused), Some((Word::Refused { .. }, _))));
     for cut in [0, 1, 20, refused.len() - 1] {
         assert!(heard(&refused[..cut]).is_none());

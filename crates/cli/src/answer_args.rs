@@ -1,12 +1,36 @@
-//! How far and by when a request is worked on, as a person asks for it.
+//! What is wanted of an answer, and how far and by when it is worked on, as a person asks for it.
 
-use crate::args::AnswerArgs;
-use clap::Args as ClapArgs;
+use clap::Args;
+use std::path::PathBuf;
 use trolley::{Failure, Limits, Until};
 
+/// What is done with an answer, and what may be assumed for it.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct AnswerArgs {
+    /// Print the chain from contact to rank, with every source, and what would flip the winner.
+    #[arg(long)]
+    pub(crate) explain: bool,
+    /// Take parties of unknown kind as fixed to the ground, with nobody in them; the answer says
+    /// so. Without it a scenario that has any is refused.
+    #[arg(long, value_name = "unknown=fixed")]
+    pub(crate) assume: Option<Assume>,
+    /// Add a decision record to this folder: what was asked, decided, and by what.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) record: Option<PathBuf>,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// What may be assumed of what nobody knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Assume {
+    /// Unknown things are fixed to the ground.
+    #[value(name = "unknown=fixed")]
+    UnknownFixed,
+}
 /// When to stop.
-#[derive(Clone, Debug, Default, ClapArgs)]
-pub(crate) struct LimitArgs {
+#[derive(Clone, Debug, Default, Args)]
+struct LimitArgs {
     /// Stop when all work is done, when the order is certain, or when the winner is.
     #[arg(long, value_name = "WHEN", default_value = "complete")]
     until: UntilName,
@@ -32,24 +56,24 @@ enum UntilName {
     Certified,
 }
 
-impl LimitArgs {
+impl AnswerArgs {
     /// The limits, and what is kept beside the answer.
-    pub(crate) fn limits(&self, asked: &AnswerArgs) -> Result<Limits, Failure> {
-        let is_recorded = asked.record.is_some();
+    pub(crate) fn limits(&self) -> Result<Limits, Failure> {
+        let is_recorded = self.record.is_some();
         let mut limits = Limits {
-            until: match self.until {
+            until: match self.limits.until {
                 UntilName::Complete => Until::Complete,
                 UntilName::Ordered => Until::Ordered,
                 UntilName::Certified => Until::Certified,
             },
-            explanation: asked.explain || is_recorded,
+            explanation: self.explain || is_recorded,
             ledger: is_recorded,
             ..Limits::default()
         };
-        if let Some(ms) = self.deadline_ms {
+        if let Some(ms) = self.limits.deadline_ms {
             limits = limits.with_deadline_ms(ms)?;
         }
-        match self.budget {
+        match self.limits.budget {
             Some(tests) => limits.with_budget(tests),
             None => Ok(limits),
         }

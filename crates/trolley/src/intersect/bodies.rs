@@ -1,12 +1,11 @@
 //! The two bodies: meshes as they stand, read in a child, or model files; each with its tree.
 
-use super::IntersectArgs;
-use crate::model::reader::{Outcome, Request};
-use crate::model::{LimitArgs, open};
-use crate::output::Output;
+use crate::Failure;
+use crate::model::open;
 use body::{BodyView, Build, Meta, file};
 use bvh::BuildOptions;
-use diagnostic::{Failure, chain};
+use diagnostic::chain;
+use mesh::reader::{OnProgress, Outcome, ReadLimits, Request};
 use runtime::clock::now_ns;
 use std::path::Path;
 
@@ -24,18 +23,22 @@ enum Held {
     Built(Box<body::Body>),
 }
 
-/// How both trees are to be built: as was said, else as the first model file's was, else by surface
-/// area, which is the quickest to build and to walk.
-pub(super) fn options(args: &IntersectArgs) -> Result<BuildOptions, Failure> {
-    let mut options =
-        BuildOptions { build: Build::Sah, threads: args.threads.into(), ..BuildOptions::default() };
-    if let Some(path) = [&args.a, &args.b].into_iter().find(|path| open::is_model(path)) {
+/// How both trees are to be built where that was left open: as the first model file's was, else by
+/// surface area, which is the quickest to build and to walk.
+pub(super) fn options(
+    files: [&Path; 2],
+    build: Option<Build>,
+    leaf_size: Option<u32>,
+    threads: usize,
+) -> Result<BuildOptions, Failure> {
+    let mut options = BuildOptions { build: Build::Sah, threads, ..BuildOptions::default() };
+    if let Some(path) = files.into_iter().find(|path| open::is_model(path)) {
         let map = open::bytes(path)?;
         let (meta, _) = open::view(path, map.bytes())?;
         (options.build, options.leaf_size) = (meta.build, meta.leaf_size);
     }
-    options.build = args.build.map_or(options.build, Into::into);
-    options.leaf_size = args.leaf_size.unwrap_or(options.leaf_size);
+    options.build = build.unwrap_or(options.build);
+    options.leaf_size = leaf_size.unwrap_or(options.leaf_size);
     Ok(options)
 }
 
@@ -44,14 +47,14 @@ impl Body {
     pub(super) fn load(
         path: &Path,
         options: &BuildOptions,
-        limits: LimitArgs,
-        output: &Output,
+        limits: ReadLimits,
+        progress: OnProgress<'_>,
     ) -> Result<Self, Failure> {
         let (bytes, build_ns) = if open::is_model(path) {
             (open::copy(path)?, 0)
         } else {
             let Outcome { bytes, build_ns, .. } =
-                Request::as_it_stands(path, options, limits)?.run(output)?;
+                Request::as_it_stands(path, options, limits)?.run(progress)?;
             (bytes, build_ns)
         };
         let (meta, view) = open::view(path, bytes.bytes())?;

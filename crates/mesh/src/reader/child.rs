@@ -3,25 +3,23 @@
 //! It limits itself before it opens anything, opens files for reading only, and speaks to its
 //! parent alone: one [`Word`] per line on stdout.
 
-use super::super::open;
-use super::{Report, Request, Word};
-use crate::print;
-use body::{Kind, Mesh, Zones, defaults, file, zones};
-use bvh::BuildOptions;
-use mesh::import::{
+use super::{Report, Request, Word, open};
+use crate::import::{
     self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
 };
-use mesh::side::Side;
+use crate::side::Side;
+use body::{Kind, Mesh, Zones, defaults, file, zones};
+use bvh::BuildOptions;
+use diagnostic::Failure;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use runtime::affinity::{allowed_cores, pin_self};
 use runtime::clock::now_ns;
 use runtime::realtime::Soon;
+use std::io::{self, Write as _};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Mutex;
-use trolley::Failure;
 
 /// Longest side file, in bytes: it has nine keys.
 const SIDE_BYTES_MAX: u64 = 1 << 20;
@@ -39,7 +37,23 @@ const SHARE_MIN: usize = 1024;
 /// What a panic said, kept for the parent instead of printed.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
+/// Plays the child, in a process that a parent started for it, and says how that is to end: its exit
+/// code. `request` is what the parent wrote on the command line.
+///
+/// Stdout and stderr are the channels to the parent, and limits are those of the whole process: it
+/// can do nothing else afterwards.
+#[must_use]
+pub fn play(request: &str) -> u8 {
+    let played = limited(request);
+    played.unwrap_or_else(|failure| {
+        // The parent says it again. If it has gone away, nobody is left to tell.
+        let _gone = writeln!(io::stderr().lock(), "error: {failure}");
+        failure.kind().exit_code()
+    })
+}
+
+/// Limits this process, reads, and tells the parent.
+fn limited(request: &str) -> Result<u8, Failure> {
     runtime::process::set_name("trolley-import");
     let request: Request = serde_json::from_str(request).map_err(|error| {
         Failure::setting(error.to_string()).with_remedy("use: trolley model import")
@@ -60,12 +74,13 @@ pub(in crate::model) fn run(request: &str) -> Result<ExitCode, Failure> {
         Ok((report, build_ns, bytes)) => {
             let model_bytes = bytes.len() as u64;
             say(&Word::Read { report: Box::new(report), build_ns, model_bytes })?;
-            print::out_bytes(&bytes)
+            send(&bytes)?;
+            Ok(0)
         }
         Err(failure) => {
             let (what, remedy) = (failure.what().to_owned(), failure.remedy().map(str::to_owned));
             say(&Word::Refused { what, remedy })?;
-            Ok(failure.kind().into())
+            Ok(failure.kind().exit_code())
         }
     }
 }
@@ -79,9 +94,20 @@ fn zones_by_all(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
     zones.map(|corners| zones::of_triangle(corners, &bounds, kind)).collect()
 }
 
-fn say(word: &Word) -> Result<ExitCode, Failure> {
+fn say(word: &Word) -> Result<(), Failure> {
     let line = serde_json::to_string(word).map_err(|error| Failure::internal(error.to_string()))?;
-    print::out(&line)
+    send(format!("{line}\n").as_bytes())
+}
+
+/// Writes to the parent. One that has gone away is no error.
+fn send(bytes: &[u8]) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::new(diagnostic::Kind::System, format!("cannot write the output: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Request {
@@ -307,7 +333,7 @@ fn folder(path: &Path) -> PathBuf {
 fn side_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(name);
     let real = path.canonicalize().map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => format!("there is no {}", path.display()),
+        io::ErrorKind::NotFound => format!("there is no {}", path.display()),
         _ => error.to_string(),
     })?;
     let root = folder.canonicalize().map_err(|error| error.to_string())?;

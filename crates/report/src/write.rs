@@ -1,0 +1,189 @@
+//! From a decision record or a measurement to files: a page, meshes, stills.
+//!
+//! A record holds no hit sets, so the request is made again from it, as `trolley record replay`
+//! does; if the answer is not the recorded one, nothing is written.
+
+use crate::decision::{bodies, decision, shots};
+use crate::shot::{Body, Shot};
+use crate::still::Camera;
+use crate::{Figure, Measurement, glb, html, still};
+use std::path::{Path, PathBuf};
+use trolley::bodies::OnProgress;
+use trolley::{Failure, Kind, Record, files};
+
+/// Pixels of a still.
+const STILL: [usize; 2] = [1200, 800];
+/// Longest file of a measurement that goes into a page (bytes).
+const FILE_MAX: u64 = 16 << 20;
+
+/// What is to be written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// The page.
+    pub page: Option<PathBuf>,
+    /// Folder for each candidate as .glb, damage as vertex colours.
+    pub glb: Option<PathBuf>,
+    /// Folder for two stills of each candidate: from a corner, and from above.
+    pub stills: Option<PathBuf>,
+    /// All candidates as one MCAP file.
+    #[cfg(feature = "mcap")]
+    pub mcap: Option<PathBuf>,
+    /// Candidates that pictures are wanted of, by name; none: of all.
+    pub candidates: Vec<String>,
+}
+
+impl Wanted {
+    /// Whether pictures of this candidate are wanted.
+    fn shows(&self, shot: &Shot) -> bool {
+        self.candidates.is_empty() || self.candidates.contains(&shot.name)
+    }
+
+    /// The MCAP file to write, of builds that can.
+    fn mcap(&self) -> Option<&Path> {
+        #[cfg(feature = "mcap")]
+        return self.mcap.as_deref();
+        #[cfg(not(feature = "mcap"))]
+        None
+    }
+
+    fn is_nothing(&self) -> bool {
+        let others = [&self.page, &self.glb, &self.stills];
+        others.iter().all(|path| path.is_none()) && self.mcap().is_none()
+    }
+}
+
+/// Shows a decision record, or a folder that `trolley measure --out` wrote; returns what was
+/// written. `models` is the folder of the model files that a record names, which are found by their
+/// hash.
+///
+/// # Errors
+///
+/// If nothing is wanted, the source cannot be read, the answer cannot be made again or is another
+/// one, there is no such candidate, or a file cannot be written.
+pub fn write(
+    source: &Path,
+    models: Option<&Path>,
+    wanted: &Wanted,
+    progress: OnProgress<'_>,
+) -> Result<Vec<PathBuf>, Failure> {
+    if wanted.is_nothing() {
+        let fault = "nothing to write";
+        return Err(
+            Failure::setting(fault).with_remedy("add --out FILE.html, --glb DIR or --png DIR")
+        );
+    }
+    if source.is_dir() {
+        return of_measurement(source, wanted);
+    }
+    of_record(source, models, wanted, progress)
+}
+
+fn of_record(
+    path: &Path,
+    models: Option<&Path>,
+    wanted: &Wanted,
+    progress: OnProgress<'_>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let record = Record::read(path)?;
+    let made = record.replay(path, models, progress)?;
+    if made.json != record.content.answer {
+        let fault = "made again, the answer is another";
+        return Err(Failure::new(Kind::Skew, fault)
+            .at(path.display())
+            .with_remedy("make the report with the build that recorded it; see record replay"));
+    }
+    let (bodies, shots) = (bodies(&made)?, shots(&made));
+    let is_there = |name: &&String| shots.iter().any(|shot| shot.name == **name);
+    if let Some(name) = wanted.candidates.iter().find(|name| !is_there(name)) {
+        let names: Vec<&str> = shots.iter().map(|shot| shot.name.as_str()).collect();
+        return Err(Failure::input(format!("there is no candidate \"{name}\""))
+            .with_remedy(format!("candidates here: {}", names.join(", "))));
+    }
+    let mut written = Vec::new();
+    if let Some(page) = &wanted.page {
+        let text = html::decision(&decision(&made, &record), &bodies, &shots);
+        files::replace(page, text.as_bytes())?;
+        written.push(page.clone());
+    }
+    #[cfg(feature = "mcap")]
+    if let Some(path) = wanted.mcap() {
+        let shots: Vec<&Shot> = shots.iter().filter(|shot| wanted.shows(shot)).collect();
+        let file = crate::mcap::mcap(&shots, &bodies)?;
+        files::replace(path, &file)?;
+        written.push(path.to_owned());
+    }
+    for (at, shot) in shots.iter().enumerate().filter(|(_, shot)| wanted.shows(shot)) {
+        let stem = format!("{}-{}", at + 1, plain(&shot.name));
+        picture(wanted, &stem, shot, &bodies, &mut written)?;
+    }
+    Ok(written)
+}
+
+/// Writes the model and the stills of one candidate, as far as they are asked for.
+fn picture(
+    wanted: &Wanted,
+    stem: &str,
+    shot: &Shot,
+    bodies: &[Body],
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    if let Some(folder) = folder(wanted.glb.as_deref())? {
+        let file = folder.join(format!("{stem}.glb"));
+        files::replace(&file, &glb::glb(shot, bodies))?;
+        written.push(file);
+    }
+    if let Some(folder) = folder(wanted.stills.as_deref())? {
+        for (camera, from) in [(Camera::Corner, "corner"), (Camera::Above, "above")] {
+            let file = folder.join(format!("{stem}-{from}.png"));
+            let still = still::still(shot, bodies, camera, STILL)?;
+            files::replace(&file, &still)?;
+            written.push(file);
+        }
+    }
+    Ok(())
+}
+
+fn folder(path: Option<&Path>) -> Result<Option<&Path>, Failure> {
+    let Some(path) = path else { return Ok(None) };
+    std::fs::create_dir_all(path)
+        .map_err(|error| Failure::new(Kind::System, format!("{}: {error}", path.display())))?;
+    Ok(Some(path))
+}
+
+/// A name as part of a file's.
+fn plain(name: &str) -> String {
+    let word = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+    let dashed: String = name.chars().map(word).collect();
+    let words: Vec<&str> = dashed.split('-').filter(|word| !word.is_empty()).collect();
+    words.join("-")
+}
+
+/// A folder of `trolley measure`: its page, with the figures inside.
+fn of_measurement(source: &Path, wanted: &Wanted) -> Result<Vec<PathBuf>, Failure> {
+    let Some(out) = &wanted.page else {
+        let fault = "a measurement has no bodies to show";
+        return Err(Failure::setting(fault).with_remedy("add --out FILE.html"));
+    };
+    let wrong = |path: &Path, error: &dyn std::fmt::Display| {
+        Failure::input(format!("{}: {error}", path.display()))
+            .with_remedy("give a folder that `trolley measure --out` wrote")
+    };
+    let page = source.join("README.md");
+    let text = std::fs::read_to_string(&page).map_err(|error| wrong(&page, &error))?;
+    let mut figures = Vec::new();
+    let entries = std::fs::read_dir(source).map_err(|error| wrong(source, &error))?;
+    for entry in entries {
+        let path = entry.map_err(|error| wrong(source, &error))?.path();
+        let about = std::fs::metadata(&path).map_err(|error| wrong(&path, &error))?;
+        if path.extension().is_none_or(|end| end != "png") || about.len() > FILE_MAX {
+            continue;
+        }
+        let png = std::fs::read(&path).map_err(|error| wrong(&path, &error))?;
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        figures.push(Figure { name: name.unwrap_or_default(), png });
+    }
+    let title = text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("Measurement");
+    let made = Measurement { title: title.to_owned(), text: text.clone(), figures };
+    files::replace(out, html::measurement(&made).as_bytes())?;
+    Ok(vec![out.clone()])
+}

@@ -1,0 +1,159 @@
+//! What was found, and the line of JSON that says it to programs.
+
+use body::Build;
+use bvh::kernel::Walk;
+use bvh::{BuildOptions, Counters, Question};
+use serde::{Serialize, Serializer};
+use std::path::{Path, PathBuf};
+
+/// What a query found. For one pose it is always the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// Pairs that intersect, for [`Question::Pairs`]; whether any does, for [`Question::Touches`].
+    pub pairs: u64,
+    /// Of the pairs: the sum modulo 2⁶⁴ of splitmix64(id of A · 2³² + id of B).
+    pub hash: u64,
+    /// Triangles hit, of A and of B.
+    pub hits: [usize; 2],
+    /// Of these: the sums modulo 2⁶⁴ of splitmix64(id).
+    pub hashes: [u64; 2],
+}
+
+/// A query, or the last of several and the medians of their times.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// What it found.
+    pub found: Found,
+    /// Tests of boxes and of triangles.
+    pub counters: Counters,
+    /// Parts of the query: 1 unless several threads shared the work.
+    pub jobs: u64,
+    /// What a new pose costs before the query (ns).
+    pub pose_ns: u64,
+    /// What the query took (ns).
+    pub query_ns: u64,
+}
+
+/// Two bodies at one pose: what was found, and what it took.
+///
+/// As JSON it is one object with the keys that `trolley intersect --help` explains.
+#[derive(Clone, Debug)]
+pub struct Intersected {
+    /// A and B.
+    pub files: [PathBuf; 2],
+    /// Triangles of A and of B.
+    pub triangles: [usize; 2],
+    /// What was asked.
+    pub question: Question,
+    /// How the trees are built.
+    pub tree: BuildOptions,
+    /// Vector instructions of the kernel.
+    pub simd: &'static str,
+    /// How the trees were walked.
+    pub walk: Walk,
+    /// Time to build both trees (ns); 0 where a model file had the tree already.
+    pub build_ns: u64,
+    /// How often the query was timed.
+    pub repeat: u32,
+    /// Whether the caches were emptied before each query.
+    pub cold: bool,
+    /// Whether B stood elsewhere for each query.
+    pub moving: bool,
+    /// What was found.
+    pub asked: Asked,
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    peer: &'static str,
+    case: &'a str,
+    build_ms: f64,
+    pose_ms: f64,
+    query_ms: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pairs: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hash: Option<String>,
+    #[serde(flatten)]
+    sets: Option<Sets>,
+    nb: u64,
+    np: u64,
+    question: &'static str,
+    build: Build,
+    leaf_size: u32,
+    simd: &'static str,
+    walk: &'static str,
+    threads: usize,
+    cold: bool,
+    moving: bool,
+    jobs: u64,
+    triangles_a: usize,
+    triangles_b: usize,
+    schema: u32,
+}
+
+#[derive(Serialize)]
+struct Sets {
+    hits_a: usize,
+    hits_b: usize,
+    hash_a: String,
+    hash_b: String,
+}
+
+impl Serialize for Intersected {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Found { pairs, hash, hits, hashes } = self.asked.found;
+        let (pairs, hash, sets) = match self.question {
+            Question::Pairs => (Some(pairs), Some(hex(hash)), None),
+            Question::Touches => (Some(pairs), Some(String::new()), None),
+            Question::Sets => {
+                let ([hits_a, hits_b], [hash_a, hash_b]) = (hits, hashes.map(hex));
+                (None, None, Some(Sets { hits_a, hits_b, hash_a, hash_b }))
+            }
+        };
+        let folder = std::path::absolute(&self.files[0]).unwrap_or_default();
+        let folder = folder.parent().and_then(Path::file_name).unwrap_or_default();
+        let line = Line {
+            peer: "trolley",
+            case: &folder.to_string_lossy(),
+            build_ms: milliseconds(self.build_ns),
+            pose_ms: milliseconds(self.asked.pose_ns),
+            query_ms: milliseconds(self.asked.query_ns),
+            pairs,
+            hash,
+            sets,
+            nb: self.asked.counters.nb,
+            np: self.asked.counters.np,
+            question: match self.question {
+                Question::Pairs => "pairs",
+                Question::Sets => "sets",
+                Question::Touches => "touches",
+            },
+            build: self.tree.build,
+            leaf_size: self.tree.leaf_size,
+            simd: self.simd,
+            walk: match self.walk {
+                Walk::Wide => "wide",
+                Walk::Plain => "plain",
+            },
+            threads: self.tree.threads,
+            cold: self.cold,
+            moving: self.moving,
+            jobs: self.asked.jobs,
+            triangles_a: self.triangles[0],
+            triangles_b: self.triangles[1],
+            schema: 1,
+        };
+        line.serialize(serializer)
+    }
+}
+
+/// A hash as 16 hexadecimal digits.
+#[must_use]
+pub fn hex(hash: u64) -> String {
+    format!("{hash:016x}")
+}
+
+fn milliseconds(ns: u64) -> f64 {
+    ns as f64 / 1e6
+}
