@@ -163,7 +163,14 @@ fn facts(record: &Content, link: &Link) -> Vec<(String, String)> {
             "settings",
             format!(
                 "{}, {} workers, depth {}, tree {}, {}, batch {}, queue {}, seed {}",
-                s.mode, s.workers, s.depth, s.tree, s.scheme, s.batch, s.queue, s.seed
+                s.mode.name(),
+                s.workers,
+                s.depth,
+                s.tree.name(),
+                s.scheme.name(),
+                s.batch,
+                s.queue,
+                s.seed
             ),
         ),
     ];

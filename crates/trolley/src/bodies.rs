@@ -69,6 +69,24 @@ impl ModelFile {
         Ok(Self { source_hash, ..Self::of(&body)? })
     }
 
+    /// Opens a model file with the tree that it has.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or is no sound model file.
+    pub fn as_it_is(path: &Path) -> Result<Self, Failure> {
+        let map = FileMap::open(path).map_err(|error| {
+            Failure::input(diagnostic::chain(&error))
+                .with_remedy("name a model file that can be read")
+        })?;
+        // What is looked at is the copy: a file may change while it is mapped.
+        let bytes = file::Aligned::copy_of(map.bytes());
+        let bad = |error: file::FileError| Failure::from(error).at(path.display());
+        let (meta, _) = file::view(bytes.bytes()).map_err(bad)?;
+        let source_hash = Some(file::content_hash(bytes.bytes()).map_err(bad)?);
+        Ok(Self { kind: meta.kind, bytes, source_hash })
+    }
+
     /// Generates a body and gives it a tree.
     ///
     /// # Errors

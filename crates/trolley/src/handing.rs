@@ -6,6 +6,7 @@ use body::{BodyView, Meta};
 use bvh::section;
 use dispatch::{Cache, Entry, Matching, Queues};
 use scenario::{Engine, Scheme};
+use serde::Serialize;
 use std::fmt::Write as _;
 
 /// Longest that a batch may wait (µs): a worker that gets nothing must not look silent.
@@ -15,7 +16,8 @@ const LINGER_MAX_US: u64 = 10_000;
 pub const BUDGET_PERCENT: u64 = 60;
 
 /// How workers come by the bodies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Transfer {
     /// They read the one sealed store in place.
     #[default]
@@ -23,6 +25,20 @@ pub enum Transfer {
     /// Sections are shipped into memory of their own, without eviction, for comparison: the first
     /// that does not fit ends the run.
     Copy,
+}
+
+impl Transfer {
+    /// Both of them, the default first.
+    pub const ALL: [Self; 2] = [Self::ZeroCopy, Self::Copy];
+
+    /// Its name, as files and the command line have it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ZeroCopy => "zero-copy",
+            Self::Copy => "copy",
+        }
+    }
 }
 
 /// How jobs reach the workers, beside the scenario's settings.

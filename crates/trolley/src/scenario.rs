@@ -120,8 +120,15 @@ impl Scenario {
         &self.texts.scenario.name
     }
 
+    /// By what candidates are compared, and the curves for it.
+    #[must_use]
+    pub fn rules(&self) -> (Arc<Policy>, Arc<Curves>) {
+        (self.policy.clone(), self.curves.clone())
+    }
+
     /// Where a model file that the scenario names is.
-    pub(crate) fn path_of(&self, reference: &FileRef) -> PathBuf {
+    #[must_use]
+    pub fn path_of(&self, reference: &FileRef) -> PathBuf {
         beside(Path::new(self.file()), &reference.path)
     }
 

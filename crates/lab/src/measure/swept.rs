@@ -4,6 +4,7 @@
 //! these figures is not judged here: see `claims`.
 
 use super::row::Row;
+use dispatch::Entry;
 use serde::Serialize;
 use simulate::Costs;
 
@@ -68,4 +69,7 @@ pub(crate) struct Swept {
     pub(crate) checks: Vec<Check>,
     pub(crate) shares: Vec<Shares>,
     pub(crate) rows: Vec<Row>,
+    /// Who got which job of the last measured run, if that was written down.
+    #[serde(skip)]
+    pub(crate) log: Vec<Entry>,
 }

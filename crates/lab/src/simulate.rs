@@ -1,71 +1,40 @@
-//! `trolley simulate faults`: seeded worlds in which everything goes wrong, in virtual time.
+//! Seeded worlds in which everything goes wrong, in virtual time.
 
-use crate::args::Output;
-use crate::print;
-use crate::progress::Progress;
-use clap::{Args, Subcommand};
-use diagnostic::Failure;
+use crate::progress::{OnProgress, Progress};
 use serde::Serialize;
-use simulate::faults::{Fault, Faults, Limits, Tally, Violation, run, shrink};
+use simulate::faults::{Faults, Limits, Tally, Violation, run, shrink};
 use std::fmt::Write as _;
-use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub(crate) const EXAMPLES: &str = "\
-Examples:
-  trolley simulate faults                          2,000 worlds of 4 requests each
-  trolley simulate faults --worlds 250000          a million requests
-  trolley simulate faults --seed 173 -v            one world, with all that happens in it
-  trolley simulate faults --only crash,lose-result
+pub use simulate::faults::Fault;
 
-Exit codes: 0 all laws hold, 1 one was broken: the seed is printed, with the smallest world found.";
-
-#[derive(Clone, Debug, Subcommand)]
-pub(crate) enum Verb {
-    /// The dispatcher among workers that crash, hang and lie, on channels that lose and garble.
-    #[command(after_help = EXAMPLES)]
-    Faults(FaultArgs),
-}
-
-#[derive(Clone, Debug, Args)]
-pub(crate) struct FaultArgs {
+/// Which worlds.
+#[derive(Clone, Debug)]
+pub struct FaultOptions {
     /// This world alone.
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    pub seed: Option<u64>,
     /// How many worlds.
-    #[arg(long, value_name = "N", default_value_t = 2_000)]
-    worlds: u64,
+    pub worlds: u64,
     /// The first one.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    from: u64,
+    pub from: u64,
     /// Requests in each.
-    #[arg(long, value_name = "N", default_value_t = 4)]
-    requests: u64,
-    /// Threads [default: one for each core].
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// These kinds of faults alone.
-    #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kind)]
-    only: Vec<Fault>,
+    pub requests: u64,
+    /// Threads; `None`: one for each core.
+    pub threads: Option<usize>,
+    /// These kinds of faults alone; none: all.
+    pub only: Vec<Fault>,
     /// Not these.
-    #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kind)]
-    without: Vec<Fault>,
+    pub without: Vec<Fault>,
     /// So many faults in a world at most: the first ones.
-    #[arg(long, value_name = "N")]
-    most: Option<u64>,
+    pub most: Option<u64>,
+    /// Whether to tell all that happens, if there is one world.
+    pub log: bool,
 }
 
-fn kind(name: &str) -> Result<Fault, String> {
-    Fault::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Fault::ALL.iter().map(|fault| fault.name()).collect();
-        format!("there are: {}", names.join(", "))
-    })
-}
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Document {
+/// What became of all worlds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Simulated {
     schema: &'static str,
     worlds: u64,
     requests: u64,
@@ -83,30 +52,32 @@ struct Document {
     violations: Vec<String>,
     replay: Option<String>,
     seconds: f64,
+    #[serde(skip)]
+    log: Vec<String>,
 }
 
-pub(crate) fn simulate(verb: &Verb, verbose: u8, output: &Output) -> Result<ExitCode, Failure> {
-    let Verb::Faults(args) = verb;
-    let mut kinds = args.only.iter().fold(Faults::NONE, |all, fault| all.with(*fault));
-    if args.only.is_empty() {
+/// Goes through worlds of the dispatcher among workers that crash, hang and lie, on channels that
+/// lose and garble. `told` hears of worlds.
+#[must_use]
+pub fn faults(options: &FaultOptions, told: OnProgress<'_>) -> Simulated {
+    let mut kinds = options.only.iter().fold(Faults::NONE, |all, fault| all.with(*fault));
+    if options.only.is_empty() {
         kinds = Faults::ALL;
     }
-    let kinds = args.without.iter().fold(kinds, |all, fault| all.without(*fault));
-    let limits =
-        Limits { kinds, most: args.most.unwrap_or(u64::MAX), requests: args.requests.max(1) };
-    let (from, worlds) = args.seed.map_or((args.from, args.worlds), |seed| (seed, 1));
-    if verbose > 0 && args.seed.is_some() {
-        let mut log = Vec::new();
+    let kinds = options.without.iter().fold(kinds, |all, fault| all.without(*fault));
+    let most = options.most.unwrap_or(u64::MAX);
+    let limits = Limits { kinds, most, requests: options.requests.max(1) };
+    let (from, worlds) = options.seed.map_or((options.from, options.worlds), |seed| (seed, 1));
+    let mut log = Vec::new();
+    if options.log && options.seed.is_some() {
         // How it ends is told below, of the same world.
         let _end = run(from, &limits, Some(&mut log));
-        log.iter().for_each(|line| print::err(line));
     }
     let begun_ns = runtime::clock::now_ns();
     let cores = runtime::affinity::allowed_cores().len().max(1);
-    let threads = args.threads.unwrap_or(cores).clamp(1, 64);
-    let progress = Progress::new("worlds", worlds, output);
+    let threads = options.threads.unwrap_or(cores).clamp(1, 64);
+    let progress = Progress::new(worlds, told);
     let (tally, failed) = all(from, worlds, &limits, threads, &progress);
-    drop(progress);
     let shrunk = failed.as_ref().and_then(|violation| shrink(violation.seed, &limits));
     let replay = shrunk.as_ref().map(|shrunk| {
         let Limits { kinds, most, requests, .. } = shrunk.limits;
@@ -123,7 +94,7 @@ pub(crate) fn simulate(verb: &Verb, verbose: u8, output: &Output) -> Result<Exit
         command
     });
     let violations = failed.iter().chain(shrunk.as_ref().map(|shrunk| &shrunk.violation));
-    let document = Document {
+    Simulated {
         schema: "trolley.simulated-faults/1",
         worlds,
         requests: tally.requests,
@@ -141,13 +112,28 @@ pub(crate) fn simulate(verb: &Verb, verbose: u8, output: &Output) -> Result<Exit
         violations: violations.map(ToString::to_string).collect(),
         replay,
         seconds: (runtime::clock::now_ns() - begun_ns) as f64 / 1e9,
-    };
-    if output.json {
-        print::out(&print::json(&document)?)?;
-    } else {
-        print::out(&page(&document))?;
+        log,
     }
-    Ok(ExitCode::from(u8::from(failed.is_some())))
+}
+
+impl Simulated {
+    /// Whether all laws hold.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        self.violations.is_empty()
+    }
+
+    /// All that happened in the one world, if it was asked for.
+    #[must_use]
+    pub fn log(&self) -> &[String] {
+        &self.log
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        page(self)
+    }
 }
 
 /// All worlds, on several threads; the failure with the lowest seed, if there is one.
@@ -156,7 +142,7 @@ fn all(
     worlds: u64,
     limits: &Limits,
     threads: usize,
-    progress: &Progress,
+    progress: &Progress<'_>,
 ) -> (Tally, Option<Violation>) {
     const PIECE: u64 = 64;
     let next = AtomicU64::new(0);
@@ -196,7 +182,7 @@ fn all(
     sum.into_inner().unwrap_or_default()
 }
 
-fn page(document: &Document) -> String {
+fn page(document: &Simulated) -> String {
     let mut text = String::new();
     let mut line = |words: std::fmt::Arguments<'_>| {
         // Writing to a string cannot fail.

@@ -4,7 +4,6 @@
 //! can be told apart in grey; where a run thrashed the line has a gap, marked at the foot
 //! and in the legend.
 
-use diagnostic::Failure;
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LegendPosition, LinePlot, LineStyle, ScatterPlot};
@@ -12,6 +11,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use scenario::Scheme;
+use trolley::Failure;
 
 /// One line of a figure.
 pub(crate) struct Line {

@@ -6,9 +6,11 @@
 
 use super::bench::{Alone, Bench, Way};
 use coordinator::Options;
-use diagnostic::Failure;
 use dispatch::{Cache, Matching, Queues};
+use scenario::Scheme;
 use simulate::{Costs, fit};
+use trolley::Failure;
+use trolley::handing::Transfer;
 
 /// Buffers of all calibrations.
 pub(crate) const QUEUES: Queues = Options::QUEUES;
@@ -29,13 +31,16 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
     let way = Way {
         workers: 1,
         depth: fine,
+        scheme: Scheme::BestMatchLoad,
         matching: Matching::BestMatchLoad(0.5),
         queues: QUEUES,
+        transfer: Transfer::ZeroCopy,
         cache: Cache::Unlimited,
     };
     let ran = bench.crew(&way)?;
     // Room for everything: what it takes longer is the copying.
-    let copied = bench.crew(&Way { cache: Cache::Fixed(2 * bench.model_bytes()), ..way })?;
+    let cache = Cache::Fixed(2 * bench.model_bytes());
+    let copied = bench.crew(&Way { transfer: Transfer::Copy, cache, ..way })?;
     let moved = per(copied.report.transfer.section_bytes);
     let ship_ns = copied.report.duty.send_ns.saturating_sub(ran.report.duty.send_ns) as f64;
     let longer_ns = copied.report.duty.run_ns.saturating_sub(ran.report.duty.run_ns) as f64;

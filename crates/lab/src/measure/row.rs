@@ -1,8 +1,8 @@
 //! One line of the table that a measurement writes: how it was worked, and what came out.
 
-use crate::transfer::Transfer;
 use scenario::Scheme;
 use serde::Serialize;
+use trolley::handing::Transfer;
 
 /// Where a figure comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -3,17 +3,15 @@
 //! A body is a model file, or `shape:triangles` for a generated one. Poses come from a file, or are
 //! found: sixteen directions around A from which B comes until it touches, then so much deeper.
 
-use crate::bodies::generate_body;
-use crate::intersect::poses;
-use crate::model::open;
-use body::Shape;
-use body::{BodyView, Meta, file, store};
-use bvh::{BuildOptions, Kernel, NodePair, Question, Task};
+use body::{BodyView, Meta, Shape};
+use bvh::{Kernel, NodePair, Question, Task};
 use core::ops::ControlFlow;
-use diagnostic::{Failure, chain};
 use geometry::{Pose, RelativePose};
-use runtime::SealedMemory;
+use runtime::FileMap;
+use scenario::Engine;
 use std::path::Path;
+use trolley::bodies::{Bodies, ModelFile, build_options};
+use trolley::{Failure, poses};
 
 /// Directions from which B comes.
 const DIRECTIONS: u32 = 16;
@@ -24,9 +22,10 @@ const DEEP_M: f64 = 0.5;
 /// How deep a scratch is (m).
 const SCRATCH_M: f64 = 0.01;
 
-/// What a person wrote: A,B,POSES.
+/// What a person wrote: A,B,POSES. Bodies are model files, or `shape:triangles`; poses are a file of
+/// them, `deep` or `scratch`.
 #[derive(Clone, Debug)]
-pub(crate) struct PairName {
+pub struct PairName {
     a: String,
     b: String,
     poses: String,
@@ -60,25 +59,20 @@ impl std::fmt::Display for PairName {
 /// Two sealed bodies and their poses.
 pub(crate) struct Pair {
     pub(crate) name: String,
-    pub(crate) store: SealedMemory,
+    pub(crate) bodies: Bodies,
     pub(crate) poses: Vec<RelativePose>,
 }
 
 impl PairName {
     /// Loads or generates both bodies, and finds or reads the poses.
     pub(crate) fn load(&self) -> Result<Pair, Failure> {
-        let bodies = [body(&self.a)?, body(&self.b)?];
-        let files: Vec<&[u8]> = bodies.iter().map(file::Aligned::bytes).collect();
-        let store = coordinator::seal(&files)?;
-        let poses = {
-            let bodies = views(&store)?;
-            match self.poses.as_str() {
-                "deep" => found(&bodies, DEEP_M)?,
-                "scratch" => found(&bodies, SCRATCH_M)?,
-                path => written(Path::new(path))?,
-            }
+        let bodies = Bodies::seal(vec![body(&self.a)?, body(&self.b)?])?;
+        let poses = match self.poses.as_str() {
+            "deep" => found(&bodies.views()?, DEEP_M)?,
+            "scratch" => found(&bodies.views()?, SCRATCH_M)?,
+            path => written(Path::new(path))?,
         };
-        Ok(Pair { name: self.name(), store, poses })
+        Ok(Pair { name: self.name(), bodies, poses })
     }
 
     /// A name that a file can have.
@@ -91,37 +85,27 @@ impl PairName {
     }
 }
 
-/// The bodies of a store, read in place.
-pub(crate) fn views(store: &SealedMemory) -> Result<Vec<(Meta, BodyView<'_>)>, Failure> {
-    store::open(store.bytes()).map_err(|error| Failure::internal(chain(&error)))
-}
-
-/// A model file in memory: one of that name, or generated.
-pub(crate) fn body(text: &str) -> Result<file::Aligned, Failure> {
+/// A body: the model file of that name, or generated.
+pub(crate) fn body(text: &str) -> Result<ModelFile, Failure> {
     let generated = text.split_once(':').and_then(|(shape, triangles)| {
         let shape = Shape::ALL.into_iter().find(|known| known.name() == shape)?;
         Some((shape, triangles.parse::<u32>().ok()?))
     });
-    let Some((shape, triangles)) = generated else {
-        let path = Path::new(text);
-        let bytes = open::copy(path)?;
-        open::view(path, bytes.bytes())?;
-        return Ok(bytes);
-    };
-    let threads = runtime::affinity::allowed_cores().len();
-    let options = BuildOptions { threads, ..BuildOptions::default() };
-    let body = generate_body(shape, triangles, 1, &options, &|_| {})?;
-    let bytes = file::encode(&body)?;
-    Ok(file::Aligned::copy_of(&bytes))
+    match generated {
+        Some((shape, triangles)) => {
+            ModelFile::generate(shape, triangles, 1, &build_options(&Engine::DEFAULT))
+        }
+        None => ModelFile::as_it_is(Path::new(text)),
+    }
 }
 
 fn written(path: &Path) -> Result<Vec<RelativePose>, Failure> {
-    let map = open::bytes(path)?;
+    let help = "six lines of four numbers: see trolley intersect";
+    let map = FileMap::open(path)
+        .map_err(|error| Failure::input(diagnostic::chain(&error)).with_remedy(help))?;
     if map.bytes().len() > poses::BYTES_MAX {
         let fault = format!("{}: {} bytes are no poses", path.display(), map.bytes().len());
-        return Err(
-            Failure::input(fault).with_remedy("six lines of four numbers: see trolley intersect")
-        );
+        return Err(Failure::input(fault).with_remedy(help));
     }
     let [a, b] = poses::parse(&path.display().to_string(), map.bytes())?;
     Ok(vec![RelativePose::between(&a, &b)])

@@ -1,15 +1,16 @@
 //! Real runs: in this process, and by a crew of workers; each repeated, and each checked.
 
-use super::pair::{Pair, views};
-use crate::BUILD;
+use crate::pair::Pair;
 use body::{BodyView, Meta};
 use bvh::{Counters, Kernel, Question, Task, front, together};
 use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
-use diagnostic::Failure;
-use dispatch::{Cache, Matching, Queues, Thrash};
+use dispatch::{Cache, Entry, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
+use scenario::Scheme;
 use simulate::{JobTrace, Sample, TaskTrace, Trace};
+use trolley::handing::Transfer;
+use trolley::{BUILD, Failure};
 
 /// Depths by which pairs of leaves are reckoned: from less deep ones they came out four times too
 /// many.
@@ -22,6 +23,8 @@ pub(crate) struct Bench<'p> {
     /// What is found at each pose: whatever finds something else is wrong.
     truth: Vec<PoseFound>,
     repeats: usize,
+    /// Whether it is written down who got which job.
+    log: bool,
 }
 
 /// One way of handing out work.
@@ -29,8 +32,10 @@ pub(crate) struct Bench<'p> {
 pub(crate) struct Way {
     pub(crate) workers: u8,
     pub(crate) depth: u32,
+    pub(crate) scheme: Scheme,
     pub(crate) matching: Matching,
     pub(crate) queues: Queues,
+    pub(crate) transfer: Transfer,
     pub(crate) cache: Cache,
 }
 
@@ -40,6 +45,8 @@ pub(crate) struct Ran {
     pub(crate) spent: Spent,
     /// Median of all (ns).
     pub(crate) median_ns: f64,
+    /// Who got which job in the last of them, if that is written down.
+    pub(crate) log: Vec<Entry>,
 }
 
 /// What this process alone took at one depth.
@@ -63,9 +70,9 @@ impl Alone {
 }
 
 impl<'p> Bench<'p> {
-    pub(crate) fn new(pair: &'p Pair, repeats: usize) -> Result<Self, Failure> {
-        let bodies = views(&pair.store)?;
-        let mut bench = Self { pair, bodies, truth: Vec::new(), repeats };
+    pub(crate) fn new(pair: &'p Pair, repeats: usize, log: bool) -> Result<Self, Failure> {
+        let bodies = pair.bodies.views()?;
+        let mut bench = Self { pair, bodies, truth: Vec::new(), repeats, log };
         let mut work = bench.work(0);
         run_watched(&mut work, &bench.bodies, |_, _| {});
         bench.truth = work.found().ok_or_else(unknown)?;
@@ -207,10 +214,11 @@ impl<'p> Bench<'p> {
             matching: way.matching,
             queues: way.queues,
             cache: way.cache,
-            copies: matches!(way.cache, Cache::Fixed(_)),
+            copies: way.transfer == Transfer::Copy,
+            log: self.log,
             ..Options::new(format!("m{}", std::process::id()), BUILD, cores)
         };
-        let mut crew = Crew::start(&self.pair.store, &options)?;
+        let mut crew = Crew::start(self.pair.bodies.store(), &options)?;
         let mut runs = Vec::new();
         for round in 0..=self.repeats {
             let mut work = self.work(way.depth);
@@ -220,13 +228,13 @@ impl<'p> Bench<'p> {
             };
             self.check(&work)?;
             if round > 0 {
-                runs.push(Ran { report, spent: work.spent, median_ns: 0.0 });
+                runs.push((report, work.spent));
             }
         }
-        runs.sort_by_key(|ran| ran.report.duty.run_ns);
-        let median_ns = runs[runs.len() / 2].report.duty.run_ns as f64;
-        let quickest = runs.swap_remove(0);
-        Ok(Ok(Ran { median_ns, ..quickest }))
+        runs.sort_by_key(|(report, _)| report.duty.run_ns);
+        let median_ns = runs[runs.len() / 2].0.duty.run_ns as f64;
+        let (report, spent) = runs.swap_remove(0);
+        Ok(Ok(Ran { report, spent, median_ns, log: crew.log().to_vec() }))
     }
 }
 

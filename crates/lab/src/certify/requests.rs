@@ -1,13 +1,13 @@
 //! Requests as chance will have them: an ego among bodies that it may hit, from any side.
 
-use crate::measure::pair;
-use body::{BodyView, Kind, Meta, file};
+use crate::pair;
+use body::{BodyView, Kind, Meta};
 use coordinator::{Chance, Request};
 use damage::{Curves, Policy};
-use diagnostic::{Failure, chain};
-use runtime::SealedMemory;
 use scenario::Scenario;
 use std::fmt::Write as _;
+use trolley::Failure;
+use trolley::bodies::Bodies;
 
 /// Bodies where none are named: the first is the ego.
 const BODIES: [&str; 7] = [
@@ -32,7 +32,7 @@ pub(super) const POLICIES: [(&str, &str); 6] = [
 
 /// Sealed bodies; the first is the ego's.
 pub(super) struct Pool {
-    pub(super) store: SealedMemory,
+    pub(super) bodies: Bodies,
     pub(super) names: Vec<String>,
 }
 
@@ -47,24 +47,15 @@ impl Pool {
             let fault = format!("{} bodies are named with --body", names.len());
             return Err(Failure::setting(fault).with_remedy("name 2 to 17, the ego first"));
         }
-        let bodies: Result<Vec<file::Aligned>, _> =
-            names.iter().map(|name| pair::body(name)).collect();
-        let bodies = bodies?;
-        let files: Vec<&[u8]> = bodies.iter().map(file::Aligned::bytes).collect();
-        Ok(Self { store: coordinator::seal(&files)?, names })
-    }
-
-    /// The bodies, read in place.
-    pub(super) fn views(&self) -> Result<Vec<(Meta, BodyView<'_>)>, Failure> {
-        body::store::open(self.store.bytes()).map_err(|error| Failure::internal(chain(&error)))
+        let bodies = names.iter().map(|name| pair::body(name)).collect::<Result<_, _>>()?;
+        Ok(Self { bodies: Bodies::seal(bodies)?, names })
     }
 }
 
 /// A policy of those that come with the program.
 pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
     let (name, text) = POLICIES[number % POLICIES.len()];
-    Policy::parse(name, text)
-        .map_err(|error| Failure::from(error).of_kind(diagnostic::Kind::Internal))
+    Policy::parse(name, text).map_err(|error| Failure::from(error).of_kind(trolley::Kind::Internal))
 }
 
 /// A request of so many candidates between bodies of a pool, in their order; they stand to the side
@@ -81,7 +72,7 @@ pub(super) fn request(
 }
 
 fn curves() -> Result<Curves, Failure> {
-    Curves::shipped().map_err(|error| Failure::from(error).of_kind(diagnostic::Kind::Internal))
+    Curves::shipped().map_err(|error| Failure::from(error).of_kind(trolley::Kind::Internal))
 }
 
 /// A request from its scenario.

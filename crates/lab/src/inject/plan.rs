@@ -1,11 +1,10 @@
 //! A fault plan: which faults, how often, against which scenario.
 
 use super::kind::Kind;
-use crate::inputs;
-use diagnostic::Failure;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use trolley::{Failure, read_text};
 
 /// As a person writes it.
 #[derive(Debug, Deserialize)]
@@ -39,7 +38,7 @@ const MOST: u32 = 1_000_000;
 
 impl Plan {
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        Self::parse(path, &inputs::text(path)?)
+        Self::parse(path, &read_text(path)?)
     }
 
     fn parse(path: &Path, text: &str) -> Result<Self, Failure> {

@@ -6,14 +6,12 @@ use super::calibrate::{QUEUES, calibrate};
 use super::row::{Mode, Row};
 use super::swept::{Check, Shares, Swept};
 use crate::progress::Progress;
-use crate::transfer::{self, BUDGET_PERCENT, Transfer};
-use diagnostic::Failure;
-use dispatch::{Cache, Matching, Queues, Thrash};
-use scenario::Scheme;
+use dispatch::{Cache, Entry, Matching, Queues, Thrash};
+use scenario::{Engine, Scheme};
 use simulate::{Costs, Home, Setup};
+use trolley::Failure;
+use trolley::handing::{self, BUDGET_PERCENT, Handing, Transfer};
 
-/// Reading in place, with what a worker may hold.
-const ZERO_COPY: (Transfer, Cache) = (Transfer::ZeroCopy, Cache::Unlimited);
 /// Workers of the quad-core machine.
 pub(crate) const CORES: u8 = 4;
 /// Depth at which costs are calibrated.
@@ -27,13 +25,19 @@ pub(crate) struct Plan {
     pub(crate) buffers: Vec<u32>,
     /// How often the whole sweep is measured.
     pub(crate) passes: u32,
+    pub(crate) schemes: Vec<Scheme>,
     pub(crate) seed: u64,
     pub(crate) alpha: f64,
+    /// How jobs reach the workers of measured runs.
+    pub(crate) handing: Handing,
+    /// Whether copying is measured beside that.
+    pub(crate) copies_too: bool,
 }
 
 impl Plan {
     fn matching(&self, scheme: Scheme) -> Matching {
-        transfer::matching(scheme, self.alpha, self.seed)
+        let (alpha, seed) = (self.alpha, self.seed);
+        handing::matching(&Engine { scheme, alpha, seed, ..Engine::DEFAULT })
     }
 }
 
@@ -45,13 +49,17 @@ pub(crate) fn steps(plan: &Plan) -> u64 {
 
 /// Sweeps a pair. What is measured is measured in several passes, and the quickest counts: other
 /// programs come in bursts that are longer than the repeats of one run.
-pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Swept, Failure> {
+pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress<'_>) -> Result<Swept, Failure> {
+    let deepest = plan.depths.iter().copied().max().unwrap_or(0);
+    let cache = plan.handing.cache(deepest, &bench.bodies)?;
     let mut alone: Vec<(u32, Alone)> = Vec::new();
     let mut whole = bench.alone(0)?;
     let mut sweep = Sweep {
         bench,
         plan,
         bar,
+        cache,
+        log: Vec::new(),
         costs: calibrate(bench, FINE)?,
         alone_ns: f64::INFINITY,
         predicted_ns: 0.0,
@@ -84,7 +92,7 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
     sweep.alone_ns = best.ns;
     sweep.predicted_ns = predicted(&whole, &sweep.costs);
     for (depth, alone) in &alone {
-        sweep.simulate_depth(*depth, alone)?;
+        sweep.simulate_depth(*depth, alone);
         bar.add(1);
     }
     sweep.buffers(&alone)?;
@@ -106,6 +114,7 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress) -> Result<Sw
         checks: sweep.checks,
         shares: sweep.shares,
         rows: sweep.rows,
+        log: sweep.log,
     })
 }
 
@@ -141,7 +150,11 @@ fn predicted(alone: &Alone, costs: &Costs) -> f64 {
 struct Sweep<'s> {
     bench: &'s Bench<'s>,
     plan: &'s Plan,
-    bar: &'s Progress,
+    bar: &'s Progress<'s>,
+    /// What a worker of a measured run may hold.
+    cache: Cache,
+    /// Who got which job of the last measured run, if that is written down.
+    log: Vec<Entry>,
     costs: Costs,
     alone_ns: f64,
     predicted_ns: f64,
@@ -152,31 +165,57 @@ struct Sweep<'s> {
 }
 
 impl Sweep<'_> {
+    /// A way of handing out work on which nothing is special yet.
+    fn way(&self, scheme: Scheme, workers: u8, depth: u32) -> Way {
+        Way {
+            workers,
+            depth,
+            scheme,
+            matching: self.plan.matching(scheme),
+            queues: QUEUES,
+            transfer: Transfer::ZeroCopy,
+            cache: Cache::Unlimited,
+        }
+    }
+
+    /// The same with copies into memory of so many percent of the bodies.
+    fn copying(&self, way: Way) -> Way {
+        let cache = Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100);
+        Way { transfer: Transfer::Copy, cache, ..way }
+    }
+
+    /// The same as real workers get their jobs.
+    fn handed(&self, way: Way) -> Way {
+        let linger_ns = 1_000 * self.plan.handing.linger_us;
+        let queues = Queues { linger_ns, ..way.queues };
+        Way { queues, transfer: self.plan.handing.transfer, cache: self.cache, ..way }
+    }
+
     /// Every scheme at one depth with two workers, and one alone.
     fn measure_depth(&mut self, depth: u32) -> Result<(), Failure> {
-        for scheme in Scheme::ALL {
-            let matching = self.plan.matching(scheme);
-            self.measure(scheme, matching, 2, depth, QUEUES, ZERO_COPY)?;
+        let plan = self.plan;
+        for &scheme in &plan.schemes {
+            let way = self.handed(self.way(scheme, 2, depth));
+            self.measure(way)?;
             if scheme == Scheme::BestMatchLoad {
-                self.measure(scheme, matching, 1, depth, QUEUES, ZERO_COPY)?;
-                self.measure(scheme, matching, 2, depth, QUEUES, (Transfer::Copy, self.budget()))?;
+                self.measure(Way { workers: 1, ..way })?;
+                if self.plan.copies_too {
+                    self.measure(self.copying(way))?;
+                }
             }
         }
         Ok(())
     }
 
-    fn budget(&self) -> Cache {
-        Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100)
-    }
-
     /// Every scheme at one depth on four virtual cores, and what is predicted of one worker and
     /// two.
-    fn simulate_depth(&mut self, depth: u32, alone: &Alone) -> Result<(), Failure> {
-        for scheme in Scheme::ALL {
-            let matching = self.plan.matching(scheme);
-            for transfer in [ZERO_COPY, (Transfer::Copy, self.budget())] {
+    fn simulate_depth(&mut self, depth: u32, alone: &Alone) {
+        let plan = self.plan;
+        for &scheme in &plan.schemes {
+            let way = self.way(scheme, CORES, depth);
+            for way in [way, self.copying(way)] {
                 for home in [Home::Own, Home::Shared] {
-                    self.simulate(scheme, matching, depth, alone, QUEUES, transfer, home);
+                    self.simulate(way, alone, home);
                 }
             }
         }
@@ -192,7 +231,7 @@ impl Sweep<'_> {
             };
             let predicted = simulate::run(&alone.trace, &self.costs, &setup);
             let ran = self.shares.iter().find(|s| s.workers == workers && s.depth == depth);
-            let measured_ms = ran.map_or(f64::NAN, |shares| shares.run_ms);
+            let Some(measured_ms) = ran.map(|shares| shares.run_ms) else { continue };
             self.checks.push(Check {
                 workers,
                 depth,
@@ -202,7 +241,6 @@ impl Sweep<'_> {
                 measured_speed_up: self.alone_ns / 1e6 / measured_ms,
             });
         }
-        Ok(())
     }
 
     /// Relates everything measured to the in-process kernel, once its best time is known.
@@ -223,7 +261,6 @@ impl Sweep<'_> {
     /// Best Match-Load with every buffer at its best depth.
     fn buffers(&mut self, alone: &[(u32, Alone)]) -> Result<(), Failure> {
         let scheme = Scheme::BestMatchLoad;
-        let matching = self.plan.matching(scheme);
         let best = self.rows.iter().filter(|row| {
             (row.mode, row.transfer, row.scheme)
                 == (Mode::SimulatedOwnCore, Transfer::ZeroCopy, scheme)
@@ -238,11 +275,13 @@ impl Sweep<'_> {
             let batch = (capacity / 4).max(1);
             let queues = Queues { capacity: *capacity, batch, linger_ns: 0 };
             if queues != QUEUES {
+                let way = |workers| Way { queues, ..self.way(scheme, workers, depth) };
+                let (measured, simulated) = (self.handed(way(2)), way(CORES));
                 for _pass in 0..self.plan.passes {
-                    self.measure(scheme, matching, 2, depth, queues, ZERO_COPY)?;
+                    self.measure(measured)?;
                 }
                 for home in [Home::Own, Home::Shared] {
-                    self.simulate(scheme, matching, depth, alone, queues, ZERO_COPY, home);
+                    self.simulate(simulated, alone, home);
                 }
             }
             self.bar.add(1);
@@ -251,43 +290,36 @@ impl Sweep<'_> {
     }
 
     /// A run by real workers. Of several passes the quickest stays in the table.
-    fn measure(
-        &mut self,
-        scheme: Scheme,
-        matching: Matching,
-        workers: u8,
-        depth: u32,
-        queues: Queues,
-        (transfer, cache): (Transfer, Cache),
-    ) -> Result<(), Failure> {
-        let way = Way { workers, depth, matching, queues, cache };
+    fn measure(&mut self, way: Way) -> Result<(), Failure> {
         let ran = match self.bench.run(&way)? {
             Ok(ran) => ran,
             // Whether a run thrashes does not depend on time: it is the same in every pass.
-            Err(_) if self.has(transfer, depth, workers) => return Ok(()),
+            Err(_) if self.rows.iter().any(|row| is_of(row, &way) && row.thrashed.is_some()) => {
+                return Ok(());
+            }
             Err(thrash) => {
-                let row = self.lost(Mode::Measured, transfer, scheme, &way, &thrash);
+                let row = self.lost(Mode::Measured, &way, &thrash);
                 self.rows.push(row);
                 return Ok(());
             }
         };
+        self.log.clone_from(&ran.log);
         let (report, duty) = (&ran.report, ran.report.duty);
         let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
         let moved = report.transfer;
         let run_ns = duty.run_ns as f64;
-        let is_usual =
-            queues == QUEUES && transfer != Transfer::Copy && scheme == Scheme::BestMatchLoad;
-        let same = |row: &Row| {
-            (row.mode, row.transfer, row.scheme) == (Mode::Measured, transfer, scheme)
-                && (row.depth, row.workers, row.queue) == (depth, workers, queues.capacity)
-        };
-        if let Some(at) = self.rows.iter().position(same) {
+        // Where copying is measured beside, that is not where the time usually goes.
+        let is_usual = way.queues.capacity == QUEUES.capacity
+            && way.scheme == Scheme::BestMatchLoad
+            && way.transfer == self.plan.handing.transfer;
+        if let Some(at) = self.rows.iter().position(|row| is_of(row, &way)) {
             if self.rows[at].time_ms.is_some_and(|ms| ms <= run_ns / 1e6) {
                 return Ok(());
             }
             self.rows.remove(at);
             if is_usual {
-                self.shares.retain(|known| (known.workers, known.depth) != (workers, depth));
+                self.shares
+                    .retain(|known| (known.workers, known.depth) != (way.workers, way.depth));
             }
         }
         self.rows.push(Row {
@@ -301,7 +333,7 @@ impl Sweep<'_> {
             section_bytes: Some(moved.section_bytes),
             relative_to_models: Some(ratio(moved.section_bytes, self.model_bytes)),
             relative_to_unshared: Some(ratio(moved.section_bytes, moved.unshared_bytes)),
-            ..self.row(Mode::Measured, transfer, scheme, &way)
+            ..self.row(Mode::Measured, &way)
         });
         if is_usual {
             self.shares.push(self.shares_of(&way, &ran));
@@ -333,34 +365,18 @@ impl Sweep<'_> {
     }
 
     /// A run on virtual cores.
-    #[expect(clippy::too_many_arguments, reason = "each is one dimension of the sweep")]
-    fn simulate(
-        &mut self,
-        scheme: Scheme,
-        matching: Matching,
-        depth: u32,
-        alone: &Alone,
-        queues: Queues,
-        (transfer, cache): (Transfer, Cache),
-        home: Home,
-    ) {
-        let setup = Setup {
-            workers: CORES,
-            home,
-            matching,
-            queues,
-            cache,
-            copies: transfer == Transfer::Copy,
-        };
+    fn simulate(&mut self, way: Way, alone: &Alone, home: Home) {
+        let Way { workers, matching, queues, cache, .. } = way;
+        let copies = way.transfer == Transfer::Copy;
+        let setup = Setup { workers, home, matching, queues, cache, copies };
         let out = simulate::run(&alone.trace, &self.costs, &setup);
         let mode = match home {
             Home::Own => Mode::SimulatedOwnCore,
             Home::Shared => Mode::SimulatedSharedCore,
         };
         let moved = out.transfer.section_bytes;
-        let way = Way { workers: CORES, depth, matching, queues, cache };
         if let Some(thrash) = out.thrash {
-            let row = self.lost(mode, transfer, scheme, &way, &thrash);
+            let row = self.lost(mode, &way, &thrash);
             self.rows.push(row);
             return;
         }
@@ -372,42 +388,26 @@ impl Sweep<'_> {
             section_bytes: Some(moved),
             relative_to_models: Some(ratio(moved, self.model_bytes)),
             relative_to_unshared: Some(ratio(moved, out.transfer.unshared_bytes)),
-            ..self.row(mode, transfer, scheme, &way)
+            ..self.row(mode, &way)
         });
     }
 
-    /// Whether a run that thrashed is in the table already.
-    fn has(&self, transfer: Transfer, depth: u32, workers: u8) -> bool {
-        self.rows.iter().any(|row| {
-            (row.mode, row.transfer, row.depth, row.workers)
-                == (Mode::Measured, transfer, depth, workers)
-                && row.thrashed.is_some()
-        })
-    }
-
     /// A run that ended because a section did not fit: a reason, and no figure.
-    fn lost(
-        &self,
-        mode: Mode,
-        transfer: Transfer,
-        scheme: Scheme,
-        way: &Way,
-        thrash: &Thrash,
-    ) -> Row {
+    fn lost(&self, mode: Mode, way: &Way, thrash: &Thrash) -> Row {
         let why = format!(
             "worker {} held {} of {} bytes and needed {} more",
             thrash.core, thrash.held, thrash.budget, thrash.bytes
         );
-        Row { thrashed: Some(why), ..self.row(mode, transfer, scheme, way) }
+        Row { thrashed: Some(why), ..self.row(mode, way) }
     }
 
     /// A row of which no figure is known yet.
-    fn row(&self, mode: Mode, transfer: Transfer, scheme: Scheme, way: &Way) -> Row {
+    fn row(&self, mode: Mode, way: &Way) -> Row {
         Row {
             pair: self.bench.pair.name.clone(),
             mode,
-            transfer,
-            scheme,
+            transfer: way.transfer,
+            scheme: way.scheme,
             depth: way.depth,
             workers: way.workers,
             queue: way.queues.capacity,
@@ -425,6 +425,12 @@ impl Sweep<'_> {
             thrashed: None,
         }
     }
+}
+
+/// Whether a row is of this way of working with real workers.
+fn is_of(row: &Row, way: &Way) -> bool {
+    (row.mode, row.transfer, row.scheme) == (Mode::Measured, way.transfer, way.scheme)
+        && (row.depth, row.workers, row.queue) == (way.depth, way.workers, way.queues.capacity)
 }
 
 fn ratio(part: u64, whole: u64) -> f64 {

@@ -1,4 +1,4 @@
-//! Faults that take a whole run: this program is started as `trolley rank`, and its run disturbed.
+//! Faults that take a whole run: a program is started that ranks, and its run disturbed.
 
 use super::kind::Kind;
 use super::live;
@@ -6,13 +6,13 @@ use super::plan::{Dice, Plan};
 use super::report::{Report, State};
 use super::signals::flip;
 use coordinator::{Answer, Crew, CrewError};
-use diagnostic::Failure;
 use runtime::process::{self, Held, Spawn};
 use runtime::{Child, Exit, SealedMemory, clock};
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::fd::AsFd as _;
 use std::path::{Path, PathBuf};
+use trolley::Failure;
 
 /// How long a client waits for an answer before it says "refused" itself (ms).
 const PATIENCE_MS: u64 = 20_000;
@@ -30,7 +30,14 @@ fn instance() -> String {
     format!("c{}", std::process::id())
 }
 
-/// A run of `trolley rank`, its output in a file.
+/// What is run: a program that ranks the scenario of a plan.
+#[derive(Clone, Copy)]
+pub(super) struct Rank<'r> {
+    pub(super) program: &'r Path,
+    pub(super) plan: &'r Plan,
+}
+
+/// Such a run, its output in a file.
 struct Run {
     child: Child,
     out: File,
@@ -38,14 +45,15 @@ struct Run {
 
 impl Run {
     /// `wrap`: a program and its arguments that are to run it.
-    fn start(plan: &Plan, wrap: &[&str]) -> Result<Self, Failure> {
+    fn start(rank: &Rank<'_>, wrap: &[&str]) -> Result<Self, Failure> {
         let internal =
-            |error: std::io::Error| Failure::new(diagnostic::Kind::System, error.to_string());
-        let own = std::env::current_exe().map_err(internal)?.display().to_string();
+            |error: std::io::Error| Failure::new(trolley::Kind::System, error.to_string());
+        let Rank { program, plan } = rank;
+        let own = program.display().to_string();
         let scenario = plan.scenario.display().to_string();
         let (workers, depth) = (plan.workers.to_string(), plan.depth.to_string());
         let name = instance();
-        let rank = [
+        let line = [
             own.as_str(),
             "-q",
             "rank",
@@ -58,7 +66,7 @@ impl Run {
             "--instance",
             &name,
         ];
-        let line: Vec<String> = wrap.iter().copied().chain(rank).map(str::to_owned).collect();
+        let line: Vec<String> = wrap.iter().copied().chain(line).map(str::to_owned).collect();
         let out = tempfile::tempfile().map_err(internal)?;
         let null = File::open("/dev/null").map_err(internal)?;
         let child = process::spawn(Spawn {
@@ -106,7 +114,7 @@ impl Run {
 
 /// Injects one fault.
 pub(super) fn run(
-    plan: &Plan,
+    rank: &Rank<'_>,
     kind: Kind,
     seed: u64,
     number: u64,
@@ -117,12 +125,12 @@ pub(super) fn run(
     report.requests += 1;
     match kind {
         Kind::CoordinatorKill | Kind::KillInStop | Kind::StaleMemory => {
-            kill_coordinator(plan, kind, dice, reference, report)
+            kill_coordinator(rank, kind, dice, reference, report)
         }
-        Kind::FlipQueue | Kind::FlipPayload => flip_bits(plan, kind, dice, reference, report),
-        Kind::VersionSkew => skew(plan, kind, store, report),
+        Kind::FlipQueue | Kind::FlipPayload => flip_bits(rank, kind, dice, reference, report),
+        Kind::VersionSkew => skew(rank, kind, store, report),
         Kind::SmallShm | Kind::FewFiles | Kind::ClockShift => {
-            confine(plan, kind, reference, report)
+            confine(rank, kind, reference, report)
         }
         _ => {
             report.skip(kind, "it is no run of its own");
@@ -133,13 +141,13 @@ pub(super) fn run(
 
 /// Kills a coordinator at work or at its end: its workers end with it.
 fn kill_coordinator(
-    plan: &Plan,
+    rank: &Rank<'_>,
     kind: Kind,
     mut dice: Dice,
     reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let mut run = Run::start(plan, &[])?;
+    let mut run = Run::start(rank, &[])?;
     let wait_ms = match kind {
         Kind::KillInStop => run.until_it_stops(),
         _ => dice.below(120),
@@ -164,7 +172,7 @@ fn kill_coordinator(
     let mut state = State::Refused;
     if kind == Kind::StaleMemory {
         // The next run of the same name finds what is left, and is right.
-        state = Run::start(plan, &[])?.end(reference)?;
+        state = Run::start(rank, &[])?.end(reference)?;
         report.left_behind += names_of(&instance()).len() as u64;
     }
     report.count(state);
@@ -174,13 +182,13 @@ fn kill_coordinator(
 
 /// Flips bits in shared memory of a run at work.
 fn flip_bits(
-    plan: &Plan,
+    rank: &Rank<'_>,
     kind: Kind,
     mut dice: Dice,
     reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let mut run = Run::start(plan, &[])?;
+    let mut run = Run::start(rank, &[])?;
     let _ended = run.child.wait_ms(10 + dice.below(60))?;
     let struck_ns = clock::now_ns();
     let prefix = format!("trolley.{}.", instance());
@@ -198,9 +206,14 @@ fn flip_bits(
 }
 
 /// Starts workers that take the coordinator for one of another build.
-fn skew(plan: &Plan, kind: Kind, store: &SealedMemory, report: &mut Report) -> Result<(), Failure> {
+fn skew(
+    rank: &Rank<'_>,
+    kind: Kind,
+    store: &SealedMemory,
+    report: &mut Report,
+) -> Result<(), Failure> {
     let begun_ns = clock::now_ns();
-    let mut options = live::options(plan, &format!("v{}", std::process::id()));
+    let mut options = live::options(rank.plan, &format!("v{}", std::process::id()));
     options.build = "another build".to_owned();
     let state = match Crew::start(store, &options) {
         Err(CrewError::StillBorn { .. }) => State::Refused,
@@ -215,7 +228,7 @@ fn skew(plan: &Plan, kind: Kind, store: &SealedMemory, report: &mut Report) -> R
 
 /// Runs where memory or files are short, or the clock is another one.
 fn confine(
-    plan: &Plan,
+    rank: &Rank<'_>,
     kind: Kind,
     reference: &Answer,
     report: &mut Report,
@@ -231,7 +244,7 @@ fn confine(
         report.skip(kind, "this machine does not grant it");
         return Ok(());
     }
-    let state = Run::start(plan, wrap)?.end(reference)?;
+    let state = Run::start(rank, wrap)?.end(reference)?;
     // Without memory or files there can be no answer; whatever the clock says, there is one.
     let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
     let state = if is_due { state } else { State::Wrong };
@@ -250,7 +263,7 @@ fn is_granted(kind: Kind) -> Result<bool, Failure> {
     };
     let args: Vec<String> = test.iter().map(|&word| word.to_owned()).collect();
     let null = File::open("/dev/null")
-        .map_err(|error| Failure::new(diagnostic::Kind::System, error.to_string()))?;
+        .map_err(|error| Failure::new(trolley::Kind::System, error.to_string()))?;
     let program = Path::new("/usr/bin/unshare");
     let mut child =
         process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?;
@@ -274,8 +287,8 @@ impl Run {
 }
 
 /// What killed runs have left once the next run has swept.
-pub(super) fn left_behind(plan: &Plan) -> Result<u64, Failure> {
-    let mut run = Run::start(plan, &[])?;
+pub(super) fn left_behind(rank: &Rank<'_>) -> Result<u64, Failure> {
+    let mut run = Run::start(rank, &[])?;
     run.child.wait_ms(PATIENCE_MS)?;
     drop(run);
     Ok(names_of(&instance()).len() as u64)

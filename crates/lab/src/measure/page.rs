@@ -3,20 +3,15 @@
 use super::claims::{Claim, best_depth};
 use super::row::Mode;
 use super::swept::{Check, Swept};
-use crate::transfer::Transfer;
 use scenario::Scheme;
 use std::fmt::Write as _;
+use trolley::handing::Transfer;
 
-/// The median error of the predictions, as a share.
-pub(crate) fn middle(checks: &[Check]) -> f64 {
-    let mut errors: Vec<f64> = checks.iter().map(|check| check.error().abs()).collect();
+/// The median and the greatest error of the predictions (%); `None` if nothing was predicted.
+pub(crate) fn errors(checks: &[Check]) -> Option<[f64; 2]> {
+    let mut errors: Vec<f64> = checks.iter().map(|check| 100.0 * check.error().abs()).collect();
     errors.sort_by(f64::total_cmp);
-    errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// The greatest error of the predictions, as a share.
-pub(crate) fn worst(checks: &[Check]) -> f64 {
-    checks.iter().map(|check| check.error().abs()).fold(0.0, f64::max)
+    Some([*errors.get(errors.len() / 2)?, *errors.last()?])
 }
 
 /// The greatest speed-up of Best Match-Load in one mode, over all depths and buffers, and where.
@@ -57,7 +52,7 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
                 .map_or(String::from("–"), |(value, depth)| format!("{value:.2} (d {depth})"))
         };
         say(format!(
-            "| {} | {} + {} | {} | {:.2} ms | {} | {} | {} | {} | {:.0} %, {:.0} % |",
+            "| {} | {} + {} | {} | {:.2} ms | {} | {} | {} | {} | {} |",
             pair.pair,
             pair.triangles[0],
             pair.triangles[1],
@@ -67,8 +62,8 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
             of(Mode::Measured, 2),
             of(Mode::SimulatedOwnCore, 4),
             of(Mode::SimulatedSharedCore, 4),
-            100.0 * middle(&pair.checks),
-            100.0 * worst(&pair.checks),
+            errors(&pair.checks)
+                .map_or(String::from("–"), |[half, most]| format!("{half:.0} %, {most:.0} %")),
         ));
     }
     say("\n## The seed's claims about shape\n".to_owned());

@@ -6,9 +6,9 @@
 
 use super::row::{Mode, Row};
 use super::swept::Swept;
-use crate::transfer::Transfer;
 use scenario::Scheme;
 use serde::Serialize;
+use trolley::handing::Transfer;
 
 /// Speed-ups closer than this are the same.
 const SAME: f64 = 0.02;
@@ -53,15 +53,27 @@ fn at(swept: &Swept, scheme: Scheme, depth: u32, value: fn(&Row) -> Option<f64>)
 
 /// All claims, over all pairs; pairs of the same bodies come deep first.
 pub(crate) fn claims(swept: &[Swept]) -> Vec<Claim> {
-    vec![
-        less_travels(swept),
-        interior(swept),
-        deeper(swept),
-        grows(swept),
-        thrashes(swept),
-        buffer(swept),
-        faster(swept),
-    ]
+    let all = [less_travels, interior, deeper, grows, thrashes, buffer, faster].map(|of| of(swept));
+    let is_swept = |scheme: &Scheme| {
+        swept.iter().all(|pair| pair.rows.iter().any(|row| row.scheme == *scheme))
+    };
+    // What was left out cannot tell.
+    let judged = |claim: Claim| match needed(claim.letter).iter().all(is_swept) {
+        true => claim,
+        false => Claim { holds: None, data: "not all schemes were swept".to_owned(), ..claim },
+    };
+    all.into_iter().map(judged).collect()
+}
+
+/// The schemes that a claim is about.
+fn needed(letter: char) -> &'static [Scheme] {
+    use Scheme::{BestMatch, BestMatchLoad, LowestMatch, RandomMatch};
+    match letter {
+        'a' => &[BestMatch, RandomMatch, LowestMatch],
+        'd' => &[BestMatchLoad, BestMatch, RandomMatch],
+        'e' | 'g' => &[BestMatchLoad, BestMatch, RandomMatch, LowestMatch],
+        _ => &[BestMatchLoad],
+    }
 }
 
 /// A claim that must hold for each pair.

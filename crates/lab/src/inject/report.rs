@@ -115,7 +115,7 @@ impl Report {
         self.ended.insert((who.worker, who.inc))
     }
 
-    pub(super) fn document(&self) -> Document {
+    pub(super) fn document(&self) -> Injected {
         let rows: Vec<Row> = self.entries.iter().map(|(kind, entry)| row(*kind, entry)).collect();
         let leaks = self.orphans
             + self.left_behind
@@ -123,7 +123,7 @@ impl Report {
             + self.shm_grown.max(0) as u64
             + u64::from(self.memory_leaked);
         let wrong = self.answers[State::Wrong as usize];
-        Document {
+        Injected {
             schema: "trolley.injected-faults/1",
             seed: self.seed,
             is_interrupted: self.is_interrupted,
@@ -175,14 +175,14 @@ fn row(kind: Kind, entry: &Entry) -> Row {
     }
 }
 
-/// What `--json` prints.
-#[derive(Debug, Serialize)]
-pub(super) struct Document {
+/// The ledger of a campaign.
+#[derive(Clone, Debug, Serialize)]
+pub struct Injected {
     schema: &'static str,
     seed: u64,
     is_interrupted: bool,
     injected: u64,
-    pub(super) is_survived: bool,
+    is_survived: bool,
     wrong_answers: u64,
     hangs: u64,
     deadline_ms: Option<u32>,
@@ -206,7 +206,7 @@ pub(super) struct Document {
     replay: String,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct Left {
     descriptors: i64,
     shared_memory_files: i64,
@@ -215,7 +215,7 @@ struct Left {
     names_after_the_end: u64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct Row {
     fault: &'static str,
     injected: u64,
@@ -264,8 +264,27 @@ impl Times {
     }
 }
 
-/// For people.
-pub(super) fn page(document: &Document) -> String {
+impl Injected {
+    /// Whether there was no wrong answer, no hang and no false kill, and nothing was left behind.
+    #[must_use]
+    pub fn is_survived(&self) -> bool {
+        self.is_survived
+    }
+
+    /// Whether somebody had no more time: then what was finished stands.
+    #[must_use]
+    pub fn is_interrupted(&self) -> bool {
+        self.is_interrupted
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        page(self)
+    }
+}
+
+fn page(document: &Injected) -> String {
     let mut text = String::new();
     let mut line = |words: String| {
         text.push_str(&words);
@@ -289,7 +308,7 @@ pub(super) fn page(document: &Document) -> String {
         ));
     }
     document.skipped.iter().for_each(|skipped| line(format!("not injected: {skipped}")));
-    let Document { injected, requests, wrong_answers, hangs, false_kills, .. } = document;
+    let Injected { injected, requests, wrong_answers, hangs, false_kills, .. } = document;
     line(format!(
         "\n{injected} faults in {requests} requests, {} workers replaced (ready again after, ms: \
          {}), {:.0} s",
@@ -329,7 +348,7 @@ pub(super) fn page(document: &Document) -> String {
 }
 
 /// A test case for each kind of fault, for CI.
-pub(super) fn junit(document: &Document) -> String {
+pub(super) fn junit(document: &Injected) -> String {
     let failed = |row: &Row| row.answers.wrong > 0;
     let failures = document.kinds.iter().filter(|row| failed(row)).count();
     let mut text = format!(
@@ -350,7 +369,7 @@ pub(super) fn junit(document: &Document) -> String {
     }
     text.push_str("  <testcase classname=\"faults\" name=\"nothing left, nobody hung\">\n");
     if !document.is_survived {
-        let Document { hangs, false_kills, leaks, .. } = document;
+        let Injected { hangs, false_kills, leaks, .. } = document;
         let _written = writeln!(
             text,
             "    <failure message=\"{hangs} hangs, {false_kills} false kills, {leaks} leaks\"/>"

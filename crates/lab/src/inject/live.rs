@@ -5,14 +5,13 @@ use super::kind::Kind;
 use super::plan::{Dice, Plan};
 use super::report::{Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
-use crate::BUILD;
 use crate::progress::Progress;
 use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
-use diagnostic::Failure;
 use dispatch::Intensity;
 use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
 use runtime::{SealedMemory, affinity, clock, machine};
+use trolley::{BUILD, Failure};
 
 /// For how long plain requests follow one that a fault was not felt in, until it must have been
 /// (ns): longer than the longest silence.
@@ -75,7 +74,7 @@ pub(super) fn run<'w>(
     kinds: &[Kind],
     seed: u64,
     report: &mut Report,
-    progress: &Progress,
+    progress: &Progress<'_>,
 ) -> Result<(), Failure> {
     let instance = format!("f{}", std::process::id());
     let crew = Crew::start(stage.store, &options(stage.plan, &instance))?;
@@ -112,7 +111,7 @@ pub(super) fn run<'w>(
         let before = left.len();
         match live.round(&mut left, report) {
             // What is finished is told.
-            Err(failure) if failure.kind() == diagnostic::Kind::Interrupted => {
+            Err(failure) if failure.kind() == trolley::Kind::Interrupted => {
                 report.is_interrupted = true
             }
             other => other?,

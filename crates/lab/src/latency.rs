@@ -1,19 +1,17 @@
-//! `--repeat`: how long answers take, beside the same work done in this process, in turns.
+//! How long a service's answers take, beside the same work done in this process, in turns.
 //!
 //! Every answer is compared with that of this process: complete ones place by place and bit by bit,
 //! others by their intervals.
 
-use crate::args::Output;
-use crate::deployment::{self, Opened};
-use crate::print;
 use client::Client;
-use diagnostic::{Failure, Kind, chain};
 use hdrhistogram::Histogram;
 use protocol::public::{Answer, Ask, Place, Verdict};
 use runtime::clock;
 use serde::Serialize;
-use std::process::ExitCode;
+use service::InProcess;
 use std::time::Duration;
+use trolley::bodies::Bodies;
+use trolley::{Failure, OpenDeployment};
 
 /// Requests before the first that counts.
 const WARM: u32 = 200;
@@ -22,9 +20,9 @@ const HERE: u32 = 8;
 /// The longest time that is told apart (ns).
 const LONGEST_NS: u64 = 60_000_000_000;
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Document {
+/// What was asked and answered, and how long it took.
+#[derive(Clone, Debug, Serialize)]
+pub struct Latency {
     schema: &'static str,
     requests: u32,
     /// Answers by verdict: complete, certified, degraded, refused, busy.
@@ -41,7 +39,7 @@ struct Document {
 }
 
 /// A distribution (µs).
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 struct Figures {
     p50: f64,
     p99: f64,
@@ -54,27 +52,30 @@ fn figures(times: &Histogram<u64>) -> Figures {
     Figures { p50: at(0.5), p99: at(0.99), p999: at(0.999), max: times.max() as f64 / 1e3 }
 }
 
-pub(super) fn run(
+/// Asks a service so often, and works the same off in this process every few times.
+///
+/// # Errors
+///
+/// If the bodies or rules of the deployment cannot be used. An answer that is wrong or late is no
+/// error: see [`Latency::is_right`].
+pub fn run(
     client: &mut Client,
     ask: &Ask,
     repeat: u32,
     patience: Duration,
-    opened: &Opened,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
-    let internal = |text: String| Failure::internal(text);
+    opened: &OpenDeployment,
+) -> Result<Latency, Failure> {
     let rules = opened.rules()?;
-    let loaded = opened.bodies()?;
-    let files: Vec<&[u8]> = loaded.iter().map(|body| body.bytes.bytes()).collect();
-    let store = coordinator::seal(&files)?;
-    drop(loaded);
-    let bodies = body::store::open(store.bytes()).map_err(|error| internal(chain(&error)))?;
+    let bodies = Bodies::of_deployment(opened)?;
+    let views = bodies.views()?;
     let depth = opened.deployment.engine.depth;
-    let mut twin = service::Here::new(&opened.deployment, &bodies, rules, depth);
+    let mut twin = InProcess::new(&opened.deployment, &views, rules, depth);
     let mut here = || twin.answer(ask);
     let expected = here();
-    let empty =
-        || Histogram::<u64>::new_with_max(LONGEST_NS, 3).map_err(|e| internal(e.to_string()));
+    let empty = || {
+        Histogram::<u64>::new_with_max(LONGEST_NS, 3)
+            .map_err(|error| Failure::internal(error.to_string()))
+    };
     let (mut service, mut kernel, mut worked) = (empty()?, empty()?, empty()?);
     let (mut answers, mut wrong) = ([0; 5], 0);
     for number in 0..repeat.saturating_add(WARM) {
@@ -102,7 +103,7 @@ pub(super) fn run(
             kernel.saturating_record(here_ns);
         }
     }
-    let document = Document {
+    Ok(Latency {
         schema: "trolley.latency/1",
         requests: repeat,
         answers,
@@ -111,13 +112,21 @@ pub(super) fn run(
         kernel_us: figures(&kernel),
         worked_us: figures(&worked),
         overhead_p50_us: figures(&service).p50 - figures(&kernel).p50,
-    };
-    if output.json {
-        print::out(&print::json(&document)?)?;
-    } else {
-        print::out(&page(&document))?;
+    })
+}
+
+impl Latency {
+    /// Whether no ranking contradicts that of this process.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        self.wrong == 0
     }
-    Ok(if wrong == 0 { ExitCode::SUCCESS } else { Kind::CheckFailed.into() })
+
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        page(self)
+    }
 }
 
 /// Whether an answer agrees with one to which nothing is missing: in every bit if it is complete;
@@ -142,12 +151,12 @@ fn is_right(answer: &Answer, complete: &Answer) -> bool {
     }
 }
 
-fn page(document: &Document) -> String {
+fn page(latency: &Latency) -> String {
     let row = |name: &str, figures: &Figures| {
         let Figures { p50, p99, p999, max } = figures;
         format!("{name:<26}{p50:>10.1}{p99:>10.1}{p999:>10.1}{max:>12.1}")
     };
-    let [complete, certified, degraded, refused, busy] = document.answers;
+    let [complete, certified, degraded, refused, busy] = latency.answers;
     format!(
         "{:<26}{:>10}{:>10}{:>10}{:>12}\n{}\n{}\n{}\n\n\
          {} requests: {complete} complete, {certified} certified, {degraded} degraded, \
@@ -158,11 +167,11 @@ fn page(document: &Document) -> String {
         "p99",
         "p99.9",
         "max",
-        row("asked, until answered", &document.service_us),
-        row("the service's own work", &document.worked_us),
-        row("the same in this process", &document.kernel_us),
-        document.requests,
-        document.wrong,
-        document.overhead_p50_us,
+        row("asked, until answered", &latency.service_us),
+        row("the service's own work", &latency.worked_us),
+        row("the same in this process", &latency.kernel_us),
+        latency.requests,
+        latency.wrong,
+        latency.overhead_p50_us,
     )
 }

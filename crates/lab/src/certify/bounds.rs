@@ -1,0 +1,134 @@
+//! The long trial of the bounds: requests in random order, stopped anywhere, under every policy.
+
+use super::requests::{self, POLICIES, Pool};
+use crate::progress::{OnProgress, Progress};
+use coordinator::{Chance, Flaw, Verdict, trial};
+use serde::Serialize;
+use std::fmt::Write as _;
+use trolley::Failure;
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct BoundsOptions {
+    /// Bodies, as files or shape:triangles; the first is the ego. None: seven generated ones.
+    pub bodies: Vec<String>,
+    /// Stops, at each of which all intervals are held against the finished run.
+    pub stops: u64,
+    /// Stops per request.
+    pub per_request: u64,
+    /// Which requests.
+    pub seed: u64,
+    /// Distribution depth.
+    pub depth: u32,
+    /// Makes the bounds wrong on purpose: then violations must be found.
+    pub flaw: Option<Flaw>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct BoundsReport {
+    schema: &'static str,
+    bodies: Vec<String>,
+    policies: usize,
+    seed: u64,
+    requests: u64,
+    stops: u64,
+    intervals: u64,
+    open_intervals: u64,
+    certified: u64,
+    violations: usize,
+    is_flawed: bool,
+    first: Option<Violation>,
+}
+
+/// An interval that did not hold.
+#[derive(Clone, Debug, Serialize)]
+struct Violation {
+    seed: u64,
+    what: String,
+}
+
+/// Runs the trial. `told` hears of stops.
+///
+/// # Errors
+///
+/// If a body cannot be used or a request cannot be worked on. Violations are no error: see
+/// [`BoundsReport::is_right`].
+pub fn bounds(options: &BoundsOptions, told: OnProgress<'_>) -> Result<BoundsReport, Failure> {
+    let pool = Pool::load(&options.bodies)?;
+    let views = pool.bodies.views()?;
+    let bar = Progress::new(options.stops, told);
+    let mut all = Verdict::default();
+    let (mut requests, mut first) = (0_u64, None);
+    let mut seed = options.seed;
+    while all.stops < options.stops {
+        // Every request has a seed of its own, so that one can be made again alone.
+        let mut chance = Chance::new(seed);
+        let candidates = 2 + chance.below(4) as usize;
+        let policy = requests::policy(requests as usize)?;
+        if let Some(request) = requests::request(&views, (candidates, 1.1), &mut chance, policy)? {
+            let stops = (seed, options.per_request);
+            let one = trial(&request, &views, options.depth, stops, options.flaw)?;
+            if let (Some(what), None) = (one.violations.first(), &first) {
+                first = Some(Violation { seed, what: what.clone() });
+            }
+            bar.add(one.stops);
+            all.stops += one.stops;
+            all.certified += one.certified;
+            all.intervals += one.intervals;
+            all.open_intervals += one.open_intervals;
+            all.violations.extend(one.violations);
+            all.violations.truncate(1_000_000);
+        }
+        requests += 1;
+        seed += 1;
+    }
+    Ok(BoundsReport {
+        schema: "trolley.certify-bounds/1",
+        bodies: pool.names,
+        policies: POLICIES.len(),
+        seed: options.seed,
+        requests,
+        stops: all.stops,
+        intervals: all.intervals,
+        open_intervals: all.open_intervals,
+        certified: all.certified,
+        violations: all.violations.len(),
+        is_flawed: options.flaw.is_some(),
+        first,
+    })
+}
+
+impl BoundsReport {
+    /// Whether what was found is what had to be: no violations, unless the bounds were made wrong.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        (self.violations > 0) == self.is_flawed
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{} stops in {} requests between {} bodies ({}), {} policies, seed {}: {} intervals \
+             held against the finished run, {} of them open, {} stops with a certain winner and \
+             open work.\n{} violations{}.\n",
+            self.stops,
+            self.requests,
+            self.bodies.len(),
+            super::names(&self.bodies),
+            self.policies,
+            self.seed,
+            self.intervals,
+            self.open_intervals,
+            self.certified,
+            self.violations,
+            if self.is_flawed { " of bounds made wrong on purpose" } else { "" },
+        );
+        if let Some(Violation { seed, what }) = &self.first {
+            // A String takes whatever it is given.
+            let _written = writeln!(text, "The first, at seed {seed}: {what}.");
+        }
+        text
+    }
+}

@@ -1,0 +1,229 @@
+//! How late answers are: a histogram over many requests, among them such of adversarial cost.
+
+use super::requests::{self, Pool};
+use super::{Class, classes, percentile, wrong};
+use crate::progress::{OnProgress, Progress};
+use body::{BodyView, Meta};
+use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_in_process};
+use damage::State;
+use dispatch::Queues;
+use runtime::{affinity, clock};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use trolley::{BUILD, Failure};
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct DeadlineOptions {
+    /// Bodies, as files or shape:triangles; the first is the ego. A second body like the first is
+    /// put right into it. None: seven generated ones.
+    pub bodies: Vec<String>,
+    /// Requests.
+    pub requests: u32,
+    /// Each is due so many milliseconds after it was accepted.
+    pub deadline_ms: f64,
+    /// Which requests.
+    pub seed: u64,
+    /// Worker processes.
+    pub workers: u8,
+    /// Threads that do nothing but take time from everybody.
+    pub load: usize,
+    /// Most tests of a job.
+    pub budget: u64,
+}
+
+/// How late answers were.
+#[derive(Clone, Debug, Serialize)]
+pub struct DeadlineReport {
+    schema: &'static str,
+    bodies: Vec<String>,
+    requests: usize,
+    deadline_ms: f64,
+    workers: u8,
+    cores: usize,
+    load: usize,
+    /// Answers by state: complete, certified, degraded, refused.
+    states: [u64; 4],
+    /// Answers by how late they were.
+    late_ms: Vec<Class>,
+    /// Against the deadline: median, 99 %, 99.9 %, all.
+    late: [f64; 4],
+    /// CPU time of the coordinator from the end of the work to the answer: median, 99 %, all.
+    own_ms: [f64; 3],
+}
+
+/// Upper ends of the histogram's classes (ms).
+const CLASSES_MS: [f64; 10] = [0.0, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 250.0];
+/// Requests of one round: made once, asked again and again.
+const ROUND: usize = 32;
+
+/// Runs the requests. `told` hears of them.
+///
+/// # Errors
+///
+/// If a body cannot be used, workers cannot be started, or a winner that was sure is another one.
+pub fn deadline(
+    options: &DeadlineOptions,
+    told: OnProgress<'_>,
+) -> Result<DeadlineReport, Failure> {
+    let pool = Pool::load(&options.bodies)?;
+    let views = pool.bodies.views()?;
+    let mut chance = Chance::new(options.seed);
+    let mut asked = Vec::new();
+    while asked.len() < ROUND.min(options.requests as usize) {
+        let candidates = 6 + chance.below(11) as usize;
+        let policy = requests::policy(asked.len())?;
+        asked.extend(requests::request(&views, (candidates, 1.1), &mut chance, policy)?);
+    }
+    if pool.names[0] == pool.names[1] {
+        // Identical bodies, one in the other to the last triangle.
+        let policy = requests::policy(0)?;
+        asked[0] = requests::parse(&requests::interpenetrating(&views), &views, policy)?;
+    }
+    let winners: Result<Vec<Option<String>>, Failure> =
+        asked.iter().map(|request| winner(request, &views)).collect();
+    let winners = winners?;
+    let cores = affinity::in_turn(&affinity::allowed_cores(), options.workers.into());
+    let crew = Options {
+        queues: Queues { capacity: 8, ..Options::QUEUES },
+        ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
+    };
+    let due = Duration::from_secs_f64(options.deadline_ms / 1e3);
+    let terms = Terms { budget: options.budget, ..Terms::due_in(due) };
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for _ in 0..options.load {
+            scope.spawn(|| {
+                while !over.load(Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
+        }
+        let ran = ask(
+            options,
+            (&asked, &winners),
+            &views,
+            terms,
+            || Ok(Crew::start(pool.bodies.store(), &crew)?),
+            told,
+        );
+        over.store(true, Ordering::Relaxed);
+        Ok(report(options, pool.names.clone(), ran?))
+    })
+}
+
+/// The winner of the finished run; `None` where that would take too long to know.
+fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
+    let most_ns = 20_000_000_000;
+    let terms = Terms { deadline_ns: Some(most_ns), budget: Terms::BUDGET, ..Terms::default() };
+    let mut work = Work::new(request, views, 5).with_terms(terms);
+    run_in_process(&mut work, views);
+    let answer = work.answer()?;
+    let first = answer.ranking.first().map(|row| row.name.clone());
+    Ok(first.filter(|_| answer.state == State::Complete))
+}
+
+/// What became of the requests.
+#[derive(Default)]
+struct Asked {
+    /// How late each answer was (ms); below 0: in time.
+    late: Vec<f64>,
+    /// CPU time from the end of the work to the answer (ms): what is late though nobody waited.
+    own: Vec<f64>,
+    /// How often each state was given.
+    states: [u64; 4],
+}
+
+fn ask(
+    options: &DeadlineOptions,
+    (asked, winners): (&[Request], &[Option<String>]),
+    views: &[(Meta, BodyView<'_>)],
+    terms: Terms,
+    start: impl Fn() -> Result<Crew, Failure>,
+    told: OnProgress<'_>,
+) -> Result<Asked, Failure> {
+    let bar = Progress::new(options.requests.into(), told);
+    let mut crew = start()?;
+    let mut all = Asked::default();
+    for number in 0..options.requests as usize {
+        let at = number % asked.len();
+        let mut work = Work::new(&asked[at], views, 5).with_terms(terms);
+        crew.run(&mut work)?;
+        let begun_ns = clock::thread_cpu_ns();
+        let answer = work.answer()?;
+        let took_ms = (clock::now_ns() - work.accepted_ns()) as f64 / 1e6;
+        all.own.push((clock::thread_cpu_ns() - begun_ns) as f64 / 1e6);
+        all.late.push(took_ms - options.deadline_ms);
+        all.states[answer.state as usize] += 1;
+        let is_sure = matches!(answer.state, State::Complete | State::Certified);
+        let first = answer.ranking.first().map(|row| &row.name);
+        if let (true, Some(winner), Some(first)) = (is_sure, &winners[at], first)
+            && winner != first
+        {
+            return Err(wrong(format!("request {number}: {first} was sure, {winner} wins")));
+        }
+        bar.add(1);
+    }
+    Ok(all)
+}
+
+fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> DeadlineReport {
+    let Asked { mut late, mut own, states } = all;
+    DeadlineReport {
+        schema: "trolley.certify-deadline/1",
+        bodies,
+        requests: late.len(),
+        deadline_ms: options.deadline_ms,
+        workers: options.workers,
+        cores: affinity::allowed_cores().len(),
+        load: options.load,
+        states,
+        late_ms: classes(&late, &CLASSES_MS),
+        late: [0.5, 0.99, 0.999, 1.0].map(|share| percentile(&mut late, share)),
+        own_ms: [0.5, 0.99, 1.0].map(|share| percentile(&mut own, share)),
+    }
+}
+
+impl DeadlineReport {
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let [complete, certified, degraded, refused] = self.states;
+        let mut text = format!(
+            "{} requests of 6 to 16 candidates between {} bodies ({}), each due after {} ms (put \
+             together {} ms before), {} workers on {} cores, {} threads of load: {complete} \
+             complete, {certified} certified, {degraded} degraded, {refused} refused.\n\n| later \
+             than due by (ms) | answers |\n|--:|--:|\n",
+            self.requests,
+            self.bodies.len(),
+            super::names(&self.bodies),
+            self.deadline_ms,
+            Terms::GUARD.as_secs_f64() * 1e3,
+            self.workers,
+            self.cores,
+            self.load,
+        );
+        let mut least = None;
+        for Class { up_to, count } in &self.late_ms {
+            let class = match (least, up_to) {
+                (None, _) => "in time".to_owned(),
+                (Some(least), None) => format!("more than {least}"),
+                (_, Some(most)) => format!("up to {most}"),
+            };
+            // A String takes whatever it is given.
+            let _written = writeln!(text, "| {class} | {count} |");
+            least = up_to.or(least);
+        }
+        let ([half, p99, p999, last], [own_half, own_p99, own_most]) = (self.late, self.own_ms);
+        let _written = writeln!(
+            text,
+            "\nAgainst the deadline: median {half:.2} ms, 99 % by {p99:.2} ms, 99.9 % by \
+             {p999:.2} ms, the last at {last:.2} ms. Of that the coordinator's own work on the \
+             answer, in CPU time: median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most \
+             {own_most:.2} ms; the rest is waiting for a core."
+        );
+        text
+    }
+}

@@ -1,0 +1,214 @@
+//! After which share of the work the winner was certain, by strategy and depth.
+
+use super::requests::{self, Pool};
+use super::{median, percentile};
+use crate::progress::{OnProgress, Progress};
+use body::{BodyView, Meta};
+use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_in_process};
+use damage::evidence::Touch;
+use runtime::clock;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use trolley::{Failure, files};
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct ShareOptions {
+    /// Bodies, as files or shape:triangles; the first is the ego. None: seven generated ones.
+    pub bodies: Vec<String>,
+    /// Requests, of 6 to 16 candidates each.
+    pub requests: u32,
+    /// Which requests.
+    pub seed: u64,
+    /// Only requests whose every candidate touches: no way past is left.
+    pub unavoidable: bool,
+    /// Distribution depths.
+    pub depths: Vec<u32>,
+    /// Where the table is written to besides.
+    pub out: Option<PathBuf>,
+}
+
+/// After which share of the work winners were certain.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShareReport {
+    schema: &'static str,
+    bodies: Vec<String>,
+    requests: usize,
+    unavoidable: bool,
+    /// Tests that everything takes, in the median, and the time.
+    whole_tests: f64,
+    whole_ms: f64,
+    rows: Vec<Row>,
+}
+
+/// One strategy at one depth; shares are of running everything as it comes.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    depth: u32,
+    strategy: &'static str,
+    median_share: f64,
+    p90_share: f64,
+    worst_share: f64,
+    /// Requests whose winner was certain before the end.
+    early: usize,
+    requests: usize,
+    median_time: f64,
+}
+
+/// One request, worked on by one strategy.
+#[derive(Clone, Copy, Debug)]
+struct Ran {
+    /// Work at certification, in units of running everything as it comes.
+    share: f64,
+    /// Time, in the same way.
+    time: f64,
+}
+
+/// Who won.
+struct Winner {
+    name: String,
+    /// How many candidates touch.
+    touches: usize,
+}
+
+/// Runs everything, or until the winner is certain.
+fn run(
+    request: &Request,
+    views: &[(Meta, BodyView<'_>)],
+    depth: u32,
+    terms: Terms,
+) -> Result<(f64, f64, Winner), Failure> {
+    let mut work = Work::new(request, views, depth).with_terms(terms);
+    let begun_ns = clock::now_ns();
+    run_in_process(&mut work, views);
+    let took_ns = (clock::now_ns() - begun_ns) as f64;
+    let effort = work.effort();
+    let tests = (effort.descent.tests() + effort.jobs.tests()) as f64;
+    let answer = work.answer()?;
+    let name = answer.ranking.first().map(|row| row.name.clone()).unwrap_or_default();
+    let touching = answer.ranking.iter().filter(|row| row.contact.touch == Touch::Yes);
+    let winner = Winner { name, touches: touching.count() };
+    let state = answer.state;
+    if !matches!(state, damage::State::Complete | damage::State::Certified) {
+        return Err(super::wrong(format!("a run ended {}", state.name())));
+    }
+    Ok((tests, took_ns, winner))
+}
+
+/// Works requests off with every strategy at every depth. `told` hears of requests.
+///
+/// # Errors
+///
+/// If a body cannot be used, the file cannot be written, or a winner that was certain is another one.
+pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport, Failure> {
+    // Nobody wants to hear after the work that the file cannot be written.
+    options.out.as_deref().map(|path| files::check(path, None)).transpose()?;
+    let pool = Pool::load(&options.bodies)?;
+    let views = pool.bodies.views()?;
+    let bar = Progress::new(u64::from(options.requests) * options.depths.len() as u64, told);
+    let mut rows = Vec::new();
+    let mut sizes = Vec::new();
+    for &depth in &options.depths {
+        let mut ran: Vec<Vec<Ran>> = vec![Vec::new(); Pursuit::ALL.len()];
+        let mut chance = Chance::new(options.seed);
+        let mut made = 0;
+        while made < options.requests {
+            let candidates = 6 + chance.below(11) as usize;
+            let policy = requests::policy(made as usize)?;
+            let miss = if options.unavoidable { 0.6 } else { 1.1 };
+            let way = (candidates, miss);
+            let Some(request) = requests::request(&views, way, &mut chance, policy)? else {
+                continue;
+            };
+            let (all, whole_ns, winner) = run(&request, &views, depth, Terms::default())?;
+            let is_avoidable = winner.touches < candidates;
+            if options.unavoidable && is_avoidable {
+                continue;
+            }
+            made += 1;
+            if depth == options.depths[0] {
+                sizes.push((all, whole_ns / 1e6));
+            }
+            for (number, pursuit) in Pursuit::ALL.into_iter().enumerate() {
+                let terms = Terms { until: Until::Certified, pursuit, ..Terms::default() };
+                let (tests, took_ns, first) = run(&request, &views, depth, terms)?;
+                if first.name != winner.name {
+                    let (first, winner) = (first.name, winner.name);
+                    let what = format!("{} certified {first}, not {winner}", pursuit.name());
+                    return Err(super::wrong(what));
+                }
+                let of = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+                ran[number].push(Ran { share: of(tests, all), time: of(took_ns, whole_ns) });
+            }
+            bar.add(1);
+        }
+        for (pursuit, ran) in Pursuit::ALL.into_iter().zip(&ran) {
+            let mut shares: Vec<f64> = ran.iter().map(|ran| ran.share).collect();
+            let mut times: Vec<f64> = ran.iter().map(|ran| ran.time).collect();
+            rows.push(Row {
+                depth,
+                strategy: pursuit.name(),
+                median_share: median(&mut shares),
+                p90_share: percentile(&mut shares, 0.9),
+                worst_share: percentile(&mut shares, 1.0),
+                early: shares.iter().filter(|share| **share < 0.99).count(),
+                requests: ran.len(),
+                median_time: median(&mut times),
+            });
+        }
+    }
+    let mut tests: Vec<f64> = sizes.iter().map(|(tests, _)| *tests).collect();
+    let mut ms: Vec<f64> = sizes.iter().map(|(_, ms)| *ms).collect();
+    let report = ShareReport {
+        schema: "trolley.certify-share/1",
+        bodies: pool.names,
+        requests: sizes.len(),
+        unavoidable: options.unavoidable,
+        whole_tests: median(&mut tests),
+        whole_ms: median(&mut ms),
+        rows,
+    };
+    if let Some(path) = &options.out {
+        files::replace(path, report.text().as_bytes())?;
+    }
+    Ok(report)
+}
+
+impl ShareReport {
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = String::from(
+            "| depth | strategy | median share | p90 | worst | certified before the end | median \
+             time |\n|--:|---|--:|--:|--:|--:|--:|\n",
+        );
+        for row in &self.rows {
+            // A String takes whatever it is given.
+            let _written = writeln!(
+                text,
+                "| {} | {} | {:.1} % | {:.1} % | {:.1} % | {} of {} | {:.1} % |",
+                row.depth,
+                row.strategy,
+                100.0 * row.median_share,
+                100.0 * row.p90_share,
+                100.0 * row.worst_share,
+                row.early,
+                row.requests,
+                100.0 * row.median_time,
+            );
+        }
+        let _written = writeln!(
+            text,
+            "\n{} requests of 6 to 16 candidates{} between {} bodies ({}), policies in turn. \
+             Running everything takes {:.2} million tests and {:.1} ms in the median.",
+            self.requests,
+            if self.unavoidable { ", all of which touch," } else { "" },
+            self.bodies.len(),
+            super::names(&self.bodies),
+            self.whole_tests / 1e6,
+            self.whole_ms,
+        );
+        text
+    }
+}

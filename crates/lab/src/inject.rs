@@ -1,0 +1,105 @@
+//! Requests to real workers while faults are injected, and a ledger of what came of each.
+//!
+//! ```text
+//! plan ──▶ faults in a seeded order ──▶ a request with some of them ──▶ answer: same as without?
+//!          signals, orders, messages       crew of real processes  ──▶ seen when? whole when?
+//!          whole runs of their own         children that rank ──▶ right, refused, left behind?
+//! ```
+//!
+//! The reference is the answer of this process without workers. A complete answer must be the same
+//! bytes; the intervals of a degraded one must hold its; everything else is an error that was told.
+
+mod child;
+mod kind;
+mod live;
+mod plan;
+mod report;
+mod signals;
+
+use crate::progress::{OnProgress, Progress};
+use coordinator::{Request, Work, run_in_process};
+use kind::Kind;
+use plan::Plan;
+use report::Report;
+use scenario::{FileRef, Overrides};
+use std::path::PathBuf;
+use trolley::bodies::{Bodies, SILENT};
+use trolley::{Failure, Limits, Scenario, files};
+
+pub use report::Injected;
+
+/// Which faults, and who ranks.
+#[derive(Clone, Debug)]
+pub struct InjectOptions {
+    /// Plan, TOML: which faults, how often, against which scenario.
+    pub plan: PathBuf,
+    /// Order and places of the faults; equal seeds give equal plans, not equal times.
+    pub seed: u64,
+    /// Where the ledger is written as JUnit: a test case for each kind of fault.
+    pub junit: Option<PathBuf>,
+    /// The program whose whole runs are disturbed: `PROGRAM -q rank FILE --json ...`.
+    pub program: PathBuf,
+}
+
+/// Carries a plan out. `told` hears of faults.
+///
+/// # Errors
+///
+/// If the plan or its scenario cannot be read, or the machine refuses what workers need. What the
+/// faults did is no error: see [`Injected::is_survived`].
+pub fn inject(options: &InjectOptions, told: OnProgress<'_>) -> Result<Injected, Failure> {
+    let plan = Plan::read(&options.plan)?;
+    let scenario = Scenario::open(&plan.scenario)?;
+    let parsed = scenario.parsed();
+    let engine = parsed.engine.apply(&Overrides::default())?;
+    let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
+    let bodies = Bodies::of_scenario(parsed, &engine, scenario.file(), &find, SILENT)?;
+    let views = bodies.views()?;
+    let (policy, curves) = scenario.rules();
+    let request = Request::new(parsed, &views, policy, curves)?;
+    let mut alone = Work::new(&request, &views, plan.depth);
+    let _jobs = run_in_process(&mut alone, &views);
+    let reference = alone.answer()?;
+
+    let limits = match plan.deadline_ms {
+        Some(ms) => Limits::default().with_deadline_ms(f64::from(ms))?,
+        None => Limits::default(),
+    };
+    let terms = limits.terms(None);
+    let work = || Work::new(&request, &views, plan.depth).with_terms(terms);
+
+    let begun_ns = runtime::clock::now_ns();
+    let mut report = Report::new(options.seed);
+    report.deadline_ms = plan.deadline_ms;
+    let (runs, live): (Vec<_>, Vec<_>) =
+        plan.shuffled(options.seed).into_iter().partition(|kind| kind.is_whole_run());
+    let progress = Progress::new((runs.len() + live.len()) as u64, told);
+    let store = bodies.store();
+    if !live.is_empty() {
+        let stage = live::Stage { plan: &plan, store, reference: &reference };
+        live::run(&stage, &work, &live, options.seed, &mut report, &progress)?;
+    }
+    let rank = child::Rank { program: &options.program, plan: &plan };
+    for (number, kind) in runs.iter().enumerate() {
+        if report.is_interrupted {
+            break;
+        }
+        let known = (&reference, store);
+        child::run(&rank, *kind, options.seed, number as u64, known, &mut report)?;
+        progress.add(1);
+    }
+    report.left_behind += child::left_behind(&rank)?;
+    report.seconds = (runtime::clock::now_ns() - begun_ns) as f64 / 1e9;
+    report.replay = format!("trolley inject {} --seed {}", options.plan.display(), options.seed);
+    let injected = report.document();
+    if let Some(path) = &options.junit {
+        files::replace(path, report::junit(&injected).as_bytes())?;
+    }
+    Ok(injected)
+}
+
+/// Names of kinds, for messages.
+fn kinds() -> String {
+    let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    names.join(", ")
+}

@@ -1,0 +1,81 @@
+//! One ranking of a scenario with the hand-over of a measurement: its answer, which does not depend
+//! on that, and what it took.
+
+use crate::progress::OnProgress;
+use scenario::Overrides;
+use serde::Serialize;
+use std::path::PathBuf;
+use trolley::handing::{Handing, log_csv};
+use trolley::{Answer, Engine, Failure, Limits, Run, Scenario, files};
+
+/// What is ranked, and how.
+#[derive(Clone, Debug, Default)]
+pub struct RankOptions {
+    /// Scenario, TOML.
+    pub scenario: PathBuf,
+    /// Settings of the engine in place of the scenario's.
+    pub overrides: Overrides,
+    /// How jobs reach the workers.
+    pub handing: Handing,
+    /// When to stop, and whose job goes out next.
+    pub limits: Limits,
+    /// Name of the instance in shared memory, if not one of the program's choice.
+    pub instance: Option<String>,
+    /// Whether all jobs run in this process.
+    pub in_process: bool,
+    /// Where it is written down who got which job.
+    pub job_log: Option<PathBuf>,
+}
+
+/// A ranking, and what it took.
+#[derive(Clone, Debug, Serialize)]
+pub struct RankedRun {
+    schema: &'static str,
+    answer: Answer,
+    run: Run,
+}
+
+impl RankedRun {
+    /// For people: what it took, on a line for each kind of effort.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Run { stages, jobs, nb, np, messages, message_bytes, .. } = &self.run;
+        let Run { scheme, depth, section_bytes, section_bytes_unshared, .. } = &self.run;
+        format!(
+            "{}: work {:.2} ms, {} of {jobs} jobs at depth {depth}, {nb} tests of boxes and {np} \
+             of triangles\n{messages} messages of {message_bytes} bytes in all\n{section_bytes} \
+             bytes of sections, {section_bytes_unshared} if none were ever held; {} sections made \
+             room",
+            scheme.name(),
+            stages.work_ms,
+            jobs - self.run.jobs_cut,
+            self.run.sections_evicted
+        )
+    }
+}
+
+/// Ranks a scenario once. `told` hears of triangles built.
+///
+/// # Errors
+///
+/// If the scenario cannot be ranked with these settings, or the file cannot be written.
+pub fn rank(options: &RankOptions, told: OnProgress<'_>) -> Result<RankedRun, Failure> {
+    // Nobody wants to hear after the work that the file cannot be written.
+    options.job_log.as_deref().map(|path| files::check(path, None)).transpose()?;
+    let scenario = Scenario::open(&options.scenario)?;
+    let handing = Handing { log: options.job_log.is_some(), ..options.handing };
+    let mut builder = Engine::builder().overrides(options.overrides.clone()).handing(handing);
+    if let Some(instance) = &options.instance {
+        builder = builder.instance(instance);
+    }
+    if options.in_process {
+        builder = builder.in_process();
+    }
+    let mut engine = builder.build()?;
+    let mut ranking = engine.rank_telling(&scenario, &options.limits, told)?;
+    if let Some(path) = &options.job_log {
+        files::replace(path, log_csv(engine.job_log()).as_bytes())?;
+    }
+    ranking.run.stages.stop_ms = engine.stop_workers();
+    Ok(RankedRun { schema: "trolley.measure-rank/1", answer: ranking.answer, run: ranking.run })
+}
