@@ -106,6 +106,9 @@ pub struct Body {
 }
 
 /// A body as it lies in a model file or in the sealed model store: borrowed, nothing copied.
+///
+/// To walk its tree takes nodes, triangles and source ids. What else is known of a body is missing
+/// where there are only triangles: then `part_of`, `zones` and `dropped` are empty.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a> {
     /// The tree, preorder; the root is node 0.
@@ -140,6 +143,12 @@ impl Body {
             zones: &self.zones,
             dropped: &self.dropped,
         }
+    }
+}
+
+impl<'a> From<&'a Body> for BodyView<'a> {
+    fn from(body: &'a Body) -> Self {
+        body.view()
     }
 }
 

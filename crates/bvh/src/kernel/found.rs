@@ -156,6 +156,8 @@ impl<'a> Found<'a> {
         if is_pairs {
             self.sums.pairs += a.len() as u64;
             self.sums.hash = self.sums.hash.wrapping_add(hash);
+            // All at once: who lists them is rare, and who does not is asked once.
+            self.sink.pairs(a, b).map_break(|()| Halt::Stopped)?;
             if let Some(directions) = self.task.directions {
                 for (&a, &b) in a.iter().zip(b) {
                     measure([a, b], &mut self.supports, directions);
@@ -179,7 +181,8 @@ impl<'a> Found<'a> {
         for (word, mut bits) in (0..).zip(new.words()) {
             while bits != 0 {
                 let triangle = first + u64::BITS * word + bits.trailing_zeros();
-                *zones |= of[triangle as usize].0;
+                // A bare tree has none.
+                *zones |= of.get(triangle as usize).map_or(0, |zones| zones.0);
                 self.sink.hit(side, triangle).map_break(|()| Halt::Stopped)?;
                 bits &= bits - 1;
             }
