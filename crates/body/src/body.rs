@@ -107,8 +107,7 @@ pub struct Body {
 
 /// A body as it lies in a model file or in the sealed model store: borrowed, nothing copied.
 ///
-/// To walk its tree takes nodes, triangles and source ids. What else is known of a body is missing
-/// where there are only triangles: then `part_of`, `zones` and `dropped` are empty.
+/// Where there are triangles and nothing else, `part_of` and `dropped` are empty, and all zones 0.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a> {
     /// The tree, preorder; the root is node 0.

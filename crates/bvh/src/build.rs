@@ -15,16 +15,16 @@ mod sah;
 mod seed;
 mod team;
 
-pub(crate) use assemble::planted;
+pub(crate) use assemble::assembled;
 pub use assemble::{body, rebuild};
 pub use error::BuildError;
 pub use grow::worth_starting;
 
-use body::{Build, Node};
+use body::Node;
 use geometry::Corners;
 use team::Team;
 
-pub use body::LEAF_SIZE_MAX;
+pub use body::{Build, LEAF_SIZE_MAX};
 
 /// Most triangles that [`Build::Literal`] accepts: its tree may be as deep as there are triangles,
 /// so its time is quadratic.

@@ -95,8 +95,8 @@ pub trait Sink {
     /// where [`Question::Pairs`] is asked, each pair once per job.
     ///
     /// A `Break` leaves open what these pairs belong to, as with [`Sink::hit`]. Wherever a job
-    /// stops, of all pairs told in it the first [`Outcome::pairs`] count; those that were told after
-    /// them belong to what remains, and will be told again by whoever does that.
+    /// stops, of all pairs told in it the first [`Outcome::pairs`] count; those told after them
+    /// belong to what remains, and will be told again by whoever does that.
     fn pairs(&mut self, _a: &[u32], _b: &[u32]) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -131,9 +131,9 @@ pub struct Outcome {
     pub pairs: u64,
     /// Wrapping sum of [`geometry::hash::pair_term`] of source ids; 0 unless `Pairs` was asked.
     pub hash: u64,
-    /// Zones of A's hit triangles; 0 if only `Touches` was asked, or A has none.
+    /// Zones of A's hit triangles; 0 if only `Touches` was asked.
     pub zones_a: u16,
-    /// Zones of B's hit triangles; 0 if only `Touches` was asked, or B has none.
+    /// Zones of B's hit triangles; 0 if only `Touches` was asked.
     pub zones_b: u16,
     /// Supports of the contact, A's frame, in metres; empty unless `Pairs` was asked with
     /// directions.

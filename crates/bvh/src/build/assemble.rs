@@ -9,16 +9,18 @@ use body::{Body, BodyView, Mesh, Meta, Zones};
 use geometry::Corners;
 
 /// Builds a tree over triangles: [`Tree::build`].
-pub(crate) fn planted(corners: &[Corners], options: &BuildOptions) -> Result<Tree, BuildError> {
+pub(crate) fn assembled(corners: &[Corners], options: &BuildOptions) -> Result<Tree, BuildError> {
     let threads = grow::worth_starting(options.threads, corners.len());
-    let (tree, ()) =
-        Team::with(threads, |team| planted_by(team, corners, options, &|_| (), |_: &[u32]| ()))?;
-    Ok(tree)
+    Team::with(threads, |team| {
+        let no_zones = |order: &[u32]| team.copies(Zones(0), order.len());
+        let (tree, zones) = assembled_by(team, corners, options, &|_| (), no_zones)?;
+        Ok(Tree { zones, ..tree })
+    })
 }
 
-/// [`planted`], by these threads. `beside` hears in which order triangles lie, and does what else
-/// is to be done with that, while one thread lays out the wide tree.
-fn planted_by<R: Send>(
+/// [`assembled`] but for zones, by these threads. `beside` hears in which order triangles lie, and
+/// does what else is to be done with that, while one thread lays out the wide tree.
+fn assembled_by<R: Send>(
     team: &Team,
     corners: &[Corners],
     options: &BuildOptions,
@@ -40,7 +42,8 @@ fn planted_by<R: Send>(
     let wide = laid.filled(&in_order, team.threads(), |shares| {
         team.each(shares, Share::fill);
     });
-    Ok((Tree { nodes, wide, corners: in_order, ids: order, depth }, rest))
+    let tree = Tree { nodes, wide, corners: in_order, ids: order, zones: Vec::new(), depth };
+    Ok((tree, rest))
 }
 
 /// Builds the tree of a mesh and brings everything into leaf order.
@@ -80,7 +83,7 @@ fn body_by(
         (source_ids, part_of, permuted(&zones, order, team))
     };
     let (tree, (source_ids, part_of, zones)) =
-        planted_by(team, &mesh.corners, options, progress, beside)?;
+        assembled_by(team, &mesh.corners, options, progress, beside)?;
     let Tree { nodes, wide, corners, depth, .. } = tree;
     Ok(Body {
         meta: Meta {
@@ -103,12 +106,12 @@ fn body_by(
 
 /// Builds another tree over a body that already has one.
 ///
-/// The triangles are first brought back into source order, so the result is the one that [`body`]
+/// The triangles are first brought back into source order, so the result is the one that [`body()`]
 /// would have given with these options, if the mesh was in order of its source ids.
 ///
 /// # Errors
 ///
-/// As [`body`].
+/// As [`body()`].
 pub fn rebuild(
     view: BodyView<'_>,
     meta: &Meta,

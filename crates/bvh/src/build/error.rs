@@ -5,7 +5,7 @@ use diagnostic::{Diagnostic, Kind};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A tree could not be built. As text: what is wrong, and behind a colon the remedy if there is one.
+/// A tree could not be built. As text: what is wrong, and behind a colon the remedy, if any.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BuildError {
     /// There is nothing to build over.

@@ -142,8 +142,12 @@ impl<'a> Found<'a> {
             let _ = (self.sink.hit(Side::A, a[0]), self.sink.hit(Side::B, b[0]));
             return ControlFlow::Break(Halt::Answered);
         }
-        let (view_a, view_b) = (&self.task.a, &self.task.b);
         let is_pairs = self.task.question == Question::Pairs;
+        if is_pairs {
+            // All at once: who lists them is rare, and who does not is asked once.
+            self.sink.pairs(a, b).map_break(|()| Halt::Stopped)?;
+        }
+        let (view_a, view_b) = (&self.task.a, &self.task.b);
         let (mut places, mut hash) = ([Places::default(); 2], 0_u64);
         for (&a, &b) in a.iter().zip(b) {
             places[0].insert((a - first[0]) as usize);
@@ -156,8 +160,6 @@ impl<'a> Found<'a> {
         if is_pairs {
             self.sums.pairs += a.len() as u64;
             self.sums.hash = self.sums.hash.wrapping_add(hash);
-            // All at once: who lists them is rare, and who does not is asked once.
-            self.sink.pairs(a, b).map_break(|()| Halt::Stopped)?;
             if let Some(directions) = self.task.directions {
                 for (&a, &b) in a.iter().zip(b) {
                     measure([a, b], &mut self.supports, directions);
@@ -181,8 +183,7 @@ impl<'a> Found<'a> {
         for (word, mut bits) in (0..).zip(new.words()) {
             while bits != 0 {
                 let triangle = first + u64::BITS * word + bits.trailing_zeros();
-                // A bare tree has none.
-                *zones |= of.get(triangle as usize).map_or(0, |zones| zones.0);
+                *zones |= of[triangle as usize].0;
                 self.sink.hit(side, triangle).map_break(|()| Halt::Stopped)?;
                 bits &= bits - 1;
             }
