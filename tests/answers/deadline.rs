@@ -46,7 +46,7 @@ fn whose_job_goes_first_changes_nothing_in_the_answer() {
         library_answer(&mut builder.build().unwrap(), &scenario, limits)
     };
     let reference = of(here(), &Limits::default());
-    let limits = |pursuit| Limits { pursuit: Some(pursuit), ..Limits::default() };
+    let limits = |pursuit| Limits::default().with_pursuit(pursuit);
     let small = |pursuit, tests| limits(pursuit).with_budget(tests).unwrap();
     for (builder, limits) in [
         (builder().workers(2), limits(Pursuit::Deciding)),

@@ -146,11 +146,8 @@ fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
     // Room for the largest section at this depth, and not for what one worker needs in all.
-    let handing = Handing {
-        transfer: Transfer::Copy,
-        memory_budget: Some(90_000),
-        ..Handing::default()
-    };
+    let handing =
+        Handing { transfer: Transfer::Copy, memory_budget: Some(90_000), ..Handing::default() };
     let mut engine = builder().workers(1).depth(6).handing(handing).build().unwrap();
     let failure = engine.rank(&scenario, &Limits::default()).unwrap_err();
     assert_eq!(failure.kind(), Kind::Resources, "{failure}");

@@ -59,17 +59,17 @@ enum UntilName {
 impl AnswerArgs {
     /// The limits, and what is kept beside the answer.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
-        let is_recorded = self.record.is_some();
-        let mut limits = Limits {
-            until: match self.limits.until {
-                UntilName::Complete => Until::Complete,
-                UntilName::Ordered => Until::Ordered,
-                UntilName::Certified => Until::Certified,
-            },
-            explanation: self.explain || is_recorded,
-            ledger: is_recorded,
-            ..Limits::default()
-        };
+        let mut limits = Limits::default().until(match self.limits.until {
+            UntilName::Complete => Until::Complete,
+            UntilName::Ordered => Until::Ordered,
+            UntilName::Certified => Until::Certified,
+        });
+        if self.explain {
+            limits = limits.with_explanation();
+        }
+        if self.record.is_some() {
+            limits = limits.with_record();
+        }
         if let Some(ms) = self.limits.deadline_ms {
             limits = limits.with_deadline_ms(ms)?;
         }

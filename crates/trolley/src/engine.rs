@@ -193,7 +193,7 @@ impl Engine {
             scenario: &scenario.parsed,
             models: &models,
             rules: (scenario.policy.clone(), scenario.curves.clone()),
-            ledger: limits.ledger,
+            ledger: limits.wants_ledger(),
         };
         let told = loaded.workspace.rank(
             &stage,
@@ -218,7 +218,8 @@ impl Engine {
                     jobs: course.jobs_in_process,
                     ..run.with_effort(work)
                 };
-                let explanation = limits.explanation.then(|| work.explanation()).transpose()?;
+                let explanation =
+                    limits.wants_explanation().then(|| work.explanation()).transpose()?;
                 Ok::<_, coordinator::RequestError>((
                     answer,
                     explanation,

@@ -19,9 +19,7 @@ use mesh::import::{self, Format, ImportOptions};
 use std::path::Path;
 
 pub use body::{Body, BodyView, Build};
-pub use bvh::query::{
-    HitSets, Level, PoseError, Workspace, for_each_pair, pairs, sets, touches,
-};
+pub use bvh::query::{HitSets, Level, PoseError, Workspace, for_each_pair, pairs, sets, touches};
 pub use bvh::{BuildError, BuildOptions, Tree, Walk};
 pub use geometry::{Corners, Pose, RelativePose};
 

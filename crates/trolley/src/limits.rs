@@ -18,19 +18,48 @@ const DEADLINE_MS: f64 = 3_600_000.0;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// How much must be certain before work stops.
-    pub until: Until,
-    /// Whose job goes out next; `None`: the order that suits `until` and the deadline.
-    pub pursuit: Option<Pursuit>,
-    /// Whether the chain from contact to rank is wanted, with every source.
-    pub explanation: bool,
-    /// Whether a ledger is kept of questions and jobs, from which a record can be replayed.
-    pub ledger: bool,
+    until: Until,
+    pursuit: Option<Pursuit>,
+    explanation: bool,
+    ledger: bool,
     deadline: Option<Duration>,
     budget: Option<u64>,
 }
 
 impl Limits {
+    /// The same, stopping as soon as so much is certain.
+    #[must_use]
+    pub fn until(self, until: Until) -> Self {
+        Self { until, ..self }
+    }
+
+    /// The same, with jobs in this order, and not in the one that suits deadline and certainty.
+    #[must_use]
+    pub fn with_pursuit(self, pursuit: Pursuit) -> Self {
+        Self { pursuit: Some(pursuit), ..self }
+    }
+
+    /// The same, with the chain from contact to rank beside the answer, and every source.
+    #[must_use]
+    pub fn with_explanation(self) -> Self {
+        Self { explanation: true, ..self }
+    }
+
+    /// The same, with all that a [`Record`](crate::Record) needs: an explanation, and a ledger of
+    /// questions and jobs.
+    #[must_use]
+    pub fn with_record(self) -> Self {
+        Self { explanation: true, ledger: true, ..self }
+    }
+
+    pub(crate) fn wants_explanation(&self) -> bool {
+        self.explanation
+    }
+
+    pub(crate) fn wants_ledger(&self) -> bool {
+        self.ledger
+    }
+
     /// The same with an answer after so many milliseconds at the latest, and bounds on what is not
     /// done by then; in place of the scenario's deadline. The clock starts when bodies are sealed
     /// and workers ready.

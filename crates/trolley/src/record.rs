@@ -41,7 +41,7 @@ impl Record {
     }
 
     /// Adds a ranking to a folder's records; returns the new record's path. The ranking must have
-    /// been made with its ledger and its explanation: see [`Limits`](crate::Limits).
+    /// been made for it: see [`Limits::with_record`](crate::Limits::with_record).
     ///
     /// # Errors
     ///
@@ -136,8 +136,7 @@ fn content(scenario: &Scenario, ranking: &Ranking) -> Result<Content, Failure> {
     let Ranking { run, settings: engine, .. } = ranking;
     let (Some(ledger), Some(explanation)) = (&ranking.ledger, &ranking.explanation) else {
         let what = "a ranking without ledger and explanation cannot be recorded";
-        return Err(Failure::setting(what)
-            .with_remedy("rank with Limits { ledger: true, explanation: true, .. }"));
+        return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
     };
     let text = |text: &crate::scenario::Text| Text::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {

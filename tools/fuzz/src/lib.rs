@@ -156,7 +156,7 @@ fn ask(bytes: &[u8]) {
     let house = HOUSE.get_or_init(House::new);
     let bodies = body::store::open(house.store.bytes()).expect("it was made here");
     let rules = (house.policy.clone(), house.curves.clone());
-    let answer = service::Here::new(&house.deployment, &bodies, rules, 2).answer(&asked);
+    let answer = service::InProcess::new(&house.deployment, &bodies, rules, 2).answer(&asked);
     assert_eq!(answer.sequence, asked.sequence);
 }
 
