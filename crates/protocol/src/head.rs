@@ -104,7 +104,7 @@ pub enum Reject {
     Length,
     /// Sender and channel disagree about who is speaking.
     #[error("sender is not the owner of the channel")]
-    Masquerade,
+    NotOwner,
     /// The checksum does not fit.
     #[error("checksum does not fit")]
     Corrupt,
@@ -156,7 +156,7 @@ impl Head {
             return Err(Reject::Length);
         }
         if self.peer() != peer {
-            return Err(Reject::Masquerade);
+            return Err(Reject::NotOwner);
         }
         Kind::from_number(self.kind).ok_or(Reject::Foreign)
     }

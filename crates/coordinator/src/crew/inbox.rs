@@ -140,7 +140,7 @@ impl Crew {
     ) -> Progress {
         let from = self.stations[number].who;
         self.see(from, Sight::TurnedAway(reject));
-        if reject == Reject::Masquerade {
+        if reject == Reject::NotOwner {
             self.distrust(number, &reject.to_string());
             return self.step(Event::Poll, work, effects);
         }

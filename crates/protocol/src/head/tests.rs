@@ -41,7 +41,7 @@ fn another_run_another_worker_and_a_lying_length_are_told_apart() {
     let head = sealed(&[1, 2, 3]);
     assert_eq!(head.accept(Boot(6), PEER, 3), Err(Reject::Stale));
     let other = Incarnation { inc: 8, ..PEER };
-    assert_eq!(head.accept(Boot(5), other, 3), Err(Reject::Masquerade));
+    assert_eq!(head.accept(Boot(5), other, 3), Err(Reject::NotOwner));
     assert_eq!(head.accept(Boot(5), PEER, 2), Err(Reject::Length));
     assert_eq!(Head { layout: 0, ..head }.accept(Boot(5), PEER, 3), Err(Reject::Foreign));
     assert_eq!(Head { kind: 99, ..head }.accept(Boot(5), PEER, 3), Err(Reject::Foreign));

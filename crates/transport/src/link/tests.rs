@@ -138,8 +138,8 @@ fn mail_of_others_is_turned_away() {
     let good = head(6, Kind::Result);
     let cases = [
         (Head { boot: 7, ..good }, Reject::Stale),
-        (Head { inc: PEER.inc - 1, ..good }, Reject::Masquerade),
-        (Head { worker: PEER.worker + 1, ..good }, Reject::Masquerade),
+        (Head { inc: PEER.inc - 1, ..good }, Reject::NotOwner),
+        (Head { worker: PEER.worker + 1, ..good }, Reject::NotOwner),
         (Head { magic: MAGIC + 1, ..good }, Reject::Foreign),
         (Head { layout: protocol::LAYOUT + 1, ..good }, Reject::Foreign),
         (Head { kind: 0, ..good }, Reject::Foreign),
