@@ -419,7 +419,10 @@ proptest! {
                 let mut points = it.mesh.corners.as_flattened().iter().flatten();
                 prop_assert!(!it.mesh.corners.is_empty() && points.all(|x| x.is_finite()));
             }
-            Err(fault) => prop_assert!(fault.to_string().len() > 10 && fault.remedy().unwrap_or_default().len() > 10),
+            Err(fault) => {
+                let remedy = fault.remedy().unwrap_or_default();
+                prop_assert!(fault.to_string().len() > 10 && remedy.len() > 10);
+            }
         }
     }
 }

@@ -39,7 +39,8 @@ proptest! {
         let at = at.index(bytes.len());
         bytes[at] = byte;
         if let Err(failure) = parse("p", &bytes) {
-            prop_assert!(failure.what().starts_with("p:") && failure.remedy().is_some(), "{failure}");
+            let is_placed = failure.what().starts_with("p:");
+            prop_assert!(is_placed && failure.remedy().is_some(), "{failure}");
         }
     }
 }
