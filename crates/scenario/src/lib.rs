@@ -29,7 +29,7 @@
 //! let wrong = text.replace("party = \"pole\"", "party = \"poel\"");
 //! let error = scenario::Scenario::parse("minimal.toml", &wrong).unwrap_err();
 //! assert!(error.to_string().contains("party \"poel\" is not defined"));
-//! assert!(error.to_string().contains("Did you mean \"pole\"?"));
+//! assert!(error.remedy.contains("Did you mean \"pole\"?"));
 //! # Ok::<(), scenario::ScenarioError>(())
 //! ```
 
