@@ -39,6 +39,8 @@ const LAYERS: &[&str] = &[
     "coordinator",
     "worker",
     "service",
+    "trolley",
+    "lab",
     "client-c",
     "cli",
     "tools",
@@ -67,7 +69,7 @@ const ALONE: &[(&str, &[&str])] = &[
     ("earcut", &["mesh"]),
     ("robust", &["geometry"]),
     ("clap", &["cli", "tools"]),
-    ("kuva", &["cli"]),
+    ("kuva", &["lab"]),
 ];
 /// Crates that may contain `unsafe`.
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
