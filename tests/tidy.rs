@@ -1,10 +1,15 @@
 //! What a compiler cannot check: the arrows between crates, who may hold `unsafe` or name an
-//! outside crate, what pure crates never touch, how files look, that files named in prose exist.
+//! outside crate, what pure crates never touch, what stands behind a feature, how files look, that
+//! files named in prose exist.
 //!
 //! A fault names file and line. The checks read text; they know of Rust what `tidy/code.rs` knows.
 
+#[path = "tidy/circles.rs"]
+mod circles;
 #[path = "tidy/code.rs"]
 mod code;
+#[path = "tidy/faults.rs"]
+mod faults;
 #[path = "tidy/guards.rs"]
 mod guards;
 #[path = "tidy/pure.rs"]
@@ -14,7 +19,7 @@ mod tree;
 
 use code::{calls, code, words};
 use std::path::Path;
-use tree::{Text, all_sources, packages, root};
+use tree::{Package, Text, all_sources, packages, root};
 
 /// Crates from the bottom up; each may use only what stands before it.
 const LAYERS: &[&str] = &[
@@ -34,12 +39,12 @@ const LAYERS: &[&str] = &[
     "runtime",
     "mesh",
     "client",
-    "report",
     "simulate",
     "coordinator",
     "worker",
     "service",
     "trolley",
+    "report",
     "lab",
     "client-c",
     "cli",
@@ -56,7 +61,12 @@ const ONLY: &[(&str, &[&str])] = &[
     ("runtime", &["diagnostic", "protocol"]),
     ("client", &["diagnostic", "protocol", "transport"]),
     ("client-c", &["client", "protocol", "transport"]),
+    ("report", &["diagnostic", "geometry", "trolley"]),
 ];
+/// What the command line may name of ours, its tests aside: flags, one call to a library, print.
+const COMMAND_LINE: &[&str] = &["scenario", "client", "trolley", "report", "lab"];
+/// Most lines of the command line.
+const COMMAND_LINE_MAX: usize = 5_000;
 /// Outside crates, with what belongs to them, that a few of ours alone may name.
 const ALONE: &[(&str, &[&str])] = &[
     ("iceoryx2", &["transport"]),
@@ -126,6 +136,36 @@ fn arrows_between_crates_point_downwards() {
         }
     }
     none(&faults);
+}
+
+#[test]
+fn the_command_line_names_the_library_and_no_engine_crate() {
+    let packages = packages();
+    let cli = packages.iter().find(|package| package.name == "cli").expect("the command line");
+    let is_ours = |name: &String| packages.iter().any(|package| package.name == *name);
+    let used = cli.uses_as(&["dependencies", "build-dependencies"]).into_iter();
+    let others = used.filter(|(used, _)| is_ours(used) && !COMMAND_LINE.contains(&used.as_str()));
+    let fault = |(used, line): (String, usize)| {
+        cli.manifest.fault(line, &format!("cli must not use {used}: see COMMAND_LINE"))
+    };
+    none(&others.map(fault).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_command_line_is_short() {
+    let files = tree::sources(&root().join("crates/cli/src"));
+    let lines: usize = files.iter().map(|file| file.text.lines().count()).sum();
+    assert!(lines <= COMMAND_LINE_MAX, "crates/cli/src: {lines} lines, not {COMMAND_LINE_MAX}");
+}
+
+#[test]
+fn no_files_of_the_command_line_name_each_other_in_a_circle() {
+    let packages = packages();
+    let cli = packages.iter().find(|package| package.name == "cli").expect("the command line");
+    let names = circles::names(cli);
+    assert!(names[""].contains("args") && names["args"].contains("rank"), "{names:?}");
+    let circles = circles::circles(names);
+    assert!(circles.is_empty(), "these files name each other in a circle: {circles:?}");
 }
 
 #[test]
@@ -207,6 +247,31 @@ fn pure_crates_touch_no_file_network_process_or_clock() {
         }
     }
     none(&faults);
+}
+
+#[test]
+fn orders_to_misbehave_and_deliberate_flaws_stand_behind_a_feature() {
+    let (mut all, mut gated) = (Vec::new(), 0);
+    for package in packages().iter().filter(|package| package.name != "tools") {
+        let (faults, there) = faults::ungated(package);
+        all.extend(faults);
+        gated += there;
+    }
+    none(&all);
+    assert!(gated > 100, "only {gated} names: are they called something else by now?");
+}
+
+#[test]
+fn the_lab_alone_turns_on_faults_and_all_of_them() {
+    let packages = packages();
+    none(&faults::turned_on(&packages, &Text::read(&root().join("Cargo.toml"))));
+    let on = faults::of_the_lab(&packages);
+    let with_feature = faults::with_feature(&packages);
+    assert!(with_feature.len() >= 5, "only {} crates with faults", with_feature.len());
+    let off = with_feature.iter().filter(|package| !on.contains(&package.name));
+    let fault =
+        |package: &&Package| package.manifest.fault(0, "the lab does not turn its faults on");
+    none(&off.map(fault).collect::<Vec<_>>());
 }
 
 #[test]

@@ -2,8 +2,10 @@
 //! and that whatever was said to be certain is what a finished run says.
 
 use crate::support::{
-    self, Place, answer, instance, json, left_in_shm, run, scenario, six, text, trolley,
+    self, Place, answer, builder, instance, json, left_in_shm, library_answer, run, scenario, six,
+    text, trolley,
 };
+use ::trolley::{Engine, EngineBuilder, Limits, Pursuit, Scenario};
 
 /// Work that no machine ends within a few milliseconds: a dense body right in another like it.
 fn heavy() -> String {
@@ -25,10 +27,6 @@ fn a_deadline_far_away_changes_nothing_in_the_answer() {
     let ways: &[&[&str]] = &[
         &["--deadline-ms", "600000"],
         &["--deadline-ms", "600000", "--in-process", "--budget", "38000"],
-        &["--pursuit", "deciding", "--workers", "2"],
-        &["--pursuit", "alternating", "--in-process"],
-        &["--pursuit", "round-robin", "--depth", "3", "--budget", "40000"],
-        &["--pursuit", "sequential", "--workers", "1", "--depth", "0", "--budget", "38000"],
     ];
     for way in ways {
         let mut args = vec!["rank", path, "--json"];
@@ -36,6 +34,27 @@ fn a_deadline_far_away_changes_nothing_in_the_answer() {
         let output = run(&args);
         assert_eq!(output.status.code(), Some(0), "{way:?}: {}", text(&output.stderr));
         assert_eq!(answer(&output), reference, "{way:?}");
+    }
+}
+
+#[test]
+fn whose_job_goes_first_changes_nothing_in_the_answer() {
+    let place = Place::new();
+    let scenario = Scenario::open(place.write("six.toml", &six(1500))).unwrap();
+    let here = || Engine::builder().in_process();
+    let of = |builder: EngineBuilder, limits: &Limits| {
+        library_answer(&mut builder.build().unwrap(), &scenario, limits)
+    };
+    let reference = of(here(), &Limits::default());
+    let limits = |pursuit| Limits { pursuit: Some(pursuit), ..Limits::default() };
+    let small = |pursuit, tests| limits(pursuit).with_budget(tests).unwrap();
+    for (builder, limits) in [
+        (builder().workers(2), limits(Pursuit::Deciding)),
+        (here(), limits(Pursuit::Alternating)),
+        (builder().depth(3), small(Pursuit::RoundRobin, 40_000)),
+        (builder().workers(1).depth(0), small(Pursuit::Sequential, 38_000)),
+    ] {
+        assert_eq!(of(builder, &limits), reference, "{limits:?}");
     }
 }
 

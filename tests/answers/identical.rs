@@ -1,7 +1,10 @@
 //! A complete answer is a pure function of bodies, scenario, policy and curves: the same bytes for
-//! any number of workers, scheme, depth, build, leaf size, buffers and cache, and without workers.
+//! any number of workers, scheme, depth, build, leaf size, buffers and cache, and without workers;
+//! by the program and by the library.
 
-use crate::support::{self, Place, answer, run, six};
+use crate::support::{self, Place, answer, builder, json, library_answer, overrides, run, six};
+use trolley::handing::{Handing, Transfer};
+use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
 #[test]
 fn the_answer_does_not_depend_on_how_the_work_was_done() {
@@ -13,41 +16,93 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
         all.extend(args);
         let output = run(&all);
         assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
-        answer(&output)
+        output
     };
     let reference = of(&["--in-process"]);
+    let document = json(&reference);
+    let reference = answer(&reference);
     assert!(reference.contains("\"pairs\""), "nothing was hit: {reference}");
     let ways: &[&[&str]] = &[
         &["--workers", "1"],
-        &["--workers", "2"],
         &["--workers", "3"],
         &["--workers", "4"],
         &["--depth", "0"],
-        &["--depth", "4"],
         &["--depth", "12"],
-        &["--depth", "auto"],
-        &["--depth", "auto", "--distribute", "auto", "--workers", "2"],
-        &["--distribute", "auto", "--depth", "6"],
-        &["--in-process", "--depth", "auto"],
-        &["--pursuit", "deciding"],
         &["--budget", "38000", "--depth", "2"],
         &["--build", "sah"],
         &["--build", "literal"],
         &["--leaf-size", "1"],
         &["--batch", "1", "--queue", "1"],
-        &["--alpha", "1"],
-        &["--scheme", "best-match", "--queue", "16"],
-        &["--scheme", "random-match", "--seed", "7"],
-        &["--scheme", "lowest-match", "--linger", "200"],
-        &["--scheme", "round-robin", "--batch", "3", "--queue", "5", "--linger", "50"],
-        &["--cache-bytes", "100000"],
-        &["--transfer", "copy", "--memory-budget", "9000000"],
-        &["--transfer", "copy", "--memory-budget", "9000000", "--scheme", "lowest-match"],
-        &["--transfer", "copy", "--memory-budget", "9000000", "--depth", "3", "--queue", "16"],
-        &["--alpha", "0", "--cores", "none"],
         &["--in-process", "--depth", "0", "--build", "sah"],
     ];
     for way in ways {
-        assert_eq!(of(way), reference, "{way:?}");
+        assert_eq!(answer(&of(way)), reference, "{way:?}");
+    }
+    // Through text, too: reading a number may round it.
+    let scenario = Scenario::open(path).unwrap();
+    let mut engine = Engine::builder().in_process().build().unwrap();
+    let by_library = library_answer(&mut engine, &scenario, &Limits::default());
+    let read: serde_json::Value = serde_json::from_str(&by_library).unwrap();
+    assert_eq!(read, document["answer"], "the library and the program");
+}
+
+#[test]
+fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(2000));
+    let scenario = Scenario::open(path).unwrap();
+    let of = |builder: EngineBuilder| {
+        library_answer(&mut builder.build().unwrap(), &scenario, &Limits::default())
+    };
+    let reference = of(Engine::builder().in_process());
+    let scheme = |name: &str, alpha: f64, queue: i64| {
+        builder().overrides(overrides(|all| {
+            (all.scheme, all.alpha) = (Some(name.to_owned()), Some(alpha));
+            (all.batch, all.queue) = (Some(queue.min(3)), Some(queue));
+            all.seed = Some(7);
+        }))
+    };
+    let copy = |memory_budget| Handing {
+        transfer: Transfer::Copy,
+        memory_budget: Some(memory_budget),
+        ..Handing::default()
+    };
+    let linger = |linger_us| Handing { linger_us, ..Handing::default() };
+    let cache = Handing { cache_bytes: Some(100_000), ..Handing::default() };
+    let ways = [
+        ("load alone, unpinned", scheme("best-match-load", 0.0, 16)),
+        ("match alone", scheme("best-match-load", 1.0, 16)),
+        ("best", scheme("best-match", 0.5, 16)),
+        ("random", scheme("random-match", 0.5, 16)),
+        ("lowest, lingering", scheme("lowest-match", 0.5, 16).handing(linger(200))),
+        ("in turn, lingering", scheme("round-robin", 0.5, 5).handing(linger(50))),
+        ("a small cache", builder().handing(cache)),
+        ("copies", builder().handing(copy(9_000_000))),
+        ("copies, lowest", scheme("lowest-match", 0.5, 16).handing(copy(9_000_000))),
+        ("copies, two workers", builder().workers(2).depth(3).handing(copy(9_000_000))),
+    ];
+    for (name, way) in ways {
+        assert_eq!(of(way), reference, "{name}");
+    }
+}
+
+#[test]
+fn an_engine_that_is_kept_answers_as_a_new_one_does() {
+    let place = Place::new();
+    let scenarios = [six(1200), six(900), six(1200)].map(|text| {
+        let path = place.write("next.toml", &text);
+        Scenario::open(path).unwrap()
+    });
+    let limits = Limits::default();
+    let new = || Engine::builder().in_process().build().unwrap();
+    let expected = scenarios.each_ref().map(|one| library_answer(&mut new(), one, &limits));
+    let workers = builder().workers(2);
+    for mut kept in [new(), workers.build().unwrap()] {
+        for (scenario, expected) in scenarios.iter().zip(&expected) {
+            // Twice: the second time bodies, workers and workspace are those of the first.
+            for turn in 0..2 {
+                assert_eq!(library_answer(&mut kept, scenario, &limits), *expected, "{turn}");
+            }
+        }
     }
 }

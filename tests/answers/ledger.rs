@@ -1,8 +1,11 @@
 //! The transfer ledger of a real run equals what follows from its job log, recomputed here with a
 //! plain list per core; and the log names each job's sections with the weight that its trees give.
 
-use crate::support::{Place, json, run, six, text};
+use crate::support::{Place, builder, overrides, six};
+use coordinator::Hardware;
 use std::collections::BTreeMap;
+use trolley::handing::{Handing, log_csv};
+use trolley::{Limits, Scenario};
 
 /// Bytes transferred, bytes if nothing were held, sections evicted.
 type Sums = (u64, u64, u64);
@@ -44,29 +47,40 @@ fn recomputed(log: &str, capacity: u64) -> Sums {
 #[test]
 fn the_ledger_equals_its_recomputation_from_the_job_log() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(2000));
-    let log = place.path().join("log.csv");
-    let ways: &[(&[&str], u64)] = &[
-        (&[], u64::MAX),
-        (&["--scheme", "lowest-match", "--workers", "3"], u64::MAX),
-        (&["--scheme", "best-match", "--cache-bytes", "90000"], 90_000),
-        (&["--scheme", "random-match", "--cache-bytes", "70000", "--linger", "20"], 70_000),
+    let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
+    let handing = |linger_us, cache_bytes| Handing {
+        linger_us,
+        cache_bytes,
+        log: true,
+        ..Handing::default()
+    };
+    let ways = [
+        ("best-match-load", 4, handing(0, None)),
+        ("lowest-match", 3, handing(0, None)),
+        ("best-match", 4, handing(0, Some(90_000))),
+        ("random-match", 4, handing(20, Some(70_000))),
     ];
-    for (way, capacity) in ways {
-        let mut args = vec!["rank", path.to_str().unwrap(), "--json", "--depth", "6"];
-        args.extend(["--job-log", log.to_str().unwrap()]);
-        args.extend(*way);
-        let output = run(&args);
-        assert!(output.status.success(), "{way:?}: {}", text(&output.stderr));
-        let document = json(&output);
-        let sum = |key: &str| document["run"][key].as_u64().unwrap();
-        let ledger = (sum("section_bytes"), sum("section_bytes_unshared"), sum("sections_evicted"));
-        let log = std::fs::read_to_string(&log).unwrap();
-        assert_eq!(ledger, recomputed(&log, *capacity), "{way:?}");
-        assert!(ledger.0 > 0 && ledger.0 < ledger.1, "{way:?}: {ledger:?}");
-        assert_eq!(ledger.2 > 0, *capacity < u64::MAX, "{way:?}: {ledger:?}");
+    for (scheme, workers, handing) in ways {
+        let settings = overrides(|all| {
+            all.scheme = Some(scheme.to_owned());
+            (all.workers, all.depth) = (Some(workers), Some(6));
+        });
+        let mut engine = builder().overrides(settings).handing(handing).build().unwrap();
+        let run = engine.rank(&scenario, &Limits::default()).unwrap().run;
+        let ledger = (run.section_bytes, run.section_bytes_unshared, run.sections_evicted);
+        let log = log_csv(engine.job_log());
+        let capacity = handing.cache_bytes.unwrap_or(u64::MAX);
+        assert_eq!(ledger, recomputed(&log, capacity), "{scheme}");
+        assert!(ledger.0 > 0 && ledger.0 < ledger.1, "{scheme}: {ledger:?}");
+        assert_eq!(ledger.2 > 0, capacity < u64::MAX, "{scheme}: {ledger:?}");
+        for worker in &run.workers {
+            let is_told = match &worker.hardware {
+                Hardware::Counted { instructions, .. } => *instructions > 0,
+                Hardware::NotAvailable(why) => why.starts_with("not available: "),
+            };
+            assert!(is_told, "{worker:?}");
+        }
         let assigned = log.lines().filter(|line| line.starts_with("assigned")).count() as u64;
-        let ran = sum("jobs") - sum("jobs_cut") + sum("jobs_reissued");
-        assert_eq!(assigned, ran, "{way:?}");
+        assert_eq!(assigned, run.jobs - run.jobs_cut + run.jobs_reissued, "{scheme}");
     }
 }

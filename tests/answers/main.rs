@@ -9,7 +9,6 @@ mod explain;
 mod identical;
 mod ledger;
 mod oracle;
-mod plan;
 mod policy;
 mod record;
 mod refine;

@@ -1,7 +1,9 @@
 //! Bad input: each kind gets an error that names file, place and remedy, with its exit code, and
 //! leaves nothing behind.
 
-use crate::support::{self, Place, run, six, text};
+use crate::support::{self, Place, builder, overrides, run, six, text};
+use trolley::handing::{Handing, Transfer};
+use trolley::{Kind, Limits, Scenario};
 
 struct Bad {
     /// What is replaced in a good scenario, and by what.
@@ -95,17 +97,10 @@ fn settings_on_the_command_line_obey_the_same_rules() {
         (&["--workers", "0"][..], "workers"),
         (&["--workers", "17"], "workers"),
         (&["--depth", "99"], "depth"),
-        (&["--alpha", "2"], "alpha"),
         (&["--batch", "0"], "batch"),
         (&["--batch", "64", "--queue", "8"], "queue"),
         (&["--build", "magic"], "build"),
-        (&["--scheme", "worst-match"], "scheme"),
         (&["--queue", "0"], "queue"),
-        (&["--linger", "20000"], "linger"),
-        (&["--cache-bytes", "1000"], "cache-bytes"),
-        (&["--memory-budget", "99999999"], "memory-budget"),
-        (&["--transfer", "copy", "--memory-budget", "1000"], "memory-budget"),
-        (&["--transfer", "copy", "--cache-bytes", "99999999"], "cache-bytes"),
         (&["--cores", "0,x", "--workers", "2"], "cores"),
         (&["--cores", "0,900", "--workers", "2"], "core"),
     ] {
@@ -119,34 +114,46 @@ fn settings_on_the_command_line_obey_the_same_rules() {
 }
 
 #[test]
-fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
+fn how_jobs_are_handed_out_obeys_rules_too() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(2000));
-    // Room for the largest section at this depth, and not for what one worker needs in all.
-    let args = ["--workers", "1", "--transfer", "copy", "--memory-budget", "90000", "--depth", "6"];
-    let output = run(&[&["rank", path.to_str().unwrap(), "--json"], &args[..]].concat());
-    let error = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(69), "{error}");
-    assert!(error.contains("thrashed: worker 0 holds") && error.contains("of 90000"), "{error}");
-    assert!(error.contains("help:") && output.stdout.is_empty(), "{error}");
+    let scenario = Scenario::open(place.write("six.toml", &six(600))).unwrap();
+    let copy = Handing { transfer: Transfer::Copy, ..Handing::default() };
+    let none = Handing::default();
+    for (handing, says) in [
+        (Handing { linger_us: 20_000, ..none }, "linger"),
+        (Handing { cache_bytes: Some(1000), ..none }, "cache-bytes"),
+        (Handing { memory_budget: Some(99_999_999), ..none }, "memory-budget"),
+        (Handing { memory_budget: Some(1000), ..copy }, "memory-budget"),
+        (Handing { cache_bytes: Some(99_999_999), ..copy }, "cache-bytes"),
+    ] {
+        let mut engine = builder().workers(1).handing(handing).build().unwrap();
+        let failure = engine.rank(&scenario, &Limits::default()).unwrap_err();
+        assert_eq!(failure.kind(), Kind::Configuration, "{failure}");
+        assert!(failure.what().contains(says) && failure.remedy().is_some(), "{failure}");
+    }
+    for (change, says) in [
+        (overrides(|all| all.alpha = Some(2.0)), "alpha"),
+        (overrides(|all| all.scheme = Some("worst-match".to_owned())), "scheme"),
+    ] {
+        let failure = builder().overrides(change).build().unwrap_err();
+        assert_eq!(failure.kind(), Kind::Configuration, "{failure}");
+        assert!(failure.what().contains(says) && failure.remedy().is_some(), "{failure}");
+    }
 }
 
 #[test]
-fn a_log_that_cannot_be_written_is_an_error() {
+fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(600));
-    let log = place.path().join("no/such/folder/log.csv");
-    let output = run(&[
-        "rank",
-        path.to_str().unwrap(),
-        "--workers",
-        "1",
-        "--job-log",
-        log.to_str().unwrap(),
-    ]);
-    let error = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(71), "{error}");
-    assert!(error.contains("log.csv") && error.contains("help:"), "{error}");
+    let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
+    // Room for the largest section at this depth, and not for what one worker needs in all.
+    let handing =
+        Handing { transfer: Transfer::Copy, memory_budget: Some(90_000), ..Handing::default() };
+    let mut engine = builder().workers(1).depth(6).handing(handing).build().unwrap();
+    let failure = engine.rank(&scenario, &Limits::default()).unwrap_err();
+    assert_eq!(failure.kind(), Kind::Resources, "{failure}");
+    let what = failure.what();
+    assert!(what.contains("thrashed: worker 0 holds") && what.contains("of 90000"), "{what}");
+    assert!(failure.remedy().is_some());
 }
 
 #[test]

@@ -3,9 +3,11 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{
-    self, Crash, Place, answer, children, instance, json, left_in_shm, run, scenario, signal, text,
-    trolley, wait_for, workers_at_work,
+    self, Crash, Place, answer, builder, children, cpu_ticks, instance, json, left_in_shm,
+    library_answer, run, scenario, signal, text, trolley, wait_for, workers_at_work,
 };
+use ::trolley::handing::{Handing, Transfer};
+use ::trolley::{Limits, Scenario};
 use rustix::process::Signal;
 use std::fmt::Write as _;
 use std::process::{Child, Output};
@@ -103,10 +105,31 @@ fn a_killed_worker_changes_nothing_in_the_answer() {
 #[test]
 fn a_killed_worker_that_copied_changes_nothing_in_the_answer() {
     let place = Place::new();
-    let kill = |run: &Started| signal(run.workers[1], Signal::KILL);
-    let copy = ["--transfer", "copy", "--memory-budget", "999999999"];
-    let (output, path) = disturbed(&place, 3, &copy, kill, |output| lost(output) == 1);
-    assert_eq!(answer(&output), reference(&path));
+    let handing = Handing {
+        transfer: Transfer::Copy,
+        memory_budget: Some(999_999_999),
+        ..Handing::default()
+    };
+    let limits = Limits::default();
+    for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
+        let scenario = Scenario::open(place.write("heavy.toml", &heavy(triangles))).unwrap();
+        let mut engine = builder().workers(3).handing(handing).build().unwrap();
+        let reference = library_answer(&mut engine, &scenario, &limits);
+        let victim = engine.worker_pids()[1];
+        let ticks = cpu_ticks(victim).unwrap();
+        let ranking = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                wait_for(2_000, || (cpu_ticks(victim)? >= ticks + 2).then_some(()));
+                signal(victim, Signal::KILL);
+            });
+            engine.rank(&scenario, &limits).unwrap()
+        });
+        assert_eq!(serde_json::to_string(&ranking.answer).unwrap(), reference);
+        if ranking.run.workers.iter().filter(|worker| worker.lost.is_some()).count() == 1 {
+            return;
+        }
+    }
+    panic!("no run took long enough to be disturbed");
 }
 
 #[test]

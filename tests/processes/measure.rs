@@ -1,5 +1,5 @@
-//! A whole measurement of small bodies: its tables, figures and page fit together; and bad input is
-//! refused before anything is measured.
+//! A whole measurement of small bodies: its tables, figures and page fit together; costs are
+//! written as they are printed; and bad input is refused before anything is measured.
 
 use crate::support::{Place, text, trolley};
 use std::path::Path;
@@ -85,4 +85,25 @@ fn bad_input_is_refused_with_its_reason() {
     let pair = format!("sedan:900,sedan:900,{}", bent.display());
     refused(&["--out", out, "--pair", &pair], 65, "not rigid");
     assert!(Path::new(out).join("README.md").metadata().is_err(), "nothing was measured");
+}
+
+#[test]
+fn calibrated_costs_are_printed_and_written() {
+    let place = Place::new();
+    let costs = place.path().join("costs.json");
+    let mut command = trolley();
+    command.args(["calibrate", "--pair", "sedan:900,suv:900,deep", "--repeat", "1", "--out"]);
+    let output = command.arg(&costs).output().expect("it can be started");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let written = std::fs::read_to_string(&costs).expect("costs.json");
+    assert_eq!(written.trim(), text(&output.stdout).trim());
+    let costs: serde_json::Value = serde_json::from_str(&written).expect("it is JSON");
+    let costs = costs.as_object().expect("a table");
+    let is_time = |ns: &serde_json::Value| ns.as_f64().is_some_and(|ns| ns >= 0.0);
+    assert!(costs.len() == 15 && costs.values().all(is_time), "{written}");
+    let below = place.path().join("costs.json/again.json");
+    let mut command = trolley();
+    let output = command.args(["calibrate", "--out"]).arg(&below).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(71), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("costs.json/again.json"));
 }

@@ -14,10 +14,12 @@ pub(crate) mod service;
 use geometry::hash::{pair_term, splitmix64};
 use geometry::triangle::{self, Triangle};
 use geometry::{Corners, DVec3, RelativePose};
+use scenario::Overrides;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
 /// A folder that goes away with the test.
 pub(crate) struct Place {
@@ -67,6 +69,23 @@ pub(crate) fn run(args: &[&str]) -> Output {
         trolley().args(args).args(["--instance", &instance]).spawn().unwrap().wait_with_output();
     assert_eq!(left_in_shm(&instance), Vec::<String>::new(), "left behind by {args:?}");
     output.unwrap()
+}
+
+/// The library's engine in a run of its own, with the program's workers.
+pub(crate) fn builder() -> EngineBuilder {
+    Engine::builder().worker_program(env!("CARGO_BIN_EXE_trolley")).instance(instance())
+}
+
+/// The answer of the library, byte for byte as it is recorded.
+pub(crate) fn library_answer(engine: &mut Engine, scenario: &Scenario, limits: &Limits) -> String {
+    serde_json::to_string(&engine.rank(scenario, limits).unwrap().answer).unwrap()
+}
+
+/// Settings of the engine beside the usual ones.
+pub(crate) fn overrides(change: impl FnOnce(&mut Overrides)) -> Overrides {
+    let mut overrides = Overrides::default();
+    change(&mut overrides);
+    overrides
 }
 
 pub(crate) fn text(bytes: &[u8]) -> String {

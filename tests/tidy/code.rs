@@ -74,7 +74,7 @@ fn raw_string(text: &[char], at: usize) -> Option<usize> {
 }
 
 /// Whether a character can be part of a name.
-fn in_word(c: char) -> bool {
+pub(crate) fn in_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 

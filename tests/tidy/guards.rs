@@ -39,6 +39,8 @@ fn impurities_are_seen_however_they_are_imported() {
     };
     assert_eq!(seen("\nuse std::fs::File;", "model"), ["1 std::fs"]);
     assert_eq!(seen("let x = std::net::f();", "model"), ["0 std::net"]);
+    assert_eq!(seen("std::process::ExitCode::from(1)", "model"), [""; 0]);
+    assert_eq!(seen("use std::process::{ExitCode, exit};", "model"), ["0 std::process"]);
     assert_eq!(seen("use std::{\n  fmt,\n  process,\n};", "model"), ["2 std::process"]);
     assert_eq!(seen("use std::{io::{self, fs}, env};", "model"), ["0 std::env"]);
     assert_eq!(seen("a(Instant)\nSystemTime", "model"), ["0 Instant", "1 SystemTime"]);
@@ -46,6 +48,66 @@ fn impurities_are_seen_however_they_are_imported() {
     assert_eq!(seen("std::thread::scope(f)", "bvh"), [""; 0]);
     assert_eq!(seen("thread::sleep(f)", "bvh"), ["0 thread::sleep"]);
     assert_eq!(seen("use std::{fmt::{self, Debug}, io};\nnet::x(); Instantly", "model"), [""; 0]);
+}
+
+#[test]
+fn circles_of_files_are_seen_however_they_are_named() {
+    let of = |modules: &[(&str, &str)]| {
+        let modules = modules.iter().map(|(name, code)| ((*name).to_owned(), (*code).to_owned()));
+        circles::circles(circles::names_in(&modules.collect())).into_iter().collect::<Vec<_>>()
+    };
+    let root = ("", "mod a; mod b; mod my;");
+    let [a, b] = [("a", "use crate::{my, b::{X, Y}};"), ("b", "use crate::my::Z; mod c;")];
+    let my = ("my", "fn crates() { mod_b; super_a::f() }");
+    assert_eq!(of(&[root, a, b, my, ("b::c", "use crate::my;")]), [""; 0]);
+    assert_eq!(of(&[root, a, b, my, ("b::c", "use super::X;")]), ["b", "b::c"]);
+    assert_eq!(of(&[root, a, b, my, ("b::c", "super::super::a::f()")]), ["a", "b", "b::c"]);
+    assert_eq!(of(&[root, a, b, ("my", "(crate::a::F)")]), ["a", "b", "my"]);
+    assert_eq!(of(&[root, a, b, ("my", "(crate::MAIN)")]), ["", "a", "b", "my"]);
+}
+
+#[test]
+fn what_stands_behind_the_features_of_faults_is_left_out() {
+    let text = "
+a
+#[cfg(feature = \"faults\")]
+mod flaw;
+#[cfg(any(test, feature = \"faults\"))]
+pub use flaw::{Flaw, spoil};
+#[cfg(not(feature = \"faults\"))]
+b(c);
+struct D {
+    e: F,
+    #[cfg(feature = \"faults\")]
+    flaw: Option<Flaw>,
+}
+fn g() {
+    #[cfg(feature = \"lab\")]
+    if let Some(flaw) = h(i, j) {
+        flaw.spoil();
+    }
+    k(
+        l,
+        #[cfg(feature = \"lab\")]
+        flaw
+    );
+    #[cfg(feature = \"faults\")]
+    fn n(flaw: &[u8], spoil: u8) -> Result<(), Flaw> {
+        flaw?;
+    }
+    #[cfg(feature = \"faults\")]
+    send(|flaw, used| { flaw; used }, \"{\")?;
+    m
+}
+";
+    let (left, modules) = crate::faults::outside_marks(text);
+    assert_eq!(left.lines().count(), text.lines().count());
+    assert!(!left.contains("flaw") && !left.contains("spoil"), "{left}");
+    for kept in ["a", "b(c);", "e: F,", "l,", ");", "m"] {
+        let line = |text: &str| text.lines().position(|line| line.trim() == kept);
+        assert!(line(&left).is_some() && line(&left) == line(text), "{kept}: {left}");
+    }
+    assert_eq!(modules, ["flaw"]);
 }
 
 #[test]

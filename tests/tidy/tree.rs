@@ -85,7 +85,7 @@ pub(crate) fn packages() -> Vec<Package> {
 }
 
 /// A table of the workspace's manifest.
-fn workspace_dependencies() -> Table {
+pub(crate) fn workspace_dependencies() -> Table {
     let manifest = Text::read(&root().join("Cargo.toml"));
     let table: Table = manifest.text.parse().expect("cargo has read it");
     let dependencies = table["workspace"]["dependencies"].as_table();
@@ -109,10 +109,14 @@ impl Package {
 
     /// All that it uses, for whatever purpose: the packages' own names, and the lines that say so.
     pub(crate) fn uses(&self) -> Vec<(String, usize)> {
+        self.uses_as(&["dependencies", "dev-dependencies", "build-dependencies"])
+    }
+
+    /// The same of some tables alone: its program, its tests, its build.
+    pub(crate) fn uses_as(&self, kinds: &[&str]) -> Vec<(String, usize)> {
         let everywhere = workspace_dependencies();
         let for_targets = self.table.get("target").and_then(Value::as_table);
         let tables = for_targets.into_iter().flat_map(Table::values).filter_map(Value::as_table);
-        let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
         let mut uses = Vec::new();
         for table in std::iter::once(&self.table).chain(tables) {
             let kinds = kinds.iter().filter_map(|kind| table.get(*kind)?.as_table());
@@ -123,6 +127,17 @@ impl Package {
             }
         }
         uses
+    }
+
+    /// What every build of it uses: not what is there for its tests.
+    pub(crate) fn built_with(&self) -> impl Iterator<Item = (&String, &Value)> {
+        let for_targets = self.table.get("target").and_then(Value::as_table);
+        let tables = for_targets.into_iter().flat_map(Table::values).filter_map(Value::as_table);
+        std::iter::once(&self.table)
+            .chain(tables)
+            .flat_map(|table| ["dependencies", "build-dependencies"].map(|kind| table.get(kind)))
+            .filter_map(|kind| kind?.as_table())
+            .flatten()
     }
 
     /// The line of the manifest that names a dependency.

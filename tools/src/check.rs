@@ -16,6 +16,11 @@ pub(crate) const STEPS: &[Step] = &[
         env: &[],
     },
     Step {
+        name: "clippy of an ECU build",
+        args: &["clippy", "--package", "cli", "--no-default-features", "--", "-D", "warnings"],
+        env: &[],
+    },
+    Step {
         name: DOCS,
         args: &["doc", "--workspace", "--no-deps"],
         env: &[("RUSTDOCFLAGS", "-D warnings")],

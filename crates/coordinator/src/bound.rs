@@ -36,6 +36,7 @@ pub(crate) fn hulls(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Seen
 
 impl Open {
     /// Nothing found, and nothing to come: not a bound.
+    #[cfg(any(test, feature = "faults"))]
     pub(crate) fn nothing() -> Self {
         Self { found: Seen::NOTHING, reach: Seen::NOTHING }
     }

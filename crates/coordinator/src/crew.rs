@@ -18,6 +18,7 @@ mod error;
 mod idle;
 mod inbox;
 mod incident;
+#[cfg(feature = "faults")]
 mod inject;
 mod mend;
 mod options;
@@ -31,6 +32,7 @@ mod supervise;
 pub use error::CrewError;
 pub use idle::Attendant;
 pub use incident::{Incident, Sight};
+#[cfg(feature = "faults")]
 pub use inject::Spoiled;
 pub use mend::Mended;
 pub use options::Options;

@@ -37,6 +37,7 @@ mod request;
 mod scene;
 mod strategy;
 mod terms;
+#[cfg(any(test, feature = "faults"))]
 mod trial;
 mod work;
 mod workspace;
@@ -44,9 +45,11 @@ mod workspace;
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use brief::{Brief, BriefRow};
 
+#[cfg(feature = "faults")]
+pub use crew::Spoiled;
 pub use crew::{
     Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Share,
-    Sight, Spoiled, WorkerReport, preflight, seal,
+    Sight, WorkerReport, preflight, seal,
 };
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
@@ -57,6 +60,7 @@ pub use request::{Candidates, Request, RequestError};
 pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};
+#[cfg(any(test, feature = "faults"))]
 pub use trial::{Chance, Flaw, Verdict, trial};
 pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};
 pub use workspace::{Backend, Course, Inquiry, RankError, Stage, Workspace};

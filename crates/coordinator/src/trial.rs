@@ -5,7 +5,8 @@
 //! the one before; and places that were said to be settled are those of the finished run. Jobs are
 //! done in any order, cut by any budget, and now and then lost for good.
 //!
-//! [`Flaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing.
+//! [`Flaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing. All of it
+//! is behind the feature `faults`, and in the tests of this crate.
 
 use crate::bound::Open;
 use crate::in_process::InProcessExecutor;
@@ -15,7 +16,8 @@ use crate::strategy::Pursuit;
 use crate::terms::Terms;
 use crate::work::Work;
 use body::{BodyView, Meta};
-use damage::{Bounds, CandidateHarm, Ranking, State, Work as Interval};
+use damage::{AssessError, Bounds, CandidateHarm, Ranking, State, Work as Interval};
+use damage::{bounds, needs_high};
 use dispatch::{Closed, Work as _};
 use geometry::hash::splitmix64;
 
@@ -252,7 +254,7 @@ impl Trial {
             self.fail(format!("{kept} places were kept as settled, the answer has {said}"));
         }
         for (k, harm) in harms.iter().enumerate() {
-            let Ok(made) = work.bounds_of(k) else { continue };
+            let Ok(made) = bounds_of(work, k) else { continue };
             let full = Bounds::of(harm);
             let risks = |bounds: &Bounds| -> Vec<Interval> {
                 bounds.persons.iter().map(|person| person.work).collect()
@@ -262,6 +264,14 @@ impl Trial {
             }
         }
     }
+}
+
+/// The bounds of a candidate, made from all that is known now.
+fn bounds_of(work: &Work<'_>, k: usize) -> Result<Bounds, AssessError> {
+    let request = work.request();
+    let high = needs_high(&request.policy);
+    let encounter = request.candidates[k].encounter();
+    bounds(&encounter, &work.evidence(k), &work.basis(), high)
 }
 
 /// A candidate's measures in the policy's steps.
@@ -275,7 +285,7 @@ fn flawed(work: &Work<'_>, flaw: Flaw) -> Result<(Vec<CandidateHarm>, Ranking), 
         Flaw::ForgetsOpenPoses => work.judge_by(
             |case| {
                 let nothing = |_, _: &damage::Stop| Open::nothing();
-                work.case(case).evidence(nothing)
+                work.cases()[case].evidence(nothing)
             },
             |_| {},
         ),

@@ -160,11 +160,6 @@ impl<'w> Work<'w> {
         self.effort
     }
 
-    /// A candidate at work.
-    pub(crate) fn case(&self, case: usize) -> &Case {
-        &self.cases[case]
-    }
-
     /// Asks for whatever a candidate needs next.
     fn advance(&mut self, case: usize) {
         let candidate = &self.request.candidates[case];

@@ -94,7 +94,9 @@ pub trait Diagnostic: Error {
 /// );
 /// assert_eq!(failure.kind().exit_code(), 65);
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
+///
+/// `Debug` says what `Display` says, so that `main` may return it.
+#[derive(Clone, PartialEq, Eq)]
 pub struct Failure {
     kind: Kind,
     what: String,
@@ -169,6 +171,12 @@ impl fmt::Display for Failure {
             Some(remedy) => write!(f, "{}\n  help: {remedy}", self.what),
             None => f.write_str(&self.what),
         }
+    }
+}
+
+impl fmt::Debug for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -22,14 +22,14 @@
 
 mod counts;
 mod event;
-#[cfg(feature = "flaws")]
+#[cfg(feature = "faults")]
 mod flaw;
 mod job;
 mod lease;
 
 pub use counts::{Counts, Fence};
 pub use event::{Effect, Entry, Event, Progress, Why};
-#[cfg(feature = "flaws")]
+#[cfg(feature = "faults")]
 pub use flaw::Flaw;
 pub use job::{Closed, Spec, Work};
 
@@ -108,7 +108,7 @@ pub struct Dispatcher<S> {
     fresh: Vec<Spec>,
     views: Vec<CoreView>,
     spare: Spare,
-    #[cfg(feature = "flaws")]
+    #[cfg(feature = "faults")]
     flaw: Option<Flaw>,
 }
 
@@ -134,7 +134,7 @@ impl<S: Scheme> Dispatcher<S> {
             fresh: Vec::new(),
             views: Vec::with_capacity(cores),
             spare: Spare::default(),
-            #[cfg(feature = "flaws")]
+            #[cfg(feature = "faults")]
             flaw: None,
         }
     }
@@ -309,7 +309,7 @@ impl<S: Scheme> Dispatcher<S> {
         body: W::Part<'_>,
         work: &mut W,
     ) -> Taken {
-        #[cfg(feature = "flaws")]
+        #[cfg(feature = "faults")]
         if self.take_unfenced(job, last, body, work) {
             return Taken::Well;
         }

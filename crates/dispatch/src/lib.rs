@@ -24,7 +24,7 @@ mod restart;
 mod scheme;
 mod supervise;
 
-#[cfg(feature = "flaws")]
+#[cfg(feature = "faults")]
 pub use dispatcher::Flaw;
 pub use dispatcher::{
     Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Why, Work,

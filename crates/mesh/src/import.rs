@@ -68,6 +68,22 @@ pub struct ImportOptions {
     pub name: Option<String>,
 }
 
+impl ImportOptions {
+    /// Every triangle as it stands in the file, whose coordinates are taken for metres of the body's
+    /// own frame: ids count from 0 in file order, nothing is left out, and the size may be any.
+    #[must_use]
+    pub fn as_it_stands() -> Self {
+        Self {
+            unit: Some(Unit::METRE),
+            up: Some(Axis::Z),
+            forward: Some(Axis::X),
+            any_size: true,
+            keep_duplicates: true,
+            ..Self::default()
+        }
+    }
+}
+
 /// A mesh and what was found out about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {

@@ -9,6 +9,17 @@ pub const STATUS_FD: i32 = 11;
 /// Descriptor of the eventfd that wakes the coordinator.
 pub const EVENT_FD: i32 = 12;
 
+/// Flag: it works on copies.
+const COPIES: u8 = 1;
+/// Flag: it obeys orders. Reserved without the feature `faults`.
+#[cfg(feature = "faults")]
+const OBEYS: u8 = 2;
+/// The flags that this build can follow.
+#[cfg(feature = "faults")]
+const KNOWN: u8 = COPIES | OBEYS;
+#[cfg(not(feature = "faults"))]
+const KNOWN: u8 = COPIES;
+
 /// How a worker is started.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Launch {
@@ -23,6 +34,7 @@ pub struct Launch {
     /// Whether it works on copies of sections that are sent to it, not on the store in place.
     pub copies: bool,
     /// Whether it obeys an [`crate::Order`]: only where faults are injected.
+    #[cfg(feature = "faults")]
     pub obeys: bool,
     /// Where its channels are: text made and read by the transport.
     pub domain: String,
@@ -32,12 +44,15 @@ impl Launch {
     /// The word.
     #[must_use]
     pub fn to_word(&self) -> String {
-        let Self { who, boot, batch, queue, copies, obeys, domain } = self;
-        let flags = u8::from(*copies) | u8::from(*obeys) << 1;
+        let Self { who, boot, batch, queue, copies, domain, .. } = self;
+        let flags = u8::from(*copies) * COPIES;
+        #[cfg(feature = "faults")]
+        let flags = flags | (u8::from(self.obeys) * OBEYS);
         format!("{}.{}:{:x}:{batch}:{queue}:{flags}:{domain}", who.worker, who.inc, boot.0)
     }
 
-    /// Reads the word; `None` if it was not written by [`Launch::to_word`].
+    /// Reads the word; `None` if it was not written by [`Launch::to_word`], or asks for what this
+    /// build cannot do: one without the feature `faults` does not start as a worker that obeys.
     #[must_use]
     pub fn from_word(word: &str) -> Option<Self> {
         let mut fields = word.splitn(6, ':');
@@ -46,8 +61,19 @@ impl Launch {
         let boot = Boot(u64::from_str_radix(fields.next()?, 16).ok()?);
         let (batch, queue) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);
         let flags: u8 = fields.next()?.parse().ok()?;
-        let (copies, obeys) = (flags & 1 == 1, flags & 2 == 2);
-        Some(Self { who, boot, batch, queue, copies, obeys, domain: fields.next()?.to_owned() })
+        if flags & !KNOWN != 0 {
+            return None;
+        }
+        Some(Self {
+            who,
+            boot,
+            batch,
+            queue,
+            copies: flags & COPIES != 0,
+            #[cfg(feature = "faults")]
+            obeys: flags & OBEYS != 0,
+            domain: fields.next()?.to_owned(),
+        })
     }
 
     /// Words that a message to the worker must have room for: every job may bring a task of its
@@ -87,11 +113,20 @@ mod tests {
             batch: 16,
             queue: 64,
             copies: true,
-            obeys: false,
+            #[cfg(feature = "faults")]
+            obeys: true,
             domain: "/dev/shm/trolley.demo:with:colons".to_owned(),
         };
         assert_eq!(Launch::from_word(&launch.to_word()), Some(launch));
         assert_eq!(Launch::from_word(""), None);
         assert_eq!(Launch::from_word("1:2:3:4:5:6"), None);
+    }
+
+    #[test]
+    fn flags_that_this_build_cannot_follow_are_refused() {
+        let read = |flags: u8| Launch::from_word(&format!("0.0:1:16:64:{flags}:x"));
+        assert_eq!(read(1).map(|launch| launch.copies), Some(true));
+        assert_eq!(read(2).is_some(), cfg!(feature = "faults"));
+        assert_eq!(read(4), None);
     }
 }

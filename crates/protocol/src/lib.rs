@@ -10,12 +10,15 @@
 //! - Every bit pattern of a message is a value: no padding, no `bool`, no `enum`, no pointer. What
 //!   a peer scribbled is a wrong value at worst, and [`Head::accept`] turns it away.
 //! - Layouts are pinned by assertions beside the types; [`LAYOUT`] names them all.
+//! - Layouts are the same with and without the feature `faults`: the words of orders are there, and
+//!   nobody reads them.
 //! - This crate does no I/O and reads no clock. It does not know what a triangle is.
 
 pub mod head;
 pub mod id;
 pub mod job;
 pub mod launch;
+#[cfg(feature = "faults")]
 pub mod order;
 pub mod parcel;
 pub mod public;
@@ -26,6 +29,7 @@ pub use head::{Head, Kind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{Job, Question, Task};
 pub use launch::Launch;
+#[cfg(feature = "faults")]
 pub use order::{Misdeed, Order};
 pub use parcel::{Array, Piece};
 pub use result::{Side, Summary};

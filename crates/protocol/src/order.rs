@@ -1,7 +1,8 @@
 //! Orders to misbehave: how faults are injected into a worker from within.
 //!
 //! The coordinator writes an order into the worker's line of the status page; the worker obeys it
-//! once, when it starts a job, and only if it was started with [`crate::Launch::obeys`].
+//! once, when it starts a job, and only if it was started with [`crate::Launch::obeys`]. All of it
+//! is behind the feature `faults`: a build without it can neither give nor read an order.
 //!
 //! ```text
 //! word: sequence (16 bits) | misdeed (8) | jobs to do before (8) | argument (32)

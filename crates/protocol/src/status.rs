@@ -38,7 +38,8 @@ pub struct WorkerLine {
     /// Number of the first batch that it may still be working on: all below it are worked off or
     /// were turned away, and what was to be sent for them was sent before this was written.
     pub answered: AtomicU64,
-    /// When it carried out the last [`crate::Order`] (ns, monotonic); 0: never.
+    /// When it last did what it was ordered to (ns, monotonic); 0: never. Reserved without the
+    /// feature `faults`.
     pub obeyed_ns: AtomicU64,
     /// A [`State`].
     pub state: AtomicU32,
@@ -64,7 +65,8 @@ pub struct CoordinatorLine {
     pub stop: AtomicU32,
     /// 1 while the coordinator sleeps, so that a worker has to ring its eventfd.
     pub sleeping: AtomicU32,
-    /// An [`crate::Order`] for fault injection; 0: none.
+    /// What it is ordered to do where faults are injected; 0: nothing. Reserved without the feature
+    /// `faults`.
     pub order: AtomicU64,
 }
 

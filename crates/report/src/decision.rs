@@ -1,5 +1,5 @@
-//! A decision record and its answer, made again, as plain values: what a page says of it, and what is
-//! to be seen of each candidate.
+//! A decision record and its answer, made again, as plain values: what a page says of it, and what
+//! is to be seen of each candidate.
 
 use crate::explain;
 use crate::html::{Candidate, Decision, Moment, Span, Worker};

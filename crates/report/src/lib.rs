@@ -11,9 +11,9 @@
 //!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
 //! ```
 //!
-//! Above `write` plain values come in and bytes go out; no file is opened there. Nothing is assessed
-//! here: every figure is one that decided. All shots are in the ego's frame, in metres, x forward, z
-//! up.
+//! Files are read and written by `write` alone: everywhere else plain values come in and bytes go
+//! out. Nothing is assessed here: every figure is one that decided. All shots are in the ego's
+//! frame, in metres, x forward, z up.
 //!
 //! # Invariants
 //!

@@ -207,6 +207,7 @@ pub fn set_name(name: &str) {
 }
 
 /// Ends the calling process by this signal, as if the kernel had sent it: for fault injection.
+#[cfg(feature = "faults")]
 pub fn die_of(number: i32) {
     if let Some(signal) = Signal::from_named_raw(number) {
         // The first may only take away a handler, which waits for the fault to happen again.

@@ -16,12 +16,14 @@
 //!   than all of it done by one: `machine/tests.rs`.
 //! - Costs are found again from times that follow from them: `costs/tests.rs`.
 //!
-//! [`faults`] drives the same dispatcher through a world in which everything goes wrong.
+//! `faults`, behind the feature of that name, drives the same dispatcher through a world in which
+//! everything goes wrong.
 //!
 //! It knows nothing of caches beyond the ledger's, of memory bandwidth that cores share, or of
 //! other programs on the machine.
 
 mod costs;
+#[cfg(any(test, feature = "faults"))]
 pub mod faults;
 mod machine;
 mod trace;

@@ -96,7 +96,7 @@ impl OpenMessage<'_> {
     /// connected. [`UseError::TooLong`]: `used` is beyond the room. [`UseError::Broken`]: the
     /// channel is gone.
     pub fn send(self, head: Head, used: usize) -> Result<(), UseError> {
-        self.send_spoiled(head, used, |_, _| {})
+        self.send_changed(head, used, |_, _| {})
     }
 
     /// The same, but `spoil` may change header and payload after they were sealed: for fault
@@ -105,17 +105,28 @@ impl OpenMessage<'_> {
     /// # Errors
     ///
     /// As [`OpenMessage::send`].
+    #[cfg(feature = "faults")]
     pub fn send_spoiled(
-        mut self,
+        self,
         head: Head,
         used: usize,
         spoil: impl FnOnce(&mut Head, &mut [u64]),
+    ) -> Result<(), UseError> {
+        self.send_changed(head, used, spoil)
+    }
+
+    /// Seals a message, and sends it with whatever is changed about it then.
+    fn send_changed(
+        mut self,
+        head: Head,
+        used: usize,
+        change: impl FnOnce(&mut Head, &mut [u64]),
     ) -> Result<(), UseError> {
         let sent = self.sender.messages.get();
         let payload = self.sample.payload_mut().get_mut(..used).ok_or(UseError::TooLong)?;
         // Counts modulo 2³²: a gap shows, whatever the number is.
         let mut head = seal(Head { seq: (sent & 0xffff_ffff) as u32, ..head }, payload);
-        spoil(&mut head, payload);
+        change(&mut head, payload);
         let lines = crate::lines(payload.as_ptr() as usize, size_of_val(payload))
             + crate::lines(&raw const *self.sample.user_header() as usize, size_of::<Head>());
         *self.sample.user_header_mut() = Wire::new(head);

@@ -65,7 +65,7 @@ impl ModelFile {
             return Ok(Self { kind: meta.kind, bytes, source_hash });
         }
         let body = bvh::rebuild(view, &meta, options, &|_| {})
-            .map_err(|error| Failure::input(error.to_string()).at(path.display()))?;
+            .map_err(|error| Failure::from(error).at(path.display()))?;
         Ok(Self { source_hash, ..Self::of(&body)? })
     }
 
@@ -284,8 +284,7 @@ pub fn generate(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<body::Body, Failure> {
-    let mesh = shapes::generate(shape, triangles, seed)
-        .map_err(|error| Failure::input(error.to_string()).with_remedy("change `triangles`"))?;
+    let mesh = shapes::generate(shape, triangles, seed)?;
     let origin = shapes::call(shape, triangles, seed);
     let hash = blake3::hash(origin.as_bytes()).to_hex();
     let origin = defaults::Origin {
@@ -310,6 +309,5 @@ pub fn with_tree(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<body::Body, Failure> {
     let zones = zones::of_mesh(&mesh, meta.kind);
-    bvh::body(mesh, meta, zones, options, progress)
-        .map_err(|error| Failure::input(error.to_string()))
+    Ok(bvh::body(mesh, meta, zones, options, progress)?)
 }

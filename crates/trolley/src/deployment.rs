@@ -64,8 +64,8 @@ impl OpenDeployment {
 
     /// The request that asks what a scenario asks, with the ids of the deployment's models. `file`
     /// is the scenario's, which its paths are relative to; its engine, policy and curves do not
-    /// count. With `unknown_is_fixed`, parties of unknown kind are taken as fixed to the ground, with
-    /// nobody in them.
+    /// count. With `unknown_is_fixed`, parties of unknown kind are taken as fixed to the ground,
+    /// with nobody in them.
     ///
     /// # Errors
     ///

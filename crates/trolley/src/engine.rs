@@ -176,7 +176,11 @@ impl Engine {
         let loaded = loaded(&mut self.loaded, scenario, &settings, progress)?;
         let loaded_ns = clock::now_ns();
         let mut backend = match loaded.backend.take() {
-            Some(backend) => backend,
+            Some(mut backend) => {
+                // Whoever was lost has a successor.
+                backend.crew_mut().map(|crew| crew.mend(loaded.bodies.store())).transpose()?;
+                backend
+            }
             None => self.settings.backend(&settings, &loaded.bodies)?,
         };
         let started_ns = clock::now_ns();
@@ -224,9 +228,10 @@ impl Engine {
             },
         );
         // Workers that could not finish are not used again.
-        let (answer, explanation, run, ledger) = told??;
+        let told = told?;
         let report = backend.report();
         loaded.backend = Some(backend);
+        let (answer, explanation, run, ledger) = told?;
         let run = match report {
             Some(report) => run.with_crew(report, loaded.bodies.store().bytes().len()),
             None => run,
@@ -243,6 +248,13 @@ impl Engine {
             drop(loaded.backend.take());
         }
         milliseconds(clock::now_ns() - begun_ns)
+    }
+
+    /// Process ids of the workers, in order; none before the first ranking.
+    #[must_use]
+    pub fn worker_pids(&self) -> Vec<u32> {
+        let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
+        backend.and_then(Backend::crew).map(Crew::pids).unwrap_or_default()
     }
 
     /// Who got which job in the last ranking, if [`Handing::log`] is set.

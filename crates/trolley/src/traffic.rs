@@ -213,6 +213,8 @@ impl Imported {
         }
     }
 
+    /// The same as a document.
+    #[must_use]
     pub fn document(&self, path: &Path) -> Document<'_> {
         Document {
             schema: "trolley.scenario-import/1",

@@ -1,7 +1,9 @@
 //! Writes the hits of one job into shared memory as the kernel finds them.
 
-use crate::misdeed::Spoilt;
+#[cfg(feature = "faults")]
+use crate::misdeed::{self, Spoilt};
 use bvh::{NodePair, Sink};
+#[cfg(feature = "faults")]
 use core::cell::Cell;
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering;
@@ -22,12 +24,13 @@ pub(crate) struct Outlet<'w> {
     pub(crate) who: Incarnation,
     pub(crate) boot: protocol::Boot,
     /// What is to be done to the next result, where faults are injected.
+    #[cfg(feature = "faults")]
     pub(crate) spoilt: Cell<Option<Spoilt>>,
 }
 
 impl<'w> Outlet<'w> {
     /// Waits for a credit, then loans a message; `None` if the worker is to stop.
-    fn open(&self) -> Result<Option<OpenMessage<'w>>, UseError> {
+    pub(crate) fn open(&self) -> Result<Option<OpenMessage<'w>>, UseError> {
         let backoff = Backoff::new();
         loop {
             let sent = self.line.sent.load(Ordering::Relaxed);
@@ -62,13 +65,11 @@ impl<'w> Outlet<'w> {
         used: usize,
     ) -> Result<(), UseError> {
         let seq = self.line.sent.load(Ordering::Relaxed) as u32;
-        let spoilt = self.spoilt.take();
-        let head = Head { seq, ..spoilt.map_or(head, |spoilt| spoilt.before(head)) };
-        message.send_spoiled(head, used, |head, words| {
-            if let Some(spoilt) = spoilt {
-                spoilt.after(head, words);
-            }
-        })?;
+        let head = Head { seq, ..head };
+        #[cfg(not(feature = "faults"))]
+        message.send(head, used)?;
+        #[cfg(feature = "faults")]
+        misdeed::send(self.spoilt.take(), message, head, used)?;
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
         // The coordinator that counts this message sees all that went before it.
         self.line.sent.fetch_add(1, Ordering::SeqCst);
@@ -200,22 +201,12 @@ impl<'w> Answer<'w> {
         let Some(mut message) = self.message.take() else { return Ok(()) };
         let summary = done.summary(self.hits_before + self.hits as u32, wall_ns);
         let used = write_last(message.words(), self.hits, &summary, done.supports());
-        match self.outlet.spoilt.get() {
-            Some(Spoilt::Withhold) => {
-                self.outlet.spoilt.take();
-                return Ok(());
-            }
-            Some(Spoilt::Repeat) => {
-                self.outlet.spoilt.take();
-                let words = message.words()[..used].to_vec();
-                self.outlet.send(message, self.head(true), used)?;
-                let Some(mut again) = self.outlet.open()? else { return Ok(()) };
-                again.words()[..used].copy_from_slice(&words);
-                return self.outlet.send(again, self.head(true), used);
-            }
-            _ => {}
-        }
-        self.outlet.send(message, self.head(true), used)
+        let head = self.head(true);
+        #[cfg(feature = "faults")]
+        let Some(message) = misdeed::last(self.outlet, message, head, used)? else {
+            return Ok(());
+        };
+        self.outlet.send(message, head, used)
     }
 }
 

@@ -14,10 +14,13 @@
 //! - A panic in a job costs that job, not the worker: it answers with a NACK.
 //! - A batch is answered, whatever it holds: `answered` moves past one that was turned away, too.
 //!
+//! With the feature `faults` a worker that is started for it misbehaves on order.
+//!
 //! It does not know candidates, requests or harm, and it never parses a mesh.
 
 mod answer;
 mod copy;
+#[cfg(feature = "faults")]
 mod misdeed;
 mod serve;
 

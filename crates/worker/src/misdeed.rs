@@ -1,13 +1,14 @@
 //! Faults that a worker commits on order, so that everybody sees what follows.
 //!
-//! Obeyed only if the coordinator started this worker for it: see `protocol::order`.
+//! Obeyed only if the coordinator started this worker for it: see `protocol::order`. All of it is
+//! behind the feature `faults`.
 
 use crate::answer::Outlet;
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
 use protocol::{Head, Job, Misdeed, Order};
 use runtime::{clock, futex, process};
-use transport::UseError;
+use transport::{OpenMessage, UseError};
 
 /// SIGSEGV.
 const SEGV: i32 = 11;
@@ -22,8 +23,12 @@ pub(crate) struct Orders {
 }
 
 impl Orders {
-    /// What to do now that this job is started.
-    pub(crate) fn due(&mut self, outlet: &Outlet<'_>, job: &Job) -> Option<Order> {
+    /// Does what is due now that this job is started. Returns only from what can be survived.
+    pub(crate) fn obey(&mut self, outlet: &Outlet<'_>, job: &Job) -> Result<(), UseError> {
+        self.due(outlet, job).map_or(Ok(()), |order| commit(order, outlet))
+    }
+
+    fn due(&mut self, outlet: &Outlet<'_>, job: &Job) -> Option<Order> {
         let word = outlet.coordinator.order.load(Ordering::Relaxed);
         if let Some(order) = Order::from_word(word).filter(|order| order.sequence != self.seen) {
             self.seen = order.sequence;
@@ -58,7 +63,7 @@ pub(crate) enum Spoilt {
 
 impl Spoilt {
     /// What it says before it is sealed.
-    pub(crate) fn before(self, head: Head) -> Head {
+    fn before(self, head: Head) -> Head {
         match self {
             Self::Masquerade => Head { worker: head.worker ^ 1, ..head },
             _ => head,
@@ -66,7 +71,7 @@ impl Spoilt {
     }
 
     /// What becomes of it after it was sealed.
-    pub(crate) fn after(self, head: &mut Head, words: &mut [u64]) {
+    fn after(self, head: &mut Head, words: &mut [u64]) {
         match self {
             Self::Garble(bit) => {
                 let bit = bit as usize % (words.len().max(1) * 64);
@@ -81,46 +86,81 @@ impl Spoilt {
     }
 }
 
-pub(crate) trait Commit {
-    /// Does it. Returns only from what can be survived.
-    fn commit(self, outlet: &Outlet<'_>) -> Result<(), UseError>;
+/// Sends a message, spoilt if it is to be.
+pub(crate) fn send(
+    spoilt: Option<Spoilt>,
+    message: OpenMessage<'_>,
+    head: Head,
+    used: usize,
+) -> Result<(), UseError> {
+    let head = spoilt.map_or(head, |spoilt| spoilt.before(head));
+    message.send_spoiled(head, used, |head, words| {
+        if let Some(spoilt) = spoilt {
+            spoilt.after(head, words);
+        }
+    })
 }
 
-impl Commit for Order {
-    fn commit(self, outlet: &Outlet<'_>) -> Result<(), UseError> {
-        let spoil = |spoilt| outlet.spoilt.set(Some(spoilt));
-        match self.misdeed {
-            Misdeed::Abort | Misdeed::Poison => std::process::abort(),
-            Misdeed::Quit => std::process::exit(1),
-            Misdeed::Segfault => process::die_of(SEGV),
-            Misdeed::Overflow => {
-                black_box(dig(0));
+/// What is to be sent of a last part that is written: nothing if it is to be withheld, and if it is
+/// to be repeated it has gone out once already.
+pub(crate) fn last<'w>(
+    outlet: &Outlet<'w>,
+    mut message: OpenMessage<'w>,
+    head: Head,
+    used: usize,
+) -> Result<Option<OpenMessage<'w>>, UseError> {
+    match outlet.spoilt.get() {
+        Some(Spoilt::Withhold) => {
+            outlet.spoilt.take();
+            Ok(None)
+        }
+        Some(Spoilt::Repeat) => {
+            outlet.spoilt.take();
+            let words = message.words()[..used].to_vec();
+            outlet.send(message, head, used)?;
+            let mut again = outlet.open()?;
+            if let Some(again) = &mut again {
+                again.words()[..used].copy_from_slice(&words);
             }
-            Misdeed::Exhaust => exhaust(),
-            // Past the hook that would print it: nobody needs to read it.
-            Misdeed::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
-            Misdeed::Hang => loop {
-                core::hint::spin_loop();
-            },
-            Misdeed::Stall => {
-                let word = AtomicU32::new(0);
-                loop {
-                    let _woken = futex::wait(&word, 0, None);
-                }
-            }
-            Misdeed::Garble => spoil(Spoilt::Garble(self.argument)),
-            Misdeed::Lie => spoil(Spoilt::Lie),
-            Misdeed::Masquerade => spoil(Spoilt::Masquerade),
-            Misdeed::Repeat => spoil(Spoilt::Repeat),
-            Misdeed::Withhold => spoil(Spoilt::Withhold),
-            Misdeed::HoldLoan => {
-                let _held = outlet.sender.loan()?;
-                // There is but one, so this fails, and a worker that cannot send ends.
-                outlet.sender.loan().map(drop)?;
+            Ok(again)
+        }
+        _ => Ok(Some(message)),
+    }
+}
+
+fn commit(order: Order, outlet: &Outlet<'_>) -> Result<(), UseError> {
+    let spoil = |spoilt| outlet.spoilt.set(Some(spoilt));
+    match order.misdeed {
+        Misdeed::Abort | Misdeed::Poison => std::process::abort(),
+        Misdeed::Quit => std::process::exit(1),
+        Misdeed::Segfault => process::die_of(SEGV),
+        Misdeed::Overflow => {
+            black_box(dig(0));
+        }
+        Misdeed::Exhaust => exhaust(),
+        // Past the hook that would print it: nobody needs to read it.
+        Misdeed::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
+        Misdeed::Hang => loop {
+            core::hint::spin_loop();
+        },
+        Misdeed::Stall => {
+            let word = AtomicU32::new(0);
+            loop {
+                let _woken = futex::wait(&word, 0, None);
             }
         }
-        Ok(())
+        Misdeed::Garble => spoil(Spoilt::Garble(order.argument)),
+        Misdeed::Lie => spoil(Spoilt::Lie),
+        Misdeed::Masquerade => spoil(Spoilt::Masquerade),
+        Misdeed::Repeat => spoil(Spoilt::Repeat),
+        Misdeed::Withhold => spoil(Spoilt::Withhold),
+        Misdeed::HoldLoan => {
+            let _held = outlet.sender.loan()?;
+            // There is but one, so this fails, and a worker that cannot send ends.
+            outlet.sender.loan().map(drop)?;
+        }
     }
+    Ok(())
 }
 
 /// Recursion without end; the array makes each step large.

@@ -2,7 +2,8 @@
 
 use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
-use crate::misdeed::{Commit as _, Orders};
+#[cfg(feature = "faults")]
+use crate::misdeed::Orders;
 use body::{BodyView, Meta, store};
 use bvh::NodePair;
 use core::sync::atomic::Ordering;
@@ -82,6 +83,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         bell: &bell,
         who: launch.who,
         boot: launch.boot,
+        #[cfg(feature = "faults")]
         spoilt: core::cell::Cell::new(None),
     };
     line.inc.store(launch.who.inc, Ordering::Relaxed);
@@ -96,6 +98,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     if launch.copies {
         desk.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
     }
+    #[cfg(feature = "faults")]
     if launch.obeys {
         desk.orders = Some(Orders::default());
     }
@@ -116,13 +119,21 @@ struct Desk<'w> {
     /// Set if jobs are done on copies.
     copies: Option<Copies>,
     /// Set if faults are injected.
+    #[cfg(feature = "faults")]
     orders: Option<Orders>,
 }
 
 impl<'w> Desk<'w> {
     fn new(bodies: &'w [(Meta, BodyView<'w>)], outlet: &'w Outlet<'w>) -> Self {
         let executor = Executor::with_room_for(bodies);
-        Self { bodies, outlet, executor, copies: None, orders: None }
+        Self {
+            bodies,
+            outlet,
+            executor,
+            copies: None,
+            #[cfg(feature = "faults")]
+            orders: None,
+        }
     }
 
     /// Says that all batches below a number are answered, after the last of their results was sent.
@@ -188,9 +199,11 @@ impl<'w> Desk<'w> {
         }
         for job in jobs {
             let _started = Started::new(self.outlet, request, job);
-            let misdeed = self.orders.as_mut().and_then(|orders| orders.due(self.outlet, job));
             let run = AssertUnwindSafe(|| {
-                misdeed.map_or(Ok(()), |misdeed| misdeed.commit(self.outlet))?;
+                #[cfg(feature = "faults")]
+                if let Some(orders) = &mut self.orders {
+                    orders.obey(self.outlet, job)?;
+                }
                 self.run(request, &tasks[job.task as usize], job)
             });
             match catch_unwind(run) {

@@ -1,10 +1,12 @@
 //! Misdeeds on order, for fault injection alone: of workers, and of the way to them.
 //!
-//! No answer may depend on it: whoever misbehaves is found out as if nobody had told it to.
+//! All of it is behind the feature `faults`. No answer may depend on it: whoever misbehaves is
+//! found out as if nobody had told it to.
 
 use super::Crew;
 use core::sync::atomic::Ordering;
-use protocol::Order;
+use protocol::{Head, Order};
+use transport::{OpenMessage, UseError};
 
 /// What is done to a batch on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,26 @@ pub enum Spoiled {
     Garbled(u32),
     /// It is refused, as if the queue were full.
     Refused,
+}
+
+/// Sends a batch, spoiled if it is to be.
+pub(super) fn send(
+    spoiled: Option<Spoiled>,
+    message: OpenMessage<'_>,
+    head: Head,
+    used: usize,
+) -> Result<(), UseError> {
+    match spoiled {
+        None => message.send(head, used),
+        Some(Spoiled::Refused) => Err(UseError::Full),
+        Some(Spoiled::Garbled(bit)) => message.send_spoiled(head, used, |head, words| {
+            let bit = bit as usize % (words.len().max(1) * 64);
+            match words.get_mut(bit / 64) {
+                Some(word) => *word ^= 1 << (bit % 64),
+                None => head.hits ^= 1,
+            }
+        }),
+    }
 }
 
 impl Crew {

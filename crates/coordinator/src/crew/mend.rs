@@ -97,6 +97,7 @@ impl Crew {
             batch: options.queues.batch,
             queue: options.queues.capacity,
             copies: options.copies,
+            #[cfg(feature = "faults")]
             obeys: options.obeys,
             domain: self.domain.text().to_owned(),
         };

@@ -30,6 +30,7 @@ pub struct Options {
     /// How often workers are replaced.
     pub intensity: Intensity,
     /// Whether workers misbehave on order: for fault injection alone.
+    #[cfg(feature = "faults")]
     pub obeys: bool,
 }
 
@@ -42,8 +43,7 @@ impl Options {
     };
 
     /// A worker per core, each played by this program itself; whom to give a job to and how many
-    /// as the engine has it where nothing is said. Nothing is copied or written down, and nobody
-    /// misbehaves.
+    /// as the engine has it where nothing is said. Nothing is copied or written down.
     #[must_use]
     pub fn new(
         instance: impl Into<String>,
@@ -62,6 +62,7 @@ impl Options {
             log: false,
             patience: Patience::default(),
             intensity: Intensity::default(),
+            #[cfg(feature = "faults")]
             obeys: false,
         }
     }

@@ -1,6 +1,6 @@
 //! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
 
-use super::{Hardware, Options, Share, Spoiled, WorkerReport};
+use super::{Hardware, Options, Share, WorkerReport};
 use core::sync::atomic::Ordering;
 use dispatch::{Patience, Pulse, Verdict, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
@@ -24,7 +24,8 @@ pub(super) struct Station {
     /// Until when it must have greeted (ns).
     pub(super) mute_ns: u64,
     /// What is to be done to the next batch, where faults are injected.
-    pub(super) spoiled: Option<Spoiled>,
+    #[cfg(feature = "faults")]
+    pub(super) spoiled: Option<super::Spoiled>,
     /// Batches known to be answered.
     answered: u64,
     /// Number of the next batch: all below were handed over.
@@ -127,6 +128,7 @@ impl Station {
             is_alive: true,
             has_greeted: false,
             mute_ns: runtime::clock::now_ns() + super::GREETING_NS,
+            #[cfg(feature = "faults")]
             spoiled: None,
             answered: 0,
             batches: 0,
@@ -267,21 +269,13 @@ impl Station {
         if !self.is_alive {
             return Err(UseError::Broken);
         }
-        let spoiled = self.spoiled.take();
-        if spoiled == Some(Spoiled::Refused) {
-            return Err(UseError::Full);
-        }
         let mut message = self.link.jobs.loan()?;
         message.words().get_mut(..words.len()).ok_or(UseError::Broken)?.copy_from_slice(words);
-        message.send_spoiled(Head { seq: self.seq, ..head }, words.len(), |head, words| {
-            if let Some(Spoiled::Garbled(bit)) = spoiled {
-                let bit = bit as usize % (words.len().max(1) * 64);
-                match words.get_mut(bit / 64) {
-                    Some(word) => *word ^= 1 << (bit % 64),
-                    None => head.hits ^= 1,
-                }
-            }
-        })?;
+        let sealed = Head { seq: self.seq, ..head };
+        #[cfg(not(feature = "faults"))]
+        message.send(sealed, words.len())?;
+        #[cfg(feature = "faults")]
+        super::inject::send(self.spoiled.take(), message, sealed, words.len())?;
         self.seq = self.seq.wrapping_add(1);
         if head.kind == Kind::Batch as u8 {
             if !self.is_busy(status) {

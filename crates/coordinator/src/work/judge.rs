@@ -71,7 +71,7 @@ impl<'w> Work<'w> {
     }
 
     /// By what harm is computed.
-    pub(super) fn basis(&self) -> Basis<'w> {
+    pub(crate) fn basis(&self) -> Basis<'w> {
         let Request { curves, policy, parameters, .. } = self.request;
         Basis { curves, level: policy.outcome, parameters }
     }

@@ -10,10 +10,8 @@ use crate::case::Aim;
 use crate::request::Request;
 use crate::terms::Until;
 use damage::evidence::Touch;
-use damage::{
-    AssessError, Basis, Bounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing,
-};
-use damage::{bounds, bounds_in, needs_high, standing_in};
+use damage::{Basis, Bounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing};
+use damage::{bounds_in, needs_high, standing_in};
 use runtime::clock;
 use serde::Serialize;
 
@@ -210,13 +208,6 @@ impl Work<'_> {
             Until::Ordered => is_ordered,
             Until::Certified => settled > 0,
         };
-    }
-
-    /// The bounds of a candidate, made from all that is known now.
-    pub(crate) fn bounds_of(&self, case: usize) -> Result<Bounds, AssessError> {
-        let high = needs_high(&self.request.policy);
-        let encounter = self.request.candidates[case].encounter();
-        bounds(&encounter, &self.evidence(case), &self.basis(), high)
     }
 
     /// What is known of the contact of a candidate.

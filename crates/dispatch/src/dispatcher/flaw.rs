@@ -1,4 +1,5 @@
-//! Deliberate mistakes, for the tests that must catch them. Not part of any build that ships.
+//! Deliberate mistakes, for the tests that must catch them. Behind the
+//! feature `faults`: no build for a vehicle has them.
 
 use super::{Closed, Dispatcher, State, Work};
 use crate::scheme::Scheme;

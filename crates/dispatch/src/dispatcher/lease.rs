@@ -245,7 +245,7 @@ impl<S: Scheme> Dispatcher<S> {
         if let Some(log) = &mut self.log {
             log.push(Entry::Lost { who });
         }
-        #[cfg(feature = "flaws")]
+        #[cfg(feature = "faults")]
         if self.bury_badly(who, work) {
             return;
         }
