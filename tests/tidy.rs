@@ -45,6 +45,7 @@ const LAYERS: &[&str] = &[
     "service",
     "trolley",
     "report",
+    "lab",
     "client-c",
     "cli",
     "tools",
@@ -78,7 +79,7 @@ const ALONE: &[(&str, &[&str])] = &[
     ("earcut", &["mesh"]),
     ("robust", &["geometry"]),
     ("clap", &["cli", "tools"]),
-    ("kuva", &["cli"]),
+    ("kuva", &["lab"]),
 ];
 /// Crates that may contain `unsafe`.
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];

@@ -15,7 +15,7 @@ pub(crate) struct AnswerArgs {
     #[arg(long, value_name = "unknown=fixed")]
     pub(crate) assume: Option<Assume>,
     /// Add a decision record to this folder: what was asked, decided, and by what.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "budget")]
     pub(crate) record: Option<PathBuf>,
     #[command(flatten)]
     limits: LimitArgs,
@@ -28,9 +28,10 @@ pub(crate) enum Assume {
     #[value(name = "unknown=fixed")]
     UnknownFixed,
 }
+
 /// When to stop.
 #[derive(Clone, Debug, Default, Args)]
-struct LimitArgs {
+pub(crate) struct LimitArgs {
     /// Stop when all work is done, when the order is certain, or when the winner is.
     #[arg(long, value_name = "WHEN", default_value = "complete")]
     until: UntilName,
@@ -40,7 +41,7 @@ struct LimitArgs {
     deadline_ms: Option<f64>,
     /// Most tests of boxes and triangles that one job may take; what it leaves becomes new jobs
     /// [default: no limit, or 262144 under a deadline].
-    #[arg(long, value_name = "TESTS", conflicts_with = "record")]
+    #[arg(long, value_name = "TESTS")]
     budget: Option<u64>,
 }
 
@@ -56,26 +57,30 @@ enum UntilName {
     Certified,
 }
 
-impl AnswerArgs {
-    /// The limits, and what is kept beside the answer.
+impl LimitArgs {
+    /// The limits, with nothing kept beside the answer.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
-        let mut limits = Limits::default().until(match self.limits.until {
+        let mut limits = Limits::default().until(match self.until {
             UntilName::Complete => Until::Complete,
             UntilName::Ordered => Until::Ordered,
             UntilName::Certified => Until::Certified,
         });
-        if self.explain {
-            limits = limits.with_explanation();
-        }
-        if self.record.is_some() {
-            limits = limits.with_record();
-        }
-        if let Some(ms) = self.limits.deadline_ms {
+        if let Some(ms) = self.deadline_ms {
             limits = limits.with_deadline_ms(ms)?;
         }
-        match self.limits.budget {
+        match self.budget {
             Some(tests) => limits.with_budget(tests),
             None => Ok(limits),
         }
+    }
+}
+
+impl AnswerArgs {
+    /// The limits, and what is kept beside the answer.
+    pub(crate) fn limits(&self) -> Result<Limits, Failure> {
+        let mut limits = self.limits.limits()?;
+        limits.ledger = self.record.is_some();
+        limits.explanation = self.explain || self.record.is_some();
+        Ok(limits)
     }
 }

@@ -78,6 +78,20 @@ pub(crate) enum Command {
     /// Find the intersecting triangles of two posed bodies: all pairs, exactly.
     #[command(after_help = crate::intersect::EXAMPLES, after_long_help = crate::intersect::HELP)]
     Intersect(crate::intersect::IntersectArgs),
+    /// Measure match schemes, depths, buffers and transfer on pairs of bodies: tables and figures.
+    #[cfg(feature = "lab")]
+    #[command(after_help = crate::lab::measure::EXAMPLES)]
+    Measure(Box<crate::lab::measure::MeasureArgs>),
+    /// Try bounds, deadlines and budgets on requests of chance: tables, and whether all holds.
+    #[cfg(feature = "lab")]
+    #[command(after_help = crate::lab::certify::EXAMPLES)]
+    Certify {
+        #[command(subcommand)]
+        verb: crate::lab::certify::Verb,
+    },
+    /// Print what each step of the work costs on this machine, as JSON, in nanoseconds.
+    #[cfg(feature = "lab")]
+    Calibrate(crate::lab::calibrate::CalibrateArgs),
     /// Bodies: import, look at, check, generate, export.
     Model {
         #[command(subcommand)]
@@ -88,6 +102,16 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::record::Verb,
     },
+    /// Decide among simulated workers and channels that fail, by seed.
+    #[cfg(feature = "lab")]
+    Simulate {
+        #[command(subcommand)]
+        verb: crate::lab::simulate::Verb,
+    },
+    /// Answer requests while faults are injected into real processes; report what became of them.
+    #[cfg(feature = "lab")]
+    #[command(after_help = crate::lab::inject::EXAMPLES)]
+    Inject(crate::lab::inject::InjectArgs),
     /// Show a decision record or a measurement: one HTML page, .glb, PNG stills.
     #[command(after_help = crate::report::EXAMPLES)]
     Report(crate::report::ReportArgs),

@@ -9,6 +9,8 @@ mod args;
 mod doctor;
 mod engine_args;
 mod intersect;
+#[cfg(feature = "lab")]
+mod lab;
 mod model;
 mod output;
 mod policy;
@@ -51,8 +53,18 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Scenario { verb } => traffic::run(verb, &args.output()),
         Command::Policy { verb } => policy::run(verb, &args.output()),
         Command::Record { verb } => record::run(verb, &args.output()),
+        #[cfg(feature = "lab")]
+        Command::Simulate { verb } => lab::simulate::run(verb, args.verbose, &args.output()),
+        #[cfg(feature = "lab")]
+        Command::Inject(options) => lab::inject::run(options, &args.output()),
         Command::Report(asked) => report::run(asked, &args.output()),
         Command::Intersect(options) => intersect::run(options, &args.output()),
+        #[cfg(feature = "lab")]
+        Command::Measure(options) => lab::measure::run(options, &args.output()),
+        #[cfg(feature = "lab")]
+        Command::Certify { verb } => lab::certify::run(verb, &args.output()),
+        #[cfg(feature = "lab")]
+        Command::Calibrate(options) => lab::calibrate::run(options),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Serve(options) => serve::run(options, &args.output()),
         Command::Query(options) => query::run(options, &args.output()),
@@ -80,6 +92,9 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
 fn start_logging(args: &Args) {
     let level = match (args.quiet, args.verbose) {
         (true, _) => tracing::Level::ERROR,
+        // Thousands of faults are to be told by the ledger alone.
+        #[cfg(feature = "lab")]
+        (false, 0) if matches!(args.command, Command::Inject(_)) => tracing::Level::ERROR,
         (false, 0) => tracing::Level::WARN,
         (false, 1) => tracing::Level::INFO,
         (false, _) => tracing::Level::DEBUG,

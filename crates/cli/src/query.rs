@@ -87,10 +87,11 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
     let deployment = &opened.deployment;
     let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)?;
-    // The laboratory measures: see its `latency`.
     #[cfg(feature = "lab")]
-    if let Some(_repeat) = options.repeat {
-        // return crate::latency::run(&mut client, &ask, repeat, patience, &opened, output);
+    if let Some(repeat) = options.repeat {
+        let latency = ::lab::latency::run(&mut client, &ask, repeat, patience, &opened)?;
+        let shown = crate::lab::show(&latency, || latency.text(), output)?;
+        return Ok(if latency.is_right() { shown } else { Kind::CheckFailed.into() });
     }
     let answer = client.ask(&ask, patience);
     if output.json {

@@ -7,7 +7,6 @@ use body::{BodyView, Meta, Shape};
 use bvh::{Kernel, NodePair, Question, Task};
 use core::ops::ControlFlow;
 use geometry::{Pose, RelativePose};
-use runtime::FileMap;
 use scenario::Engine;
 use std::path::Path;
 use trolley::bodies::{Bodies, ModelFile, build_options};
@@ -100,14 +99,7 @@ pub(crate) fn body(text: &str) -> Result<ModelFile, Failure> {
 }
 
 fn written(path: &Path) -> Result<Vec<RelativePose>, Failure> {
-    let help = "six lines of four numbers: see trolley intersect";
-    let map = FileMap::open(path)
-        .map_err(|error| Failure::input(diagnostic::chain(&error)).with_remedy(help))?;
-    if map.bytes().len() > poses::BYTES_MAX {
-        let fault = format!("{}: {} bytes are no poses", path.display(), map.bytes().len());
-        return Err(Failure::input(fault).with_remedy(help));
-    }
-    let [a, b] = poses::parse(&path.display().to_string(), map.bytes())?;
+    let [a, b] = poses::read(path)?;
     Ok(vec![RelativePose::between(&a, &b)])
 }
 

@@ -1,0 +1,45 @@
+//! `trolley inject`: requests to real workers while faults are injected, and a ledger of what came
+//! of each.
+
+use super::show;
+use crate::output::Output;
+use ::lab::inject::{InjectOptions, inject};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use trolley::{Failure, Kind};
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  trolley inject config/faults/quick.toml
+  trolley inject config/faults/campaign.toml --seed 7 --json --junit faults.xml
+
+Exit codes: 0 survived; 1 a wrong answer, a hang, a false kill, or something left behind;
+65 the plan cannot be read.";
+
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct InjectArgs {
+    /// Plan, TOML: which faults, how often, against which scenario.
+    plan: PathBuf,
+    /// Order and places of the faults; equal seeds give equal plans, not equal times.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Write the ledger as JUnit too: a test case for each kind of fault.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let InjectArgs { plan, seed, junit } = args.clone();
+    let program = std::env::current_exe()
+        .map_err(|error| Failure::new(Kind::System, format!("this program: {error}")))?;
+    let progress = output.progress("faults");
+    let told = |done, total| progress.set(done, total);
+    let injected = inject(&InjectOptions { plan, seed, junit, program }, &told)?;
+    drop(progress);
+    let shown = show(&injected, || injected.text(), output)?;
+    Ok(match (injected.is_interrupted(), injected.is_survived()) {
+        (true, _) => Kind::Interrupted.into(),
+        (false, true) => shown,
+        (false, false) => Kind::CheckFailed.into(),
+    })
+}

@@ -1,0 +1,151 @@
+//! `trolley measure`: the seed's experiment on real bodies: schemes, depths, buffers, transfer; or
+//! one ranking with settings that no decision needs.
+
+use super::{named, show};
+use crate::answer_args::LimitArgs;
+use crate::engine_args::EngineArgs;
+use crate::output::Output;
+use ::lab::PairName;
+use ::lab::measure::{ALPHA, RankOptions, SweepOptions, rank, sweep};
+use scenario::{Engine, Overrides, Scheme};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use trolley::handing::{Handing, Transfer};
+use trolley::{Failure, Limits, Pursuit};
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  trolley measure --quick --out results
+  trolley measure --pair sedan:100000,suv:100000,deep --pair sedan:100000,suv:100000,scratch
+  trolley measure --pair sedan.trolley,suv.trolley,deep --out results
+  trolley measure --quick --scheme best-match,round-robin --transfer copy --out results
+  trolley measure --scenario crash.toml --scheme lowest-match --job-log jobs.csv --json
+
+A pair is A,B,POSES: bodies as model files, or shape:triangles for generated ones; poses as a file
+(six lines, as for trolley intersect), or deep or scratch: B comes from sixteen directions until it
+is 0.5 m, or 0.01 m, into A. The claim about two contacts compares deep and scratch of the same
+bodies.";
+
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct MeasureArgs {
+    /// Fewer depths, buffers and repeats: a minute, and wider margins.
+    #[arg(long)]
+    quick: bool,
+    /// Bodies and poses, A,B,POSES; may be given several times.
+    #[arg(long, value_name = "A,B,POSES")]
+    pair: Vec<PairName>,
+    /// Folder for tables, figures and the page; made if it is not there.
+    #[arg(long, value_name = "DIR", required_unless_present = "scenario")]
+    out: Option<PathBuf>,
+    /// Measure one ranking of this scenario instead, with these settings.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "pair", "out"])]
+    scenario: Option<PathBuf>,
+    /// How jobs are matched to workers; several for a sweep [default: all, or the scenario's].
+    #[arg(long, value_name = "NAME", value_delimiter = ',',
+          value_parser = named(Scheme::ALL, Scheme::name))]
+    scheme: Vec<Scheme>,
+    /// Weight of the match against the load in best-match-load, 0 to 1 [default: 0.5, or the
+    /// scenario's].
+    #[arg(long)]
+    alpha: Option<f64>,
+    /// How workers come by the bodies: they read the one store, or get sections copied [default of
+    /// a sweep: both, of a ranking: zero-copy].
+    #[arg(long, value_name = "MODE", value_parser = named(Transfer::ALL, Transfer::name),
+          conflicts_with = "in_process")]
+    transfer: Option<Transfer>,
+    /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of bodies].
+    #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
+    memory_budget: Option<u64>,
+    /// Bytes of sections that the transfer ledger lets a core hold; the least recently needed make
+    /// room [default: no limit].
+    #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
+    cache_bytes: Option<u64>,
+    /// How long a batch that is not full waits for more jobs (µs).
+    #[arg(long, value_name = "US", default_value_t = 0, conflicts_with = "in_process")]
+    linger: u64,
+    /// Write who got which job of the last measured run to this file, CSV.
+    #[arg(long, value_name = "FILE", conflicts_with = "in_process")]
+    job_log: Option<PathBuf>,
+    /// Whose job goes out next.
+    #[arg(long, value_name = "NAME", value_parser = named(Pursuit::ALL, Pursuit::name),
+          requires = "scenario")]
+    pursuit: Option<Pursuit>,
+    #[command(flatten)]
+    limits: LimitArgs,
+    #[command(flatten)]
+    engine: EngineArgs,
+}
+
+pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failure> {
+    match (&args.scenario, &args.out) {
+        (Some(scenario), _) => ranked(args, scenario.clone(), output),
+        (None, Some(out)) => swept(args, out.clone(), output),
+        (None, None) => Err(Failure::internal("neither a scenario nor a folder")),
+    }
+}
+
+impl MeasureArgs {
+    fn handing(&self) -> Handing {
+        Handing {
+            linger_us: self.linger,
+            cache_bytes: self.cache_bytes,
+            transfer: self.transfer.unwrap_or_default(),
+            memory_budget: self.memory_budget,
+            log: self.job_log.is_some(),
+        }
+    }
+}
+
+/// Tables, figures and a page over pairs of bodies.
+fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
+    let overrides = args.engine.overrides()?;
+    let seed_alone = Overrides { seed: overrides.seed, ..Overrides::default() };
+    let is_plain = args.engine.instance.is_none() && !args.engine.in_process;
+    if !is_plain || overrides != seed_alone || args.limits.limits()? != Limits::default() {
+        let fault = "a sweep chooses workers, depths, buffers and limits itself";
+        return Err(Failure::setting(fault)
+            .with_remedy("name a scenario to be ranked with these settings: --scenario FILE"));
+    }
+    let progress = output.progress("measuring");
+    let options = SweepOptions {
+        quick: args.quick,
+        pairs: args.pair.clone(),
+        out,
+        schemes: args.scheme.clone(),
+        seed: Engine::DEFAULT.apply(&overrides)?.seed,
+        alpha: args.alpha.unwrap_or(ALPHA),
+        transfer: args.transfer,
+        handing: args.handing(),
+        job_log: args.job_log.clone(),
+    };
+    let measured = sweep(&options, &|done, total| progress.set(done, total))?;
+    drop(progress);
+    show(&measured, || measured.text(), output)
+}
+
+/// One ranking of a scenario.
+fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
+    let scheme = match args.scheme.as_slice() {
+        [] => None,
+        [one] => Some(one.name().to_owned()),
+        _ => {
+            return Err(Failure::setting("one ranking has one scheme")
+                .with_remedy("name one with --scheme, or leave --scenario out"));
+        }
+    };
+    let mut limits = args.limits.limits()?;
+    limits.pursuit = args.pursuit;
+    let options = RankOptions {
+        scenario,
+        overrides: Overrides { scheme, alpha: args.alpha, ..args.engine.overrides()? },
+        handing: args.handing(),
+        limits,
+        instance: args.engine.instance.clone(),
+        in_process: args.engine.in_process,
+        job_log: args.job_log.clone(),
+    };
+    let progress = output.progress("building bodies: triangles");
+    let ranked = rank(&options, &|done, total| progress.set(done, total))?;
+    drop(progress);
+    show(&ranked, || ranked.text(), output)
+}
