@@ -106,6 +106,8 @@ pub struct Body {
 }
 
 /// A body as it lies in a model file or in the sealed model store: borrowed, nothing copied.
+///
+/// Where there are triangles and nothing else, `part_of` and `dropped` are empty, and all zones 0.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a> {
     /// The tree, preorder; the root is node 0.
@@ -140,6 +142,12 @@ impl Body {
             zones: &self.zones,
             dropped: &self.dropped,
         }
+    }
+}
+
+impl<'a> From<&'a Body> for BodyView<'a> {
+    fn from(body: &'a Body) -> Self {
+        body.view()
     }
 }
 

@@ -1,29 +1,36 @@
-//! Building a tree: options, errors, and the way from a mesh to a body in leaf order.
+//! Building a tree: options, errors, and the way from triangles to a tree, and to a body.
+//!
+//! ```text
+//! triangles --hierarchy--> Hierarchy --assemble--> Tree --with all else of a mesh--> Body
+//! ```
 //!
 //! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and
 //! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other. `team` shares
 //! work out among threads.
 
 mod assemble;
+mod error;
 mod grow;
 mod sah;
 mod seed;
 mod team;
 
+pub(crate) use assemble::assembled;
 pub use assemble::{body, rebuild};
+pub use error::BuildError;
 pub use grow::worth_starting;
 
-use body::{Build, Node};
+use body::Node;
 use geometry::Corners;
 use team::Team;
 
-pub use body::LEAF_SIZE_MAX;
+pub use body::{Build, LEAF_SIZE_MAX};
 
 /// Most triangles that [`Build::Literal`] accepts: its tree may be as deep as there are triangles,
 /// so its time is quadratic.
 pub const LITERAL_MAX: usize = 50_000;
 
-/// Most triangles of a body: a hit has 31 bits for its number.
+/// Most triangles of a tree: a hit has 31 bits for its number.
 pub const TRIANGLES_MAX: usize = 1 << 31;
 
 /// How to build a tree.
@@ -46,9 +53,9 @@ impl Default for BuildOptions {
     }
 }
 
-/// A tree and the order of triangles that it asks for.
+/// The nodes of a tree and the order of triangles that it asks for; the triangles are elsewhere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tree {
+pub struct Hierarchy {
     /// Nodes in preorder: the left child of `i` is `i + 1`, the right one its `link`.
     pub nodes: Vec<Node>,
     /// Per place in leaf order: the number of the triangle that belongs there. Ascending in a leaf.
@@ -57,54 +64,7 @@ pub struct Tree {
     pub depth: u32,
 }
 
-/// A tree could not be built.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BuildError {
-    /// There is nothing to build over.
-    #[error("the body has no triangles: import a mesh with faces, or select another group")]
-    Empty,
-    /// Numbers of triangles would not fit.
-    #[error(
-        "the body has {triangles} triangles, at most {TRIANGLES_MAX} are possible: simplify it"
-    )]
-    TooMany {
-        /// How many there are.
-        triangles: usize,
-    },
-    /// The literal build would take too long.
-    #[error(
-        "the literal build takes at most {LITERAL_MAX} triangles, the body has {triangles}: \
-         use the build 'seed', which is the same split with a balance rule"
-    )]
-    Literal {
-        /// How many there are.
-        triangles: usize,
-    },
-    /// The leaf size is out of range.
-    #[error("a leaf size of {leaf_size} is not possible: use 1 to {LEAF_SIZE_MAX}")]
-    LeafSize {
-        /// What was asked for.
-        leaf_size: u32,
-    },
-    /// A coordinate is NaN or infinite.
-    #[error("triangle {triangle} has a coordinate that is not finite: repair the mesh")]
-    NotFinite {
-        /// Its number, in the order given.
-        triangle: usize,
-    },
-    /// The arrays of a mesh do not belong together.
-    #[error("the mesh has {triangles} triangles but {entries} {array}: both must be equal")]
-    Lengths {
-        /// How many triangles there are.
-        triangles: usize,
-        /// Which array differs.
-        array: &'static str,
-        /// How many entries it has.
-        entries: usize,
-    },
-}
-
-/// Builds a tree over `corners`.
+/// Builds the nodes of a tree over `corners`; [`crate::Tree::build`] gives all of a tree.
 ///
 /// `progress` is called with the number of triangles placed *since the last call*, from any of the
 /// threads, every few thousand triangles; the sum is the number of triangles.
@@ -119,18 +79,18 @@ pub fn build(
     corners: &[Corners],
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Tree, BuildError> {
+) -> Result<Hierarchy, BuildError> {
     let threads = grow::worth_starting(options.threads, corners.len());
-    Team::with(threads, |team| tree(corners, options, team, progress))
+    Team::with(threads, |team| hierarchy(corners, options, team, progress))
 }
 
 /// [`build`], by these threads.
-fn tree(
+fn hierarchy(
     corners: &[Corners],
     options: &BuildOptions,
     team: &Team,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Tree, BuildError> {
+) -> Result<Hierarchy, BuildError> {
     check(corners, options, team)?;
     let progress = grow::Progress::new(progress);
     let job = grow::Job { leaf_size: options.leaf_size as usize, team, progress };

@@ -33,16 +33,18 @@ pub mod reach;
 pub mod section;
 pub mod support;
 pub mod together;
+pub mod tree;
 
 mod descent;
 mod hits;
 
-pub use build::{BuildError, BuildOptions, Tree, body, build, rebuild, worth_starting};
+pub use build::{Build, BuildError, BuildOptions, Hierarchy, body, build, rebuild, worth_starting};
 pub use cut::Cut;
 pub use front::{NodePair, front};
 pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};
 pub use placement::Placement;
 pub use reach::reach;
+pub use tree::Tree;
 
 /// Work done, in the terms of the cost model T = Nb·Cb + Np·Cp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,9 +1,50 @@
-//! From a mesh to a body: the tree is built, and every array brought into leaf order.
+//! From triangles to a tree: nodes are built, and every array is brought into leaf order. A body is
+//! that, and what a mesh knows besides.
 
 use super::team::Team;
-use super::{BuildError, BuildOptions, Tree, grow, tree};
+use super::{BuildError, BuildOptions, Hierarchy, grow, hierarchy};
+use crate::Tree;
 use body::wide::{Laid, Share};
 use body::{Body, BodyView, Mesh, Meta, Zones};
+use geometry::Corners;
+
+/// Builds a tree over triangles: [`Tree::build`].
+pub(crate) fn assembled(corners: &[Corners], options: &BuildOptions) -> Result<Tree, BuildError> {
+    let threads = grow::worth_starting(options.threads, corners.len());
+    Team::with(threads, |team| {
+        let no_zones = |order: &[u32]| team.copies(Zones(0), order.len());
+        let (tree, zones) = assembled_by(team, corners, options, &|_| (), no_zones)?;
+        Ok(Tree { zones, ..tree })
+    })
+}
+
+/// [`assembled`] but for zones, by these threads. `beside` hears in which order triangles lie, and
+/// does what else is to be done with that, while one thread lays out the wide tree.
+fn assembled_by<R: Send>(
+    team: &Team,
+    corners: &[Corners],
+    options: &BuildOptions,
+    progress: &(dyn Fn(u64) + Sync),
+    beside: impl FnOnce(&[u32]) -> R + Send,
+) -> Result<(Tree, R), BuildError> {
+    let Hierarchy { nodes, order, depth } = hierarchy(corners, options, team, progress)?;
+    // The largest array is the first to ask for the memory in which the tree was built.
+    let mut in_order = Vec::with_capacity(corners.len());
+    // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
+    // brings the arrays into order.
+    let (laid, rest) = team.both(
+        || Laid::out(&nodes),
+        || {
+            team.map(&order, |&from| corners[from as usize], &mut in_order);
+            beside(&order)
+        },
+    );
+    let wide = laid.filled(&in_order, team.threads(), |shares| {
+        team.each(shares, Share::fill);
+    });
+    let tree = Tree { nodes, wide, corners: in_order, ids: order, zones: Vec::new(), depth };
+    Ok((tree, rest))
+}
 
 /// Builds the tree of a mesh and brings everything into leaf order.
 ///
@@ -36,23 +77,14 @@ fn body_by(
 ) -> Result<Body, BuildError> {
     let triangles = mesh.corners.len();
     belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
-    let Tree { nodes, order, depth } = tree(&mesh.corners, options, team, progress)?;
-    // The largest array is the first to ask for the memory in which the tree was built.
-    let mut corners = Vec::with_capacity(triangles);
-    // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
-    // brings the arrays into order.
-    let (laid, (source_ids, part_of, zones)) = team.both(
-        || Laid::out(&nodes),
-        || {
-            team.map(&order, |&from| mesh.corners[from as usize], &mut corners);
-            let source_ids = permuted(&mesh.source_ids, &order, team);
-            let part_of = permuted(&mesh.part_of, &order, team);
-            (source_ids, part_of, permuted(&zones, &order, team))
-        },
-    );
-    let wide = laid.filled(&corners, team.threads(), |shares| {
-        team.each(shares, Share::fill);
-    });
+    let beside = |order: &[u32]| {
+        let source_ids = permuted(&mesh.source_ids, order, team);
+        let part_of = permuted(&mesh.part_of, order, team);
+        (source_ids, part_of, permuted(&zones, order, team))
+    };
+    let (tree, (source_ids, part_of, zones)) =
+        assembled_by(team, &mesh.corners, options, progress, beside)?;
+    let Tree { nodes, wide, corners, depth, .. } = tree;
     Ok(Body {
         meta: Meta {
             parts: mesh.parts,
@@ -74,12 +106,12 @@ fn body_by(
 
 /// Builds another tree over a body that already has one.
 ///
-/// The triangles are first brought back into source order, so the result is the one that [`body`]
+/// The triangles are first brought back into source order, so the result is the one that [`body()`]
 /// would have given with these options, if the mesh was in order of its source ids.
 ///
 /// # Errors
 ///
-/// As [`body`].
+/// As [`body()`].
 pub fn rebuild(
     view: BodyView<'_>,
     meta: &Meta,

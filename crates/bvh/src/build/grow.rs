@@ -6,7 +6,7 @@
 //! in order of their first triangle. Where a range is cut depends on its triangles alone, so the
 //! result is the same for any number of threads.
 
-use super::Tree;
+use super::Hierarchy;
 use super::team::Team;
 use body::Node;
 use bytemuck::zeroed_vec;
@@ -179,13 +179,13 @@ pub(super) fn grow<P: Parts>(
 
 impl Forest {
     /// Nodes in preorder, the order of triangles, the depth.
-    pub(super) fn joined(self, team: &Team) -> Tree {
+    pub(super) fn joined(self, team: &Team) -> Hierarchy {
         let Self { order, made: Made { cuts, mut grown } } = self;
         let (nodes, depth) = match grown.pop_if(|_| cuts.is_empty()) {
             Some(whole) => (whole.nodes, whole.depth),
             None => join(order.len(), cuts, grown, team),
         };
-        Tree { nodes, order, depth }
+        Hierarchy { nodes, order, depth }
     }
 }
 

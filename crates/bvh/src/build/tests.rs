@@ -7,12 +7,12 @@ use geometry::Aabb;
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-fn grown(corners: &[Corners], options: &BuildOptions) -> Tree {
+fn grown(corners: &[Corners], options: &BuildOptions) -> Hierarchy {
     build(corners, options, &|_| ()).unwrap()
 }
 
 /// Checks what every walk relies on: preorder, partition, exact boxes, depth.
-fn check(tree: &Tree, corners: &[Corners], leaf_size: u32) {
+fn check(tree: &Hierarchy, corners: &[Corners], leaf_size: u32) {
     let nodes = &tree.nodes;
     let mut order = tree.order.clone();
     order.sort_unstable();
@@ -76,7 +76,7 @@ fn naive_cut(corners: &[Corners], cuts: std::ops::RangeInclusive<usize>) -> (usi
 }
 
 /// Triangle numbers below the left child of the root.
-fn left_of_root(tree: &Tree) -> Vec<u32> {
+fn left_of_root(tree: &Hierarchy) -> Vec<u32> {
     let below = section::triangles(&tree.nodes, 1);
     let mut left = tree.order[below.start as usize..below.end as usize].to_vec();
     left.sort_unstable();
