@@ -1,5 +1,6 @@
 //! Bodies, poses and the oracle of this crate's tests: every triangle against every other.
 
+use crate::query::Workspace;
 use crate::{
     BuildOptions, Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task, Walk, body,
 };
@@ -141,6 +142,8 @@ pub(crate) fn directions() -> Directions {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Found {
     pub(crate) hits: BTreeSet<(Side, u32)>,
+    /// Ascending; a pair that was listed twice is here twice.
+    pub(crate) listed: Vec<(u32, u32)>,
     pub(crate) pairs: u64,
     pub(crate) hash: u64,
     pub(crate) zones: (u16, u16),
@@ -158,6 +161,7 @@ pub(crate) fn brute_force(a: &BodyView<'_>, b: &BodyView<'_>, pose: &RelativePos
             if triangle::intersect(&of_a, &of_b) {
                 found.hits.insert((Side::A, a.source_ids[i]));
                 found.hits.insert((Side::B, b.source_ids[j]));
+                found.listed.push((a.source_ids[i], b.source_ids[j]));
                 found.pairs += 1;
                 found.hash =
                     found.hash.wrapping_add(hash::pair_term(a.source_ids[i], b.source_ids[j]));
@@ -175,6 +179,7 @@ pub(crate) fn brute_force(a: &BodyView<'_>, b: &BodyView<'_>, pose: &RelativePos
 /// The merge of jobs, as a coordinator does it.
 pub(crate) struct Gathered {
     pub(crate) hits: BTreeSet<(Side, u32)>,
+    pub(crate) listed: Vec<(u32, u32)>,
     pairs: u64,
     hash: u64,
     zones: (u16, u16),
@@ -184,9 +189,9 @@ pub(crate) struct Gathered {
 
 impl Default for Gathered {
     fn default() -> Self {
-        let hits = BTreeSet::new();
+        let (hits, listed) = (BTreeSet::new(), Vec::new());
         let (pairs, hash, zones, counters) = (0, 0, (0, 0), Counters::default());
-        Self { hits, pairs, hash, zones, supports: Supports::EMPTY, counters }
+        Self { hits, listed, pairs, hash, zones, supports: Supports::EMPTY, counters }
     }
 }
 
@@ -200,9 +205,24 @@ impl Gathered {
         self.counters.add(&outcome.counters);
     }
 
-    pub(crate) fn finish(self) -> Found {
+    /// Includes what a listener heard in a job that ended so.
+    pub(crate) fn add_heard(&mut self, task: &Task<'_>, outcome: &Outcome, heard: &Listener) {
+        self.hits.append(&mut named(task, &heard.heard));
+        if task.question != Question::Pairs {
+            assert_eq!(heard.listed, [], "told of pairs that nobody asked for");
+            return;
+        }
+        // What was told after these is open again.
+        for &(a, b) in &heard.listed[..outcome.pairs as usize] {
+            self.listed.push((task.a.source_ids[a as usize], task.b.source_ids[b as usize]));
+        }
+    }
+
+    pub(crate) fn finish(mut self) -> Found {
+        self.listed.sort_unstable();
         let supports = self.supports.0.iter().map(|s| (s + 0.0).to_bits()).collect();
-        Found { hits: self.hits, pairs: self.pairs, hash: self.hash, zones: self.zones, supports }
+        let Self { hits, listed, pairs, hash, zones, .. } = self;
+        Found { hits, listed, pairs, hash, zones, supports }
     }
 }
 
@@ -210,6 +230,8 @@ impl Gathered {
 pub(crate) struct Listener {
     /// In the order heard, leaf-order numbers.
     pub(crate) heard: Vec<(Side, u32)>,
+    /// Pairs, likewise.
+    pub(crate) listed: Vec<(u32, u32)>,
     pub(crate) beats: Vec<u64>,
     pub(crate) hits_max: usize,
     pub(crate) beats_max: usize,
@@ -217,7 +239,8 @@ pub(crate) struct Listener {
 
 impl Listener {
     pub(crate) fn new() -> Self {
-        Self { heard: Vec::new(), beats: Vec::new(), hits_max: usize::MAX, beats_max: usize::MAX }
+        let (heard, listed, beats) = (Vec::new(), Vec::new(), Vec::new());
+        Self { heard, listed, beats, hits_max: usize::MAX, beats_max: usize::MAX }
     }
 }
 
@@ -227,6 +250,12 @@ impl Sink for Listener {
             return ControlFlow::Break(());
         }
         self.heard.push((side, triangle));
+        ControlFlow::Continue(())
+    }
+
+    fn pairs(&mut self, a: &[u32], b: &[u32]) -> ControlFlow<()> {
+        assert_eq!(a.len(), b.len());
+        self.listed.extend(a.iter().copied().zip(b.iter().copied()));
         ControlFlow::Continue(())
     }
 
@@ -274,6 +303,13 @@ impl Way {
         kernel.set_level(self.level);
         kernel
     }
+
+    pub(crate) fn workspace(self) -> Workspace {
+        let mut workspace = Workspace::new();
+        workspace.set_walk(self.walk);
+        workspace.set_level(self.level);
+        workspace
+    }
 }
 
 pub(crate) fn any_way() -> impl Strategy<Value = Way> {
@@ -307,7 +343,7 @@ pub(crate) fn run_all(
         assert_eq!(outcome.end == End::Complete, kernel.remaining().is_empty());
         open.extend_from_slice(kernel.remaining());
         gathered.add(&outcome);
-        gathered.hits.append(&mut named(task, &listener.heard));
+        gathered.add_heard(task, &outcome, &listener);
     }
     gathered
 }

@@ -91,6 +91,16 @@ pub trait Sink {
     /// as many as the tree was built with, or their job will never be done.
     fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()>;
 
+    /// Triangles of A intersect those of B in the same places, by their numbers in leaf order; told
+    /// where [`Question::Pairs`] is asked, each pair once per job.
+    ///
+    /// A `Break` leaves open what these pairs belong to, as with [`Sink::hit`]. Wherever a job
+    /// stops, of all pairs told in it the first [`Outcome::pairs`] count; those told after them
+    /// belong to what remains, and will be told again by whoever does that.
+    fn pairs(&mut self, _a: &[u32], _b: &[u32]) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
     /// So many tests were done in this job up to now; called about every [`BEAT_TESTS`].
     fn beat(&mut self, tests: u64) -> ControlFlow<()>;
 }

@@ -1,4 +1,13 @@
-//! Bounding volume hierarchies over triangulated bodies: build, sections, the pair walk.
+//! Bounding volume hierarchies over anybody's triangles, and which of two bodies' intersect.
+//!
+//! ```text
+//! triangles --Tree::build--> Tree --query--> pairs, sets, touches
+//! ```
+//!
+//! That is all it takes: [`query`] has an example. Triangles that mean more are those of a
+//! [`body::Body`], which has such a tree beside its mass, parts and zones. A question about two can
+//! be cut into jobs, for several threads ([`together`]) or for processes that a coordinator tells
+//! what to do:
 //!
 //! ```text
 //! Mesh --build::body--> Body        front::front: both trees down to the distribution depth
@@ -20,8 +29,8 @@
 //! - No intersecting pair is lost by a box test: `placement/tests.rs`.
 //! - Each pair of triangles is in at most one job of a front, each intersecting one in exactly one:
 //!   `front/tests.rs`.
-//! - Hit sets, pair counts, hashes, zones and supports do not depend on tree, build, depth or leaf
-//!   size, nor on where a budget cut: `kernel/tests.rs`.
+//! - Hit sets, pairs, their count and hash, zones and supports do not depend on tree, build, depth
+//!   or leaf size, nor on where a budget cut: `kernel/tests.rs`, `query/tests.rs`.
 //! - Nothing recurses, and [`kernel::Kernel::run`] allocates nothing.
 
 pub mod build;
@@ -29,6 +38,7 @@ pub mod cut;
 pub mod front;
 pub mod kernel;
 pub mod placement;
+pub mod query;
 pub mod reach;
 pub mod section;
 pub mod support;

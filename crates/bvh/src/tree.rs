@@ -4,8 +4,8 @@ use crate::build::{self, BuildError, BuildOptions};
 use body::{BodyView, Node, Wide, Zones};
 use geometry::{Aabb, Corners};
 
-/// Triangles in a bounding volume hierarchy, ready to be intersected with others by a
-/// [`crate::Kernel`].
+/// Triangles in a bounding volume hierarchy, ready to be intersected with others: see
+/// [`crate::query`].
 ///
 /// It knows of no mass, part or file. The id of a triangle is its number in the slice that the tree
 /// was built over, from 0.

@@ -142,8 +142,12 @@ impl<'a> Found<'a> {
             let _ = (self.sink.hit(Side::A, a[0]), self.sink.hit(Side::B, b[0]));
             return ControlFlow::Break(Halt::Answered);
         }
-        let (view_a, view_b) = (&self.task.a, &self.task.b);
         let is_pairs = self.task.question == Question::Pairs;
+        if is_pairs {
+            // All at once: who lists them is rare, and who does not is asked once.
+            self.sink.pairs(a, b).map_break(|()| Halt::Stopped)?;
+        }
+        let (view_a, view_b) = (&self.task.a, &self.task.b);
         let (mut places, mut hash) = ([Places::default(); 2], 0_u64);
         for (&a, &b) in a.iter().zip(b) {
             places[0].insert((a - first[0]) as usize);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::fixtures::{
     Found, Gathered, Listener, Way, any_build, any_way, body_of, brute_force, directions,
-    kernel_for, named, options, pose, run_all, soup, task, torus, triangles,
+    kernel_for, options, pose, run_all, soup, task, torus, triangles,
 };
 use crate::{BuildOptions, front};
 use body::Shape;
@@ -254,7 +254,7 @@ fn a_beat_may_say_stop_and_nothing_is_lost() {
         let rest = kernel.remaining().to_vec();
         let mut all = run_all(&mut kernel, &task, &rest, ALL, Listener::new);
         all.add(&first);
-        all.hits.append(&mut named(&task, &stopped.heard));
+        all.add_heard(&task, &first, &stopped);
         assert!(all.finish() == expected, "stopped at beat {beats_max}");
     }
 }

@@ -32,7 +32,7 @@ fn asked(question: Question, mut truth: Truth) -> Truth {
         Question::Touches => Truth { pairs: truth.pairs.min(1), ..nothing },
         Question::Sets => Truth { hits: truth.hits, zones: truth.zones, ..nothing },
         Question::Pairs => {
-            truth.hits = nothing.hits;
+            (truth.hits, truth.listed) = (nothing.hits, nothing.listed);
             truth
         }
     }

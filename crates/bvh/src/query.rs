@@ -1,0 +1,346 @@
+//! Which triangles of two bodies intersect: pairs, sets, or whether any do.
+//!
+//! ```text
+//! triangles of A --Tree::build--> tree ─┐               ┌─▶ touches: yes or no, at the first hit
+//! triangles of B --Tree::build--> tree ─┼─▶ Workspace ──┼─▶ sets: ids of all triangles hit
+//! where B stands in A's frame ──────────┘               └─▶ pairs, for_each_pair: who hits whom
+//! ```
+//!
+//! The question is put to a [`Tree`], a [`body::Body`] or a [`BodyView`] alike. Ids are numbers of
+//! triangles in the order given to [`Tree::build`], or the source ids of a body.
+//!
+//! # What is exact
+//!
+//! A triangle is closed, and two intersect if they share a point: touching counts, and so does
+//! overlap in one plane; a degenerate triangle is the segment or point that it is. All is decided
+//! in A's frame. A corner of B stands there at [`RelativePose::point`], in f64: on these numbers
+//! every answer is exact, and so the same for every build, leaf size, walk and width of vectors.
+//! Turned round, with B's frame for A's, these numbers are rounded otherwise, and triangles that no
+//! more than touch may come apart.
+//!
+//! Coordinates are in metres and poses are rigid, but nothing here depends on it: any one unit will
+//! do, and any matrix for a rotation. Only the boxes are loose then.
+//!
+//! # Example
+//!
+//! ```
+//! use bvh::query::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+//! use bvh::query::{for_each_pair, pairs, sets, touches};
+//! use std::ops::ControlFlow;
+//!
+//! // Two steps of a stair, and a pole that stands on the floor.
+//! let stair = [
+//!     [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]],
+//!     [[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 2.0]],
+//! ];
+//! let pole = [[[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.0, 3.0]]];
+//! let options = BuildOptions::default();
+//! let (stair, pole) = (Tree::build(&stair, &options)?, Tree::build(&pole, &options)?);
+//!
+//! // Where each stands in the world; the test takes place in the frame of the stair.
+//! let at = |x| Pose::from_degrees(0.0, 0.0, 0.0, [x, 0.2, 0.0]);
+//! let pose = RelativePose::between(&Pose::IDENTITY, &at(0.3));
+//!
+//! let mut workspace = Workspace::new();
+//! assert!(touches(&stair, &pole, &pose, &mut workspace)?);
+//! assert_eq!(pairs(&stair, &pole, &pose, &mut workspace)?, [(0, 0), (1, 0)]);
+//! assert_eq!(sets(&stair, &pole, &pose, &mut workspace)?.of_a, [0, 1]);
+//!
+//! // One pair is enough.
+//! let found = |a, b| ControlFlow::Break((a, b));
+//! let first = for_each_pair(&stair, &pole, &pose, &mut workspace, found)?;
+//! assert!(matches!(first, ControlFlow::Break((0 | 1, 0))));
+//!
+//! let beside = RelativePose::between(&Pose::IDENTITY, &at(1.5));
+//! assert!(!touches(&stair, &pole, &beside, &mut workspace)?);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use crate::{End, Kernel, NodePair, Question, Side, Sink, Task};
+use body::BodyView;
+use diagnostic::{Diagnostic, Kind};
+use std::borrow::Cow;
+use std::convert::Infallible;
+use std::fmt;
+use std::ops::ControlFlow;
+
+// All names that a query takes: who asks one needs no other crate.
+pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
+pub use geometry::simd::Level;
+pub use geometry::{Corners, Pose, RelativePose};
+
+/// Greatest number in a pose: beyond, points of B might have no finite coordinates.
+pub const POSE_MAX: f64 = 1e100;
+
+/// Levels of a tree that a workspace has room for from the start: those of a million triangles, and
+/// some. It grows where that is too little. The kernel makes use of so many at most; what it then
+/// leaves open becomes jobs of their own.
+const LEVELS: u32 = 32;
+
+/// Memory for queries, used again by each: of any bodies, one after the other. It grows to what the
+/// largest needed, some 60 kB and two bits per triangle, and then nothing is allocated but what
+/// is returned.
+///
+/// Each thread has its own; trees are shared.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    kernel: Kernel,
+    /// Jobs to do, the next one last.
+    open: Vec<NodePair>,
+    /// For which the kernel has room, of either tree.
+    levels: u32,
+}
+
+impl Workspace {
+    /// Memory to begin with. The walk is the wide one, with the widest vectors of this processor.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { kernel: Kernel::with_room(LEVELS, LEVELS, 0, 0), open: Vec::new(), levels: LEVELS }
+    }
+
+    /// Walks otherwise from now on: the answers are the same.
+    pub fn set_walk(&mut self, walk: Walk) {
+        self.kernel.set_walk(walk);
+    }
+
+    /// Uses these vector instructions from now on: the answers are the same.
+    pub fn set_level(&mut self, level: Level) {
+        self.kernel.set_level(level);
+    }
+
+    /// Runs jobs until all of both bodies is done or `sink` says stop.
+    fn run(&mut self, task: &Task<'_>, sink: &mut dyn Sink) -> Result<End, PoseError> {
+        let numbers = task.pose.rotation.as_flattened().iter().chain(&task.pose.translation);
+        if !numbers.copied().all(|x| x.abs() <= POSE_MAX) {
+            return Err(PoseError);
+        }
+        if task.a.nodes.is_empty() || task.b.nodes.is_empty() {
+            return Ok(End::Complete);
+        }
+        let triangles = [task.a.corners.len(), task.b.corners.len()];
+        self.make_room(triangles);
+        self.open.clear();
+        self.open.push(NodePair::ROOTS);
+        while let Some(start) = self.open.pop() {
+            let outcome = self.kernel.run(task, start, u64::MAX, sink);
+            match outcome.end {
+                // Other jobs are open where there was no room for one over all.
+                End::Complete if task.question == Question::Touches && outcome.pairs > 0 => break,
+                End::Complete => {}
+                End::Stopped => return Ok(End::Stopped),
+                End::OutOfBudget => {
+                    self.open.extend_from_slice(self.kernel.remaining());
+                    self.levels = self.levels.saturating_mul(2);
+                    self.make_room(triangles);
+                }
+            }
+        }
+        Ok(End::Complete)
+    }
+
+    fn make_room(&mut self, triangles: [usize; 2]) {
+        self.kernel.ensure_room(self.levels, self.levels, triangles[0], triangles[1]);
+    }
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Triangles that are hit, by id, ascending.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct HitSets {
+    /// Those of A that intersect any triangle of B.
+    pub of_a: Vec<u32>,
+    /// Those of B that intersect any triangle of A.
+    pub of_b: Vec<u32>,
+}
+
+/// A number of a pose is NaN, infinite, or beyond [`POSE_MAX`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PoseError;
+
+impl Diagnostic for PoseError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn what(&self) -> String {
+        format!("the pose has a number that is not finite, or beyond {POSE_MAX:e}")
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some("look at what the pose was computed from".into())
+    }
+}
+
+impl fmt::Display for PoseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what())
+    }
+}
+
+impl std::error::Error for PoseError {}
+
+/// Whether any triangle of `a` intersects any of `b`, which stands at `pose` in A's frame: the
+/// first pair that is found answers it.
+///
+/// # Errors
+///
+/// If the pose is not finite.
+///
+/// # Panics
+///
+/// As all queries, if a view is of a damaged tree; what [`Tree::build`] or a verified model file
+/// gives is none.
+pub fn touches<'t>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    pose: &RelativePose,
+    workspace: &mut Workspace,
+) -> Result<bool, PoseError> {
+    let task = task(a.into(), b.into(), pose, Question::Touches);
+    let mut first = First(false);
+    workspace.run(&task, &mut first)?;
+    Ok(first.0)
+}
+
+/// Which triangles of `a` and of `b`, which stands at `pose` in A's frame, intersect any of the
+/// other. Quicker than [`pairs`] where many intersect: not all pairs need to be tested.
+///
+/// # Errors
+///
+/// If the pose is not finite.
+pub fn sets<'t>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    pose: &RelativePose,
+    workspace: &mut Workspace,
+) -> Result<HitSets, PoseError> {
+    let task = task(a.into(), b.into(), pose, Question::Sets);
+    let mut gathered = Gathered { task: &task, hits: HitSets::default() };
+    workspace.run(&task, &mut gathered)?;
+    let mut hits = gathered.hits;
+    for ids in [&mut hits.of_a, &mut hits.of_b] {
+        ids.sort_unstable();
+        // Several jobs may have hit the same.
+        ids.dedup();
+    }
+    Ok(hits)
+}
+
+/// All pairs of a triangle of `a` and one of `b`, which stands at `pose` in A's frame, that
+/// intersect: ids of A and of B, each pair once, ascending.
+///
+/// The order is for those who compare; [`for_each_pair`] does without, and without the memory.
+///
+/// # Errors
+///
+/// If the pose is not finite.
+pub fn pairs<'t>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    pose: &RelativePose,
+    workspace: &mut Workspace,
+) -> Result<Vec<(u32, u32)>, PoseError> {
+    let mut pairs = Vec::new();
+    let ended = for_each_pair::<Infallible>(a, b, pose, workspace, |a, b| {
+        pairs.push((a, b));
+        ControlFlow::Continue(())
+    })?;
+    let ControlFlow::Continue(()) = ended;
+    pairs.sort_unstable();
+    Ok(pairs)
+}
+
+/// Calls `each` with the ids of every pair of a triangle of `a` and one of `b`, which stands at
+/// `pose` in A's frame, that intersect: each pair once, in no particular order, until it says
+/// `Break`. What it breaks with is returned; it is not called again.
+///
+/// # Errors
+///
+/// If the pose is not finite.
+pub fn for_each_pair<'t, B>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    pose: &RelativePose,
+    workspace: &mut Workspace,
+    each: impl FnMut(u32, u32) -> ControlFlow<B>,
+) -> Result<ControlFlow<B>, PoseError> {
+    let task = task(a.into(), b.into(), pose, Question::Pairs);
+    let mut listed = Listed { ids: [task.a.source_ids, task.b.source_ids], each, broken: None };
+    workspace.run(&task, &mut listed)?;
+    Ok(listed.broken.map_or(ControlFlow::Continue(()), ControlFlow::Break))
+}
+
+fn task<'t>(a: BodyView<'t>, b: BodyView<'t>, pose: &RelativePose, question: Question) -> Task<'t> {
+    Task { a, b, pose: *pose, question, directions: None }
+}
+
+/// Whether there was a hit: then nothing else is to be looked at.
+struct First(bool);
+
+impl Sink for First {
+    fn hit(&mut self, _: Side, _: u32) -> ControlFlow<()> {
+        self.0 = true;
+        ControlFlow::Break(())
+    }
+
+    fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Ids of triangles that were hit.
+struct Gathered<'g> {
+    task: &'g Task<'g>,
+    hits: HitSets,
+}
+
+impl Sink for Gathered<'_> {
+    fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()> {
+        let (ids, hits) = match side {
+            Side::A => (self.task.a.source_ids, &mut self.hits.of_a),
+            Side::B => (self.task.b.source_ids, &mut self.hits.of_b),
+        };
+        hits.push(ids[triangle as usize]);
+        ControlFlow::Continue(())
+    }
+
+    fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Tells of pairs by their ids.
+struct Listed<'l, F, B> {
+    ids: [&'l [u32]; 2],
+    each: F,
+    broken: Option<B>,
+}
+
+impl<B, F: FnMut(u32, u32) -> ControlFlow<B>> Sink for Listed<'_, F, B> {
+    fn hit(&mut self, _: Side, _: u32) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn pairs(&mut self, a: &[u32], b: &[u32]) -> ControlFlow<()> {
+        for (&a, &b) in a.iter().zip(b) {
+            let each = (self.each)(self.ids[0][a as usize], self.ids[1][b as usize]);
+            if let ControlFlow::Break(with) = each {
+                self.broken = Some(with);
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
