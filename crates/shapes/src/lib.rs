@@ -40,8 +40,11 @@ mod variation;
 
 use blueprint::{Blueprint, Component, Fit};
 use body::{Mesh, Shape};
+use diagnostic::{Diagnostic, Kind};
 use geometry::DVec3;
 use soup::{Soup, Splits};
+use std::borrow::Cow;
+use std::fmt;
 use surface::{Cells, Rulers};
 use variation::Variation;
 
@@ -54,14 +57,10 @@ const REFERENCE: u32 = 20_000;
 /// How far the size of a seeded body may be off the nominal one, as a fraction.
 const SPREAD: f64 = 0.03;
 
-/// A body could not be generated.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+/// A body could not be generated. As text: what is wrong, and behind a colon the remedy.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GenerateError {
     /// The count is out of range.
-    #[error(
-        "a generated {shape} cannot have {triangles} triangles: ask for {TRIANGLES_MIN} to \
-         {TRIANGLES_MAX}"
-    )]
     Count {
         /// The shape asked for.
         shape: Shape,
@@ -69,6 +68,30 @@ pub enum GenerateError {
         triangles: u32,
     },
 }
+
+impl Diagnostic for GenerateError {
+    fn kind(&self) -> Kind {
+        Kind::Input
+    }
+
+    fn what(&self) -> String {
+        let Self::Count { shape, triangles } = self;
+        format!("a generated {shape} cannot have {triangles} triangles")
+    }
+
+    fn remedy(&self) -> Option<Cow<'_, str>> {
+        Some(format!("ask for {TRIANGLES_MIN} to {TRIANGLES_MAX}").into())
+    }
+}
+
+impl fmt::Display for GenerateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what())?;
+        self.remedy().map_or(Ok(()), |remedy| write!(f, ": {remedy}"))
+    }
+}
+
+impl std::error::Error for GenerateError {}
 
 /// The call that makes a body, as text: what `Meta::origin` holds for a generated body.
 #[must_use]
