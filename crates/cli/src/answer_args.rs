@@ -78,9 +78,11 @@ impl LimitArgs {
 impl AnswerArgs {
     /// The limits, and what is kept beside the answer.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
-        let mut limits = self.limits.limits()?;
-        limits.ledger = self.record.is_some();
-        limits.explanation = self.explain || self.record.is_some();
-        Ok(limits)
+        let limits = self.limits.limits()?;
+        Ok(match (&self.record, self.explain) {
+            (Some(_), _) => limits.with_record(),
+            (None, true) => limits.with_explanation(),
+            (None, false) => limits,
+        })
     }
 }
