@@ -5,8 +5,8 @@
 mod bodies;
 mod shared_data;
 
-use crate::support::{Place, json, ours, text, trolley};
-use bodies::{Body, OURS};
+use crate::support::{Place, json, shipped, text, trolley};
+use bodies::{Body, SHIPPED};
 use runtime::clock::now_ns;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -93,8 +93,8 @@ fn come_in(models: &Path, bodies: &[Body]) {
 }
 
 #[test]
-fn bodies_of_our_own_come_in_at_their_size() {
-    come_in(&ours(""), &OURS);
+fn shipped_bodies_come_in_at_their_size() {
+    come_in(&shipped(""), &SHIPPED);
 }
 
 /// Exports a model, imports that with its name and kind and no other option, and exports again.
@@ -127,7 +127,7 @@ fn what_is_exported_comes_back_bit_for_bit() {
     let from = place.path().join("body.trolley-0");
     done(&["generate", "sedan", "--triangles", "3000", "--seed", "7", "-o", utf8(&from)]);
     goes_round(place.path(), &from, "sedan");
-    let hatchback = ours("hatchback.obj");
+    let hatchback = shipped("hatchback.obj");
     let frame = ["--unit", "inch", "--forward", "-y"];
     let args = [&["import", utf8(&hatchback), "--kind", "sedan", "-o", utf8(&from)], &frame[..]];
     done(&args.concat());

@@ -4,7 +4,7 @@
 //! Those of `tests/data` are drawn for this; `shared_data` has those of other people.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::{Place, answer, assert_found, brute_force, json, ours, run, text, trolley};
+use crate::support::{Place, answer, assert_found, brute_force, json, shipped, run, text, trolley};
 use body::file;
 use geometry::{DVec3, RelativePose};
 use serde_json::Value;
@@ -98,16 +98,16 @@ fn assert_hits([ego, other]: [&str; 2], place: &Place, crash: &str) {
     }
 }
 
-const OURS: &[Given] = &[
+const SHIPPED: &[Given] = &[
     (
         "hatchback",
         "hatchback.obj",
         &["--unit", "inch", "--up", "+z", "--forward", "-y", "--kind", "sedan"],
     ),
-    ("barrier", "barrier.dae", &["--kind", "wall"]),
+    ("barrier", "jersey_barrier.dae", &["--kind", "wall"]),
 ];
 
-const OUR_CRASHES: &str = r#"
+const SHIPPED_CRASHES: &str = r#"
 schema = "trolley.scenario/1"
 name = "bodies of files"
 [parties.ego]
@@ -146,16 +146,16 @@ other = { party = "pole", position_m = [2.4, -0.3, 0], speed_m_s = 0 }
 #[test]
 fn bodies_of_files_are_ranked_the_same_by_workers_and_in_one_process() {
     let place = Place::new();
-    import(&place, &ours(""), OURS);
+    import(&place, &shipped(""), SHIPPED);
     again(&place, "hatchback", "stl");
     again(&place, "hatchback", "ply");
-    assert_alike(&ranked_the_same(&place, OUR_CRASHES));
+    assert_alike(&ranked_the_same(&place, SHIPPED_CRASHES));
 }
 
 #[test]
 fn hit_sets_of_bodies_of_files_equal_those_of_brute_force() {
     let place = Place::new();
-    import(&place, &ours(""), OURS);
+    import(&place, &shipped(""), SHIPPED);
     let crash = r#"
 schema = "trolley.scenario/1"
 name = "small bodies of files"
@@ -175,10 +175,10 @@ other = { party = "barrier", position_m = [2.3, 0.2, 0], yaw_deg = 80, speed_m_s
 #[test]
 fn a_crash_of_bodies_of_files_is_the_same_between_builds_and_replayed() {
     let place = Place::new();
-    import(&place, &ours(""), OURS);
+    import(&place, &shipped(""), SHIPPED);
     again(&place, "hatchback", "stl");
     again(&place, "hatchback", "ply");
-    let scenario = place.write("files.toml", OUR_CRASHES);
+    let scenario = place.write("files.toml", SHIPPED_CRASHES);
     let records = place.path().join("records");
     let (scenario, records) = (scenario.to_str().unwrap(), records.to_str().unwrap());
     let output = run(&["rank", scenario, "--json", "--workers", "2", "--record", records]);

@@ -208,7 +208,7 @@ pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>>
 }
 
 /// A file of `tests/data`, which is part of this project.
-pub(crate) fn ours(name: &str) -> PathBuf {
+pub(crate) fn shipped(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
     folder.join(name).canonicalize().unwrap()
 }
