@@ -1,19 +1,16 @@
 //! Bodies from files: real ones come in at their size, exports come back bit for bit, and whatever
 //! is malformed is refused within seconds by a sentence, with nothing left behind.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test that cannot go on has failed; one that cannot begin says so"
-)]
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod bodies;
+mod shared_data;
 
-use crate::support::{Place, json, text, trolley};
-use bodies::{BODIES, Body, ODD};
+use crate::support::{Place, json, ours, text, trolley};
+use bodies::{Body, OURS};
 use runtime::clock::now_ns;
 use serde_json::Value;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 
 /// A refusal takes a fraction of a second; this leaves room for a busy machine.
@@ -29,15 +26,6 @@ fn done(args: &[&str]) -> Output {
     let output = model(args);
     assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
     output
-}
-
-fn data(below: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(below);
-    if path.exists() {
-        return Some(path.canonicalize().unwrap());
-    }
-    eprintln!("skipped: {} is absent", path.display());
-    None
 }
 
 fn utf8(path: &Path) -> &str {
@@ -73,70 +61,27 @@ fn refused(file: &str, more: &[&str], code: i32) -> String {
     message
 }
 
-#[test]
-fn every_malformed_file_loads_or_is_refused() {
-    let Some(folder) = data("robustness") else { return };
-    const LOAD: [&str; 7] = [
-        "Spider_ascii.stl",
-        "Spider_binary.stl",
-        "Wuson.ply",
-        "box_longline.obj",
-        "concave_polygon.obj",
-        "cube_binary.ply",
-        "triangle_with_empty_solid.stl",
-    ];
+/// Imports bodies of a folder; each is then what is known of it.
+fn come_in(models: &Path, bodies: &[Body]) {
     let place = Place::new();
     let out = place.path().join("out.trolley");
-    let names = listing(&folder);
-    assert!(names.len() >= 19, "{names:?}");
-    for name in &names {
-        let file = folder.join(name);
-        if LOAD.contains(&name.as_str()) {
-            done(&["import", utf8(&file), "--kind", "building", "-o", utf8(&out)]);
-            done(&["check", utf8(&out)]);
-            std::fs::remove_file(&out).unwrap();
-        } else {
-            refused(utf8(&file), &["--kind", "building"], 65);
-        }
-    }
-    // All at once: one line per file, in the order asked for.
-    let files: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
-    let args: Vec<&str> = ["check"].into_iter().chain(files.iter().map(|f| utf8(f))).collect();
-    let output = model(&args);
-    assert_eq!(output.status.code(), Some(65));
-    let lines: Vec<String> = text(&output.stdout).lines().map(str::to_owned).collect();
-    assert_eq!(lines.len(), names.len());
-    for (line, name) in lines.iter().zip(&names) {
-        let state = if LOAD.contains(&name.as_str()) { "ok " } else { "refused " };
-        assert!(line.starts_with(state) && line.contains(name), "{line}");
-    }
-    let document = json(&model(&[&args[..], &["--json"]].concat()));
-    assert_eq!(document["schema"], "trolley.model-check/1");
-    assert_eq!(document["refused"], names.len() - LOAD.len());
-}
-
-#[test]
-fn real_bodies_come_in_at_their_real_size() {
-    let Some(models) = data("models") else { return };
-    let place = Place::new();
-    let out = place.path().join("out.trolley");
-    for Body { file, flags, triangles, size, looks } in BODIES {
+    for Body { file, flags, triangles, size, looks } in bodies {
         let path = models.join(file);
-        let args = [&["import", utf8(&path), "-o", utf8(&out), "--json"], flags].concat();
+        let args = [&["import", utf8(&path), "-o", utf8(&out), "--json"], *flags].concat();
         let document = json(&done(&args));
         assert!(
             text(&done(&args).stdout).starts_with("{\n  \"schema\": \"trolley.model-import/1\"")
         );
         let body = &document["body"];
-        assert_eq!(body["triangles"], triangles, "{file}");
-        assert_eq!(body["looks_like"], looks, "{file}");
-        for (axis, size) in size.into_iter().enumerate() {
+        assert_eq!(body["triangles"], *triangles, "{file}");
+        assert_eq!(body["looks_like"], *looks, "{file}");
+        for (axis, size) in size.iter().enumerate() {
             let found = body["size_m"][axis].as_f64().unwrap();
             assert!((found - size).abs() < 0.006, "{file}: {}", body["size_m"]);
         }
         let of_parts = body["parts"].as_array().unwrap().iter();
         let sum: u64 = of_parts.map(|part| part["triangles"].as_u64().unwrap()).sum();
-        assert_eq!(sum, triangles, "{file}");
+        assert_eq!(sum, *triangles, "{file}");
         // The file says the same as the import did.
         let info = json(&done(&["info", utf8(&out), "--json"]));
         assert_eq!(info["body"], *body, "{file}");
@@ -148,22 +93,8 @@ fn real_bodies_come_in_at_their_real_size() {
 }
 
 #[test]
-fn what_looks_like_something_else_comes_in_as_what_it_is_said_to_be() {
-    let Some(models) = data("models") else { return };
-    let place = Place::new();
-    let out = place.path().join("out.trolley");
-    for (file, flags, size) in ODD {
-        let path = models.join(file);
-        let mut args = vec!["import", utf8(&path), "-o", utf8(&out), "--json", "--kind", "pole"];
-        args.extend(flags.split(' '));
-        let body = &json(&done(&args))["body"];
-        for (axis, size) in size.into_iter().enumerate() {
-            let found = body["size_m"][axis].as_f64().unwrap();
-            assert!((found - size).abs() < 0.006, "{file}: {}", body["size_m"]);
-        }
-        let table = text(&done(&["info", utf8(&out)]).stdout);
-        assert!(table.contains("doubt"), "{file}: {table}");
-    }
+fn bodies_of_our_own_come_in_at_their_size() {
+    come_in(&ours(""), &OURS);
 }
 
 /// Exports a model, imports that with its name and kind and no other option, and exports again.
@@ -196,10 +127,11 @@ fn what_is_exported_comes_back_bit_for_bit() {
     let from = place.path().join("body.trolley-0");
     done(&["generate", "sedan", "--triangles", "3000", "--seed", "7", "-o", utf8(&from)]);
     goes_round(place.path(), &from, "sedan");
-    let Some(models) = data("models") else { return };
-    let truck = models.join("chrono_man10t_truck/MAN_10t_chassis.obj");
-    done(&["import", utf8(&truck), "--kind", "truck", "-o", utf8(&from)]);
-    goes_round(place.path(), &from, "truck");
+    let hatchback = ours("hatchback.obj");
+    let frame = ["--unit", "inch", "--forward", "-y"];
+    let args = [&["import", utf8(&hatchback), "--kind", "sedan", "-o", utf8(&from)], &frame[..]];
+    done(&args.concat());
+    goes_round(place.path(), &from, "sedan");
 }
 
 /// A box as OBJ, its least corner at the origin.

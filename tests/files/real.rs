@@ -1,24 +1,14 @@
-//! Real bodies: imported from other people's files, ranked by worker processes, compared with this
-//! one process and, for small bodies, with brute force. Skipped where the bodies are not there.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test that cannot go on has failed; one that cannot begin says so"
-)]
+//! Bodies from files: imported, ranked by worker processes, compared with this one process and, for
+//! small bodies, with brute force; and replayed from a record.
+//!
+//! Those of `tests/data` are drawn for this; `shared_data` has those of other people.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::{Place, answer, assert_found, brute_force, json, run, text, trolley};
+use crate::support::{Place, answer, assert_found, brute_force, json, ours, run, text, trolley};
 use body::file;
 use geometry::{DVec3, RelativePose};
-use std::path::{Path, PathBuf};
-
-fn data() -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
-    if path.is_dir() {
-        return Some(path);
-    }
-    println!("skipped: no real bodies at {}", path.display());
-    None
-}
+use serde_json::Value;
+use std::path::Path;
 
 fn command(args: &[&str]) {
     let output = trolley().args(args).output().unwrap();
@@ -26,29 +16,10 @@ fn command(args: &[&str]) {
 }
 
 /// Name, file, and how to read it.
-const BODIES: &[(&str, &str, &[&str])] = &[
-    ("sedan", "chrono_sedan/sedan_chassis_vis.obj", &["--unit", "m", "--kind", "sedan"]),
-    ("suv", "chrono_nissan_patrol_suv/suv_chassis.obj", &["--unit", "m", "--kind", "suv"]),
-    ("truck", "chrono_man10t_truck/MAN_10t_chassis.obj", &["--unit", "m", "--kind", "truck"]),
-    (
-        "human",
-        "openmaterial_human/human_example.gltf",
-        &["--unit", "m", "--up", "+y", "--forward", "+x", "--kind", "pedestrian"],
-    ),
-    (
-        "motorcycle",
-        "kenney_trucks/vehicle-motorcycle.glb",
-        &["--unit", "1.0", "--up", "+y", "--forward", "+z", "--kind", "motorcycle"],
-    ),
-    (
-        "hatchback",
-        "gazebo_hatchback/hatchback.obj",
-        &["--unit", "inch", "--up", "+z", "--forward", "-y", "--kind", "sedan"],
-    ),
-];
+type Given = (&'static str, &'static str, &'static [&'static str]);
 
-fn import(place: &Place, models: &Path) {
-    for (name, mesh, how) in BODIES {
+fn import(place: &Place, models: &Path, bodies: &[Given]) {
+    for (name, mesh, how) in bodies {
         let (mesh, out) = (models.join(mesh), place.path().join(format!("{name}.trolley")));
         let mut args = vec!["model", "import", mesh.to_str().unwrap(), "--name", name];
         args.extend(*how);
@@ -57,20 +28,216 @@ fn import(place: &Place, models: &Path) {
     }
 }
 
-/// The sedan once more, through another format.
-fn again(place: &Place, format: &str) {
+/// A sedan once more, through another format.
+fn again(place: &Place, sedan: &str, format: &str) {
     let path = |name: String| place.path().join(name).to_str().unwrap().to_owned();
-    let mesh = path(format!("sedan.{format}"));
-    let from = path("sedan.trolley".to_owned());
+    let mesh = path(format!("{sedan}.{format}"));
+    let from = path(format!("{sedan}.trolley"));
     command(&["model", "export", &from, "--format", format, "-o", &mesh]);
-    let out = path(format!("sedan_{format}.trolley"));
+    let out = path(format!("{sedan}_{format}.trolley"));
     let axes = ["--unit", "m", "--up", "+z", "--forward", "+x", "--kind", "sedan"];
     let mut args = vec!["model", "import", &mesh, "-o", &out];
     args.extend(axes);
     command(&args);
 }
 
-const CRASHES: &str = r#"
+/// Ranks crashes that all touch, in every way the same; what was answered.
+fn ranked_the_same(place: &Place, crashes: &str) -> Value {
+    let path = place.write("real.toml", crashes);
+    let path = path.to_str().unwrap();
+    let output = run(&["rank", path, "--json", "--workers", "4"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let document = json(&output);
+    let rows = document["answer"]["ranking"].as_array().unwrap();
+    assert_eq!(rows.len(), crashes.matches("[[candidates]]").count());
+    for row in rows {
+        assert_eq!(row["contact"]["touch"], "yes", "{}", row["name"]);
+    }
+    let reference = answer(&run(&["rank", path, "--json", "--in-process"]));
+    assert_eq!(answer(&output), reference);
+    for way in [&["--workers", "2", "--build", "sah"][..], &["--workers", "1", "--depth", "0"]] {
+        let mut args = vec!["rank", path, "--json"];
+        args.extend(way);
+        assert_eq!(answer(&run(&args)), reference, "{way:?}");
+    }
+    document
+}
+
+/// A sedan that went through two formats strikes alike.
+fn assert_alike(document: &Value) {
+    let rows = document["answer"]["ranking"].as_array().unwrap();
+    let row = |name: &str| rows.iter().find(|row| row["name"] == name).unwrap();
+    let (stl, ply) = (row("sedan through STL"), row("sedan through PLY"));
+    assert_eq!(stl["poses"], ply["poses"]);
+    assert_eq!(stl["work"], ply["work"]);
+}
+
+/// Ranks the crash of two small bodies; every hit set is what brute force finds.
+fn assert_hits([ego, other]: [&str; 2], place: &Place, crash: &str) {
+    let path = place.write("small.toml", crash);
+    let output = run(&["rank", path.to_str().unwrap(), "--json", "--workers", "2"]);
+    let scenario = scenario::Scenario::parse("small.toml", crash).unwrap();
+    let bytes = |name: &str| {
+        let bytes = std::fs::read(place.path().join(format!("{name}.trolley"))).unwrap();
+        file::Aligned::copy_of(&bytes)
+    };
+    let (ego, other) = (bytes(ego), bytes(other));
+    let (_, a) = file::view(ego.bytes()).unwrap();
+    let (_, b) = file::view(other.bytes()).unwrap();
+    let candidate = &scenario.candidates[0];
+    let given = RelativePose::between(&candidate.ego.pose, &candidate.other.state.pose);
+    let document = json(&output);
+    let poses = document["answer"]["ranking"][0]["poses"].as_array().unwrap().clone();
+    assert!(poses.len() >= 3, "{document}");
+    for pose in &poses {
+        let travel_m = pose["travel_m"].as_f64().unwrap();
+        let pose_m = given.moved(-DVec3::X * travel_m);
+        let found = brute_force((a.corners, a.source_ids), (b.corners, b.source_ids), &pose_m);
+        assert!(found[2].0 > 0, "nothing hit at {travel_m}");
+        assert_found(pose, &found, &format!("{travel_m} m"));
+    }
+}
+
+const OURS: &[Given] = &[
+    (
+        "hatchback",
+        "hatchback.obj",
+        &["--unit", "inch", "--up", "+z", "--forward", "-y", "--kind", "sedan"],
+    ),
+    ("barrier", "barrier.dae", &["--kind", "wall"]),
+];
+
+const OUR_CRASHES: &str = r#"
+schema = "trolley.scenario/1"
+name = "bodies of files"
+[parties.ego]
+file = "hatchback.trolley"
+[parties.barrier]
+file = "barrier.trolley"
+[parties.stl]
+file = "hatchback_stl.trolley"
+[parties.ply]
+file = "hatchback_ply.trolley"
+[parties.pole]
+generate = { shape = "pole", triangles = 2000 }
+
+[[candidates]]
+name = "along the barrier"
+ego = { position_m = [0, 0, 0], yaw_deg = 8, speed_m_s = 10 }
+other = { party = "barrier", position_m = [3, 1.3, 0], speed_m_s = 0 }
+[[candidates]]
+name = "into the barrier"
+ego = { position_m = [0, 0, 0], speed_m_s = 9 }
+other = { party = "barrier", position_m = [2.4, 0.2, 0], yaw_deg = 85, speed_m_s = 0 }
+[[candidates]]
+name = "sedan through STL"
+ego = { position_m = [0, 0, 0], speed_m_s = 10 }
+other = { party = "stl", position_m = [3.0, 0.3, 0], yaw_deg = 88, speed_m_s = 9 }
+[[candidates]]
+name = "sedan through PLY"
+ego = { position_m = [0, 0, 0], speed_m_s = 10 }
+other = { party = "ply", position_m = [3.0, 0.3, 0], yaw_deg = 88, speed_m_s = 9 }
+[[candidates]]
+name = "pole"
+ego = { position_m = [0, 0, 0], speed_m_s = 13 }
+other = { party = "pole", position_m = [2.4, -0.3, 0], speed_m_s = 0 }
+"#;
+
+#[test]
+fn bodies_of_files_are_ranked_the_same_by_workers_and_in_one_process() {
+    let place = Place::new();
+    import(&place, &ours(""), OURS);
+    again(&place, "hatchback", "stl");
+    again(&place, "hatchback", "ply");
+    assert_alike(&ranked_the_same(&place, OUR_CRASHES));
+}
+
+#[test]
+fn hit_sets_of_bodies_of_files_equal_those_of_brute_force() {
+    let place = Place::new();
+    import(&place, &ours(""), OURS);
+    let crash = r#"
+schema = "trolley.scenario/1"
+name = "small bodies of files"
+[parties.ego]
+file = "hatchback.trolley"
+[parties.barrier]
+file = "barrier.trolley"
+[[candidates]]
+name = "barrier"
+ego = { position_m = [0, 0, 0], speed_m_s = 13 }
+other = { party = "barrier", position_m = [2.3, 0.2, 0], yaw_deg = 80, speed_m_s = 0 }
+"#;
+    assert_hits(["hatchback", "barrier"], &place, crash);
+}
+
+/// Two builds, two questions, and a record: a body of a file is one body to all of them.
+#[test]
+fn a_crash_of_bodies_of_files_is_the_same_between_builds_and_replayed() {
+    let place = Place::new();
+    import(&place, &ours(""), OURS);
+    again(&place, "hatchback", "stl");
+    again(&place, "hatchback", "ply");
+    let scenario = place.write("files.toml", OUR_CRASHES);
+    let records = place.path().join("records");
+    let (scenario, records) = (scenario.to_str().unwrap(), records.to_str().unwrap());
+    let output = run(&["rank", scenario, "--json", "--workers", "2", "--record", records]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let record = format!("{records}/000000.record");
+    let models = place.path().to_str().unwrap();
+    let replayed = trolley()
+        .args(["record", "replay", &record, "--models", models, "--json"])
+        .output()
+        .unwrap();
+    assert!(replayed.status.success(), "{}", text(&replayed.stderr));
+    assert_eq!(json(&replayed)["same"], true);
+    // The mesh as it stands and the model made from it, by different trees.
+    let poses =
+        place.write("poses.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 -1 0 2.1\n1 0 0 0.2\n0 0 1 0\n");
+    let ask = |a: &str, more: &[&str]| {
+        let of = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+        let files = [of(a), of("barrier.trolley")];
+        let poses = poses.to_str().unwrap();
+        let args = [&["intersect", &files[0], &files[1], "--poses", poses, "--json"], more];
+        let output = trolley().args(args.concat()).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let line = json(&output);
+        (line["pairs"].clone(), line["hash"].clone())
+    };
+    let found = ask("hatchback.stl", &[]);
+    assert!(found.0.as_u64() > Some(0), "{found:?}");
+    for build in ["seed", "literal", "sah"] {
+        assert_eq!(ask("hatchback.stl", &["--build", build, "--leaf-size", "2"]), found, "{build}");
+    }
+    assert_eq!(ask("hatchback_stl.trolley", &[]), found);
+}
+
+mod shared_data {
+    use super::{Given, again, assert_alike, assert_hits, import, ranked_the_same};
+    use crate::support::{Place, shared};
+
+    const BODIES: &[Given] = &[
+        ("sedan", "chrono_sedan/sedan_chassis_vis.obj", &["--unit", "m", "--kind", "sedan"]),
+        ("suv", "chrono_nissan_patrol_suv/suv_chassis.obj", &["--unit", "m", "--kind", "suv"]),
+        ("truck", "chrono_man10t_truck/MAN_10t_chassis.obj", &["--unit", "m", "--kind", "truck"]),
+        (
+            "human",
+            "openmaterial_human/human_example.gltf",
+            &["--unit", "m", "--up", "+y", "--forward", "+x", "--kind", "pedestrian"],
+        ),
+        (
+            "motorcycle",
+            "kenney_trucks/vehicle-motorcycle.glb",
+            &["--unit", "1.0", "--up", "+y", "--forward", "+z", "--kind", "motorcycle"],
+        ),
+        (
+            "hatchback",
+            "gazebo_hatchback/hatchback.obj",
+            &["--unit", "inch", "--up", "+z", "--forward", "-y", "--kind", "sedan"],
+        ),
+    ];
+
+    const CRASHES: &str = r#"
 schema = "trolley.scenario/1"
 name = "real bodies"
 [parties.ego]
@@ -126,42 +293,22 @@ ego = { position_m = [0, 0, 0], speed_m_s = 13 }
 other = { party = "pole", position_m = [2.5, -0.3, 0], speed_m_s = 0 }
 "#;
 
-#[test]
-fn real_bodies_are_ranked_the_same_by_workers_and_in_one_process() {
-    let Some(models) = data() else { return };
-    let place = Place::new();
-    import(&place, &models);
-    again(&place, "stl");
-    again(&place, "ply");
-    let path = place.write("real.toml", CRASHES);
-    let path = path.to_str().unwrap();
-    let output = run(&["rank", path, "--json", "--workers", "4"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let document = json(&output);
-    let rows = document["answer"]["ranking"].as_array().unwrap();
-    assert_eq!(rows.len(), 8);
-    for row in rows {
-        assert_eq!(row["contact"]["touch"], "yes", "{}", row["name"]);
+    #[test]
+    #[ignore = "needs ../shared/data: real bodies"]
+    fn real_bodies_are_ranked_the_same_by_workers_and_in_one_process() {
+        let place = Place::new();
+        import(&place, &shared("models"), BODIES);
+        again(&place, "sedan", "stl");
+        again(&place, "sedan", "ply");
+        assert_alike(&ranked_the_same(&place, CRASHES));
     }
-    let row = |name: &str| rows.iter().find(|row| row["name"] == name).unwrap();
-    let (stl, ply) = (row("sedan through STL"), row("sedan through PLY"));
-    assert_eq!(stl["poses"], ply["poses"]);
-    assert_eq!(stl["work"], ply["work"]);
-    let reference = answer(&run(&["rank", path, "--json", "--in-process"]));
-    assert_eq!(answer(&output), reference);
-    for way in [&["--workers", "2", "--build", "sah"][..], &["--workers", "1", "--depth", "0"]] {
-        let mut args = vec!["rank", path, "--json"];
-        args.extend(way);
-        assert_eq!(answer(&run(&args)), reference, "{way:?}");
-    }
-}
 
-#[test]
-fn hit_sets_of_small_real_bodies_equal_those_of_brute_force() {
-    let Some(models) = data() else { return };
-    let place = Place::new();
-    import(&place, &models);
-    let crash = r#"
+    #[test]
+    #[ignore = "needs ../shared/data: real bodies"]
+    fn hit_sets_of_small_real_bodies_equal_those_of_brute_force() {
+        let place = Place::new();
+        import(&place, &shared("models"), BODIES);
+        let crash = r#"
 schema = "trolley.scenario/1"
 name = "small real bodies"
 [parties.ego]
@@ -173,26 +320,6 @@ name = "motorcycle"
 ego = { position_m = [0, 0, 0], speed_m_s = 13 }
 other = { party = "motorcycle", position_m = [2.6, 0.1, 0], yaw_deg = 80, speed_m_s = 0 }
 "#;
-    let path = place.write("small.toml", crash);
-    let output = run(&["rank", path.to_str().unwrap(), "--json", "--workers", "2"]);
-    let scenario = scenario::Scenario::parse("small.toml", crash).unwrap();
-    let bytes = |name: &str| {
-        let bytes = std::fs::read(place.path().join(name)).unwrap();
-        file::Aligned::copy_of(&bytes)
-    };
-    let (hatchback, motorcycle) = (bytes("hatchback.trolley"), bytes("motorcycle.trolley"));
-    let (_, a) = file::view(hatchback.bytes()).unwrap();
-    let (_, b) = file::view(motorcycle.bytes()).unwrap();
-    let candidate = &scenario.candidates[0];
-    let given = RelativePose::between(&candidate.ego.pose, &candidate.other.state.pose);
-    let document = json(&output);
-    let poses = document["answer"]["ranking"][0]["poses"].as_array().unwrap().clone();
-    assert!(poses.len() >= 3, "{document}");
-    for pose in &poses {
-        let travel_m = pose["travel_m"].as_f64().unwrap();
-        let pose_m = given.moved(-DVec3::X * travel_m);
-        let found = brute_force((a.corners, a.source_ids), (b.corners, b.source_ids), &pose_m);
-        assert!(found[2].0 > 0, "nothing hit at {travel_m}");
-        assert_found(pose, &found, &format!("{travel_m} m"));
+        assert_hits(["hatchback", "motorcycle"], &place, crash);
     }
 }

@@ -1,15 +1,10 @@
 //! `trolley report`: from a recorded decision to a page, .glb files and stills; and the page in a
 //! real browser, without a network.
 //!
-//! The browser is chromium, if the machine has one; else that is said loudly. Real bodies are used
-//! where they are there.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test that cannot go on has failed; one that cannot begin says so"
-)]
+//! The browser is chromium, if the machine has one; else that is said loudly.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::{Place, instance, left_in_shm, text, trolley};
+use crate::support::{Place, instance, left_in_shm, skipped, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -120,7 +115,7 @@ fn browser() -> Option<&'static str> {
         asked.is_ok_and(|status| status.success())
     });
     if found.is_none() {
-        println!("SKIPPED, AND LOUDLY: no chromium on this machine, so no page was opened in one");
+        skipped("the report page in a browser: there is no chromium");
     }
     found
 }
@@ -165,37 +160,39 @@ fn the_page_works_in_a_browser_without_a_network() {
     assert_drawn(&console, &document);
 }
 
-/// Two real bodies, imported, ranked and shown.
-#[test]
-fn a_page_of_real_bodies_works_in_a_browser() {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
-    if !models.is_dir() {
-        println!("skipped: no real bodies at {}", models.display());
-        return;
+mod shared_data {
+    use super::{assert_drawn, browser, done, opened, path, recorded};
+    use crate::support::{Place, shared};
+
+    /// Two real bodies, imported, ranked and shown.
+    #[test]
+    #[ignore = "needs ../shared/data: real bodies"]
+    fn a_page_of_real_bodies_works_in_a_browser() {
+        let models = shared("models");
+        let place = Place::new();
+        for (name, mesh, kind) in [
+            ("sedan", "chrono_sedan/sedan_chassis_vis.obj", "sedan"),
+            ("suv", "chrono_nissan_patrol_suv/suv_chassis.obj", "suv"),
+        ] {
+            let (mesh, out) = (path(&models, mesh), path(place.path(), &format!("{name}.trolley")));
+            done(&["model", "import", &mesh, "--unit", "m", "--kind", kind, "-o", &out, "--quiet"]);
+        }
+        let text = "schema = \"trolley.scenario/1\"\nname = \"Real bodies\"\n\
+            [parties]\nego = { file = \"sedan.trolley\" }\nsuv = { file = \"suv.trolley\" }\n\
+            [[candidates]]\nname = \"rear-end the SUV\"\n\
+            ego = { position_m = [0, 0, 0], speed_m_s = 15 }\n\
+            other = { party = \"suv\", position_m = [4.6, 0.3, 0], speed_m_s = 4 }\n\
+            [[candidates]]\nname = \"hit its side\"\n\
+            ego = { position_m = [0, 0, 0], speed_m_s = 11 }\n\
+            other = { party = \"suv\", position_m = [3.2, 0.3, 0], yaw_deg = 90, speed_m_s = 2 }\n";
+        let scenario = place.write("real.toml", text);
+        let record = recorded(&place, &scenario, &[]);
+        let (out, models) = (path(place.path(), "r.html"), path(place.path(), ""));
+        done(&["report", &record, "--models", &models, "--out", &out]);
+        let page = std::fs::read_to_string(&out).unwrap();
+        assert!(page.contains("\"of\":39170") && page.contains("\"of\":23002"));
+        let Some(browser) = browser() else { return };
+        let (console, document) = opened(browser, &place, &out);
+        assert_drawn(&console, &document);
     }
-    let place = Place::new();
-    for (name, mesh, kind) in [
-        ("sedan", "chrono_sedan/sedan_chassis_vis.obj", "sedan"),
-        ("suv", "chrono_nissan_patrol_suv/suv_chassis.obj", "suv"),
-    ] {
-        let (mesh, out) = (path(&models, mesh), path(place.path(), &format!("{name}.trolley")));
-        done(&["model", "import", &mesh, "--unit", "m", "--kind", kind, "-o", &out, "--quiet"]);
-    }
-    let text = "schema = \"trolley.scenario/1\"\nname = \"Real bodies\"\n\
-        [parties]\nego = { file = \"sedan.trolley\" }\nsuv = { file = \"suv.trolley\" }\n\
-        [[candidates]]\nname = \"rear-end the SUV\"\n\
-        ego = { position_m = [0, 0, 0], speed_m_s = 15 }\n\
-        other = { party = \"suv\", position_m = [4.6, 0.3, 0], speed_m_s = 4 }\n\
-        [[candidates]]\nname = \"hit its side\"\n\
-        ego = { position_m = [0, 0, 0], speed_m_s = 11 }\n\
-        other = { party = \"suv\", position_m = [3.2, 0.3, 0], yaw_deg = 90, speed_m_s = 2 }\n";
-    let scenario = place.write("real.toml", text);
-    let record = recorded(&place, &scenario, &[]);
-    let (out, models) = (path(place.path(), "r.html"), path(place.path(), ""));
-    done(&["report", &record, "--models", &models, "--out", &out]);
-    let page = std::fs::read_to_string(&out).unwrap();
-    assert!(page.contains("\"of\":39170") && page.contains("\"of\":23002"));
-    let Some(browser) = browser() else { return };
-    let (console, document) = opened(browser, &place, &out);
-    assert_drawn(&console, &document);
 }

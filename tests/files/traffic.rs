@@ -4,7 +4,6 @@
 
 use crate::support::{Place, text, trolley};
 use serde_json::Value;
-use std::path::Path;
 use std::process::Output;
 
 fn asked(args: &[&str]) -> Output {
@@ -100,27 +99,30 @@ fn what_is_no_traffic_file_is_refused_with_place_and_remedy() {
     assert!(text(&output.stderr).contains("not UTF-8"), "{}", text(&output.stderr));
 }
 
-/// Every file of others gives a ranking, or a reason not to.
-#[test]
-fn recorded_traffic_gives_rankings_or_reasons() {
-    let folder =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/scenarios/commonroad");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no recorded traffic at {}", folder.display());
-        return;
-    };
-    let mut ranked = 0;
-    for entry in entries {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|end| end != "xml") {
-            continue;
+mod shared_data {
+    use super::asked;
+    use crate::support::{shared, text};
+    use serde_json::Value;
+
+    /// Every file of others gives a ranking, or a reason not to.
+    #[test]
+    #[ignore = "needs ../shared/data: recorded traffic"]
+    fn recorded_traffic_gives_rankings_or_reasons() {
+        let entries = std::fs::read_dir(shared("scenarios/commonroad")).unwrap();
+        let mut ranked = 0;
+        for entry in entries {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|end| end != "xml") {
+                continue;
+            }
+            let file = path.to_str().unwrap();
+            let output =
+                asked(&["rank", file, "--json", "--in-process", "--assume", "unknown=fixed"]);
+            assert!(output.status.success(), "{file}: {}", text(&output.stderr));
+            let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert!(!document["answer"]["ranking"].as_array().unwrap().is_empty(), "{file}");
+            ranked += 1;
         }
-        let file = path.to_str().unwrap();
-        let output = asked(&["rank", file, "--json", "--in-process", "--assume", "unknown=fixed"]);
-        assert!(output.status.success(), "{file}: {}", text(&output.stderr));
-        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert!(!document["answer"]["ranking"].as_array().unwrap().is_empty(), "{file}");
-        ranked += 1;
+        assert!(ranked >= 7, "{ranked}");
     }
-    assert!(ranked >= 7, "{ranked}");
 }

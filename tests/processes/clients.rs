@@ -5,8 +5,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::service::{ranked, serve, shipped};
-use crate::support::{self, Place, run, text, trolley};
-use std::io::Write as _;
+use crate::support::{self, Place, run, skipped, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -24,10 +23,13 @@ fn printed(output: &Output) -> Vec<(String, [u64; 2])> {
 }
 
 /// Builds a part of this workspace as the tests were built; the folder of what came out.
+///
+/// Of the whole workspace: for one package alone, features of its dependencies may differ, and all
+/// of them would be compiled once more.
 fn build(args: &[&str]) -> PathBuf {
     let folder = Path::new(env!("CARGO_BIN_EXE_trolley")).parent().unwrap().to_owned();
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.arg("build").args(args).current_dir(shipped("."));
+    cargo.args(["build", "--workspace"]).args(args).current_dir(shipped("."));
     cargo.env("CARGO_TARGET_DIR", folder.parent().unwrap());
     if folder.ends_with("release") {
         cargo.arg("--release");
@@ -39,10 +41,6 @@ fn build(args: &[&str]) -> PathBuf {
 
 fn has(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
-}
-
-fn skipped(what: &str) {
-    let _gone = writeln!(std::io::stderr(), "SKIPPED: {what}");
 }
 
 /// A Python that has iceoryx2, as `.ci/run` makes one; else any.
@@ -63,14 +61,14 @@ fn all_clients_see_the_ranking_of_rank() {
     let serving = serve(&shipped("config/deployments/minimal.toml"), &[]);
     let instance = serving.instance.clone();
 
-    let folder = build(&["-p", "client", "--example", "planner"]);
+    let folder = build(&["--example", "planner"]);
     let rust = Command::new(folder.join("examples/planner")).args(["3", &instance]).output();
     assert_eq!(printed(&rust.unwrap()), expected, "Rust");
 
     if has("g++") {
         let place = Place::new();
         let planner = place.path().join("planner");
-        let folder = build(&["-p", "client-c"]);
+        let folder = build(&["--lib"]);
         let compiled = Command::new("g++")
             .args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-I"])
             .arg(shipped("crates/client-c/include"))

@@ -16,6 +16,7 @@ use geometry::triangle::{self, Triangle};
 use geometry::{Corners, DVec3, RelativePose};
 use scenario::Overrides;
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -204,6 +205,25 @@ pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>>
         (ticks.len() == count && working).then_some(Some(workers))
     })
     .flatten()
+}
+
+/// A file of `tests/data`, which is part of this project.
+pub(crate) fn ours(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
+    folder.join(name).canonicalize().unwrap()
+}
+
+/// A file of others that may lie beside this checkout. Tests that need it are ignored, and lie in
+/// modules named `shared_data`: `cargo x check` runs them where it is there.
+pub(crate) fn shared(below: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(below);
+    path.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Says that something is left out for want of a tool. Past the test runner, which keeps to itself
+/// what a test prints that passes; `cargo x check` shows the line.
+pub(crate) fn skipped(what: &str) {
+    let _gone = writeln!(std::io::stderr(), "SKIPPED: {what}");
 }
 
 /// Counts and hashes of what is hit: of A, of B, and of pairs.

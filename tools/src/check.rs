@@ -2,6 +2,8 @@
 
 use crate::step::Step;
 use anyhow::Result;
+use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The step that `--quick` leaves out.
@@ -28,13 +30,29 @@ pub(crate) const STEPS: &[Step] = &[
     Step { name: "tests", args: &["test", "--workspace"], env: &[] },
 ];
 
+/// Files of others, beside the checkout.
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
+
+/// The tests that need [`DATA`]: they are ignored, and lie in modules of this name.
+const WITH_DATA: Step = Step {
+    name: "data",
+    args: &["test", "--workspace", "--lib", "--test", "files", "--", "--ignored", "shared_data::"],
+    env: &[],
+};
+
 /// Runs the steps until one fails; its exit code is ours.
 pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitCode> {
     let mut out = std::io::stdout().lock();
-    for step in steps {
+    let data = Path::new(DATA).is_dir().then_some(&WITH_DATA);
+    for step in steps.into_iter().chain(data) {
         if let Some(code) = step.run(&mut out)?.failure() {
             return Ok(code);
         }
+    }
+    if data.is_none() {
+        let left_out =
+            "LEFT OUT: there is no ../shared/data; see the tests that are ignored for it";
+        writeln!(out, "{:<7} {left_out}", WITH_DATA.name)?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,7 @@
 //! One run of cargo: a line with its time if all is well, everything it said if not.
 //!
 //! The closing lines of test runners are always shown, as they come: they say how much was tested.
+//! So is what a test skips for want of a tool.
 
 #[cfg(test)]
 mod tests;
@@ -53,24 +54,24 @@ impl Step {
         drop(command);
 
         let mut said = Vec::new();
-        let mut tests = Tally::default();
+        let (mut tests, mut has_shown) = (Tally::default(), false);
         let mut reader = BufReader::new(reader);
         let mut from = 0;
         while reader.read_until(b'\n', &mut said)? > 0 {
             let text = String::from_utf8_lossy(&said[from..]);
-            if let Some(closing) = Tally::of(&text) {
-                if tests == Tally::default() {
-                    writeln!(out)?;
-                }
-                write!(out, "{text}")?;
-                tests.add(&closing);
+            let closing = Tally::of(&text);
+            let shown = if closing.is_some() { Some(&*text) } else { skipped(&text) };
+            if let Some(shown) = shown {
+                let before = if std::mem::replace(&mut has_shown, true) { "" } else { "\n" };
+                write!(out, "{before}{shown}")?;
             }
+            tests.add(&closing.unwrap_or_default());
             from = said.len();
         }
         let status = child.wait()?;
 
         let seconds = start.elapsed().as_secs_f64();
-        if tests != Tally::default() {
+        if has_shown {
             write!(out, "{:<7} {tests} ... ", self.name)?;
         }
         writeln!(out, "{} {seconds:.1} s", if status.success() { "ok" } else { "FAILED" })?;
@@ -90,6 +91,11 @@ pub(crate) fn cargo() -> Command {
 #[expect(clippy::disallowed_methods, reason = "for a person to read; nothing is decided by it")]
 fn now() -> Instant {
     Instant::now()
+}
+
+/// What a line says that a test has left out; it may begin with that of another test.
+fn skipped(line: &str) -> Option<&str> {
+    line.find("SKIPPED: ").map(|at| &line[at..])
 }
 
 /// Sums over the closing lines of test runners.

@@ -1,4 +1,4 @@
-//! Real bodies: what their files are imported with, and how large they are in truth (m).
+//! Bodies in files: what they are imported with, and how large they are in truth (m).
 
 /// A body as it stands in its file, and what must be said of it.
 pub(crate) struct Body {
@@ -9,7 +9,26 @@ pub(crate) struct Body {
     pub(crate) looks: &'static str,
 }
 
-/// Vehicles and persons, each as what it is.
+/// Of `tests/data`.
+pub(crate) const OURS: [Body; 2] = [
+    Body {
+        file: "hatchback.obj",
+        flags: &["--unit", "inch", "--up", "z", "--forward", "-y", "--kind", "sedan"],
+        triangles: 793,
+        size: [4.02, 2.00, 1.48],
+        looks: "a car",
+    },
+    Body {
+        // COLLADA states unit and up axis.
+        file: "barrier.dae",
+        flags: &["--kind", "wall", "--build", "sah"],
+        triangles: 396,
+        size: [3.96, 0.60, 0.81],
+        looks: "a wall or barrier",
+    },
+];
+
+/// Of others: vehicles and persons, each as what it is.
 pub(crate) const BODIES: [Body; 10] = [
     Body {
         file: "chrono_sedan/sedan_chassis_vis.obj",

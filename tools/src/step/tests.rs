@@ -54,3 +54,10 @@ fn a_step_sees_its_own_environment_beside_ours() -> Result<()> {
     assert!(String::from_utf8(out)?.contains("mauve"));
     Ok(())
 }
+
+#[test]
+fn what_a_test_leaves_out_is_found_wherever_its_line_begins() {
+    assert_eq!(skipped("SKIPPED: a browser\n"), Some("SKIPPED: a browser\n"));
+    assert_eq!(skipped("test a::b ... SKIPPED: a browser\n"), Some("SKIPPED: a browser\n"));
+    assert_eq!(skipped("test nothing_is_skipped ... ok\n"), None);
+}
