@@ -133,8 +133,8 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
                 .with_remedy("name one with --scheme, or leave --scenario out"));
         }
     };
-    let mut limits = args.limits.limits()?;
-    limits.pursuit = args.pursuit;
+    let limits = args.limits.limits()?;
+    let limits = args.pursuit.map_or(limits, |pursuit| limits.with_pursuit(pursuit));
     let options = RankOptions {
         scenario,
         overrides: Overrides { scheme, alpha: args.alpha, ..args.engine.overrides()? },
