@@ -4,7 +4,7 @@
 //! Those of `tests/data` are drawn for this; `shared_data` has those of other people.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::{Place, answer, assert_found, brute_force, json, shipped, run, text, trolley};
+use crate::support::{Place, answer, assert_found, brute_force, json, run, shipped, text, trolley};
 use body::file;
 use geometry::{DVec3, RelativePose};
 use serde_json::Value;

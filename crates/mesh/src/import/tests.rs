@@ -4,6 +4,7 @@
 mod shared_data;
 
 use super::*;
+use diagnostic::Diagnostic as _;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -63,7 +64,7 @@ fn a_car_of_4500_metres_is_refused_with_its_size_and_unit() {
         "a/b/car.obj: 4500.00 × 1800.00 × 1400.00 m is no plausible sedan: its greatest length \
          should be 1 to 30 m"
     );
-    assert_eq!(fault.help(), "is its unit mm? then import it with --unit mm");
+    assert_eq!(fault.remedy().as_deref(), Some("is its unit mm? then import it with --unit mm"));
     let options = ImportOptions { unit: Some("mm".parse().expect("a unit")), ..options };
     let it = read(Format::Obj, text.as_bytes(), &mut none, &options).expect("plausible");
     assert_eq!(it.report.name, "car");
@@ -117,7 +118,9 @@ fn load_bent(
             let mut points = it.mesh.corners.as_flattened().iter().flatten();
             prop_assert!(!it.mesh.corners.is_empty() && points.all(|x| x.is_finite()));
         }
-        Err(fault) => prop_assert!(fault.to_string().len() > 10 && fault.help().len() > 10),
+        Err(fault) => prop_assert!(
+            fault.to_string().len() > 10 && fault.remedy().is_some_and(|help| help.len() > 10)
+        ),
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 //! bytes never panic. None of these files is part of this project.
 
 use super::*;
+use diagnostic::Diagnostic as _;
 use std::path::PathBuf;
 
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
@@ -269,7 +270,10 @@ fn parts_of_real_bodies_can_be_chosen_by_their_names() {
     let fault = count(truck, "Sofa").expect_err("there is none");
     let words = fault.to_string();
     assert!(words.starts_with("MAN_10t_chassis.obj: no part is named \"Sofa\"; the names are "));
-    assert!(words.contains("\"Material_Cabin.005\"") && !fault.help().is_empty(), "{words}");
+    assert!(
+        words.contains("\"Material_Cabin.005\"") && !fault.remedy().unwrap_or_default().is_empty(),
+        "{words}"
+    );
 }
 
 #[test]
@@ -309,7 +313,7 @@ fn malformed_files_load_or_are_refused_in_words() {
                 format!("{name}: {} triangles{notes}", it.report.triangles)
             }
             Err(fault) => {
-                assert!(!fault.help().is_empty());
+                assert!(!fault.remedy().unwrap_or_default().is_empty());
                 fault.to_string()
             }
         };
