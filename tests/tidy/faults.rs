@@ -9,8 +9,10 @@ use toml::{Table, Value};
 
 /// The feature of a crate that holds them.
 const FEATURE: &str = "faults";
-/// The package and its feature that turns them on for a binary, as its default alone does.
-const LAB: (&str, &str) = ("cli", "lab");
+/// The package that is there for them, and turns them on in others.
+pub(crate) const LAB: &str = "lab";
+/// The package that brings it, and the feature that does so, as its default alone does.
+const BINARY: (&str, &str) = ("cli", "lab");
 /// What stands before an item that not every build has.
 const MARKS: [&str; 4] = [
     "#[cfg(feature = \"faults\")]",
@@ -112,16 +114,22 @@ pub(crate) fn turned_on(packages: &[Package], workspace: &Text) -> Vec<String> {
         for (feature, list) in features.into_iter().flatten() {
             let by = (package.name.as_str(), feature.as_str());
             for entry in strings(list) {
-                let may_be_on = feature == FEATURE || by == LAB;
-                let may_be_lab = by == (LAB.0, "default");
-                if (is(entry, FEATURE) && !may_be_on) || (is(entry, LAB.1) && !may_be_lab) {
+                let may_be_on = feature == FEATURE;
+                let may_be_lab = by == (BINARY.0, "default");
+                let brings = entry == "dep:lab" && by != BINARY;
+                if (is(entry, FEATURE) && !may_be_on)
+                    || (is(entry, BINARY.1) && !may_be_lab)
+                    || brings
+                {
                     let fault = format!("{feature} turns on {entry}");
                     faults.push(package.manifest.fault(0, &fault));
                 }
             }
         }
         for (name, entry) in package.built_with() {
-            if features_of(entry).any(|feature| feature == FEATURE) {
+            let is_on = features_of(entry).any(|feature| feature == FEATURE);
+            let is_optional = entry.get("optional").and_then(Value::as_bool) == Some(true);
+            if package.name != LAB && (is_on || (name == LAB && !is_optional)) {
                 let fault = format!("{name} with {FEATURE}, in every build");
                 faults.push(package.manifest.fault(0, &fault));
             }
@@ -146,7 +154,11 @@ pub(crate) fn of_the_lab(packages: &[Package]) -> BTreeSet<String> {
         });
         on.collect()
     };
-    let (mut on, mut open) = (BTreeSet::new(), list(LAB.0, LAB.1));
+    let lab = packages.iter().find(|package| package.name == LAB);
+    let direct = lab.into_iter().flat_map(Package::built_with);
+    let direct = direct.filter(|(_, entry)| features_of(entry).any(|feature| feature == FEATURE));
+    let mut open: Vec<String> = direct.map(|(name, _)| name.to_owned()).collect();
+    let mut on = BTreeSet::new();
     while let Some(next) = open.pop() {
         if on.insert(next.clone()) {
             open.extend(list(&next, FEATURE));

@@ -8,8 +8,8 @@ use std::path::Path;
 /// on their number.
 const BUILDS_IN_PARALLEL: &str = "bvh";
 
-/// The module of a pure crate that touches the machine so that the others need not, and the crate of
-/// ours that it does so with. The others name neither.
+/// The module of a pure crate that touches the machine so that the others need not, and the crate
+/// of ours that it does so with. The others name neither.
 pub(crate) const EDGES: &[(&str, &str, &str)] = &[("mesh", "reader", "runtime")];
 
 /// The sources of a package and their code, without what is only there for tests.

@@ -1,7 +1,7 @@
 //! The way of one request from a scenario to its evidence, whoever asks and whoever does the jobs.
 //!
 //! ```text
-//! Scenario --plan--> Request --> Work --Backend: worker processes, or this one--> evidence --> read
+//! Scenario --plan--> Request --> Work --Backend: workers, or this process--> evidence --> read
 //! ```
 //!
 //! A command that ranks once and a service that ranks for months both go through

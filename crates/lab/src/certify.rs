@@ -1,7 +1,7 @@
 //! What bounds, deadlines and budgets are worth, measured on requests of chance.
 //!
-//! What must hold is checked on the way: a violation of a bound is counted and told, any other is an
-//! error.
+//! What must hold is checked on the way: a violation of a bound is counted and told, any other is
+//! an error.
 
 use std::path::Path;
 use trolley::Failure;
@@ -21,7 +21,8 @@ pub use share::{ShareOptions, ShareReport, share};
 /// Most tests of a job, where nothing else is said.
 pub const BUDGET: u64 = coordinator::Terms::BUDGET;
 
-/// How many figures lie in a class of a histogram: above the end of the class before, up to its own.
+/// How many figures lie in a class of a histogram: above the end of the class before, up to its
+/// own.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 struct Class {
     /// `None`: no end.

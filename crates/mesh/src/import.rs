@@ -69,8 +69,9 @@ pub struct ImportOptions {
 }
 
 impl ImportOptions {
-    /// Every triangle as it stands in the file, whose coordinates are taken for metres of the body's
-    /// own frame: ids count from 0 in file order, nothing is left out, and the size may be any.
+    /// Every triangle as it stands in the file, whose coordinates are taken for metres of the
+    /// body's own frame: ids count from 0 in file order, nothing is left out, and the size may be
+    /// any.
     #[must_use]
     pub fn as_it_stands() -> Self {
         Self {

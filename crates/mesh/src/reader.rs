@@ -5,8 +5,8 @@
 //!        ◀── Word per line: Progress*, then Refused, or Read and the model file's bytes ──
 //! ```
 //!
-//! This module alone touches files and processes; the parsers in [`import`](crate::import) are pure.
-//! Parsers are others' code, and hostile bytes may make them panic, abort, loop, overflow the
+//! This module alone touches files and processes; the parsers in [`import`](crate::import) are
+//! pure. Parsers are others' code, and hostile bytes may make them panic, abort, loop, overflow the
 //! stack or ask for all memory. The kernel ends such a child; here its end becomes a sentence. The
 //! child opens files for reading only, so nothing is left behind whatever ends it, and it dies with
 //! its parent.

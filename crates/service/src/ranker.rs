@@ -14,8 +14,8 @@ use protocol::public::{Answer, Ask, Reason};
 use runtime::clock;
 use std::sync::Arc;
 
-/// What ranks requests about the bodies of a deployment. Kept from one request to the next, it takes
-/// nothing from the heap once it is warm.
+/// What ranks requests about the bodies of a deployment. Kept from one request to the next, it
+/// takes nothing from the heap once it is warm.
 #[derive(Debug)]
 pub(crate) struct Ranker<'s> {
     deployment: &'s Deployment,

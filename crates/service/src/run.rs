@@ -219,8 +219,8 @@ impl Watchdog {
     }
 }
 
-/// The terms of a request that is due then (ns; 0: whenever all is done), where requests of late took
-/// so long (ns; 0: it is not known).
+/// The terms of a request that is due then (ns; 0: whenever all is done), where requests of late
+/// took so long (ns; 0: it is not known).
 fn terms(answer_by_ns: u64, usual_ns: u64) -> Terms {
     if answer_by_ns == 0 {
         return Terms::default();

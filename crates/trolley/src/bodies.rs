@@ -1,5 +1,5 @@
-//! Bodies from where they are named to where they are read: loaded or generated, given the tree that
-//! is asked for, sealed into the model store, opened.
+//! Bodies from where they are named to where they are read: loaded or generated, given the tree
+//! that is asked for, sealed into the model store, opened.
 //!
 //! ```text
 //! model file --open--+

@@ -12,7 +12,7 @@ use crate::handing::{self, Handing};
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
-use crate::{BUILD, Failure};
+use crate::{BUILD, Failure, Kind};
 use body::{BodyView, Build, Fit, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
@@ -136,7 +136,7 @@ impl EngineBuilder {
     ///
     /// If a setting is out of range or contradicts another.
     pub fn build(self) -> Result<Engine, Failure> {
-        Settings::DEFAULT.apply(&self.overrides)?;
+        applied(&Settings::DEFAULT, &self.overrides)?;
         Ok(Engine { settings: self, loaded: None })
     }
 }
@@ -152,8 +152,8 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// If a body cannot be had, the request cannot be worked on, or the machine refuses what workers
-    /// need. An answer that is not complete is no error: see [`Answer::state`].
+    /// If a body cannot be had, the request cannot be worked on, or the machine refuses what
+    /// workers need. An answer that is not complete is no error: see [`Answer::state`].
     pub fn rank(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Ranking, Failure> {
         self.rank_telling(scenario, limits, SILENT)
     }
@@ -171,7 +171,7 @@ impl Engine {
     ) -> Result<Ranking, Failure> {
         let begun_ns = clock::now_ns();
         scenario.check_unknown()?;
-        let settings = scenario.parsed.engine.apply(&self.settings.overrides)?;
+        let settings = applied(&scenario.parsed.engine, &self.settings.overrides)?;
         let terms = limits.terms(scenario.parsed.deadline);
         let loaded = loaded(&mut self.loaded, scenario, &settings, progress)?;
         let loaded_ns = clock::now_ns();
@@ -241,8 +241,8 @@ impl Engine {
         Ok(Ranking { answer, explanation, run, ledger, settings, bodies })
     }
 
-    /// Ends the workers, if there are any, and says how long that took (ms). The next ranking starts
-    /// others.
+    /// Ends the workers, if there are any, and says how long that took (ms). The next ranking
+    /// starts others.
     pub fn stop_workers(&mut self) -> f64 {
         let begun_ns = clock::now_ns();
         if let Some(loaded) = &mut self.loaded {
@@ -272,6 +272,12 @@ impl Ranking {
     pub fn best(&self) -> Option<&Row> {
         self.answer.best()
     }
+}
+
+/// Settings with some replaced; what does not fit is a fault of whoever replaced it.
+fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failure> {
+    let applied = settings.apply(overrides);
+    applied.map_err(|misfit| Failure::from(misfit).of_kind(Kind::Configuration))
 }
 
 /// The bodies of a scenario: those there are, if they are the same, or others in their place.

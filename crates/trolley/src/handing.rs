@@ -1,5 +1,5 @@
-//! How jobs reach the workers: buffers, how workers come by the bodies, and what the transfer ledger
-//! lets a core hold. For measurements; none of it changes an answer.
+//! How jobs reach the workers: buffers, how workers come by the bodies, and what the transfer
+//! ledger lets a core hold. For measurements; none of it changes an answer.
 
 use crate::Failure;
 use body::{BodyView, Meta};

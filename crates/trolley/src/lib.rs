@@ -30,7 +30,7 @@
 //! # Invariants
 //!
 //! - There is one way from a scenario to an answer: what ranks once and what serves for months runs
-//!   the same code (`coordinator/src/workspace.rs`). `tests/identical.rs`.
+//!   the same code (`coordinator/src/workspace.rs`). `tests/answers/identical.rs`.
 //! - A complete answer is a pure function of bodies, scenario, policy and curves.
 //!
 //! It prints nothing and parses no command line.

@@ -75,8 +75,8 @@ impl Limits {
             .with_remedy(format!("--deadline-ms may be 0.001 to {DEADLINE_MS}")))
     }
 
-    /// The same with at most so many tests of boxes and triangles in one job; what it leaves becomes
-    /// new jobs.
+    /// The same with at most so many tests of boxes and triangles in one job; what it leaves
+    /// becomes new jobs.
     ///
     /// # Errors
     ///

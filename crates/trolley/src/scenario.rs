@@ -1,5 +1,5 @@
-//! What is asked: a scenario with the policy and the curves that judge it, as texts with their names
-//! and as checked values.
+//! What is asked: a scenario with the policy and the curves that judge it, as texts with their
+//! names and as checked values.
 //!
 //! Texts come from files, from a caller or from a decision record; all are read and checked alike.
 

@@ -5,8 +5,8 @@ use crate::{BUILD, Failure};
 /// How a worker is started: `PROGRAM worker WORD`.
 const ROLE: &str = "worker";
 
-/// Plays a worker or the reader of a mesh, and ends the process, if this process was started as one;
-/// else does nothing.
+/// Plays a worker or the reader of a mesh, and ends the process, if this process was started as
+/// one; else does nothing.
 ///
 /// An [`Engine`](crate::Engine) starts its workers from its own program, and so does whoever
 /// [reads a mesh](crate::model). A program that does either calls this first.

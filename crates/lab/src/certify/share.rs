@@ -100,7 +100,8 @@ fn run(
 ///
 /// # Errors
 ///
-/// If a body cannot be used, the file cannot be written, or a winner that was certain is another one.
+/// If a body cannot be used, the file cannot be written, or a winner that was certain is another
+/// one.
 pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport, Failure> {
     // Nobody wants to hear after the work that the file cannot be written.
     options.out.as_deref().map(|path| files::check(path, None)).transpose()?;

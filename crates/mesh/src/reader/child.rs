@@ -37,8 +37,8 @@ const SHARE_MIN: usize = 1024;
 /// What a panic said, kept for the parent instead of printed.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Plays the child, in a process that a parent started for it, and says how that is to end: its exit
-/// code. `request` is what the parent wrote on the command line.
+/// Plays the child, in a process that a parent started for it, and says how that is to end: its
+/// exit code. `request` is what the parent wrote on the command line.
 ///
 /// Stdout and stderr are the channels to the parent, and limits are those of the whole process: it
 /// can do nothing else afterwards.

@@ -38,8 +38,8 @@ pub struct Verdict {
     pub help: Option<String>,
 }
 
-/// Verifies model files, and tries whether meshes could be imported; writes nothing. `tell` hears of
-/// each file in turn, and may end it all. Where `options` name no kind, any size is accepted.
+/// Verifies model files, and tries whether meshes could be imported; writes nothing. `tell` hears
+/// of each file in turn, and may end it all. Where `options` name no kind, any size is accepted.
 ///
 /// # Errors
 ///

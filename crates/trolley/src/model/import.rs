@@ -9,8 +9,8 @@ use std::path::PathBuf;
 
 /// Makes a model file of a mesh: OBJ, STL, PLY, glTF, GLB, COLLADA or LS-DYNA.
 ///
-/// Mass, centre of mass, inertia and seats come from a TOML file beside the mesh, else from defaults
-/// by kind; [`Facts::mass_source`] says which.
+/// Mass, centre of mass, inertia and seats come from a TOML file beside the mesh, else from
+/// defaults by kind; [`Facts::mass_source`] says which.
 #[derive(Clone, Debug)]
 pub struct Import {
     /// The mesh.
