@@ -9,8 +9,10 @@ use toml::{Table, Value};
 
 /// The feature of a crate that holds them.
 const FEATURE: &str = "faults";
-/// The package and its feature that turns them on for a binary, as its default alone does.
-const LAB: (&str, &str) = ("cli", "lab");
+/// The package that turns them on, and names them freely: no build needs it.
+pub(crate) const LAB: &str = "lab";
+/// The package and its feature that bring the lab into a binary, as its default alone does.
+const BRINGS: (&str, &str) = ("cli", "lab");
 /// What stands before an item that not every build has.
 const MARKS: [&str; 4] = [
     "#[cfg(feature = \"faults\")]",
@@ -112,18 +114,23 @@ pub(crate) fn turned_on(packages: &[Package], workspace: &Text) -> Vec<String> {
         for (feature, list) in features.into_iter().flatten() {
             let by = (package.name.as_str(), feature.as_str());
             for entry in strings(list) {
-                let may_be_on = feature == FEATURE || by == LAB;
-                let may_be_lab = by == (LAB.0, "default");
-                if (is(entry, FEATURE) && !may_be_on) || (is(entry, LAB.1) && !may_be_lab) {
+                let may_be_lab = by == (BRINGS.0, "default") && entry == BRINGS.1
+                    || by == BRINGS && entry == "dep:lab";
+                let is_lab = is(entry, BRINGS.1) || entry == "dep:lab";
+                if (is(entry, FEATURE) && feature != FEATURE) || (is_lab && !may_be_lab) {
                     let fault = format!("{feature} turns on {entry}");
                     faults.push(package.manifest.fault(0, &fault));
                 }
             }
         }
         for (name, entry) in package.built_with() {
-            if features_of(entry).any(|feature| feature == FEATURE) {
+            if features_of(entry).any(|feature| feature == FEATURE) && package.name != LAB {
                 let fault = format!("{name} with {FEATURE}, in every build");
                 faults.push(package.manifest.fault(0, &fault));
+            }
+            let is_optional = entry.get("optional").and_then(Value::as_bool) == Some(true);
+            if name == LAB && !(is_optional && package.name == BRINGS.0) {
+                faults.push(package.manifest.fault(0, "has the lab in every build"));
             }
         }
     }
@@ -137,19 +144,23 @@ pub(crate) fn turned_on(packages: &[Package], workspace: &Text) -> Vec<String> {
 
 /// The packages whose faults the lab turns on, directly or by those of another.
 pub(crate) fn of_the_lab(packages: &[Package]) -> BTreeSet<String> {
-    let list = |package: &str, feature: &str| -> Vec<String> {
-        let package = packages.iter().find(|known| known.name == package);
-        let list = package.and_then(|package| package.value(&["features", feature]));
+    let known = |name: &str| packages.iter().find(|known| known.name == name);
+    let list = |package: &str| -> Vec<String> {
+        let list = known(package).and_then(|package| package.value(&["features", FEATURE]));
         let on = list.into_iter().flat_map(strings).filter_map(|entry| {
             let (package, feature) = entry.split_once('/')?;
             (feature == FEATURE).then(|| package.to_owned())
         });
         on.collect()
     };
-    let (mut on, mut open) = (BTreeSet::new(), list(LAB.0, LAB.1));
+    let lab = known(LAB).expect("the lab");
+    let asked = lab.built_with();
+    let asked = asked.filter(|(_, entry)| features_of(entry).any(|feature| feature == FEATURE));
+    let mut on = BTreeSet::new();
+    let mut open: Vec<String> = asked.map(|(name, _)| name.clone()).collect();
     while let Some(next) = open.pop() {
         if on.insert(next.clone()) {
-            open.extend(list(&next, FEATURE));
+            open.extend(list(&next));
         }
     }
     on

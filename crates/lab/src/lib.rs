@@ -3,7 +3,7 @@
 //!
 //! | module | what it asks |
 //! |---|---|
-//! | [`measure`] | what schemes, depths, buffers and ways of transfer are worth, and what steps cost |
+//! | [`measure`] | what schemes, depths, buffers and transfer are worth, and what steps cost |
 //! | [`latency`] | how long a service takes, beside the same work in this process |
 //! | [`certify`] | whether bounds, deadlines and budgets hold, on requests of chance |
 //! | [`inject`] | what becomes of answers while faults are injected into real processes |

@@ -21,8 +21,8 @@ const DEEP_M: f64 = 0.5;
 /// How deep a scratch is (m).
 const SCRATCH_M: f64 = 0.01;
 
-/// What a person wrote: A,B,POSES. Bodies are model files, or `shape:triangles`; poses are a file of
-/// them, `deep` or `scratch`.
+/// What a person wrote: A,B,POSES. Bodies are model files, or `shape:triangles`; poses are a file
+/// of them, `deep` or `scratch`.
 #[derive(Clone, Debug)]
 pub struct PairName {
     a: String,
