@@ -1,7 +1,7 @@
 //! A whole measurement of small bodies: its tables, figures and page fit together; costs are
 //! written as they are printed; and bad input is refused before anything is measured.
 
-use crate::support::{Place, text, trolley};
+use crate::support::{self, Place, json, six, text, trolley};
 use std::path::Path;
 
 const PAIRS: [&str; 2] = ["sedan:3000,suv:3000,deep", "sedan:3000,suv:3000,scratch"];
@@ -61,6 +61,52 @@ fn a_measurement_writes_tables_figures_and_a_page_that_fit_together() {
     assert_eq!(document["schema"], "trolley.measure/1");
 }
 
+#[test]
+fn one_ranking_is_measured_with_settings_that_no_decision_needs() {
+    let place = Place::new();
+    let path = place.write("six.toml", &six(2000));
+    let path = path.to_str().expect("a path of letters");
+    let log = place.path().join("log.csv");
+    let run = |args: &[&str]| {
+        let output = support::run(args);
+        assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+        json(&output)
+    };
+    let plain = run(&["rank", path, "--json", "--in-process"]);
+    let handing = ["--scheme", "lowest-match", "--cache-bytes", "90000", "--linger", "20"];
+    let asked = ["--depth", "6", "--workers", "2", "--pursuit", "deciding", "--job-log"];
+    let log_path = log.to_str().expect("a path of letters");
+    let all = [&["measure", "--scenario", path, "--json"], &handing[..], &asked, &[log_path]];
+    let document = run(&all.concat());
+    assert_eq!(document["schema"], "trolley.measure-rank/1");
+    assert_eq!(document["answer"], plain["answer"]);
+    let of = |key: &str| document["run"][key].as_u64().expect(key);
+    assert!(of("section_bytes") < of("section_bytes_unshared") && of("sections_evicted") > 0);
+    let log = std::fs::read_to_string(log).expect("the log");
+    let assigned = log.lines().filter(|line| line.starts_with("assigned")).count() as u64;
+    assert_eq!(assigned, of("jobs") - of("jobs_cut") + of("jobs_reissued"));
+}
+
+#[test]
+fn a_sweep_may_be_about_one_scheme_and_one_way_of_transfer() {
+    let place = Place::new();
+    let out = place.path().join("results");
+    let log = place.path().join("log.csv");
+    let mut command = trolley();
+    command.args(["measure", "--quick", "--pair", PAIRS[0], "--scheme", "best-match-load"]);
+    command.args(["--cache-bytes", "99999999", "--linger", "10", "--job-log"]).arg(&log);
+    let output = command.arg("--out").arg(&out).output().expect("it can be started");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let rows = std::fs::read_to_string(out.join("rows.csv")).expect("rows.csv");
+    assert!(rows.lines().skip(1).all(|row| row.contains(",best-match-load,")), "{rows}");
+    assert!(!rows.contains(",measured,copy,") && rows.contains(",measured,zero-copy,"), "{rows}");
+    assert!(text(&output.stdout).contains("(a) transfer"), "{}", text(&output.stdout));
+    let page = std::fs::read_to_string(out.join("README.md")).expect("README.md");
+    assert!(page.contains("cannot tell** | not all schemes were swept |"), "{page}");
+    let log = std::fs::read_to_string(log).expect("the log");
+    assert!(log.lines().filter(|line| line.starts_with("assigned,")).count() > 10, "{log}");
+}
+
 fn refused(args: &[&str], code: i32, says: &str) {
     let output = trolley().arg("measure").args(args).output().expect("it can be started");
     let error = text(&output.stderr);
@@ -77,6 +123,13 @@ fn bad_input_is_refused_with_its_reason() {
     refused(&["--out", below.to_str().expect("a path")], 71, "a-file");
     refused(&["--out", out, "--alpha", "1.5"], 78, "--alpha may be 0 to 1");
     refused(&["--out", out, "--alpha", "nan"], 78, "--alpha may be 0 to 1");
+    refused(&["--out", out, "--workers", "2"], 78, "--scenario FILE");
+    refused(&["--out", out, "--pursuit", "deciding"], 78, "--scenario FILE");
+    refused(&["--out", out, "--memory-budget", "9"], 78, "--transfer copy");
+    refused(&["--out", out, "--linger", "20000"], 78, "--linger may be");
+    refused(&["--out", out, "--scheme", "worst-match"], 2, "round-robin");
+    refused(&["--scenario", "no.toml", "--scheme", "best-match,round-robin"], 78, "one scheme");
+    refused(&["--scenario", "no.toml", "--out", out], 2, "--out");
     refused(&["--out", out, "--pair", "one,two"], 2, "A,B,POSES");
     refused(&["--out", out, "--pair", "no.trolley,sedan:900,deep"], 65, "no.trolley");
     refused(&["--out", out, "--pair", "sedan:9,sedan:900,deep"], 65, "triangles");

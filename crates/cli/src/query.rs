@@ -90,7 +90,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     #[cfg(feature = "lab")]
     if let Some(repeat) = options.repeat {
         let latency = ::lab::latency::run(&mut client, &ask, repeat, patience, &opened)?;
-        let shown = crate::lab::show(&latency, || latency.text(), output)?;
+        let shown = crate::lab::shown::show(&latency, || latency.text(), output)?;
         return Ok(if latency.is_right() { shown } else { Kind::CheckFailed.into() });
     }
     let answer = client.ask(&ask, patience);

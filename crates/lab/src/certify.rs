@@ -3,12 +3,10 @@
 //! What must hold is checked on the way: a violation of a bound is counted and told, any other is
 //! an error.
 
-use std::path::Path;
-use trolley::Failure;
-
 mod bounds;
 mod budget;
 mod deadline;
+mod figures;
 mod requests;
 mod share;
 
@@ -20,50 +18,3 @@ pub use share::{ShareOptions, ShareReport, share};
 
 /// Most tests of a job, where nothing else is said.
 pub const BUDGET: u64 = coordinator::Terms::BUDGET;
-
-/// How many figures lie in a class of a histogram: above the end of the class before, up to its
-/// own.
-#[derive(Clone, Copy, Debug, serde::Serialize)]
-struct Class {
-    /// `None`: no end.
-    up_to: Option<f64>,
-    count: usize,
-}
-
-/// A histogram of classes with these ends, and one without.
-fn classes(figures: &[f64], ends: &[f64]) -> Vec<Class> {
-    let mut least = f64::NEG_INFINITY;
-    let one = |up_to: Option<f64>| {
-        let most = up_to.unwrap_or(f64::INFINITY);
-        let count = figures.iter().filter(|figure| **figure > least && **figure <= most).count();
-        least = most;
-        Class { up_to, count }
-    };
-    ends.iter().copied().map(Some).chain([None]).map(one).collect()
-}
-
-/// What must never be.
-fn wrong(what: String) -> Failure {
-    Failure::internal(what)
-}
-
-/// Names of bodies without their folders.
-fn names(all: &[String]) -> String {
-    let name = |text: &String| {
-        let file = Path::new(text).file_stem().unwrap_or_default();
-        file.to_string_lossy().into_owned()
-    };
-    all.iter().map(name).collect::<Vec<_>>().join(", ")
-}
-
-/// The middle of some figures; not a number if there are none.
-fn median(figures: &mut [f64]) -> f64 {
-    percentile(figures, 0.5)
-}
-
-/// The figure below which such a share of all lies.
-fn percentile(figures: &mut [f64], share: f64) -> f64 {
-    figures.sort_by(f64::total_cmp);
-    let at = ((figures.len() as f64 * share) as usize).min(figures.len().saturating_sub(1));
-    figures.get(at).copied().unwrap_or(f64::NAN)
-}

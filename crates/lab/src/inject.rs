@@ -10,6 +10,7 @@
 //! bytes; the intervals of a degraded one must hold its; everything else is an error that was told.
 
 mod child;
+mod crew;
 mod kind;
 mod live;
 mod plan;
@@ -18,7 +19,6 @@ mod signals;
 
 use crate::progress::{OnProgress, Progress};
 use coordinator::{Request, Work, run_in_process};
-use kind::Kind;
 use plan::Plan;
 use report::Report;
 use scenario::{FileRef, Overrides};
@@ -96,10 +96,4 @@ pub fn inject(options: &InjectOptions, told: OnProgress<'_>) -> Result<Injected,
         files::replace(path, report::junit(&injected).as_bytes())?;
     }
     Ok(injected)
-}
-
-/// Names of kinds, for messages.
-fn kinds() -> String {
-    let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-    names.join(", ")
 }

@@ -25,7 +25,7 @@ use bench::Bench;
 use claims::{Claim, claims, curve};
 use figure::{Figure, Line, draw};
 use row::{Mode, Row};
-use scenario::Scheme;
+use scenario::{Engine, Scheme};
 use serde::Serialize;
 use simulate::Costs;
 use std::path::{Path, PathBuf};
@@ -113,6 +113,7 @@ pub fn sweep(options: &SweepOptions, told: OnProgress<'_>) -> Result<Measurement
         let fault = format!("--alpha is {}", options.alpha);
         return Err(Failure::setting(fault).with_remedy("--alpha may be 0 to 1"));
     }
+    options.handing.queues(&Engine::DEFAULT)?;
     // Nobody wants to hear after minutes that the folder cannot be written.
     std::fs::create_dir_all(&options.out).map_err(|error| {
         Failure::new(Kind::System, format!("{}: {error}", options.out.display()))

@@ -3,7 +3,7 @@
 //! Each verb prints a table for people, or a document; a violation ends the command with exit
 //! code 1.
 
-use super::show;
+use super::shown::show;
 use crate::output::Output;
 use ::lab::certify::{
     BUDGET, BoundsOptions, BudgetOptions, DeadlineOptions, Flaw, ShareOptions, bounds, budget,

@@ -1,7 +1,7 @@
 //! `trolley inject`: requests to real workers while faults are injected, and a ledger of what came
 //! of each.
 
-use super::show;
+use super::shown::show;
 use crate::output::Output;
 use ::lab::inject::{InjectOptions, inject};
 use std::path::PathBuf;

@@ -1,12 +1,13 @@
 //! `trolley measure`: the seed's experiment on real bodies: schemes, depths, buffers, transfer; or
 //! one ranking with settings that no decision needs.
 
-use super::{named, show};
+use super::shown::show;
 use crate::answer_args::LimitArgs;
 use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use ::lab::PairName;
 use ::lab::measure::{ALPHA, RankOptions, SweepOptions, rank, sweep};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{Engine, Overrides, Scheme};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -66,9 +67,8 @@ pub(crate) struct MeasureArgs {
     /// Write who got which job of the last measured run to this file, CSV.
     #[arg(long, value_name = "FILE", conflicts_with = "in_process")]
     job_log: Option<PathBuf>,
-    /// Whose job goes out next.
-    #[arg(long, value_name = "NAME", value_parser = named(Pursuit::ALL, Pursuit::name),
-          requires = "scenario")]
+    /// With --scenario: whose job goes out next.
+    #[arg(long, value_name = "NAME", value_parser = named(Pursuit::ALL, Pursuit::name))]
     pursuit: Option<Pursuit>,
     #[command(flatten)]
     limits: LimitArgs,
@@ -82,6 +82,16 @@ pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failu
         (None, Some(out)) => swept(args, out.clone(), output),
         (None, None) => Err(Failure::internal("neither a scenario nor a folder")),
     }
+}
+
+/// Reads one of these, by its name.
+fn named<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(name)).try_map(move |word: String| {
+        all.into_iter().find(|one| name(*one) == word).ok_or("there is nothing of that name")
+    })
 }
 
 impl MeasureArgs {
@@ -101,6 +111,7 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
     let overrides = args.engine.overrides()?;
     let seed_alone = Overrides { seed: overrides.seed, ..Overrides::default() };
     let is_plain = args.engine.instance.is_none() && !args.engine.in_process;
+    let is_plain = is_plain && args.pursuit.is_none();
     if !is_plain || overrides != seed_alone || args.limits.limits()? != Limits::default() {
         let fault = "a sweep chooses workers, depths, buffers and limits itself";
         return Err(Failure::setting(fault)

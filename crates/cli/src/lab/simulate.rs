@@ -1,6 +1,6 @@
 //! `trolley simulate faults`: seeded worlds in which everything goes wrong, in virtual time.
 
-use super::show;
+use super::shown::show;
 use crate::output::Output;
 use crate::print;
 use ::lab::simulate::{Fault, FaultOptions, faults};

@@ -1,5 +1,6 @@
 //! The long trial of the bounds: requests in random order, stopped anywhere, under every policy.
 
+use super::figures::names;
 use super::requests::{self, POLICIES, Pool};
 use crate::progress::{OnProgress, Progress};
 use coordinator::{Chance, Flaw, Verdict, trial};
@@ -116,7 +117,7 @@ impl BoundsReport {
             self.stops,
             self.requests,
             self.bodies.len(),
-            super::names(&self.bodies),
+            names(&self.bodies),
             self.policies,
             self.seed,
             self.intervals,

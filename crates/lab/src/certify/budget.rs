@@ -1,7 +1,7 @@
 //! Whether jobs keep their budget: tests of each, and CPU time against what these tests cost.
 
+use super::figures::{Class, classes, names, percentile};
 use super::requests::Pool;
-use super::{Class, classes, percentile, wrong};
 use crate::progress::{OnProgress, Progress};
 use bvh::{End, Kernel, NodePair, Question, Task, kernel};
 use core::ops::ControlFlow;
@@ -111,7 +111,10 @@ pub fn budget(options: &BudgetOptions, told: OnProgress<'_>) -> Result<BudgetRep
         round += 1;
     }
     if let Some(job) = jobs.iter().find(|job| job.tests > options.budget) {
-        return Err(wrong(format!("a job took {} tests of {}", job.tests, options.budget)));
+        return Err(Failure::internal(format!(
+            "a job took {} tests of {}",
+            job.tests, options.budget
+        )));
     }
     Ok(report(options, pool.names, &jobs))
 }
@@ -146,7 +149,7 @@ impl BudgetReport {
              CPU time of a job, in units of that | jobs |\n|--:|--:|\n",
             self.jobs,
             self.bodies.len(),
-            super::names(&self.bodies),
+            names(&self.bodies),
             self.budget,
             self.cut,
             self.most_tests,

@@ -1,7 +1,7 @@
 //! How late answers are: a histogram over many requests, among them such of adversarial cost.
 
+use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
-use super::{Class, classes, percentile, wrong};
 use crate::progress::{OnProgress, Progress};
 use body::{BodyView, Meta};
 use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_in_process};
@@ -162,7 +162,9 @@ fn ask(
         if let (true, Some(winner), Some(first)) = (is_sure, &winners[at], first)
             && winner != first
         {
-            return Err(wrong(format!("request {number}: {first} was sure, {winner} wins")));
+            return Err(Failure::internal(format!(
+                "request {number}: {first} was sure, {winner} wins"
+            )));
         }
         bar.add(1);
     }
@@ -198,7 +200,7 @@ impl DeadlineReport {
              than due by (ms) | answers |\n|--:|--:|\n",
             self.requests,
             self.bodies.len(),
-            super::names(&self.bodies),
+            names(&self.bodies),
             self.deadline_ms,
             Terms::GUARD.as_secs_f64() * 1e3,
             self.workers,

@@ -1,7 +1,7 @@
 //! After which share of the work the winner was certain, by strategy and depth.
 
+use super::figures::{median, names, percentile};
 use super::requests::{self, Pool};
-use super::{median, percentile};
 use crate::progress::{OnProgress, Progress};
 use body::{BodyView, Meta};
 use coordinator::{Chance, Pursuit, Request, Terms, Until, Work, run_in_process};
@@ -91,7 +91,7 @@ fn run(
     let winner = Winner { name, touches: touching.count() };
     let state = answer.state;
     if !matches!(state, damage::State::Complete | damage::State::Certified) {
-        return Err(super::wrong(format!("a run ended {}", state.name())));
+        return Err(Failure::internal(format!("a run ended {}", state.name())));
     }
     Ok((tests, took_ns, winner))
 }
@@ -137,7 +137,7 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
                 if first.name != winner.name {
                     let (first, winner) = (first.name, winner.name);
                     let what = format!("{} certified {first}, not {winner}", pursuit.name());
-                    return Err(super::wrong(what));
+                    return Err(Failure::internal(what));
                 }
                 let of = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
                 ran[number].push(Ran { share: of(tests, all), time: of(took_ns, whole_ns) });
@@ -206,7 +206,7 @@ impl ShareReport {
             self.requests,
             if self.unavoidable { ", all of which touch," } else { "" },
             self.bodies.len(),
-            super::names(&self.bodies),
+            names(&self.bodies),
             self.whole_tests / 1e6,
             self.whole_ms,
         );

@@ -1,7 +1,7 @@
 //! Faults that take a whole run: a program is started that ranks, and its run disturbed.
 
+use super::crew::{names_of, options};
 use super::kind::Kind;
-use super::live;
 use super::plan::{Dice, Plan};
 use super::report::{Report, State};
 use super::signals::flip;
@@ -18,13 +18,6 @@ use trolley::Failure;
 const PATIENCE_MS: u64 = 20_000;
 /// How long orphans may live (ms).
 const ORPHANS_MS: u64 = 1_000;
-
-/// What shared memory holds of an instance.
-pub(super) fn names_of(instance: &str) -> Vec<String> {
-    let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
-    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    names.filter(|name| name.starts_with(&format!("trolley.{instance}."))).collect()
-}
 
 fn instance() -> String {
     format!("c{}", std::process::id())
@@ -213,7 +206,7 @@ fn skew(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let begun_ns = clock::now_ns();
-    let mut options = live::options(rank.plan, &format!("v{}", std::process::id()));
+    let mut options = options(rank.plan, &format!("v{}", std::process::id()));
     options.build = "another build".to_owned();
     let state = match Crew::start(store, &options) {
         Err(CrewError::StillBorn { .. }) => State::Refused,

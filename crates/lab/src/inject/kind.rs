@@ -58,6 +58,11 @@ impl Kind {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
+    /// The names of all, for messages.
+    pub(super) fn names() -> String {
+        Self::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
+    }
+
     /// Whether it is meant for all workers at once.
     pub(super) fn takes_all(self) -> bool {
         matches!(self, Self::KillAll | Self::Poison)

@@ -1,17 +1,16 @@
 //! Faults in a crew that answers request after request, and is mended in between.
 
-use super::child::names_of;
+use super::crew::{names_of, options};
 use super::kind::Kind;
 use super::plan::{Dice, Plan};
-use super::report::{Report, State, judge};
+use super::report::{GUARD_NS, Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use crate::progress::Progress;
-use coordinator::{Answer, Crew, CrewError, Options, Sight, Spoiled, Work};
-use dispatch::Intensity;
+use coordinator::{Answer, Crew, CrewError, Sight, Spoiled, Work};
 use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
-use runtime::{SealedMemory, affinity, clock, machine};
-use trolley::{BUILD, Failure};
+use runtime::{SealedMemory, clock, machine};
+use trolley::Failure;
 
 /// For how long plain requests follow one that a fault was not felt in, until it must have been
 /// (ns): longer than the longest silence.
@@ -21,9 +20,6 @@ const CHASES: usize = 12;
 /// No request without a deadline may take longer (ns): the longest silence, the longest sleep, and
 /// twice that for faults that follow on each other.
 const HANG_NS: u64 = 6_000_000_000;
-/// No answer may be later than due by more (ns): without real-time rights the coordinator waits for
-/// a core as everybody does.
-pub(super) const GUARD_NS: u64 = 250_000_000;
 /// Growth of resident memory that is no leak (bytes): heaps keep what they got.
 const GROWTH_BYTES: u64 = 32 << 20;
 
@@ -60,12 +56,6 @@ struct Live<'s, F> {
     before: Vec<Incarnation>,
     /// When successors were started that were not waited for yet (ns).
     mended_ns: Option<u64>,
-}
-
-/// Options of a crew for fault injection.
-pub(super) fn options(plan: &Plan, instance: &str) -> Options {
-    let cores = affinity::in_turn(&affinity::allowed_cores(), plan.workers.into());
-    Options { intensity: Intensity::UNLIMITED, obeys: true, ..Options::new(instance, BUILD, cores) }
 }
 
 pub(super) fn run<'w>(

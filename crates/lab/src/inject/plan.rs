@@ -68,7 +68,7 @@ impl Plan {
         let mut faults = Vec::new();
         for (fault, count) in &written.faults {
             let Some(kind) = Kind::from_name(fault) else {
-                let help = format!("there are: {}", super::kinds());
+                let help = format!("there are: {}", Kind::names());
                 return refuse(format!("there is no fault \"{fault}\""), help);
             };
             if *count > MOST {

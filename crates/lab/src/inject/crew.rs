@@ -1,0 +1,20 @@
+//! Crews that faults are injected into: how they are started, and what they leave.
+
+use super::plan::Plan;
+use coordinator::Options;
+use dispatch::Intensity;
+use runtime::affinity;
+use trolley::BUILD;
+
+/// Options of a crew for fault injection.
+pub(super) fn options(plan: &Plan, instance: &str) -> Options {
+    let cores = affinity::in_turn(&affinity::allowed_cores(), plan.workers.into());
+    Options { intensity: Intensity::UNLIMITED, obeys: true, ..Options::new(instance, BUILD, cores) }
+}
+
+/// What shared memory holds of an instance.
+pub(super) fn names_of(instance: &str) -> Vec<String> {
+    let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.starts_with(&format!("trolley.{instance}."))).collect()
+}
