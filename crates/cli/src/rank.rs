@@ -120,7 +120,7 @@ fn engine(options: &EngineArgs) -> Result<Engine, Failure> {
     if options.in_process {
         builder = builder.in_process();
     }
-    Ok(builder.build()?)
+    builder.build()
 }
 
 /// Prints the answer, as a document or as a table.

@@ -165,6 +165,7 @@ impl Run {
 }
 
 /// When winner and order were certain.
+#[must_use]
 pub fn certain(work: &Work<'_>) -> [Option<Certain>; 2] {
     let effort = work.effort();
     let all = (effort.descent.tests() + effort.jobs.tests()).max(1) as f64;

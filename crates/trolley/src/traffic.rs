@@ -87,6 +87,7 @@ pub struct Imported {
 }
 
 /// Whether a file is traffic rather than a scenario of ours: by its name, or by its first letter.
+#[must_use]
 pub fn is_traffic(path: &Path) -> bool {
     let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
     if matches!(end.as_deref(), Some("xml" | "xosc")) {
@@ -119,6 +120,10 @@ fn text(path: &Path) -> Result<String, Failure> {
 }
 
 /// Reads a traffic file, sweeps, and writes the scenario.
+///
+/// # Errors
+///
+/// If a file cannot be read or is not sound, or the ego stands in somebody where manoeuvres begin.
 pub fn import(path: &Path, options: &TrafficOptions) -> Result<Imported, Failure> {
     let name = path.display().to_string();
     let mut sweep = options.sweep()?;
