@@ -12,7 +12,10 @@ use rustix::process::Signal;
 use std::fmt::Write as _;
 use std::process::{Child, Output};
 
-/// Work for a second or so: sixteen deep contacts of the same two bodies.
+/// So deep that there are tens of thousands of jobs: a run lasts, however quick the machine is.
+const DEPTH: &str = "17";
+
+/// Work for a while: sixteen deep contacts of the same two bodies.
 fn heavy(triangles: u32) -> String {
     let crash = Crash { shape: "sedan", triangles, at: [4.4, 0.0, 175.0], speeds: [15.0, 12.0] };
     let mut text = scenario(triangles, &[crash]);
@@ -40,7 +43,7 @@ struct Started {
 fn start(path: &str, workers: usize, extra: &[&str]) -> Option<Started> {
     let instance = instance();
     let mut child = trolley()
-        .args(["rank", path, "--json", "--depth", "9", "--workers", &workers.to_string()])
+        .args(["rank", path, "--json", "--depth", DEPTH, "--workers", &workers.to_string()])
         .args(["--instance", &instance])
         .args(extra)
         .spawn()
@@ -113,7 +116,7 @@ fn a_killed_worker_that_copied_changes_nothing_in_the_answer() {
     let limits = Limits::default();
     for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
         let scenario = Scenario::open(place.write("heavy.toml", &heavy(triangles))).unwrap();
-        let mut engine = builder().workers(3).handing(handing).build().unwrap();
+        let mut engine = builder().workers(3).depth(14).handing(handing).build().unwrap();
         let reference = library_answer(&mut engine, &scenario, &limits);
         let victim = engine.worker_pids()[1];
         let ticks = cpu_ticks(victim).unwrap();

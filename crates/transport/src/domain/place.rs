@@ -88,7 +88,7 @@ impl Place {
 impl Drop for Place {
     fn drop(&mut self) {
         // The owner's lock is held until the end of this function: no sweeper interferes.
-        if self.role == Role::Owner && !sweep::remove(self.name()) {
+        if self.role == Role::Owner && !sweep::remove(self.name(), sweep::OWN_LOOKS) {
             tracing::warn!(root = self.root, "left for the next run to remove");
         }
     }

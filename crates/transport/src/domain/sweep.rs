@@ -8,8 +8,12 @@ use rustix::time::Timespec;
 use std::fs;
 use std::path::Path;
 
-/// Workers die with their coordinator, but a moment later: how often to look, 1 ms apart.
+/// Workers die with their coordinator, but a moment later: how often to look at a run of somebody
+/// else's, 1 ms apart.
 const LOOKS: usize = 200;
+/// How often to look at one's own run: its workers were told to end, or killed, and a machine that
+/// is busy takes its time to end them.
+pub(super) const OWN_LOOKS: usize = 5_000;
 
 /// Removes what dead runs have left in /dev/shm, of every instance; says how many runs.
 ///
@@ -26,7 +30,7 @@ pub fn sweep_leftovers() -> usize {
             sweep_unborn(&path, rest);
         } else if boot_of(name).is_some()
             && let Some(_owned) = lock_root(&path)
-            && remove(name)
+            && remove(name, LOOKS)
         {
             removed += 1;
         }
@@ -51,12 +55,13 @@ pub fn dead_instances(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Removes a domain. The caller holds the lock of its root.
+/// Removes a domain, after so many looks at most whether its guests have gone. The caller holds the
+/// lock of its root.
 ///
 /// The memory goes first: while the root stands, its lock tells others that somebody cares.
-pub(super) fn remove(name: &str) -> bool {
+pub(super) fn remove(name: &str, looks: usize) -> bool {
     let root = format!("{SHM}/{name}");
-    let Some(_alone) = (0..LOOKS).find_map(|look| {
+    let Some(_alone) = (0..looks).find_map(|look| {
         if look > 0 {
             let _early = nanosleep(&Timespec { tv_sec: 0, tv_nsec: 1_000_000 });
         }
