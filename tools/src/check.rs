@@ -28,6 +28,26 @@ pub(crate) const STEPS: &[Step] = &[
         env: &[("RUSTDOCFLAGS", "-D warnings")],
     },
     Step { name: "tests", args: &["test", "--workspace"], env: &[] },
+    Step {
+        name: "example",
+        args: &["run", "--quiet", "--package", "trolley", "--example", "rank"],
+        env: &[],
+    },
+    Step {
+        name: "example",
+        args: &[
+            "run",
+            "--quiet",
+            "--package",
+            "trolley",
+            "--example",
+            "pairs",
+            "--",
+            "crates/trolley/examples/data/step.stl",
+            "crates/trolley/examples/data/pole.stl",
+        ],
+        env: &[],
+    },
 ];
 
 /// Files of others, beside the checkout.

@@ -16,8 +16,8 @@ use crate::{BUILD, Failure, Kind};
 use body::{BodyView, Build, Fit, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row, Stage,
-    Workspace,
+    Answer, Backend, Course, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row,
+    Stage, Workspace,
 };
 use dispatch::Entry;
 use record::Mode;
@@ -66,6 +66,17 @@ struct Loaded {
     extremes: Option<Vec<Extremes>>,
     backend: Option<Backend>,
     workspace: Workspace,
+}
+
+/// What is known of a request when its work is done.
+struct Told {
+    answer: Answer,
+    answered_ns: u64,
+    explanation: Option<Explanation>,
+    ledger: Option<Ledger>,
+    run: Run,
+    accepted_ns: u64,
+    course: Course,
 }
 
 /// Where a party's body comes from; equal ones are equal bodies.
@@ -201,42 +212,39 @@ impl Engine {
             || terms,
             &mut backend,
             |work, course| {
-                let answer = work.answer()?;
-                let answered_ns = clock::now_ns();
-                let run = Run {
-                    stages: Stages {
-                        load_ms: milliseconds(loaded_ns - begun_ns),
-                        plan_ms: milliseconds(course.planned_ns - started_ns),
-                        start_ms: milliseconds(started_ns - loaded_ns),
-                        work_ms: milliseconds(course.worked_ns - course.planned_ns),
-                        assess_ms: milliseconds(answered_ns - course.worked_ns),
-                        stop_ms: 0.0,
-                    },
-                    deadline: limits
-                        .deadline(scenario.parsed.deadline)
-                        .map(|due| Kept::of(due, answered_ns.saturating_sub(work.accepted_ns()))),
-                    jobs: course.jobs_in_process,
-                    ..run.with_effort(work)
-                };
-                let explanation =
-                    limits.wants_explanation().then(|| work.explanation()).transpose()?;
-                Ok::<_, coordinator::RequestError>((
-                    answer,
-                    explanation,
-                    run,
-                    work.ledger().cloned(),
-                ))
+                Ok::<_, coordinator::RequestError>(Told {
+                    answer: work.answer()?,
+                    answered_ns: clock::now_ns(),
+                    explanation: limits
+                        .wants_explanation()
+                        .then(|| work.explanation())
+                        .transpose()?,
+                    ledger: work.ledger().cloned(),
+                    run: run.with_effort(work),
+                    accepted_ns: work.accepted_ns(),
+                    course,
+                })
             },
         );
         // Workers that could not finish are not used again.
         let told = told?;
         let report = backend.report();
         loaded.backend = Some(backend);
-        let (answer, explanation, run, ledger) = told?;
-        let run = match report {
-            Some(report) => run.with_crew(report, loaded.bodies.store().bytes().len()),
-            None => run,
+        let Told { answer, answered_ns, explanation, ledger, mut run, accepted_ns, course } = told?;
+        run.stages = Stages {
+            load_ms: milliseconds(loaded_ns - begun_ns),
+            plan_ms: milliseconds(course.planned_ns - started_ns),
+            start_ms: milliseconds(started_ns - loaded_ns),
+            work_ms: milliseconds(course.worked_ns - course.planned_ns),
+            assess_ms: milliseconds(answered_ns - course.worked_ns),
+            stop_ms: 0.0,
         };
+        let due = limits.deadline(scenario.parsed.deadline);
+        run.deadline = due.map(|due| Kept::of(due, answered_ns.saturating_sub(accepted_ns)));
+        run.jobs = course.jobs_in_process;
+        if let Some(report) = report {
+            run = run.with_crew(report, loaded.bodies.store().bytes().len());
+        }
         let bodies = crate::record::bodies(&scenario.parsed, &loaded.bodies);
         Ok(Ranking { answer, explanation, run, ledger, settings, bodies })
     }
@@ -453,3 +461,6 @@ pub fn worker_cores(settings: &Settings, granted: &[usize]) -> Result<Vec<Option
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -21,6 +21,7 @@
 //! | [`Record`] | an answer kept with all that it was made from, and made again |
 //! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
+//! | [`traffic`] | recorded traffic, as scenarios |
 //! | [`bodies`] | bodies opened, generated, sealed |
 //! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
 //! | [`model`] | model files made of meshes and shapes, looked at, checked, exported |
@@ -45,7 +46,6 @@ pub mod intersect;
 pub mod kernel;
 mod limits;
 pub mod model;
-
 pub mod policy;
 pub mod poses;
 pub mod record;

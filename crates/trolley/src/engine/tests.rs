@@ -1,0 +1,86 @@
+//! From a scenario to an answer and back from its record, without a process or a channel.
+
+use super::*;
+use crate::record::Record;
+
+fn here() -> Engine {
+    Engine::builder().in_process().build().unwrap()
+}
+
+/// Two crashes of small bodies.
+fn text(speed_m_s: f64) -> String {
+    format!(
+        "schema = \"trolley.scenario/1\"\nname = \"two\"\n\
+         [parties]\n\
+         ego = {{ generate = {{ shape = \"sedan\", triangles = 600 }} }}\n\
+         pole = {{ generate = {{ shape = \"pole\", triangles = 600 }} }}\n\
+         [[candidates]]\nname = \"middle\"\n\
+         ego = {{ position_m = [0, 0, 0], speed_m_s = {speed_m_s:?} }}\n\
+         other = {{ party = \"pole\", position_m = [2.4, 0.0, 0], speed_m_s = 0 }}\n\
+         [[candidates]]\nname = \"past\"\n\
+         ego = {{ position_m = [0, 0, 0], speed_m_s = {speed_m_s:?} }}\n\
+         other = {{ party = \"pole\", position_m = [2.4, 2.0, 0], speed_m_s = 0 }}\n"
+    )
+}
+
+fn scenario(speed_m_s: f64) -> Scenario {
+    Scenario::parse("two.toml", &text(speed_m_s)).unwrap()
+}
+
+#[test]
+fn a_scenario_is_ranked_without_a_process() {
+    let ranking = here().rank(&scenario(12.0), &Limits::default()).unwrap();
+    assert_eq!(ranking.answer.state, damage::State::Complete);
+    assert_eq!(ranking.best().map(|best| best.name.as_str()), Some("past"));
+    assert_eq!(ranking.run.mode, Mode::InProcess);
+    assert!(ranking.run.jobs > 0 && ranking.run.workers.is_empty());
+    assert!(ranking.explanation.is_none());
+}
+
+#[test]
+fn the_same_bodies_are_kept_and_others_take_their_place() {
+    let mut engine = here();
+    let limits = Limits::default();
+    let answers = [12.0, 9.0, 12.0].map(|speed| engine.rank(&scenario(speed), &limits).unwrap());
+    assert_eq!(answers[0].answer, answers[2].answer);
+    assert!(answers[0].answer != answers[1].answer);
+    let kept = engine.loaded.as_ref().and_then(|loaded| loaded.extremes.as_ref());
+    assert_eq!(kept.map(Vec::len), Some(2), "bodies asked about again are known better");
+    let other = Scenario::parse("two.toml", &text(12.0).replace("600", "700")).unwrap();
+    let answer = engine.rank(&other, &limits).unwrap().answer;
+    assert_eq!(answer, here().rank(&other, &limits).unwrap().answer);
+}
+
+#[test]
+fn a_ranking_is_recorded_and_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = scenario(12.0);
+    let bare = here().rank(&scenario, &Limits::default()).unwrap();
+    let refused = Record::write(folder.path(), &scenario, &bare).unwrap_err();
+    assert!(refused.what().contains("ledger") && refused.remedy().is_some(), "{refused}");
+    let mut paths = Vec::new();
+    for _ in 0..2 {
+        let ranking = here().rank(&scenario, &Limits::default().with_record()).unwrap();
+        paths.push(Record::write(folder.path(), &scenario, &ranking).unwrap());
+    }
+    assert_eq!(Record::verify(folder.path()).unwrap().0, 2);
+    let record = Record::read(&paths[1]).unwrap();
+    assert!(record.is_of_this_build() && record.link.number == 1);
+    let replay = record.replay(&paths[1], None, SILENT).unwrap();
+    assert_eq!(replay.json, record.content.answer);
+    assert_eq!(replay.answer, bare.answer);
+}
+
+#[test]
+fn what_cannot_be_ranked_is_refused_with_a_remedy() {
+    let unknown = text(12.0)
+        .replace("triangles = 600 } }\n[[", "triangles = 600 }, kind = \"unknown\" }\n[[");
+    let unknown = Scenario::parse("two.toml", &unknown).unwrap();
+    let failure = here().rank(&unknown, &Limits::default()).unwrap_err();
+    assert_eq!(failure.kind(), Kind::Refused, "{failure}");
+    assert!(failure.what().starts_with("two.toml:5:") && failure.remedy().is_some(), "{failure}");
+    let answer = here().rank(&unknown.assuming_unknown_is_fixed(), &Limits::default()).unwrap();
+    assert!(!answer.answer.assumptions.is_empty());
+    let failure = Engine::builder().workers(17).build().unwrap_err();
+    assert_eq!(failure.kind(), Kind::Configuration, "{failure}");
+}
