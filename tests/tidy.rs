@@ -54,6 +54,10 @@ const LAYERS: &[&str] = &[
 const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "client-c"];
 /// Crates that may use but a few of ours.
 const ONLY: &[(&str, &[&str])] = &[
+    // No reader of others' files; shapes are what their tests are about.
+    ("bvh", &["diagnostic", "geometry", "body", "shapes"]),
+    ("damage", &["diagnostic", "geometry", "body"]),
+    ("record", &["diagnostic", "body", "scenario"]),
     ("dispatch", &["diagnostic", "protocol"]),
     ("simulate", &["diagnostic", "dispatch", "protocol"]),
     ("executor", &["geometry", "protocol", "body", "bvh"]),

@@ -135,7 +135,7 @@ fn scale(text: &str, size: [f64; 2]) -> Result<(String, Vec<[f64; 2]>)> {
             continue;
         };
         let [x, y, z] = [0, 1, 2].map(|axis| (p[axis] - from[axis]) * factor[axis]);
-        let _w = writeln!(scaled, "v {:?} {:?} {:?}", x as f32, y as f32, z as f32);
+        let _w = writeln!(scaled, "v {} {} {}", x as f32, y as f32, z as f32);
         plan.push([x, y]);
     }
     Ok((scaled, hull(plan)))

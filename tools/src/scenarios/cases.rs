@@ -2,6 +2,7 @@
 
 use super::bodies::{Bodies, Wanted};
 use anyhow::{Context as _, Result};
+use scenario::decimal;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -156,11 +157,11 @@ impl Scene {
         for one in &self.alternatives {
             let state = |placed: &Placed| {
                 format!(
-                    "position_m = [{:?}, {:?}, 0], yaw_deg = {:?}, speed_m_s = {:?}",
-                    placed.at[0],
-                    placed.at[1],
-                    placed.yaw.to_degrees(),
-                    placed.speed
+                    "position_m = [{}, {}, 0], yaw_deg = {}, speed_m_s = {}",
+                    decimal(placed.at[0]),
+                    decimal(placed.at[1]),
+                    decimal(placed.yaw.to_degrees()),
+                    decimal(placed.speed)
                 )
             };
             let _w = writeln!(
