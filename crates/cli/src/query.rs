@@ -14,13 +14,29 @@ use std::process::ExitCode;
 use std::time::Duration;
 use trolley::{Failure, Kind, OpenDeployment};
 
-pub(crate) const EXAMPLES: &str = "\
-Examples:
+/// What the laboratory adds to the examples.
+#[cfg(feature = "lab")]
+macro_rules! repeated {
+    () => {
+        "  trolley query D.toml S.toml --repeat 100000    latencies, beside those of this process\n"
+    };
+}
+#[cfg(not(feature = "lab"))]
+macro_rules! repeated {
+    () => {
+        ""
+    };
+}
+
+pub(crate) const EXAMPLES: &str = concat!(
+    "Examples:
   trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
   trolley query D.toml S.toml --json | jq .ranking[0].name
-  trolley query D.toml S.toml --repeat 100000    latencies, beside the kernel in this process
-
-Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not running.";
+",
+    repeated!(),
+    "
+Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not running."
+);
 
 /// What to ask, and whom.
 #[derive(Clone, Debug, Args)]

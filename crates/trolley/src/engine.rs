@@ -245,7 +245,7 @@ impl Engine {
         if let Some(report) = report {
             run = run.with_crew(report, loaded.bodies.store().bytes().len());
         }
-        let bodies = crate::record::bodies(&scenario.parsed, &loaded.bodies);
+        let bodies = loaded.bodies.recorded(&scenario.parsed);
         Ok(Ranking { answer, explanation, run, ledger, settings, bodies })
     }
 

@@ -4,7 +4,6 @@
 //! written aside and then given its name, so a folder never holds half of one, and two writers
 //! never take the same number.
 
-use crate::bodies::Bodies;
 use crate::engine::Ranking;
 use crate::run::Run;
 use crate::scenario::Scenario;
@@ -109,21 +108,6 @@ impl Record {
         }
         Ok((files.len(), last))
     }
-}
-
-/// The bodies as a record names them.
-pub(crate) fn bodies(scenario: &scenario::Scenario, bodies: &Bodies) -> Vec<Body> {
-    let parties = scenario.parties.iter().zip(bodies.hashes()).zip(bodies.source_hashes());
-    let one = |((party, hash), source_hash): ((&scenario::Party, &String), &Option<String>)| {
-        let source = match (&party.source, source_hash) {
-            (scenario::Source::File(reference), Some(hash)) => {
-                Source::File { path: reference.path.clone(), hash: hash.clone() }
-            }
-            _ => Source::Generated,
-        };
-        Body { party: party.name.to_string(), source, hash: hash.clone() }
-    };
-    parties.map(one).collect()
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> Failure {

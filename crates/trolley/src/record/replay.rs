@@ -123,7 +123,7 @@ impl Record {
 
     /// Whether the bodies are those of the record.
     fn compare(&self, file: &Path, scenario: &Scenario, bodies: &Bodies) -> Result<(), Failure> {
-        let now = super::bodies(&scenario.parsed, bodies);
+        let now = bodies.recorded(&scenario.parsed);
         let other = now.iter().zip(&self.content.bodies).find(|(now, then)| now.hash != then.hash);
         let Some((now, then)) = other else { return Ok(()) };
         let what =
