@@ -176,8 +176,8 @@ mod tests {
     fn a_scaled_mesh_has_the_stated_size_around_the_origin() {
         let text = "o part\nv 1 1 5\nv 3 1 5\nv 3 2 6\nv 1 2 5\nv 2 1.5 5\nf 1 2 3\n";
         let (scaled, outline) = scale(text, [4.0, 3.0]).expect("a mesh");
-        assert!(scaled.starts_with("o part\nv -2.0 -1.5 0.0\n"), "{scaled}");
-        assert!(scaled.contains("v 2.0 1.5 2.5\n") && scaled.ends_with("f 1 2 3\n"), "{scaled}");
+        assert!(scaled.starts_with("o part\nv -2 -1.5 0\n"), "{scaled}");
+        assert!(scaled.contains("v 2 1.5 2.5\n") && scaled.ends_with("f 1 2 3\n"), "{scaled}");
         assert_eq!(outline, [[-2.0, -1.5], [2.0, -1.5], [2.0, 1.5], [-2.0, 1.5]]);
         assert!(scale("f 1 2 3\n", [1.0, 1.0]).is_err());
     }
