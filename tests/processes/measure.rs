@@ -160,3 +160,14 @@ fn calibrated_costs_are_printed_and_written() {
     assert_eq!(output.status.code(), Some(71), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("costs.json/again.json"));
 }
+
+/// Chance also makes requests whose bodies overlap where they begin: they have no whole answer.
+#[test]
+fn how_early_a_winner_is_certain_is_measured_whatever_chance_makes() {
+    let output = trolley()
+        .args(["certify", "share", "--requests", "3", "--depth", "3", "-q"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("| 3 | deciding |"), "{}", text(&output.stdout));
+}

@@ -56,6 +56,9 @@ struct Row {
     median_time: f64,
 }
 
+/// Requests that chance may make for one that can be ranked and is asked for.
+const TRIES: u64 = 1_000;
+
 /// One request, worked on by one strategy.
 #[derive(Clone, Copy, Debug)]
 struct Ran {
@@ -70,6 +73,8 @@ struct Winner {
     name: String,
     /// How many candidates touch.
     touches: usize,
+    /// What is missing of an answer that is neither complete nor certified.
+    missing: Option<String>,
 }
 
 /// Runs everything, or until the winner is certain.
@@ -88,12 +93,9 @@ fn run(
     let answer = work.answer()?;
     let name = answer.ranking.first().map(|row| row.name.clone()).unwrap_or_default();
     let touching = answer.ranking.iter().filter(|row| row.contact.touch == Touch::Yes);
-    let winner = Winner { name, touches: touching.count() };
-    let state = answer.state;
-    if !matches!(state, damage::State::Complete | damage::State::Certified) {
-        return Err(Failure::internal(format!("a run ended {}", state.name())));
-    }
-    Ok((tests, took_ns, winner))
+    let is_sure = matches!(answer.state, damage::State::Complete | damage::State::Certified);
+    let missing = (!is_sure).then(|| answer.missing.join("; "));
+    Ok((tests, took_ns, Winner { name, touches: touching.count(), missing }))
 }
 
 /// Works requests off with every strategy at every depth. `told` hears of requests.
@@ -113,8 +115,13 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
     for &depth in &options.depths {
         let mut ran: Vec<Vec<Ran>> = vec![Vec::new(); Pursuit::ALL.len()];
         let mut chance = Chance::new(options.seed);
-        let mut made = 0;
+        let (mut made, mut tried) = (0, 0);
         while made < options.requests {
+            tried += 1;
+            if tried > TRIES * u64::from(options.requests) {
+                let what = "hardly any request that chance makes of these bodies can be ranked";
+                return Err(Failure::input(what).with_remedy("name other bodies: --body"));
+            }
             let candidates = 6 + chance.below(11) as usize;
             let policy = requests::policy(made as usize)?;
             let miss = if options.unavoidable { 0.6 } else { 1.1 };
@@ -124,7 +131,8 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
             };
             let (all, whole_ns, winner) = run(&request, &views, depth, Terms::default())?;
             let is_avoidable = winner.touches < candidates;
-            if options.unavoidable && is_avoidable {
+            // Of bodies that overlap where they begin there is no whole answer to be early with.
+            if (options.unavoidable && is_avoidable) || winner.missing.is_some() {
                 continue;
             }
             made += 1;
@@ -134,6 +142,9 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
             for (number, pursuit) in Pursuit::ALL.into_iter().enumerate() {
                 let terms = Terms { until: Until::Certified, pursuit, ..Terms::default() };
                 let (tests, took_ns, first) = run(&request, &views, depth, terms)?;
+                if let Some(missing) = first.missing {
+                    return Err(Failure::internal(format!("a run ended degraded: {missing}")));
+                }
                 if first.name != winner.name {
                     let (first, winner) = (first.name, winner.name);
                     let what = format!("{} certified {first}, not {winner}", pursuit.name());
