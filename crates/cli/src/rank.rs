@@ -97,7 +97,7 @@ fn answer(
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();
     }
-    let recorded = asked.record.as_deref().map(|folder| Record::write(folder, &scenario, &ranking));
+    let recorded = asked.record.as_deref().map(|folder| Record::write(folder, &ranking));
     show(&scenario, &ranking, asked.explain, output)?;
     drop(engine);
     // An answer that could not be recorded is shown, and then the failure.

@@ -12,8 +12,8 @@ use crate::handing::{self, Handing};
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
-use crate::{BUILD, Failure, Kind};
-use body::{BodyView, Build, Fit, Meta, Shape, file};
+use crate::{BUILD, Failure};
+use body::{BodyView, Build, Fit, Kind, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
     Answer, Backend, Course, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row,
@@ -51,7 +51,15 @@ pub struct Ranking {
     pub explanation: Option<Explanation>,
     /// What it took.
     pub run: Run,
-    pub(crate) ledger: Option<Ledger>,
+    /// What a record is made from, if one is wanted.
+    pub(crate) recorded: Option<Recorded>,
+}
+
+/// What a record holds beside answer, explanation and run.
+#[derive(Clone, Debug)]
+pub(crate) struct Recorded {
+    pub(crate) scenario: Scenario,
+    pub(crate) ledger: Ledger,
     pub(crate) settings: Settings,
     pub(crate) bodies: Vec<record::Body>,
 }
@@ -183,6 +191,7 @@ impl Engine {
         let begun_ns = clock::now_ns();
         scenario.check_unknown()?;
         let settings = applied(&scenario.parsed.engine, &self.settings.overrides)?;
+        limits.check()?;
         let terms = limits.terms(scenario.parsed.deadline);
         let loaded = loaded(&mut self.loaded, scenario, &settings, progress)?;
         let loaded_ns = clock::now_ns();
@@ -245,8 +254,13 @@ impl Engine {
         if let Some(report) = report {
             run = run.with_crew(report, loaded.bodies.store().bytes().len());
         }
-        let bodies = loaded.bodies.recorded(&scenario.parsed);
-        Ok(Ranking { answer, explanation, run, ledger, settings, bodies })
+        let recorded = ledger.map(|ledger| Recorded {
+            scenario: scenario.clone(),
+            ledger,
+            settings,
+            bodies: loaded.bodies.recorded(&scenario.parsed),
+        });
+        Ok(Ranking { answer, explanation, run, recorded })
     }
 
     /// Ends the workers, if there are any, and says how long that took (ms). The next ranking
@@ -285,7 +299,7 @@ impl Ranking {
 /// Settings with some replaced; what does not fit is a fault of whoever replaced it.
 fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failure> {
     let applied = settings.apply(overrides);
-    applied.map_err(|misfit| Failure::from(misfit).of_kind(Kind::Configuration))
+    applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::Kind::Configuration))
 }
 
 /// The bodies of a scenario: those there are, if they are the same, or others in their place.
@@ -301,6 +315,9 @@ fn loaded<'l>(
         .is_some_and(|kept| kept.settings == *settings && sources.as_ref() == Some(&kept.sources));
     if is_same && let Some(kept) = kept {
         let views = kept.bodies.views()?;
+        // The bodies are the same, who is what among them may not be.
+        let kinds: Vec<Kind> = views.iter().map(|(meta, _)| meta.kind).collect();
+        scenario.parsed.check_kinds(scenario.file(), &kinds)?;
         let of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
         kept.extremes.get_or_insert_with(of_all);
     } else {

@@ -90,6 +90,17 @@ impl Limits {
         )))
     }
 
+    /// Refuses what cannot be together.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        match (self.budget, self.ledger) {
+            (Some(_), true) => {
+                let what = "a record knows of no parts of jobs, so no budget can be replayed";
+                Err(Failure::setting(what).with_remedy("leave the budget out, or the record"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// When the answer is due after the request was accepted; `scenario`: as the scenario says.
     #[must_use]
     pub fn deadline(&self, scenario: Option<Duration>) -> Option<Duration> {

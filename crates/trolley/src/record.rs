@@ -4,9 +4,8 @@
 //! written aside and then given its name, so a folder never holds half of one, and two writers
 //! never take the same number.
 
-use crate::engine::Ranking;
+use crate::engine::{Ranking, Recorded};
 use crate::run::Run;
-use crate::scenario::Scenario;
 use crate::{BUILD, Failure, Kind};
 use record::{Chain, Edge, Settings, Span, Stage, Text};
 use std::io::Write as _;
@@ -45,12 +44,8 @@ impl Record {
     /// # Errors
     ///
     /// If the folder cannot be written to.
-    pub fn write(
-        folder: &Path,
-        scenario: &Scenario,
-        ranking: &Ranking,
-    ) -> Result<PathBuf, Failure> {
-        let record = content(scenario, ranking)?;
+    pub fn write(folder: &Path, ranking: &Ranking) -> Result<PathBuf, Failure> {
+        let record = content(ranking)?;
         // Somebody else may take the number meanwhile: then the next one is ours.
         for _ in 0..100 {
             let (number, last) = end(folder)?;
@@ -116,12 +111,13 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
         .with_remedy("--record needs a folder that may be written to")
 }
 
-fn content(scenario: &Scenario, ranking: &Ranking) -> Result<Content, Failure> {
-    let Ranking { run, settings: engine, .. } = ranking;
-    let (Some(ledger), Some(explanation)) = (&ranking.ledger, &ranking.explanation) else {
+fn content(ranking: &Ranking) -> Result<Content, Failure> {
+    let Ranking { run, .. } = ranking;
+    let (Some(recorded), Some(explanation)) = (&ranking.recorded, &ranking.explanation) else {
         let what = "a ranking without ledger and explanation cannot be recorded";
         return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
     };
+    let Recorded { scenario, ledger, settings: engine, bodies } = recorded;
     let text = |text: &crate::scenario::Text| Text::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
@@ -144,7 +140,7 @@ fn content(scenario: &Scenario, ranking: &Ranking) -> Result<Content, Failure> {
             seed: engine.seed,
             unknown_is_fixed: scenario.unknown_is_fixed,
         },
-        bodies: ranking.bodies.clone(),
+        bodies: bodies.clone(),
         places: ledger.places.clone(),
         jobs: ledger.jobs.clone(),
         moments: ledger.moments.clone(),

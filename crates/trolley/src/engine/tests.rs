@@ -56,12 +56,12 @@ fn a_ranking_is_recorded_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(12.0);
     let bare = here().rank(&scenario, &Limits::default()).unwrap();
-    let refused = Record::write(folder.path(), &scenario, &bare).unwrap_err();
+    let refused = Record::write(folder.path(), &bare).unwrap_err();
     assert!(refused.what().contains("ledger") && refused.remedy().is_some(), "{refused}");
     let mut paths = Vec::new();
     for _ in 0..2 {
         let ranking = here().rank(&scenario, &Limits::default().with_record()).unwrap();
-        paths.push(Record::write(folder.path(), &scenario, &ranking).unwrap());
+        paths.push(Record::write(folder.path(), &ranking).unwrap());
     }
     assert_eq!(Record::verify(folder.path()).unwrap().0, 2);
     let record = Record::read(&paths[1]).unwrap();
@@ -77,10 +77,30 @@ fn what_cannot_be_ranked_is_refused_with_a_remedy() {
         .replace("triangles = 600 } }\n[[", "triangles = 600 }, kind = \"unknown\" }\n[[");
     let unknown = Scenario::parse("two.toml", &unknown).unwrap();
     let failure = here().rank(&unknown, &Limits::default()).unwrap_err();
-    assert_eq!(failure.kind(), Kind::Refused, "{failure}");
+    assert_eq!(failure.kind(), crate::Kind::Refused, "{failure}");
     assert!(failure.what().starts_with("two.toml:5:") && failure.remedy().is_some(), "{failure}");
     let answer = here().rank(&unknown.assuming_unknown_is_fixed(), &Limits::default()).unwrap();
     assert!(!answer.answer.assumptions.is_empty());
     let failure = Engine::builder().workers(17).build().unwrap_err();
-    assert_eq!(failure.kind(), Kind::Configuration, "{failure}");
+    assert_eq!(failure.kind(), crate::Kind::Configuration, "{failure}");
+}
+
+#[test]
+fn the_same_bodies_in_other_parts_are_checked_again() {
+    let mut engine = here();
+    let limits = Limits::default();
+    engine.rank(&scenario(12.0), &limits).unwrap();
+    let of_pole = "shape = \"pole\", triangles = 600 }";
+    let text = text(12.0).replace(of_pole, &format!("{of_pole}, persons = [{{}}]"));
+    let wrong = Scenario::parse("two.toml", &text);
+    let expected = wrong.clone().and_then(|wrong| here().rank(&wrong, &limits).map(drop));
+    let found = wrong.and_then(|wrong| engine.rank(&wrong, &limits).map(drop));
+    assert_eq!(found.unwrap_err(), expected.unwrap_err());
+}
+
+#[test]
+fn a_budget_cannot_be_recorded() {
+    let limits = Limits::default().with_record().with_budget(100_000).unwrap();
+    let failure = here().rank(&scenario(12.0), &limits).unwrap_err();
+    assert_eq!(failure.kind(), crate::Kind::Configuration, "{failure}");
 }
