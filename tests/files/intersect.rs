@@ -95,7 +95,7 @@ fn assert_sets(line: &Value, truth: &Found, what: &str) {
 }
 
 #[test]
-fn every_build_leaf_size_and_crew_finds_what_brute_force_finds() {
+fn every_build_leaf_size_and_thread_count_finds_what_brute_force_finds() {
     let crash = Crash::new();
     let truth = crash.truth();
     assert!(truth[2].0 > 100, "{truth:?}: they hardly touch");

@@ -21,7 +21,7 @@ const MARKS: [&str; 4] = [
     "#[cfg(test)]",
 ];
 /// Whatever has a name with one of these in it is there for faults.
-const STEMS: [&str; 5] = ["misdeed", "misbehav", "spoil", "flaw", "obey"];
+const STEMS: [&str; 5] = ["misdeed", "misbehav", "corrupt", "flaw", "obey"];
 /// Words that every build has, so that all have the same layouts.
 const RESERVED: [&str; 1] = ["obeyed_ns"];
 

@@ -6,7 +6,7 @@
 //!
 //! That is all it takes: [`query`] has an example. Triangles that mean more are those of a
 //! [`body::Body`], which has such a tree beside its mass, parts and zones. A question about two can
-//! be cut into jobs, for several threads ([`together`]) or for processes that a coordinator tells
+//! be cut into jobs, for several threads ([`parallel`]) or for processes that a coordinator tells
 //! what to do:
 //!
 //! ```text
@@ -36,12 +36,12 @@
 pub mod build;
 pub mod front;
 pub mod kernel;
+pub mod parallel;
 pub mod placement;
 pub mod query;
 pub mod reach;
 pub mod section;
 pub mod support;
-pub mod together;
 pub mod tree;
 
 mod descent;

@@ -53,8 +53,8 @@ pub(crate) fn run(args: &ServeArgs, output: &Output) -> Result<ExitCode, Failure
 }
 
 fn greet(greeting: &Greeting<'_>, output: &Output) {
-    for lack in greeting.lacks {
-        tracing::warn!("{}: {}", lack.what, lack.why);
+    for missing in greeting.missing {
+        tracing::warn!("{}: {}", missing.what, missing.why);
     }
     let Greeting { instance, models, triangles, workers, .. } = greeting;
     let workers = match workers {

@@ -93,7 +93,7 @@ impl InProcessExecutor {
                     break 'work;
                 }
                 count += 1;
-                if work.is_moot(job.task) {
+                if work.is_obsolete(job.task) {
                     work.close(job, Closed::Cut);
                     continue;
                 }

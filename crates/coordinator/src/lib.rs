@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Scenario + bodies --Request::new--> Request --Work::new--> tasks --front--> jobs
-//!                                                  ^                           |  Crew::run: four
+//!                                                  ^                           |  WorkerPool::run: four
 //!                                                  |  follow-up tasks          |  worker processes
 //!                                                  +---------- fold <--hits----+  run_in_process:
 //!                                                                                 here, one by one
@@ -24,7 +24,6 @@ mod answer;
 mod bound;
 mod brief;
 mod case;
-mod crew;
 mod explain;
 #[cfg(test)]
 mod fixtures;
@@ -40,17 +39,12 @@ mod terms;
 #[cfg(any(test, feature = "faults"))]
 mod trial;
 mod work;
+mod worker_pool;
 mod workspace;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use brief::{Brief, BriefRow};
 
-#[cfg(feature = "faults")]
-pub use crew::Spoiled;
-pub use crew::{
-    Attendant, Crew, CrewError, CrewReport, Duty, Hardware, Incident, Lack, Mended, Options, Share,
-    Sight, WorkerReport, preflight, seal,
-};
 pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use ledger::Ledger;
@@ -63,4 +57,10 @@ pub use terms::{Terms, Until};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{Chance, Flaw, Verdict, trial};
 pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};
+#[cfg(feature = "faults")]
+pub use worker_pool::Corruption;
+pub use worker_pool::{
+    Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options, Share,
+    WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, preflight, seal,
+};
 pub use workspace::{Backend, Course, Inquiry, RankError, Stage, Workspace};

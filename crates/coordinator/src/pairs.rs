@@ -159,7 +159,7 @@ impl dispatch::Work for PairWork<'_> {
         self.spent.descent_ns += clock::now_ns() - begun_ns;
     }
 
-    fn is_moot(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: TaskId) -> bool {
         false
     }
 

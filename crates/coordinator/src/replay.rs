@@ -30,7 +30,7 @@ pub fn replay(
         for job in open.drain(..) {
             let end = work.errand(job.task).and_then(|errand| ends.end(errand, &job));
             match end {
-                _ if work.is_moot(job.task) => work.close(&job, Closed::Cut),
+                _ if work.is_obsolete(job.task) => work.close(&job, Closed::Cut),
                 // In another order it may be needed here though it was not needed there.
                 Some(End::Done | End::Cut) => {
                     done += 1;

@@ -6,7 +6,7 @@ use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
 use damage::{
     Aboard, Approach, Curves, Encounter, Meeting, Parameters, Party, PersonId, Policy, Stiffness,
-    crew, heading, plan,
+    heading, occupants, plan,
 };
 use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
@@ -228,8 +228,8 @@ fn persons<'b>(
         let stake = Stake { is_ego, responsibility: party.responsibility };
         let first = persons.len();
         if !party.is_unknown {
-            let crew = crew(meta.kind, speed, stated).into_iter();
-            persons.extend(crew.map(|seat| Person { party: party.name.clone(), seat, stake }));
+            let seats = occupants(meta.kind, speed, stated).into_iter();
+            persons.extend(seats.map(|seat| Person { party: party.name.clone(), seat, stake }));
         }
         aboard.push(first..persons.len());
     }

@@ -152,7 +152,7 @@ pub fn trial(
             break;
         }
         let job = open.swap_remove(chance.below(open.len() as u64) as usize);
-        if work.is_moot(job.task) {
+        if work.is_obsolete(job.task) {
             work.close(&job, Closed::Cut);
         } else if loses > 0 && chance.below(loses) == 0 {
             work.close(&job, Closed::Abandoned);

@@ -238,7 +238,7 @@ impl<'w> Work<'w> {
     }
 
     /// Jobs of a task that cannot matter and were never handed out.
-    fn drop_moot(&mut self, number: u32) {
+    fn drop_obsolete(&mut self, number: u32) {
         let errand = &mut self.errands[number as usize];
         let mut dropped = std::mem::take(&mut errand.todo);
         if let Some(ledger) = &mut self.ledger {
@@ -262,7 +262,7 @@ impl<'w> Work<'w> {
         }
         let (case, aim) = (errand.case, errand.aim);
         self.outlook.touch(case, true);
-        if errand.is_moot {
+        if errand.is_obsolete {
             self.spare.gathered.extend(errand.found.take());
             return;
         }
@@ -291,10 +291,10 @@ impl<'w> Work<'w> {
         self.outlook.touch(case, true);
         for number in 0..self.errands.len() {
             let errand = &mut self.errands[number];
-            if errand.case == case && !errand.is_moot && !self.cases[case].needs(errand.aim) {
-                errand.is_moot = true;
+            if errand.case == case && !errand.is_obsolete && !self.cases[case].needs(errand.aim) {
+                errand.is_obsolete = true;
                 self.waiting.retain(|waiting| *waiting != number as u32);
-                self.drop_moot(number as u32);
+                self.drop_obsolete(number as u32);
             }
         }
     }
@@ -366,8 +366,8 @@ impl dispatch::Work for Work<'_> {
         }
     }
 
-    fn is_moot(&self, task: TaskId) -> bool {
-        self.outlook.is_decided() || self.errands[task.0 as usize].is_moot
+    fn is_obsolete(&self, task: TaskId) -> bool {
+        self.outlook.is_decided() || self.errands[task.0 as usize].is_obsolete
     }
 
     fn fold(&mut self, job: &Spec, part: PartOf<'_>) {
@@ -383,13 +383,13 @@ impl dispatch::Work for Work<'_> {
         let errand = &mut self.errands[job.task.0 as usize];
         if let Aim::Probe { travel_m } = errand.aim
             && touched
-            && !errand.is_moot
+            && !errand.is_obsolete
         {
-            // One hit answers it: the rest of the task is moot.
+            // One hit answers it: the rest of the task is obsolete.
             let case = errand.case;
-            errand.is_moot = true;
+            errand.is_obsolete = true;
             self.waiting.retain(|waiting| *waiting != job.task.0);
-            self.drop_moot(job.task.0);
+            self.drop_obsolete(job.task.0);
             self.learn(case, travel_m, true);
         }
     }
@@ -401,18 +401,18 @@ impl dispatch::Work for Work<'_> {
         if let Some(at) = errand.out.iter().position(|out| *out == pair) {
             errand.out.remove(at);
         }
-        let is_moot = errand.is_moot;
+        let is_obsolete = errand.is_obsolete;
         errand.done += u64::from(how == Closed::Done);
         let rest = errand.rests.iter().position(|(of, _)| *of == pair);
         let rest = rest.map(|at| errand.rests.swap_remove(at).1);
         // Cut because the winner is certain: it is as open as one that never went out.
-        let is_open = how == Closed::Cut && !is_moot;
+        let is_open = how == Closed::Cut && !is_obsolete;
         if let Some(ledger) = self.ledger.as_mut().filter(|_| !is_open) {
             ledger.close(job, how);
         }
         if matches!(how, Closed::Abandoned | Closed::Late) || is_open {
             self.lose(job.task.0, pair);
-        } else if let Some(rest) = rest.as_ref().filter(|_| how == Closed::Done && !is_moot) {
+        } else if let Some(rest) = rest.as_ref().filter(|_| how == Closed::Done && !is_obsolete) {
             self.divide(job.task.0, rest);
         }
         self.spare.rests.extend(rest);

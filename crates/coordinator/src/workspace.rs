@@ -7,11 +7,11 @@
 //! A command that ranks once and a service that ranks for months both go through
 //! [`Workspace::rank`], so that they cannot drift apart.
 
-use crate::crew::{Crew, CrewError, CrewReport, Share};
 use crate::in_process::InProcessExecutor;
 use crate::request::{Candidates, Request, RequestError};
 use crate::terms::Terms;
 use crate::work::{Errands, Room, Work};
+use crate::worker_pool::{Share, WorkerPool, WorkerPoolError, WorkerPoolReport};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use damage::{Curves, Policy};
@@ -50,7 +50,7 @@ pub struct Inquiry<'a> {
 #[derive(Debug)]
 pub enum Backend {
     /// Worker processes.
-    Workers(Box<Crew>),
+    Workers(Box<WorkerPool>),
     /// This process, one job after the other.
     InProcess(Box<InProcessExecutor>),
 }
@@ -74,28 +74,28 @@ pub enum RankError {
     Request(#[from] RequestError),
     /// Its jobs could not be done.
     #[error(transparent)]
-    Crew(#[from] CrewError),
+    WorkerPool(#[from] WorkerPoolError),
 }
 
 impl Diagnostic for RankError {
     fn kind(&self) -> Kind {
         match self {
             Self::Request(error) => error.kind(),
-            Self::Crew(error) => error.kind(),
+            Self::WorkerPool(error) => error.kind(),
         }
     }
 
     fn what(&self) -> String {
         match self {
             Self::Request(error) => error.what(),
-            Self::Crew(error) => error.what(),
+            Self::WorkerPool(error) => error.what(),
         }
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         match self {
             Self::Request(error) => error.remedy(),
-            Self::Crew(error) => error.remedy(),
+            Self::WorkerPool(error) => error.remedy(),
         }
     }
 }
@@ -114,40 +114,40 @@ impl Backend {
     ///
     /// # Errors
     ///
-    /// As [`Crew::run`]; never without worker processes.
-    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<u64, CrewError> {
+    /// As [`WorkerPool::run`]; never without worker processes.
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<u64, WorkerPoolError> {
         match self {
-            Self::Workers(crew) => crew.work_off(work).map(|()| 0),
+            Self::Workers(worker_pool) => worker_pool.work_off(work).map(|()| 0),
             Self::InProcess(executor) => Ok(executor.work_off(work)),
         }
     }
 
     /// The workers, if there are any.
     #[must_use]
-    pub fn crew(&self) -> Option<&Crew> {
+    pub fn worker_pool(&self) -> Option<&WorkerPool> {
         match self {
-            Self::Workers(crew) => Some(crew),
+            Self::Workers(worker_pool) => Some(worker_pool),
             Self::InProcess(_) => None,
         }
     }
 
     /// The workers, if there are any.
-    pub fn crew_mut(&mut self) -> Option<&mut Crew> {
+    pub fn worker_pool_mut(&mut self) -> Option<&mut WorkerPool> {
         match self {
-            Self::Workers(crew) => Some(crew),
+            Self::Workers(worker_pool) => Some(worker_pool),
             Self::InProcess(_) => None,
         }
     }
 
     /// What the last request took, if there are workers.
     #[must_use]
-    pub fn report(&self) -> Option<CrewReport> {
-        self.crew().map(Crew::report)
+    pub fn report(&self) -> Option<WorkerPoolReport> {
+        self.worker_pool().map(WorkerPool::report)
     }
 
     /// What each worker did for the last request.
     pub fn shares(&self) -> impl Iterator<Item = Share> {
-        self.crew().into_iter().flat_map(Crew::shares)
+        self.worker_pool().into_iter().flat_map(WorkerPool::shares)
     }
 }
 

@@ -126,7 +126,7 @@ pub use fault::Fault;
 pub use harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 pub use injury::{Curves, MissingCurve, Victim};
 pub use interval::{Range, Work};
-pub use party::{Aboard, Party, PartyError, PersonId, crew};
+pub use party::{Aboard, Party, PartyError, PersonId, occupants};
 pub use path::{Apart, Meeting, Path, Stop, Stops, Travels, plan};
 pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};

@@ -28,7 +28,7 @@ pub struct Aboard {
 pub const IN_PLACE: usize = 64;
 
 /// Who is with a body, by their seats; `None` on foot.
-pub type Crew = SmallVec<[Option<Seat>; IN_PLACE]>;
+pub type Seats = SmallVec<[Option<Seat>; IN_PLACE]>;
 
 /// A party of a collision, in A's frame at the given pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +179,7 @@ pub fn is_concave(kind: Kind) -> bool {
 /// Who is with a body: as stated, or, where nobody said, one driver or rider if it moves (our
 /// assumption), and the person itself on foot.
 #[must_use]
-pub fn crew(kind: Kind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Crew {
+pub fn occupants(kind: Kind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Seats {
     if let Some(stated) = stated {
         return stated.iter().map(|o| o.seat).collect();
     }
@@ -191,9 +191,9 @@ pub fn crew(kind: Kind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Crew {
         }
         Kind::Motorcycle | Kind::Cyclist if is_moving => smallvec![Some(Seat::Rider)],
         Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus | Kind::Motorcycle | Kind::Cyclist => {
-            Crew::new()
+            Seats::new()
         }
-        Kind::Wall | Kind::Pole | Kind::Building => Crew::new(),
+        Kind::Wall | Kind::Pole | Kind::Building => Seats::new(),
     }
 }
 

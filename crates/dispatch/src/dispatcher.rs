@@ -7,7 +7,7 @@
 //!  |  |   not handed over; not answered    |
 //!  |  +------------------------------------+  started, then lost; or failed: blame += 1
 //!  +---- blame < 2: alone on its core -----+---- else ----> ABANDONED
-//! moot: PENDING -> CUT; time is up: PENDING, LEASED -> LATE
+//! obsolete: PENDING -> CUT; time is up: PENDING, LEASED -> LATE
 //! DONE, CUT, LATE, ABANDONED are final
 //! ```
 //!
@@ -393,7 +393,7 @@ impl<S: Scheme> Dispatcher<S> {
             && self.ledger.thrash().is_none()
         {
             let spec = self.slots[job.0 as usize].spec;
-            if work.is_moot(spec.task) {
+            if work.is_obsolete(spec.task) {
                 self.pending.pop_front();
                 self.close(job, Closed::Cut, work);
                 // Closing a job may have brought the next ones.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! plan ──▶ faults in a seeded order ──▶ a request with some of them ──▶ answer: same as without?
-//!          signals, orders, messages       crew of real processes  ──▶ seen when? whole when?
+//!          signals, orders, messages       worker pool of real processes  ──▶ seen when? whole when?
 //!          whole runs of their own         children that rank ──▶ right, refused, left behind?
 //! ```
 //!
@@ -10,12 +10,12 @@
 //! bytes; the intervals of a degraded one must hold its; everything else is an error that was told.
 
 mod child;
-mod crew;
 mod kind;
 mod live;
 mod plan;
 mod report;
 mod signals;
+mod worker_pool;
 
 use crate::progress::{OnProgress, Progress};
 use coordinator::{Request, Work, run_in_process};

@@ -77,11 +77,11 @@ impl Launch {
     }
 
     /// Words that a message to the worker must have room for: every job may bring a task of its
-    /// own, and sections are sent in large parcels.
+    /// own, and sections are sent in large chunks.
     #[must_use]
     pub fn batch_words(&self) -> usize {
         let batch = crate::job::batch_words(self.batch as usize, self.batch as usize);
-        if self.copies { batch.max(PARCEL_WORDS) } else { batch }
+        if self.copies { batch.max(CHUNK_WORDS) } else { batch }
     }
 
     /// Batches that may lie in a job channel at once: one per job in the worst case.
@@ -91,8 +91,8 @@ impl Launch {
     }
 }
 
-/// Words of a parcel of sections: 64 KiB.
-pub const PARCEL_WORDS: usize = 8192;
+/// Words of a chunk of sections: 64 KiB.
+pub const CHUNK_WORDS: usize = 8192;
 
 /// Words of a result message: 16 KiB, room for about 3,900 hits; more go in further parts.
 pub const RESULT_WORDS: usize = 2048;

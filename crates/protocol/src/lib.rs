@@ -1,7 +1,7 @@
 //! Plain-data messages between the processes, and the names of things in them.
 //!
 //! Every message is a slice of 64-bit words behind a 64-byte [`Head`]; what the words mean is said
-//! by [`job`] and [`parcel`] (coordinator to worker) and [`result`] (worker to coordinator). The
+//! by [`job`] and [`chunk`] (coordinator to worker) and [`result`] (worker to coordinator). The
 //! [`status`] page is the one thing that both sides may look at while it changes. What clients of
 //! the service exchange with it stands in [`public`].
 //!
@@ -14,24 +14,24 @@
 //!   nobody reads them.
 //! - This crate does no I/O and reads no clock. It does not know what a triangle is.
 
+pub mod chunk;
 pub mod head;
 pub mod id;
 pub mod job;
 pub mod launch;
 #[cfg(feature = "faults")]
 pub mod order;
-pub mod parcel;
 pub mod public;
 pub mod result;
 pub mod status;
 
+pub use chunk::{Array, Piece};
 pub use head::{Head, Kind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{Job, Question, Task};
 pub use launch::Launch;
 #[cfg(feature = "faults")]
 pub use order::{Misdeed, Order};
-pub use parcel::{Array, Piece};
 pub use result::{Side, Summary};
 pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
 

@@ -49,7 +49,7 @@ impl<'b> InProcess<'b> {
             Ok(ranked) => Ok(ranked.answer),
             Err(Unranked::Refused(refusal)) => Err(refusal),
             // Without workers none can be lost.
-            Err(Unranked::Crew(error)) => {
+            Err(Unranked::WorkerPool(error)) => {
                 Err(Refusal { reason: Reason::Internal, text: error.to_string() })
             }
         }

@@ -37,4 +37,4 @@ pub use deployment::{
     TEXT_BYTES_MAX,
 };
 pub use in_process::InProcess;
-pub use run::{Lack, ServiceError, Site, serve};
+pub use run::{MissingRequirement, ServiceError, Site, serve};

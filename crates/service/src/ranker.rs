@@ -7,7 +7,7 @@ use crate::ask::{self, Checked, Lists, Refusal};
 use crate::deployment::Deployment;
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
-use coordinator::{Backend, CrewError, Inquiry, RankError, Stage, Terms, Workspace};
+use coordinator::{Backend, Inquiry, RankError, Stage, Terms, WorkerPoolError, Workspace};
 use damage::{Curves, Policy};
 use diagnostic::chain;
 use protocol::public::{Answer, Ask, Reason};
@@ -39,7 +39,7 @@ pub(crate) struct Ranked {
 /// Why a checked request has no answer.
 pub(crate) enum Unranked {
     Refused(Refusal),
-    Crew(CrewError),
+    WorkerPool(WorkerPoolError),
 }
 
 impl<'s> Ranker<'s> {
@@ -83,7 +83,7 @@ impl<'s> Ranker<'s> {
         self.lists = checked.into_room();
         let (answer, course) = told.map_err(|error| match error {
             RankError::Request(error) => unassessable(&error),
-            RankError::Crew(error) => Unranked::Crew(error),
+            RankError::WorkerPool(error) => Unranked::WorkerPool(error),
         })?;
         let mut answer = answer.map_err(|error| unassessable(&error))?;
         if has_unknown && answer.verdict().has_ranking() {

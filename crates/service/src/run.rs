@@ -8,7 +8,7 @@ use crate::ranker::{Ranker, Unranked};
 use crate::stats::{Stats, Times};
 use crate::team::Team;
 use body::{BodyView, Meta};
-use coordinator::{Attendant, CrewError, Options, Pursuit, Terms};
+use coordinator::{IdleHook, Options, Pursuit, Terms, WorkerPoolError};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -54,7 +54,7 @@ pub struct Site<'s> {
 
 /// Something that real time needs and that was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Lack {
+pub struct MissingRequirement {
     /// What.
     pub what: String,
     /// Why.
@@ -69,7 +69,7 @@ pub enum ServiceError {
     Open(#[from] OpenError),
     /// Its workers cannot be started.
     #[error(transparent)]
-    Crew(#[from] CrewError),
+    WorkerPool(#[from] WorkerPoolError),
     /// The operating system refused.
     #[error(transparent)]
     System(#[from] runtime::OsError),
@@ -82,9 +82,9 @@ pub enum ServiceError {
         source: std::io::Error,
     },
     /// Real time was required, and is not to be had.
-    #[error("no real time: {}", .0.iter().map(|lack| format!("{} ({})", lack.what, lack.why))
+    #[error("no real time: {}", .0.iter().map(|missing| format!("{} ({})", missing.what, missing.why))
         .collect::<Vec<_>>().join("; "))]
-    NoRealtime(Vec<Lack>),
+    NoRealtime(Vec<MissingRequirement>),
     /// There is no memory for counting.
     #[error("no memory is left for histograms")]
     Memory,
@@ -94,7 +94,7 @@ impl Diagnostic for ServiceError {
     fn kind(&self) -> Kind {
         match self {
             Self::Open(error) => error.kind(),
-            Self::Crew(error) => error.kind(),
+            Self::WorkerPool(error) => error.kind(),
             Self::System(error) => error.kind(),
             Self::Files { .. } => Kind::System,
             Self::NoRealtime(_) => Kind::NoRealtime,
@@ -105,7 +105,7 @@ impl Diagnostic for ServiceError {
     fn remedy(&self) -> Option<Cow<'_, str>> {
         match self {
             Self::Open(error) => error.remedy(),
-            Self::Crew(error) => error.remedy(),
+            Self::WorkerPool(error) => error.remedy(),
             Self::System(error) => error.remedy(),
             Self::Files { .. } => Some("`decisions` needs a folder that may be written to".into()),
             Self::NoRealtime(_) => Some(
@@ -119,12 +119,15 @@ impl Diagnostic for ServiceError {
 }
 
 /// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered,
-/// with what real time lacks.
+/// with what real time missing list.
 ///
 /// # Errors
 ///
 /// If it cannot start, or the operating system refuses to go on.
-pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), ServiceError> {
+pub fn serve(
+    site: &Site<'_>,
+    ready: impl FnOnce(&[MissingRequirement]),
+) -> Result<(), ServiceError> {
     let deployment = site.deployment;
     let address = Address::new(&deployment.folder, &deployment.instance)?;
     let server = Server::open(&address)?;
@@ -132,22 +135,22 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
     let stats = Stats::new().ok_or(ServiceError::Memory)?;
     let desk = Rc::new(RefCell::new(Desk::new(server, stats, deployment.queue)));
     let watchdog = Rc::new(Watchdog::new());
-    let attendant = {
+    let idle_hook = {
         let (desk, watchdog) = (desk.clone(), watchdog.clone());
-        Attendant::new(move || {
+        IdleHook::new(move || {
             watchdog.kick();
             // Borrowed only while it is answered from: never at the same time as here.
             if let Ok(mut desk) = desk.try_borrow_mut() {
-                // A bell that goes on ringing would let the coordinator sleep no more.
-                desk.server.hush();
+                // A wake fd that goes on ringing would let the coordinator sleep no more.
+                desk.server.drain();
                 desk.drain();
             }
         })
     };
-    let bell = desk.borrow().server.bell().try_clone_to_owned();
-    let bell = bell.map_err(|source| runtime::OsError::new("copy", "bell", source))?;
+    let wake_fd = desk.borrow().server.wake_fd().try_clone_to_owned();
+    let wake_fd = wake_fd.map_err(|source| runtime::OsError::new("copy", "bell", source))?;
     use std::os::fd::AsFd as _;
-    let team = Team::start((site.store, site.bodies), site.options, bell.as_fd(), attendant)?;
+    let team = Team::start((site.store, site.bodies), site.options, wake_fd.as_fd(), idle_hook)?;
     // From here on signals are caught: the thread inherits that.
     let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
@@ -165,7 +168,7 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
         team,
         house,
         watchdog,
-        lacks: Vec::new(),
+        missing: Vec::new(),
         request: 0,
         told_ns: 0,
         usual_ns: 0,
@@ -174,13 +177,13 @@ pub fn serve(site: &Site<'_>, ready: impl FnOnce(&[Lack])) -> Result<(), Service
         is_stopping: false,
     };
     service.hurry();
-    if deployment.realtime.require && !service.lacks.is_empty() {
-        return Err(ServiceError::NoRealtime(service.lacks));
+    if deployment.realtime.require && !service.missing.is_empty() {
+        return Err(ServiceError::NoRealtime(service.missing));
     }
     let pids = service.team.pids();
     service.desk.borrow_mut().stats.replaced(&pids, true);
     service.tell(Condition::Ready);
-    ready(&service.lacks);
+    ready(&service.missing);
     notify(&[sd_notify::NotifyState::Ready]);
     let done = service.turn_until_told();
     notify(&[sd_notify::NotifyState::Stopping]);
@@ -242,7 +245,7 @@ struct Service<'s> {
     house: Housekeeping,
     desk: Rc<RefCell<Desk>>,
     watchdog: Rc<Watchdog>,
-    lacks: Vec<Lack>,
+    missing: Vec<MissingRequirement>,
     request: u64,
     told_ns: u64,
     /// What requests of late have taken at most until all was done (ns); 0: none was yet.
@@ -258,12 +261,12 @@ impl Service<'_> {
     /// Asks for all that real time needs, and notes what was refused.
     fn hurry(&mut self) {
         let settings = &self.site.deployment.realtime;
-        let mut lacks = Vec::new();
+        let mut missing = Vec::new();
         let mut note = |what: &str, done: Result<(), runtime::OsError>| {
             if let Err(error) = done {
                 let cause = std::error::Error::source(&error).map(ToString::to_string);
                 let why = cause.unwrap_or_else(|| error.to_string());
-                lacks.push(Lack { what: what.to_owned(), why });
+                missing.push(MissingRequirement { what: what.to_owned(), why });
             }
         };
         realtime::prefault(settings.heap_mib << 20);
@@ -282,8 +285,8 @@ impl Service<'_> {
         if settings.priority > 0 {
             note("the coordinator has no fixed priority", realtime::fifo(0, settings.priority));
         }
-        lacks.dedup();
-        self.lacks = lacks;
+        missing.dedup();
+        self.missing = missing;
     }
 
     /// Until a signal comes.
@@ -294,7 +297,7 @@ impl Service<'_> {
                 let mut desk = self.desk.borrow_mut();
                 // First the rings, then the requests: one that comes in between rings again.
                 if self.site.deployment.idle == Idle::Park {
-                    desk.server.hush();
+                    desk.server.drain();
                 }
                 desk.drain();
                 desk.next()
@@ -324,7 +327,7 @@ impl Service<'_> {
                 self.tell(self.condition());
             }
             if self.site.deployment.idle == Idle::Spin {
-                self.desk.borrow().server.hush();
+                self.desk.borrow().server.drain();
             }
         }
         Ok(())
@@ -346,7 +349,7 @@ impl Service<'_> {
         self.mended_ns = now_ns;
         let mended = match self.team.mend() {
             Ok(mended) => mended,
-            Err(CrewError::Interrupted) => {
+            Err(WorkerPoolError::Interrupted) => {
                 self.is_stopping = true;
                 return Ok(());
             }
@@ -369,7 +372,7 @@ impl Service<'_> {
         for who in mended.started {
             let pid = pids.get(usize::from(who.worker)).copied().unwrap_or_default();
             tracing::warn!(worker = who.worker, pid, "a worker was lost, and has a successor");
-            if priority > 0 && self.lacks.is_empty() && pid > 0 {
+            if priority > 0 && self.missing.is_empty() && pid > 0 {
                 // One that has ended already needs none.
                 let _refused = realtime::fifo(pid, priority);
             }
@@ -424,14 +427,14 @@ impl Service<'_> {
         let ranked = self.ranker.rank(ask.sequence, checked, terms, &mut self.team.backend);
         let ranked = ranked.map_err(|error| match error {
             Unranked::Refused(refusal) => refusal,
-            Unranked::Crew(CrewError::Interrupted) => {
+            Unranked::WorkerPool(WorkerPoolError::Interrupted) => {
                 self.is_stopping = true;
                 refuse(Reason::Stopping, "the service is stopping".to_owned())
             }
-            Unranked::Crew(error) => {
+            Unranked::WorkerPool(error) => {
                 tracing::error!(%error, "a request could not be worked off");
                 match error {
-                    CrewError::NobodyLeft { .. } => {
+                    WorkerPoolError::NobodyLeft { .. } => {
                         refuse(Reason::NoWorkers, "all workers were lost".to_owned())
                     }
                     error => refuse(Reason::Internal, chain(&error)),

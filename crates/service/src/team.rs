@@ -1,17 +1,19 @@
-//! Who does the work: a crew of worker processes, in which whoever is lost has a successor, or, for
+//! Who does the work: a worker pool of worker processes, in which whoever is lost has a successor, or, for
 //! comparison and for machines with a single core, this process itself.
 
 use body::{BodyView, Meta};
-use coordinator::{Attendant, Backend, Crew, CrewError, InProcessExecutor, Mended, Options, Share};
+use coordinator::{
+    Backend, IdleHook, InProcessExecutor, Mended, Options, Share, WorkerPool, WorkerPoolError,
+};
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
 
-/// What wakes this process while it has no crew.
-const BELL: u32 = 0;
+/// What wakes this process while it has no worker pool.
+const WAKE_KEY: u32 = 0;
 
 /// The workers, or what stands in their place.
 pub(crate) struct Team<'s> {
-    /// Where this process sleeps while it has no crew.
+    /// Where this process sleeps while it has no worker pool.
     guard: Poller,
     pub(crate) backend: Backend,
     store: &'s SealedMemory,
@@ -26,17 +28,17 @@ impl<'s> Team<'s> {
     pub(crate) fn start(
         (store, bodies): (&'s SealedMemory, &'s [(Meta, BodyView<'s>)]),
         options: Option<&Options>,
-        bell: BorrowedFd<'_>,
-        attendant: Attendant,
-    ) -> Result<Self, CrewError> {
+        wake_fd: BorrowedFd<'_>,
+        idle_hook: IdleHook,
+    ) -> Result<Self, WorkerPoolError> {
         let mut guard = Poller::new()?;
         guard.catch_signals()?;
-        guard.add_fd(bell, BELL)?;
+        guard.add_fd(wake_fd, WAKE_KEY)?;
         let backend = match options {
             Some(options) => {
-                let mut crew = Crew::start(store, options)?;
-                crew.listen(bell, attendant)?;
-                Backend::Workers(Box::new(crew))
+                let mut worker_pool = WorkerPool::start(store, options)?;
+                worker_pool.listen(wake_fd, idle_hook)?;
+                Backend::Workers(Box::new(worker_pool))
             }
             None => Backend::InProcess(Box::new(InProcessExecutor::with_room_for(bodies))),
         };
@@ -44,24 +46,26 @@ impl<'s> Team<'s> {
     }
 
     /// Gives successors to those who were lost, and does not wait for them.
-    pub(crate) fn mend(&mut self) -> Result<Mended, CrewError> {
+    pub(crate) fn mend(&mut self) -> Result<Mended, WorkerPoolError> {
         let store = self.store;
-        self.backend.crew_mut().map_or_else(|| Ok(Mended::default()), |crew| crew.mend(store))
+        self.backend
+            .worker_pool_mut()
+            .map_or_else(|| Ok(Mended::default()), |worker_pool| worker_pool.mend(store))
     }
 
     /// Process ids of the workers.
     pub(crate) fn pids(&self) -> Vec<u32> {
-        self.backend.crew().map(Crew::pids).unwrap_or_default()
+        self.backend.worker_pool().map(WorkerPool::pids).unwrap_or_default()
     }
 
     /// Workers that there should be.
     pub(crate) fn size(&self) -> usize {
-        self.backend.crew().map_or(0, Crew::size)
+        self.backend.worker_pool().map_or(0, WorkerPool::size)
     }
 
     /// Workers that are gone.
     pub(crate) fn missing(&self) -> usize {
-        self.backend.crew().map_or(0, Crew::missing)
+        self.backend.worker_pool().map_or(0, WorkerPool::missing)
     }
 
     /// What each worker did for the last request.
@@ -71,10 +75,10 @@ impl<'s> Team<'s> {
 
     /// Sleeps until somebody rings, a worker ends or a signal comes, at most so long; 0: looks.
     pub(crate) fn idle(&mut self, timeout_ns: u64) -> Result<Option<Interrupted>, OsError> {
-        if let Some(crew) = self.backend.crew_mut() {
-            return match crew.idle(timeout_ns) {
+        if let Some(worker_pool) = self.backend.worker_pool_mut() {
+            return match worker_pool.idle(timeout_ns) {
                 Ok(()) => Ok(None),
-                Err(CrewError::System(error)) => Err(error),
+                Err(WorkerPoolError::System(error)) => Err(error),
                 Err(_) => Ok(Some(Interrupted)),
             };
         }

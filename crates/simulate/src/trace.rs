@@ -72,7 +72,7 @@ impl Work for Replay<'_> {
         }
     }
 
-    fn is_moot(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: TaskId) -> bool {
         false
     }
 

@@ -99,20 +99,20 @@ impl OpenMessage<'_> {
         self.send_changed(head, used, |_, _| {})
     }
 
-    /// The same, but `spoil` may change header and payload after they were sealed: for fault
+    /// The same, but `corrupt` may change header and payload after they were sealed: for fault
     /// injection.
     ///
     /// # Errors
     ///
     /// As [`OpenMessage::send`].
     #[cfg(feature = "faults")]
-    pub fn send_spoiled(
+    pub fn send_corrupted(
         self,
         head: Head,
         used: usize,
-        spoil: impl FnOnce(&mut Head, &mut [u64]),
+        corrupt: impl FnOnce(&mut Head, &mut [u64]),
     ) -> Result<(), UseError> {
-        self.send_changed(head, used, spoil)
+        self.send_changed(head, used, corrupt)
     }
 
     /// Seals a message, and sends it with whatever is changed about it then.

@@ -16,8 +16,8 @@ use crate::{BUILD, Failure};
 use body::{BodyView, Build, Fit, Kind, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, Course, Crew, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row,
-    Stage, Workspace,
+    Answer, Backend, Course, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row, Stage,
+    WorkerPool, Workspace,
 };
 use dispatch::Entry;
 use record::Mode;
@@ -198,7 +198,10 @@ impl Engine {
         let mut backend = match loaded.backend.take() {
             Some(mut backend) => {
                 // Whoever was lost has a successor.
-                backend.crew_mut().map(|crew| crew.mend(loaded.bodies.store())).transpose()?;
+                backend
+                    .worker_pool_mut()
+                    .map(|worker_pool| worker_pool.mend(loaded.bodies.store()))
+                    .transpose()?;
                 backend
             }
             None => self.settings.backend(&settings, &loaded.bodies)?,
@@ -252,7 +255,7 @@ impl Engine {
         run.deadline = due.map(|due| Kept::of(due, answered_ns.saturating_sub(accepted_ns)));
         run.jobs = course.jobs_in_process;
         if let Some(report) = report {
-            run = run.with_crew(report, loaded.bodies.store().bytes().len());
+            run = run.with_worker_pool(report, loaded.bodies.store().bytes().len());
         }
         let recorded = ledger.map(|ledger| Recorded {
             scenario: scenario.clone(),
@@ -277,14 +280,14 @@ impl Engine {
     #[must_use]
     pub fn worker_pids(&self) -> Vec<u32> {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
-        backend.and_then(Backend::crew).map(Crew::pids).unwrap_or_default()
+        backend.and_then(Backend::worker_pool).map(WorkerPool::pids).unwrap_or_default()
     }
 
     /// Who got which job in the last ranking, if [`Handing::log`] is set.
     #[must_use]
     pub fn job_log(&self) -> &[Entry] {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
-        backend.and_then(Backend::crew).map_or(&[], Crew::log)
+        backend.and_then(Backend::worker_pool).map_or(&[], WorkerPool::log)
     }
 }
 
@@ -367,7 +370,7 @@ impl EngineBuilder {
         let cores = worker_cores(settings, &affinity::allowed_cores())?;
         pin_coordinator(settings)?;
         let options = self.options(settings, bodies, cores)?;
-        Ok(Backend::Workers(Box::new(Crew::start(bodies.store(), &options)?)))
+        Ok(Backend::Workers(Box::new(WorkerPool::start(bodies.store(), &options)?)))
     }
 
     /// What is not as it should be on this machine.

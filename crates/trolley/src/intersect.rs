@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! mesh --> mesh::reader --> model file --> view -.
-//! model file -------------------------> view -+--> bvh::together --> Intersected
+//! model file -------------------------> view -+--> bvh::parallel --> Intersected
 //! poses --> poses::read --> RelativePose ------'
 //! ```
 //!
@@ -22,7 +22,7 @@ use crate::model::open;
 use crate::{Failure, poses};
 use bodies::Body;
 use body::{BodyView, Build};
-use bvh::together::{self, Together};
+use bvh::parallel::{self, Parallel};
 use bvh::{Kernel, Outcome, Side, Task};
 use geometry::hash::splitmix64;
 use geometry::simd::{self, Level};
@@ -138,11 +138,11 @@ fn ask(
         kernel
     };
     let question = it.question;
-    together::with(it.threads, kernel, |together| {
+    parallel::with(it.threads, kernel, |parallel| {
         let begun_ns = now_ns();
-        let first = query(together, views, poses, question);
+        let first = query(parallel, views, poses, question);
         while it.threads > 1 && now_ns() - begun_ns < WARM_UP_NS {
-            query(together, views, poses, question);
+            query(parallel, views, poses, question);
         }
         let mut streamed = vec![0_u64; if it.cold { STREAMED_BYTES / 8 } else { 0 }];
         let mut timed = Vec::new();
@@ -151,7 +151,7 @@ fn ask(
             // One word per cache line.
             streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
             black_box(&mut streamed);
-            timed.push((place, query(together, views, &moved(*poses, place), question)));
+            timed.push((place, query(parallel, views, &moved(*poses, place), question)));
         }
         let mut at_its_pose = timed.iter().filter(|(place, _)| *place == 0.0);
         let (Some((_, last)), true) =
@@ -187,7 +187,7 @@ fn moved([a, mut b]: [Pose; 2], metres: f64) -> [Pose; 2] {
 }
 
 fn query<'t>(
-    together: &mut Together<'_, 't>,
+    parallel: &mut Parallel<'_, 't>,
     [a, b]: [BodyView<'t>; 2],
     poses: &[Pose; 2],
     question: Question,
@@ -196,20 +196,20 @@ fn query<'t>(
     let [of_a, of_b] = black_box(poses);
     let pose = RelativePose::between(of_a, of_b);
     let posed_ns = now_ns();
-    let outcome = together.run(&Task { a, b, pose, question, directions: None });
+    let outcome = parallel.run(&Task { a, b, pose, question, directions: None });
     let query_ns = now_ns() - posed_ns;
     Asked {
-        found: found(&outcome, together, [&a, &b]),
+        found: found(&outcome, parallel, [&a, &b]),
         counters: outcome.counters,
-        jobs: together.jobs(),
+        jobs: parallel.jobs(),
         pose_ns: posed_ns - begun_ns,
         query_ns,
     }
 }
 
 /// What a query found, in terms of the ids that others know.
-fn found(outcome: &Outcome, together: &Together<'_, '_>, bodies: [&BodyView<'_>; 2]) -> Found {
-    let hits = [Side::A, Side::B].map(|side| together.hits(side));
+fn found(outcome: &Outcome, parallel: &Parallel<'_, '_>, bodies: [&BodyView<'_>; 2]) -> Found {
+    let hits = [Side::A, Side::B].map(|side| parallel.hits(side));
     let hash = |hits: &[u32], body: &BodyView<'_>| {
         let ids = hits.iter().map(|triangle| body.source_ids[*triangle as usize]);
         ids.fold(0_u64, |sum, id| sum.wrapping_add(splitmix64(id.into())))

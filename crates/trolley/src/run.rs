@@ -1,7 +1,7 @@
 //! How the work was done: everything beside the answer, which does not depend on it.
 
 use body::Build;
-use coordinator::{Certainty, CrewReport, Work, WorkerReport};
+use coordinator::{Certainty, Work, WorkerPoolReport, WorkerReport};
 use core::time::Duration;
 use record::Mode;
 use scenario::Scheme;
@@ -143,7 +143,7 @@ impl Run {
     }
 
     /// Adds what the workers and the channels to them counted.
-    pub(crate) fn with_crew(self, report: CrewReport, store_bytes: usize) -> Self {
+    pub(crate) fn with_worker_pool(self, report: WorkerPoolReport, store_bytes: usize) -> Self {
         let counts = report.counts;
         Self {
             store_bytes,

@@ -6,7 +6,7 @@ use crate::engine::{pin_coordinator, worker_cores};
 use crate::{BUILD, Failure, handing};
 use coordinator::Options;
 use dispatch::{Intensity, Queues};
-use service::{Idle, Lack, Site};
+use service::{Idle, MissingRequirement, Site};
 
 /// What is decided at the start, in place of what the deployment says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,8 +30,8 @@ pub struct Greeting<'s> {
     pub triangles: usize,
     /// Worker processes; 0: all work is done in this process.
     pub workers: usize,
-    /// What real time lacks on this machine.
-    pub lacks: &'s [Lack],
+    /// What real time missing on this machine.
+    pub missing: &'s [MissingRequirement],
 }
 
 /// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered.
@@ -60,7 +60,7 @@ pub fn serve(
     let engine = &opened.deployment.engine;
     pin_coordinator(engine)?;
     let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
-    let crew = Options {
+    let worker_pool = Options {
         matching: handing::matching(engine),
         queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
         intensity: Intensity {
@@ -76,17 +76,17 @@ pub fn serve(
         curves: &curves,
         bodies: &views,
         store: bodies.store(),
-        options: (!options.in_process).then_some(&crew),
+        options: (!options.in_process).then_some(&worker_pool),
         depth: engine.depth,
     };
     runtime::process::set_name("trolley-serve");
-    service::serve(&site, |lacks| {
+    service::serve(&site, |missing| {
         ready(&Greeting {
             instance: &opened.deployment.instance,
             models: opened.deployment.models.len(),
             triangles: views.iter().map(|(_, body)| body.corners.len()).sum(),
-            workers: if options.in_process { 0 } else { crew.cores.len() },
-            lacks,
+            workers: if options.in_process { 0 } else { worker_pool.cores.len() },
+            missing,
         });
     })?;
     Ok(())

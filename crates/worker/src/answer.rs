@@ -1,7 +1,7 @@
 //! Writes the hits of one job into shared memory as the kernel finds them.
 
 #[cfg(feature = "faults")]
-use crate::misdeed::{self, Spoilt};
+use crate::misdeed::{self, Corruption};
 use bvh::{NodePair, Sink};
 #[cfg(feature = "faults")]
 use core::cell::Cell;
@@ -20,12 +20,12 @@ pub(crate) struct Outlet<'w> {
     pub(crate) sender: &'w Sender,
     pub(crate) line: &'w WorkerLine,
     pub(crate) coordinator: &'w CoordinatorLine,
-    pub(crate) bell: &'w runtime::EventFd,
+    pub(crate) wake_event: &'w runtime::EventFd,
     pub(crate) who: Incarnation,
     pub(crate) boot: protocol::Boot,
     /// What is to be done to the next result, where faults are injected.
     #[cfg(feature = "faults")]
-    pub(crate) spoilt: Cell<Option<Spoilt>>,
+    pub(crate) corruption: Cell<Option<Corruption>>,
 }
 
 impl<'w> Outlet<'w> {
@@ -43,7 +43,7 @@ impl<'w> Outlet<'w> {
             }
             // A cancelled request's results are still taken, so there will be room.
             self.line.beat.fetch_add(1, Ordering::Relaxed);
-            self.ring();
+            self.notify();
             backoff.snooze();
         }
     }
@@ -69,7 +69,7 @@ impl<'w> Outlet<'w> {
         #[cfg(not(feature = "faults"))]
         message.send(head, used)?;
         #[cfg(feature = "faults")]
-        misdeed::send(self.spoilt.take(), message, head, used)?;
+        misdeed::send(self.corruption.take(), message, head, used)?;
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
         // The coordinator that counts this message sees all that went before it.
         self.line.sent.fetch_add(1, Ordering::SeqCst);
@@ -81,15 +81,15 @@ impl<'w> Outlet<'w> {
         if let Some(message) = self.open()? {
             self.send(message, head, 0)?;
         }
-        self.ring();
+        self.notify();
         Ok(())
     }
 
     /// Wakes the coordinator if it sleeps. Not for every result: a wake-up takes as long as some
     /// jobs, and until the batch is done this worker has something to do.
-    pub(crate) fn ring(&self) {
+    pub(crate) fn notify(&self) {
         if self.coordinator.sleeping.load(Ordering::SeqCst) == 1 {
-            self.bell.ring();
+            self.wake_event.notify();
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use body::{BodyView, Node, WideNode, Zones};
 use geometry::{Aabb, Corners};
-use protocol::parcel::read_piece;
+use protocol::chunk::read_piece;
 use protocol::{Array, Piece};
 
 /// A body as far as it was sent.

@@ -53,7 +53,7 @@ fn obey(outlet: &Outlet<'_>) {
 
 /// What is done to the next result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Spoilt {
+pub(crate) enum Corruption {
     Garble(u32),
     Lie,
     Masquerade,
@@ -61,7 +61,7 @@ pub(crate) enum Spoilt {
     Withhold,
 }
 
-impl Spoilt {
+impl Corruption {
     /// What it says before it is sealed.
     fn before(self, head: Head) -> Head {
         match self {
@@ -86,17 +86,17 @@ impl Spoilt {
     }
 }
 
-/// Sends a message, spoilt if it is to be.
+/// Sends a message, corruption if it is to be.
 pub(crate) fn send(
-    spoilt: Option<Spoilt>,
+    corruption: Option<Corruption>,
     message: OpenMessage<'_>,
     head: Head,
     used: usize,
 ) -> Result<(), UseError> {
-    let head = spoilt.map_or(head, |spoilt| spoilt.before(head));
-    message.send_spoiled(head, used, |head, words| {
-        if let Some(spoilt) = spoilt {
-            spoilt.after(head, words);
+    let head = corruption.map_or(head, |corruption| corruption.before(head));
+    message.send_corrupted(head, used, |head, words| {
+        if let Some(corruption) = corruption {
+            corruption.after(head, words);
         }
     })
 }
@@ -109,13 +109,13 @@ pub(crate) fn last<'w>(
     head: Head,
     used: usize,
 ) -> Result<Option<OpenMessage<'w>>, UseError> {
-    match outlet.spoilt.get() {
-        Some(Spoilt::Withhold) => {
-            outlet.spoilt.take();
+    match outlet.corruption.get() {
+        Some(Corruption::Withhold) => {
+            outlet.corruption.take();
             Ok(None)
         }
-        Some(Spoilt::Repeat) => {
-            outlet.spoilt.take();
+        Some(Corruption::Repeat) => {
+            outlet.corruption.take();
             let words = message.words()[..used].to_vec();
             outlet.send(message, head, used)?;
             let mut again = outlet.open()?;
@@ -129,7 +129,7 @@ pub(crate) fn last<'w>(
 }
 
 fn commit(order: Order, outlet: &Outlet<'_>) -> Result<(), UseError> {
-    let spoil = |spoilt| outlet.spoilt.set(Some(spoilt));
+    let corrupt = |corruption| outlet.corruption.set(Some(corruption));
     match order.misdeed {
         Misdeed::Abort | Misdeed::Poison => std::process::abort(),
         Misdeed::Quit => std::process::exit(1),
@@ -149,11 +149,11 @@ fn commit(order: Order, outlet: &Outlet<'_>) -> Result<(), UseError> {
                 let _woken = futex::wait(&word, 0, None);
             }
         }
-        Misdeed::Garble => spoil(Spoilt::Garble(order.argument)),
-        Misdeed::Lie => spoil(Spoilt::Lie),
-        Misdeed::Masquerade => spoil(Spoilt::Masquerade),
-        Misdeed::Repeat => spoil(Spoilt::Repeat),
-        Misdeed::Withhold => spoil(Spoilt::Withhold),
+        Misdeed::Garble => corrupt(Corruption::Garble(order.argument)),
+        Misdeed::Lie => corrupt(Corruption::Lie),
+        Misdeed::Masquerade => corrupt(Corruption::Masquerade),
+        Misdeed::Repeat => corrupt(Corruption::Repeat),
+        Misdeed::Withhold => corrupt(Corruption::Withhold),
         Misdeed::HoldLoan => {
             let _held = outlet.sender.loan()?;
             // There is but one, so this fails, and a worker that cannot send ends.

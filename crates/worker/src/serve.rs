@@ -62,7 +62,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     let launch = Launch::from_word(word).ok_or(WorkerError::Launch)?;
     let store = SealedMemory::from_fd(process::inherited(launch::STORE_FD)?)?;
     let status = StatusMemory::from_fd(process::inherited(launch::STATUS_FD)?)?;
-    let bell = EventFd::from_fd(process::inherited(launch::EVENT_FD)?);
+    let wake_event = EventFd::from_fd(process::inherited(launch::EVENT_FD)?);
     let worker = usize::from(launch.who.worker);
     let page = status.page();
     let line = page.workers.get(worker).ok_or(WorkerError::Launch)?;
@@ -80,11 +80,11 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         sender: &link.results,
         line,
         coordinator,
-        bell: &bell,
+        wake_event: &wake_event,
         who: launch.who,
         boot: launch.boot,
         #[cfg(feature = "faults")]
-        spoilt: core::cell::Cell::new(None),
+        corruption: core::cell::Cell::new(None),
     };
     line.inc.store(launch.who.inc, Ordering::Relaxed);
     line.cpu.store(
@@ -140,7 +140,7 @@ impl<'w> Desk<'w> {
     fn answered(&self, batches: u64) {
         let known = self.outlet.line.answered.load(Ordering::Relaxed);
         self.outlet.line.answered.store(batches.max(known), Ordering::SeqCst);
-        self.outlet.ring();
+        self.outlet.notify();
     }
 
     /// Waits for a batch: spins a little, then sleeps until the coordinator changes the futex word.

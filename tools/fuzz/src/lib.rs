@@ -9,7 +9,7 @@ use bytemuck::Zeroable as _;
 use damage::{Curves, Policy};
 use mesh::import::{Format, ImportOptions, Unit};
 use protocol::public::Ask;
-use protocol::{Boot, Head, Incarnation, Launch, job, parcel, result};
+use protocol::{Boot, Head, Incarnation, Launch, chunk, job, result};
 use std::sync::OnceLock;
 
 /// A parser or decoder: it refuses or accepts, and returns.
@@ -110,7 +110,7 @@ fn wire(bytes: &[u8]) {
         assert!(jobs.iter().all(|job| (job.task as usize) < tasks.len()));
     }
     let mut left = &all[..];
-    while let Some((_, rest)) = parcel::read_piece(left) {
+    while let Some((_, rest)) = chunk::read_piece(left) {
         assert!(rest.len() < left.len(), "it goes on for ever");
         left = rest;
     }

@@ -6,7 +6,7 @@ use crate::run_in_process;
 use crate::{Answer, Pursuit, Request, Terms};
 use proptest::prelude::*;
 
-/// What becomes of a job that is not moot.
+/// What becomes of a job that is not obsolete.
 enum Fate {
     Done,
     GivenUp,
@@ -29,7 +29,7 @@ fn run_badly(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)], mut fate: imp
             return;
         }
         while let Some(job) = open.pop() {
-            if work.is_moot(job.task) {
+            if work.is_obsolete(job.task) {
                 work.close(&job, Closed::Cut);
                 continue;
             }

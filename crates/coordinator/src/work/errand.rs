@@ -28,7 +28,7 @@ pub(crate) struct Errand {
     pub(super) rests: Vec<(NodePair, Vec<NodePair>)>,
     /// Jobs that were done.
     pub(super) done: u64,
-    pub(super) is_moot: bool,
+    pub(super) is_obsolete: bool,
     /// Made when its jobs are made, taken when all of them are done.
     pub(super) found: Option<Gathered>,
     /// What its open jobs could still reach when so many were open.

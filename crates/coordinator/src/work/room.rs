@@ -98,7 +98,7 @@ impl Spare {
             lost,
             rests,
             done: 0,
-            is_moot: false,
+            is_obsolete: false,
             found: None,
             reach: None,
         }

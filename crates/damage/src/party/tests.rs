@@ -1,4 +1,4 @@
-//! Struck sides, masses, crews.
+//! Struck sides, masses, seats.
 
 use super::*;
 use crate::scene::{car, fixed, walker};
@@ -65,12 +65,15 @@ fn impossible_parties_are_refused() {
 
 #[test]
 fn who_nobody_stated_is_one_driver_of_what_moves() {
-    assert_eq!(*crew(Kind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
-    assert_eq!(*crew(Kind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
-    assert!(crew(Kind::Bus, 0.0, None).is_empty());
-    assert!(crew(Kind::Wall, 0.0, None).is_empty());
-    assert_eq!(*crew(Kind::Pedestrian, 0.0, None), [None]);
-    assert!(crew(Kind::Sedan, 3.0, Some(&[])).is_empty());
+    assert_eq!(*occupants(Kind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
+    assert_eq!(*occupants(Kind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
+    assert!(occupants(Kind::Bus, 0.0, None).is_empty());
+    assert!(occupants(Kind::Wall, 0.0, None).is_empty());
+    assert_eq!(*occupants(Kind::Pedestrian, 0.0, None), [None]);
+    assert!(occupants(Kind::Sedan, 3.0, Some(&[])).is_empty());
     let two = [Seat::FrontLeft, Seat::RearRight].map(|s| Occupant { seat: Some(s) });
-    assert_eq!(*crew(Kind::Sedan, 0.0, Some(&two)), [Some(Seat::FrontLeft), Some(Seat::RearRight)]);
+    assert_eq!(
+        *occupants(Kind::Sedan, 0.0, Some(&two)),
+        [Some(Seat::FrontLeft), Some(Seat::RearRight)]
+    );
 }

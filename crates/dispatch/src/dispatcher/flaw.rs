@@ -23,7 +23,7 @@ impl Flaw {
 
 impl<S: Scheme> Dispatcher<S> {
     /// From now on makes this mistake.
-    pub fn spoil(&mut self, flaw: Option<Flaw>) {
+    pub fn corrupt(&mut self, flaw: Option<Flaw>) {
         self.flaw = flaw;
     }
 

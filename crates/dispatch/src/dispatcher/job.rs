@@ -34,7 +34,7 @@ pub trait Work {
     /// Hands over more jobs, if there are any by now.
     fn more(&mut self, jobs: &mut Vec<Spec>);
     /// Whether the rest of a task cannot matter any longer.
-    fn is_moot(&self, task: TaskId) -> bool;
+    fn is_obsolete(&self, task: TaskId) -> bool;
     /// Takes what one part found. May be called again with what a job found before.
     fn fold(&mut self, job: &Spec, part: Self::Part<'_>);
     /// Takes note that a job is closed: exactly once per job.

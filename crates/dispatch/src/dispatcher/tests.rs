@@ -19,7 +19,7 @@ struct Waves {
     next: u32,
     folded: BTreeMap<(u32, u16), u32>,
     closed: BTreeMap<u32, Vec<Closed>>,
-    moot: Option<u32>,
+    obsolete: Option<u32>,
 }
 
 impl Work for Waves {
@@ -38,8 +38,8 @@ impl Work for Waves {
             self.open += 1;
         }
     }
-    fn is_moot(&self, task: TaskId) -> bool {
-        self.moot.is_some_and(|every| task.0 % every == 1)
+    fn is_obsolete(&self, task: TaskId) -> bool {
+        self.obsolete.is_some_and(|every| task.0 % every == 1)
     }
     fn fold(&mut self, job: &Spec, part: u16) {
         *self.folded.entry((job.task.0, part)).or_default() += 1;
@@ -177,7 +177,7 @@ proptest! {
         workers in 1_u8..5,
         (capacity, batch, linger_ns) in (1_u32..12, 1_u32..6, 0_u64..20),
         (matching, cache) in (matchings(), caches()),
-        moot in prop::option::of(2_u32..6),
+        obsolete in prop::option::of(2_u32..6),
         dice in prop::collection::vec((0_u8..14, any::<prop::sample::Index>()), 0..250),
     ) {
         let queues = Queues { capacity, batch, linger_ns };
@@ -186,7 +186,7 @@ proptest! {
         let mut world = World {
             dispatcher: Dispatcher::new(matching.scheme(), queues, cache, cores),
             now_ns: 0,
-            work: Waves { left: waves, moot, ..Waves::default() },
+            work: Waves { left: waves, obsolete, ..Waves::default() },
             queues: BTreeMap::new(),
             late: Vec::new(),
             inc: 0,
@@ -339,7 +339,7 @@ impl Work for Grid {
             jobs.push(Spec { task: TaskId(0), a, b });
         }
     }
-    fn is_moot(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: TaskId) -> bool {
         false
     }
     fn fold(&mut self, _: &Spec, (): ()) {}

@@ -4,7 +4,7 @@ use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{OnProgress, Progress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, Crew, Options, Request, Terms, Work, run_in_process};
+use coordinator::{Chance, Options, Request, Terms, Work, WorkerPool, run_in_process};
 use damage::State;
 use dispatch::Queues;
 use runtime::{affinity, clock};
@@ -86,7 +86,7 @@ pub fn deadline(
         asked.iter().map(|request| winner(request, &views)).collect();
     let winners = winners?;
     let cores = affinity::in_turn(&affinity::allowed_cores(), options.workers.into());
-    let crew = Options {
+    let worker_pool = Options {
         queues: Queues { capacity: 8, ..Options::QUEUES },
         ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
     };
@@ -106,7 +106,7 @@ pub fn deadline(
             (&asked, &winners),
             &views,
             terms,
-            || Ok(Crew::start(pool.bodies.store(), &crew)?),
+            || Ok(WorkerPool::start(pool.bodies.store(), &worker_pool)?),
             told,
         );
         over.store(true, Ordering::Relaxed);
@@ -141,16 +141,16 @@ fn ask(
     (asked, winners): (&[Request], &[Option<String>]),
     views: &[(Meta, BodyView<'_>)],
     terms: Terms,
-    start: impl Fn() -> Result<Crew, Failure>,
+    start: impl Fn() -> Result<WorkerPool, Failure>,
     told: OnProgress<'_>,
 ) -> Result<Asked, Failure> {
     let bar = Progress::new(options.requests.into(), told);
-    let mut crew = start()?;
+    let mut worker_pool = start()?;
     let mut all = Asked::default();
     for number in 0..options.requests as usize {
         let at = number % asked.len();
         let mut work = Work::new(&asked[at], views, 5).with_terms(terms);
-        crew.run(&mut work)?;
+        worker_pool.run(&mut work)?;
         let begun_ns = clock::thread_cpu_ns();
         let answer = work.answer()?;
         let took_ms = (clock::now_ns() - work.accepted_ns()) as f64 / 1e6;

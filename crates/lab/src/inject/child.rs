@@ -1,11 +1,11 @@
 //! Faults that take a whole run: a program is started that ranks, and its run disturbed.
 
-use super::crew::{names_of, options};
 use super::kind::Kind;
 use super::plan::{Dice, Plan};
 use super::report::{Report, State};
 use super::signals::flip;
-use coordinator::{Answer, Crew, CrewError};
+use super::worker_pool::{names_of, options};
+use coordinator::{Answer, WorkerPool, WorkerPoolError};
 use runtime::process::{self, Held, Spawn};
 use runtime::{Child, Exit, SealedMemory, clock};
 use std::fs::File;
@@ -208,8 +208,8 @@ fn skew(
     let begun_ns = clock::now_ns();
     let mut options = options(rank.plan, &format!("v{}", std::process::id()));
     options.build = "another build".to_owned();
-    let state = match Crew::start(store, &options) {
-        Err(CrewError::StillBorn { .. }) => State::Refused,
+    let state = match WorkerPool::start(store, &options) {
+        Err(WorkerPoolError::ExitedAtStart { .. }) => State::Refused,
         Ok(_) | Err(_) => State::Wrong,
     };
     report.count(state);

@@ -68,7 +68,7 @@ impl Kind {
         matches!(self, Self::KillAll | Self::Poison)
     }
 
-    /// Whether it takes a run of its own, not one of many requests to one crew.
+    /// Whether it takes a run of its own, not one of many requests to one worker pool.
     pub(crate) fn is_whole_run(self) -> bool {
         matches!(
             self,

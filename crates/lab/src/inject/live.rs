@@ -1,12 +1,12 @@
-//! Faults in a crew that answers request after request, and is mended in between.
+//! Faults in a worker pool that answers request after request, and is mended in between.
 
-use super::crew::{names_of, options};
 use super::kind::Kind;
 use super::plan::{Dice, Plan};
 use super::report::{GUARD_NS, Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
+use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
-use coordinator::{Answer, Crew, CrewError, Sight, Spoiled, Work};
+use coordinator::{Answer, Corruption, Observation, Work, WorkerPool, WorkerPoolError};
 use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
 use runtime::{SealedMemory, clock, machine};
@@ -44,7 +44,7 @@ struct Open {
 struct Live<'s, F> {
     stage: &'s Stage<'s>,
     make: F,
-    crew: Crew,
+    worker_pool: WorkerPool,
     instance: String,
     dice: Dice,
     sequence: u16,
@@ -67,11 +67,11 @@ pub(super) fn run<'w>(
     progress: &Progress<'_>,
 ) -> Result<(), Failure> {
     let instance = format!("f{}", std::process::id());
-    let crew = Crew::start(stage.store, &options(stage.plan, &instance))?;
+    let worker_pool = WorkerPool::start(stage.store, &options(stage.plan, &instance))?;
     let mut live = Live {
         stage,
         make,
-        crew,
+        worker_pool,
         instance,
         dice: Dice(seed ^ 0x0fa7),
         sequence: 0,
@@ -145,16 +145,16 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
     /// Replaces who was lost.
     fn mend(&mut self, waits: bool, report: &mut Report) -> Result<(), Failure> {
         let begun_ns = clock::now_ns();
-        let mended = self.crew.mend(self.stage.store)?;
+        let mended = self.worker_pool.mend(self.stage.store)?;
         self.look(report);
         report.restarts += mended.started.len() as u64;
         if !mended.started.is_empty() {
             self.mended_ns = Some(begun_ns);
         }
         if waits {
-            while self.crew.ready() < usize::from(self.stage.plan.workers) {
-                self.crew.rally()?;
-                let again = self.crew.mend(self.stage.store)?;
+            while self.worker_pool.ready() < usize::from(self.stage.plan.workers) {
+                self.worker_pool.rally()?;
+                let again = self.worker_pool.mend(self.stage.store)?;
                 self.look(report);
                 report.restarts += again.started.len() as u64;
             }
@@ -169,7 +169,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
     fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
         let begun_ns = clock::now_ns();
         let mut work = (self.make)();
-        let ran = self.crew.run(&mut work);
+        let ran = self.worker_pool.run(&mut work);
         let took_ns = clock::now_ns() - begun_ns;
         report.requests += 1;
         report.slowest_ns = report.slowest_ns.max(took_ns);
@@ -195,7 +195,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 }
                 state
             }
-            Err(CrewError::NobodyLeft { .. }) => State::Refused,
+            Err(WorkerPoolError::NobodyLeft { .. }) => State::Refused,
             Err(error) => return Err(error.into()),
         };
         report.count(state);
@@ -205,7 +205,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
 
     /// Finds out who saw what of the open faults, and who was killed for nothing.
     fn look(&mut self, report: &mut Report) {
-        for incident in self.crew.incidents() {
+        for incident in self.worker_pool.incidents() {
             let mut is_known = self.before.contains(&incident.who);
             for open in self.open.iter_mut().filter(|open| open.who == incident.who) {
                 is_known = true;
@@ -214,8 +214,8 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 }
             }
             let is_end = matches!(
-                incident.sight,
-                Sight::Ended | Sight::StoodStill(_) | Sight::Distrusted(_)
+                incident.observation,
+                Observation::Ended | Observation::StoodStill(_) | Observation::Distrusted(_)
             );
             if is_end && !is_known && report.note_end(incident.who) {
                 report.false_kills += 1;
@@ -244,7 +244,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         let waits = self.dice.below(4) > 0;
         self.mend(waits, report)?;
         let chosen = self.choose(left);
-        let roster = self.crew.roster();
+        let roster = self.worker_pool.roster();
         let mut workers: Vec<usize> = (0..roster.len()).collect();
         for at in (1..workers.len()).rev() {
             workers.swap(at, self.dice.below(at as u64 + 1) as usize);
@@ -294,8 +294,8 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
         }
         self.disarm(report)?;
         self.book(&chosen, left, state, answered_ns, report);
-        for (who, _) in self.crew.roster() {
-            self.crew.order(who.worker, None);
+        for (who, _) in self.worker_pool.roster() {
+            self.worker_pool.order(who.worker, None);
         }
         Ok(())
     }
@@ -303,7 +303,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
     /// Whoever has an order that it could not obey yet would obey in a later request: it is
     /// replaced.
     fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
-        for (who, pid) in self.crew.roster() {
+        for (who, pid) in self.worker_pool.roster() {
             let is_armed = |open: &Open| {
                 let is_order = open.kind.misdeed().is_some();
                 open.who == who && is_order && open.struck_ns.is_none()
@@ -343,9 +343,9 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 }
                 if kind == Kind::KillAtStart {
                     // Its successor is killed before it greets, or a little after.
-                    let _mended = self.crew.mend(self.stage.store)?;
+                    let _mended = self.worker_pool.mend(self.stage.store)?;
                     self.look_at_start(number);
-                    let next = self.crew.roster()[usize::from(who.worker)];
+                    let next = self.worker_pool.roster()[usize::from(who.worker)];
                     let after_ns = self.dice.below(20_000_000);
                     if next.0 != who
                         && let Ok(at) = Held::of(next.1)
@@ -364,9 +364,12 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
             Kind::Slow => shoot(within_ns / 2, Deed::Choke(20)),
             Kind::GarbleBatch | Kind::QueueFull => {
                 let bit = self.dice.next() as u32;
-                let how =
-                    if kind == Kind::QueueFull { Spoiled::Refused } else { Spoiled::Garbled(bit) };
-                self.crew.spoil_next(who.worker, how);
+                let how = if kind == Kind::QueueFull {
+                    Corruption::Refused
+                } else {
+                    Corruption::Garbled(bit)
+                };
+                self.worker_pool.corrupt_next(who.worker, how);
                 self.open[number].struck_ns = Some(clock::now_ns());
             }
             _ => {
@@ -383,7 +386,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
                 };
                 let after = self.dice.below(share.clamp(1, 20)) as u8;
                 let order = Order { sequence: self.sequence, misdeed, after, argument };
-                self.crew.order(who.worker, Some(order));
+                self.worker_pool.order(who.worker, Some(order));
             }
         }
         Ok(())
@@ -397,7 +400,7 @@ impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
     /// When orders were obeyed.
     fn obeyed(&mut self, since_ns: u64) {
         for open in self.open.iter_mut().filter(|open| open.kind.misdeed().is_some()) {
-            let at_ns = self.crew.obeyed_ns(open.who.worker);
+            let at_ns = self.worker_pool.obeyed_ns(open.who.worker);
             if at_ns >= since_ns && open.struck_ns.is_none() {
                 open.struck_ns = Some(at_ns);
             }

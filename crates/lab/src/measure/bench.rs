@@ -1,9 +1,11 @@
-//! Real runs: in this process, and by a crew of workers; each repeated, and each checked.
+//! Real runs: in this process, and by a worker pool of workers; each repeated, and each checked.
 
 use crate::pair::Pair;
 use body::{BodyView, Meta};
-use bvh::{Counters, Kernel, Question, Task, front, together};
-use coordinator::{Crew, CrewError, CrewReport, Options, PairWork, PoseFound, Spent, run_watched};
+use bvh::{Counters, Kernel, Question, Task, front, parallel};
+use coordinator::{
+    Options, PairWork, PoseFound, Spent, WorkerPool, WorkerPoolError, WorkerPoolReport, run_watched,
+};
 use dispatch::{Cache, Entry, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
@@ -39,9 +41,9 @@ pub(crate) struct Way {
     pub(crate) cache: Cache,
 }
 
-/// A crew's run, the quickest of several: what else a machine does only ever adds time.
+/// A worker pool's run, the quickest of several: what else a machine does only ever adds time.
 pub(crate) struct Ran {
-    pub(crate) report: CrewReport,
+    pub(crate) report: WorkerPoolReport,
     pub(crate) spent: Spent,
     /// Median of all (ns).
     pub(crate) median_ns: f64,
@@ -184,7 +186,7 @@ impl<'p> Bench<'p> {
         let kernel =
             || Kernel::with_room(meta_a.depth, meta_b.depth, a.corners.len(), b.corners.len());
         let (mut least_ns, mut pairs) = (u64::MAX, 0);
-        together::with(threads, kernel, |together| {
+        parallel::with(threads, kernel, |parallel| {
             for round in 0..=self.repeats {
                 let begun_ns = clock::now_ns();
                 pairs = 0;
@@ -192,7 +194,7 @@ impl<'p> Bench<'p> {
                     let question = Question::Pairs;
                     let directions = Some(&around);
                     let task = Task { a: *a, b: *b, pose: *pose, question, directions };
-                    pairs += together.run(&task).pairs;
+                    pairs += parallel.run(&task).pairs;
                 }
                 if round > 0 {
                     least_ns = least_ns.min(clock::now_ns() - begun_ns);
@@ -202,12 +204,12 @@ impl<'p> Bench<'p> {
         if pairs == self.pairs() { Ok(least_ns as f64) } else { Err(unknown()) }
     }
 
-    /// By a crew that has room for everything.
-    pub(crate) fn crew(&self, way: &Way) -> Result<Ran, Failure> {
-        self.run(way)?.map_err(|thrash| CrewError::Thrashed(thrash).into())
+    /// By a worker pool that has room for everything.
+    pub(crate) fn worker_pool(&self, way: &Way) -> Result<Ran, Failure> {
+        self.run(way)?.map_err(|thrash| WorkerPoolError::Thrashed(thrash).into())
     }
 
-    /// By a crew; the first run warms up and does not count. Inside: a section did not fit.
+    /// By a worker pool; the first run warms up and does not count. Inside: a section did not fit.
     pub(crate) fn run(&self, way: &Way) -> Result<Result<Ran, Thrash>, Failure> {
         let cores = affinity::in_turn(&affinity::allowed_cores(), way.workers.into());
         let options = Options {
@@ -218,12 +220,12 @@ impl<'p> Bench<'p> {
             log: self.log,
             ..Options::new(format!("m{}", std::process::id()), BUILD, cores)
         };
-        let mut crew = Crew::start(self.pair.bodies.store(), &options)?;
+        let mut worker_pool = WorkerPool::start(self.pair.bodies.store(), &options)?;
         let mut runs = Vec::new();
         for round in 0..=self.repeats {
             let mut work = self.work(way.depth);
-            let report = match crew.run(&mut work) {
-                Err(CrewError::Thrashed(thrash)) => return Ok(Err(thrash)),
+            let report = match worker_pool.run(&mut work) {
+                Err(WorkerPoolError::Thrashed(thrash)) => return Ok(Err(thrash)),
                 other => other?,
             };
             self.check(&work)?;
@@ -234,7 +236,7 @@ impl<'p> Bench<'p> {
         runs.sort_by_key(|(report, _)| report.duty.run_ns);
         let median_ns = runs[runs.len() / 2].0.duty.run_ns as f64;
         let (report, spent) = runs.swap_remove(0);
-        Ok(Ok(Ran { report, spent, median_ns, log: crew.log().to_vec() }))
+        Ok(Ok(Ran { report, spent, median_ns, log: worker_pool.log().to_vec() }))
     }
 }
 

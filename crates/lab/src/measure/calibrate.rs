@@ -37,10 +37,10 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
         transfer: Transfer::ZeroCopy,
         cache: Cache::Unlimited,
     };
-    let ran = bench.crew(&way)?;
+    let ran = bench.worker_pool(&way)?;
     // Room for everything: what it takes longer is the copying.
     let cache = Cache::Fixed(2 * bench.model_bytes());
-    let copied = bench.crew(&Way { transfer: Transfer::Copy, cache, ..way })?;
+    let copied = bench.worker_pool(&Way { transfer: Transfer::Copy, cache, ..way })?;
     let moved = per(copied.report.transfer.section_bytes);
     let ship_ns = copied.report.duty.send_ns.saturating_sub(ran.report.duty.send_ns) as f64;
     let longer_ns = copied.report.duty.run_ns.saturating_sub(ran.report.duty.run_ns) as f64;

@@ -34,7 +34,7 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
     say(format!("{machine}\n"));
     say(
         "Speed-up is the best time of the in-process kernel (no workers, its own best depth) over \
-         that of the crew, on the same poses; of each, the quickest of the repeats counts, because \
+         that of the worker_pool, on the same poses; of each, the quickest of the repeats counts, because \
          what else a machine does only ever adds time (medians stand in the tables). *Measured* is \
          this machine; the \
          quad-core columns are **simulated**: the same dispatcher on virtual cores, with costs \

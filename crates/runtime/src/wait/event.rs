@@ -26,7 +26,7 @@ impl EventFd {
     }
 
     /// Rings; never blocks. If it was rung 2⁶⁴ − 2 times already, it is loud enough.
-    pub fn ring(&self) {
+    pub fn notify(&self) {
         if let Err(error) = rustix::io::write(&self.0, &1_u64.to_ne_bytes())
             && error != rustix::io::Errno::AGAIN
         {

@@ -31,16 +31,16 @@ fn nothing_happens_for_as_long_as_was_said() {
 fn an_event_wakes_after_each_ring() {
     let mut poller = Poller::new().unwrap();
     let (a, b) = (poller.add_event(1).unwrap(), poller.add_event(2).unwrap());
-    a.ring();
-    a.ring();
+    a.notify();
+    a.notify();
     assert_eq!(wakes(&mut poller, 1000 * MS), [Wake::Event(1)]);
     assert_eq!(wakes(&mut poller, 0), [], "emptied");
-    a.ring();
-    b.ring();
+    a.notify();
+    b.notify();
     let mut both = wakes(&mut poller, 1000 * MS);
     both.sort();
     assert_eq!(both, [Wake::Event(1), Wake::Event(2)]);
-    b.ring();
+    b.notify();
     assert!(b.drain() && !b.drain());
     assert_eq!(wakes(&mut poller, 0), []);
 }
@@ -49,7 +49,7 @@ fn an_event_wakes_after_each_ring() {
 fn an_event_wakes_a_sleeper() {
     let mut poller = Poller::new().unwrap();
     let event = poller.add_event(5).unwrap();
-    let far = std::thread::spawn(move || event.ring());
+    let far = std::thread::spawn(move || event.notify());
     assert_eq!(poller.wait(None).unwrap().next(), Some(Wake::Event(5)));
     far.join().unwrap();
 }
@@ -59,9 +59,9 @@ fn what_was_removed_or_replaced_is_silent() {
     let mut poller = Poller::new().unwrap();
     let old = poller.add_event(1).unwrap();
     let new = poller.add_event(1).unwrap();
-    old.ring();
+    old.notify();
     assert_eq!(wakes(&mut poller, 0), []);
-    new.ring();
+    new.notify();
     poller.remove_event(1);
     poller.remove_event(1);
     assert_eq!(wakes(&mut poller, 0), []);
@@ -91,7 +91,7 @@ fn a_dead_child_is_reported_once_and_its_key_is_free_again() {
     poller.add_process(&third, 8).unwrap();
     poller.remove_process(8);
     drop(third);
-    event.ring();
+    event.notify();
     assert_eq!(wakes(&mut poller, 0), [Wake::Event(7)]);
 }
 
@@ -133,7 +133,7 @@ fn more_wake_ups_than_fit_come_with_the_next_wait() {
     let mut poller = Poller::new().unwrap();
     let count = 2 * WAKES_MAX as u32;
     let events: Vec<_> = (0..count).map(|key| poller.add_event(key).unwrap()).collect();
-    events.iter().for_each(EventFd::ring);
+    events.iter().for_each(EventFd::notify);
     let mut seen = wakes(&mut poller, 0);
     seen.extend(wakes(&mut poller, 0));
     seen.sort();

@@ -41,7 +41,7 @@ faults! {
     /// A job fails, and its worker lives.
     Nack = "nack";
     /// A successor dies before it greets.
-    StillBorn = "still-born";
+    ExitedAtStart = "still-born";
     /// A batch never arrives.
     LoseBatch = "lose-batch";
     /// A result never arrives.

@@ -54,7 +54,7 @@ impl Work for Sums {
             jobs.push(Spec { task: TaskId(0), a: section, b: section });
         }
     }
-    fn is_moot(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: TaskId) -> bool {
         false
     }
     fn fold(&mut self, job: &Spec, (): ()) {
@@ -222,7 +222,7 @@ impl Model for Small {
         let queues = Queues { capacity: 2 * self.batch, batch: self.batch, linger_ns: 0 };
         let scheme = BestMatchLoad { alpha: 0.0 };
         let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, self.workers.into());
-        dispatcher.spoil(self.flaw);
+        dispatcher.corrupt(self.flaw);
         dispatcher.begin(REQUEST);
         let lives = (0..self.workers).map(|worker| Incarnation { worker, inc: 0 });
         lives.clone().for_each(|who| dispatcher.admit(who));

@@ -29,7 +29,7 @@ fn each_kind_of_fault_alone_is_survived() {
         let mut struck = 0;
         // A successor takes a worker that died before.
         let kinds = match fault {
-            Fault::StillBorn => limits.kinds.with(Fault::Crash),
+            Fault::ExitedAtStart => limits.kinds.with(Fault::Crash),
             _ => limits.kinds,
         };
         let limits = Limits { kinds, ..limits };

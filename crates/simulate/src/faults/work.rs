@@ -1,7 +1,7 @@
 //! Requests with known answers: tasks of jobs, each of which finds bits, a maximum and a sum.
 //!
 //! Like real ones: bits are unions (hit sets), maxima are maxima (extents), sums are counted once
-//! (pairs); a *probe* asks only whether there is anything, and is moot after the first hit; tasks
+//! (pairs); a *probe* asks only whether there is anything, and is obsolete after the first hit; tasks
 //! come in waves, the next when the last one is closed.
 
 use super::draw::Draw;
@@ -196,7 +196,7 @@ impl Work for Request {
         }
     }
 
-    fn is_moot(&self, task: TaskId) -> bool {
+    fn is_obsolete(&self, task: TaskId) -> bool {
         let task = &self.tasks[task.0 as usize];
         task.is_probe && (task.found.bits != 0 || task.found.sum != 0)
     }

@@ -182,7 +182,7 @@ impl<'l> World<'l> {
         #[cfg_attr(not(test), expect(unused_mut, reason = "tests spoil it"))]
         let mut dispatcher = Dispatcher::new(matching.scheme(), queues, Cache::Unlimited, workers);
         #[cfg(test)]
-        dispatcher.spoil(limits.flaw);
+        dispatcher.corrupt(limits.flaw);
         let actors = (0..workers as u8).map(|worker| Actor::new(Incarnation { worker, inc: 0 }));
         let mut world = Self {
             draw,

@@ -19,7 +19,7 @@ use protocol::public::{Answer, Ask, RANK, WAKE};
 pub struct Client {
     // Dropped in this order: ports, services, node.
     port: Port<ipc::Service, wire::Ask, (), wire::Answer, ()>,
-    bell: Notifier<ipc::Service>,
+    notifier: Notifier<ipc::Service>,
     rank: request_response::PortFactory<ipc::Service, wire::Ask, (), wire::Answer, ()>,
     _wake: event::PortFactory<ipc::Service>,
     _node: Node<ipc::Service>,
@@ -42,9 +42,9 @@ impl Client {
             .max_active_requests(1)
             .create()
             .map_err(OpenError::at("ask at", RANK))?;
-        let bell = wake.notifier_builder().create().map_err(OpenError::at("ring at", WAKE))?;
+        let notifier = wake.notifier_builder().create().map_err(OpenError::at("ring at", WAKE))?;
         commit_all(&address.prefix())?;
-        Ok(Self { port, bell, rank, _wake: wake, _node: node })
+        Ok(Self { port, notifier, rank, _wake: wake, _node: node })
     }
 
     /// Servers that are connected: one, or none while it is restarted.
@@ -69,7 +69,7 @@ impl Client {
             RequestSendError::SendError(_) => UseError::Broken,
         };
         let pending = self.port.send_copy(wire::Ask(*ask)).map_err(full)?;
-        if let Err(error) = self.bell.notify() {
+        if let Err(error) = self.notifier.notify() {
             // It looks by itself, a little later.
             tracing::debug!(?error, "the bell does not ring");
         }

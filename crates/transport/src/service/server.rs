@@ -27,7 +27,7 @@ type Request = ActiveRequest<ipc::Service, wire::Ask, (), wire::Answer, ()>;
 pub struct Server {
     // Dropped in this order: ports, services, node, files.
     port: Port<ipc::Service, wire::Ask, (), wire::Answer, ()>,
-    bell: Listener<ipc::Service>,
+    wake_fd: Listener<ipc::Service>,
     rankings: Publisher<ipc::Service, wire::Answer, ()>,
     health: Publisher<ipc::Service, wire::Health, ()>,
     rank: Service,
@@ -57,10 +57,10 @@ impl Server {
             .max_loaned_responses_per_request(1)
             .create()
             .map_err(OpenError::at("serve", RANK))?;
-        let bell = wake.listener_builder().create().map_err(OpenError::at("listen at", WAKE))?;
+        let wake_fd = wake.listener_builder().create().map_err(OpenError::at("listen at", WAKE))?;
         let server = Self {
             port,
-            bell,
+            wake_fd,
             rankings: publisher(&ranking, RANKING)?,
             health: publisher(&health, HEALTH)?,
             rank,
@@ -116,16 +116,16 @@ impl Server {
 
     /// Becomes readable when a client rings.
     #[must_use]
-    pub fn bell(&self) -> BorrowedFd<'_> {
+    pub fn wake_fd(&self) -> BorrowedFd<'_> {
         // SAFETY: it is not closed here.
-        let number = unsafe { self.bell.file_descriptor().native_handle() };
+        let number = unsafe { self.wake_fd.file_descriptor().native_handle() };
         // SAFETY: the listener owns the descriptor, and lives as long as what is returned.
         unsafe { BorrowedFd::borrow_raw(number) }
     }
 
     /// Takes all rings back.
-    pub fn hush(&self) {
-        if let Err(error) = self.bell.try_wait(|_| {}) {
+    pub fn drain(&self) {
+        if let Err(error) = self.wake_fd.try_wait(|_| {}) {
             tracing::debug!(?error, "the bell cannot be read");
         }
     }

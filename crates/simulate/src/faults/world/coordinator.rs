@@ -193,7 +193,7 @@ impl World<'_> {
             let next = Incarnation { inc: who.inc + 1, ..who };
             self.actors[number] = Actor::new(next);
             let place = self.place(next);
-            if self.strikes(Fault::StillBorn, place) {
+            if self.strikes(Fault::ExitedAtStart, place) {
                 self.after(START_NS / 2, Happening::Dies(next));
             } else {
                 self.after(START_NS / 2 + place.at(7).below(START_NS), Happening::Hello(next));

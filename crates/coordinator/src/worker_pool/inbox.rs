@@ -4,7 +4,7 @@
 //! is sound and says what cannot be ends its sender. Whether a part is still wanted is not known
 //! here: the dispatcher's fence decides that.
 
-use super::{Crew, Sight};
+use super::{Observation, WorkerPool};
 use crate::gather::{Part, Rest};
 use crate::work::{Errands, PartOf};
 use dispatch::{Effect, Event, Progress};
@@ -12,7 +12,7 @@ use protocol::result::{read_hits, read_last};
 use protocol::{Head, JobId, Kind, Reject, RequestId};
 use runtime::clock;
 
-impl Crew {
+impl WorkerPool {
     /// Takes all results there are by now. Says whether there was one.
     pub(super) fn take_results<W: Errands>(
         &mut self,
@@ -21,9 +21,9 @@ impl Crew {
         mut progress: Progress,
     ) -> (bool, Progress) {
         let mut any = false;
-        for number in 0..self.stations.len() {
+        for number in 0..self.workers.len() {
             // Read before the channel is emptied: what was sent for these batches is in it by now.
-            let answered = self.stations[number].newly_answered(&self.status);
+            let answered = self.workers[number].newly_answered(&self.status);
             while let Some(after) = self.take_one(number, work, effects) {
                 (any, progress) = (true, after);
                 // However fast results come, the answer is due when it is due.
@@ -32,11 +32,11 @@ impl Crew {
                 }
             }
             let Some(answered) = answered else { continue };
-            let batches = self.stations[number].note_answered(answered);
-            let (who, before) = (self.stations[number].who, self.dispatcher.counts().reissued);
+            let batches = self.workers[number].note_answered(answered);
+            let (who, before) = (self.workers[number].who, self.dispatcher.counts().reissued);
             progress = self.step(Event::Answered { who, batches }, work, effects);
             if self.dispatcher.counts().reissued > before {
-                self.see(who, Sight::Unanswered);
+                self.observe(who, Observation::Unanswered);
             }
         }
         (any, progress)
@@ -51,7 +51,7 @@ impl Crew {
     ) -> Option<Progress> {
         let mut scratch = std::mem::take(&mut self.scratch);
         let begun_ns = clock::now_ns();
-        let taken = self.stations[number].take(&self.status, &mut scratch);
+        let taken = self.workers[number].take(&self.status, &mut scratch);
         if matches!(taken, Ok(Some(_))) {
             self.duty.take_ns += clock::now_ns() - begun_ns;
         }
@@ -73,7 +73,7 @@ impl Crew {
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
-        let (from, job) = (self.stations[number].who, JobId(head.job));
+        let (from, job) = (self.workers[number].who, JobId(head.job));
         let request = RequestId(head.request);
         let event = match Kind::from_number(head.kind) {
             Some(kind @ (Kind::Result | Kind::Rest)) => match read_part(kind, head, words) {
@@ -85,11 +85,11 @@ impl Crew {
             },
             Some(Kind::Nack) => {
                 tracing::warn!(worker = number, job = head.job, "a job failed");
-                self.see(from, Sight::Failed);
+                self.observe(from, Observation::Failed);
                 Event::Failed { from, request, job, attempt: head.attempt }
             }
             Some(Kind::Hello) => {
-                self.stations[number].has_greeted = true;
+                self.workers[number].has_greeted = true;
                 Event::Ready(from)
             }
             Some(Kind::Batch | Kind::Section) | None => Event::Poll,
@@ -106,12 +106,12 @@ impl Crew {
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
-        let station = &mut self.stations[number];
+        let worker = &mut self.workers[number];
         if let (Some(last), true) = (&part.last, head.request == self.request) {
-            station.report.busy_ns += last.summary.wall_ns;
-            station.report.spans.push([clock::now_ns(), last.summary.wall_ns]);
+            worker.report.busy_ns += last.summary.wall_ns;
+            worker.report.spans.push([clock::now_ns(), last.summary.wall_ns]);
         }
-        let from = station.who;
+        let from = worker.who;
         let event = Event::Part {
             from,
             request: RequestId(head.request),
@@ -124,7 +124,7 @@ impl Crew {
         let before = self.dispatcher.counts().fence;
         let progress = self.step(event, work, effects);
         if self.dispatcher.counts().fence != before {
-            self.see(from, Sight::Fenced);
+            self.observe(from, Observation::Fenced);
         }
         progress
     }
@@ -138,8 +138,8 @@ impl Crew {
         work: &mut W,
         effects: &mut Vec<Effect>,
     ) -> Progress {
-        let from = self.stations[number].who;
-        self.see(from, Sight::TurnedAway(reject));
+        let from = self.workers[number].who;
+        self.observe(from, Observation::TurnedAway(reject));
         if reject == Reject::NotOwner {
             self.distrust(number, &reject.to_string());
             return self.step(Event::Poll, work, effects);
@@ -154,7 +154,7 @@ impl Crew {
     fn distrust(&mut self, number: usize, why: &str) {
         tracing::warn!(worker = number, why, "message turned away: killing its sender");
         self.rejected += 1;
-        self.stations[number].kill(&format!("sent a message that was turned away: {why}"));
+        self.workers[number].kill(&format!("sent a message that was turned away: {why}"));
     }
 }
 

@@ -73,9 +73,9 @@ pub fn write_piece(words: &mut Vec<u64>, room: usize, piece: &Piece<'_>) -> usiz
     }
     words.push(u64::from(piece.model) | (piece.array as u64) << 32);
     words.push(u64::from(piece.first) | (count as u64) << 32);
-    for chunk in piece.bytes[..count * size].chunks(8) {
+    for bytes in piece.bytes[..count * size].chunks(8) {
         let mut word = [0; 8];
-        word[..chunk.len()].copy_from_slice(chunk);
+        word[..bytes.len()].copy_from_slice(bytes);
         words.push(u64::from_ne_bytes(word));
     }
     count

@@ -3,48 +3,48 @@
 //! Within a request a worker's last results are taken before its jobs go to the others. Whether its
 //! core gets a successor is not decided here.
 
-use super::station::Station;
-use super::{Crew, CrewError, GREETING_NS, Sight};
+use super::worker_handle::WorkerHandle;
+use super::{GREETING_NS, Observation, WorkerPool, WorkerPoolError};
 use crate::work::Errands;
 use dispatch::{Effect, Event, Progress};
 use protocol::{Incarnation, JobId, Kind};
 use runtime::clock;
 use transport::UseError;
 
-impl Crew {
+impl WorkerPool {
     /// Waits until every worker has greeted or is gone; one that greeted is enough.
-    pub(super) fn await_greetings(&mut self) -> Result<(), CrewError> {
+    pub(super) fn await_greetings(&mut self) -> Result<(), WorkerPoolError> {
         let mut failed = None;
         loop {
             let now = clock::now_ns();
-            for number in 0..self.stations.len() {
-                let station = &mut self.stations[number];
-                if let Ok(Some(Ok(head))) = station.take(&self.status, &mut self.scratch) {
-                    station.has_greeted |= head.kind == Kind::Hello as u8;
+            for number in 0..self.workers.len() {
+                let worker = &mut self.workers[number];
+                if let Ok(Some(Ok(head))) = worker.take(&self.status, &mut self.scratch) {
+                    worker.has_greeted |= head.kind == Kind::Hello as u8;
                 }
-                if !station.is_starting() {
+                if !worker.is_starting() {
                     continue;
                 }
-                let worker = number as u8;
-                if let Some(exit) = station.exit()? {
-                    failed.get_or_insert(CrewError::StillBorn { worker, exit });
-                    tracing::warn!(worker, %exit, "a worker ended at start-up");
+                let id = number as u8;
+                if let Some(exit) = worker.exit()? {
+                    failed.get_or_insert(WorkerPoolError::ExitedAtStart { worker: id, exit });
+                    tracing::warn!(worker = id, %exit, "a worker ended at start-up");
                     self.miss(number)?;
-                    self.stations[number].report.lost = Some(format!("{exit} at start-up"));
-                } else if now > station.mute_ns {
+                    self.workers[number].report.lost = Some(format!("{exit} at start-up"));
+                } else if now > worker.handshake_deadline_ns {
                     let seconds = GREETING_NS / 1_000_000_000;
-                    failed.get_or_insert(CrewError::Mute { worker, seconds });
-                    station.kill("did not greet");
+                    failed.get_or_insert(WorkerPoolError::HandshakeTimeout { worker: id, seconds });
+                    worker.kill("did not greet");
                     self.miss(number)?;
                 }
             }
-            if !self.stations.iter().any(Station::is_starting) {
+            if !self.workers.iter().any(WorkerHandle::is_starting) {
                 break;
             }
             self.sleep(1_000_000)?;
         }
         match failed {
-            Some(error) if !self.stations.iter().any(Station::is_ready) => Err(error),
+            Some(error) if !self.workers.iter().any(WorkerHandle::is_ready) => Err(error),
             _ => Ok(()),
         }
     }
@@ -56,16 +56,16 @@ impl Crew {
         work: &mut W,
         effects: &mut Vec<Effect>,
         mut progress: Progress,
-    ) -> Result<Progress, CrewError> {
-        for number in 0..self.stations.len() {
-            let station = &mut self.stations[number];
-            if station.is_starting() && now > station.mute_ns {
-                station.kill("did not greet");
-                progress = self.bury(number, work, effects)?;
+    ) -> Result<Progress, WorkerPoolError> {
+        for number in 0..self.workers.len() {
+            let worker = &mut self.workers[number];
+            if worker.is_starting() && now > worker.handshake_deadline_ns {
+                worker.kill("did not greet");
+                progress = self.reap(number, work, effects)?;
                 continue;
             }
             if self.kill_if_still(number, now) {
-                progress = self.bury(number, work, effects)?;
+                progress = self.reap(number, work, effects)?;
             }
         }
         Ok(progress)
@@ -73,30 +73,30 @@ impl Crew {
 
     /// Feels a pulse, and kills who stands still while it has something to do.
     fn kill_if_still(&mut self, number: usize, now: u64) -> bool {
-        let station = &mut self.stations[number];
-        let Some(verdict) = station.pulse(&self.status, now, &self.options.patience) else {
+        let worker = &mut self.workers[number];
+        let Some(verdict) = worker.pulse(&self.status, now, &self.options.patience) else {
             return false;
         };
         tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
-        station.kill(verdict.name());
-        self.see(self.stations[number].who, Sight::StoodStill(verdict));
+        worker.kill(verdict.name());
+        self.observe(self.workers[number].who, Observation::StoodStill(verdict));
         true
     }
 
     /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.
-    pub(super) fn bury<W: Errands>(
+    pub(super) fn reap<W: Errands>(
         &mut self,
         number: usize,
         work: &mut W,
         effects: &mut Vec<Effect>,
-    ) -> Result<Progress, CrewError> {
-        if !self.stations[number].is_alive() || self.stations[number].wait_end()?.is_none() {
+    ) -> Result<Progress, WorkerPoolError> {
+        if !self.workers[number].is_alive() || self.workers[number].wait_end()?.is_none() {
             return Ok(self.step(Event::Poll, work, effects));
         }
         while self.take_one(number, work, effects).is_some() {}
-        let (who, started) = self.stations[number].bury(&self.status, self.request);
-        self.lay_to_rest(number);
-        let lost = self.stations[number].report.lost.clone().unwrap_or_default();
+        let (who, started) = self.workers[number].close(&self.status, self.request);
+        self.detach(number);
+        let lost = self.workers[number].report.lost.clone().unwrap_or_default();
         tracing::warn!(worker = number, %lost, "lost a worker; its jobs go to the others");
         Ok(self.step(Event::Lost { who, started }, work, effects))
     }
@@ -108,26 +108,26 @@ impl Crew {
         number: usize,
         error: UseError,
     ) -> (Incarnation, Option<(JobId, u8)>) {
-        let station = &mut self.stations[number];
-        let was_alive = station.is_alive();
+        let worker = &mut self.workers[number];
+        let was_alive = worker.is_alive();
         if was_alive {
-            station.kill(&format!("its job channel broke ({error})"));
+            worker.kill(&format!("its job channel broke ({error})"));
         }
-        let gone = station.bury(&self.status, self.request);
+        let gone = worker.close(&self.status, self.request);
         if was_alive {
-            self.lay_to_rest(number);
+            self.detach(number);
         }
         gone
     }
 
     /// Buries those who have ended since the last request, or stand still at what it left them.
-    pub(super) fn notice_the_dead(&mut self) -> Result<(), CrewError> {
+    pub(super) fn notice_the_dead(&mut self) -> Result<(), WorkerPoolError> {
         self.sleep(0)?;
         let now = clock::now_ns();
         self.ended.clear();
-        for number in 0..self.stations.len() {
-            let station = &mut self.stations[number];
-            let has_ended = station.is_alive() && station.exit()?.is_some();
+        for number in 0..self.workers.len() {
+            let worker = &mut self.workers[number];
+            let has_ended = worker.is_alive() && worker.exit()?.is_some();
             if has_ended || self.kill_if_still(number, now) {
                 self.miss(number)?;
             }
@@ -136,18 +136,18 @@ impl Crew {
     }
 
     /// Buries a worker that has ended, or was killed, while no request was open.
-    pub(super) fn miss(&mut self, number: usize) -> Result<(), CrewError> {
-        let station = &mut self.stations[number];
-        let _exit = station.wait_end()?;
-        let (who, _started) = station.bury(&self.status, self.request);
+    pub(super) fn miss(&mut self, number: usize) -> Result<(), WorkerPoolError> {
+        let worker = &mut self.workers[number];
+        let _exit = worker.wait_end()?;
+        let (who, _started) = worker.close(&self.status, self.request);
         self.dispatcher.dismiss(who);
-        self.see(who, Sight::Ended);
-        self.lay_to_rest(number);
+        self.observe(who, Observation::Ended);
+        self.detach(number);
         Ok(())
     }
 
     /// Forgets what is watched of a worker, and counts its death.
-    pub(super) fn lay_to_rest(&mut self, number: usize) {
+    pub(super) fn detach(&mut self, number: usize) {
         self.poller.remove_process(number as u32);
         self.poller.remove_event(number as u32);
         self.restarts.note(number as u8, clock::now_ns());

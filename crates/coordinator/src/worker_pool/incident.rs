@@ -1,6 +1,6 @@
 //! What the coordinator saw of a fault, and when: the other half of a fault report.
 
-use super::Crew;
+use super::WorkerPool;
 use dispatch::{Verdict, Why};
 use protocol::{Incarnation, Reject};
 use runtime::clock;
@@ -16,12 +16,12 @@ pub struct Incident {
     /// With whom.
     pub who: Incarnation,
     /// What was noticed.
-    pub sight: Sight,
+    pub observation: Observation,
 }
 
 /// What was noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
+pub enum Observation {
     /// The process has ended.
     Ended,
     /// It stood still, and was killed.
@@ -40,16 +40,16 @@ pub enum Sight {
     Distrusted(Why),
 }
 
-impl Crew {
+impl WorkerPool {
     /// What was noticed since the start of the last request.
     #[must_use]
     pub fn incidents(&self) -> &[Incident] {
         &self.incidents
     }
 
-    pub(super) fn see(&mut self, who: Incarnation, sight: Sight) {
+    pub(super) fn observe(&mut self, who: Incarnation, observation: Observation) {
         if self.incidents.len() < MOST {
-            self.incidents.push(Incident { at_ns: clock::now_ns(), who, sight });
+            self.incidents.push(Incident { at_ns: clock::now_ns(), who, observation });
         }
     }
 }

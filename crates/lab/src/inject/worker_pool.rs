@@ -1,4 +1,4 @@
-//! Crews that faults are injected into: how they are started, and what they leave.
+//! Worker pools that faults are injected into: how they are started, and what they leave.
 
 use super::plan::Plan;
 use coordinator::Options;
@@ -6,7 +6,7 @@ use dispatch::Intensity;
 use runtime::affinity;
 use trolley::BUILD;
 
-/// Options of a crew for fault injection.
+/// Options of a worker pool for fault injection.
 pub(super) fn options(plan: &Plan, instance: &str) -> Options {
     let cores = affinity::in_turn(&affinity::allowed_cores(), plan.workers.into());
     Options { intensity: Intensity::UNLIMITED, obeys: true, ..Options::new(instance, BUILD, cores) }

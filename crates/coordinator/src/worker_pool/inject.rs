@@ -3,31 +3,31 @@
 //! All of it is behind the feature `faults`. No answer may depend on it: whoever misbehaves is
 //! found out as if nobody had told it to.
 
-use super::Crew;
+use super::WorkerPool;
 use core::sync::atomic::Ordering;
 use protocol::{Head, Order};
 use transport::{OpenMessage, UseError};
 
 /// What is done to a batch on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spoiled {
+pub enum Corruption {
     /// This bit of it, modulo its length, is flipped after it was sealed.
     Garbled(u32),
     /// It is refused, as if the queue were full.
     Refused,
 }
 
-/// Sends a batch, spoiled if it is to be.
+/// Sends a batch, corruption if it is to be.
 pub(super) fn send(
-    spoiled: Option<Spoiled>,
+    corruption: Option<Corruption>,
     message: OpenMessage<'_>,
     head: Head,
     used: usize,
 ) -> Result<(), UseError> {
-    match spoiled {
+    match corruption {
         None => message.send(head, used),
-        Some(Spoiled::Refused) => Err(UseError::Full),
-        Some(Spoiled::Garbled(bit)) => message.send_spoiled(head, used, |head, words| {
+        Some(Corruption::Refused) => Err(UseError::Full),
+        Some(Corruption::Garbled(bit)) => message.send_corrupted(head, used, |head, words| {
             let bit = bit as usize % (words.len().max(1) * 64);
             match words.get_mut(bit / 64) {
                 Some(word) => *word ^= 1 << (bit % 64),
@@ -37,7 +37,7 @@ pub(super) fn send(
     }
 }
 
-impl Crew {
+impl WorkerPool {
     /// Tells a worker to misbehave: it must have been started with `obeys`.
     pub fn order(&self, worker: u8, order: Option<Order>) {
         let line = self.status.page().coordinator.get(usize::from(worker));
@@ -54,9 +54,9 @@ impl Crew {
     }
 
     /// Spoils the next batch to a worker: for fault injection.
-    pub fn spoil_next(&mut self, worker: u8, how: Spoiled) {
-        if let Some(station) = self.stations.get_mut(usize::from(worker)) {
-            station.spoiled = Some(how);
+    pub fn corrupt_next(&mut self, worker: u8, how: Corruption) {
+        if let Some(worker) = self.workers.get_mut(usize::from(worker)) {
+            worker.corruption = Some(how);
         }
     }
 }

@@ -97,7 +97,7 @@ pub struct Share {
 
 /// What a run took.
 #[derive(Clone, Debug)]
-pub struct CrewReport {
+pub struct WorkerPoolReport {
     /// Where the coordinator's time went.
     pub duty: Duty,
     /// Jobs, batches, fence.

@@ -3,8 +3,8 @@
 //! A successor is a new incarnation, with channels of new names and a blank line on the status
 //! page. It greets when it is ready, whatever the coordinator is doing then.
 
-use super::station::Station;
-use super::{Crew, CrewError, Incarnation};
+use super::worker_handle::WorkerHandle;
+use super::{Incarnation, WorkerPool, WorkerPoolError};
 use dispatch::Leave;
 use protocol::Launch;
 use runtime::{SealedMemory, clock};
@@ -18,7 +18,7 @@ pub struct Mended {
     pub off: Vec<u8>,
 }
 
-impl Crew {
+impl WorkerPool {
     /// Starts successors of all lost workers whose cores may have one. Does not wait for them.
     ///
     /// Cleans up behind the dead before, unless somebody is starting: then the next call does.
@@ -26,24 +26,24 @@ impl Crew {
     /// # Errors
     ///
     /// If shared memory, a process or a core is not to be had.
-    pub fn mend(&mut self, store: &SealedMemory) -> Result<Mended, CrewError> {
+    pub fn mend(&mut self, store: &SealedMemory) -> Result<Mended, WorkerPoolError> {
         self.notice_the_dead()?;
         let mut mended = Mended::default();
-        let lost = |station: &&Station| !station.is_alive();
+        let lost = |worker: &&WorkerHandle| !worker.is_alive();
         let lost: Vec<Incarnation> =
-            self.stations.iter().filter(lost).map(|station| station.who).collect();
+            self.workers.iter().filter(lost).map(|worker| worker.who).collect();
         if lost.is_empty() {
             return Ok(mended);
         }
-        if !self.stations.iter().any(Station::is_starting) {
+        if !self.workers.iter().any(WorkerHandle::is_starting) {
             let _removed = self.domain.cleaner().run();
         }
         for who in lost {
             match self.restarts.leave(who.worker, clock::now_ns()) {
                 Leave::Granted => {
                     let successor = Incarnation { inc: who.inc.wrapping_add(1), ..who };
-                    let station = self.man(successor, store)?;
-                    self.stations[usize::from(who.worker)] = station;
+                    let worker = self.spawn(successor, store)?;
+                    self.workers[usize::from(who.worker)] = worker;
                     mended.started.push(successor);
                 }
                 Leave::CoreOff | Leave::AllOff => {
@@ -61,28 +61,28 @@ impl Crew {
     /// # Errors
     ///
     /// If nobody greets.
-    pub fn rally(&mut self) -> Result<(), CrewError> {
+    pub fn rally(&mut self) -> Result<(), WorkerPoolError> {
         self.await_greetings()
     }
 
     /// Workers that take jobs.
     #[must_use]
     pub fn ready(&self) -> usize {
-        self.stations.iter().filter(|station| station.is_ready()).count()
+        self.workers.iter().filter(|worker| worker.is_ready()).count()
     }
 
     /// Who serves each core now, or did last, with process ids.
     #[must_use]
     pub fn roster(&self) -> Vec<(Incarnation, u32)> {
-        self.stations.iter().map(|station| (station.who, station.report.pid)).collect()
+        self.workers.iter().map(|worker| (worker.who, worker.report.pid)).collect()
     }
 
     /// Starts a worker.
-    pub(super) fn man(
+    pub(super) fn spawn(
         &mut self,
         who: Incarnation,
         store: &SealedMemory,
-    ) -> Result<Station, CrewError> {
+    ) -> Result<WorkerHandle, WorkerPoolError> {
         let key = u32::from(who.worker);
         if let Some(line) = self.status.page().workers.get(usize::from(who.worker)) {
             line.reset();
@@ -101,11 +101,12 @@ impl Crew {
             obeys: options.obeys,
             domain: self.domain.text().to_owned(),
         };
-        let bell = self.poller.add_event(key)?;
+        let wake_fd = self.poller.add_event(key)?;
         let core = options.cores.get(usize::from(who.worker)).copied().flatten();
         let status = &self.status;
-        let station = Station::start(&launch, &self.domain, options, core, store, status, bell)?;
-        self.poller.add_process(station.child(), key)?;
-        Ok(station)
+        let worker =
+            WorkerHandle::start(&launch, &self.domain, options, core, store, status, wake_fd)?;
+        self.poller.add_process(worker.child(), key)?;
+        Ok(worker)
     }
 }

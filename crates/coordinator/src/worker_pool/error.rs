@@ -7,7 +7,7 @@ use transport::OpenError;
 
 /// A run that could not be finished.
 #[derive(Debug, thiserror::Error)]
-pub enum CrewError {
+pub enum WorkerPoolError {
     /// The operating system refused.
     #[error(transparent)]
     System(#[from] runtime::OsError),
@@ -16,10 +16,10 @@ pub enum CrewError {
     Open(#[from] OpenError),
     /// The machine has not what is needed.
     #[error("{0}")]
-    Lack(super::Lack),
+    MissingRequirement(super::MissingRequirement),
     /// A worker ended before it greeted.
     #[error("worker {worker} ended at start-up with {exit}: its own message is above")]
-    StillBorn {
+    ExitedAtStart {
         /// Which one.
         worker: u8,
         /// How.
@@ -27,7 +27,7 @@ pub enum CrewError {
     },
     /// A worker did not greet in time.
     #[error("worker {worker} did not greet within {seconds} s: is the machine overloaded?")]
-    Mute {
+    HandshakeTimeout {
         /// Which one.
         worker: u8,
         /// How long was waited (s).
@@ -58,17 +58,17 @@ pub enum CrewError {
     Interrupted,
 }
 
-impl Diagnostic for CrewError {
+impl Diagnostic for WorkerPoolError {
     fn kind(&self) -> Kind {
         match self {
             Self::System(error) => error.kind(),
             Self::Open(open) if open.is_skew() => Kind::Skew,
             // A name is the user's, all else is the machine's.
             Self::Open(OpenError::Name { .. }) => Kind::Configuration,
-            Self::Lack(lack) => lack.kind(),
+            Self::MissingRequirement(missing) => missing.kind(),
             Self::Open(_)
-            | Self::StillBorn { .. }
-            | Self::Mute { .. }
+            | Self::ExitedAtStart { .. }
+            | Self::HandshakeTimeout { .. }
             | Self::NobodyLeft { .. }
             | Self::Thrashed(_) => Kind::Resources,
             Self::Interrupted => Kind::Interrupted,
@@ -84,10 +84,10 @@ impl Diagnostic for CrewError {
             Self::Thrashed(_) => {
                 Some("more --depth makes sections smaller, --memory-budget gives more room".into())
             }
-            Self::Lack(lack) => lack.remedy(),
+            Self::MissingRequirement(missing) => missing.remedy(),
             Self::System(_)
-            | Self::StillBorn { .. }
-            | Self::Mute { .. }
+            | Self::ExitedAtStart { .. }
+            | Self::HandshakeTimeout { .. }
             | Self::NobodyLeft { .. }
             | Self::Interrupted => None,
         }

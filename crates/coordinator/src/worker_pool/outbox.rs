@@ -4,8 +4,8 @@
 //! What finds no room in its channel is refused, and the dispatcher tries again; a worker that
 //! copies has a queue here instead, because a batch must not overtake its sections.
 
-use super::Crew;
-use super::parcel::parcels;
+use super::WorkerPool;
+use super::chunk::chunks;
 use crate::work::Errands;
 use dispatch::{Effect, Event, Progress};
 use protocol::job::{Job, write_batch};
@@ -20,7 +20,7 @@ pub(super) struct BatchWriter {
     words: Vec<u64>,
 }
 
-impl Crew {
+impl WorkerPool {
     /// Lays a batch out, and hands it over behind the sections that it needs.
     pub(super) fn send<W: Errands>(
         &mut self,
@@ -57,20 +57,20 @@ impl Crew {
             count: rows.len() as u16,
             ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
         };
-        let station = &mut self.stations[usize::from(to.worker)];
+        let worker = &mut self.workers[usize::from(to.worker)];
         let Some(outgoing) = &mut self.outgoing else {
-            return station.send(&self.status, head, words);
+            return worker.send(&self.status, head, words);
         };
         let outgoing = &mut outgoing[usize::from(to.worker)];
         for section in fetch {
             let Some(body) = work.body(section.model) else { continue };
             let head = Head::new(self.boot, RequestId(self.request), to, Kind::Section);
-            for parcel in parcels(&body, *section) {
-                outgoing.push(head, parcel);
+            for chunk in chunks(&body, *section) {
+                outgoing.push(head, chunk);
             }
         }
         outgoing.push(head, words.clone());
-        outgoing.flush(station, &self.status)
+        outgoing.flush(worker, &self.status)
     }
 
     /// Hands over what has waited for room. Says whether something still does.
@@ -83,10 +83,10 @@ impl Crew {
         let Some(outgoing) = &mut self.outgoing else { return (false, progress) };
         let mut broken = Vec::new();
         for (number, outgoing) in outgoing.iter_mut().enumerate() {
-            let station = &mut self.stations[number];
-            if !station.is_alive() {
+            let worker = &mut self.workers[number];
+            if !worker.is_alive() {
                 outgoing.clear();
-            } else if let Err(error) = outgoing.flush(station, &self.status) {
+            } else if let Err(error) = outgoing.flush(worker, &self.status) {
                 broken.push((number, error));
             }
         }

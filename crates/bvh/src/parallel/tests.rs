@@ -1,4 +1,5 @@
-//! Laws of a crew: it finds what one kernel finds, however often it is disturbed, and never hangs.
+//! Laws of parallel threads: they find what one kernel finds, however often they are disturbed, and
+//! never hang.
 
 use super::*;
 use crate::fixtures::{
@@ -12,14 +13,14 @@ use std::cell::Cell;
 
 const QUESTIONS: [Question; 3] = [Question::Touches, Question::Sets, Question::Pairs];
 
-/// What a crew found, as one kernel's finds are written down.
-fn truth(together: &Together<'_, '_>, task: &Task<'_>, outcome: &Outcome) -> Truth {
+/// What all threads found, as one kernel's finds are written down.
+fn truth(parallel: &Parallel<'_, '_>, task: &Task<'_>, outcome: &Outcome) -> Truth {
     assert_eq!(outcome.end, End::Complete);
     let mut gathered = Gathered::default();
     gathered.add(outcome);
     let heard: Vec<(Side, u32)> = [Side::A, Side::B]
         .into_iter()
-        .flat_map(|side| together.hits(side).iter().map(move |triangle| (side, *triangle)))
+        .flat_map(|side| parallel.hits(side).iter().map(move |triangle| (side, *triangle)))
         .collect();
     gathered.hits = named(task, &heard);
     gathered.finish()
@@ -50,7 +51,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_crew_finds_what_brute_force_finds(
+    fn any_number_of_threads_finds_what_brute_force_finds(
         seed in any::<u32>(), size in 0.05_f32..1.5, built in any_build(), leaf_size in 1_u32..65,
         pose in pose(), threads in 0_usize..5,
     ) {
@@ -58,12 +59,12 @@ proptest! {
         let (a, b) = (of(u64::from(seed)), of(u64::from(seed) + 1));
         let all = brute_force(&a.view(), &b.view(), &pose);
         let directions = directions();
-        with(threads, || kernel_for(&a, &b), |together| {
+        with(threads, || kernel_for(&a, &b), |parallel| {
             // One question after the other: nothing is left from the one before.
             for question in QUESTIONS.into_iter().cycle().take(7) {
                 let task = task(&a, &b, pose, question, &directions);
-                let outcome = together.run(&task);
-                let found = truth(together, &task, &outcome);
+                let outcome = parallel.run(&task);
+                let found = truth(parallel, &task, &outcome);
                 prop_assert_eq!(found, asked(question, all.clone()), "{:?}", question);
             }
             Ok(())
@@ -80,23 +81,23 @@ fn who_waits_gets_a_part_and_the_answer_stays_the_same() {
         let one = with(
             1,
             || kernel_for(&a, &b),
-            |together| {
-                let outcome = together.run(&task);
-                assert_eq!(together.jobs(), 1);
-                truth(together, &task, &outcome)
+            |parallel| {
+                let outcome = parallel.run(&task);
+                assert_eq!(parallel.jobs(), 1);
+                truth(parallel, &task, &outcome)
             },
         );
         assert!(one.zones.0 > 0 && one.zones.1 > 0, "they do not meet");
         with(
             3,
             || kernel_for(&a, &b),
-            |together| {
+            |parallel| {
                 let mut parted = 0;
                 // Nobody knows when a thread first gets a core.
                 for round in 0..100_000 {
-                    let outcome = together.run(&task);
-                    assert_eq!(truth(together, &task, &outcome), one, "round {round}");
-                    parted += usize::from(together.jobs() > 1);
+                    let outcome = parallel.run(&task);
+                    assert_eq!(truth(parallel, &task, &outcome), one, "round {round}");
+                    parted += usize::from(parallel.jobs() > 1);
                     if parted == 20 {
                         return;
                     }
@@ -109,11 +110,11 @@ fn who_waits_gets_a_part_and_the_answer_stays_the_same() {
 
 #[test]
 #[should_panic(expected = "no room for the triangles")]
-fn a_panic_of_the_thread_that_asks_ends_the_crew() {
+fn a_panic_of_the_thread_that_asks_ends_all_threads() {
     let (a, b, pose) = chain();
     let directions = directions();
     let task = task(&a, &b, pose, Question::Pairs, &directions);
-    with(3, || Kernel::with_room(64, 64, 1, 1), |together| together.run(&task));
+    with(3, || Kernel::with_room(64, 64, 1, 1), |parallel| parallel.run(&task));
 }
 
 #[test]
@@ -129,9 +130,9 @@ fn a_panic_of_another_thread_goes_on_in_the_one_that_asks() {
         let triangles = if made.get() == 1 { a.corners.len() } else { 1 };
         Kernel::with_room(64, 64, triangles, triangles)
     };
-    with(2, kernel, |together| {
+    with(2, kernel, |parallel| {
         for _ in 0..100_000 {
-            together.run(&task);
+            parallel.run(&task);
         }
     });
 }

@@ -1,4 +1,4 @@
-//! The crew: worker processes, their channels, and the loop that keeps them busy.
+//! The worker pool: worker processes, their channels, and the loop that keeps them busy.
 //!
 //! ```text
 //! loop: take results --> dispatcher --> send batches;  nothing to take: sleep on one epoll
@@ -6,14 +6,15 @@
 //! ```
 //!
 //! `inbox` has what comes from the workers, `outbox` what goes to them, `supervise` whether they
-//! are well, `station` one of them.
+//! are well, `worker` one of them.
 //!
-//! A request that loses a worker goes on with the others. [`Crew::mend`] starts a successor once
+//! A request that loses a worker goes on with the others. [`WorkerPool::mend`] starts a successor once
 //! the request is answered; it takes jobs as soon as it has greeted, in whatever request that is.
 //!
 //! Order at start: preflight, seal store, status page, services, processes, greetings. Order at
 //! stop: stop flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
 
+mod chunk;
 mod error;
 mod idle;
 mod inbox;
@@ -23,32 +24,31 @@ mod inject;
 mod mend;
 mod options;
 mod outbox;
-mod parcel;
 mod preflight;
 mod report;
-mod station;
 mod supervise;
+mod worker_handle;
 
-pub use error::CrewError;
-pub use idle::Attendant;
-pub use incident::{Incident, Sight};
+pub use error::WorkerPoolError;
+pub use idle::IdleHook;
+pub use incident::{Incident, Observation};
 #[cfg(feature = "faults")]
-pub use inject::Spoiled;
+pub use inject::Corruption;
 pub use mend::Mended;
 pub use options::Options;
-pub use preflight::{Lack, preflight};
-pub use report::{CrewReport, Duty, Hardware, Share, WorkerReport};
+pub use preflight::{MissingRequirement, preflight};
+pub use report::{Duty, Hardware, Share, WorkerPoolReport, WorkerReport};
 
 use crate::work::{Errands, PartOf};
+use chunk::Outgoing;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use dispatch::{Counts, Dispatcher, Effect, Entry, Event, Progress, Restarts, Scheme};
 use outbox::BatchWriter;
-use parcel::Outgoing;
 use protocol::{Boot, Incarnation, RequestId};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
-use station::Station;
 use transport::{Domain, UseError};
+use worker_handle::WorkerHandle;
 
 /// How long workers may take to greet (ns): a process start, and a few opened files.
 const GREETING_NS: u64 = 20_000_000_000;
@@ -69,9 +69,9 @@ pub fn seal(files: &[&[u8]]) -> Result<SealedMemory, runtime::OsError> {
 
 /// Worker processes, ready for requests.
 #[derive(Debug)]
-pub struct Crew {
+pub struct WorkerPool {
     // Dropped in this order: channels before the domain that they live in.
-    stations: Vec<Station>,
+    workers: Vec<WorkerHandle>,
     status: StatusMemory,
     poller: Poller,
     domain: Domain,
@@ -96,19 +96,19 @@ pub struct Crew {
     effects: Vec<Effect>,
     batch: BatchWriter,
     /// Whoever has to be heard while a request is worked on.
-    attendant: Option<Attendant>,
+    idle_hook: Option<IdleHook>,
 }
 
-impl Crew {
+impl WorkerPool {
     /// Starts the workers and waits until each has greeted.
     ///
     /// # Errors
     ///
     /// If shared memory, a process or a core is not to be had, or a worker does not greet.
-    pub fn start(store: &SealedMemory, options: &Options) -> Result<Self, CrewError> {
+    pub fn start(store: &SealedMemory, options: &Options) -> Result<Self, WorkerPoolError> {
         let workers = options.cores.len();
-        if let Some(lack) = preflight(options).into_iter().find(|lack| lack.is_fatal) {
-            return Err(CrewError::Lack(lack));
+        if let Some(missing) = preflight(options).into_iter().find(|missing| missing.is_fatal) {
+            return Err(WorkerPoolError::MissingRequirement(missing));
         }
         let boot = Boot(clock::random_u64()?);
         let swept = transport::sweep_leftovers();
@@ -124,8 +124,8 @@ impl Crew {
         if options.log {
             dispatcher.keep_log();
         }
-        let mut crew = Self {
-            stations: Vec::with_capacity(workers),
+        let mut worker_pool = Self {
+            workers: Vec::with_capacity(workers),
             status,
             poller,
             domain,
@@ -144,20 +144,20 @@ impl Crew {
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             effects: Vec::new(),
             batch: BatchWriter::default(),
-            attendant: None,
+            idle_hook: None,
         };
         for worker in 0..workers {
-            let station = crew.man(Incarnation { worker: worker as u8, inc: 0 }, store)?;
-            crew.stations.push(station);
+            let worker = worker_pool.spawn(Incarnation { worker: worker as u8, inc: 0 }, store)?;
+            worker_pool.workers.push(worker);
         }
-        crew.await_greetings()?;
-        Ok(crew)
+        worker_pool.await_greetings()?;
+        Ok(worker_pool)
     }
 
     /// Process ids of the workers, in order.
     #[must_use]
     pub fn pids(&self) -> Vec<u32> {
-        self.stations.iter().map(|station| station.report.pid).collect()
+        self.workers.iter().map(|worker| worker.report.pid).collect()
     }
 
     /// Tells the workers that nobody waits for this request any more.
@@ -172,17 +172,17 @@ impl Crew {
     /// # Errors
     ///
     /// If no worker is left and no deadline says when to answer all the same, or a signal came.
-    pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<CrewReport, CrewError> {
+    pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<WorkerPoolReport, WorkerPoolError> {
         self.work_off(work)?;
         Ok(self.report())
     }
 
-    /// The same without a report, which costs copies: see [`Crew::shares`].
+    /// The same without a report, which costs copies: see [`WorkerPool::shares`].
     ///
     /// # Errors
     ///
-    /// As [`Crew::run`].
-    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<(), CrewError> {
+    /// As [`WorkerPool::run`].
+    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<(), WorkerPoolError> {
         let mut effects = std::mem::take(&mut self.effects);
         effects.clear();
         let done = self.work_off_by(work, &mut effects);
@@ -192,14 +192,14 @@ impl Crew {
 
     /// What each worker did for the last request.
     pub fn shares(&self) -> impl Iterator<Item = Share> {
-        self.stations.iter().map(|station| station.share(&self.status))
+        self.workers.iter().map(|worker| worker.share(&self.status))
     }
 
     fn work_off_by<W: Errands>(
         &mut self,
         work: &mut W,
         effects: &mut Vec<Effect>,
-    ) -> Result<(), CrewError> {
+    ) -> Result<(), WorkerPoolError> {
         let begun_ns = clock::now_ns();
         work.accept(begun_ns);
         self.begin();
@@ -223,7 +223,7 @@ impl Crew {
                 progress = self.step(Event::Poll, work, effects);
             }
             while let Some(worker) = self.ended.pop() {
-                progress = self.bury(worker, work, effects)?;
+                progress = self.reap(worker, work, effects)?;
             }
             if !self.is_working(progress) {
                 break;
@@ -245,7 +245,7 @@ impl Crew {
         self.duty.run_ns = clock::now_ns() - begun_ns;
         let counts = self.dispatcher.counts();
         if let Some(thrash) = self.dispatcher.thrash() {
-            return Err(CrewError::Thrashed(thrash));
+            return Err(WorkerPoolError::Thrashed(thrash));
         }
         if progress == Progress::Stranded && work.deadline_ns().is_none() {
             return Err(self.nobody_left(&counts));
@@ -263,20 +263,20 @@ impl Crew {
         for outgoing in self.outgoing.iter_mut().flatten() {
             outgoing.clear();
         }
-        for station in &mut self.stations {
-            station.begin(&self.status);
+        for worker in &mut self.workers {
+            worker.begin(&self.status);
         }
-        for station in self.stations.iter().filter(|station| station.is_ready()) {
-            self.dispatcher.admit(station.who);
+        for worker in self.workers.iter().filter(|worker| worker.is_ready()) {
+            self.dispatcher.admit(worker.who);
         }
     }
 
-    fn nobody_left(&self, counts: &Counts) -> CrewError {
-        let lost = self.stations.iter().filter_map(|station| {
-            let how = station.report.lost.as_deref()?;
-            Some(format!("worker {} by {how}", station.who.worker))
+    fn nobody_left(&self, counts: &Counts) -> WorkerPoolError {
+        let lost = self.workers.iter().filter_map(|worker| {
+            let how = worker.report.lost.as_deref()?;
+            Some(format!("worker {} by {how}", worker.who.worker))
         });
-        CrewError::NobodyLeft {
+        WorkerPoolError::NobodyLeft {
             open: counts.jobs - counts.done - counts.cut - counts.abandoned - counts.late,
             jobs: counts.jobs,
             lost: lost.collect::<Vec<_>>().join(", "),
@@ -287,7 +287,7 @@ impl Crew {
     fn is_working(&self, progress: Progress) -> bool {
         match progress {
             Progress::Working => true,
-            Progress::Stranded => self.stations.iter().any(Station::is_starting),
+            Progress::Stranded => self.workers.iter().any(WorkerHandle::is_starting),
             Progress::Finished | Progress::Thrashed => false,
         }
     }
@@ -300,13 +300,13 @@ impl Crew {
 
     /// What the last request took.
     #[must_use]
-    pub fn report(&self) -> CrewReport {
-        CrewReport {
+    pub fn report(&self) -> WorkerPoolReport {
+        WorkerPoolReport {
             duty: self.duty,
             counts: self.dispatcher.counts(),
             transfer: self.dispatcher.transfer(),
             rejected: self.rejected,
-            workers: self.stations.iter().map(|station| station.report(&self.status)).collect(),
+            workers: self.workers.iter().map(|worker| worker.report(&self.status)).collect(),
         }
     }
 
@@ -328,10 +328,10 @@ impl Crew {
             let (to, batch, jobs, fetch) = match effects.remove(0) {
                 Effect::Send { to, batch, jobs, fetch } => (to, batch, jobs, fetch),
                 Effect::Kill { who, why } => {
-                    let station = &mut self.stations[usize::from(who.worker)];
-                    if station.who == who && station.is_alive() {
-                        station.kill(&why.to_string());
-                        self.see(who, Sight::Distrusted(why));
+                    let worker = &mut self.workers[usize::from(who.worker)];
+                    if worker.who == who && worker.is_alive() {
+                        worker.kill(&why.to_string());
+                        self.observe(who, Observation::Distrusted(why));
                     }
                     continue;
                 }
@@ -347,7 +347,7 @@ impl Crew {
             let event = match sent {
                 Ok(()) => continue,
                 Err(UseError::Full) => {
-                    self.see(to, Sight::Full);
+                    self.observe(to, Observation::Full);
                     refused |= 1 << to.worker;
                     Event::Unsent { to, batch }
                 }
@@ -363,7 +363,7 @@ impl Crew {
     }
 
     /// Sleeps until a worker rings or ends, at most so long.
-    fn sleep(&mut self, timeout_ns: u64) -> Result<(), CrewError> {
+    fn sleep(&mut self, timeout_ns: u64) -> Result<(), WorkerPoolError> {
         let flag = |value| {
             for line in &self.status.page().coordinator {
                 line.sleeping.store(value, Ordering::SeqCst);
@@ -371,19 +371,19 @@ impl Crew {
         };
         flag(1);
         // A result sent before the flag was up rang nobody.
-        let waiting = self.stations.iter().any(|station| station.has_mail(&self.status));
+        let waiting = self.workers.iter().any(|worker| worker.has_mail(&self.status));
         let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
         flag(0);
-        if let Some(attendant) = &mut self.attendant {
-            attendant.attend();
+        if let Some(idle_hook) = &mut self.idle_hook {
+            idle_hook.call();
         }
         for wake in wakes? {
             match wake {
                 Wake::Process(worker) => {
                     self.ended.push(worker as usize);
-                    self.see(self.stations[worker as usize].who, Sight::Ended);
+                    self.observe(self.workers[worker as usize].who, Observation::Ended);
                 }
-                Wake::Signal(_) => return Err(CrewError::Interrupted),
+                Wake::Signal(_) => return Err(WorkerPoolError::Interrupted),
                 Wake::Event(_) | Wake::Ready(_) | Wake::Timer => {}
             }
         }
@@ -391,15 +391,15 @@ impl Crew {
     }
 }
 
-impl Drop for Crew {
+impl Drop for WorkerPool {
     fn drop(&mut self) {
-        for station in &self.stations {
-            station.tell_to_stop(&self.status);
+        for worker in &self.workers {
+            worker.tell_to_stop(&self.status);
         }
         let end = clock::now_ns() + FAREWELL_MS * 1_000_000;
-        for station in &mut self.stations {
-            station.part(end.saturating_sub(clock::now_ns()) / 1_000_000);
+        for worker in &mut self.workers {
+            worker.terminate(end.saturating_sub(clock::now_ns()) / 1_000_000);
         }
-        self.stations.clear();
+        self.workers.clear();
     }
 }

@@ -1,4 +1,4 @@
-//! How a crew is started: who plays the workers, on which cores, with which queues.
+//! How a worker pool is started: who plays the workers, on which cores, with which queues.
 
 use dispatch::{Cache, Intensity, Matching, Patience, Queues};
 use scenario::Engine;

@@ -12,7 +12,7 @@ use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
 /// One worker's place.
 #[derive(Debug)]
-pub(super) struct Station {
+pub(super) struct WorkerHandle {
     pub(super) who: Incarnation,
     pub(super) report: WorkerReport,
     link: CoordinatorLink,
@@ -22,10 +22,10 @@ pub(super) struct Station {
     /// Its channels work, and it takes jobs.
     pub(super) has_greeted: bool,
     /// Until when it must have greeted (ns).
-    pub(super) mute_ns: u64,
+    pub(super) handshake_deadline_ns: u64,
     /// What is to be done to the next batch, where faults are injected.
     #[cfg(feature = "faults")]
-    pub(super) spoiled: Option<super::Spoiled>,
+    pub(super) corruption: Option<super::Corruption>,
     /// Batches known to be answered.
     answered: u64,
     /// Number of the next batch: all below were handed over.
@@ -36,7 +36,7 @@ pub(super) struct Station {
     /// Hardware counters, or why there are none; and what they said before this request.
     counters: Result<(Counters, Counted), Hardware>,
     /// Kept open: the worker holds the other end.
-    _bell: EventFd,
+    _wake_fd: EventFd,
 }
 
 /// Counts at the start of a request.
@@ -48,7 +48,7 @@ struct Before {
     taken: Traffic,
 }
 
-/// A station that could not be opened.
+/// A worker that could not be opened.
 #[derive(Debug)]
 pub(super) enum StartError {
     System(OsError),
@@ -67,7 +67,7 @@ impl From<OpenError> for StartError {
     }
 }
 
-impl From<StartError> for super::CrewError {
+impl From<StartError> for super::WorkerPoolError {
     fn from(error: StartError) -> Self {
         match error {
             StartError::System(error) => Self::System(error),
@@ -76,7 +76,7 @@ impl From<StartError> for super::CrewError {
     }
 }
 
-impl Station {
+impl WorkerHandle {
     /// Creates the channels, then starts the process that opens them.
     pub(super) fn start(
         launch: &Launch,
@@ -85,7 +85,7 @@ impl Station {
         core: Option<usize>,
         store: &SealedMemory,
         status: &StatusMemory,
-        bell: EventFd,
+        wake_fd: EventFd,
     ) -> Result<Self, StartError> {
         let sizes = Sizes {
             job_words: launch.batch_words(),
@@ -98,7 +98,7 @@ impl Station {
         let child = process::spawn(Spawn {
             program: &options.program,
             args: &args,
-            fds: &[(store.fd(), STORE_FD), (status.fd(), STATUS_FD), (bell.fd(), EVENT_FD)],
+            fds: &[(store.fd(), STORE_FD), (status.fd(), STATUS_FD), (wake_fd.fd(), EVENT_FD)],
             core,
         })?;
         let report = WorkerReport {
@@ -127,15 +127,15 @@ impl Station {
             watch: Watch::default(),
             is_alive: true,
             has_greeted: false,
-            mute_ns: runtime::clock::now_ns() + super::GREETING_NS,
+            handshake_deadline_ns: runtime::clock::now_ns() + super::GREETING_NS,
             #[cfg(feature = "faults")]
-            spoiled: None,
+            corruption: None,
             answered: 0,
             batches: 0,
             seq: 0,
             before: Before::default(),
             counters: counters.map(|counters| (counters, Counted::default())),
-            _bell: bell,
+            _wake_fd: wake_fd,
         })
     }
 
@@ -218,7 +218,7 @@ impl Station {
         }
     }
 
-    /// The part of [`Station::report`] that is added up over requests: nothing is copied for it.
+    /// The part of [`WorkerHandle::report`] that is added up over requests: nothing is copied for it.
     pub(super) fn share(&self, status: &StatusMemory) -> Share {
         let (now, before, report) = (self.counted(status), &self.before, &self.report);
         let messages = |count: fn(&Traffic) -> u64| {
@@ -275,7 +275,7 @@ impl Station {
         #[cfg(not(feature = "faults"))]
         message.send(sealed, words.len())?;
         #[cfg(feature = "faults")]
-        super::inject::send(self.spoiled.take(), message, sealed, words.len())?;
+        super::inject::send(self.corruption.take(), message, sealed, words.len())?;
         self.seq = self.seq.wrapping_add(1);
         if head.kind == Kind::Batch as u8 {
             if !self.is_busy(status) {
@@ -353,7 +353,7 @@ impl Station {
     }
 
     /// No more mail to or from it. Says what it had started.
-    pub(super) fn bury(
+    pub(super) fn close(
         &mut self,
         status: &StatusMemory,
         request: u64,
@@ -369,7 +369,7 @@ impl Station {
     }
 
     /// Gives it a moment to end, then kills it.
-    pub(super) fn part(&mut self, timeout_ms: u64) {
+    pub(super) fn terminate(&mut self, timeout_ms: u64) {
         match self.child.wait_ms(timeout_ms) {
             Ok(Some(_)) => {}
             Ok(None) | Err(_) => {

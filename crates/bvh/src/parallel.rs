@@ -14,12 +14,12 @@
 //! ```
 //!
 //! A waiting thread spins, then yields, then sleeps: the next task finds it awake if it comes soon,
-//! and an idle crew costs nothing.
+//! and idle threads cost nothing.
 //!
 //! # Invariants
 //!
 //! - The outcome of a task, but for its counters, and the triangles hit are the same for any number
-//!   of threads: jobs merge by sum, union and maximum. `together/tests.rs`.
+//!   of threads: jobs merge by sum, union and maximum. `parallel/tests.rs`.
 //! - The work ends: a job that is stopped leaves smaller pairs, or is done again without being
 //!   disturbed.
 //! - Nobody waits for a thread that panicked: its panic goes on in the thread that asked.
@@ -46,8 +46,8 @@ const YIELDS_MAX: u32 = 1000;
 
 /// Threads that answer questions together; [`with`] makes them.
 #[derive(Debug)]
-pub struct Together<'c, 't> {
-    crew: &'c Crew<'t>,
+pub struct Parallel<'c, 't> {
+    shared: &'c Shared<'t>,
     own: Own,
     /// Of the last task.
     found: Found,
@@ -56,7 +56,7 @@ pub struct Together<'c, 't> {
 
 /// What the threads share.
 #[derive(Debug, Default)]
-struct Crew<'t> {
+struct Shared<'t> {
     state: Mutex<State<'t>>,
     changed: Condvar,
     /// Counts what threads wait for: open pairs, the end of a task, the end of all. Changes under
@@ -99,8 +99,8 @@ struct Own {
 }
 
 /// The sink of a job: it keeps hits, and hears whether somebody waits.
-struct Ear<'e, 't> {
-    crew: &'e Crew<'t>,
+struct JobSink<'e, 't> {
+    shared: &'e Shared<'t>,
     /// Where hits go; nowhere if they are not asked for.
     hits: Option<&'e mut [Vec<u32>; 2]>,
     question: Question,
@@ -119,23 +119,27 @@ struct Ear<'e, 't> {
 pub fn with<'t, R>(
     threads: usize,
     kernel: impl Fn() -> Kernel,
-    ask: impl FnOnce(&mut Together<'_, 't>) -> R,
+    ask: impl FnOnce(&mut Parallel<'_, 't>) -> R,
 ) -> R {
-    let crew = Crew::default();
+    let shared = Shared::default();
     let own = || Own { kernel: kernel(), found: Found::default() };
     thread::scope(|scope| {
         // When it goes, the others end: so it must go however this ends.
-        let mut together =
-            Together { crew: &crew, own: own(), found: Found::default(), seen: Hits::with_room(0) };
+        let mut parallel = Parallel {
+            shared: &shared,
+            own: own(),
+            found: Found::default(),
+            seen: Hits::with_room(0),
+        };
         for _ in 1..threads {
-            let (crew, own) = (&crew, own());
-            scope.spawn(move || crew.help(own));
+            let (shared, own) = (&shared, own());
+            scope.spawn(move || shared.help(own));
         }
-        ask(&mut together)
+        ask(&mut parallel)
     })
 }
 
-impl<'t> Together<'_, 't> {
+impl<'t> Parallel<'_, 't> {
     /// Answers `task`: the merge of all jobs below the roots. Nothing is allocated but where more
     /// pairs lie open, or more triangles are hit, than ever before.
     ///
@@ -144,11 +148,11 @@ impl<'t> Together<'_, 't> {
     /// As [`Kernel::run`], in whichever thread.
     pub fn run(&mut self, task: &Task<'t>) -> Outcome {
         self.found.clear();
-        self.crew.begin(task);
+        self.shared.begin(task);
         let mut next = Some(NodePair::ROOTS);
         while let Some(pair) = next {
-            self.crew.work(&mut self.own, task, pair);
-            next = self.crew.wait_for_the_rest(&mut self.found);
+            self.shared.work(&mut self.own, task, pair);
+            next = self.shared.wait_for_the_rest(&mut self.found);
         }
         if self.found.jobs > 1 {
             for hits in &mut self.found.hits {
@@ -177,16 +181,16 @@ impl<'t> Together<'_, 't> {
     }
 }
 
-impl Drop for Together<'_, '_> {
+impl Drop for Parallel<'_, '_> {
     fn drop(&mut self) {
-        let mut state = self.crew.lock();
+        let mut state = self.shared.lock();
         state.is_over = true;
         state.open.clear();
-        self.crew.tell(&state);
+        self.shared.tell(&state);
     }
 }
 
-impl<'t> Crew<'t> {
+impl<'t> Shared<'t> {
     /// The state is changed in one go wherever it is, so a panic leaves it whole.
     fn lock(&self) -> MutexGuard<'_, State<'t>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -317,12 +321,12 @@ impl<'t> State<'t> {
 
 impl Own {
     /// Runs the job below `pair`; what remains of it is not `pair` alone.
-    fn run(&mut self, crew: &Crew<'_>, task: &Task<'_>, pair: NodePair) {
+    fn run(&mut self, shared: &Shared<'_>, task: &Task<'_>, pair: NodePair) {
         // Where two large leaves meet, a job may be stopped before it got anywhere.
         for shares in [true, false] {
             let hits = (task.question == Question::Sets).then_some(&mut self.found.hits);
-            let mut ear = Ear { crew, hits, question: task.question, shares };
-            let outcome = self.kernel.run(task, pair, u64::MAX, &mut ear);
+            let mut sink = JobSink { shared, hits, question: task.question, shares };
+            let outcome = self.kernel.run(task, pair, u64::MAX, &mut sink);
             self.found.add(&outcome, 1);
             if self.kernel.remaining() != [pair] {
                 return;
@@ -331,21 +335,21 @@ impl Own {
     }
 }
 
-impl Sink for Ear<'_, '_> {
+impl Sink for JobSink<'_, '_> {
     fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()> {
         if let Some(hits) = &mut self.hits {
             hits[side as usize].push(triangle);
         }
         if self.question == Question::Touches {
-            self.crew.is_answered.store(true, Ordering::Relaxed);
+            self.shared.is_answered.store(true, Ordering::Relaxed);
         }
         ControlFlow::Continue(())
     }
 
     fn beat(&mut self, tests: u64) -> ControlFlow<()> {
         let is_wanted =
-            self.shares && tests >= TESTS_MIN && self.crew.wanting.load(Ordering::Relaxed) > 0;
-        if is_wanted || self.crew.is_answered.load(Ordering::Relaxed) {
+            self.shares && tests >= TESTS_MIN && self.shared.wanting.load(Ordering::Relaxed) > 0;
+        if is_wanted || self.shared.is_answered.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())

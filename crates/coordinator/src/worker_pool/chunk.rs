@@ -1,15 +1,15 @@
-//! What is on its way to one worker that copies: sections, cut into parcels, and the batches that
+//! What is on its way to one worker that copies: sections, cut into chunks, and the batches that
 //! need them, in order.
 //!
 //! A section's payload is all that the kernel reads below its root: nodes, wide nodes, triangles
 //! with their ids and zones; and the root of the whole tree, whose box bounds the body. That is
 //! more than the ledger's logical bytes, which say what a lean format would need.
 
-use super::Station;
+use super::WorkerHandle;
 use body::BodyView;
 use bvh::section;
-use protocol::launch::PARCEL_WORDS;
-use protocol::parcel::{Piece, write_piece};
+use protocol::chunk::{Piece, write_piece};
+use protocol::launch::CHUNK_WORDS;
 use protocol::{Array, Head, Section};
 use runtime::StatusMemory;
 use std::collections::VecDeque;
@@ -36,11 +36,11 @@ impl Outgoing {
     /// Hands over as much as there is room for.
     pub(super) fn flush(
         &mut self,
-        station: &mut Station,
+        worker: &mut WorkerHandle,
         status: &StatusMemory,
     ) -> Result<(), UseError> {
         while let Some((head, words)) = self.0.front() {
-            match station.send(status, *head, words) {
+            match worker.send(status, *head, words) {
                 Ok(()) => drop(self.0.pop_front()),
                 // The worker is still busy with what it has.
                 Err(UseError::Full) => return Ok(()),
@@ -52,37 +52,37 @@ impl Outgoing {
 }
 
 /// Payloads that hold a section, each as large as a message may be.
-pub(super) fn parcels(body: &BodyView<'_>, section: Section) -> Vec<Vec<u64>> {
+pub(super) fn chunks(body: &BodyView<'_>, section: Section) -> Vec<Vec<u64>> {
     let nodes = section::nodes_of(body.nodes, section.node);
     let triangles = section::triangles(body.nodes, section.node);
-    let mut parcels = Parcels { model: section.model, done: Vec::new(), open: Vec::new() };
-    parcels.add(Array::Nodes, bytemuck::cast_slice(body.nodes), &(0..1));
-    parcels.add(Array::Nodes, bytemuck::cast_slice(body.nodes), &nodes);
-    parcels.add(Array::WideOf, bytemuck::cast_slice(body.wide_of), &nodes);
+    let mut chunks = Chunks { model: section.model, done: Vec::new(), open: Vec::new() };
+    chunks.add(Array::Nodes, bytemuck::cast_slice(body.nodes), &(0..1));
+    chunks.add(Array::Nodes, bytemuck::cast_slice(body.nodes), &nodes);
+    chunks.add(Array::WideOf, bytemuck::cast_slice(body.wide_of), &nodes);
     for run in wide_runs(body, &nodes) {
-        parcels.add(Array::Wide, bytemuck::cast_slice(body.wide), &run);
+        chunks.add(Array::Wide, bytemuck::cast_slice(body.wide), &run);
     }
-    parcels.add(Array::Corners, bytemuck::cast_slice(body.corners), &triangles);
-    parcels.add(Array::SourceIds, bytemuck::cast_slice(body.source_ids), &triangles);
-    parcels.add(Array::Zones, bytemuck::cast_slice(body.zones), &triangles);
-    parcels.close();
-    parcels.done
+    chunks.add(Array::Corners, bytemuck::cast_slice(body.corners), &triangles);
+    chunks.add(Array::SourceIds, bytemuck::cast_slice(body.source_ids), &triangles);
+    chunks.add(Array::Zones, bytemuck::cast_slice(body.zones), &triangles);
+    chunks.close();
+    chunks.done
 }
 
-struct Parcels {
+struct Chunks {
     model: u32,
     done: Vec<Vec<u64>>,
     open: Vec<u64>,
 }
 
-impl Parcels {
+impl Chunks {
     /// Adds elements of an array, all of whose bytes are given.
     fn add(&mut self, array: Array, bytes: &[u8], range: &Range<u32>) {
         let mut first = range.start;
         while first < range.end {
             let (from, to) = (first as usize * array.bytes(), range.end as usize * array.bytes());
             let piece = Piece { model: self.model, array, first, bytes: &bytes[from..to] };
-            match write_piece(&mut self.open, PARCEL_WORDS, &piece) {
+            match write_piece(&mut self.open, CHUNK_WORDS, &piece) {
                 0 => self.close(),
                 count => first += count as u32,
             }
