@@ -7,7 +7,8 @@ use crate::case::{Case, Stage};
 use crate::request::{Candidate, Request};
 use body::{BodyView, Kind, Meta};
 use damage::{
-    CandidateHarm, Contact, DeltaV, Note, Party, Place, Range, Ranking, State, Unevaluable, Work,
+    CandidateHarm, Contact, DeltaV, Interval, Note, Party, Place, Range, Ranking, State,
+    Unevaluable,
 };
 use geometry::DVec3;
 use serde::Serialize;
@@ -42,7 +43,7 @@ pub struct Row {
     /// The opposing party's name.
     pub other: String,
     /// The policy's leading measure, over the work interval: [lo, hi].
-    pub work: Work,
+    pub work: Interval,
     /// The same over the model range: [low, high].
     pub range: Range,
     /// Whether the model is sure that it comes before the next.
@@ -70,7 +71,7 @@ pub struct Row {
     /// Change of velocity of the ego and of the other (m/s).
     pub delta_v_m_s: [DeltaV; 2],
     /// Kinetic energy lost (J).
-    pub energy_j: Work,
+    pub energy_j: Interval,
     /// Everybody in this collision.
     pub persons: Vec<PersonRow>,
     /// Set if there are no figures.
@@ -93,7 +94,7 @@ pub struct PersonRow {
     /// The curve.
     pub curve: String,
     /// Probability of injury at the policy's level: [lo, hi].
-    pub work: Work,
+    pub work: Interval,
     /// The same over the model range.
     pub range: Range,
     /// A zone beside the seat is hit.

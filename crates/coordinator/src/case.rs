@@ -9,7 +9,7 @@ use crate::request::Candidate;
 use body::{BodyView, Zones};
 use damage::{Evidence, First, Meeting, Search, Seen, Stop, Stops, Travels};
 use geometry::Supports;
-use protocol::Question;
+use protocol::WireQuestion;
 
 /// What a task is for.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,7 @@ impl Case {
         &mut self,
         candidate: &Candidate,
         task: u32,
-        aims: &mut Vec<(Aim, f64, Question)>,
+        aims: &mut Vec<(Aim, f64, WireQuestion)>,
     ) {
         let Stage::Searching { search, asked } = &mut self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
@@ -92,7 +92,7 @@ impl Case {
             for travel_m in search.wanted() {
                 if !asked.iter().any(|s| s.to_bits() == travel_m.to_bits()) {
                     asked.push(travel_m);
-                    aims.push((Aim::Probe { travel_m }, travel_m, Question::Touches));
+                    aims.push((Aim::Probe { travel_m }, travel_m, WireQuestion::Touches));
                 }
             }
             return;
@@ -102,7 +102,8 @@ impl Case {
             First::At(first_m) => path.survey(first_m),
         };
         for (number, stop) in stops.iter().enumerate() {
-            let question = if stop.patch || stop.depth { Question::Pairs } else { Question::Sets };
+            let question =
+                if stop.patch || stop.depth { WireQuestion::Pairs } else { WireQuestion::Sets };
             aims.push((Aim::Survey { stop: number }, stop.travel_m, question));
         }
         let search = search.clone();

@@ -13,7 +13,7 @@ use damage::curve::{Curve, Unit};
 use damage::dynamics::Response;
 use damage::evidence::Touch;
 use damage::injury::Quantity;
-use damage::{CandidateHarm, Ground, Parameters, RankError, Ranking, Stability, Work};
+use damage::{CandidateHarm, Ground, Interval, Parameters, RankError, Ranking, Stability};
 use serde::Serialize;
 
 /// Everything that the order was made from.
@@ -126,7 +126,7 @@ pub struct PersonChain {
     /// P(0), which the anchoring takes away.
     pub at_rest: f64,
     /// H = (P(x) - P(0))/(1 - P(0)), over open work.
-    pub harm: Work,
+    pub harm: Interval,
     /// R = p H, the risk that ranks.
     pub risk: f64,
     /// The model range of H, and the curves and factors at its ends.
@@ -141,7 +141,7 @@ pub struct PolicyStep {
     /// What is compared.
     pub step: String,
     /// Its value, over open work.
-    pub value: Work,
+    pub value: Interval,
 }
 
 impl Explanation {
@@ -220,7 +220,7 @@ fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chai
         persons: harm.persons.iter().map(|p| person(request, harm, p)).collect(),
         poses: Vec::new(),
         patch_m: patch.map_or([0.0; 4], |patch| {
-            [patch.width_m, patch.span_m, patch.height_m, patch.depth_m].map(Work::hi)
+            [patch.width_m, patch.span_m, patch.height_m, patch.depth_m].map(Interval::hi)
         }),
         steps: Vec::new(),
         why: None,

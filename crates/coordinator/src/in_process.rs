@@ -1,12 +1,12 @@
 //! All jobs in this process, one after the other: no workers, no channels.
 
 use crate::gather::{Part, Rest};
-use crate::work::{Errands, PartOf};
+use crate::work::{PartOf, TaskSource};
 use body::{BodyView, Meta};
 use bvh::{NodePair, Sink};
 use core::ops::ControlFlow;
-use dispatch::{Closed, Spec};
-use executor::{Executor, Job, NotDone, hit};
+use dispatch::{Closed, Job};
+use executor::{Executor, JobInput, NotDone, hit};
 use protocol::Summary;
 use protocol::result::Last;
 use runtime::clock;
@@ -38,20 +38,20 @@ impl Sink for Hits<'_> {
 pub struct InProcessExecutor {
     executor: Executor,
     hits: Vec<u32>,
-    jobs: Vec<Spec>,
+    jobs: Vec<Job>,
 }
 
 /// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs
 /// there were.
-pub fn run_in_process<W: Errands>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
+pub fn run_in_process<W: TaskSource>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
     run_watched(work, bodies, |_, _| {})
 }
 
 /// The same, and tells `watch` what each job said of itself before it is folded.
-pub fn run_watched<W: Errands>(
+pub fn run_watched<W: TaskSource>(
     work: &mut W,
     bodies: &[(Meta, BodyView<'_>)],
-    watch: impl FnMut(&Spec, &Summary),
+    watch: impl FnMut(&Job, &Summary),
 ) -> u64 {
     InProcessExecutor::with_room_for(bodies).work_off_watched(work, watch)
 }
@@ -70,14 +70,14 @@ impl InProcessExecutor {
     }
 
     /// Runs a request to its end, or as far as it is wanted. Returns how many jobs there were.
-    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> u64 {
+    pub fn work_off<W: TaskSource>(&mut self, work: &mut W) -> u64 {
         self.work_off_watched(work, |_, _| {})
     }
 
-    fn work_off_watched<W: Errands>(
+    fn work_off_watched<W: TaskSource>(
         &mut self,
         work: &mut W,
-        mut watch: impl FnMut(&Spec, &Summary),
+        mut watch: impl FnMut(&Job, &Summary),
     ) -> u64 {
         let mut jobs = std::mem::take(&mut self.jobs);
         let mut count = 0;
@@ -105,16 +105,16 @@ impl InProcessExecutor {
     }
 
     /// Does one job, unless the answer is due before it is done: then it stays open.
-    pub(crate) fn run<W: Errands>(
+    pub(crate) fn run<W: TaskSource>(
         &mut self,
         work: &mut W,
-        job: &Spec,
-        watch: &mut impl FnMut(&Spec, &Summary),
+        job: &Job,
+        watch: &mut impl FnMut(&Job, &Summary),
     ) {
         let begun_ns = clock::now_ns();
         let Some(task) = work.task(job.task) else { return };
         let start = NodePair { a: job.a.node, b: job.b.node };
-        let asked = Job { start, budget: work.budget() };
+        let asked = JobInput { start, budget: work.budget() };
         self.hits.clear();
         let mut sink = Hits { hits: &mut self.hits, due_ns: work.deadline_ns() };
         let done = match self.executor.execute(task, |model| work.body(model), asked, &mut sink) {

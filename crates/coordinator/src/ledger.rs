@@ -4,10 +4,10 @@
 //! depends on the order in which answers came in. So a ledger can be replayed in any order.
 
 use crate::case::Aim;
-use crate::work::Errand;
-use dispatch::{Closed, Spec};
+use crate::work::TaskState;
+use dispatch::{Closed, Job};
 use protocol::TaskId;
-use record::{End, Job, Moment, Place};
+use record::{End, Moment, Place, RecordedJob};
 use runtime::clock;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +17,7 @@ pub struct Ledger {
     /// Questions that were asked, in that order. A question without a job was answered by asking.
     pub places: Vec<Place>,
     /// Jobs, in the order in which they were closed.
-    pub jobs: Vec<Job>,
+    pub jobs: Vec<RecordedJob>,
     /// What was known over time.
     pub moments: Vec<Moment>,
     /// Number in `places` of each task that was asked.
@@ -37,7 +37,7 @@ impl Ledger {
     }
 
     /// A question is asked: from now on there are its jobs, which may be none.
-    pub(crate) fn ask(&mut self, task: TaskId, errand: &Errand) {
+    pub(crate) fn ask(&mut self, task: TaskId, errand: &TaskState) {
         let task = task.0 as usize;
         self.of_task.resize(self.of_task.len().max(task + 1), None);
         self.of_task[task] = Some(self.places.len() as u32);
@@ -45,14 +45,14 @@ impl Ledger {
     }
 
     /// A job of a question that was asked has ended.
-    pub(crate) fn close(&mut self, job: &Spec, how: Closed) {
+    pub(crate) fn close(&mut self, job: &Job, how: Closed) {
         let Some(place) = self.of_task.get(job.task.0 as usize).copied().flatten() else { return };
         let end = match how {
             Closed::Done => End::Done,
             Closed::Cut => End::Cut,
             Closed::Abandoned | Closed::Late => End::Abandoned,
         };
-        self.jobs.push(Job { place, a: job.a.node, b: job.b.node, end });
+        self.jobs.push(RecordedJob { place, a: job.a.node, b: job.b.node, end });
     }
 
     pub(crate) fn note(&mut self, state: String, work: Vec<[f64; 2]>) {
@@ -61,7 +61,7 @@ impl Ledger {
     }
 }
 
-impl Errand {
+impl TaskState {
     /// What this errand asks, without its number.
     fn place(&self) -> Place {
         let is_survey = matches!(self.aim, Aim::Survey { .. });
@@ -90,7 +90,7 @@ impl Asked {
     }
 
     /// Whether it was asked.
-    pub(crate) fn has(&self, errand: &Errand) -> bool {
+    pub(crate) fn has(&self, errand: &TaskState) -> bool {
         self.0.contains(&errand.key())
     }
 }
@@ -100,8 +100,8 @@ impl Asked {
 pub(crate) struct Ends(BTreeMap<(Key, (u32, u32)), End>);
 
 impl Ends {
-    pub(crate) fn of(places: &[Place], jobs: &[Job]) -> Self {
-        let one = |job: &Job| {
+    pub(crate) fn of(places: &[Place], jobs: &[RecordedJob]) -> Self {
+        let one = |job: &RecordedJob| {
             let asked = key(places.get(job.place as usize)?);
             Some(((asked, (job.a, job.b)), job.end))
         };
@@ -109,7 +109,7 @@ impl Ends {
     }
 
     /// How a job ended; `None` if it never did.
-    pub(crate) fn end(&self, errand: &Errand, job: &Spec) -> Option<End> {
+    pub(crate) fn end(&self, errand: &TaskState, job: &Job) -> Option<End> {
         self.0.get(&(errand.key(), (job.a.node, job.b.node))).copied()
     }
 }

@@ -6,7 +6,7 @@
 //!                                                  |  follow-up tasks          |  worker processes
 //!                                                  +---------- fold <--hits----+  run_in_process:
 //!                                                                                 here, one by one
-//! Work::finish --> damage::assess, damage::rank --> Answer
+//! RankingRun::finish --> damage::assess, damage::rank --> Answer
 //! ```
 //!
 //! # Invariants
@@ -56,7 +56,7 @@ pub use strategy::{Prospect, Pursuit, Strategy};
 pub use terms::{Terms, Until};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{Chance, Flaw, Verdict, trial};
-pub use work::{Certainty, Effort, Errands, PartOf, Room, Work};
+pub use work::{Certainty, Effort, PartOf, RankingRun, Room, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;
 pub use worker_pool::{

@@ -4,12 +4,12 @@
 //! its own descents and folds, so that a measurement can say where the time went.
 
 use crate::gather::{Gathered, SetSummary};
-use crate::work::{Errands, PartOf};
+use crate::work::{PartOf, TaskSource};
 use body::BodyView;
 use bvh::{Counters, NodePair, front, section};
-use dispatch::{Closed, Spec};
+use dispatch::{Closed, Job};
 use geometry::{DVec3, RelativePose};
-use protocol::{Question, Section, Task, TaskId};
+use protocol::{Section, TaskId, WireQuestion, WireTask};
 use runtime::clock;
 
 /// What was found at one pose.
@@ -37,7 +37,7 @@ pub struct Spent {
 /// One pose at work.
 #[derive(Debug, Default)]
 struct Pose {
-    wire: Option<Task>,
+    wire: Option<WireTask>,
     open: u32,
     gathered: Option<Gathered>,
     found: Option<PoseFound>,
@@ -63,10 +63,10 @@ impl<'w> PairWork<'w> {
     /// Nothing done yet.
     #[must_use]
     pub fn new(bodies: [BodyView<'w>; 2], poses: &[RelativePose], depth: u32) -> Self {
-        let wire = |(number, pose): (usize, &RelativePose)| Task {
+        let wire = |(number, pose): (usize, &RelativePose)| WireTask {
             model_a: 0,
             model_b: 1,
-            question: Question::Pairs as u32,
+            question: WireQuestion::Pairs as u32,
             task: number as u32,
             rotation: pose.rotation,
             translation: pose.translation,
@@ -101,7 +101,7 @@ impl<'w> PairWork<'w> {
         self.poses.iter().map(|pose| pose.descent_nb).collect()
     }
 
-    fn descend(&mut self, number: usize, jobs: &mut Vec<Spec>) {
+    fn descend(&mut self, number: usize, jobs: &mut Vec<Job>) {
         let [a, b] = &self.bodies;
         let Some(wire) = self.poses[number].wire else { return };
         let pose = RelativePose { rotation: wire.rotation, translation: wire.translation };
@@ -109,7 +109,7 @@ impl<'w> PairWork<'w> {
         self.fronts.clear();
         front(a, b, &pose, self.depth, &mut self.fronts, &mut counters);
         let section = |model, node| Section { model, node };
-        jobs.extend(self.fronts.iter().map(|pair| Spec {
+        jobs.extend(self.fronts.iter().map(|pair| Job {
             task: TaskId(number as u32),
             a: section(0, pair.a),
             b: section(1, pair.b),
@@ -137,8 +137,8 @@ impl<'w> PairWork<'w> {
     }
 }
 
-impl Errands for PairWork<'_> {
-    fn task(&self, task: TaskId) -> Option<&Task> {
+impl TaskSource for PairWork<'_> {
+    fn task(&self, task: TaskId) -> Option<&WireTask> {
         self.poses.get(task.0 as usize)?.wire.as_ref()
     }
 
@@ -147,10 +147,10 @@ impl Errands for PairWork<'_> {
     }
 }
 
-impl dispatch::Work for PairWork<'_> {
+impl dispatch::JobSource for PairWork<'_> {
     type Part<'p> = PartOf<'p>;
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         let begun_ns = clock::now_ns();
         while jobs.is_empty() && self.next < self.poses.len() {
             self.next += 1;
@@ -163,7 +163,7 @@ impl dispatch::Work for PairWork<'_> {
         false
     }
 
-    fn fold(&mut self, job: &Spec, part: PartOf<'_>) {
+    fn fold(&mut self, job: &Job, part: PartOf<'_>) {
         let begun_ns = clock::now_ns();
         let gathered = self.poses.get_mut(job.task.0 as usize).and_then(|p| p.gathered.as_mut());
         let is_sound = gathered.is_some_and(|gathered| gathered.fold(part.0, &mut self.jobs));
@@ -171,7 +171,7 @@ impl dispatch::Work for PairWork<'_> {
         self.spent.fold_ns += clock::now_ns() - begun_ns;
     }
 
-    fn close(&mut self, job: &Spec, how: Closed) {
+    fn close(&mut self, job: &Job, how: Closed) {
         self.is_unknown |= matches!(how, Closed::Abandoned | Closed::Late);
         let Some(pose) = self.poses.get_mut(job.task.0 as usize) else { return };
         pose.open -= 1;

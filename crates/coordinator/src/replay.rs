@@ -2,10 +2,10 @@
 
 use crate::in_process::InProcessExecutor;
 use crate::ledger::{Asked, Ends};
-use crate::work::Work;
+use crate::work::RankingRun;
 use body::{BodyView, Meta};
-use dispatch::{Closed, Work as _};
-use record::{End, Job, Place};
+use dispatch::{Closed, JobSource as _};
+use record::{End, Place, RecordedJob};
 
 /// Asks what a ledger says was asked, does the jobs that were done, gives up those that were given
 /// up, and leaves open what never ended. Returns how many jobs were done.
@@ -13,10 +13,10 @@ use record::{End, Job, Place};
 /// Evidence is made from unions and maxima, so the order in which the jobs once ended is of no
 /// account.
 pub fn replay(
-    work: &mut Work<'_>,
+    work: &mut RankingRun<'_>,
     bodies: &[(Meta, BodyView<'_>)],
     places: &[Place],
-    jobs: &[Job],
+    jobs: &[RecordedJob],
 ) -> u64 {
     let ends = Ends::of(places, jobs);
     work.ask_only(Asked::of(places));

@@ -1,7 +1,7 @@
 //! What is to be seen of each candidate once the work is done: how bodies lie, what is hit.
 
 use crate::case::Stage;
-use crate::work::Work;
+use crate::work::RankingRun;
 use geometry::RelativePose;
 
 /// One candidate, as a picture shows it.
@@ -20,7 +20,7 @@ pub struct Scene {
     pub hits: [Vec<u32>; 2],
 }
 
-impl Work<'_> {
+impl RankingRun<'_> {
     /// Every candidate, in the order of the request.
     #[must_use]
     pub fn scenes(&self) -> Vec<Scene> {

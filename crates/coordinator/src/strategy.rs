@@ -7,7 +7,7 @@
 //! Bandits*, ICML 2012), with proven intervals in the place of confidence.
 
 use core::fmt::Debug;
-use damage::Work;
+use damage::Interval;
 use damage::evidence::Touch;
 
 /// One candidate, as a strategy sees it.
@@ -20,7 +20,7 @@ pub struct Prospect {
     /// Whether its bodies touch.
     pub touch: Touch,
     /// What the policy compares first that is undecided.
-    pub compared: Work,
+    pub compared: Interval,
     /// Jobs handed out so far.
     pub jobs: u64,
 }

@@ -14,11 +14,11 @@ use crate::request::{Request, RequestError};
 use crate::run_in_process;
 use crate::strategy::Pursuit;
 use crate::terms::Terms;
-use crate::work::Work;
+use crate::work::RankingRun;
 use body::{BodyView, Meta};
-use damage::{AssessError, Bounds, CandidateHarm, Ranking, State, Work as Interval};
+use damage::{AssessError, Bounds, CandidateHarm, Interval, Ranking, State};
 use damage::{bounds, needs_high};
-use dispatch::{Closed, Work as _};
+use dispatch::{Closed, JobSource as _};
 use geometry::hash::splitmix64;
 
 /// A bound that is wrong on purpose.
@@ -130,7 +130,7 @@ pub fn trial(
     (seed, stops): (u64, u64),
     flaw: Option<Flaw>,
 ) -> Result<Verdict, RequestError> {
-    let mut whole = Work::new(request, bodies, depth);
+    let mut whole = RankingRun::new(request, bodies, depth);
     let jobs = run_in_process(&mut whole, bodies).max(1);
     let mut trial = Trial { last: whole.judge()?, before: None, verdict: Verdict::default() };
     let mut chance = Chance::new(seed);
@@ -138,7 +138,7 @@ pub fn trial(
     let budget = [u64::MAX, 10_000, 30_000][chance.below(3) as usize];
     let loses = [0, 0, 0, 200, 20][chance.below(5) as usize];
     let terms = Terms { pursuit, budget, ..Terms::default() };
-    let mut work = Work::new(request, bodies, depth).with_terms(terms);
+    let mut work = RankingRun::new(request, bodies, depth).with_terms(terms);
     let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     trial.look(&work, flaw)?;
@@ -169,7 +169,7 @@ pub fn trial(
 
 impl Trial {
     /// Looks at the answer as it would be now.
-    fn look(&mut self, work: &Work<'_>, flaw: Option<Flaw>) -> Result<(), RequestError> {
+    fn look(&mut self, work: &RankingRun<'_>, flaw: Option<Flaw>) -> Result<(), RequestError> {
         let now = match flaw {
             None => work.judge()?,
             Some(flaw) => flawed(work, flaw)?,
@@ -247,7 +247,11 @@ impl Trial {
     }
 
     /// What is kept while jobs finish says nothing that the answer does not say.
-    fn hold_standing(&mut self, work: &Work<'_>, (harms, ranking): &(Vec<CandidateHarm>, Ranking)) {
+    fn hold_standing(
+        &mut self,
+        work: &RankingRun<'_>,
+        (harms, ranking): &(Vec<CandidateHarm>, Ranking),
+    ) {
         let Some(standing) = work.standing() else { return };
         if standing.settled > ranking.settled {
             let (kept, said) = (standing.settled, ranking.settled);
@@ -267,7 +271,7 @@ impl Trial {
 }
 
 /// The bounds of a candidate, made from all that is known now.
-fn bounds_of(work: &Work<'_>, k: usize) -> Result<Bounds, AssessError> {
+fn bounds_of(work: &RankingRun<'_>, k: usize) -> Result<Bounds, AssessError> {
     let request = work.request();
     let high = needs_high(&request.policy);
     let encounter = request.candidates[k].encounter();
@@ -280,7 +284,10 @@ fn steps(ranking: &Ranking, k: usize) -> &[Interval] {
     place.map_or(&[], |place| &place.steps)
 }
 
-fn flawed(work: &Work<'_>, flaw: Flaw) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+fn flawed(
+    work: &RankingRun<'_>,
+    flaw: Flaw,
+) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
     match flaw {
         Flaw::ForgetsOpenPoses => work.judge_by(
             |case| {

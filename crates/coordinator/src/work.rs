@@ -7,11 +7,11 @@ use crate::strategy::Strategy;
 use crate::terms::Terms;
 use body::{BodyView, Meta};
 use bvh::{Counters, NodePair, front, section};
-use dispatch::{Closed, Spec};
+use dispatch::{Closed, Job};
 use geometry::RelativePose;
 use geometry::hash::splitmix64;
 use outlook::Outlook;
-use protocol::{Question, Section, Task, TaskId};
+use protocol::{Section, TaskId, WireQuestion, WireTask};
 use room::Spare;
 use std::collections::VecDeque;
 
@@ -22,15 +22,15 @@ mod keep;
 mod outlook;
 mod room;
 
-pub(crate) use errand::Errand;
 pub use errand::PartOf;
+pub(crate) use errand::TaskState;
 pub use outlook::Certainty;
 pub use room::Room;
 
 /// Work that workers can do: its tasks travel, and its results come as parts of messages.
-pub trait Errands: for<'p> dispatch::Work<Part<'p> = PartOf<'p>> {
+pub trait TaskSource: for<'p> dispatch::JobSource<Part<'p> = PartOf<'p>> {
     /// The task as it travels; `None` if there is no such task.
-    fn task(&self, task: TaskId) -> Option<&Task>;
+    fn task(&self, task: TaskId) -> Option<&WireTask>;
     /// The body of this number.
     fn body(&self, model: u32) -> Option<BodyView<'_>>;
 
@@ -61,20 +61,20 @@ pub struct Effort {
     pub jobs: Counters,
 }
 
-/// A request at work. Whoever runs the jobs drives it through [`dispatch::Work`].
+/// A request at work. Whoever runs the jobs drives it through [`dispatch::JobSource`].
 #[derive(Debug)]
-pub struct Work<'w> {
+pub struct RankingRun<'w> {
     request: &'w Request,
     bodies: &'w [(Meta, BodyView<'w>)],
     /// Per body, the zones that its triangles belong to.
     zones: Vec<u16>,
     depth: u32,
     cases: Vec<Case>,
-    errands: Vec<Errand>,
+    errands: Vec<TaskState>,
     /// Tasks with jobs to hand out, in the order in which they were asked for.
     waiting: VecDeque<u32>,
     pairs: Vec<NodePair>,
-    aims: Vec<(Aim, f64, Question)>,
+    aims: Vec<(Aim, f64, WireQuestion)>,
     /// Jobs there are, those included that were never handed out.
     slots: usize,
     effort: Effort,
@@ -88,7 +88,7 @@ pub struct Work<'w> {
     asked: Option<Asked>,
 }
 
-impl<'w> Work<'w> {
+impl<'w> RankingRun<'w> {
     /// Nothing done yet. `bodies` are those of the scenario's parties, in their order.
     #[must_use]
     pub fn new(request: &'w Request, bodies: &'w [(Meta, BodyView<'w>)], depth: u32) -> Self {
@@ -171,7 +171,7 @@ impl<'w> Work<'w> {
             let z = candidate.approach.directions.d[damage::approach::UP];
             let pose = candidate.pose.moved(-u * travel_m);
             let task = self.errands.len() as u32;
-            let wire = Task {
+            let wire = WireTask {
                 model_a: candidate.model_a,
                 model_b: candidate.model_b,
                 question: question as u32,
@@ -191,7 +191,7 @@ impl<'w> Work<'w> {
         self.aims = aims;
     }
 
-    fn views(&self, task: &Task) -> (&'w BodyView<'w>, &'w BodyView<'w>) {
+    fn views(&self, task: &WireTask) -> (&'w BodyView<'w>, &'w BodyView<'w>) {
         (&self.bodies[task.model_a as usize].1, &self.bodies[task.model_b as usize].1)
     }
 
@@ -214,7 +214,7 @@ impl<'w> Work<'w> {
     }
 
     /// Hands out jobs of a task, as many as the strategy gives away at once.
-    fn hand_out(&mut self, number: u32, jobs: &mut Vec<Spec>) {
+    fn hand_out(&mut self, number: u32, jobs: &mut Vec<Job>) {
         if !self.errands[number as usize].is_descended {
             self.descend(number);
         }
@@ -224,7 +224,7 @@ impl<'w> Work<'w> {
         let keep = errand.todo.len().saturating_sub(stride);
         for pair in errand.todo.drain(keep..).rev() {
             errand.out.push_back(pair);
-            jobs.push(Spec {
+            jobs.push(Job {
                 task: TaskId(number),
                 a: section(errand.wire.model_a, pair.a),
                 b: section(errand.wire.model_b, pair.b),
@@ -246,7 +246,7 @@ impl<'w> Work<'w> {
             for pair in dropped.iter().rev() {
                 let a = section(errand.wire.model_a, pair.a);
                 let b = section(errand.wire.model_b, pair.b);
-                ledger.close(&Spec { task: TaskId(number), a, b }, Closed::Cut);
+                ledger.close(&Job { task: TaskId(number), a, b }, Closed::Cut);
             }
         }
         dropped.clear();
@@ -325,12 +325,12 @@ impl<'w> Work<'w> {
 /// Jobs that a request may have in all: what would be more stays open.
 const SLOTS_MAX: usize = 4 * bvh::front::PAIRS_MAX;
 
-fn pose_of(wire: &Task) -> RelativePose {
+fn pose_of(wire: &WireTask) -> RelativePose {
     RelativePose { rotation: wire.rotation, translation: wire.translation }
 }
 
-impl Errands for Work<'_> {
-    fn task(&self, task: TaskId) -> Option<&Task> {
+impl TaskSource for RankingRun<'_> {
+    fn task(&self, task: TaskId) -> Option<&WireTask> {
         self.errands.get(task.0 as usize).map(|errand| &errand.wire)
     }
 
@@ -356,10 +356,10 @@ impl Errands for Work<'_> {
     }
 }
 
-impl dispatch::Work for Work<'_> {
+impl dispatch::JobSource for RankingRun<'_> {
     type Part<'p> = PartOf<'p>;
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         while jobs.is_empty() && !self.outlook.is_decided() {
             let Some(number) = self.choose() else { return };
             self.hand_out(number, jobs);
@@ -370,7 +370,7 @@ impl dispatch::Work for Work<'_> {
         self.outlook.is_decided() || self.errands[task.0 as usize].is_obsolete
     }
 
-    fn fold(&mut self, job: &Spec, part: PartOf<'_>) {
+    fn fold(&mut self, job: &Job, part: PartOf<'_>) {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         let Some(found) = &mut errand.found else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
@@ -394,7 +394,7 @@ impl dispatch::Work for Work<'_> {
         }
     }
 
-    fn close(&mut self, job: &Spec, how: Closed) {
+    fn close(&mut self, job: &Job, how: Closed) {
         let Some(errand) = self.errands.get_mut(job.task.0 as usize) else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
         // Jobs end about in the order in which they went out.
@@ -427,8 +427,8 @@ impl dispatch::Work for Work<'_> {
     }
 
     /// Bodies, pose and nodes: what the kernel is asked, whatever the request.
-    fn key(&self, job: &Spec) -> Option<u64> {
-        let Task { model_a, model_b, question, rotation, translation, .. } =
+    fn key(&self, job: &Job) -> Option<u64> {
+        let WireTask { model_a, model_b, question, rotation, translation, .. } =
             self.errands.get(job.task.0 as usize)?.wire;
         let numbers = [model_a, model_b, question, job.a.node, job.b.node].map(u64::from);
         let pose = rotation.as_flattened().iter().chain(&translation).map(|value| value.to_bits());

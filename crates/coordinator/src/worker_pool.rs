@@ -39,7 +39,7 @@ pub use options::Options;
 pub use preflight::{MissingRequirement, preflight};
 pub use report::{Duty, Hardware, Share, WorkerPoolReport, WorkerReport};
 
-use crate::work::{Errands, PartOf};
+use crate::work::{PartOf, TaskSource};
 use chunk::Outgoing;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
@@ -172,7 +172,10 @@ impl WorkerPool {
     /// # Errors
     ///
     /// If no worker is left and no deadline says when to answer all the same, or a signal came.
-    pub fn run<W: Errands>(&mut self, work: &mut W) -> Result<WorkerPoolReport, WorkerPoolError> {
+    pub fn run<W: TaskSource>(
+        &mut self,
+        work: &mut W,
+    ) -> Result<WorkerPoolReport, WorkerPoolError> {
         self.work_off(work)?;
         Ok(self.report())
     }
@@ -182,7 +185,7 @@ impl WorkerPool {
     /// # Errors
     ///
     /// As [`WorkerPool::run`].
-    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<(), WorkerPoolError> {
+    pub fn work_off<W: TaskSource>(&mut self, work: &mut W) -> Result<(), WorkerPoolError> {
         let mut effects = std::mem::take(&mut self.effects);
         effects.clear();
         let done = self.work_off_by(work, &mut effects);
@@ -195,7 +198,7 @@ impl WorkerPool {
         self.workers.iter().map(|worker| worker.share(&self.status))
     }
 
-    fn work_off_by<W: Errands>(
+    fn work_off_by<W: TaskSource>(
         &mut self,
         work: &mut W,
         effects: &mut Vec<Effect>,
@@ -311,7 +314,7 @@ impl WorkerPool {
     }
 
     /// One event, and everything that follows from it.
-    fn step<W: Errands>(
+    fn step<W: TaskSource>(
         &mut self,
         event: Event<PartOf<'_>>,
         work: &mut W,

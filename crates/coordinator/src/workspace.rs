@@ -10,7 +10,7 @@
 use crate::in_process::InProcessExecutor;
 use crate::request::{Candidates, Request, RequestError};
 use crate::terms::Terms;
-use crate::work::{Errands, Room, Work};
+use crate::work::{RankingRun, Room, TaskSource};
 use crate::worker_pool::{Share, WorkerPool, WorkerPoolError, WorkerPoolReport};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
@@ -115,7 +115,7 @@ impl Backend {
     /// # Errors
     ///
     /// As [`WorkerPool::run`]; never without worker processes.
-    pub fn work_off<W: Errands>(&mut self, work: &mut W) -> Result<u64, WorkerPoolError> {
+    pub fn work_off<W: TaskSource>(&mut self, work: &mut W) -> Result<u64, WorkerPoolError> {
         match self {
             Self::Workers(worker_pool) => worker_pool.work_off(work).map(|()| 0),
             Self::InProcess(executor) => Ok(executor.work_off(work)),
@@ -168,7 +168,7 @@ impl Workspace {
         inquiry: Inquiry<'_>,
         terms: impl FnOnce() -> Terms,
         backend: &mut Backend,
-        read: impl FnOnce(&mut Work<'_>, Course) -> T,
+        read: impl FnOnce(&mut RankingRun<'_>, Course) -> T,
     ) -> Result<T, RankError> {
         let Inquiry { scenario, models, rules, ledger } = inquiry;
         let candidates = core::mem::take(&mut self.candidates);
@@ -180,7 +180,8 @@ impl Workspace {
             candidates,
         )?;
         let room = core::mem::take(&mut self.room);
-        let mut work = Work::in_room(&request, stage.bodies, stage.depth, room).with_terms(terms());
+        let mut work =
+            RankingRun::in_room(&request, stage.bodies, stage.depth, room).with_terms(terms());
         if ledger {
             work = work.with_ledger();
         }

@@ -13,7 +13,7 @@ use crate::dynamics::{ParameterError, Parameters, Response};
 use crate::evidence::{Evidence, Touch};
 use crate::harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 use crate::injury::{Curves, MissingCurve};
-use crate::interval::{Range, Work};
+use crate::interval::{Interval, Range};
 use crate::party::{Party, PartyError, PersonId};
 use crate::path::Meeting;
 use crash::Crash;
@@ -116,15 +116,15 @@ pub fn assess_in(
     let mut harm = CandidateHarm {
         probability,
         closing_m_s: approach.closing_m_s + 0.0,
-        normal_m_s: Work::ZERO,
-        tangential_m_s: Work::ZERO,
+        normal_m_s: Interval::ZERO,
+        tangential_m_s: Interval::ZERO,
         contact: Contact { touch, near_miss, hull_gap_m: gap + 0.0, patch: None },
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
         levers_m: [[0.0; 2]; 2],
         crush: None,
         force_degrees: [0.0; 2],
-        energy_j: Work::ZERO,
+        energy_j: Interval::ZERO,
         persons,
         coarse_path: matches!(meeting, Meeting::Path(path) if path.coarse),
         concave,
@@ -133,11 +133,12 @@ pub fn assess_in(
     };
     if *meeting == Meeting::AlreadyOverlapping {
         harm.unevaluable = Some(Unevaluable::AlreadyOverlapping);
-        harm.energy_j = Work::new(0.0, crash.energy_at_most());
+        harm.energy_j = Interval::new(0.0, crash.energy_at_most());
     } else if touch != Touch::No {
         crash.describe(&mut harm);
     } else if near_miss {
-        harm.delta_v = [0, 1].map(|p| DeltaV { work: Work::ZERO, range: crash.delta_v_range(p) });
+        harm.delta_v =
+            [0, 1].map(|p| DeltaV { work: Interval::ZERO, range: crash.delta_v_range(p) });
     }
     for (party, body) in [a, b].into_iter().enumerate() {
         for person in &body.persons {
@@ -147,7 +148,7 @@ pub fn assess_in(
                 one.range = Range::new(one.range.low(), one.range.high().max(high));
             }
             if harm.unevaluable.is_some() {
-                (one.work, one.range) = (Work::new(0.0, 1.0), Range::new(0.0, 1.0));
+                (one.work, one.range) = (Interval::new(0.0, 1.0), Range::new(0.0, 1.0));
                 one.high_at_least = 0.0;
             } else if touch == Touch::No && !near_miss {
                 (one.range, one.high_at_least, one.intrusion) = (Range::ZERO, 0.0, false);

@@ -11,7 +11,7 @@
 
 use crate::approach::{Approach, HORIZONTAL, QUARTER, UP, cosine, opposite, turn};
 use crate::evidence::{Evidence, Touch};
-use crate::interval::Work;
+use crate::interval::Interval;
 use crate::party::Party;
 use crate::path::{PATCH_M, Path};
 use geometry::{DVec3, Supports};
@@ -41,11 +41,11 @@ pub(crate) struct Normals {
 /// Where things happen along the path (m), as far as the first contact is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Places {
-    pub(crate) first: Work,
-    pub(crate) patch_end: Work,
-    pub(crate) crush_end: Work,
+    pub(crate) first: Interval,
+    pub(crate) patch_end: Interval,
+    pub(crate) crush_end: Interval,
     /// Half way through the patch: where lever arms are measured.
-    pub(crate) middle: Work,
+    pub(crate) middle: Interval,
 }
 
 /// The contact of one candidate, as far as it is known.
@@ -65,7 +65,7 @@ pub struct Contact {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Patch {
     /// Travel of the first contact.
-    pub first_m: Work,
+    pub first_m: Interval,
     /// Nominal normal, from A to B, A's frame.
     pub normal: [f64; 3],
     /// Its angle from u, −180 to 180 degrees, positive to the left of u.
@@ -75,15 +75,15 @@ pub struct Patch {
     /// Middle of the patch in A's frame, when half of it has come to be.
     pub centre_m: [f64; 3],
     /// Length across the normal.
-    pub width_m: Work,
+    pub width_m: Interval,
     /// Length upwards.
-    pub height_m: Work,
+    pub height_m: Interval,
     /// Length along the normal.
-    pub span_m: Work,
+    pub span_m: Interval,
     /// Overlap of the hulls along the normal at pose r.
-    pub penetration_m: Work,
+    pub penetration_m: Interval,
     /// The larger of the hulls' overlap and of the hits' length along the normal, at pose e.
-    pub depth_m: Work,
+    pub depth_m: Interval,
     /// Bits of the zones hit: of A, of B.
     pub zones: [u16; 2],
     /// Bits of the zones that may be hit.
@@ -111,7 +111,7 @@ impl Normals {
     pub(crate) fn between(approach: &Approach, from_m: f64, to_m: f64, raise_m: f64) -> Self {
         let overlap = |i: usize| {
             let at = |s: f64| approach.penetration(i, s) + raise_m;
-            Work::new(at(from_m), at(to_m))
+            Interval::new(at(from_m), at(to_m))
         };
         // Overlaps are linear in travel, so their least value at any travel lies between these.
         let (least, most) = (0..HORIZONTAL)
@@ -140,14 +140,14 @@ impl Places {
     /// Where bodies that touch nowhere would touch if poses were off by `pose_error_m`.
     pub(crate) fn missed(approach: &Approach, pose_error_m: f64) -> Self {
         let first = approach.entry(pose_error_m);
-        let r = Work::exactly(first + PATCH_M);
-        let first = Work::exactly(first);
+        let r = Interval::exactly(first + PATCH_M);
+        let first = Interval::exactly(first);
         Self { first, patch_end: r, crush_end: r, middle: first }
     }
 
     /// Along a path, for what is known of the first contact.
     pub(crate) fn along(path: &Path, first_m: (f64, f64)) -> Self {
-        let first = Work::new(first_m.0, first_m.1);
+        let first = Interval::new(first_m.0, first_m.1);
         let patch_end = first.map(|f| path.patch_end(f));
         Self {
             first,
@@ -161,10 +161,10 @@ impl Places {
 /// Where the centre of a body stands along direction `i` in the frame half way between the bodies.
 ///
 /// `sign` is +1 for A, −1 for B.
-fn centre(approach: &Approach, centre_m: DVec3, i: usize, sign: f64, middle: Work) -> Work {
+fn centre(approach: &Approach, centre_m: DVec3, i: usize, sign: f64, middle: Interval) -> Interval {
     let along = centre_m.dot(approach.directions.d[i]);
     let moved = |s: f64| along + sign * 0.5 * s * cosine(i);
-    Work::new(moved(middle.lo()), moved(middle.hi()))
+    Interval::new(moved(middle.lo()), moved(middle.hi()))
 }
 
 /// Distances of both bodies' centres from the middle of the patch: across and along normal `i` (m).
@@ -172,10 +172,10 @@ pub(crate) fn levers(
     approach: &Approach,
     evidence: &Evidence,
     reach: &Supports,
-    middle: Work,
+    middle: Interval,
     parties: [&Party; 2],
     i: usize,
-) -> [[Work; 2]; 2] {
+) -> [[Interval; 2]; 2] {
     let distance = |party: &Party, sign: f64, d: usize| {
         let patch = evidence.middle(d, opposite(d), reach);
         patch.distance(centre(approach, party.centre_m, d, sign, middle))
@@ -193,14 +193,14 @@ pub(crate) fn describe(
     normals: &Normals,
 ) -> Option<Patch> {
     let &n = normals.nominal.first()?;
-    let hull = |over: &[usize], of: &dyn Fn(usize) -> Work| {
-        over.iter().map(|&i| of(i)).reduce(Work::hull).unwrap_or(Work::ZERO)
+    let hull = |over: &[usize], of: &dyn Fn(usize) -> Interval| {
+        over.iter().map(|&i| of(i)).reduce(Interval::hull).unwrap_or(Interval::ZERO)
     };
     let over = &normals.nominal;
-    let overlap = |at: Work| {
+    let overlap = |at: Interval| {
         hull(over, &|i| {
             let a = approach.penetration(i, at.lo()).max(0.0);
-            Work::new(a, approach.penetration(i, at.hi()).max(0.0))
+            Interval::new(a, approach.penetration(i, at.hi()).max(0.0))
         })
     };
     // The pose e may lie beyond the patch, where the hulls reach further into each other.
@@ -208,7 +208,7 @@ pub(crate) fn describe(
     let end_span = hull(over, &|i| evidence.end_span(i, opposite(i), &end_reach));
     let end_overlap = overlap(places.crush_end);
     let d = &approach.directions.d;
-    let mid = |w: Work| 0.5 * (w.lo() + w.hi());
+    let mid = |w: Interval| 0.5 * (w.lo() + w.hi());
     let t = across(n);
     let middle_of = |i: usize, minus: usize| mid(evidence.middle(i, minus, reach));
     let [c_n, c_t] = [n, t].map(|i| {
@@ -226,7 +226,7 @@ pub(crate) fn describe(
         height_m: evidence.span(UP, UP + 1, reach),
         span_m: hull(over, &|i| evidence.span(i, opposite(i), reach)),
         penetration_m: overlap(places.patch_end),
-        depth_m: Work::new(
+        depth_m: Interval::new(
             end_overlap.lo().max(end_span.lo()),
             end_overlap.hi().max(end_span.hi()),
         ),

@@ -8,7 +8,7 @@
 //! It is shown beside the depth and never ranks: depth comes from a given pose and speed, not from
 //! how far bodies really yield, so a mismatch says that pose and speed do not go together.
 
-use crate::interval::Work;
+use crate::interval::Interval;
 use serde::Serialize;
 
 /// Crush and depth further apart than this do not go together (m); our assumption.
@@ -42,7 +42,7 @@ impl Crush {
         bodies: [Option<Option<Stiffness>>; 2],
         energy_j: f64,
         width_m: f64,
-        depth_m: Work,
+        depth_m: Interval,
     ) -> Option<Self> {
         let mut softness = 0.0;
         for stiffness in bodies.iter().flatten() {

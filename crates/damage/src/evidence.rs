@@ -11,7 +11,7 @@
 //! It does not know where the hulls are: [`crate::contact`] joins the two.
 
 use crate::approach::{HORIZONTAL, cosine};
-use crate::interval::Work;
+use crate::interval::Interval;
 use body::Zones;
 use geometry::Supports;
 use geometry::support::DIRECTIONS;
@@ -181,24 +181,24 @@ impl Evidence {
     /// The middle of the patch between two opposed directions (m), half-way frame.
     ///
     /// `reach` bounds the patch whatever the jobs say ([`crate::Approach::reach`]).
-    pub(crate) fn middle(&self, plus: usize, minus: usize, reach: &Supports) -> Work {
+    pub(crate) fn middle(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
         let ([in_plus, in_minus], [out_plus, out_minus]) =
             self.ends(|seen| &seen.patch, plus, minus, reach);
         if in_plus.is_finite() && in_minus.is_finite() {
-            return Work::new(0.5 * (in_plus - out_minus), 0.5 * (out_plus - in_minus));
+            return Interval::new(0.5 * (in_plus - out_minus), 0.5 * (out_plus - in_minus));
         }
-        Work::new(-out_minus, out_plus)
+        Interval::new(-out_minus, out_plus)
     }
 
     /// The length of the patch between two opposed directions (m).
-    pub(crate) fn span(&self, plus: usize, minus: usize, reach: &Supports) -> Work {
+    pub(crate) fn span(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
         self.length(|seen| &seen.patch, plus, minus, reach)
     }
 
     /// The length of the hits at the last pose between two opposed directions (m).
-    pub(crate) fn end_span(&self, plus: usize, minus: usize, reach: &Supports) -> Work {
+    pub(crate) fn end_span(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
         if !self.is_open && !has_points(&self.inner.end) {
-            return Work::ZERO;
+            return Interval::ZERO;
         }
         self.length(|seen| &seen.end, plus, minus, reach)
     }
@@ -209,11 +209,11 @@ impl Evidence {
         plus: usize,
         minus: usize,
         reach: &Supports,
-    ) -> Work {
+    ) -> Interval {
         let ([in_plus, in_minus], [out_plus, out_minus]) = self.ends(of, plus, minus, reach);
         let least = in_plus + in_minus;
         let least = if least.is_finite() { least.max(0.0) } else { 0.0 };
-        Work::new(least, (out_plus + out_minus).max(least))
+        Interval::new(least, (out_plus + out_minus).max(least))
     }
 
     /// Inner and outer supports in two opposed directions; without open work they are the same

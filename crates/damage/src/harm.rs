@@ -9,7 +9,7 @@ use crate::crush::Crush;
 use crate::dynamics::Response;
 use crate::evidence::Touch;
 use crate::injury::{Quantity, Victim};
-use crate::interval::{Range, Work};
+use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use body::Seat;
 use serde::Serialize;
@@ -31,9 +31,9 @@ pub struct PersonHarm {
     /// The quantity it is a function of ...
     pub x: Quantity,
     /// ... and its value (m/s).
-    pub x_m_s: Work,
+    pub x_m_s: Interval,
     /// Probability of injury at the policy's level, given the collision.
-    pub work: Work,
+    pub work: Interval,
     /// The same, over the model range.
     pub range: Range,
     /// The least that the upper end of `range` can come down to when all work is done.
@@ -48,7 +48,7 @@ pub struct PersonHarm {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DeltaV {
     /// With nominal parameters.
-    pub work: Work,
+    pub work: Interval,
     /// With restitution, friction, masses, gyration, speed and normal at their ends.
     pub range: Range,
 }
@@ -69,9 +69,9 @@ pub struct CandidateHarm {
     /// Horizontal closing speed |v_rel| (m/s).
     pub closing_m_s: f64,
     /// Closing speed along the nominal normal, v_n (m/s).
-    pub normal_m_s: Work,
+    pub normal_m_s: Interval,
     /// Sliding speed across it, v_t (m/s).
-    pub tangential_m_s: Work,
+    pub tangential_m_s: Interval,
     /// What the contact is like.
     pub contact: Contact,
     /// Change of velocity: of A, of B.
@@ -85,7 +85,7 @@ pub struct CandidateHarm {
     /// Where the force comes from in each body's frame (degrees from forward, left positive).
     pub force_degrees: [f64; 2],
     /// Kinetic energy lost (J): the measure of property damage.
-    pub energy_j: Work,
+    pub energy_j: Interval,
     /// Everybody in either party; all other persons of the request are untouched.
     pub persons: Vec<PersonHarm>,
     /// The limit on poses made the path coarse.

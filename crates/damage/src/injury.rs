@@ -8,7 +8,7 @@
 //! A person without a curve is refused, never given another's. Age and sex do not occur.
 
 use crate::curve::{Curve, Level};
-use crate::interval::Work;
+use crate::interval::Interval;
 use serde::{Deserialize, Serialize};
 
 mod load;
@@ -199,9 +199,9 @@ impl Curves {
 
     /// Nominal risk between the speeds of two ends of open work.
     #[must_use]
-    pub fn work(&self, rung: &Rung, least: &Speeds, most: &Speeds) -> Work {
+    pub fn work(&self, rung: &Rung, least: &Speeds, most: &Speeds) -> Interval {
         let curve = self.nominal(rung);
-        Work::new(curve.risk(least.get(rung.x)), curve.risk(most.get(rung.x)))
+        Interval::new(curve.risk(least.get(rung.x)), curve.risk(most.get(rung.x)))
     }
 
     /// Lower end of the model range, clipped to the ladder: never below that of a severer level.

@@ -1,6 +1,6 @@
 //! The two kinds of interval that every figure carries, as two types, so that nobody mixes them.
 //!
-//! [`Work`] is a proven bound: nominal parameters, and whatever the unfinished jobs may still find.
+//! [`Interval`] is a proven bound: nominal parameters, and whatever the unfinished jobs may still find.
 //! Its width is 0 when all jobs are done; it alone decides the order and how finished an answer is.
 //! [`Range`] is what experts think of the model: parameters and curves at the worst end of the open
 //! work. It proves nothing; it alone decides whether a difference is certain or a tie.
@@ -12,7 +12,7 @@ use serde::Serialize;
 /// The work interval `[lo, hi]`: holds the value that the finished run will have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(into = "[f64; 2]")]
-pub struct Work {
+pub struct Interval {
     lo: f64,
     hi: f64,
 }
@@ -32,7 +32,7 @@ fn ends(a: f64, b: f64) -> (f64, f64) {
     (lo.min(hi) + 0.0, lo.max(hi) + 0.0)
 }
 
-impl Work {
+impl Interval {
     /// Exactly zero.
     pub const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
 
@@ -130,13 +130,13 @@ impl Range {
 
     /// This range, widened where needed so that it contains `work`, as it must.
     #[must_use]
-    pub fn around(self, work: Work) -> Self {
+    pub fn around(self, work: Interval) -> Self {
         Self { low: self.low.min(work.lo), high: self.high.max(work.hi) }
     }
 }
 
-impl From<Work> for [f64; 2] {
-    fn from(work: Work) -> Self {
+impl From<Interval> for [f64; 2] {
+    fn from(work: Interval) -> Self {
         [work.lo, work.hi]
     }
 }

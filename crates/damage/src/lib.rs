@@ -82,7 +82,7 @@
 //!
 //! # Invariants
 //!
-//! - A [`Work`] interval is proven and only nests; a [`Range`] is an expert range around it. They
+//! - A [`Interval`] interval is proven and only nests; a [`Range`] is an expert range around it. They
 //!   never mix: `assess/tests.rs`.
 //! - Merging evidence twice, or in another order, changes nothing: `evidence/tests.rs`.
 //! - No contact is exactly 0 for everybody, and ranks like any other candidate: `assess/tests.rs`.
@@ -125,7 +125,7 @@ pub use evidence::{Evidence, Seen, Touch};
 pub use fault::Fault;
 pub use harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 pub use injury::{Curves, MissingCurve, Victim};
-pub use interval::{Range, Work};
+pub use interval::{Interval, Range};
 pub use party::{Aboard, Party, PartyError, PersonId, occupants};
 pub use path::{Apart, Meeting, Path, Stop, Stops, Travels, plan};
 pub use policy::Policy;

@@ -13,7 +13,7 @@
 //! changes a candidate's figures.
 
 use crate::harm::CandidateHarm;
-use crate::interval::{Range, Work};
+use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use crate::policy::{Policy, Step, TieBreak};
 use crate::rule::{Measure, Rule, Stake};
@@ -40,7 +40,7 @@ pub struct Scratch {
     figures: Vec<Figures>,
     steps: Vec<Step>,
     /// Those of places that are not needed now.
-    spare: Vec<Vec<Work>>,
+    spare: Vec<Vec<Interval>>,
 }
 
 /// The first so many of a list that only grows.
@@ -141,11 +141,11 @@ pub struct Place {
     /// Number of the candidate in the request.
     pub candidate: usize,
     /// The leading measure, over the work interval.
-    pub work: Work,
+    pub work: Interval,
     /// The leading measure, over the model range.
     pub range: Range,
     /// Every step's measure over the work interval, in the order of the steps.
-    pub steps: Vec<Work>,
+    pub steps: Vec<Interval>,
     /// Whether the model itself is sure that this comes before the next: their model ranges are
     /// further apart than the leading tolerance.
     pub certain: bool,
@@ -274,7 +274,7 @@ impl Order<'_> {
     fn write(
         &self,
         candidates: &[CandidateHarm],
-        spare: &mut Vec<Vec<Work>>,
+        spare: &mut Vec<Vec<Interval>>,
         ranking: &mut Ranking,
     ) {
         let mut left: Each<usize> = (0..candidates.len()).collect();
@@ -364,13 +364,13 @@ impl Order<'_> {
     }
 
     /// A measure of a candidate over its work intervals.
-    fn over(&self, measure: &Measure, k: usize) -> Work {
+    fn over(&self, measure: &Measure, k: usize) -> Interval {
         let figures = &self.figures[k];
         measure.over(&figures.risks, figures.energy_j, self.stakes).map(rounded)
     }
 
     /// The leading measure of a candidate, over work and over the model, and its tolerance.
-    fn leading(&self, k: usize) -> (Work, Range, f64) {
+    fn leading(&self, k: usize) -> (Interval, Range, f64) {
         let first = self.steps.iter().find_map(|step| match step {
             Step::Least { measure, tolerance } => Some((measure, *tolerance)),
             Step::Accept { .. } => None,
@@ -382,7 +382,7 @@ impl Order<'_> {
         (work, Range::new(model.lo(), model.hi()).around(work), tolerance)
     }
 
-    fn place(&self, round: &Round, next: Option<usize>, mut steps: Vec<Work>) -> Place {
+    fn place(&self, round: &Round, next: Option<usize>, mut steps: Vec<Interval>) -> Place {
         let k = round.winner;
         let (work, range, tolerance) = self.leading(k);
         let over = |step: &Step| match step {

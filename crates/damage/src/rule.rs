@@ -4,7 +4,7 @@
 //! that rise in every R_i, an interval is the rule at both ends; equality does not, and gets its
 //! own. A rule looks at one candidate alone, so no candidate's figures depend on the others.
 
-use crate::interval::Work;
+use crate::interval::Interval;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
@@ -163,20 +163,21 @@ impl Measure {
 
     /// The interval of its values over all risks and energies within the given intervals.
     #[must_use]
-    pub fn over(&self, risks: &[Work], energy_j: Work, stakes: &[Stake]) -> Work {
+    pub fn over(&self, risks: &[Interval], energy_j: Interval, stakes: &[Stake]) -> Interval {
         if let Self::Rule(Rule::Equality) = self {
-            let end =
-                |of: fn(Work) -> f64| pairs(risks.len(), |i, j| of(risks[i].distance(risks[j])));
-            return Work::new(end(Work::lo), end(Work::hi));
+            let end = |of: fn(Interval) -> f64| {
+                pairs(risks.len(), |i, j| of(risks[i].distance(risks[j])))
+            };
+            return Interval::new(end(Interval::lo), end(Interval::hi));
         }
         let end =
-            |of: fn(Work) -> f64| self.of(risks.len(), |i| of(risks[i]), of(energy_j), stakes);
-        let (lo, hi) = (end(Work::lo), end(Work::hi));
+            |of: fn(Interval) -> f64| self.of(risks.len(), |i| of(risks[i]), of(energy_j), stakes);
+        let (lo, hi) = (end(Interval::lo), end(Interval::hi));
         match self {
             Self::Weighted(_) if risks.iter().any(|r| !r.is_settled()) => {
-                Work::new(lo - SUM_SLACK, hi + SUM_SLACK)
+                Interval::new(lo - SUM_SLACK, hi + SUM_SLACK)
             }
-            _ => Work::new(lo, hi),
+            _ => Interval::new(lo, hi),
         }
     }
 }

@@ -31,7 +31,7 @@ pub use counts::{Counts, Fence};
 pub use event::{Effect, Entry, Event, Progress, Why};
 #[cfg(feature = "faults")]
 pub use flaw::Flaw;
-pub use job::{Closed, Spec, Work};
+pub use job::{Closed, Job, JobSource};
 
 use crate::ledger::{Cache, Ledger, Thrash, Transfer};
 use crate::quarantine::Quarantine;
@@ -70,7 +70,7 @@ enum Taken {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Slot {
-    spec: Spec,
+    spec: Job,
     state: State,
     attempt: u8,
     blame: u8,
@@ -105,7 +105,7 @@ pub struct Dispatcher<S> {
     ledger: Ledger,
     log: Option<Vec<Entry>>,
     counts: Counts,
-    fresh: Vec<Spec>,
+    fresh: Vec<Job>,
     views: Vec<CoreView>,
     spare: Spare,
     #[cfg(feature = "faults")]
@@ -207,7 +207,7 @@ impl<S: Scheme> Dispatcher<S> {
 
     /// The job's spec; `None` if there is no such job.
     #[must_use]
-    pub fn spec(&self, job: JobId) -> Option<&Spec> {
+    pub fn spec(&self, job: JobId) -> Option<&Job> {
         self.slots.get(job.0 as usize).map(|slot| &slot.spec)
     }
 
@@ -243,7 +243,7 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// Takes one event at `now_ns` [ns, monotonic], asks `work` for jobs, and says what to do.
-    pub fn step<W: Work>(
+    pub fn step<W: JobSource>(
         &mut self,
         now_ns: u64,
         event: Event<W::Part<'_>>,
@@ -300,7 +300,7 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// The fence, and what lies behind it.
-    fn take<W: Work>(
+    fn take<W: JobSource>(
         &mut self,
         from: Incarnation,
         job: JobId,
@@ -342,7 +342,7 @@ impl<S: Scheme> Dispatcher<S> {
         Taken::Well
     }
 
-    fn close<W: Work>(&mut self, job: JobId, how: Closed, work: &mut W) {
+    fn close<W: JobSource>(&mut self, job: JobId, how: Closed, work: &mut W) {
         let slot = &mut self.slots[job.0 as usize];
         slot.state = State::Closed;
         let spec = slot.spec;
@@ -357,7 +357,7 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// Keeps about as many jobs pending as all queues hold: descents are made when needed.
-    fn refill<W: Work>(&mut self, now_ns: u64, work: &mut W) {
+    fn refill<W: JobSource>(&mut self, now_ns: u64, work: &mut W) {
         let enough = self.queues.capacity as usize * self.cores.len();
         while self.pending.len() < enough && !self.is_over {
             work.more(&mut self.fresh);
@@ -384,7 +384,7 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// Places pending jobs until no core is eligible.
-    fn assign<W: Work>(&mut self, now_ns: u64, work: &mut W, effects: &mut Vec<Effect>) {
+    fn assign<W: JobSource>(&mut self, now_ns: u64, work: &mut W, effects: &mut Vec<Effect>) {
         for core in &mut self.cores {
             core.look(now_ns);
         }

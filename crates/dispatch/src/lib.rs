@@ -2,7 +2,7 @@
 //!
 //! A state machine: events in (time, result, death, silence), effects out (send, kill). It owns no
 //! clock, no thread and no channel, so the live coordinator and a simulator drive the same code. It
-//! asks a small trait, [`Work`], for jobs and hands it what they found; it does not know what a
+//! asks a small trait, [`JobSource`], for jobs and hands it what they found; it does not know what a
 //! triangle or a harm is.
 //!
 //! # Invariants
@@ -27,7 +27,7 @@ mod supervise;
 #[cfg(feature = "faults")]
 pub use dispatcher::Flaw;
 pub use dispatcher::{
-    Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Progress, Queues, Spec, Why, Work,
+    Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Job, JobSource, Progress, Queues, Why,
 };
 pub use ledger::{Cache, Ledger, Thrash, Transfer};
 pub use restart::{Intensity, Leave, Restarts};

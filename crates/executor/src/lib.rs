@@ -1,7 +1,7 @@
 //! One job of a task, done: the same in a worker and in the coordinator's own process.
 //!
 //! ```text
-//! protocol::Task + bodies by number --> bvh::Task --Kernel::run--> hits: to the caller's sink
+//! protocol::WireTask + bodies by number --> bvh::Task --Kernel::run--> hits: to the caller's sink
 //!                                                                  rest: Summary, supports, pairs
 //! ```
 //!
@@ -18,7 +18,7 @@ use body::{BodyView, Meta};
 use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
 use geometry::{Directions, RelativePose};
 use protocol::result::{End, SUPPORTS};
-use protocol::{Side, Summary, Task};
+use protocol::{Side, Summary, WireTask};
 
 /// Scratch for jobs, and what was made ready for the task at hand. Kept from job to job and from
 /// request to request, it takes nothing from the heap while bodies are no larger.
@@ -41,7 +41,7 @@ struct Prepared {
 
 /// Part of a task: everything below a pair of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Job {
+pub struct JobInput {
     /// Where it starts.
     pub start: NodePair,
     /// Most tests of boxes and triangles that it may take.
@@ -98,15 +98,16 @@ impl Executor {
     /// If the job names what does not exist, or the sink said stop.
     pub fn execute<'b>(
         &mut self,
-        task: &Task,
+        task: &WireTask,
         body: impl Fn(u32) -> Option<BodyView<'b>>,
-        job: Job,
+        job: JobInput,
         sink: &mut dyn Sink,
     ) -> Result<Done, NotDone> {
-        let question = protocol::Question::from_number(task.question).ok_or(NotDone::Unknown)?;
+        let question =
+            protocol::WireQuestion::from_number(task.question).ok_or(NotDone::Unknown)?;
         let a = body(task.model_a).ok_or(NotDone::Unknown)?;
         let b = body(task.model_b).ok_or(NotDone::Unknown)?;
-        let Job { start, budget } = job;
+        let JobInput { start, budget } = job;
         if start.a as usize >= a.nodes.len() || start.b as usize >= b.nodes.len() {
             return Err(NotDone::Unknown);
         }
@@ -116,9 +117,11 @@ impl Executor {
             self.kernel.ensure_room(0, 0, triangles, triangles);
         }
         let (question, directions) = match question {
-            protocol::Question::Touches => (Question::Touches, None),
-            protocol::Question::Sets => (Question::Sets, None),
-            protocol::Question::Pairs => (Question::Pairs, directions(&mut self.prepared, task)),
+            protocol::WireQuestion::Touches => (Question::Touches, None),
+            protocol::WireQuestion::Sets => (Question::Sets, None),
+            protocol::WireQuestion::Pairs => {
+                (Question::Pairs, directions(&mut self.prepared, task))
+            }
         };
         let has_supports = directions.is_some();
         let pose = RelativePose { rotation: task.rotation, translation: task.translation };
@@ -145,7 +148,7 @@ fn extent(bodies: &[(Meta, BodyView<'_>)]) -> (u32, usize) {
 }
 
 /// The directions of a task: made once for all jobs of it that follow each other.
-fn directions<'p>(prepared: &'p mut Option<Prepared>, task: &Task) -> Option<&'p Directions> {
+fn directions<'p>(prepared: &'p mut Option<Prepared>, task: &WireTask) -> Option<&'p Directions> {
     let of = [task.u, task.z].map(|vector| vector.map(f64::to_bits));
     if prepared.as_ref().is_none_or(|made| made.of != of) {
         let directions = Directions::around(task.u.into(), task.z.into());

@@ -23,14 +23,14 @@ impl Sink for Ear {
     }
 }
 
-const ALL: Job = Job { start: NodePair::ROOTS, budget: u64::MAX };
+const ALL: JobInput = JobInput { start: NodePair::ROOTS, budget: u64::MAX };
 
 fn bodies() -> [Body; 2] {
     [40, 24].map(|count| body_of(&mesh_of(strip(count))))
 }
 
-fn task(question: protocol::Question, u: [f64; 3]) -> Task {
-    Task {
+fn task(question: protocol::WireQuestion, u: [f64; 3]) -> WireTask {
+    WireTask {
         model_a: 0,
         model_b: 1,
         question: question as u32,
@@ -45,7 +45,7 @@ fn task(question: protocol::Question, u: [f64; 3]) -> Task {
 /// A job's summary without its time, its supports, its hits and what it left open.
 type Found = (Summary, Option<[f64; SUPPORTS]>, Vec<u32>, Vec<NodePair>);
 
-fn run(executor: &mut Executor, bodies: &[Body; 2], task: &Task, job: Job) -> Found {
+fn run(executor: &mut Executor, bodies: &[Body; 2], task: &WireTask, job: JobInput) -> Found {
     let body = |number: u32| bodies.get(number as usize).map(Body::view);
     let mut ear = Ear::default();
     let done = executor.execute(task, body, job, &mut ear).expect("it exists");
@@ -56,14 +56,14 @@ fn run(executor: &mut Executor, bodies: &[Body; 2], task: &Task, job: Job) -> Fo
 #[test]
 fn what_does_not_exist_is_refused() {
     let bodies = bodies();
-    let good = task(protocol::Question::Sets, [1.0, 0.0, 0.0]);
+    let good = task(protocol::WireQuestion::Sets, [1.0, 0.0, 0.0]);
     let nodes = bodies.each_ref().map(|body| body.nodes.len() as u32);
     let mut executor = Executor::with_room_for(&[]);
-    let start = |a, b| Job { start: NodePair { a, b }, budget: 100 };
+    let start = |a, b| JobInput { start: NodePair { a, b }, budget: 100 };
     for (task, job) in [
-        (Task { model_a: 2, ..good }, ALL),
-        (Task { model_b: u32::MAX, ..good }, ALL),
-        (Task { question: 0, ..good }, ALL),
+        (WireTask { model_a: 2, ..good }, ALL),
+        (WireTask { model_b: u32::MAX, ..good }, ALL),
+        (WireTask { question: 0, ..good }, ALL),
         (good, start(nodes[0], 0)),
         (good, start(0, nodes[1])),
     ] {
@@ -87,16 +87,16 @@ fn a_job_finds_the_same_whatever_was_done_before_it() {
     for budget in [u64::MAX, 1] {
         for u in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {
             for question in [
-                protocol::Question::Pairs,
-                protocol::Question::Touches,
-                protocol::Question::Sets,
-                protocol::Question::Pairs,
+                protocol::WireQuestion::Pairs,
+                protocol::WireQuestion::Touches,
+                protocol::WireQuestion::Sets,
+                protocol::WireQuestion::Pairs,
             ] {
-                let (task, job) = (task(question, u), Job { budget, ..ALL });
+                let (task, job) = (task(question, u), JobInput { budget, ..ALL });
                 let found = run(&mut kept, &bodies, &task, job);
                 let fresh = run(&mut Executor::with_room_for(&[]), &bodies, &task, job);
                 assert_eq!(found, fresh, "{question:?} {u:?} {budget}");
-                assert_eq!(found.1.is_some(), question == protocol::Question::Pairs);
+                assert_eq!(found.1.is_some(), question == protocol::WireQuestion::Pairs);
                 assert!(found.3.is_empty() == (found.0.hits > 0), "{found:?}");
                 assert_eq!(found.0.rest, found.3.len() as u64);
                 let end = if found.3.is_empty() { End::Complete } else { End::OutOfBudget };

@@ -13,7 +13,7 @@ use bytemuck::{Pod, Zeroable};
 /// What is asked about a pair of bodies at one pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
-pub enum Question {
+pub enum WireQuestion {
     /// Is there any hit? The first one ends the job.
     Touches = 1,
     /// Which triangles are hit?
@@ -22,7 +22,7 @@ pub enum Question {
     Pairs = 3,
 }
 
-impl Question {
+impl WireQuestion {
     /// The question with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
@@ -33,12 +33,12 @@ impl Question {
 /// A task as it travels: 160 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Task {
+pub struct WireTask {
     /// Number of body A in the model store.
     pub model_a: u32,
     /// Number of body B.
     pub model_b: u32,
-    /// A [`Question`].
+    /// A [`WireQuestion`].
     pub question: u32,
     /// Number of the task within the request.
     pub task: u32,
@@ -55,7 +55,7 @@ pub struct Task {
 /// A job as it travels: 32 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Job {
+pub struct WireJob {
     /// Slot in the request's job table.
     pub job: u32,
     /// Index of its task within this batch.
@@ -72,9 +72,9 @@ pub struct Job {
     pub spare: u32,
 }
 
-const TASK_WORDS: usize = size_of::<Task>() / 8;
-const JOB_WORDS: usize = size_of::<Job>() / 8;
-const _: () = assert!(size_of::<Task>() == 160 && size_of::<Job>() == 32);
+const TASK_WORDS: usize = size_of::<WireTask>() / 8;
+const JOB_WORDS: usize = size_of::<WireJob>() / 8;
+const _: () = assert!(size_of::<WireTask>() == 160 && size_of::<WireJob>() == 32);
 
 /// Words that a batch of so many tasks and jobs takes.
 #[must_use]
@@ -83,7 +83,7 @@ pub const fn batch_words(tasks: usize, jobs: usize) -> usize {
 }
 
 /// Lays a batch out in `words`, which is cleared first.
-pub fn write_batch(words: &mut Vec<u64>, tasks: &[Task], jobs: &[Job]) {
+pub fn write_batch(words: &mut Vec<u64>, tasks: &[WireTask], jobs: &[WireJob]) {
     words.clear();
     words.push(tasks.len() as u64 | (jobs.len() as u64) << 32);
     words.extend_from_slice(bytemuck::cast_slice(tasks));
@@ -93,7 +93,7 @@ pub fn write_batch(words: &mut Vec<u64>, tasks: &[Task], jobs: &[Job]) {
 /// Reads a batch; `None` if the counts do not fit the words, or a job names a task that is not
 /// here.
 #[must_use]
-pub fn read_batch(words: &[u64]) -> Option<(&[Task], &[Job])> {
+pub fn read_batch(words: &[u64]) -> Option<(&[WireTask], &[WireJob])> {
     let (counts, rest) = words.split_first()?;
     let (tasks, jobs) = ((counts & 0xffff_ffff) as usize, (counts >> 32) as usize);
     let split = tasks.checked_mul(TASK_WORDS)?;
@@ -101,7 +101,7 @@ pub fn read_batch(words: &[u64]) -> Option<(&[Task], &[Job])> {
         return None;
     }
     let (head, tail) = rest.split_at(split);
-    let batch: (&[Task], &[Job]) =
+    let batch: (&[WireTask], &[WireJob]) =
         (bytemuck::try_cast_slice(head).ok()?, bytemuck::try_cast_slice(tail).ok()?);
     batch.1.iter().all(|job| (job.task as usize) < tasks).then_some(batch)
 }

@@ -28,7 +28,7 @@ pub mod status;
 pub use chunk::{Array, Piece};
 pub use head::{Head, Kind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
-pub use job::{Job, Question, Task};
+pub use job::{WireJob, WireQuestion, WireTask};
 pub use launch::Launch;
 #[cfg(feature = "faults")]
 pub use order::{Misdeed, Order};

@@ -119,7 +119,7 @@ pub enum End {
 
 /// A job of the ledger. Jobs that are not in it were open when the answer was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Job {
+pub struct RecordedJob {
     /// Number in [`Record::places`].
     pub place: u32,
     /// Node of the ego's tree.
@@ -195,7 +195,7 @@ pub struct Record {
     /// answered by asking: nothing was near enough.
     pub places: Vec<Place>,
     /// The ledger, in the order in which jobs were closed.
-    pub jobs: Vec<Job>,
+    pub jobs: Vec<RecordedJob>,
     /// What was known over time.
     pub moments: Vec<Moment>,
     /// Jobs on workers; empty without workers. No answer depends on it.

@@ -28,7 +28,7 @@ mod named;
 
 pub use chain::{Chain, ChainError};
 pub use content::{
-    Body, Edge, End, Job, Mode, Moment, Place, Record, Settings, Source, Span, Stage, Text,
+    Body, Edge, End, Mode, Moment, Place, Record, RecordedJob, Settings, Source, Span, Stage, Text,
     hash_of_text,
 };
 pub use file::{Link, RecordError, decode, encode};

@@ -150,7 +150,7 @@ impl Machine<'_> {
         for effect in effects {
             // Nothing goes wrong here, so nobody is killed.
             let Effect::Send { to, jobs, fetch, .. } = effect else { continue };
-            let weight = |section| dispatch::Work::weight(&self.replay, section) as f64;
+            let weight = |section| dispatch::JobSource::weight(&self.replay, section) as f64;
             let fetched: f64 = fetch.into_iter().map(weight).sum();
             let loaded = if self.copies { fetched } else { 0.0 };
             self.work(

@@ -1,6 +1,6 @@
 //! What a real run did: its tasks and their jobs, in the order of their descents.
 
-use dispatch::{Closed, Spec, Work};
+use dispatch::{Closed, Job, JobSource};
 use protocol::{Section, TaskId};
 use std::collections::BTreeMap;
 
@@ -58,15 +58,15 @@ impl<'t> Replay<'t> {
     }
 }
 
-impl Work for Replay<'_> {
+impl JobSource for Replay<'_> {
     type Part<'p> = ();
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         while jobs.is_empty()
             && let Some(task) = self.trace.tasks.get(self.next)
         {
             let number = TaskId(self.next as u32);
-            jobs.extend(task.jobs.iter().map(|job| Spec { task: number, a: job.a.0, b: job.b.0 }));
+            jobs.extend(task.jobs.iter().map(|job| Job { task: number, a: job.a.0, b: job.b.0 }));
             self.next += 1;
             self.descents = (self.descents.0 + 1, self.descents.1 + task.descent_nb);
         }
@@ -76,9 +76,9 @@ impl Work for Replay<'_> {
         false
     }
 
-    fn fold(&mut self, _: &Spec, (): ()) {}
+    fn fold(&mut self, _: &Job, (): ()) {}
 
-    fn close(&mut self, _: &Spec, _: Closed) {}
+    fn close(&mut self, _: &Job, _: Closed) {}
 
     fn weight(&self, section: Section) -> u64 {
         self.weights.get(&section).copied().unwrap_or(0)

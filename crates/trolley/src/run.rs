@@ -1,7 +1,7 @@
 //! How the work was done: everything beside the answer, which does not depend on it.
 
 use body::Build;
-use coordinator::{Certainty, Work, WorkerPoolReport, WorkerReport};
+use coordinator::{Certainty, RankingRun, WorkerPoolReport, WorkerReport};
 use core::time::Duration;
 use record::Mode;
 use scenario::Scheme;
@@ -128,7 +128,7 @@ impl Kept {
 
 impl Run {
     /// Adds what the work itself counted.
-    pub(crate) fn with_effort(self, work: &Work<'_>) -> Self {
+    pub(crate) fn with_effort(self, work: &RankingRun<'_>) -> Self {
         let effort = work.effort();
         let [winner_certain, order_certain] = certain(work);
         Self {
@@ -166,7 +166,7 @@ impl Run {
 
 /// When winner and order were certain.
 #[must_use]
-pub fn certain(work: &Work<'_>) -> [Option<Certain>; 2] {
+pub fn certain(work: &RankingRun<'_>) -> [Option<Certain>; 2] {
     let effort = work.effort();
     let all = (effort.descent.tests() + effort.jobs.tests()).max(1) as f64;
     let one = |certainty: Certainty| Certain {

@@ -10,7 +10,7 @@ use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use executor::{Done, hit};
 use protocol::result::{write_hit, write_last, write_rest};
-use protocol::{CoordinatorLine, Head, Incarnation, Job, Kind, RequestId};
+use protocol::{CoordinatorLine, Head, Incarnation, Kind, RequestId, WireJob};
 use protocol::{WorkerLine, launch, status};
 use runtime::clock;
 use transport::{OpenMessage, Sender, UseError};
@@ -98,7 +98,7 @@ impl<'w> Outlet<'w> {
 pub(crate) struct Answer<'w> {
     outlet: &'w Outlet<'w>,
     request: RequestId,
-    job: Job,
+    job: WireJob,
     message: Option<OpenMessage<'w>>,
     hits: usize,
     hits_before: u32,
@@ -109,7 +109,7 @@ pub(crate) struct Answer<'w> {
 }
 
 impl<'w> Answer<'w> {
-    pub(crate) fn new(outlet: &'w Outlet<'w>, request: RequestId, job: Job) -> Self {
+    pub(crate) fn new(outlet: &'w Outlet<'w>, request: RequestId, job: WireJob) -> Self {
         Self {
             outlet,
             request,
@@ -238,7 +238,7 @@ impl Sink for Answer<'_> {
 pub(crate) struct Started<'w>(&'w WorkerLine);
 
 impl<'w> Started<'w> {
-    pub(crate) fn new(outlet: &Outlet<'w>, request: RequestId, job: &Job) -> Self {
+    pub(crate) fn new(outlet: &Outlet<'w>, request: RequestId, job: &WireJob) -> Self {
         let number = protocol::JobId(job.job);
         let word = status::started(outlet.who, request, number, job.attempt as u8);
         outlet.line.started.store(word, Ordering::SeqCst);

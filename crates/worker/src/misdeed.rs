@@ -6,7 +6,7 @@
 use crate::answer::Outlet;
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
-use protocol::{Head, Job, Misdeed, Order};
+use protocol::{Head, Misdeed, Order, WireJob};
 use runtime::{clock, futex, process};
 use transport::{OpenMessage, UseError};
 
@@ -24,11 +24,11 @@ pub(crate) struct Orders {
 
 impl Orders {
     /// Does what is due now that this job is started. Returns only from what can be survived.
-    pub(crate) fn obey(&mut self, outlet: &Outlet<'_>, job: &Job) -> Result<(), UseError> {
+    pub(crate) fn obey(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Result<(), UseError> {
         self.due(outlet, job).map_or(Ok(()), |order| commit(order, outlet))
     }
 
-    fn due(&mut self, outlet: &Outlet<'_>, job: &Job) -> Option<Order> {
+    fn due(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Option<Order> {
         let word = outlet.coordinator.order.load(Ordering::Relaxed);
         if let Some(order) = Order::from_word(word).filter(|order| order.sequence != self.seen) {
             self.seen = order.sequence;

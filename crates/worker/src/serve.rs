@@ -10,7 +10,7 @@ use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use diagnostic::Diagnostic;
 use executor::{Executor, NotDone};
-use protocol::{Head, Job, Kind, Launch, Reject, RequestId, State, Task, job, launch};
+use protocol::{Head, Kind, Launch, Reject, RequestId, State, WireJob, WireTask, job, launch};
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use transport::{Domain, Sizes, UseError, WorkerLink};
@@ -217,14 +217,14 @@ impl<'w> Desk<'w> {
         Ok(())
     }
 
-    fn run(&mut self, request: RequestId, task: &Task, job: &Job) -> Result<(), UseError> {
+    fn run(&mut self, request: RequestId, task: &WireTask, job: &WireJob) -> Result<(), UseError> {
         let started_ns = clock::now_ns();
         let body = |number: u32| match &self.copies {
             Some(copies) => copies.body(number),
             None => self.bodies.get(number as usize).map(|(_, body)| *body),
         };
         let start = NodePair { a: job.node_a, b: job.node_b };
-        let part = executor::Job { start, budget: job.budget };
+        let part = executor::JobInput { start, budget: job.budget };
         let mut answer = Answer::new(self.outlet, request, *job);
         match self.executor.execute(task, body, part, &mut answer) {
             Ok(done) => answer.finish(&done, self.executor.rest(), started_ns),
@@ -235,7 +235,7 @@ impl<'w> Desk<'w> {
     }
 
     /// Says that a job cannot be run here.
-    fn refuse(&self, request: RequestId, job: &Job) -> Result<(), UseError> {
+    fn refuse(&self, request: RequestId, job: &WireJob) -> Result<(), UseError> {
         let head = self.outlet.head(request, Kind::Nack);
         self.outlet.tell(Head { job: job.job, attempt: job.attempt as u8, ..head })
     }

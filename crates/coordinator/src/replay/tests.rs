@@ -15,7 +15,11 @@ enum Fate {
 }
 
 /// Runs a request, from the last open job to the first, giving up some by a rule, until it is over.
-fn run_badly(work: &mut Work<'_>, bodies: &[(Meta, BodyView<'_>)], mut fate: impl FnMut() -> Fate) {
+fn run_badly(
+    work: &mut RankingRun<'_>,
+    bodies: &[(Meta, BodyView<'_>)],
+    mut fate: impl FnMut() -> Fate,
+) {
     let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     loop {
@@ -49,10 +53,10 @@ fn given_and_again(
     fate: impl FnMut() -> Fate,
 ) -> (Answer, Answer) {
     let terms = Terms { pursuit, ..Terms::default() };
-    let mut work = Work::new(request, bodies, 4).with_terms(terms).with_ledger();
+    let mut work = RankingRun::new(request, bodies, 4).with_terms(terms).with_ledger();
     run_badly(&mut work, bodies, fate);
     let ledger = work.ledger().expect("kept");
-    let mut again = Work::new(request, bodies, 4);
+    let mut again = RankingRun::new(request, bodies, 4);
     replay(&mut again, bodies, &ledger.places, &ledger.jobs);
     (work.answer().expect("sound"), again.answer().expect("sound"))
 }
@@ -60,16 +64,16 @@ fn given_and_again(
 #[test]
 fn a_complete_run_is_replayed_from_its_ledger_alone() {
     with(|request, bodies| {
-        let mut work = Work::new(request, bodies, 4).with_ledger();
+        let mut work = RankingRun::new(request, bodies, 4).with_ledger();
         run_in_process(&mut work, bodies);
         let ledger = work.ledger().expect("kept").clone();
         assert!(ledger.jobs.len() > 50, "{} jobs are too few to tell", ledger.jobs.len());
         assert_eq!(ledger.moments.last().map(|m| m.state.as_str()), Some("complete"));
-        let mut again = Work::new(request, bodies, 4);
+        let mut again = RankingRun::new(request, bodies, 4);
         replay(&mut again, bodies, &ledger.places, &ledger.jobs);
         assert_eq!(again.answer().expect("sound"), work.answer().expect("sound"));
         // Without its last jobs it is another answer, and says that it is not complete.
-        let mut cut = Work::new(request, bodies, 4);
+        let mut cut = RankingRun::new(request, bodies, 4);
         replay(&mut cut, bodies, &ledger.places, &ledger.jobs[..ledger.jobs.len() / 2]);
         assert_ne!(cut.answer().expect("sound").state, damage::State::Complete);
     });
@@ -78,7 +82,7 @@ fn a_complete_run_is_replayed_from_its_ledger_alone() {
 #[test]
 fn work_intervals_only_nest_from_moment_to_moment() {
     with(|request, bodies| {
-        let mut work = Work::new(request, bodies, 3).with_ledger();
+        let mut work = RankingRun::new(request, bodies, 3).with_ledger();
         run_in_process(&mut work, bodies);
         let moments = &work.ledger().expect("kept").moments;
         assert!(moments.len() >= 2);

@@ -4,7 +4,7 @@ use super::*;
 use proptest::prelude::*;
 
 fn prospect(lo: f64, width: f64, has_work: bool, is_possible: bool) -> Prospect {
-    let compared = Work::new(lo, lo + width);
+    let compared = Interval::new(lo, lo + width);
     Prospect { has_work, is_possible, touch: Touch::Yes, compared, jobs: 0 }
 }
 

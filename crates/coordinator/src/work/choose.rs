@@ -1,11 +1,11 @@
 //! Which task the next jobs come from.
 
-use super::Work;
+use super::RankingRun;
 use crate::case::{Aim, Case, Stage};
 use crate::strategy::Prospect;
-use damage::{Work as Interval, needs_high};
+use damage::{Interval, needs_high};
 
-impl Work<'_> {
+impl RankingRun<'_> {
     /// The task whose jobs go out next; `None` if all there are are out.
     pub(super) fn choose(&mut self) -> Option<u32> {
         let first = *self.waiting.front()?;

@@ -5,17 +5,17 @@ use crate::case::Aim;
 use crate::gather::{Gathered, Part, Rest};
 use bvh::NodePair;
 use geometry::Supports;
-use protocol::Task;
+use protocol::WireTask;
 use protocol::result::read_rest;
 use std::collections::VecDeque;
 
 /// One question about one pose of one candidate.
 #[derive(Clone, Debug)]
-pub(crate) struct Errand {
+pub(crate) struct TaskState {
     pub(crate) case: usize,
     pub(crate) aim: Aim,
     pub(crate) travel_m: f64,
-    pub(super) wire: Task,
+    pub(super) wire: WireTask,
     /// The descent was made: jobs exist.
     pub(super) is_descended: bool,
     /// Jobs not handed out yet; the last goes first.
@@ -35,7 +35,7 @@ pub(crate) struct Errand {
     pub(super) reach: Option<(usize, Supports)>,
 }
 
-impl Errand {
+impl TaskState {
     /// Keeps what a part says was left open; it may come again.
     pub(super) fn keep_rest(
         &mut self,

@@ -1,12 +1,12 @@
 //! What is known of the work so far, judged: harm of every candidate, their order, the answer.
 
-use super::Work;
+use super::RankingRun;
 use crate::answer::Answer;
 use crate::brief::{Brief, Judged};
 use crate::request::{Request, RequestError};
 use damage::{Basis, CandidateHarm, Evidence, Ranking, assess_in, rank_in};
 
-impl<'w> Work<'w> {
+impl<'w> RankingRun<'w> {
     /// The answer that follows from what is known by now.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ impl<'w> Work<'w> {
     ///
     /// # Errors
     ///
-    /// As [`Work::answer`].
+    /// As [`RankingRun::answer`].
     pub fn brief<T>(&mut self, of: impl FnOnce(&Brief<'_>) -> T) -> Result<T, RequestError> {
         let mut judged = std::mem::take(&mut self.spare.judged);
         let made = self.judge_in(&mut judged, |case| self.evidence(case), |_| {});

@@ -1,12 +1,12 @@
 //! What is kept of the work for those who ask afterwards: the ledger, and the explanation.
 
-use super::{Errand, Work};
+use super::{RankingRun, TaskState};
 use crate::explain::Explanation;
 use crate::ledger::{Asked, Ledger};
 use crate::request::RequestError;
 use protocol::TaskId;
 
-impl Work<'_> {
+impl RankingRun<'_> {
     /// The same, keeping a ledger of its jobs.
     #[must_use]
     pub fn with_ledger(mut self) -> Self {
@@ -28,7 +28,7 @@ impl Work<'_> {
     }
 
     /// The errand of a task.
-    pub(crate) fn errand(&self, task: TaskId) -> Option<&Errand> {
+    pub(crate) fn errand(&self, task: TaskId) -> Option<&TaskState> {
         self.errands.get(task.0 as usize)
     }
 
@@ -52,7 +52,7 @@ impl Work<'_> {
     ///
     /// # Errors
     ///
-    /// As [`Work::answer`].
+    /// As [`RankingRun::answer`].
     pub fn explanation(&self) -> Result<Explanation, RequestError> {
         let (harms, ranking) = self.judge()?;
         Ok(Explanation::new(self.request, &ranking, &harms, &self.cases)?)

@@ -4,7 +4,7 @@
 //! answered or a good part of its open jobs was done: so what a job's result costs here stays below
 //! what the job cost.
 
-use super::{Effort, Work};
+use super::{Effort, RankingRun};
 use crate::bound::{self, Open};
 use crate::case::Aim;
 use crate::request::Request;
@@ -133,7 +133,7 @@ impl Outlook {
     }
 }
 
-impl Work<'_> {
+impl RankingRun<'_> {
     /// When the winner was certain, and when the order was; `None` if it never was.
     #[must_use]
     pub fn certainties(&self) -> [Option<Certainty>; 2] {
@@ -256,7 +256,7 @@ impl Work<'_> {
     }
 }
 
-impl super::Errand {
+impl super::TaskState {
     /// Jobs whose finds are not known.
     fn open(&self) -> usize {
         self.todo.len() + self.out.len() + self.lost.len()

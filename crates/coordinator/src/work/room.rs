@@ -4,7 +4,7 @@
 //! until the next one of its kind is wanted. Nothing that was found goes from one request to the
 //! next: only capacity, and what depends on the bodies alone.
 
-use super::{Errand, Outlook};
+use super::{Outlook, TaskState};
 use crate::bound;
 use crate::brief::Judged;
 use crate::case::{Aim, Case};
@@ -13,20 +13,20 @@ use crate::request::Request;
 use crate::strategy::Prospect;
 use body::{BodyView, Meta};
 use bvh::NodePair;
-use protocol::{Question, Task};
+use protocol::{WireQuestion, WireTask};
 use std::collections::VecDeque;
 
-/// What [`super::Work::into_room`] gives and [`super::Work::in_room`] takes.
+/// What [`super::RankingRun::into_room`] gives and [`super::RankingRun::in_room`] takes.
 ///
 /// It must not be kept for other bodies: it holds their zones.
 #[derive(Debug, Default)]
 pub struct Room {
     pub(super) zones: Vec<u16>,
     pub(super) cases: Vec<Case>,
-    pub(super) errands: Vec<Errand>,
+    pub(super) errands: Vec<TaskState>,
     pub(super) waiting: VecDeque<u32>,
     pub(super) pairs: Vec<NodePair>,
-    pub(super) aims: Vec<(Aim, f64, Question)>,
+    pub(super) aims: Vec<(Aim, f64, WireQuestion)>,
     pub(super) outlook: Outlook,
     pub(super) spare: Spare,
 }
@@ -35,7 +35,7 @@ pub struct Room {
 #[derive(Debug, Default)]
 pub(super) struct Spare {
     cases: Vec<Case>,
-    errands: Vec<Errand>,
+    errands: Vec<TaskState>,
     pub(super) gathered: Vec<Gathered>,
     pub(super) rests: Vec<Vec<NodePair>>,
     pub(super) prospects: Vec<Prospect>,
@@ -77,8 +77,8 @@ impl Spare {
         &mut self,
         case: usize,
         (aim, travel_m): (Aim, f64),
-        wire: Task,
-    ) -> Errand {
+        wire: WireTask,
+    ) -> TaskState {
         let [mut todo, mut lost] = [Vec::new(), Vec::new()];
         let (mut out, mut rests) = (VecDeque::new(), Vec::new());
         if let Some(used) = self.errands.pop() {
@@ -87,7 +87,7 @@ impl Spare {
             out.clear();
             lost.clear();
         }
-        Errand {
+        TaskState {
             case,
             aim,
             travel_m,

@@ -6,7 +6,7 @@
 
 use super::{Observation, WorkerPool};
 use crate::gather::{Part, Rest};
-use crate::work::{Errands, PartOf};
+use crate::work::{PartOf, TaskSource};
 use dispatch::{Effect, Event, Progress};
 use protocol::result::{read_hits, read_last};
 use protocol::{Head, JobId, Kind, Reject, RequestId};
@@ -14,7 +14,7 @@ use runtime::clock;
 
 impl WorkerPool {
     /// Takes all results there are by now. Says whether there was one.
-    pub(super) fn take_results<W: Errands>(
+    pub(super) fn take_results<W: TaskSource>(
         &mut self,
         work: &mut W,
         effects: &mut Vec<Effect>,
@@ -43,7 +43,7 @@ impl WorkerPool {
     }
 
     /// Takes one message from one worker; `None` if there is none.
-    pub(super) fn take_one<W: Errands>(
+    pub(super) fn take_one<W: TaskSource>(
         &mut self,
         number: usize,
         work: &mut W,
@@ -65,7 +65,7 @@ impl WorkerPool {
     }
 
     /// One sound message, and what follows from it.
-    fn take_message<W: Errands>(
+    fn take_message<W: TaskSource>(
         &mut self,
         number: usize,
         head: &Head,
@@ -98,7 +98,7 @@ impl WorkerPool {
     }
 
     /// Hands a part of a result to the dispatcher, which knows whether it is still wanted.
-    fn take_part<W: Errands>(
+    fn take_part<W: TaskSource>(
         &mut self,
         number: usize,
         head: &Head,
@@ -131,7 +131,7 @@ impl WorkerPool {
 
     /// A message was turned away. What it held is not known; the dispatcher finds out what is
     /// missing when its sender has answered all it had, and counts.
-    fn turn_away<W: Errands>(
+    fn turn_away<W: TaskSource>(
         &mut self,
         number: usize,
         reject: Reject,

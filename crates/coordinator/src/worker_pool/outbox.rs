@@ -6,23 +6,23 @@
 
 use super::WorkerPool;
 use super::chunk::chunks;
-use crate::work::Errands;
+use crate::work::TaskSource;
 use dispatch::{Effect, Event, Progress};
-use protocol::job::{Job, write_batch};
-use protocol::{Head, Incarnation, JobId, Kind, RequestId, Section, Task};
+use protocol::job::{WireJob, write_batch};
+use protocol::{Head, Incarnation, JobId, Kind, RequestId, Section, WireTask};
 use transport::UseError;
 
 /// Scratch for laying out batches.
 #[derive(Debug, Default)]
 pub(super) struct BatchWriter {
-    tasks: Vec<Task>,
-    jobs: Vec<Job>,
+    tasks: Vec<WireTask>,
+    jobs: Vec<WireJob>,
     words: Vec<u64>,
 }
 
 impl WorkerPool {
     /// Lays a batch out, and hands it over behind the sections that it needs.
-    pub(super) fn send<W: Errands>(
+    pub(super) fn send<W: TaskSource>(
         &mut self,
         to: Incarnation,
         batch: u32,
@@ -41,7 +41,7 @@ impl WorkerPool {
                 tasks.push(*task);
                 tasks.len() - 1
             });
-            rows.push(Job {
+            rows.push(WireJob {
                 job: job.0,
                 task: place as u32,
                 node_a: spec.a.node,
@@ -74,7 +74,7 @@ impl WorkerPool {
     }
 
     /// Hands over what has waited for room. Says whether something still does.
-    pub(super) fn flush<W: Errands>(
+    pub(super) fn flush<W: TaskSource>(
         &mut self,
         work: &mut W,
         effects: &mut Vec<Effect>,

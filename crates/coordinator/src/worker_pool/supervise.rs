@@ -5,7 +5,7 @@
 
 use super::worker_handle::WorkerHandle;
 use super::{GREETING_NS, Observation, WorkerPool, WorkerPoolError};
-use crate::work::Errands;
+use crate::work::TaskSource;
 use dispatch::{Effect, Event, Progress};
 use protocol::{Incarnation, JobId, Kind};
 use runtime::clock;
@@ -50,7 +50,7 @@ impl WorkerPool {
     }
 
     /// Looks at every worker's pulse, and kills who stands still.
-    pub(super) fn look_after<W: Errands>(
+    pub(super) fn look_after<W: TaskSource>(
         &mut self,
         now: u64,
         work: &mut W,
@@ -84,7 +84,7 @@ impl WorkerPool {
     }
 
     /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.
-    pub(super) fn reap<W: Errands>(
+    pub(super) fn reap<W: TaskSource>(
         &mut self,
         number: usize,
         work: &mut W,

@@ -7,7 +7,7 @@
 use super::{AssessError, Basis, Encounter, assess_in, crash};
 use crate::evidence::{Evidence, Touch};
 use crate::harm::{CandidateHarm, PersonHarm};
-use crate::interval::{Range, Work};
+use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use crate::path::Meeting;
 
@@ -17,11 +17,11 @@ pub struct Risk {
     /// Who.
     pub id: PersonId,
     /// Probability of injury.
-    pub work: Work,
+    pub work: Interval,
     /// The same over the model range; `[0, 1]` where nobody asked.
     pub range: Range,
     /// The upper end of that range when all work is done; `[0, 1]` where nobody asked.
-    pub high: Work,
+    pub high: Interval,
 }
 
 /// The figures of one candidate by which it ranks.
@@ -32,7 +32,7 @@ pub struct Bounds {
     /// Whether the bodies touch.
     pub touch: Touch,
     /// Kinetic energy lost (J).
-    pub energy_j: Work,
+    pub energy_j: Interval,
     /// Everybody in either party.
     pub persons: Vec<Risk>,
     /// No open work can change any figure.
@@ -46,7 +46,7 @@ impl Risk {
             id: person.id,
             work: person.work,
             range: person.range,
-            high: Work::new(person.high_at_least, person.range.high()),
+            high: Interval::new(person.high_at_least, person.range.high()),
         }
     }
 }
@@ -113,7 +113,8 @@ pub fn bounds_in(
             continue;
         }
         let work = crash.risk(party, basis)?;
-        let risk = |id| Risk { id, work, range: Range::new(0.0, 1.0), high: Work::new(0.0, 1.0) };
+        let risk =
+            |id| Risk { id, work, range: Range::new(0.0, 1.0), high: Interval::new(0.0, 1.0) };
         persons.extend(body.persons.iter().map(|person| risk(person.id)));
     }
     Ok(Bounds {

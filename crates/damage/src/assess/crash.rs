@@ -6,7 +6,7 @@ use crate::crush::Crush;
 use crate::dynamics::{Impact, Parameters, Pick, Response, Side, factor};
 use crate::evidence::{Evidence, Touch};
 use crate::harm::{CandidateHarm, DeltaV};
-use crate::interval::{Range, Work};
+use crate::interval::{Interval, Range};
 use crate::party::{Party, Struck};
 use geometry::Supports;
 
@@ -76,12 +76,12 @@ impl<'a> Crash<'a> {
     }
 
     /// A work interval, moved out by what rounding may do to its ends while the patch is open.
-    pub(super) fn outward(&self, work: Work) -> Work {
+    pub(super) fn outward(&self, work: Interval) -> Interval {
         if self.touch == Touch::No || !self.evidence.is_patch_open() {
             return work;
         }
         let moved = |end: f64, by: f64| (end + by * (1.0 + end.abs())).max(0.0);
-        Work::new(moved(work.lo(), -FIGURE_ROUNDING), moved(work.hi(), FIGURE_ROUNDING))
+        Interval::new(moved(work.lo(), -FIGURE_ROUNDING), moved(work.hi(), FIGURE_ROUNDING))
     }
 }
 
@@ -98,7 +98,7 @@ impl Crash<'_> {
         let speed = factor(self.parameters.speed_share, picks.rest);
         let arms =
             levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
-        let arm = |lever: Work| match picks.lever {
+        let arm = |lever: Interval| match picks.lever {
             Lever::Longest => lever.hi(),
             Lever::Shortest => lever.lo(),
             Lever::Zero => 0.0,
@@ -163,28 +163,28 @@ impl Crash<'_> {
     }
 
     /// An interval over all normals that may be nominal, from 0 if there may be no contact.
-    fn over_nominal(&self, of: impl Fn(usize) -> Work) -> Work {
+    fn over_nominal(&self, of: impl Fn(usize) -> Interval) -> Interval {
         let all = self.normals.nominal.iter().map(|&i| of(i));
-        let hull = all.reduce(Work::hull).unwrap_or(Work::ZERO);
+        let hull = all.reduce(Interval::hull).unwrap_or(Interval::ZERO);
         self.unless_apart(hull)
     }
 
     /// A figure of the response with nominal parameters, over everything that is open.
-    fn over_ends(&self, of: fn(&Response) -> f64) -> Work {
-        let all = self.ends.iter().map(|ends| Work::new(of(&ends[0]), of(&ends[1])));
-        let hull = all.reduce(Work::hull).unwrap_or(Work::ZERO);
+    fn over_ends(&self, of: fn(&Response) -> f64) -> Interval {
+        let all = self.ends.iter().map(|ends| Interval::new(of(&ends[0]), of(&ends[1])));
+        let hull = all.reduce(Interval::hull).unwrap_or(Interval::ZERO);
         self.outward(self.unless_apart(hull))
     }
 
     /// Kinetic energy lost (J), over everything that is open.
-    pub(super) fn energy(&self) -> Work {
+    pub(super) fn energy(&self) -> Interval {
         self.over_ends(|response| response.energy_j)
     }
 
-    pub(super) fn unless_apart(&self, work: Work) -> Work {
+    pub(super) fn unless_apart(&self, work: Interval) -> Interval {
         match self.touch {
-            Touch::No => Work::ZERO,
-            Touch::Unknown => work.hull(Work::ZERO),
+            Touch::No => Interval::ZERO,
+            Touch::Unknown => work.hull(Interval::ZERO),
             Touch::Yes => work,
         }
     }
@@ -198,8 +198,8 @@ impl Crash<'_> {
         harm.delta_v = [0, 1]
             .map(|p| DeltaV { work: delta_v[p], range: self.delta_v_range(p).around(delta_v[p]) });
         harm.energy_j = self.energy();
-        harm.normal_m_s = self.over_nominal(|i| Work::exactly(self.speeds(i).0));
-        harm.tangential_m_s = self.over_nominal(|i| Work::exactly(self.speeds(i).1));
+        harm.normal_m_s = self.over_nominal(|i| Interval::exactly(self.speeds(i).0));
+        harm.tangential_m_s = self.over_nominal(|i| Interval::exactly(self.speeds(i).1));
         harm.contact.patch =
             describe(self.approach, self.evidence, &self.reach, &self.places, &self.normals);
         let (Some(&i), Some(ends)) = (self.normals.nominal.first(), self.ends.first()) else {
@@ -208,7 +208,7 @@ impl Crash<'_> {
         harm.response = ends[1];
         let arms =
             levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
-        harm.levers_m = arms.map(|arms| arms.map(Work::lo));
+        harm.levers_m = arms.map(|arms| arms.map(Interval::lo));
         harm.crush = harm.contact.patch.as_ref().and_then(|patch| {
             let of = |party: &Party| party.mass_kg.map(|_| party.stiffness);
             let plastic = 1.0 - self.parameters.restitution.nominal;

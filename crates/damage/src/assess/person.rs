@@ -6,7 +6,7 @@ use crate::dynamics::{Pick, Response};
 use crate::evidence::Touch;
 use crate::harm::PersonHarm;
 use crate::injury::{Rung, Speeds};
-use crate::interval::{Range, Work};
+use crate::interval::{Interval, Range};
 use crate::party::{Aboard, PartyError, Struck};
 use body::{Seat, Zones};
 use smallvec::SmallVec;
@@ -65,13 +65,17 @@ impl Crash<'_> {
     }
 
     /// The work interval of the risk of anybody in a party (0: A, 1: B).
-    pub(super) fn risk(&self, party: usize, basis: &Basis<'_>) -> Result<Work, AssessError> {
+    pub(super) fn risk(&self, party: usize, basis: &Basis<'_>) -> Result<Interval, AssessError> {
         Ok(self.outward(self.nominal_risk(party, basis)?.0).below_one())
     }
 
     /// Nominal risk and the speed that it is taken at (m/s), over everything that is open.
-    fn nominal_risk(&self, party: usize, basis: &Basis<'_>) -> Result<(Work, Work), AssessError> {
-        let mut both: Option<(Work, Work)> = None;
+    fn nominal_risk(
+        &self,
+        party: usize,
+        basis: &Basis<'_>,
+    ) -> Result<(Interval, Interval), AssessError> {
+        let mut both: Option<(Interval, Interval)> = None;
         for (&i, ends) in self.normals.nominal.iter().zip(&self.ends) {
             let rung = self.rung(party, self.struck(party, i, 0.0), basis)?;
             let at = |end: &Response| Speeds {
@@ -81,7 +85,7 @@ impl Crash<'_> {
             };
             let [least, most] = [at(&ends[0]), at(&ends[1])];
             let risk = basis.curves.work(rung, &least, &most);
-            let x = Work::new(least.get(rung.x), most.get(rung.x));
+            let x = Interval::new(least.get(rung.x), most.get(rung.x));
             both = Some(both.map_or((risk, x), |(r, w)| (r.hull(risk), w.hull(x))));
         }
         let (risk, x) = both.unwrap_or_default();

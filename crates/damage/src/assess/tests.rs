@@ -79,10 +79,10 @@ fn without_contact_nobody_is_harmed_at_all() {
     let harm = harm(&scene);
     assert_eq!((harm.contact.touch, harm.contact.near_miss), (Touch::No, false));
     for person in &harm.persons {
-        assert_eq!((person.work, person.range), (Work::ZERO, Range::ZERO));
+        assert_eq!((person.work, person.range), (Interval::ZERO, Range::ZERO));
         assert_eq!(person.work.hi().to_bits(), 0);
     }
-    assert_eq!((harm.energy_j, harm.response), (Work::ZERO, Response::default()));
+    assert_eq!((harm.energy_j, harm.response), (Interval::ZERO, Response::default()));
     assert!(harm.is_settled() && harm.contact.patch.is_none());
 }
 
@@ -92,7 +92,7 @@ fn a_near_miss_is_nothing_that_could_have_been_something() {
     assert!(missed.contact.near_miss && !passed.contact.near_miss);
     near(missed.contact.hull_gap_m, 0.05);
     for (near_miss, pass) in missed.persons.iter().zip(&passed.persons) {
-        assert_eq!((near_miss.work, near_miss.range.low()), (Work::ZERO, 0.0));
+        assert_eq!((near_miss.work, near_miss.range.low()), (Interval::ZERO, 0.0));
         assert!(near_miss.range.high() > 0.0 && near_miss.high_at_least == near_miss.range.high());
         assert_eq!(pass.range, Range::ZERO);
     }
@@ -146,7 +146,7 @@ fn a_fixed_object_is_not_certain_death_and_has_nobody_in_it() {
     assert_eq!(harm.persons.len(), 1);
     near(harm.persons[0].x_m_s.hi(), 16.5);
     assert!(harm.persons[0].work.hi() < 0.2);
-    assert_eq!(harm.delta_v[1].work, Work::ZERO);
+    assert_eq!(harm.delta_v[1].work, Interval::ZERO);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn equal_velocities_harm_nobody() {
     scene.b = scene.b.moved([1.0, 0.0]);
     scene.velocity = [0.0, 0.0];
     let harm = harm(&scene);
-    assert!(harm.persons.iter().all(|p| p.range == Range::ZERO && p.work == Work::ZERO));
+    assert!(harm.persons.iter().all(|p| p.range == Range::ZERO && p.work == Interval::ZERO));
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn what_cannot_be_evaluated_is_anything_from_nothing_to_all() {
     let harm = harm(&still);
     assert_eq!(harm.unevaluable, Some(Unevaluable::AlreadyOverlapping));
     for person in &harm.persons {
-        assert_eq!((person.work, person.range), (Work::new(0.0, 1.0), Range::new(0.0, 1.0)));
+        assert_eq!((person.work, person.range), (Interval::new(0.0, 1.0), Range::new(0.0, 1.0)));
     }
     assert!(!harm.is_settled());
 }

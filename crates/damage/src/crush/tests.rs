@@ -12,13 +12,14 @@ fn absorbed(s: Stiffness, c: f64, w: f64) -> f64 {
 fn a_wall_does_not_yield_and_an_unknown_body_is_not_guessed() {
     let car = Stiffness { a_n_m: 50_000.0, b_n_m2: 600_000.0 };
     let energy = absorbed(car, 0.5, 1.6);
-    let of = |other, depth| Crush::of([Some(Some(car)), other], energy, 1.6, Work::exactly(depth));
+    let of =
+        |other, depth| Crush::of([Some(Some(car)), other], energy, 1.6, Interval::exactly(depth));
     let wall = of(None, 0.45).expect("both are known");
     assert!((wall.crush_m[0] - 0.5).abs() < 1e-12 && wall.crush_m[1] == 0.0, "{wall:?}");
     assert!(!wall.mismatch && of(None, 0.2).expect("known").mismatch);
     assert_eq!(of(Some(None), 0.45), None);
-    assert_eq!(Crush::of([None, None], energy, 1.6, Work::ZERO), None);
-    assert_eq!(Crush::of([Some(Some(car)), None], energy, 0.0, Work::ZERO), None);
+    assert_eq!(Crush::of([None, None], energy, 1.6, Interval::ZERO), None);
+    assert_eq!(Crush::of([Some(Some(car)), None], energy, 0.0, Interval::ZERO), None);
 }
 
 proptest! {
@@ -31,7 +32,7 @@ proptest! {
         width in 0.2..2.0_f64,
     ) {
         let s = [0, 1].map(|i| Stiffness { a_n_m: a[i], b_n_m2: b[i] });
-        let crush = Crush::of(s.map(|s| Some(Some(s))), energy, width, Work::ZERO);
+        let crush = Crush::of(s.map(|s| Some(Some(s))), energy, width, Interval::ZERO);
         let [c, d] = crush.ok_or_else(|| TestCaseError::fail("known"))?.crush_m;
         prop_assume!(c > 0.0 && d > 0.0);
         let (f, g) = (a[0] + b[0] * c, a[1] + b[1] * d);

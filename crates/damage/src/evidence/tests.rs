@@ -56,7 +56,7 @@ proptest! {
     /// As open work turns into hits within its bounds, every interval nests.
     #[test]
     fn intervals_nest_as_work_is_done(pieces in pieces(), i in 0..72_usize, keep in 0..4_usize) {
-        let mut last: Option<[Work; 2]> = None;
+        let mut last: Option<[Interval; 2]> = None;
         for done in 0..=pieces.len() {
             // A finished piece finds some of the points that it could have found.
             let now: Vec<Piece> = pieces.iter().enumerate().map(|(k, (s, points, zones, _))| {
@@ -88,5 +88,5 @@ fn without_open_work_and_hits_there_is_no_contact() {
     evidence.touched();
     assert_eq!(evidence.touch(), Touch::Yes);
     // What may lie anywhere is still bounded by the hulls.
-    assert_eq!(evidence.middle(0, 36, &wide()), Work::new(-10.0, 10.0));
+    assert_eq!(evidence.middle(0, 36, &wide()), Interval::new(-10.0, 10.0));
 }

@@ -3,7 +3,7 @@
 use super::RankError;
 use crate::assess::{Bounds, Risk};
 use crate::harm::CandidateHarm;
-use crate::interval::Work;
+use crate::interval::Interval;
 
 /// Figures are rounded to this many parts per unit before they are compared: rounding of sums, and
 /// the last bits in which equal crashes differ, must not order candidates.
@@ -22,13 +22,13 @@ fn is_share(x: f64) -> bool {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Figures {
     /// R = p·H over the work interval.
-    pub(super) risks: Vec<Work>,
-    /// R over the model range. A `Work` only in form: it passes through the same measures.
-    pub(super) ranges: Vec<Work>,
+    pub(super) risks: Vec<Interval>,
+    /// R over the model range. A `Interval` only in form: it passes through the same measures.
+    pub(super) ranges: Vec<Interval>,
     /// The upper end of the model range, over what is open.
-    pub(super) highs: Vec<Work>,
+    pub(super) highs: Vec<Interval>,
     /// Energy lost (J).
-    pub(super) energy_j: Work,
+    pub(super) energy_j: Interval,
 }
 
 impl Figures {
@@ -51,7 +51,7 @@ impl Figures {
         &mut self,
         (k, n): (usize, usize),
         probability: f64,
-        energy: Work,
+        energy: Interval,
         persons: impl Iterator<Item = Risk>,
     ) -> Result<(), RankError> {
         if !(is_share(probability) && energy.lo() >= 0.0 && energy.hi().is_finite()) {
@@ -60,7 +60,7 @@ impl Figures {
         let Self { risks, ranges, highs, .. } = self;
         for untouched in [&mut *risks, &mut *ranges, &mut *highs] {
             untouched.clear();
-            untouched.resize(n, Work::ZERO);
+            untouched.resize(n, Interval::ZERO);
         }
         for person in persons {
             let i = person.id.0;
@@ -74,7 +74,7 @@ impl Figures {
             }
             let risk = |h: f64| rounded(probability * h);
             (risks[i], highs[i]) = (work.map(risk), high.map(risk));
-            ranges[i] = Work::new(risk(range.low()), risk(range.high()));
+            ranges[i] = Interval::new(risk(range.low()), risk(range.high()));
         }
         self.energy_j = energy.map(rounded);
         Ok(())
@@ -86,8 +86,9 @@ impl Figures {
     }
 
     /// The same, over what is open.
-    pub(super) fn greatest_high_over(&self) -> Work {
-        let greatest = |of: fn(Work) -> f64| self.highs.iter().map(|h| of(*h)).fold(0.0, f64::max);
-        Work::new(greatest(Work::lo), greatest(Work::hi))
+    pub(super) fn greatest_high_over(&self) -> Interval {
+        let greatest =
+            |of: fn(Interval) -> f64| self.highs.iter().map(|h| of(*h)).fold(0.0, f64::max);
+        Interval::new(greatest(Interval::lo), greatest(Interval::hi))
     }
 }

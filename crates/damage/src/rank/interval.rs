@@ -11,7 +11,7 @@
 //! too, because it is best of a set that holds K.
 
 use super::{Each, Order, rounded};
-use crate::interval::Work;
+use crate::interval::Interval;
 use crate::policy::Step;
 
 /// What encloses the candidates that the finished run would keep.
@@ -66,12 +66,12 @@ impl Order<'_> {
         for step in self.steps {
             match step {
                 Step::Least { measure, tolerance } => {
-                    let over: Each<Work> =
+                    let over: Each<Interval> =
                         (0..self.figures.len()).map(|k| self.over(measure, k)).collect();
                     least(&mut outlook, &over, *tolerance);
                 }
                 Step::Accept { at_most } => {
-                    let highs: Each<Work> =
+                    let highs: Each<Interval> =
                         self.figures.iter().map(|f| f.greatest_high_over()).collect();
                     accept(&mut outlook, &highs, rounded(*at_most));
                 }
@@ -82,31 +82,31 @@ impl Order<'_> {
 }
 
 /// A step that keeps what is within `tolerance` of the least; `over` is by candidate.
-pub(super) fn least(outlook: &mut Outlook, over: &[Work], tolerance: f64) {
-    let least = |of: fn(Work) -> f64, among: &[usize]| {
+pub(super) fn least(outlook: &mut Outlook, over: &[Interval], tolerance: f64) {
+    let least = |of: fn(Interval) -> f64, among: &[usize]| {
         among.iter().map(|k| of(over[*k])).fold(f64::INFINITY, f64::min)
     };
-    let m_lo = least(Work::lo, &outlook.possible);
+    let m_lo = least(Interval::lo, &outlook.possible);
     let m_hi = if outlook.sure.is_empty() {
         let ends = outlook.possible.iter().map(|k| over[*k].hi());
         ends.fold(f64::NEG_INFINITY, f64::max)
     } else {
-        least(Work::hi, &outlook.sure)
+        least(Interval::hi, &outlook.sure)
     };
     let (may, must) = (rounded(m_hi + tolerance), rounded(m_lo + tolerance));
     outlook.keep(|k| over[k].lo() <= may, |k| over[k].hi() <= must);
 }
 
 /// A step that keeps what is acceptable, or everything if nothing is.
-fn accept(outlook: &mut Outlook, highs: &[Work], at_most: f64) {
-    let fits = |of: fn(Work) -> f64| move |k: usize| of(highs[k]) <= at_most;
-    let some_surely = outlook.sure.iter().any(|k| fits(Work::hi)(*k));
-    let some_possibly = outlook.possible.iter().any(|k| fits(Work::lo)(*k));
+fn accept(outlook: &mut Outlook, highs: &[Interval], at_most: f64) {
+    let fits = |of: fn(Interval) -> f64| move |k: usize| of(highs[k]) <= at_most;
+    let some_surely = outlook.sure.iter().any(|k| fits(Interval::hi)(*k));
+    let some_possibly = outlook.possible.iter().any(|k| fits(Interval::lo)(*k));
     match (some_surely, some_possibly) {
         // Surely somebody is acceptable, so nobody else is kept.
-        (true, _) => outlook.keep(fits(Work::lo), fits(Work::hi)),
+        (true, _) => outlook.keep(fits(Interval::lo), fits(Interval::hi)),
         // Perhaps: then anybody may be kept, but only the acceptable must be.
-        (false, true) => outlook.keep(|_| true, fits(Work::hi)),
+        (false, true) => outlook.keep(|_| true, fits(Interval::hi)),
         // Surely nobody: the step is passed over.
         (false, false) => {}
     }

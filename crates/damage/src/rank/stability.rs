@@ -15,7 +15,7 @@ use super::{Order, RankError, Step, figures_of};
 use crate::curve::Curve;
 use crate::harm::CandidateHarm;
 use crate::injury::Curves;
-use crate::interval::Work;
+use crate::interval::Interval;
 use crate::policy::{Composition, Policy};
 use crate::rule::{Measure, Rule, Stake, Term};
 use serde::Serialize;
@@ -280,7 +280,7 @@ impl<'a> Sought<'a> {
             .flat_map(|harm| &mut harm.persons)
             .filter(|person| person.curve == curve.id && person.work.is_settled());
         for person in persons {
-            person.work = Work::exactly(curve.risk(person.x_m_s.hi()));
+            person.work = Interval::exactly(curve.risk(person.x_m_s.hi()));
         }
         Ok(self.winner(self.policy, &figures_of(self.stakes, &candidates)?))
     }

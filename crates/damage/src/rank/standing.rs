@@ -2,7 +2,7 @@
 
 use super::{Each, Order, RankError, Scratch, taken};
 use crate::assess::Bounds;
-use crate::interval::Work;
+use crate::interval::Interval;
 use crate::policy::{Policy, Step};
 use crate::rule::Stake;
 
@@ -16,7 +16,7 @@ pub struct Standing {
     /// Who would stand first in an answer given now.
     pub incumbent: usize,
     /// Per candidate: what the first undecided step of the policy compares, over open work.
-    pub compared: Vec<Work>,
+    pub compared: Vec<Interval>,
 }
 
 /// What is certain by now, as [`super::rank()`] finds it.
@@ -75,7 +75,7 @@ pub fn needs_high(policy: &Policy) -> bool {
 
 impl Order<'_> {
     /// What the first step compares that does not find all possible winners equal and settled.
-    fn compare(&self, possible: &[usize], last: &mut Vec<Work>) {
+    fn compare(&self, possible: &[usize], last: &mut Vec<Interval>) {
         last.clear();
         for step in self.steps {
             let one = |k: usize| match step {

@@ -11,15 +11,15 @@ use crate::policy::DEFAULT_POLICY;
 use proptest::prelude::*;
 
 /// A candidate with these risks over open work, and ranges twice as wide about them.
-pub(in crate::rank) fn candidate(risks: &[Work], energy_j: Work) -> CandidateHarm {
-    let person = |(i, work): (usize, &Work)| PersonHarm {
+pub(in crate::rank) fn candidate(risks: &[Interval], energy_j: Interval) -> CandidateHarm {
+    let person = |(i, work): (usize, &Interval)| PersonHarm {
         id: PersonId(i),
         party: 0,
         seat: None,
         victim: Victim::Pedestrian,
         curve: String::new().into(),
         x: Quantity::ClosingNormal,
-        x_m_s: Work::ZERO,
+        x_m_s: Interval::ZERO,
         work: *work,
         range: Range::new(work.lo(), work.hi()),
         high_at_least: work.lo(),
@@ -30,8 +30,8 @@ pub(in crate::rank) fn candidate(risks: &[Work], energy_j: Work) -> CandidateHar
     CandidateHarm {
         probability: 1.0,
         closing_m_s: 1.0,
-        normal_m_s: Work::ZERO,
-        tangential_m_s: Work::ZERO,
+        normal_m_s: Interval::ZERO,
+        tangential_m_s: Interval::ZERO,
         contact: Contact { touch: Touch::Yes, near_miss: false, hull_gap_m: 0.0, patch: None },
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
@@ -48,13 +48,13 @@ pub(in crate::rank) fn candidate(risks: &[Work], energy_j: Work) -> CandidateHar
 }
 
 pub(in crate::rank) fn settled(risks: &[f64]) -> CandidateHarm {
-    let risks: Vec<Work> = risks.iter().map(|r| Work::exactly(*r)).collect();
-    candidate(&risks, Work::exactly(1000.0))
+    let risks: Vec<Interval> = risks.iter().map(|r| Interval::exactly(*r)).collect();
+    candidate(&risks, Interval::exactly(1000.0))
 }
 
 fn open(ends: &[(f64, f64)]) -> CandidateHarm {
-    let risks: Vec<Work> = ends.iter().map(|e| Work::new(e.0, e.1)).collect();
-    candidate(&risks, Work::ZERO)
+    let risks: Vec<Interval> = ends.iter().map(|e| Interval::new(e.0, e.1)).collect();
+    candidate(&risks, Interval::ZERO)
 }
 
 /// A policy with these lines in place of the default's levels.
@@ -177,7 +177,7 @@ fn two_levels_certify_what_one_cannot() {
     let mut outlook =
         Outlook { possible: [0, 1, 2].as_slice().into(), sure: [0, 1, 2].as_slice().into() };
     for (ends, tolerance) in levels {
-        least(&mut outlook, &ends.map(|e| Work::new(e.0, e.1)), tolerance);
+        least(&mut outlook, &ends.map(|e| Interval::new(e.0, e.1)), tolerance);
     }
     assert_eq!(outlook.possible[..], [0]);
 }
@@ -185,8 +185,8 @@ fn two_levels_certify_what_one_cannot() {
 #[test]
 fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
     let candidates = [
-        candidate(&[Work::exactly(0.1)], Work::exactly(9.0)),
-        candidate(&[Work::exactly(0.1)], Work::exactly(9.0)),
+        candidate(&[Interval::exactly(0.1)], Interval::exactly(9.0)),
+        candidate(&[Interval::exactly(0.1)], Interval::exactly(9.0)),
         open(&[(0.2, 0.3)]),
     ];
     let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
@@ -201,11 +201,11 @@ fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
 #[test]
 fn a_tie_break_certifies_only_who_was_surely_kept() {
     let with = |ends: &[(f64, f64)], energy_j: f64| {
-        let mut risks = vec![Work::ZERO; 10];
+        let mut risks = vec![Interval::ZERO; 10];
         for (risk, end) in risks.iter_mut().zip(ends) {
-            *risk = Work::new(end.0, end.1);
+            *risk = Interval::new(end.0, end.1);
         }
-        candidate(&risks, Work::exactly(energy_j))
+        candidate(&risks, Interval::exactly(energy_j))
     };
     let point = |r: f64| (r, r);
     let first = with(&[point(0.3), point(0.3), point(0.3), point(0.1)], 9.0);
@@ -220,7 +220,8 @@ fn a_tie_break_certifies_only_who_was_surely_kept() {
 
 #[test]
 fn property_decides_only_between_equal_persons() {
-    let with = |risk: f64, energy: f64| candidate(&[Work::exactly(risk)], Work::exactly(energy));
+    let with =
+        |risk: f64, energy: f64| candidate(&[Interval::exactly(risk)], Interval::exactly(energy));
     let candidates = [with(0.1, 9e5), with(0.1, 8e5), with(0.100_001, 0.0)];
     let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
     assert_eq!((ranking.state, order(&ranking)), (State::Complete, vec![2, 1, 3]));
@@ -277,7 +278,7 @@ fn what_cannot_be_ranked_is_refused() {
         let error = RankError::Responsibility(PersonId(0));
         assert_eq!(rank(&policy, &stakes, &[settled(&[0.1])]), Err(error));
     }
-    let lost = candidate(&[Work::new(f64::NAN, 0.3)], Work::ZERO);
+    let lost = candidate(&[Interval::new(f64::NAN, 0.3)], Interval::ZERO);
     assert_eq!(rank(&policy, &[Stake::default()], &[lost]), Err(RankError::Figure(0)));
 }
 
@@ -310,12 +311,12 @@ proptest! {
     #[test]
     fn the_winner_of_the_finished_run_was_never_left_out(policy in policies(), risks in risks()) {
         let now: Vec<_> = risks.iter().map(|person| {
-            let works: Vec<Work> = person.iter().map(|r| Work::new(r.0, r.1)).collect();
-            candidate(&works, Work::ZERO)
+            let works: Vec<Interval> = person.iter().map(|r| Interval::new(r.0, r.1)).collect();
+            candidate(&works, Interval::ZERO)
         }).collect();
         let later: Vec<_> = risks.iter().map(|person| {
             let ends: Vec<f64> = person.iter().map(|r| if r.2 { r.1 } else { r.0 }).collect();
-            CandidateHarm { energy_j: Work::ZERO, ..settled(&ends) }
+            CandidateHarm { energy_j: Interval::ZERO, ..settled(&ends) }
         }).collect();
         let (before, after) = (ranked(&policy, &now), ranked(&policy, &later));
         let winner = after.places[0].candidate;

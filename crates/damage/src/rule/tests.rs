@@ -66,7 +66,7 @@ proptest! {
     ) {
         let stakes: Vec<Stake> = ends.iter().enumerate()
             .map(|(i, e)| Stake { is_ego: i % 2 == 0, responsibility: e[3] }).collect();
-        let works: Vec<Work> = ends.iter().map(|e| Work::new(e[0], e[1])).collect();
+        let works: Vec<Interval> = ends.iter().map(|e| Interval::new(e[0], e[1])).collect();
         let inside: Vec<f64> = works.iter().zip(&ends)
             .map(|(w, e)| (w.lo() + e[2] * (w.hi() - w.lo())).clamp(w.lo(), w.hi())).collect();
         let sum = Measure::Weighted(vec![
@@ -78,12 +78,12 @@ proptest! {
         let others = [Measure::Rule(Rule::EgoOnly), sum, Measure::Worst(0), Measure::Worst(1)];
         let measures = rules.map(Measure::Rule).into_iter().chain(others);
         for measure in measures {
-            let over = measure.over(&works, Work::ZERO, &stakes);
+            let over = measure.over(&works, Interval::ZERO, &stakes);
             let value = measure.value(&inside, 0.0, &stakes);
             let holds = over.lo() - 1e-12 <= value && value <= over.hi() + 1e-12;
             prop_assert!(holds, "{measure:?} {over:?} {value}");
-            let settled: Vec<Work> = inside.iter().map(|r| Work::exactly(*r)).collect();
-            prop_assert!(measure.over(&settled, Work::ZERO, &stakes).is_settled());
+            let settled: Vec<Interval> = inside.iter().map(|r| Interval::exactly(*r)).collect();
+            prop_assert!(measure.over(&settled, Interval::ZERO, &stakes).is_settled());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Deliberate mistakes, for the tests that must catch them. Behind the
 //! feature `faults`: no build for a vehicle has them.
 
-use super::{Closed, Dispatcher, State, Work};
+use super::{Closed, Dispatcher, JobSource, State};
 use crate::scheme::Scheme;
 use protocol::{Incarnation, JobId};
 
@@ -27,7 +27,7 @@ impl<S: Scheme> Dispatcher<S> {
         self.flaw = flaw;
     }
 
-    pub(super) fn take_unfenced<W: Work>(
+    pub(super) fn take_unfenced<W: JobSource>(
         &mut self,
         job: JobId,
         last: bool,
@@ -52,7 +52,7 @@ impl<S: Scheme> Dispatcher<S> {
         true
     }
 
-    pub(super) fn bury_badly<W: Work>(&mut self, who: Incarnation, work: &mut W) -> bool {
+    pub(super) fn bury_badly<W: JobSource>(&mut self, who: Incarnation, work: &mut W) -> bool {
         match self.flaw {
             Some(Flaw::LeaseForgotten) => true,
             Some(Flaw::SilenceIsHarmless) => {

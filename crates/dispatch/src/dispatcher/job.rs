@@ -4,7 +4,7 @@ use protocol::{Section, TaskId};
 
 /// A job as the dispatcher knows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Spec {
+pub struct Job {
     /// The task it belongs to.
     pub task: TaskId,
     /// Section of body A.
@@ -27,23 +27,23 @@ pub enum Closed {
 }
 
 /// Where jobs come from and results go to.
-pub trait Work {
+pub trait JobSource {
     /// One part of a result.
     type Part<'p>: Copy;
 
     /// Hands over more jobs, if there are any by now.
-    fn more(&mut self, jobs: &mut Vec<Spec>);
+    fn more(&mut self, jobs: &mut Vec<Job>);
     /// Whether the rest of a task cannot matter any longer.
     fn is_obsolete(&self, task: TaskId) -> bool;
     /// Takes what one part found. May be called again with what a job found before.
-    fn fold(&mut self, job: &Spec, part: Self::Part<'_>);
+    fn fold(&mut self, job: &Job, part: Self::Part<'_>);
     /// Takes note that a job is closed: exactly once per job.
-    fn close(&mut self, job: &Spec, how: Closed);
+    fn close(&mut self, job: &Job, how: Closed);
     /// Bytes of a section.
     fn weight(&self, section: Section) -> u64;
     /// What names the job in later requests too, so that one that takes workers down is not tried
     /// again at once; `None`: nothing does.
-    fn key(&self, _job: &Spec) -> Option<u64> {
+    fn key(&self, _job: &Job) -> Option<u64> {
         None
     }
 }

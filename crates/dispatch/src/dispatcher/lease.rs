@@ -15,7 +15,7 @@
 //! *Trust* is for lives of workers: [`FAULTS_MAX`] messages lost or turned away in one request, or
 //! [`REFUSALS_MAX`] batches refused in a row, and the worker is to be killed.
 
-use super::{Closed, Dispatcher, Effect, Entry, Queues, State, Why, Work};
+use super::{Closed, Dispatcher, Effect, Entry, JobSource, Queues, State, Why};
 use crate::scheme::Scheme;
 use core::mem::replace;
 use protocol::{Incarnation, JobId, Section};
@@ -111,7 +111,7 @@ impl Core {
 
 impl<S: Scheme> Dispatcher<S> {
     /// Leases a job. It lies in the outbox until it is sent.
-    pub(super) fn lease<W: Work>(
+    pub(super) fn lease<W: JobSource>(
         &mut self,
         now_ns: u64,
         job: JobId,
@@ -167,7 +167,7 @@ impl<S: Scheme> Dispatcher<S> {
 
     /// Gives each suspect a core of its own. Says which core takes nothing else, because a suspect
     /// waits until it has answered what it holds.
-    pub(super) fn place_suspects<W: Work>(
+    pub(super) fn place_suspects<W: JobSource>(
         &mut self,
         now_ns: u64,
         work: &mut W,
@@ -215,7 +215,7 @@ impl<S: Scheme> Dispatcher<S> {
         }
     }
 
-    pub(super) fn blame<W: Work>(&mut self, now_ns: u64, job: JobId, work: &mut W) {
+    pub(super) fn blame<W: JobSource>(&mut self, now_ns: u64, job: JobId, work: &mut W) {
         let slot = &mut self.slots[job.0 as usize];
         slot.blame += 1;
         slot.attempt += 1;
@@ -229,7 +229,7 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// Only the started job is blamed; the others go back as if nothing had been.
-    pub(super) fn bury<W: Work>(
+    pub(super) fn bury<W: JobSource>(
         &mut self,
         now_ns: u64,
         who: Incarnation,
@@ -377,7 +377,7 @@ impl<S: Scheme> Dispatcher<S> {
     }
 
     /// Closes all that is open: the time is up.
-    pub(super) fn expire<W: Work>(&mut self, work: &mut W) {
+    pub(super) fn expire<W: JobSource>(&mut self, work: &mut W) {
         self.is_over = true;
         self.retire();
         self.pending.clear();

@@ -22,10 +22,10 @@ struct Waves {
     obsolete: Option<u32>,
 }
 
-impl Work for Waves {
+impl JobSource for Waves {
     type Part<'p> = u16;
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         if self.open > 0 {
             return;
         }
@@ -33,7 +33,7 @@ impl Work for Waves {
         for _ in 0..count {
             let node = self.next;
             let section = |model| Section { model, node: node % 7 };
-            jobs.push(Spec { task: TaskId(node), a: section(0), b: section(1) });
+            jobs.push(Job { task: TaskId(node), a: section(0), b: section(1) });
             self.next += 1;
             self.open += 1;
         }
@@ -41,10 +41,10 @@ impl Work for Waves {
     fn is_obsolete(&self, task: TaskId) -> bool {
         self.obsolete.is_some_and(|every| task.0 % every == 1)
     }
-    fn fold(&mut self, job: &Spec, part: u16) {
+    fn fold(&mut self, job: &Job, part: u16) {
         *self.folded.entry((job.task.0, part)).or_default() += 1;
     }
-    fn close(&mut self, job: &Spec, how: Closed) {
+    fn close(&mut self, job: &Job, how: Closed) {
         self.open -= 1;
         self.closed.entry(job.task.0).or_default().push(how);
     }
@@ -327,23 +327,23 @@ struct Grid {
     weights: Vec<u64>,
 }
 
-impl Work for Grid {
+impl JobSource for Grid {
     type Part<'p> = ();
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         let side = self.weights.len() as u32;
         let section = |model, node| Section { model, node };
         for at in 0..std::mem::take(&mut self.left) {
             let at = at % (side * side);
             let (a, b) = (section(0, at / side), section(1, at % side));
-            jobs.push(Spec { task: TaskId(0), a, b });
+            jobs.push(Job { task: TaskId(0), a, b });
         }
     }
     fn is_obsolete(&self, _: TaskId) -> bool {
         false
     }
-    fn fold(&mut self, _: &Spec, (): ()) {}
-    fn close(&mut self, _: &Spec, _: Closed) {}
+    fn fold(&mut self, _: &Job, (): ()) {}
+    fn close(&mut self, _: &Job, _: Closed) {}
     fn weight(&self, section: Section) -> u64 {
         self.weights[section.node as usize]
     }

@@ -6,7 +6,7 @@ use super::report::{GUARD_NS, Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
-use coordinator::{Answer, Corruption, Observation, Work, WorkerPool, WorkerPoolError};
+use coordinator::{Answer, Corruption, JobSource, Observation, WorkerPool, WorkerPoolError};
 use protocol::{Incarnation, Misdeed, Order};
 use runtime::process::Held;
 use runtime::{SealedMemory, clock, machine};
@@ -60,7 +60,7 @@ struct Live<'s, F> {
 
 pub(super) fn run<'w>(
     stage: &Stage<'_>,
-    make: &impl Fn() -> Work<'w>,
+    make: &impl Fn() -> JobSource<'w>,
     kinds: &[Kind],
     seed: u64,
     report: &mut Report,
@@ -123,7 +123,7 @@ pub(super) fn run<'w>(
     Ok(())
 }
 
-impl<'w, F: Fn() -> Work<'w>> Live<'_, F> {
+impl<'w, F: Fn() -> JobSource<'w>> Live<'_, F> {
     /// Descriptors, files in shared memory, resident memory (bytes).
     fn footprint(&self) -> (usize, usize, u64) {
         (

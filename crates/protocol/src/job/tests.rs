@@ -3,16 +3,16 @@
 use super::*;
 use proptest::prelude::*;
 
-fn a_task(number: u32) -> Task {
-    Task { task: number, question: Question::Pairs as u32, ..Task::zeroed() }
+fn a_task(number: u32) -> WireTask {
+    WireTask { task: number, question: WireQuestion::Pairs as u32, ..WireTask::zeroed() }
 }
 
 proptest! {
     #[test]
     fn reads_what_was_written(jobs in prop::collection::vec(0_u32..3, 0..30)) {
         let tasks = [a_task(4), a_task(5), a_task(6)];
-        let jobs: Vec<Job> =
-            jobs.iter().map(|&task| Job { task, job: 70 + task, ..Job::zeroed() }).collect();
+        let jobs: Vec<WireJob> =
+            jobs.iter().map(|&task| WireJob { task, job: 70 + task, ..WireJob::zeroed() }).collect();
         let mut words = vec![9; 3];
         write_batch(&mut words, &tasks, &jobs);
         prop_assert_eq!(words.len(), batch_words(3, jobs.len()));
@@ -28,7 +28,7 @@ proptest! {
 #[test]
 fn a_job_of_a_task_that_is_not_there_is_refused() {
     let mut words = Vec::new();
-    write_batch(&mut words, &[a_task(0)], &[Job { task: 1, ..Job::zeroed() }]);
+    write_batch(&mut words, &[a_task(0)], &[WireJob { task: 1, ..WireJob::zeroed() }]);
     assert_eq!(read_batch(&words), None);
     assert_eq!(read_batch(&[]), None);
     assert_eq!(read_batch(&[u64::MAX]), None);

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::content::{
-    Body, Edge, End, Job, Mode, Moment, Place, Settings, Source, Span, Stage, Text,
+    Body, Edge, End, Mode, Moment, Place, RecordedJob, Settings, Source, Span, Stage, Text,
 };
 use proptest::prelude::*;
 
@@ -35,7 +35,7 @@ pub(crate) fn record(name: &str) -> Record {
         ],
         places: vec![Place { candidate: 0, is_survey: true, travel_m: -0.25 }],
         jobs: [End::Done, End::Cut, End::Abandoned]
-            .map(|end| Job { place: 0, a: 3, b: 5, end })
+            .map(|end| RecordedJob { place: 0, a: 3, b: 5, end })
             .to_vec(),
         moments: vec![Moment { at_ns: 9, jobs: 3, state: "complete".into(), work: vec![[0., 1.]] }],
         spans: vec![Span { worker: 1, from_ns: 0, to_ns: 9 }],

@@ -5,7 +5,7 @@
 
 use core::hash::{Hash, Hasher};
 use dispatch::{
-    BestMatchLoad, Cache, Closed, Dispatcher, Effect, Event, Flaw, Progress, Queues, Spec, Work,
+    BestMatchLoad, Cache, Closed, Dispatcher, Effect, Event, Flaw, Job, JobSource, Progress, Queues,
 };
 use protocol::{Incarnation, JobId, RequestId, Section, TaskId};
 use stateright::{Checker, Model, Property};
@@ -45,22 +45,22 @@ struct Sums {
     closed: Vec<Vec<u8>>,
 }
 
-impl Work for Sums {
+impl JobSource for Sums {
     type Part<'p> = ();
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         for node in 0..std::mem::take(&mut self.left) {
             let section = Section { model: 0, node };
-            jobs.push(Spec { task: TaskId(0), a: section, b: section });
+            jobs.push(Job { task: TaskId(0), a: section, b: section });
         }
     }
     fn is_obsolete(&self, _: TaskId) -> bool {
         false
     }
-    fn fold(&mut self, job: &Spec, (): ()) {
+    fn fold(&mut self, job: &Job, (): ()) {
         self.sum[job.a.node as usize] += 1;
     }
-    fn close(&mut self, job: &Spec, how: Closed) {
+    fn close(&mut self, job: &Job, how: Closed) {
         self.closed[job.a.node as usize].push(how as u8);
     }
     fn weight(&self, _: Section) -> u64 {

@@ -5,7 +5,7 @@
 //! come in waves, the next when the last one is closed.
 
 use super::draw::Draw;
-use dispatch::{Closed, Spec, Work};
+use dispatch::{Closed, Job, JobSource};
 use protocol::{Section, TaskId};
 use std::collections::VecDeque;
 
@@ -25,7 +25,7 @@ const SUM: u64 = 1 << 20;
 pub(super) type Part = Found;
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Job {
+pub(super) struct SimulatedJob {
     task: u32,
     pub(super) found: Found,
     /// In how many messages its result comes.
@@ -34,7 +34,7 @@ pub(super) struct Job {
     pub(super) time_ns: u64,
 }
 
-impl Job {
+impl SimulatedJob {
     /// One of the messages: bits are dealt out, so that a lost one is missed.
     pub(super) fn part(&self, number: u16) -> Part {
         let share = (0..64).filter(|bit| bit % self.parts == number).fold(0, |m, bit| m | 1 << bit);
@@ -71,7 +71,7 @@ pub(super) enum Answer {
 /// A request at work.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Request {
-    pub(super) jobs: Vec<Job>,
+    pub(super) jobs: Vec<SimulatedJob>,
     tasks: Vec<Task>,
     waiting: VecDeque<u32>,
     /// Whether the next task waits until the last is closed.
@@ -99,7 +99,7 @@ impl Request {
                 };
                 let parts = if draw.at(4).once_in(4) { 1 + draw.at(5).below(3) as u16 } else { 1 };
                 let time_ns = 5_000 + draw.at(6).below(300_000);
-                request.jobs.push(Job { task: number as u32, found, parts, time_ns });
+                request.jobs.push(SimulatedJob { task: number as u32, found, parts, time_ns });
             }
             let jobs = first..request.jobs.len() as u32;
             let open = jobs.len() as u32;
@@ -110,16 +110,16 @@ impl Request {
         request
     }
 
-    fn job_of(spec: &Spec) -> usize {
+    fn job_of(spec: &Job) -> usize {
         spec.a.node as usize
     }
 
     /// The job that a slot of the dispatcher's table stands for.
-    pub(super) fn job(&self, spec: Option<&Spec>) -> Option<&Job> {
+    pub(super) fn job(&self, spec: Option<&Job>) -> Option<&SimulatedJob> {
         self.jobs.get(Self::job_of(spec?))
     }
 
-    pub(super) fn name_of(spec: &Spec) -> u64 {
+    pub(super) fn name_of(spec: &Job) -> u64 {
         Self::job_of(spec) as u64
     }
 
@@ -180,14 +180,14 @@ impl Request {
     }
 }
 
-impl Work for Request {
+impl JobSource for Request {
     type Part<'p> = Part;
 
-    fn more(&mut self, jobs: &mut Vec<Spec>) {
+    fn more(&mut self, jobs: &mut Vec<Job>) {
         while jobs.is_empty() && !(self.is_gated && self.open > 0) {
             let Some(number) = self.waiting.pop_front() else { return };
             let task = &self.tasks[number as usize];
-            jobs.extend(task.jobs.clone().map(|job| Spec {
+            jobs.extend(task.jobs.clone().map(|job| Job {
                 task: TaskId(number),
                 a: Section { model: 0, node: job },
                 b: Section { model: 1, node: job % 5 },
@@ -201,7 +201,7 @@ impl Work for Request {
         task.is_probe && (task.found.bits != 0 || task.found.sum != 0)
     }
 
-    fn fold(&mut self, spec: &Spec, part: Part) {
+    fn fold(&mut self, spec: &Job, part: Part) {
         let Some(job) = self.jobs.get(Self::job_of(spec)) else { return };
         let found = &mut self.tasks[job.task as usize].found;
         found.bits |= part.bits;
@@ -209,7 +209,7 @@ impl Work for Request {
         found.sum += part.sum;
     }
 
-    fn close(&mut self, spec: &Spec, how: Closed) {
+    fn close(&mut self, spec: &Job, how: Closed) {
         let number = Self::job_of(spec);
         self.closings[number] = self.closings[number].saturating_add(1);
         let task = &mut self.tasks[self.jobs[number].task as usize];

@@ -4,7 +4,7 @@ use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress};
 use crate::scenario::{Scenario, Text, Texts};
 use crate::{BUILD, Failure, Kind};
-use coordinator::{Answer, Explanation, Request, Scene, Work};
+use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
 use record::Source;
 use runtime::FileMap;
 use scenario::{Engine, Overrides};
@@ -66,7 +66,7 @@ impl Record {
         let views = bodies.views()?;
         let rules = (scenario.policy.clone(), scenario.curves.clone());
         let request = Request::new(&scenario.parsed, &views, rules.0, rules.1)?;
-        let mut work = Work::new(&request, &views, content.settings.depth);
+        let mut work = RankingRun::new(&request, &views, content.settings.depth);
         let jobs = coordinator::replay(&mut work, &views, &content.places, &content.jobs);
         let answer = work.answer()?;
         let (json, explanation, scenes) = (line(&answer)?, work.explanation()?, work.scenes());

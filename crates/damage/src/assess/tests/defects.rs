@@ -164,7 +164,7 @@ fn d13_equal_velocities_change_no_velocity() {
     assert_eq!(impact.respond(), Response::default());
     let mut scene = head_on(0.0);
     (scene.velocity, scene.b) = ([0.0, 0.0], scene.b.moved([0.5, 0.0]));
-    assert!(harm(&scene).persons.iter().all(|person| person.work == Work::ZERO));
+    assert!(harm(&scene).persons.iter().all(|person| person.work == Interval::ZERO));
 }
 
 #[test]

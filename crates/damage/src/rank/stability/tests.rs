@@ -55,7 +55,7 @@ fn a_curve_flips_where_its_own_risks_overtake() {
     let with = |id: &str, v: f64| {
         let mut harm = settled(&[curve(id).risk(v)]);
         harm.persons[0].curve = id.into();
-        harm.persons[0].x_m_s = Work::exactly(v);
+        harm.persons[0].x_m_s = Interval::exactly(v);
         harm
     };
     let candidates = [with("rosen-2010", 12.0), with("tum-lr4s-front", 18.0)];

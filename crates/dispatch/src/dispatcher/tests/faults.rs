@@ -156,24 +156,24 @@ fn a_suspect_runs_alone_and_while_it_waits_the_others_go_on() {
 #[test]
 fn a_job_that_took_two_workers_down_is_left_alone_by_the_next_request() {
     struct Named(Waves);
-    impl Work for Named {
+    impl JobSource for Named {
         type Part<'p> = u16;
-        fn more(&mut self, jobs: &mut Vec<Spec>) {
+        fn more(&mut self, jobs: &mut Vec<Job>) {
             self.0.more(jobs);
         }
         fn is_obsolete(&self, _: TaskId) -> bool {
             false
         }
-        fn fold(&mut self, job: &Spec, part: u16) {
+        fn fold(&mut self, job: &Job, part: u16) {
             self.0.fold(job, part);
         }
-        fn close(&mut self, job: &Spec, how: Closed) {
+        fn close(&mut self, job: &Job, how: Closed) {
             self.0.close(job, how);
         }
         fn weight(&self, _: Section) -> u64 {
             1
         }
-        fn key(&self, job: &Spec) -> Option<u64> {
+        fn key(&self, job: &Job) -> Option<u64> {
             Some(job.task.0.into())
         }
     }

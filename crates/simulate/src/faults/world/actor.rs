@@ -1,6 +1,6 @@
 //! One worker of the simulated world: what it holds, what it does, how it looks from outside.
 
-use crate::faults::work::Job;
+use crate::faults::work::SimulatedJob;
 use dispatch::{Patience, Pulse, Verdict, Watch};
 use protocol::{Incarnation, JobId, RequestId};
 use std::collections::VecDeque;
@@ -11,7 +11,7 @@ pub(super) struct Mail {
     pub(super) number: u32,
     pub(super) request: RequestId,
     /// Slot, attempt, name within the request, and what there is to do.
-    pub(super) jobs: Vec<(JobId, u8, u64, Job)>,
+    pub(super) jobs: Vec<(JobId, u8, u64, SimulatedJob)>,
     pub(super) is_garbled: bool,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Notes {
 }
 
 /// A job with its request, slot, attempt and name.
-type Errand = (RequestId, JobId, u8, u64, Job);
+type HandedJob = (RequestId, JobId, u8, u64, SimulatedJob);
 
 /// A process.
 pub(super) struct Actor {
@@ -80,7 +80,7 @@ impl Actor {
     }
 
     /// The next job, unless one is at hand; says what was answered on the way.
-    pub(super) fn next_job(&mut self, now_ns: u64, notes: &mut Notes) -> Option<Errand> {
+    pub(super) fn next_job(&mut self, now_ns: u64, notes: &mut Notes) -> Option<HandedJob> {
         if self.is_at_work {
             return None;
         }
@@ -117,7 +117,7 @@ impl Actor {
     }
 
     /// Ends the job at hand.
-    pub(super) fn finish(&mut self, now_ns: u64) -> Option<(RequestId, JobId, u8, Job)> {
+    pub(super) fn finish(&mut self, now_ns: u64) -> Option<(RequestId, JobId, u8, SimulatedJob)> {
         let (mail, at) = self.hand.as_ref().filter(|_| self.is_at_work)?;
         let (job, attempt, _, work) = mail.jobs.get(at.checked_sub(1)?).copied()?;
         let request = mail.request;
