@@ -4,7 +4,7 @@
 
 use crate::support::service::{deployment, left_behind, ranked, ranking, serve, shipped};
 use crate::support::{self, Place, children, run, signal, six, text, trolley, wait_for};
-use client::public::{Ask, Candidate, Motion, Party, Reason, Verdict};
+use client::public::{Ask, Motion, Reason, WireCandidate, WireParty, WireState};
 use client::{Client, Waiting};
 use rustix::process::Signal;
 use std::time::Duration;
@@ -30,12 +30,12 @@ fn connect(instance: &str) -> Client {
 /// An ego at 10 m/s and a wall ahead; models 1 and 2.
 fn into_a_wall() -> Ask {
     let mut ask = Ask::new(0);
-    ask.ego = ask.add_party(Party::of_model(1)).unwrap();
-    let party = ask.add_party(Party::of_model(2)).unwrap();
+    ask.ego = ask.add_party(WireParty::of_model(1)).unwrap();
+    let party = ask.add_party(WireParty::of_model(2)).unwrap();
     let ego = Motion { velocity_m_s: [10.0, 0.0], ..Motion::default() };
     let other =
         Motion { position_m: [2.5, 0.0, 0.0], angles_deg: [90.0, 0.0, 0.0], ..Motion::default() };
-    ask.add_candidate(Candidate { party, spare: 0, probability: 1.0, ego, other }).unwrap();
+    ask.add_candidate(WireCandidate { party, spare: 0, probability: 1.0, ego, other }).unwrap();
     ask
 }
 
@@ -101,7 +101,7 @@ fn a_second_instance_is_refused_and_the_first_goes_on() {
     let said = text(&second.stderr);
     assert!(said.contains("already served by process") && said.contains("help:"), "{said}");
     let answer = connect(&serving.instance).ask(&into_a_wall(), PATIENCE);
-    assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+    assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
     serving.end();
 }
 
@@ -118,10 +118,10 @@ fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     // What the hasty ones did not wait for may still be in the queue.
     let answer = wait_for(20_000, || {
         let answer = client.ask(&into_a_wall(), PATIENCE);
-        (answer.verdict() != Verdict::Busy).then_some(answer)
+        (answer.verdict() != WireState::Busy).then_some(answer)
     });
     let answer = answer.expect("there is room again");
-    assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+    assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
     drop(client);
     serving.end();
 }
@@ -138,7 +138,7 @@ fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
         (|ask| ask.parties[1].model = 99, Reason::UnknownModel),
         (|ask| ask.candidates[0].ego.position_m[2] = f64::NAN, Reason::OutOfRange),
         (|ask| ask.parties[0].model = 2, Reason::Misfit),
-        (|ask| ask.parties[1].flags = Party::UNKNOWN, Reason::UnknownKind),
+        (|ask| ask.parties[1].flags = WireParty::UNKNOWN, Reason::UnknownKind),
         (|ask| ask.candidates[0].ego.velocity_m_s = [0.0; 2], Reason::Unassessable),
     ];
     for (make, reason) in mistakes {
@@ -149,11 +149,11 @@ fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
             // A standstill may be ranked as one without figures.
             continue;
         }
-        assert_eq!(answer.verdict(), Verdict::Refused, "{reason:?}");
+        assert_eq!(answer.verdict(), WireState::Refused, "{reason:?}");
         assert_eq!(answer.reason(), *reason, "{}", answer.text());
         assert!(!answer.text().is_empty());
         let answer = client.ask(&into_a_wall(), PATIENCE);
-        assert_eq!(answer.verdict(), Verdict::Complete, "{}", answer.text());
+        assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
     }
     drop(client);
     serving.end();
@@ -218,7 +218,7 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
             let (mut verdicts, mut served) = (Vec::new(), 0);
             while served < 20 {
                 verdicts.push(client.ask(&into_a_wall(), PATIENCE).verdict());
-                served += usize::from(verdicts.last() != Some(&Verdict::Busy));
+                served += usize::from(verdicts.last() != Some(&WireState::Busy));
             }
             verdicts
         };
@@ -226,7 +226,7 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
         floods.into_iter().flat_map(|flood| flood.join().unwrap()).collect::<Vec<_>>()
     });
     let count = |verdict| answers.iter().filter(|answer| **answer == verdict).count();
-    let (complete, busy) = (count(Verdict::Complete), count(Verdict::Busy));
+    let (complete, busy) = (count(WireState::Complete), count(WireState::Busy));
     assert!(complete == 120 && busy > 0, "{complete} complete and {busy} busy");
     assert_eq!(complete + busy, answers.len());
     serving.end();
@@ -260,11 +260,11 @@ fn a_killed_service_is_a_refusal_and_its_successor_is_found_by_the_same_client()
     let file = deployment(&place, 1, WALL);
     let mut serving = serve(&file, &[]);
     let mut client = connect(&serving.instance);
-    assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), Verdict::Complete);
+    assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), WireState::Complete);
     serving.child.kill().unwrap();
     serving.child.wait().unwrap();
     let answer = client.ask(&into_a_wall(), Duration::from_millis(200));
-    assert_eq!(answer.verdict(), Verdict::Refused);
+    assert_eq!(answer.verdict(), WireState::Refused);
     assert!(matches!(answer.reason(), Reason::Silence | Reason::NoService), "{answer:?}");
     let instance = serving.instance.clone();
     let mut next = trolley()
@@ -273,7 +273,7 @@ fn a_killed_service_is_a_refusal_and_its_successor_is_found_by_the_same_client()
         .unwrap();
     let verdict = wait_for(20_000, || {
         let answer = client.ask(&into_a_wall(), Duration::from_millis(500));
-        (answer.verdict() == Verdict::Complete).then_some(())
+        (answer.verdict() == WireState::Complete).then_some(())
     });
     assert!(verdict.is_some(), "the successor is not found");
     drop(client);
@@ -297,7 +297,7 @@ fn an_answer_that_would_come_too_late_is_refused_by_the_client_in_time() {
     signal(serving.child.id(), Signal::CONT);
     let answered = wait_for(20_000, || {
         let answer = client.ask(&into_a_wall(), PATIENCE);
-        (answer.verdict() == Verdict::Complete).then_some(())
+        (answer.verdict() == WireState::Complete).then_some(())
     });
     assert!(answered.is_some());
     drop(client);
@@ -361,7 +361,7 @@ fn metrics_and_decisions_are_written_and_bounded() {
     let mut last = 0;
     for _ in 0..11 {
         let answer = client.ask(&into_a_wall(), PATIENCE);
-        assert_eq!(answer.verdict(), Verdict::Complete);
+        assert_eq!(answer.verdict(), WireState::Complete);
         last = answer.sequence;
     }
     drop(client);
@@ -376,7 +376,7 @@ fn metrics_and_decisions_are_written_and_bounded() {
     let entries: Vec<_> =
         kept.iter().flat_map(|file| service::read_decisions(&file.path()).unwrap()).collect();
     assert_eq!(entries.len(), 4 + 3);
-    assert!(entries.iter().all(|entry| entry.answer.verdict() == Verdict::Complete));
+    assert!(entries.iter().all(|entry| entry.answer.verdict() == WireState::Complete));
     assert_eq!(entries.last().unwrap().ask.sequence, last);
 }
 
@@ -392,7 +392,7 @@ fn a_request_takes_one_piece_from_the_heap_per_message_that_is_lent() {
         let serving = serve(&file, extra);
         let mut client = connect(&serving.instance);
         for _ in 0..REQUESTS {
-            assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), Verdict::Complete);
+            assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), WireState::Complete);
         }
         drop(client);
         // The first page may be of a second in which there were requests still.

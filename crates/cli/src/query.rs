@@ -4,7 +4,7 @@ use crate::answer_args::Assume;
 use crate::output::Output;
 use crate::{print, table};
 use clap::Args;
-use client::public::{Answer, Place, Reason, Verdict, flag};
+use client::public::{Reason, WireAnswer, WirePlace, WireState, flag};
 use client::{Client, Waiting};
 use comfy_table::{CellAlignment, Table};
 use scenario::Scenario;
@@ -117,8 +117,8 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
         print::out(&ranking(&scenario, &answer))?;
     }
     match answer.verdict() {
-        Verdict::Complete | Verdict::Certified => Ok(ExitCode::SUCCESS),
-        Verdict::Degraded => Ok(Kind::Degraded.into()),
+        WireState::Complete | WireState::Certified => Ok(ExitCode::SUCCESS),
+        WireState::Degraded => Ok(Kind::Degraded.into()),
         _ if output.json => Ok(code(&answer).into()),
         verdict => {
             let fault = format!("{}: {}", verdict.name(), answer.text());
@@ -127,14 +127,14 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
 }
 
-fn code(answer: &Answer) -> Kind {
+fn code(answer: &WireAnswer) -> Kind {
     match (answer.verdict(), answer.reason()) {
-        (Verdict::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Kind::TryAgain,
+        (WireState::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Kind::TryAgain,
         _ => Kind::Refused,
     }
 }
 
-fn name_of<'a>(scenario: &'a Scenario, place: &Place) -> (&'a str, &'a str) {
+fn name_of<'a>(scenario: &'a Scenario, place: &WirePlace) -> (&'a str, &'a str) {
     let candidate = scenario.candidates.get(place.candidate as usize);
     candidate.map_or(("?", "?"), |candidate| {
         let other = scenario.parties.get(candidate.other.party.0);
@@ -142,8 +142,8 @@ fn name_of<'a>(scenario: &'a Scenario, place: &Place) -> (&'a str, &'a str) {
     })
 }
 
-fn document<'a>(scenario: &'a Scenario, answer: &'a Answer) -> Document<'a> {
-    let row = |place: &Place| {
+fn document<'a>(scenario: &'a Scenario, answer: &'a WireAnswer) -> Document<'a> {
+    let row = |place: &WirePlace| {
         let (name, other) = name_of(scenario, place);
         let has = |bit: u32| place.flags & bit != 0;
         Row {
@@ -172,7 +172,7 @@ fn document<'a>(scenario: &'a Scenario, answer: &'a Answer) -> Document<'a> {
 }
 
 /// The ranking for people.
-fn ranking(scenario: &Scenario, answer: &Answer) -> String {
+fn ranking(scenario: &Scenario, answer: &WireAnswer) -> String {
     let mut table = Table::new();
     table.load_style(comfy_table::presets::NOTHING);
     table.set_header(["#", "candidate", "contact", "depth", "ΔV ego/other", "harm %", "range %"]);

@@ -5,7 +5,7 @@ use crate::output::Output;
 use crate::print;
 use clap::Args;
 use client::Listener;
-use client::public::{Condition, Health, Stage, Verdict};
+use client::public::{Condition, Health, LatencyStage, WireState};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::IsTerminal as _;
@@ -111,8 +111,9 @@ fn microseconds(row: [u64; 4]) -> [f64; 4] {
 }
 
 fn document(health: &Health, rate: f64) -> Document {
-    let pair = |number: usize| (Verdict::ALL[number].name(), health.answers[number]);
-    let stage = |stage: Stage| (stage.name(), microseconds(health.latency_ns[stage as usize]));
+    let pair = |number: usize| (WireState::ALL[number].name(), health.answers[number]);
+    let stage =
+        |stage: LatencyStage| (stage.name(), microseconds(health.latency_ns[stage as usize]));
     Document {
         schema: "trolley.top/1",
         condition: condition(health),
@@ -129,13 +130,13 @@ fn document(health: &Health, rate: f64) -> Document {
         allocations: health.allocations,
         messages: health.messages,
         message_bytes: health.message_bytes,
-        latency_us: Stage::ALL.map(stage),
+        latency_us: LatencyStage::ALL.map(stage),
     }
 }
 
 fn page(health: &Health, rate: f64, instance: &str) -> String {
     let up = health.at_ns.saturating_sub(health.since_ns) / 1_000_000_000;
-    let answers: Vec<String> = Verdict::ALL
+    let answers: Vec<String> = WireState::ALL
         .iter()
         .zip(health.answers)
         .map(|(verdict, count)| format!("{count} {}", verdict.name()))
@@ -169,7 +170,7 @@ fn page(health: &Health, rate: f64, instance: &str) -> String {
         "p99.9",
         "max",
     );
-    for stage in Stage::ALL {
+    for stage in LatencyStage::ALL {
         let [p50, p99, p999, max] = microseconds(health.latency_ns[stage as usize]);
         // Writing to a string cannot fail.
         let _ok =

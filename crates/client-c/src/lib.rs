@@ -13,7 +13,7 @@
 
 #![expect(unsafe_code, reason = "C hands over pointers; each is checked for null and used once")]
 
-use client::public::{Answer, Ask, Reason, Verdict};
+use client::public::{Ask, Reason, WireAnswer, WireState};
 use client::{Client, Waiting};
 use core::ffi::{CStr, c_char};
 use core::time::Duration;
@@ -90,13 +90,13 @@ pub unsafe extern "C" fn trolley_ask(
     client: *mut Handle,
     ask: *const Ask,
     patience_ns: u64,
-    answer: *mut Answer,
+    answer: *mut WireAnswer,
 ) {
     if answer.is_null() {
         return;
     }
     let refused =
-        |text: &str| Answer::without_ranking(0, Verdict::Refused, Reason::Malformed, text);
+        |text: &str| WireAnswer::without_ranking(0, WireState::Refused, Reason::Malformed, text);
     let given = if client.is_null() || ask.is_null() {
         refused("a null pointer was handed over")
     } else {
@@ -130,12 +130,12 @@ pub unsafe extern "C" fn trolley_disconnect(client: *mut Handle) {
 /// The name of a verdict: a C string that lives for ever.
 #[unsafe(no_mangle)]
 pub extern "C" fn trolley_verdict_name(verdict: u32) -> *const c_char {
-    let name = match Verdict::from_number(verdict) {
-        Some(Verdict::Complete) => c"complete",
-        Some(Verdict::Certified) => c"certified",
-        Some(Verdict::Degraded) => c"degraded",
-        Some(Verdict::Refused) => c"refused",
-        Some(Verdict::Busy) => c"busy",
+    let name = match WireState::from_number(verdict) {
+        Some(WireState::Complete) => c"complete",
+        Some(WireState::Certified) => c"certified",
+        Some(WireState::Degraded) => c"degraded",
+        Some(WireState::Refused) => c"refused",
+        Some(WireState::Busy) => c"busy",
         None => c"unknown",
     };
     name.as_ptr()

@@ -7,7 +7,7 @@
 //! ```
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to a terminal")]
 
-use client::public::{Answer, Ask, Candidate, Motion, Party};
+use client::public::{Ask, Motion, WireAnswer, WireCandidate, WireParty};
 use client::{Client, Waiting};
 use std::time::Duration;
 
@@ -38,9 +38,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Two ways are left. Models by the ids of `config/deployments/minimal.toml`.
 fn what_is_left() -> Option<Ask> {
     let mut ask = Ask::new(0);
-    ask.ego = ask.add_party(Party::of_model(1))?;
-    let pole = ask.add_party(Party::of_model(3))?;
-    let wall = ask.add_party(Party::of_model(2))?;
+    ask.ego = ask.add_party(WireParty::of_model(1))?;
+    let pole = ask.add_party(WireParty::of_model(3))?;
+    let wall = ask.add_party(WireParty::of_model(2))?;
     let ego = Motion { velocity_m_s: [10.0, 0.0], ..Motion::default() };
     let at = |x: f64, y: f64, yaw: f64| Motion {
         position_m: [x, y, 0.0],
@@ -48,12 +48,12 @@ fn what_is_left() -> Option<Ask> {
         ..Motion::default()
     };
     for (party, other) in [(wall, at(2.55, 0.0, 90.0)), (pole, at(2.4, 0.3, 0.0))] {
-        ask.add_candidate(Candidate { party, spare: 0, probability: 1.0, ego, other })?;
+        ask.add_candidate(WireCandidate { party, spare: 0, probability: 1.0, ego, other })?;
     }
     Some(ask)
 }
 
-fn show(answer: &Answer) {
+fn show(answer: &WireAnswer) {
     for (number, place) in answer.ranking().iter().enumerate() {
         let name = NAMES.get(place.candidate as usize).unwrap_or(&"?");
         println!("{} {name} {:?} {:?}", number + 1, place.work[0], place.work[1]);

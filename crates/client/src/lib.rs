@@ -2,20 +2,20 @@
 //!
 //! ```no_run
 //! use client::{Client, Waiting};
-//! use client::public::{Ask, Candidate, Motion, Party};
+//! use client::public::{Ask, WireCandidate, Motion, WireParty};
 //! use std::time::Duration;
 //!
 //! let mut client = Client::connect("/dev/shm", "trolley", Waiting::Spin)?;
 //! let mut ask = Ask::new(0);
-//! let ego = ask.add_party(Party::of_model(1)).ok_or("no room")?;
-//! let wall = ask.add_party(Party::of_model(2)).ok_or("no room")?;
+//! let ego = ask.add_party(WireParty::of_model(1)).ok_or("no room")?;
+//! let wall = ask.add_party(WireParty::of_model(2)).ok_or("no room")?;
 //! let at = |x: f64, v: f64| Motion {
 //!     position_m: [x, 0.0, 0.0],
 //!     velocity_m_s: [v, 0.0],
 //!     ..Motion::default()
 //! };
 //! ask.ego = ego;
-//! ask.add_candidate(Candidate {
+//! ask.add_candidate(WireCandidate {
 //!     party: wall, spare: 0, probability: 1.0, ego: at(0.0, 10.0), other: at(2.5, 0.0),
 //! });
 //! let answer = client.ask(&ask, Duration::from_millis(50));
@@ -40,10 +40,10 @@
 use core::fmt;
 use core::hash::{BuildHasher as _, Hasher as _};
 use core::time::Duration;
-use protocol::public::{Answer, Ask, Health, Reason, Verdict};
+use protocol::public::{Ask, Health, Reason, WireAnswer, WireState};
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use std::hash::RandomState;
-use transport::{Address, Client as Port, UseError};
+use transport::{Address, ClientPort as Port, UseError};
 
 pub use protocol::public;
 pub use transport::OpenError;
@@ -94,7 +94,7 @@ impl Client {
     ///
     /// There is always an answer; without a ranking its verdict is *refused* or *busy*.
     #[must_use]
-    pub fn ask(&mut self, ask: &Ask, patience: Duration) -> Answer {
+    pub fn ask(&mut self, ask: &Ask, patience: Duration) -> WireAnswer {
         let end_ns = now_ns().saturating_add(nanoseconds(patience));
         self.sequence = self.sequence.wrapping_add(1);
         let ask = Ask { sequence: self.sequence, answer_by_ns: end_ns, ..*ask };
@@ -111,9 +111,9 @@ impl Client {
         answer
     }
 
-    fn exchange(&mut self, ask: &Ask, end_ns: u64) -> Answer {
+    fn exchange(&mut self, ask: &Ask, end_ns: u64) -> WireAnswer {
         let refused = |reason: Reason, text: &str| {
-            Answer::without_ranking(ask.sequence, Verdict::Refused, reason, text)
+            WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, text)
         };
         if self.port.is_none() {
             match Port::open(&self.address) {
@@ -129,9 +129,9 @@ impl Client {
             Ok(pending) => pending,
             Err(UseError::Full) => {
                 let text = "the service takes no more requests at the moment";
-                return Answer::without_ranking(
+                return WireAnswer::without_ranking(
                     ask.sequence,
-                    Verdict::Busy,
+                    WireState::Busy,
                     Reason::QueueFull,
                     text,
                 );
@@ -173,7 +173,7 @@ impl fmt::Debug for Client {
 
 /// Hears how a service is, which says so each second; it asks nothing of it.
 #[derive(Debug)]
-pub struct Listener(transport::Listener);
+pub struct Listener(transport::TopicSubscriber);
 
 /// How often a listener looks.
 const LOOK: Duration = Duration::from_millis(50);
@@ -186,7 +186,7 @@ impl Listener {
     /// If there is no such service, it has as many listeners as it takes, or shared memory or file
     /// descriptors ran out.
     pub fn connect(folder: &str, instance: &str) -> Result<Self, OpenError> {
-        Ok(Self(transport::Listener::open(&Address::new(folder, instance)?)?))
+        Ok(Self(transport::TopicSubscriber::open(&Address::new(folder, instance)?)?))
     }
 
     /// Waits for what the service says next of its health, at most for so long; `None` if it says

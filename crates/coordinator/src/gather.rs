@@ -4,7 +4,7 @@ use body::BodyView;
 use bvh::{Counters, NodePair};
 use geometry::hash::splitmix64;
 use geometry::{Supports, support::DIRECTIONS};
-use protocol::Side;
+use protocol::WireSide;
 use protocol::result::{Last, read_hit};
 use std::collections::BTreeSet;
 
@@ -110,8 +110,8 @@ impl Gathered {
         let mut sound = true;
         for hit in part.hits {
             sound &= match read_hit(*hit) {
-                (Side::A, triangle) => self.hits_a.insert(triangle),
-                (Side::B, triangle) => self.hits_b.insert(triangle),
+                (WireSide::A, triangle) => self.hits_a.insert(triangle),
+                (WireSide::B, triangle) => self.hits_b.insert(triangle),
             };
         }
         self.touched |= !part.hits.is_empty();

@@ -7,7 +7,7 @@ use crate::case::Aim;
 use crate::work::TaskState;
 use dispatch::{Closed, Job};
 use protocol::TaskId;
-use record::{End, Moment, Place, RecordedJob};
+use record::{PoseQuestion, RecordedEnd, RecordedJob, RecordedMoment};
 use runtime::clock;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,11 +15,11 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ledger {
     /// Questions that were asked, in that order. A question without a job was answered by asking.
-    pub places: Vec<Place>,
+    pub places: Vec<PoseQuestion>,
     /// Jobs, in the order in which they were closed.
     pub jobs: Vec<RecordedJob>,
     /// What was known over time.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<RecordedMoment>,
     /// Number in `places` of each task that was asked.
     of_task: Vec<Option<u32>>,
     begun_ns: u64,
@@ -48,24 +48,24 @@ impl Ledger {
     pub(crate) fn close(&mut self, job: &Job, how: Closed) {
         let Some(place) = self.of_task.get(job.task.0 as usize).copied().flatten() else { return };
         let end = match how {
-            Closed::Done => End::Done,
-            Closed::Cut => End::Cut,
-            Closed::Abandoned | Closed::Late => End::Abandoned,
+            Closed::Done => RecordedEnd::Done,
+            Closed::Cut => RecordedEnd::Cut,
+            Closed::Abandoned | Closed::Late => RecordedEnd::Abandoned,
         };
         self.jobs.push(RecordedJob { place, a: job.a.node, b: job.b.node, end });
     }
 
     pub(crate) fn note(&mut self, state: String, work: Vec<[f64; 2]>) {
         let at_ns = clock::now_ns().saturating_sub(self.begun_ns);
-        self.moments.push(Moment { at_ns, jobs: self.jobs.len() as u64, state, work });
+        self.moments.push(RecordedMoment { at_ns, jobs: self.jobs.len() as u64, state, work });
     }
 }
 
 impl TaskState {
     /// What this errand asks, without its number.
-    fn place(&self) -> Place {
+    fn place(&self) -> PoseQuestion {
         let is_survey = matches!(self.aim, Aim::Survey { .. });
-        Place { candidate: self.case as u32, is_survey, travel_m: self.travel_m }
+        PoseQuestion { candidate: self.case as u32, is_survey, travel_m: self.travel_m }
     }
 
     fn key(&self) -> Key {
@@ -76,7 +76,7 @@ impl TaskState {
 /// A question, comparable: candidate, whether a survey asked, bits of the travel.
 type Key = (u32, bool, u64);
 
-fn key(place: &Place) -> Key {
+fn key(place: &PoseQuestion) -> Key {
     (place.candidate, place.is_survey, place.travel_m.to_bits())
 }
 
@@ -85,7 +85,7 @@ fn key(place: &Place) -> Key {
 pub(crate) struct Asked(BTreeSet<Key>);
 
 impl Asked {
-    pub(crate) fn of(places: &[Place]) -> Self {
+    pub(crate) fn of(places: &[PoseQuestion]) -> Self {
         Self(places.iter().map(key).collect())
     }
 
@@ -97,10 +97,10 @@ impl Asked {
 
 /// The ends of a recorded ledger, by what was asked.
 #[derive(Clone, Debug)]
-pub(crate) struct Ends(BTreeMap<(Key, (u32, u32)), End>);
+pub(crate) struct Ends(BTreeMap<(Key, (u32, u32)), RecordedEnd>);
 
 impl Ends {
-    pub(crate) fn of(places: &[Place], jobs: &[RecordedJob]) -> Self {
+    pub(crate) fn of(places: &[PoseQuestion], jobs: &[RecordedJob]) -> Self {
         let one = |job: &RecordedJob| {
             let asked = key(places.get(job.place as usize)?);
             Some(((asked, (job.a, job.b)), job.end))
@@ -109,7 +109,7 @@ impl Ends {
     }
 
     /// How a job ended; `None` if it never did.
-    pub(crate) fn end(&self, errand: &TaskState, job: &Job) -> Option<End> {
+    pub(crate) fn end(&self, errand: &TaskState, job: &Job) -> Option<RecordedEnd> {
         self.0.get(&(errand.key(), (job.a.node, job.b.node))).copied()
     }
 }

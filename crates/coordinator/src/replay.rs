@@ -5,7 +5,7 @@ use crate::ledger::{Asked, Ends};
 use crate::work::RankingRun;
 use body::{BodyView, Meta};
 use dispatch::{Closed, JobSource as _};
-use record::{End, Place, RecordedJob};
+use record::{PoseQuestion, RecordedEnd, RecordedJob};
 
 /// Asks what a ledger says was asked, does the jobs that were done, gives up those that were given
 /// up, and leaves open what never ended. Returns how many jobs were done.
@@ -15,7 +15,7 @@ use record::{End, Place, RecordedJob};
 pub fn replay(
     work: &mut RankingRun<'_>,
     bodies: &[(Meta, BodyView<'_>)],
-    places: &[Place],
+    places: &[PoseQuestion],
     jobs: &[RecordedJob],
 ) -> u64 {
     let ends = Ends::of(places, jobs);
@@ -32,11 +32,11 @@ pub fn replay(
             match end {
                 _ if work.is_obsolete(job.task) => work.close(&job, Closed::Cut),
                 // In another order it may be needed here though it was not needed there.
-                Some(End::Done | End::Cut) => {
+                Some(RecordedEnd::Done | RecordedEnd::Cut) => {
                     done += 1;
                     executor.run(work, &job, &mut |_, _| {});
                 }
-                Some(End::Abandoned) | None => work.close(&job, Closed::Abandoned),
+                Some(RecordedEnd::Abandoned) | None => work.close(&job, Closed::Abandoned),
             }
         }
     }

@@ -17,8 +17,8 @@
 use body::{BodyView, Meta};
 use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
 use geometry::{Directions, RelativePose};
-use protocol::result::{End, SUPPORTS};
-use protocol::{Side, Summary, WireTask};
+use protocol::result::{SUPPORTS, WireEnd};
+use protocol::{Summary, WireSide, WireTask};
 
 /// Scratch for jobs, and what was made ready for the task at hand. Kept from job to job and from
 /// request to request, it takes nothing from the heap while bodies are no larger.
@@ -69,8 +69,8 @@ pub enum NotDone {
 #[must_use]
 pub const fn hit(side: bvh::Side, triangle: u32) -> u32 {
     let side = match side {
-        bvh::Side::A => Side::A,
-        bvh::Side::B => Side::B,
+        bvh::Side::A => WireSide::A,
+        bvh::Side::B => WireSide::B,
     };
     protocol::result::hit(side, triangle)
 }
@@ -164,8 +164,8 @@ impl Done {
     pub fn summary(&self, hits: u32, wall_ns: u64) -> Summary {
         let outcome = &self.outcome;
         let end = match outcome.end {
-            bvh::End::Complete => End::Complete,
-            bvh::End::Stopped | bvh::End::OutOfBudget => End::OutOfBudget,
+            bvh::End::Complete => WireEnd::Complete,
+            bvh::End::Stopped | bvh::End::OutOfBudget => WireEnd::OutOfBudget,
         };
         Summary {
             nb: outcome.counters.nb,

@@ -99,7 +99,7 @@ fn a_job_finds_the_same_whatever_was_done_before_it() {
                 assert_eq!(found.1.is_some(), question == protocol::WireQuestion::Pairs);
                 assert!(found.3.is_empty() == (found.0.hits > 0), "{found:?}");
                 assert_eq!(found.0.rest, found.3.len() as u64);
-                let end = if found.3.is_empty() { End::Complete } else { End::OutOfBudget };
+                let end = if found.3.is_empty() { WireEnd::Complete } else { WireEnd::OutOfBudget };
                 assert_eq!(found.0.end, end as u32);
             }
         }

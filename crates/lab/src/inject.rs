@@ -18,7 +18,7 @@ mod signals;
 mod worker_pool;
 
 use crate::progress::{OnProgress, Progress};
-use coordinator::{JobSource, Request, run_in_process};
+use coordinator::{RankingRun, Request, run_in_process};
 use plan::Plan;
 use report::Report;
 use scenario::{FileRef, Overrides};
@@ -57,7 +57,7 @@ pub fn inject(options: &InjectOptions, told: OnProgress<'_>) -> Result<Injected,
     let views = bodies.views()?;
     let (policy, curves) = scenario.rules();
     let request = Request::new(parsed, &views, policy, curves)?;
-    let mut alone = JobSource::new(&request, &views, plan.depth);
+    let mut alone = RankingRun::new(&request, &views, plan.depth);
     let _jobs = run_in_process(&mut alone, &views);
     let reference = alone.answer()?;
 
@@ -66,7 +66,7 @@ pub fn inject(options: &InjectOptions, told: OnProgress<'_>) -> Result<Injected,
         None => Limits::default(),
     };
     let terms = limits.terms(None);
-    let work = || JobSource::new(&request, &views, plan.depth).with_terms(terms);
+    let work = || RankingRun::new(&request, &views, plan.depth).with_terms(terms);
 
     let begun_ns = runtime::clock::now_ns();
     let mut report = Report::new(options.seed);

@@ -5,7 +5,7 @@
 
 use client::Client;
 use hdrhistogram::Histogram;
-use protocol::public::{Answer, Ask, Place, Verdict};
+use protocol::public::{Ask, WireAnswer, WirePlace, WireState};
 use runtime::clock;
 use serde::Serialize;
 use service::InProcess;
@@ -131,22 +131,22 @@ impl Latency {
 
 /// Whether an answer agrees with one to which nothing is missing: in every bit if it is complete;
 /// else its intervals hold what is known, and who certainly wins does.
-fn is_right(answer: &Answer, complete: &Answer) -> bool {
+fn is_right(answer: &WireAnswer, complete: &WireAnswer) -> bool {
     let is_whole = answer.place_count == complete.place_count;
     let places = &answer.places[..(answer.place_count as usize).min(answer.places.len())];
-    let holds = |place: &Place| {
+    let holds = |place: &WirePlace| {
         let known = complete.places.iter().find(|known| known.candidate == place.candidate);
         known.is_some_and(|k| place.work[0] <= k.work[0] && k.work[1] <= place.work[1])
     };
     match answer.verdict() {
-        Verdict::Complete => {
+        WireState::Complete => {
             bytemuck::bytes_of(&answer.places) == bytemuck::bytes_of(&complete.places) && is_whole
         }
-        Verdict::Certified => {
+        WireState::Certified => {
             let wins = answer.places[0].candidate == complete.places[0].candidate;
             wins && is_whole && places.iter().all(holds)
         }
-        Verdict::Degraded => is_whole && places.iter().all(holds),
+        WireState::Degraded => is_whole && places.iter().all(holds),
         _ => true,
     }
 }

@@ -33,7 +33,7 @@ pub struct Launch {
     pub queue: u32,
     /// Whether it works on copies of sections that are sent to it, not on the store in place.
     pub copies: bool,
-    /// Whether it obeys an [`crate::Order`]: only where faults are injected.
+    /// Whether it obeys an [`crate::FaultCommand`]: only where faults are injected.
     #[cfg(feature = "faults")]
     pub obeys: bool,
     /// Where its channels are: text made and read by the transport.

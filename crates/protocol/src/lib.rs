@@ -31,9 +31,9 @@ pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{WireJob, WireQuestion, WireTask};
 pub use launch::Launch;
 #[cfg(feature = "faults")]
-pub use order::{Misdeed, Order};
-pub use result::{Side, Summary};
-pub use status::{CoordinatorLine, State, StatusPage, WorkerLine};
+pub use order::{Fault, FaultCommand};
+pub use result::{Summary, WireSide};
+pub use status::{CoordinatorLine, StatusPage, WorkerLine, WorkerState};
 
 /// Version of all layouts of this crate: part of every header and of every service's attributes.
 pub const LAYOUT: u32 = 2;

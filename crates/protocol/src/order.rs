@@ -11,7 +11,7 @@
 /// What a worker is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
-pub enum Misdeed {
+pub enum Fault {
     /// End with SIGABRT.
     Abort = 1,
     /// End with SIGSEGV.
@@ -44,7 +44,7 @@ pub enum Misdeed {
     Quit = 15,
 }
 
-impl Misdeed {
+impl Fault {
     /// All of them.
     pub const ALL: [Self; 15] = [
         Self::Abort,
@@ -67,18 +67,18 @@ impl Misdeed {
 
 /// An order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Order {
+pub struct FaultCommand {
     /// Tells it from the one before it; not 0.
     pub sequence: u16,
     /// What to do.
-    pub misdeed: Misdeed,
+    pub misdeed: Fault,
     /// How many jobs to do properly before.
     pub after: u8,
     /// A bit or a job, where the misdeed needs one.
     pub argument: u32,
 }
 
-impl Order {
+impl FaultCommand {
     /// As it stands on the status page.
     #[must_use]
     pub fn to_word(self) -> u64 {
@@ -92,7 +92,7 @@ impl Order {
     #[must_use]
     pub fn from_word(word: u64) -> Option<Self> {
         let number = (word >> 40 & 0xff) as u8;
-        let misdeed = Misdeed::ALL.into_iter().find(|misdeed| *misdeed as u8 == number)?;
+        let misdeed = Fault::ALL.into_iter().find(|misdeed| *misdeed as u8 == number)?;
         Some(Self {
             sequence: (word >> 48) as u16,
             misdeed,
@@ -109,11 +109,12 @@ mod tests {
 
     #[test]
     fn every_order_comes_back_and_zero_is_none() {
-        for misdeed in Misdeed::ALL {
-            let order = Order { sequence: 0xfeed, misdeed, after: 200, argument: 0xdead_beef };
-            assert_eq!(Order::from_word(order.to_word()), Some(order));
+        for misdeed in Fault::ALL {
+            let order =
+                FaultCommand { sequence: 0xfeed, misdeed, after: 200, argument: 0xdead_beef };
+            assert_eq!(FaultCommand::from_word(order.to_word()), Some(order));
         }
-        assert_eq!(Order::from_word(0), None);
-        assert_eq!(Order::from_word(u64::MAX), None);
+        assert_eq!(FaultCommand::from_word(0), None);
+        assert_eq!(FaultCommand::from_word(u64::MAX), None);
     }
 }

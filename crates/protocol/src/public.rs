@@ -4,7 +4,7 @@
 //! | struct | bytes | service | who writes |
 //! |---|--:|---|---|
 //! | [`Ask`] | 3,536 | `trolley/rank/v1`, request | a client |
-//! | [`Answer`] | 2,016 | `trolley/rank/v1`, response; `trolley/ranking/v1` | the service |
+//! | [`WireAnswer`] | 2,016 | `trolley/rank/v1`, response; `trolley/ranking/v1` | the service |
 //! | [`Health`] | 808 | `trolley/health/v1` | the service |
 //!
 //! Numbers are little-endian as on the machine, lengths in metres, angles in degrees, speeds in
@@ -13,8 +13,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-pub use answer::{Answer, Place, Reason, Verdict, flag};
-pub use health::{Condition, Health, Stage, WorkerHealth};
+pub use answer::{Reason, WireAnswer, WirePlace, WireState, flag};
+pub use health::{Condition, Health, LatencyStage, WorkerHealth};
 
 mod answer;
 mod health;
@@ -61,21 +61,21 @@ pub struct Ask {
     /// Number of the party that is the automated vehicle.
     pub ego: u32,
     /// Whoever may be hit, and the ego.
-    pub parties: [Party; PARTIES_MAX],
-    /// Persons of the parties that [`Party::PERSONS`] marks.
+    pub parties: [WireParty; PARTIES_MAX],
+    /// Persons of the parties that [`WireParty::PERSONS`] marks.
     pub persons: [Person; PERSONS_MAX],
     /// The collisions to choose from.
-    pub candidates: [Candidate; CANDIDATES_MAX],
+    pub candidates: [WireCandidate; CANDIDATES_MAX],
 }
 
 /// A physical body that may be hit. It exists once, however many candidates name it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Party {
+pub struct WireParty {
     /// Id of its model in the deployment file.
     pub model: u32,
-    /// Which of the fields below count: [`Party::PERSONS`], [`Party::MASS`], [`Party::UNKNOWN`],
-    /// [`Party::CRUSH`].
+    /// Which of the fields below count: [`WireParty::PERSONS`], [`WireParty::MASS`], [`WireParty::UNKNOWN`],
+    /// [`WireParty::CRUSH`].
     pub flags: u32,
     /// Mass instead of the model's (kg).
     pub mass_kg: f64,
@@ -98,7 +98,7 @@ pub struct Person {
 /// A collision that may be chosen.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Candidate {
+pub struct WireCandidate {
     /// Number of the opposing party; not the ego.
     pub party: u32,
     /// 0.
@@ -134,13 +134,13 @@ impl Ask {
     }
 
     /// Adds a party; its number. `None` if there is no room.
-    pub fn add_party(&mut self, party: Party) -> Option<u32> {
+    pub fn add_party(&mut self, party: WireParty) -> Option<u32> {
         *self.parties.get_mut(self.party_count as usize)? = party;
         self.party_count += 1;
         Some(self.party_count - 1)
     }
 
-    /// Adds a person; `None` if there is no room. Mark the party with [`Party::PERSONS`], too.
+    /// Adds a person; `None` if there is no room. Mark the party with [`WireParty::PERSONS`], too.
     pub fn add_person(&mut self, person: Person) -> Option<()> {
         *self.persons.get_mut(self.person_count as usize)? = person;
         self.person_count += 1;
@@ -148,14 +148,14 @@ impl Ask {
     }
 
     /// Adds a candidate; its number. `None` if there is no room.
-    pub fn add_candidate(&mut self, candidate: Candidate) -> Option<u32> {
+    pub fn add_candidate(&mut self, candidate: WireCandidate) -> Option<u32> {
         *self.candidates.get_mut(self.candidate_count as usize)? = candidate;
         self.candidate_count += 1;
         Some(self.candidate_count - 1)
     }
 }
 
-impl Party {
+impl WireParty {
     /// Flag: its persons are those that are listed, which may be nobody; else the model's.
     pub const PERSONS: u32 = 1;
     /// Flag: `mass_kg` counts.
@@ -174,8 +174,8 @@ impl Party {
 
 const _: () = {
     use core::mem::offset_of;
-    assert!(size_of::<Motion>() == 64 && size_of::<Candidate>() == 144);
-    assert!(size_of::<Party>() == 40 && size_of::<Person>() == 8);
+    assert!(size_of::<Motion>() == 64 && size_of::<WireCandidate>() == 144);
+    assert!(size_of::<WireParty>() == 40 && size_of::<Person>() == 8);
     assert!(size_of::<Ask>() == 3536 && align_of::<Ask>() == 8);
     assert!(offset_of!(Ask, parties) == 40);
     assert!(offset_of!(Ask, persons) == 720);

@@ -26,7 +26,7 @@ pub const TAIL_WORDS: usize = SUMMARY_WORDS + SUPPORTS;
 
 /// Which body a hit triangle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum WireSide {
     /// The ego.
     A,
     /// The opposing body.
@@ -51,7 +51,7 @@ pub struct Summary {
     pub zones_a: u16,
     /// Zones of B's hit triangles.
     pub zones_b: u16,
-    /// How it ended: an [`End`].
+    /// How it ended: an [`WireEnd`].
     pub end: u32,
     /// Supports that follow: 0 or [`SUPPORTS`].
     pub supports: u32,
@@ -66,14 +66,14 @@ const _: () = assert!(size_of::<Summary>() == 64);
 /// How a job ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub enum End {
+pub enum WireEnd {
     /// All was tested that the question asks for.
     Complete = 1,
     /// The budget was spent; what is left is open.
     OutOfBudget = 2,
 }
 
-impl End {
+impl WireEnd {
     /// The end with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
@@ -83,17 +83,17 @@ impl End {
 
 /// A hit triangle as it travels. `triangle` is below 2³¹.
 #[must_use]
-pub const fn hit(side: Side, triangle: u32) -> u32 {
+pub const fn hit(side: WireSide, triangle: u32) -> u32 {
     match side {
-        Side::A => triangle,
-        Side::B => triangle | 1 << 31,
+        WireSide::A => triangle,
+        WireSide::B => triangle | 1 << 31,
     }
 }
 
 /// The triangle that a hit names.
 #[must_use]
-pub const fn read_hit(hit: u32) -> (Side, u32) {
-    (if hit >> 31 == 0 { Side::A } else { Side::B }, hit & 0x7fff_ffff)
+pub const fn read_hit(hit: u32) -> (WireSide, u32) {
+    (if hit >> 31 == 0 { WireSide::A } else { WireSide::B }, hit & 0x7fff_ffff)
 }
 
 /// The last part of a result, taken apart.
@@ -113,7 +113,7 @@ pub fn read_last(words: &[u64], hits: u32) -> Option<Last<'_>> {
     let (hit_words, rest) = words.split_at_checked((hits as usize).div_ceil(2))?;
     let (summary, rest) = rest.split_at_checked(SUMMARY_WORDS)?;
     let summary: Summary = bytemuck::pod_read_unaligned(bytemuck::cast_slice(summary));
-    End::from_number(summary.end)?;
+    WireEnd::from_number(summary.end)?;
     let supports = match (summary.supports as usize, rest.len()) {
         (0, 0) => None,
         (SUPPORTS, SUPPORTS) => {

@@ -41,7 +41,7 @@ pub struct WorkerLine {
     /// When it last did what it was ordered to (ns, monotonic); 0: never. Reserved without the
     /// feature `faults`.
     pub obeyed_ns: AtomicU64,
-    /// A [`State`].
+    /// A [`WorkerState`].
     pub state: AtomicU32,
     /// 1 while it sleeps on [`CoordinatorLine::wake`].
     pub sleeping: AtomicU32,
@@ -78,7 +78,7 @@ const _: () = {
 /// How far a worker has come: it only ever counts up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
-pub enum State {
+pub enum WorkerState {
     /// Nothing was heard yet.
     Silent = 0,
     /// Its channels are open and its greeting is sent.
@@ -89,7 +89,7 @@ pub enum State {
     Bye = 3,
 }
 
-impl State {
+impl WorkerState {
     /// The state with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
@@ -118,8 +118,8 @@ pub fn read_started(word: u64, from: Incarnation, request: RequestId) -> Option<
 impl WorkerLine {
     /// The state, if it is one.
     #[must_use]
-    pub fn state(&self) -> Option<State> {
-        State::from_number(self.state.load(Ordering::Acquire))
+    pub fn state(&self) -> Option<WorkerState> {
+        WorkerState::from_number(self.state.load(Ordering::Acquire))
     }
 
     /// Blanks the line for the next incarnation. Only while no process writes it.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// A text that a person wrote.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Text {
+pub struct RecordedText {
     /// Its name, as it was given.
     pub name: String,
     /// BLAKE3 of the text, hexadecimal.
@@ -18,7 +18,7 @@ pub struct Text {
 
 /// Where a body came from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Source {
+pub enum RecordedSource {
     /// A model file.
     File {
         /// Its path, as the scenario gives it.
@@ -32,11 +32,11 @@ pub enum Source {
 
 /// The body of one party.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Body {
+pub struct RecordedBody {
     /// The party.
     pub party: String,
     /// Where it came from.
-    pub source: Source,
+    pub source: RecordedSource,
     /// Content hash of the body with the tree that was used.
     pub hash: String,
 }
@@ -97,7 +97,7 @@ pub struct Settings {
 
 /// A question about one pose of one candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct PoseQuestion {
     /// Number of the candidate.
     pub candidate: u32,
     /// Whether a survey asked, or else the search for first contact.
@@ -108,7 +108,7 @@ pub struct Place {
 
 /// How a job ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum End {
+pub enum RecordedEnd {
     /// Its result was folded in.
     Done,
     /// Its question was answered before: nobody needs it.
@@ -120,19 +120,19 @@ pub enum End {
 /// A job of the ledger. Jobs that are not in it were open when the answer was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordedJob {
-    /// Number in [`Record::places`].
+    /// Number in [`RecordContent::places`].
     pub place: u32,
     /// Node of the ego's tree.
     pub a: u32,
     /// Node of the other's tree.
     pub b: u32,
     /// How it ended.
-    pub end: End,
+    pub end: RecordedEnd,
 }
 
 /// What was known at one moment of the work.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Moment {
+pub struct RecordedMoment {
     /// Since the work began (ns).
     pub at_ns: u64,
     /// Jobs closed by then.
@@ -145,7 +145,7 @@ pub struct Moment {
 
 /// A job on a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Span {
+pub struct RecordedSpan {
     /// The worker.
     pub worker: u8,
     /// When it began, from the beginning of the first (ns).
@@ -169,7 +169,7 @@ pub struct Edge {
 
 /// How long a stage took.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stage {
+pub struct RecordedStage {
     /// Its name.
     pub name: String,
     /// Its length (ms).
@@ -178,32 +178,32 @@ pub struct Stage {
 
 /// Everything about one request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct RecordContent {
     /// Name of the build that answered.
     pub build: String,
     /// The scenario.
-    pub scenario: Text,
+    pub scenario: RecordedText,
     /// The policy.
-    pub policy: Text,
+    pub policy: RecordedText,
     /// The injury curves.
-    pub curves: Text,
+    pub curves: RecordedText,
     /// How the work was cut.
     pub settings: Settings,
     /// Bodies, in the order of the scenario's parties.
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<RecordedBody>,
     /// Questions that were asked by the time of the answer, in that order. One without a job was
     /// answered by asking: nothing was near enough.
-    pub places: Vec<Place>,
+    pub places: Vec<PoseQuestion>,
     /// The ledger, in the order in which jobs were closed.
     pub jobs: Vec<RecordedJob>,
     /// What was known over time.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<RecordedMoment>,
     /// Jobs on workers; empty without workers. No answer depends on it.
-    pub spans: Vec<Span>,
+    pub spans: Vec<RecordedSpan>,
     /// Messages by edge.
     pub edges: Vec<Edge>,
     /// Stages and their times.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<RecordedStage>,
     /// Workers lost, and what else was not as it should be.
     pub faults: Vec<String>,
     /// The answer, JSON as it was decided.
@@ -218,7 +218,7 @@ pub fn hash_of_text(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
-impl Text {
+impl RecordedText {
     /// A text with its hash.
     #[must_use]
     pub fn new(name: &str, text: &str) -> Self {

@@ -8,12 +8,12 @@
 //!        24  number     8   place in its chain, from 0
 //!        32  previous  32   hash of the record before; zeros for the first
 //!        64  hash      32   BLAKE3 of the file with this field zero
-//!        96  Record         [`body::codec`]
+//!        96  RecordContent         [`body::codec`]
 //! ```
 //!
 //! All numbers are little-endian. The length is checked first, then the hash, then the form.
 
-use crate::content::Record;
+use crate::content::RecordContent;
 use body::codec;
 use bytemuck::{Pod, Zeroable};
 use diagnostic::{Diagnostic, Kind};
@@ -21,7 +21,7 @@ use std::borrow::Cow;
 
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";
-/// Version of the layout and of [`Record`]. Another one is refused.
+/// Version of the layout and of [`RecordContent`]. Another one is refused.
 pub const VERSION: u32 = 3;
 
 /// The head of a record.
@@ -107,7 +107,10 @@ impl Diagnostic for RecordError {
 /// # Errors
 ///
 /// If the record is longer than [`LENGTH_MAX`].
-pub fn encode(record: &Record, previous: Option<&Link>) -> Result<(Vec<u8>, Link), RecordError> {
+pub fn encode(
+    record: &RecordContent,
+    previous: Option<&Link>,
+) -> Result<(Vec<u8>, Link), RecordError> {
     let body = codec::encode(record).map_err(RecordError::TooLong)?;
     let mut head = Head {
         magic: MAGIC,
@@ -128,7 +131,7 @@ pub fn encode(record: &Record, previous: Option<&Link>) -> Result<(Vec<u8>, Link
 /// # Errors
 ///
 /// If any byte is not as [`encode`] wrote it.
-pub fn decode(bytes: &[u8]) -> Result<(Record, Link), RecordError> {
+pub fn decode(bytes: &[u8]) -> Result<(RecordContent, Link), RecordError> {
     let (head, body) = split(bytes)?;
     let record = codec::decode(body).map_err(RecordError::Content)?;
     Ok((record, Link { number: head.number, previous: head.previous, hash: head.hash }))

@@ -1,7 +1,7 @@
 //! The decision record: one file per request, chained to the one before it.
 //!
 //! ```text
-//! Record --encode(link)--> bytes of a file        verify: hash of the file, hash of the one before
+//! RecordContent --encode(link)--> bytes of a file        verify: hash of the file, hash of the one before
 //!    ^----decode(bytes)--- bytes of a file        Chain::next(name, bytes), file after file
 //! ```
 //!
@@ -28,7 +28,8 @@ mod named;
 
 pub use chain::{Chain, ChainError};
 pub use content::{
-    Body, Edge, End, Mode, Moment, Place, Record, RecordedJob, Settings, Source, Span, Stage, Text,
+    Edge, Mode, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob,
+    RecordedMoment, RecordedSource, RecordedSpan, RecordedStage, RecordedText, Settings,
     hash_of_text,
 };
 pub use file::{Link, RecordError, decode, encode};

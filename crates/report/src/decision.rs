@@ -2,17 +2,17 @@
 //! is to be seen of each candidate.
 
 use crate::explain;
-use crate::html::{Candidate, Decision, Moment, Span, Worker};
-use crate::shot::{Body, Patch, Shot};
+use crate::html::{CandidateRow, Decision, TimelineMoment, TimelineSpan, Worker};
+use crate::shot::{Shot, ShotBody, ShotPatch};
 use std::collections::BTreeMap;
-use trolley::record::{Content, End, Link, Replay, hex};
+use trolley::record::{Link, RecordContent, RecordedEnd, Replay, hex};
 use trolley::{Failure, PersonRow, Record, Row, Touch};
 
 /// The bodies, by number as the candidates name them.
-pub(crate) fn bodies(made: &Replay) -> Result<Vec<Body>, Failure> {
+pub(crate) fn bodies(made: &Replay) -> Result<Vec<ShotBody>, Failure> {
     let views = made.bodies.views()?;
     let parties = made.scenario.parsed().parties.iter().zip(&views);
-    let bodies = parties.map(|(party, (_, view))| Body {
+    let bodies = parties.map(|(party, (_, view))| ShotBody {
         name: party.name.to_string(),
         corners: view.corners.to_vec(),
     });
@@ -23,7 +23,7 @@ pub(crate) fn bodies(made: &Replay) -> Result<Vec<Body>, Failure> {
 pub(crate) fn shots(made: &Replay) -> Vec<Shot> {
     let shot = |row: &Row| {
         let scene = made.scenes.iter().find(|scene| scene.name == row.name)?;
-        let patch = row.contact.patch.as_ref().map(|patch| Patch {
+        let patch = row.contact.patch.as_ref().map(|patch| ShotPatch {
             centre_m: patch.centre_m,
             normal: patch.normal,
             size_m: [patch.width_m.hi(), patch.height_m.hi()],
@@ -58,7 +58,7 @@ fn who(person: &PersonRow) -> String {
     }
 }
 
-fn candidate(row: &Row) -> Candidate {
+fn candidate(row: &Row) -> CandidateRow {
     let touches = row.contact.touch == Touch::Yes;
     let contact = match row.contact.touch {
         Touch::Yes => row.sides.clone(),
@@ -73,7 +73,7 @@ fn candidate(row: &Row) -> Candidate {
         let (work, range) = (person.work, person.range);
         (who(person), [work.lo(), work.hi()], [range.low(), range.high()])
     };
-    Candidate {
+    CandidateRow {
         name: row.name.clone(),
         other: row.other.clone(),
         contact,
@@ -91,21 +91,21 @@ fn candidate(row: &Row) -> Candidate {
 pub(crate) fn decision(made: &Replay, record: &Record) -> Decision {
     let Record { content: record, link } = record;
     let Replay { answer, explanation, .. } = made;
-    let count = |end: End| record.jobs.iter().filter(|job| job.end == end).count() as u64;
+    let count = |end: RecordedEnd| record.jobs.iter().filter(|job| job.end == end).count() as u64;
     let mut jobs_of: BTreeMap<u32, (u64, u64)> = BTreeMap::new();
     for job in &record.jobs {
         let Some(place) = record.places.get(job.place as usize) else { continue };
         let (done, not) = jobs_of.entry(place.candidate).or_default();
         match job.end {
-            End::Done => *done += 1,
-            End::Cut | End::Abandoned => *not += 1,
+            RecordedEnd::Done => *done += 1,
+            RecordedEnd::Cut | RecordedEnd::Abandoned => *not += 1,
         }
     }
     let name = |number: u32| explanation.names.get(number as usize).cloned().unwrap_or_default();
-    let mut workers: BTreeMap<u8, Vec<Span>> = BTreeMap::new();
+    let mut workers: BTreeMap<u8, Vec<TimelineSpan>> = BTreeMap::new();
     for span in &record.spans {
         let (from_ms, to_ms) = (span.from_ns as f64 / 1e6, span.to_ns as f64 / 1e6);
-        workers.entry(span.worker).or_default().push(Span { from_ms, to_ms });
+        workers.entry(span.worker).or_default().push(TimelineSpan { from_ms, to_ms });
     }
     let missing = answer.missing.iter().map(|name| format!("Not fully known: {name}."));
     let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
@@ -124,7 +124,7 @@ pub(crate) fn decision(made: &Replay, record: &Record) -> Decision {
         remarks: missing.chain(assumed).chain(near).chain(faults).collect(),
         explanation: explain::text(explanation),
         stages: record.stages.iter().map(|stage| (stage.name.clone(), stage.ms)).collect(),
-        jobs: [count(End::Done), count(End::Cut), count(End::Abandoned)],
+        jobs: [count(RecordedEnd::Done), count(RecordedEnd::Cut), count(RecordedEnd::Abandoned)],
         jobs_of: jobs_of.into_iter().map(|(of, (done, not))| (name(of), done, not)).collect(),
         workers: workers
             .into_iter()
@@ -133,7 +133,7 @@ pub(crate) fn decision(made: &Replay, record: &Record) -> Decision {
         moments: record
             .moments
             .iter()
-            .map(|moment| Moment {
+            .map(|moment| TimelineMoment {
                 at_ms: moment.at_ns as f64 / 1e6,
                 jobs: moment.jobs,
                 work: moment.work.clone(),
@@ -149,7 +149,7 @@ pub(crate) fn decision(made: &Replay, record: &Record) -> Decision {
     }
 }
 
-fn facts(record: &Content, link: &Link) -> Vec<(String, String)> {
+fn facts(record: &RecordContent, link: &Link) -> Vec<(String, String)> {
     let fact = |name: &str, value: String| (name.to_owned(), value);
     let s = &record.settings;
     let mut facts = vec![
@@ -174,8 +174,9 @@ fn facts(record: &Content, link: &Link) -> Vec<(String, String)> {
             ),
         ),
     ];
-    let body =
-        |body: &trolley::record::Body| fact(&format!("body {}", body.party), body.hash.clone());
+    let body = |body: &trolley::record::RecordedBody| {
+        fact(&format!("body {}", body.party), body.hash.clone())
+    };
     facts.extend(record.bodies.iter().map(body));
     facts
 }

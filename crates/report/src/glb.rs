@@ -1,7 +1,7 @@
 //! A shot as glTF 2.0, binary (Khronos: glTF 2.0 Specification, 2021): both bodies with damage as
 //! vertex colours, and the patch.
 
-use crate::shot::{Body, Shot};
+use crate::shot::{Shot, ShotBody};
 use serde_json::{Value, json};
 
 /// Colours (RGBA): the ego, the other, what is hit, the patch.
@@ -10,7 +10,7 @@ pub(crate) const COLOURS: [[u8; 4]; 4] =
 
 /// The file.
 #[must_use]
-pub fn glb(shot: &Shot, bodies: &[Body]) -> Vec<u8> {
+pub fn glb(shot: &Shot, bodies: &[ShotBody]) -> Vec<u8> {
     let mut binary: Vec<u8> = Vec::new();
     let (mut views, mut accessors) = (Vec::new(), Vec::new());
     let (mut meshes, mut nodes): (Vec<Value>, Vec<Value>) = (Vec::new(), Vec::new());

@@ -1,9 +1,9 @@
 //! The page: what a judge would ask first, then the view, then everything an engineer asks, then
 //! the record's hashes. One file, nothing fetched: its policy forbids even trying.
 
-use crate::measurement::Measurement;
+use crate::measurement::MeasurementPage;
 use crate::pack;
-use crate::shot::{Body, Shot};
+use crate::shot::{Shot, ShotBody};
 use serde_json::json;
 use std::fmt::Write as _;
 
@@ -24,7 +24,7 @@ pub struct Decision {
     /// State of the answer: complete, certified, degraded, refused.
     pub state: String,
     /// Candidates, least harm first.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<CandidateRow>,
     /// Names of the candidates that the model cannot tell from the first, itself included.
     pub ties: Vec<String>,
     /// The policy, and who answers for it.
@@ -48,7 +48,7 @@ pub struct Decision {
     /// What each worker did; empty if the record does not know.
     pub workers: Vec<Worker>,
     /// What was known over time.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<TimelineMoment>,
     /// Names of the candidates as moments count them.
     pub names: Vec<String>,
     /// Bytes by edge: from, to, messages, bytes.
@@ -59,7 +59,7 @@ pub struct Decision {
 
 /// One row of the ranking.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Candidate {
+pub struct CandidateRow {
     /// Its name.
     pub name: String,
     /// The other party.
@@ -88,12 +88,12 @@ pub struct Worker {
     /// Its name.
     pub name: String,
     /// Its jobs.
-    pub spans: Vec<Span>,
+    pub spans: Vec<TimelineSpan>,
 }
 
 /// One job on a worker (ms, from the beginning of the first).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub struct TimelineSpan {
     /// When it began.
     pub from_ms: f64,
     /// When its result was taken.
@@ -102,7 +102,7 @@ pub struct Span {
 
 /// What was known at one moment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Moment {
+pub struct TimelineMoment {
     /// Since the work began (ms).
     pub at_ms: f64,
     /// Jobs closed by then.
@@ -140,7 +140,7 @@ pub(crate) fn percent(share: f64) -> String {
 
 /// A page about a decision.
 #[must_use]
-pub fn decision(decision: &Decision, bodies: &[Body], shots: &[Shot]) -> String {
+pub fn decision(decision: &Decision, bodies: &[ShotBody], shots: &[Shot]) -> String {
     let title = title(decision);
     let mut body = String::new();
     first_screen(decision, &title, &mut body);
@@ -162,7 +162,7 @@ pub fn decision(decision: &Decision, bodies: &[Body], shots: &[Shot]) -> String 
 
 /// A page about a measurement.
 #[must_use]
-pub fn measurement(measurement: &Measurement) -> String {
+pub fn measurement(measurement: &MeasurementPage) -> String {
     page(&measurement.title, &measurement.markup(), None)
 }
 

@@ -35,7 +35,7 @@ pub mod still;
 pub mod text;
 mod write;
 
-pub use html::{Candidate, Decision, Moment, Span, Worker};
-pub use measurement::{Figure, Measurement};
-pub use shot::{Body, Patch, Shot};
+pub use html::{CandidateRow, Decision, TimelineMoment, TimelineSpan, Worker};
+pub use measurement::{Figure, MeasurementPage};
+pub use shot::{Shot, ShotBody, ShotPatch};
 pub use write::{Wanted, write};

@@ -2,7 +2,7 @@
 //! `foxglove.SceneUpdate` in JSON): one candidate each second, each in the place of the one before.
 
 use crate::glb::COLOURS;
-use crate::shot::{Body, Shot};
+use crate::shot::{Shot, ShotBody};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -23,7 +23,7 @@ impl diagnostic::Diagnostic for McapError {
 /// # Errors
 ///
 /// If the writer refuses.
-pub fn mcap(shots: &[&Shot], bodies: &[Body]) -> Result<Vec<u8>, McapError> {
+pub fn mcap(shots: &[&Shot], bodies: &[ShotBody]) -> Result<Vec<u8>, McapError> {
     let options = mcap::WriteOptions::new().compression(None).library("trolley");
     let mut file = Cursor::new(Vec::new());
     let mut writer = options.create(&mut file)?;
@@ -45,7 +45,7 @@ pub fn mcap(shots: &[&Shot], bodies: &[Body]) -> Result<Vec<u8>, McapError> {
 }
 
 /// Everything there was goes, then both bodies come, with what is hit in red.
-fn scene(shot: &Shot, bodies: &[Body], number: usize) -> Value {
+fn scene(shot: &Shot, bodies: &[ShotBody], number: usize) -> Value {
     let time = json!({"sec": number, "nsec": 0});
     let mut triangles = Vec::new();
     for (side, of) in shot.bodies.into_iter().enumerate() {
@@ -104,11 +104,11 @@ fn list(points: Vec<Value>, colour: [u8; 4]) -> Value {
 mod tests {
     //! What is written is read again by the format's own reader, triangle by triangle.
     use super::*;
-    use crate::shot::Patch;
+    use crate::shot::ShotPatch;
 
     #[test]
     fn a_file_reads_back_with_a_scene_for_each_candidate() {
-        let body = |x: f32| Body {
+        let body = |x: f32| ShotBody {
             name: "b".into(),
             corners: vec![[[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 0.0, 1.0]]; 3],
         };
@@ -118,7 +118,11 @@ mod tests {
             rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             translation: [2.0, 0.0, 0.0],
             hits: [vec![1], vec![0, 2]],
-            patch: Some(Patch { centre_m: [0.0; 3], normal: [1.0, 0.0, 0.0], size_m: [1.0, 1.0] }),
+            patch: Some(ShotPatch {
+                centre_m: [0.0; 3],
+                normal: [1.0, 0.0, 0.0],
+                size_m: [1.0, 1.0],
+            }),
             caption: "they touch".into(),
         };
         let shots = [shot("first"), shot("second")];

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 /// What `trolley measure` wrote into a folder.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measurement {
+pub struct MeasurementPage {
     /// What it is about.
     pub title: String,
     /// Its page, Markdown: headings, paragraphs, tables.
@@ -24,7 +24,7 @@ pub struct Figure {
     pub png: Vec<u8>,
 }
 
-impl Measurement {
+impl MeasurementPage {
     /// The text as markup, figures in their places.
     pub(crate) fn markup(&self) -> String {
         let mut out = String::new();
@@ -113,7 +113,7 @@ mod tests {
         let text = "# A <b>\n\nSome **bold** `code`\nand more\n\n| a | b |\n|---|--:|\n| 1 | 2 \
         |\n\n ![a figure](f.png)\n![another](no.png)\n";
         let figures = vec![Figure { name: "f.png".into(), png: vec![1, 2, 3] }];
-        let markup = Measurement { title: "A".into(), text: text.into(), figures }.markup();
+        let markup = MeasurementPage { title: "A".into(), text: text.into(), figures }.markup();
         for part in [
             "<h1>A &lt;b&gt;</h1>",
             "<p>Some <b>bold</b> <code>code</code> and more</p>",

@@ -1,6 +1,6 @@
 //! Bodies made small for a page: 16-bit coordinates, base64, thinned where there is too much.
 
-use crate::shot::{Body, Shot};
+use crate::shot::{Shot, ShotBody};
 use serde::Serialize;
 
 /// Triangles of one body that a page holds, besides those that are hit.
@@ -32,7 +32,7 @@ pub(crate) struct PackedShot {
 }
 
 /// All bodies and shots; numbers of hits count the triangles that were kept.
-pub(crate) fn pack(bodies: &[Body], shots: &[Shot]) -> (Vec<Packed>, Vec<PackedShot>) {
+pub(crate) fn pack(bodies: &[ShotBody], shots: &[Shot]) -> (Vec<Packed>, Vec<PackedShot>) {
     let mut kept: Vec<Vec<u32>> = Vec::with_capacity(bodies.len());
     let mut packed = Vec::with_capacity(bodies.len());
     for (number, body) in bodies.iter().enumerate() {
@@ -72,7 +72,7 @@ pub(crate) fn pack(bodies: &[Body], shots: &[Shot]) -> (Vec<Packed>, Vec<PackedS
     (packed, shots.collect())
 }
 
-fn packed_body(body: &Body, numbers: &[u32]) -> Packed {
+fn packed_body(body: &ShotBody, numbers: &[u32]) -> Packed {
     let greatest = body.corners.iter().flatten().flatten().fold(0.0_f32, |m, x| m.max(x.abs()));
     let scale = f64::from(greatest).max(1e-6) / 32_767.0;
     let mut bytes = Vec::with_capacity(numbers.len() * 18);
@@ -128,7 +128,7 @@ mod tests {
     fn a_thinned_body_keeps_what_is_hit() {
         let corners = |n: u32| [[n as f32, 0.0, 0.0], [n as f32, 1.0, 0.0], [n as f32, 0.0, 1.0]];
         let count = 3 * TRIANGLES_MAX as u32;
-        let body = Body { name: "b".into(), corners: (0..count).map(corners).collect() };
+        let body = ShotBody { name: "b".into(), corners: (0..count).map(corners).collect() };
         let shot = Shot {
             name: "s".into(),
             bodies: [0, 0],

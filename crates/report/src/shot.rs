@@ -4,7 +4,7 @@ use geometry::{Corners, DVec3};
 
 /// A body, in its own frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
+pub struct ShotBody {
     /// The party's name.
     pub name: String,
     /// Its triangles (m).
@@ -13,7 +13,7 @@ pub struct Body {
 
 /// The contact patch, in the ego's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
+pub struct ShotPatch {
     /// Its middle (m).
     pub centre_m: [f64; 3],
     /// Normal from the ego to the other.
@@ -36,7 +36,7 @@ pub struct Shot {
     /// Numbers of the triangles hit: of the ego, of the other.
     pub hits: [Vec<u32>; 2],
     /// The patch; `None` without contact.
-    pub patch: Option<Patch>,
+    pub patch: Option<ShotPatch>,
     /// What the picture shows, in a sentence.
     pub caption: String,
 }
@@ -57,7 +57,7 @@ impl Shot {
 
     /// Least and greatest corner of everything hit, else of both bodies (m).
     #[must_use]
-    pub fn focus(&self, bodies: &[Body]) -> [[f64; 3]; 2] {
+    pub fn focus(&self, bodies: &[ShotBody]) -> [[f64; 3]; 2] {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let mut include = |point: [f64; 3]| {
             for axis in 0..3 {
@@ -75,7 +75,7 @@ impl Shot {
     }
 }
 
-impl Patch {
+impl ShotPatch {
     /// The four corners of a rectangle of the patch's size across its normal (m).
     #[must_use]
     pub fn corners(&self) -> [[f64; 3]; 4] {

@@ -4,7 +4,7 @@
 //! each other there; the patch is a yellow frame in front of all.
 
 use crate::glb::COLOURS;
-use crate::shot::{Body, Shot};
+use crate::shot::{Shot, ShotBody};
 use geometry::DVec3;
 
 /// From where a shot is seen.
@@ -39,7 +39,7 @@ impl diagnostic::Diagnostic for StillError {
 /// If the picture has no pixels, or cannot be encoded.
 pub fn still(
     shot: &Shot,
-    bodies: &[Body],
+    bodies: &[ShotBody],
     camera: Camera,
     [width, height]: [usize; 2],
 ) -> Result<Vec<u8>, StillError> {
@@ -78,7 +78,7 @@ struct View {
 }
 
 impl View {
-    fn of(shot: &Shot, bodies: &[Body], camera: Camera, [width, height]: [usize; 2]) -> Self {
+    fn of(shot: &Shot, bodies: &[ShotBody], camera: Camera, [width, height]: [usize; 2]) -> Self {
         let [low, high] = shot.focus(bodies).map(DVec3::from_array);
         let centre = 0.5 * (low + high);
         let reach = (0.5 * (high - low).length()).max(0.5);
@@ -122,7 +122,7 @@ impl View {
     }
 }
 
-fn draw(shot: &Shot, bodies: &[Body], camera: Camera, size: [usize; 2]) -> Vec<[f64; 3]> {
+fn draw(shot: &Shot, bodies: &[ShotBody], camera: Camera, size: [usize; 2]) -> Vec<[f64; 3]> {
     let [width, height] = size;
     let view = View::of(shot, bodies, camera, size);
     let mut colours = vec![SKY; width * height];

@@ -4,9 +4,9 @@
 //! does; if the answer is not the recorded one, nothing is written.
 
 use crate::decision::{bodies, decision, shots};
-use crate::shot::{Body, Shot};
+use crate::shot::{Shot, ShotBody};
 use crate::still::Camera;
-use crate::{Figure, Measurement, glb, html, still};
+use crate::{Figure, MeasurementPage, glb, html, still};
 use std::path::{Path, PathBuf};
 use trolley::bodies::OnProgress;
 use trolley::{Failure, Kind, Record, files};
@@ -124,7 +124,7 @@ fn picture(
     wanted: &Wanted,
     stem: &str,
     shot: &Shot,
-    bodies: &[Body],
+    bodies: &[ShotBody],
     written: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
     if let Some(folder) = folder(wanted.glb.as_deref())? {
@@ -183,7 +183,7 @@ fn of_measurement(source: &Path, wanted: &Wanted) -> Result<Vec<PathBuf>, Failur
         figures.push(Figure { name: name.unwrap_or_default(), png });
     }
     let title = text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("Measurement");
-    let made = Measurement { title: title.to_owned(), text: text.clone(), figures };
+    let made = MeasurementPage { title: title.to_owned(), text: text.clone(), figures };
     files::replace(out, html::measurement(&made).as_bytes())?;
     Ok(vec![out.clone()])
 }

@@ -3,25 +3,25 @@
 use crate::ask::seat_number;
 use coordinator::{Brief, BriefRow};
 use damage::State;
-use protocol::public::{Answer, Place, Reason, VERSION, Verdict, flag};
+use protocol::public::{Reason, VERSION, WireAnswer, WirePlace, WireState, flag};
 
 /// The verdict that a state is.
-fn verdict(state: State) -> Verdict {
+fn verdict(state: State) -> WireState {
     match state {
-        State::Complete => Verdict::Complete,
-        State::Certified => Verdict::Certified,
-        State::Degraded => Verdict::Degraded,
-        State::Refused => Verdict::Refused,
+        State::Complete => WireState::Complete,
+        State::Certified => WireState::Certified,
+        State::Degraded => WireState::Degraded,
+        State::Refused => WireState::Refused,
     }
 }
 
 /// Lays an answer out. Names of candidates and parties are their numbers: see `ask.rs`.
-pub(crate) fn lay_out(sequence: u64, answer: &Brief<'_>) -> Answer {
+pub(crate) fn lay_out(sequence: u64, answer: &Brief<'_>) -> WireAnswer {
     let verdict = verdict(answer.state());
-    let reason = if verdict == Verdict::Refused { Reason::Unassessable } else { Reason::None };
-    let mut out = Answer::without_ranking(sequence, verdict, reason, "");
+    let reason = if verdict == WireState::Refused { Reason::Unassessable } else { Reason::None };
+    let mut out = WireAnswer::without_ranking(sequence, verdict, reason, "");
     debug_assert_eq!(out.version, VERSION);
-    if verdict == Verdict::Refused {
+    if verdict == WireState::Refused {
         out.say("no candidate has a bound");
         return out;
     }
@@ -39,15 +39,15 @@ fn number(name: &str) -> u32 {
     name.parse().unwrap_or(u32::MAX)
 }
 
-fn place_of(row: &BriefRow<'_>, answer: &Brief<'_>) -> Place {
+fn place_of(row: &BriefRow<'_>, answer: &Brief<'_>) -> WirePlace {
     let (harm, contact) = (row.harm, &row.harm.contact);
-    let mut place = Place {
+    let mut place = WirePlace {
         candidate: number(row.name),
         work: row.place.work.into(),
         range: row.place.range.into(),
         ego_delta_v_m_s: harm.delta_v[0].work.into(),
         other_delta_v_m_s: harm.delta_v[1].work.into(),
-        ..Place::default()
+        ..WirePlace::default()
     };
     let mut set = |bit: u32, is_set: bool| place.flags |= if is_set { bit } else { 0 };
     set(flag::TOUCHES, contact.patch.is_some());

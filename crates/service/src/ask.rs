@@ -6,7 +6,7 @@
 use crate::deployment::Deployment;
 use body::{BodyView, Kind, Meta, Seat, meta::Occupant};
 use protocol::public::{
-    Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Party, Reason, VERSION,
+    Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Reason, VERSION, WireParty,
 };
 use scenario::{Candidate, Misfit, Opponent, PartyIndex, Place, Scenario, State, live};
 use smallvec::SmallVec;
@@ -157,7 +157,7 @@ fn counts(ask: &Ask) -> Result<(), Refusal> {
             let text = format!("person {number}: there is no party {}", person.party);
             return refuse(Reason::Malformed, text);
         }
-        if ask.parties[person.party as usize].flags & Party::PERSONS == 0 {
+        if ask.parties[person.party as usize].flags & WireParty::PERSONS == 0 {
             let text = format!("person {number}: party {} has no PERSONS flag", person.party);
             return refuse(Reason::Malformed, text);
         }
@@ -176,19 +176,21 @@ fn beyond(number: usize) -> impl Fn(Misfit) -> Refusal {
     }
 }
 
-fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, Refusal> {
-    const KNOWN: u32 = Party::PERSONS | Party::MASS | Party::UNKNOWN | Party::CRUSH;
+fn party_of(ask: &Ask, number: usize, party: &WireParty) -> Result<scenario::Party, Refusal> {
+    const KNOWN: u32 = WireParty::PERSONS | WireParty::MASS | WireParty::UNKNOWN | WireParty::CRUSH;
     let beyond = beyond(number);
     if party.flags & !KNOWN != 0 {
         let text = format!("party {number}: flags {:#x} mean nothing", party.flags);
         return refuse(Reason::Malformed, text);
     }
     let has = |flag: u32| party.flags & flag != 0;
-    if has(Party::UNKNOWN) && (has(Party::PERSONS) || has(Party::MASS) || has(Party::CRUSH)) {
+    if has(WireParty::UNKNOWN)
+        && (has(WireParty::PERSONS) || has(WireParty::MASS) || has(WireParty::CRUSH))
+    {
         let text = format!("party {number}: of an unknown kind only the shape is known");
         return refuse(Reason::Misfit, text);
     }
-    let persons = has(Party::PERSONS).then(|| {
+    let persons = has(WireParty::PERSONS).then(|| {
         let listed = ask.persons[..ask.person_count as usize].iter();
         let own = listed.filter(|person| person.party as usize == number);
         own.map(|person| Occupant { seat: SEATS[person.seat as usize] }).collect()
@@ -202,14 +204,17 @@ fn party_of(ask: &Ask, number: usize, party: &Party) -> Result<scenario::Party, 
             place: place(number),
         }),
         size: None,
-        mass_kg: has(Party::MASS)
+        mass_kg: has(WireParty::MASS)
             .then(|| live::mass_kg(party.mass_kg))
             .transpose()
             .map_err(&beyond)?,
         persons,
         responsibility: live::share("responsibility", party.responsibility).map_err(&beyond)?,
-        is_unknown: has(Party::UNKNOWN),
-        crush: has(Party::CRUSH).then(|| live::crush(party.crush)).transpose().map_err(&beyond)?,
+        is_unknown: has(WireParty::UNKNOWN),
+        crush: has(WireParty::CRUSH)
+            .then(|| live::crush(party.crush))
+            .transpose()
+            .map_err(&beyond)?,
     })
 }
 
@@ -252,17 +257,17 @@ pub fn of_scenario(
     ask.ego = scenario.ego.0 as u32;
     ask.flags = if unknown_is_fixed { Ask::UNKNOWN_IS_FIXED } else { 0 };
     for (number, (party, model)) in scenario.parties.iter().zip(models).enumerate() {
-        let mut row = Party::of_model(*model);
+        let mut row = WireParty::of_model(*model);
         row.responsibility = party.responsibility;
-        row.flags = if party.is_unknown { Party::UNKNOWN } else { 0 };
+        row.flags = if party.is_unknown { WireParty::UNKNOWN } else { 0 };
         if let Some(mass_kg) = party.mass_kg {
-            (row.mass_kg, row.flags) = (mass_kg, row.flags | Party::MASS);
+            (row.mass_kg, row.flags) = (mass_kg, row.flags | WireParty::MASS);
         }
         if let Some(crush) = party.crush {
-            (row.crush, row.flags) = (crush, row.flags | Party::CRUSH);
+            (row.crush, row.flags) = (crush, row.flags | WireParty::CRUSH);
         }
         if let Some(persons) = party.persons.as_ref().filter(|_| !party.is_unknown) {
-            row.flags |= Party::PERSONS;
+            row.flags |= WireParty::PERSONS;
             for person in persons {
                 let seat = seat_number(person.seat);
                 let row = protocol::public::Person { party: number as u32, seat };
@@ -277,7 +282,7 @@ pub fn of_scenario(
             angles_deg: state.angles_deg,
             velocity_m_s: [state.velocity_m_s.x, state.velocity_m_s.y],
         };
-        let row = protocol::public::Candidate {
+        let row = protocol::public::WireCandidate {
             party: candidate.other.party.0 as u32,
             spare: 0,
             probability: candidate.probability,

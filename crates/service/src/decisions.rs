@@ -12,7 +12,7 @@
 use crate::deployment::Decisions;
 use bytemuck::Zeroable as _;
 use diagnostic::{Diagnostic, Kind};
-use protocol::public::{Answer, Ask};
+use protocol::public::{Ask, WireAnswer};
 use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: [u8; 8] = *b"TROLDEC\n";
 const HEAD: usize = 8 + 8 + 32;
-const ENTRY: usize = size_of::<Ask>() + size_of::<Answer>() + 32;
+const ENTRY: usize = size_of::<Ask>() + size_of::<WireAnswer>() + 32;
 
 /// A decision as it was kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Entry {
     /// What was asked.
     pub ask: Ask,
     /// What was answered.
-    pub answer: Answer,
+    pub answer: WireAnswer,
 }
 
 /// A file of decisions that cannot be trusted.
@@ -76,8 +76,8 @@ pub fn read_decisions(path: &Path) -> Result<Vec<Entry>, DecisionError> {
     let mut entries = Vec::new();
     for (number, bytes) in body.chunks_exact(ENTRY).enumerate() {
         let (ask_bytes, rest) = bytes.split_at(size_of::<Ask>());
-        let (answer_bytes, hash) = rest.split_at(size_of::<Answer>());
-        let mut entry = Entry { ask: Ask::zeroed(), answer: Answer::zeroed() };
+        let (answer_bytes, hash) = rest.split_at(size_of::<WireAnswer>());
+        let mut entry = Entry { ask: Ask::zeroed(), answer: WireAnswer::zeroed() };
         bytemuck::bytes_of_mut(&mut entry.ask).copy_from_slice(ask_bytes);
         bytemuck::bytes_of_mut(&mut entry.answer).copy_from_slice(answer_bytes);
         before = link(&before, &entry.ask, &entry.answer);
@@ -89,7 +89,7 @@ pub fn read_decisions(path: &Path) -> Result<Vec<Entry>, DecisionError> {
     Ok(entries)
 }
 
-fn link(before: &[u8; 32], ask: &Ask, answer: &Answer) -> [u8; 32] {
+fn link(before: &[u8; 32], ask: &Ask, answer: &WireAnswer) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
     hasher.update(before).update(bytemuck::bytes_of(ask)).update(bytemuck::bytes_of(answer));
     *hasher.finalize().as_bytes()
@@ -121,7 +121,7 @@ impl Book {
     }
 
     /// Adds a decision.
-    pub(crate) fn add(&mut self, ask: &Ask, answer: &Answer) -> io::Result<()> {
+    pub(crate) fn add(&mut self, ask: &Ask, answer: &WireAnswer) -> io::Result<()> {
         if self.entries >= self.settings.per_file {
             let file = begin(&self.settings.folder, self.number + 1, &self.last)?;
             (self.file, self.number, self.entries) = (file, self.number + 1, 0);
@@ -188,10 +188,10 @@ mod tests {
     //! What is kept is what was asked and answered; every changed byte is found; files are bounded.
 
     use super::*;
-    use protocol::public::{Reason, Verdict};
+    use protocol::public::{Reason, WireState};
 
-    fn answer(number: u64) -> Answer {
-        Answer::without_ranking(number, Verdict::Refused, Reason::Internal, "x")
+    fn answer(number: u64) -> WireAnswer {
+        WireAnswer::without_ranking(number, WireState::Refused, Reason::Internal, "x")
     }
 
     #[test]

@@ -5,10 +5,10 @@
 //! one in its place is safe because no two clients choose the same sequence numbers.
 
 use crate::stats::Stats;
-use protocol::public::{Answer, Ask, Reason, Verdict};
+use protocol::public::{Ask, Reason, WireAnswer, WireState};
 use runtime::clock;
 use std::collections::VecDeque;
-use transport::{Asked, Server, UseError};
+use transport::{Server, TakenRequest, UseError};
 
 /// A request that is to be worked off.
 pub(crate) struct Taken {
@@ -22,9 +22,9 @@ pub(crate) struct Desk {
     pub(crate) server: Server,
     pub(crate) stats: Stats,
     /// With the time of taking (ns).
-    waiting: VecDeque<(Asked, u64)>,
+    waiting: VecDeque<(TakenRequest, u64)>,
     /// What [`Desk::next`] gave out; `None` also if its client has gone since.
-    at_work: Option<Asked>,
+    at_work: Option<TakenRequest>,
     capacity: usize,
 }
 
@@ -58,7 +58,8 @@ impl Desk {
             }
             let text = "the queue is full: ask again";
             let sequence = asked.ask().sequence;
-            let answer = Answer::without_ranking(sequence, Verdict::Busy, Reason::QueueFull, text);
+            let answer =
+                WireAnswer::without_ranking(sequence, WireState::Busy, Reason::QueueFull, text);
             self.hand_over(asked, &answer);
         }
     }
@@ -84,13 +85,13 @@ impl Desk {
     }
 
     /// Answers what [`Desk::next`] gave out, if its client is still there.
-    pub(crate) fn answer(&mut self, answer: &Answer) {
+    pub(crate) fn answer(&mut self, answer: &WireAnswer) {
         if let Some(asked) = self.at_work.take() {
             self.hand_over(asked, answer);
         }
     }
 
-    fn hand_over(&mut self, asked: Asked, answer: &Answer) {
+    fn hand_over(&mut self, asked: TakenRequest, answer: &WireAnswer) {
         match asked.answer(answer) {
             Ok(()) => self.stats.answered(answer.verdict()),
             // The client has gone: nobody is left to tell.

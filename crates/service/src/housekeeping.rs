@@ -8,7 +8,7 @@ use crate::deployment::Deployment;
 use crate::metrics;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
-use protocol::public::{Answer, Ask, Health};
+use protocol::public::{Ask, Health, WireAnswer};
 use runtime::clock;
 use std::io::Write as _;
 use std::path::Path;
@@ -25,9 +25,9 @@ const NAP_NS: u64 = 50_000_000;
 
 #[derive(Debug)]
 struct Shared {
-    decisions: ArrayQueue<Box<(Ask, Answer)>>,
+    decisions: ArrayQueue<Box<(Ask, WireAnswer)>>,
     /// The boxes come back, so that keeping a decision allocates nothing.
-    empty: ArrayQueue<Box<(Ask, Answer)>>,
+    empty: ArrayQueue<Box<(Ask, WireAnswer)>>,
     health: ArrayQueue<Health>,
     lost: AtomicU64,
     stop: AtomicBool,
@@ -70,7 +70,7 @@ impl Housekeeping {
     }
 
     /// Keeps a decision, if decisions are kept.
-    pub(crate) fn keep(&self, ask: &Ask, answer: &Answer) {
+    pub(crate) fn keep(&self, ask: &Ask, answer: &WireAnswer) {
         if !self.keeps_decisions {
             return;
         }

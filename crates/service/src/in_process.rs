@@ -9,7 +9,7 @@ use crate::ranker::{Ranker, Unranked};
 use body::{BodyView, Meta};
 use coordinator::{Backend, InProcessExecutor, Terms};
 use damage::{Curves, Policy};
-use protocol::public::{Answer, Ask, Reason, Verdict};
+use protocol::public::{Ask, Reason, WireAnswer, WireState};
 use std::sync::Arc;
 
 /// Where requests are answered in this process, as a service with these settings would.
@@ -36,13 +36,13 @@ impl<'b> InProcess<'b> {
 
     /// Answers a request.
     #[must_use]
-    pub fn answer(&mut self, ask: &Ask) -> Answer {
+    pub fn answer(&mut self, ask: &Ask) -> WireAnswer {
         self.ranked(ask).unwrap_or_else(|Refusal { reason, text }| {
-            Answer::without_ranking(ask.sequence, Verdict::Refused, reason, &text)
+            WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, &text)
         })
     }
 
-    fn ranked(&mut self, ask: &Ask) -> Result<Answer, Refusal> {
+    fn ranked(&mut self, ask: &Ask) -> Result<WireAnswer, Refusal> {
         let checked = self.ranker.check(ask)?;
         let ranked = self.ranker.rank(ask.sequence, checked, Terms::default, &mut self.backend);
         match ranked {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! requests --Desk: taken at once, checked, queued, or answered busy--> one at a time:
-//!     ranker.rs: checked values --coordinator::Workspace, by workers or in this process--> Answer
+//!     ranker.rs: checked values --coordinator::Workspace, by workers or in this process--> WireAnswer
 //!     --> answer.rs --> the client; then whoever listens; then the decision file
 //! beside it: a thread that cleans up behind dead clients and writes files
 //! ```

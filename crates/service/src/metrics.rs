@@ -2,7 +2,7 @@
 //!
 //! Names follow the conventions of Prometheus: a prefix, base units, `_total` for counters.
 
-use protocol::public::{Condition, Health, Stage, Verdict};
+use protocol::public::{Condition, Health, LatencyStage, WireState};
 use std::fmt::Write as _;
 
 /// The text.
@@ -29,7 +29,7 @@ pub(crate) fn text(health: &Health, instance: &str) -> String {
     );
     let up = health.at_ns.saturating_sub(health.since_ns);
     family("up_seconds", "gauge", "How long it answers.", &plain(seconds(up)));
-    let answers: Vec<_> = Verdict::ALL
+    let answers: Vec<_> = WireState::ALL
         .iter()
         .zip(health.answers)
         .map(|(verdict, count)| (format!("verdict=\"{}\"", verdict.name()), count as f64))
@@ -49,7 +49,7 @@ pub(crate) fn text(health: &Health, instance: &str) -> String {
         family(name, kind, help, &plain(value as f64));
     }
     let mut latency = Vec::new();
-    for (stage, row) in Stage::ALL.iter().zip(health.latency_ns) {
+    for (stage, row) in LatencyStage::ALL.iter().zip(health.latency_ns) {
         for (quantile, ns) in ["0.5", "0.99", "0.999", "1"].iter().zip(row) {
             let labels = format!("stage=\"{}\",quantile=\"{quantile}\"", stage.name());
             latency.push((labels, seconds(ns)));

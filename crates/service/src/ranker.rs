@@ -10,7 +10,7 @@ use bvh::support::Extremes;
 use coordinator::{Backend, Inquiry, RankError, Stage, Terms, WorkerPoolError, Workspace};
 use damage::{Curves, Policy};
 use diagnostic::chain;
-use protocol::public::{Answer, Ask, Reason};
+use protocol::public::{Ask, Reason, WireAnswer};
 use runtime::clock;
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub(crate) struct Ranker<'s> {
 
 /// A request that was answered, and when its stages ended (ns).
 pub(crate) struct Ranked {
-    pub(crate) answer: Answer,
+    pub(crate) answer: WireAnswer,
     pub(crate) planned_ns: u64,
     pub(crate) worked_ns: u64,
     pub(crate) done_ns: u64,

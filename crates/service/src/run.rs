@@ -13,7 +13,7 @@ use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
 use diagnostic::{Diagnostic, Kind, chain};
-use protocol::public::{Answer, Ask, Condition, Reason, Stage, Verdict};
+use protocol::public::{Ask, Condition, LatencyStage, Reason, WireAnswer, WireState};
 use runtime::{SealedMemory, clock, heap, realtime};
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -390,11 +390,11 @@ impl Service<'_> {
         let (faults, allocations) = (realtime::page_faults(), heap::allocations());
         let begun_ns = clock::now_ns();
         let mut times = Times::default();
-        times.set(Stage::Queue, begun_ns - taken_ns);
+        times.set(LatencyStage::Queue, begun_ns - taken_ns);
         let mut answer = match self.work_off(&ask, begun_ns, &mut times) {
             Ok(answer) => answer,
             Err(Refusal { reason, text }) => {
-                Answer::without_ranking(ask.sequence, Verdict::Refused, reason, &text)
+                WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, &text)
             }
         };
         answer.request = self.request;
@@ -402,7 +402,7 @@ impl Service<'_> {
         answer.worked_ns = clock::now_ns() - begun_ns;
         let mut desk = self.desk.borrow_mut();
         desk.answer(&answer);
-        times.set(Stage::Total, clock::now_ns() - taken_ns);
+        times.set(LatencyStage::Total, clock::now_ns() - taken_ns);
         let faulted = realtime::page_faults();
         let faults = (faulted.0 - faults.0) + (faulted.1 - faults.1);
         let allocations = heap::allocations() - allocations;
@@ -414,7 +414,12 @@ impl Service<'_> {
         self.house.keep(&ask, &answer);
     }
 
-    fn work_off(&mut self, ask: &Ask, begun_ns: u64, times: &mut Times) -> Result<Answer, Refusal> {
+    fn work_off(
+        &mut self,
+        ask: &Ask,
+        begun_ns: u64,
+        times: &mut Times,
+    ) -> Result<WireAnswer, Refusal> {
         let refuse = |reason: Reason, text: String| Refusal { reason, text };
         if ask.answer_by_ns != 0 && ask.answer_by_ns <= begun_ns {
             let text = "the time was up before its turn came".to_owned();
@@ -442,10 +447,10 @@ impl Service<'_> {
             }
         })?;
         self.desk.borrow_mut().stats.shared(self.team.shares());
-        times.set(Stage::Plan, ranked.planned_ns - begun_ns);
-        times.set(Stage::Work, ranked.worked_ns - ranked.planned_ns);
-        times.set(Stage::Assess, ranked.done_ns - ranked.worked_ns);
-        if ranked.answer.verdict() == Verdict::Complete {
+        times.set(LatencyStage::Plan, ranked.planned_ns - begun_ns);
+        times.set(LatencyStage::Work, ranked.worked_ns - ranked.planned_ns);
+        times.set(LatencyStage::Assess, ranked.done_ns - ranked.worked_ns);
+        if ranked.answer.verdict() == WireState::Complete {
             let lasted_ns = ranked.done_ns - begun_ns;
             self.usual_ns = (self.usual_ns - self.usual_ns / 32).max(lasted_ns);
         }
@@ -473,8 +478,12 @@ impl Service<'_> {
         desk.drain();
         while let Some(Taken { ask, .. }) = desk.next() {
             let text = "the service is stopping";
-            let answer =
-                Answer::without_ranking(ask.sequence, Verdict::Refused, Reason::Stopping, text);
+            let answer = WireAnswer::without_ranking(
+                ask.sequence,
+                WireState::Refused,
+                Reason::Stopping,
+                text,
+            );
             desk.answer(&answer);
         }
         drop(desk);

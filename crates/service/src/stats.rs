@@ -2,7 +2,7 @@
 
 use coordinator::Share;
 use hdrhistogram::Histogram;
-use protocol::public::{Health, Stage, VERSION, Verdict, WorkerHealth};
+use protocol::public::{Health, LatencyStage, VERSION, WireState, WorkerHealth};
 use runtime::clock;
 
 /// The longest time that a histogram tells apart (ns): a minute.
@@ -51,7 +51,7 @@ impl Stats {
         })
     }
 
-    pub(crate) fn answered(&mut self, verdict: Verdict) {
+    pub(crate) fn answered(&mut self, verdict: WireState) {
         self.answers[verdict as usize - 1] += 1;
     }
 
@@ -115,7 +115,7 @@ impl Stats {
 }
 
 impl Times {
-    pub(crate) fn set(&mut self, stage: Stage, ns: u64) {
+    pub(crate) fn set(&mut self, stage: LatencyStage, ns: u64) {
         self.0[stage as usize] = ns;
     }
 }

@@ -40,7 +40,7 @@ pub use error::{OpenError, UseError};
 pub use link::{CoordinatorLink, Sizes, WorkerLink};
 pub use receiver::Receiver;
 pub use sender::{OpenMessage, Sender};
-pub use service::{Address, Asked, Client, Listener, Pending, Server};
+pub use service::{Address, ClientPort, Pending, Server, TakenRequest, TopicSubscriber};
 
 /// What has gone through one end of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

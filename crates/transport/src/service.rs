@@ -1,7 +1,7 @@
 //! The public service: planners ask, one server answers, anybody may listen.
 //!
 //! ```text
-//! Client  --ask--> Pending --receive--> Answer      Server  --take--> Asked --answer--> (gone)
+//! Client  --ask--> Pending --receive--> WireAnswer      Server  --take--> Asked --answer--> (gone)
 //!   trolley/rank/v1, and a ring at trolley/wake/v1           publishes trolley/ranking/v1,
 //! Listener: the latest ranking, the latest health                      trolley/health/v1
 //! ```
@@ -26,9 +26,9 @@ mod server;
 mod tests;
 mod wire;
 
-pub use client::{Client, Pending};
-pub use listener::Listener;
-pub use server::{Asked, Housekeeper, Server};
+pub use client::{ClientPort, Pending};
+pub use listener::TopicSubscriber;
+pub use server::{Housekeeper, Server, TakenRequest};
 
 use crate::domain::{self, is_instance};
 use crate::error::OpenError;

@@ -236,17 +236,17 @@ impl Bodies {
     }
 
     /// The bodies of a scenario's parties as a record names them.
-    pub(crate) fn recorded(&self, scenario: &Scenario) -> Vec<record::Body> {
+    pub(crate) fn recorded(&self, scenario: &Scenario) -> Vec<record::RecordedBody> {
         let parties = scenario.parties.iter().zip(&self.hashes).zip(&self.source_hashes);
         let one = |((party, hash), source_hash): ((&scenario::Party, &String), &Option<String>)| {
             let source = match (&party.source, source_hash) {
                 (Source::File(reference), Some(hash)) => {
                     let (path, hash) = (reference.path.clone(), hash.clone());
-                    record::Source::File { path, hash }
+                    record::RecordedSource::File { path, hash }
                 }
-                _ => record::Source::Generated,
+                _ => record::RecordedSource::Generated,
             };
-            record::Body { party: party.name.to_string(), source, hash: hash.clone() }
+            record::RecordedBody { party: party.name.to_string(), source, hash: hash.clone() }
         };
         parties.map(one).collect()
     }

@@ -61,7 +61,7 @@ pub(crate) struct Recorded {
     pub(crate) scenario: Scenario,
     pub(crate) ledger: Ledger,
     pub(crate) settings: Settings,
-    pub(crate) bodies: Vec<record::Body>,
+    pub(crate) bodies: Vec<record::RecordedBody>,
 }
 
 /// What is kept from one scenario to the next.

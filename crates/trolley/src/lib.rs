@@ -18,7 +18,7 @@
 //! | module | what it is for |
 //! |---|---|
 //! | [`Scenario`], [`Engine`], [`Limits`], [`Ranking`] | from a file to an answer |
-//! | [`Record`] | an answer kept with all that it was made from, and made again |
+//! | [`RecordContent`] | an answer kept with all that it was made from, and made again |
 //! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
 //! | [`traffic`] | recorded traffic, as scenarios |

@@ -45,7 +45,7 @@ impl Limits {
         Self { explanation: true, ..self }
     }
 
-    /// The same, with all that a [`Record`](crate::Record) needs: an explanation, and a ledger of
+    /// The same, with all that a [`RecordContent`](crate::RecordContent) needs: an explanation, and a ledger of
     /// questions and jobs.
     #[must_use]
     pub fn with_record(self) -> Self {

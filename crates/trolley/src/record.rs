@@ -7,20 +7,20 @@
 use crate::engine::{Ranking, Recorded};
 use crate::run::Run;
 use crate::{BUILD, Failure, Kind};
-use record::{Chain, Edge, Settings, Span, Stage, Text};
+use record::{Chain, Edge, RecordedSpan, RecordedStage, RecordedText, Settings};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 mod replay;
 
-pub use record::{Body, End, Link, Record as Content, Source};
+pub use record::{Link, RecordContent, RecordedBody, RecordedEnd, RecordedSource};
 pub use replay::Replay;
 
 /// A decision record, and its place in its chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// Everything about one request.
-    pub content: Content,
+    pub content: RecordContent,
     /// Its number and hash, and the hash of the one before it.
     pub link: Link,
 }
@@ -111,18 +111,18 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
         .with_remedy("--record needs a folder that may be written to")
 }
 
-fn content(ranking: &Ranking) -> Result<Content, Failure> {
+fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
     let Ranking { run, .. } = ranking;
     let (Some(recorded), Some(explanation)) = (&ranking.recorded, &ranking.explanation) else {
         let what = "a ranking without ledger and explanation cannot be recorded";
         return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
     };
     let Recorded { scenario, ledger, settings: engine, bodies } = recorded;
-    let text = |text: &crate::scenario::Text| Text::new(&text.name, &text.text);
+    let text = |text: &crate::scenario::Text| RecordedText::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
     });
-    Ok(Content {
+    Ok(RecordContent {
         build: BUILD.to_owned(),
         scenario: text(&scenario.texts.scenario),
         policy: text(&scenario.texts.policy),
@@ -158,7 +158,7 @@ pub(crate) fn line(document: &impl serde::Serialize) -> Result<String, Failure> 
     serde_json::to_string(document).map_err(|error| Failure::internal(error.to_string()))
 }
 
-fn stages(run: &Run) -> Vec<Stage> {
+fn stages(run: &Run) -> Vec<RecordedStage> {
     let s = &run.stages;
     let all = [
         ("load", s.load_ms),
@@ -168,15 +168,15 @@ fn stages(run: &Run) -> Vec<Stage> {
         ("assess", s.assess_ms),
         ("stop", s.stop_ms),
     ];
-    all.into_iter().map(|(name, ms)| Stage { name: name.to_owned(), ms }).collect()
+    all.into_iter().map(|(name, ms)| RecordedStage { name: name.to_owned(), ms }).collect()
 }
 
 /// When each job ran on its worker, from the beginning of the first.
-fn spans(run: &Run) -> Vec<Span> {
+fn spans(run: &Run) -> Vec<RecordedSpan> {
     let begun = |[end, wall]: &[u64; 2]| end.saturating_sub(*wall);
     let all = || run.workers.iter().flat_map(|w| w.spans.iter().map(move |span| (w.worker, span)));
     let first = all().map(|(_, span)| begun(span)).min().unwrap_or(0);
-    let span = |(worker, span): (u8, &[u64; 2])| Span {
+    let span = |(worker, span): (u8, &[u64; 2])| RecordedSpan {
         worker,
         from_ns: begun(span) - first,
         to_ns: span[0] - first,

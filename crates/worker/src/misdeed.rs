@@ -6,7 +6,7 @@
 use crate::answer::Outlet;
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
-use protocol::{Head, Misdeed, Order, WireJob};
+use protocol::{Fault, FaultCommand, Head, WireJob};
 use runtime::{clock, futex, process};
 use transport::{OpenMessage, UseError};
 
@@ -19,7 +19,7 @@ const MEMORY_BYTES: u64 = 1 << 30;
 #[derive(Debug, Default)]
 pub(crate) struct Orders {
     seen: u16,
-    armed: Option<Order>,
+    armed: Option<FaultCommand>,
 }
 
 impl Orders {
@@ -28,14 +28,16 @@ impl Orders {
         self.due(outlet, job).map_or(Ok(()), |order| commit(order, outlet))
     }
 
-    fn due(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Option<Order> {
+    fn due(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Option<FaultCommand> {
         let word = outlet.coordinator.order.load(Ordering::Relaxed);
-        if let Some(order) = Order::from_word(word).filter(|order| order.sequence != self.seen) {
+        if let Some(order) =
+            FaultCommand::from_word(word).filter(|order| order.sequence != self.seen)
+        {
             self.seen = order.sequence;
             self.armed = Some(order);
         }
         let armed = self.armed.as_mut()?;
-        if armed.misdeed == Misdeed::Poison {
+        if armed.misdeed == Fault::Poison {
             return (armed.argument == job.job).then_some(*armed).inspect(|_| obey(outlet));
         }
         if armed.after > 0 {
@@ -128,33 +130,33 @@ pub(crate) fn last<'w>(
     }
 }
 
-fn commit(order: Order, outlet: &Outlet<'_>) -> Result<(), UseError> {
+fn commit(order: FaultCommand, outlet: &Outlet<'_>) -> Result<(), UseError> {
     let corrupt = |corruption| outlet.corruption.set(Some(corruption));
     match order.misdeed {
-        Misdeed::Abort | Misdeed::Poison => std::process::abort(),
-        Misdeed::Quit => std::process::exit(1),
-        Misdeed::Segfault => process::die_of(SEGV),
-        Misdeed::Overflow => {
+        Fault::Abort | Fault::Poison => std::process::abort(),
+        Fault::Quit => std::process::exit(1),
+        Fault::Segfault => process::die_of(SEGV),
+        Fault::Overflow => {
             black_box(dig(0));
         }
-        Misdeed::Exhaust => exhaust(),
+        Fault::Exhaust => exhaust(),
         // Past the hook that would print it: nobody needs to read it.
-        Misdeed::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
-        Misdeed::Hang => loop {
+        Fault::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
+        Fault::Hang => loop {
             core::hint::spin_loop();
         },
-        Misdeed::Stall => {
+        Fault::Stall => {
             let word = AtomicU32::new(0);
             loop {
                 let _woken = futex::wait(&word, 0, None);
             }
         }
-        Misdeed::Garble => corrupt(Corruption::Garble(order.argument)),
-        Misdeed::Lie => corrupt(Corruption::Lie),
-        Misdeed::Masquerade => corrupt(Corruption::Masquerade),
-        Misdeed::Repeat => corrupt(Corruption::Repeat),
-        Misdeed::Withhold => corrupt(Corruption::Withhold),
-        Misdeed::HoldLoan => {
+        Fault::Garble => corrupt(Corruption::Garble(order.argument)),
+        Fault::Lie => corrupt(Corruption::Lie),
+        Fault::Masquerade => corrupt(Corruption::Masquerade),
+        Fault::Repeat => corrupt(Corruption::Repeat),
+        Fault::Withhold => corrupt(Corruption::Withhold),
+        Fault::HoldLoan => {
             let _held = outlet.sender.loan()?;
             // There is but one, so this fails, and a worker that cannot send ends.
             outlet.sender.loan().map(drop)?;

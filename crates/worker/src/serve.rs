@@ -10,7 +10,9 @@ use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use diagnostic::Diagnostic;
 use executor::{Executor, NotDone};
-use protocol::{Head, Kind, Launch, Reject, RequestId, State, WireJob, WireTask, job, launch};
+use protocol::{
+    Head, Kind, Launch, Reject, RequestId, WireJob, WireTask, WorkerState, job, launch,
+};
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use transport::{Domain, Sizes, UseError, WorkerLink};
@@ -91,9 +93,9 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         runtime::affinity::current_core().map_or(0, |core| core as u32 + 1),
         Ordering::Relaxed,
     );
-    line.state.store(State::Hello as u32, Ordering::Release);
+    line.state.store(WorkerState::Hello as u32, Ordering::Release);
     outlet.tell(outlet.head(RequestId(0), Kind::Hello))?;
-    line.state.store(State::Ready as u32, Ordering::Release);
+    line.state.store(WorkerState::Ready as u32, Ordering::Release);
     let mut desk = Desk::new(&bodies, &outlet);
     if launch.copies {
         desk.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
@@ -107,7 +109,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         desk.work_off(&head, &words)?;
         desk.answered(u64::from(head.job) + 1);
     }
-    line.state.store(State::Bye as u32, Ordering::Release);
+    line.state.store(WorkerState::Bye as u32, Ordering::Release);
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use report::text::wrap;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
-use trolley::record::{Content, End, Link, Source, hex};
+use trolley::record::{Link, RecordContent, RecordedEnd, RecordedSource, hex};
 use trolley::{Failure, Record};
 
 pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
@@ -31,9 +31,9 @@ fn parsed(text: &str) -> Result<Value, Failure> {
     serde_json::from_str(text).map_err(|error| Failure::internal(error.to_string()))
 }
 
-fn words(path: &Path, record: &Content, link: &Link, answer: &Value) -> String {
+fn words(path: &Path, record: &RecordContent, link: &Link, answer: &Value) -> String {
     let s = &record.settings;
-    let count = |end: End| record.jobs.iter().filter(|job| job.end == end).count();
+    let count = |end: RecordedEnd| record.jobs.iter().filter(|job| job.end == end).count();
     let ms: f64 = record.stages.iter().map(|stage| stage.ms).sum();
     let mut lines = vec![
         format!(
@@ -64,16 +64,16 @@ fn words(path: &Path, record: &Content, link: &Link, answer: &Value) -> String {
     ];
     for body in &record.bodies {
         let source = match &body.source {
-            Source::Generated => "generated".to_owned(),
-            Source::File { path, hash } => format!("{path} ({hash})"),
+            RecordedSource::Generated => "generated".to_owned(),
+            RecordedSource::File { path, hash } => format!("{path} ({hash})"),
         };
         lines.push(format!("body      {}: {source}; with its tree {}", body.party, body.hash));
     }
     lines.push(format!(
         "jobs      {} done, {} not needed, {} given up; {ms:.1} ms in all",
-        count(End::Done),
-        count(End::Cut),
-        count(End::Abandoned)
+        count(RecordedEnd::Done),
+        count(RecordedEnd::Cut),
+        count(RecordedEnd::Abandoned)
     ));
     for moment in &record.moments {
         let ends: Vec<String> =

@@ -82,7 +82,7 @@ impl TaskState {
     pub(super) fn is_whole(&self, job: NodePair, part: &Part<'_>) -> bool {
         let Some(last) = part.last else { return true };
         let kept = self.rests.iter().find(|(of, _)| *of == job).map_or(0, |(_, rest)| rest.len());
-        let is_complete = last.summary.end == protocol::result::End::Complete as u32;
+        let is_complete = last.summary.end == protocol::result::WireEnd::Complete as u32;
         kept as u64 == last.summary.rest && (is_complete || kept > 0)
     }
 }
@@ -94,7 +94,7 @@ pub struct PartOf<'p>(pub(crate) Part<'p>);
 impl PartOf<'_> {
     /// Whether its job did all that was asked for, as far as this part says.
     pub(crate) fn is_whole(&self) -> bool {
-        let complete = protocol::result::End::Complete as u32;
+        let complete = protocol::result::WireEnd::Complete as u32;
         self.0.last.is_none_or(|last| last.summary.end == complete)
     }
 }

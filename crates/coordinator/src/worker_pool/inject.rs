@@ -5,7 +5,7 @@
 
 use super::WorkerPool;
 use core::sync::atomic::Ordering;
-use protocol::{Head, Order};
+use protocol::{FaultCommand, Head};
 use transport::{OpenMessage, UseError};
 
 /// What is done to a batch on its way.
@@ -39,10 +39,10 @@ pub(super) fn send(
 
 impl WorkerPool {
     /// Tells a worker to misbehave: it must have been started with `obeys`.
-    pub fn order(&self, worker: u8, order: Option<Order>) {
+    pub fn order(&self, worker: u8, order: Option<FaultCommand>) {
         let line = self.status.page().coordinator.get(usize::from(worker));
         if let Some(line) = line {
-            line.order.store(order.map_or(0, Order::to_word), Ordering::SeqCst);
+            line.order.store(order.map_or(0, FaultCommand::to_word), Ordering::SeqCst);
         }
     }
 

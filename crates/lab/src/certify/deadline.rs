@@ -4,7 +4,7 @@ use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{OnProgress, Progress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, JobSource, Options, Request, Terms, WorkerPool, run_in_process};
+use coordinator::{Chance, Options, RankingRun, Request, Terms, WorkerPool, run_in_process};
 use damage::State;
 use dispatch::Queues;
 use runtime::{affinity, clock};
@@ -118,7 +118,7 @@ pub fn deadline(
 fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
     let most_ns = 20_000_000_000;
     let terms = Terms { deadline_ns: Some(most_ns), budget: Terms::BUDGET, ..Terms::default() };
-    let mut work = JobSource::new(request, views, 5).with_terms(terms);
+    let mut work = RankingRun::new(request, views, 5).with_terms(terms);
     run_in_process(&mut work, views);
     let answer = work.answer()?;
     let first = answer.ranking.first().map(|row| row.name.clone());
@@ -149,7 +149,7 @@ fn ask(
     let mut all = Asked::default();
     for number in 0..options.requests as usize {
         let at = number % asked.len();
-        let mut work = JobSource::new(&asked[at], views, 5).with_terms(terms);
+        let mut work = RankingRun::new(&asked[at], views, 5).with_terms(terms);
         worker_pool.run(&mut work)?;
         let begun_ns = clock::thread_cpu_ns();
         let answer = work.answer()?;

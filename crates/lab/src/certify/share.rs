@@ -4,7 +4,7 @@ use super::figures::{median, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{OnProgress, Progress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, JobSource, Pursuit, Request, Terms, Until, run_in_process};
+use coordinator::{Chance, Pursuit, RankingRun, Request, Terms, Until, run_in_process};
 use damage::evidence::Touch;
 use runtime::clock;
 use serde::Serialize;
@@ -84,7 +84,7 @@ fn run(
     depth: u32,
     terms: Terms,
 ) -> Result<(f64, f64, Winner), Failure> {
-    let mut work = JobSource::new(request, views, depth).with_terms(terms);
+    let mut work = RankingRun::new(request, views, depth).with_terms(terms);
     let begun_ns = clock::now_ns();
     run_in_process(&mut work, views);
     let took_ns = (clock::now_ns() - begun_ns) as f64;

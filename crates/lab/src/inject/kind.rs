@@ -1,6 +1,6 @@
 //! The kinds of faults that can be injected, by the names of plans and reports.
 
-use protocol::Misdeed;
+use protocol::Fault;
 
 macro_rules! kinds {
     ($($name:ident = $text:literal,)*) => {
@@ -85,23 +85,23 @@ impl Kind {
     }
 
     /// The order that a worker gets for it.
-    pub(crate) fn misdeed(self) -> Option<Misdeed> {
+    pub(crate) fn misdeed(self) -> Option<Fault> {
         Some(match self {
-            Self::Abort => Misdeed::Abort,
-            Self::Segfault => Misdeed::Segfault,
-            Self::StackOverflow => Misdeed::Overflow,
-            Self::OutOfMemory => Misdeed::Exhaust,
-            Self::Quit => Misdeed::Quit,
-            Self::Panic => Misdeed::Panic,
-            Self::Hang => Misdeed::Hang,
-            Self::Stall => Misdeed::Stall,
-            Self::Poison => Misdeed::Poison,
-            Self::GarbleResult => Misdeed::Garble,
-            Self::WrongLength => Misdeed::Lie,
-            Self::Masquerade => Misdeed::Masquerade,
-            Self::RepeatResult => Misdeed::Repeat,
-            Self::LoseResult => Misdeed::Withhold,
-            Self::LoanExhausted => Misdeed::HoldLoan,
+            Self::Abort => Fault::Abort,
+            Self::Segfault => Fault::Segfault,
+            Self::StackOverflow => Fault::Overflow,
+            Self::OutOfMemory => Fault::Exhaust,
+            Self::Quit => Fault::Quit,
+            Self::Panic => Fault::Panic,
+            Self::Hang => Fault::Hang,
+            Self::Stall => Fault::Stall,
+            Self::Poison => Fault::Poison,
+            Self::GarbleResult => Fault::Garble,
+            Self::WrongLength => Fault::Lie,
+            Self::Masquerade => Fault::Masquerade,
+            Self::RepeatResult => Fault::Repeat,
+            Self::LoseResult => Fault::Withhold,
+            Self::LoanExhausted => Fault::HoldLoan,
             _ => return None,
         })
     }

@@ -6,8 +6,8 @@ use super::report::{GUARD_NS, Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
-use coordinator::{Answer, Corruption, JobSource, Observation, WorkerPool, WorkerPoolError};
-use protocol::{Incarnation, Misdeed, Order};
+use coordinator::{Answer, Corruption, Observation, RankingRun, WorkerPool, WorkerPoolError};
+use protocol::{Fault, FaultCommand, Incarnation};
 use runtime::process::Held;
 use runtime::{SealedMemory, clock, machine};
 use trolley::Failure;
@@ -60,7 +60,7 @@ struct Live<'s, F> {
 
 pub(super) fn run<'w>(
     stage: &Stage<'_>,
-    make: &impl Fn() -> JobSource<'w>,
+    make: &impl Fn() -> RankingRun<'w>,
     kinds: &[Kind],
     seed: u64,
     report: &mut Report,
@@ -123,7 +123,7 @@ pub(super) fn run<'w>(
     Ok(())
 }
 
-impl<'w, F: Fn() -> JobSource<'w>> Live<'_, F> {
+impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
     /// Descriptors, files in shared memory, resident memory (bytes).
     fn footprint(&self) -> (usize, usize, u64) {
         (
@@ -378,14 +378,14 @@ impl<'w, F: Fn() -> JobSource<'w>> Live<'_, F> {
                 let share = self.jobs / u64::from(self.stage.plan.workers) / 2;
                 let argument = match misdeed {
                     // All get the same job.
-                    Misdeed::Poison => {
+                    Fault::Poison => {
                         (Dice(self.usual_ns ^ u64::from(self.sequence / 16)).next() % self.jobs)
                             as u32
                     }
                     _ => self.dice.next() as u32,
                 };
                 let after = self.dice.below(share.clamp(1, 20)) as u8;
-                let order = Order { sequence: self.sequence, misdeed, after, argument };
+                let order = FaultCommand { sequence: self.sequence, misdeed, after, argument };
                 self.worker_pool.order(who.worker, Some(order));
             }
         }

@@ -9,20 +9,20 @@ const TEXT: usize = 176;
 /// How finished an answer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
-pub enum Verdict {
+pub enum WireState {
     /// All work is done.
     Complete = 1,
     /// No open work can change the winner.
     Certified = 2,
     /// Open work could change the winner; the intervals hold all the same.
     Degraded = 3,
-    /// There is no ranking; [`Answer::reason`] says why.
+    /// There is no ranking; [`WireAnswer::reason`] says why.
     Refused = 4,
     /// There is no ranking: the service has as many requests as its queue takes. Ask again.
     Busy = 5,
 }
 
-impl Verdict {
+impl WireState {
     /// All of them, in the order of their numbers.
     pub const ALL: [Self; 5] =
         [Self::Complete, Self::Certified, Self::Degraded, Self::Refused, Self::Busy];
@@ -133,7 +133,7 @@ impl Reason {
     }
 }
 
-/// Bits of [`Place::flags`].
+/// Bits of [`WirePlace::flags`].
 pub mod flag {
     /// The bodies touch.
     pub const TOUCHES: u32 = 1;
@@ -154,10 +154,10 @@ pub mod flag {
 /// The answer to an [`super::Ask`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Answer {
+pub struct WireAnswer {
     /// [`VERSION`].
     pub version: u32,
-    /// A [`Verdict`].
+    /// A [`WireState`].
     pub verdict: u32,
     /// A [`Reason`].
     pub reason: u32,
@@ -174,13 +174,13 @@ pub struct Answer {
     /// What is wrong, or how it was assumed: UTF-8, ended by zeros.
     pub text: [u8; TEXT],
     /// Candidates, least harm first.
-    pub places: [Place; CANDIDATES_MAX],
+    pub places: [WirePlace; CANDIDATES_MAX],
 }
 
 /// One candidate in its place.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Place {
+pub struct WirePlace {
     /// Number of the candidate in the request.
     pub candidate: u32,
     /// Bits of [`flag`].
@@ -203,10 +203,10 @@ pub struct Place {
     pub worst: [f64; 2],
 }
 
-impl Answer {
+impl WireAnswer {
     /// An answer without a ranking.
     #[must_use]
-    pub fn without_ranking(sequence: u64, verdict: Verdict, reason: Reason, text: &str) -> Self {
+    pub fn without_ranking(sequence: u64, verdict: WireState, reason: Reason, text: &str) -> Self {
         let mut answer = Self {
             version: VERSION,
             verdict: verdict as u32,
@@ -227,8 +227,8 @@ impl Answer {
 
     /// The verdict; one that means nothing is taken as refused.
     #[must_use]
-    pub fn verdict(&self) -> Verdict {
-        Verdict::from_number(self.verdict).unwrap_or(Verdict::Refused)
+    pub fn verdict(&self) -> WireState {
+        WireState::from_number(self.verdict).unwrap_or(WireState::Refused)
     }
 
     /// The reason; one that means nothing is taken as a mistake of ours.
@@ -250,15 +250,15 @@ impl Answer {
 
     /// The places that are filled in, least harm first.
     #[must_use]
-    pub fn ranking(&self) -> &[Place] {
+    pub fn ranking(&self) -> &[WirePlace] {
         self.places.get(..self.place_count as usize).unwrap_or(&self.places)
     }
 }
 
 const _: () = {
     use core::mem::offset_of;
-    assert!(size_of::<Place>() == 112);
-    assert!(size_of::<Answer>() == 2016 && align_of::<Answer>() == 8);
-    assert!(offset_of!(Answer, text) == 48);
-    assert!(offset_of!(Answer, places) == 224);
+    assert!(size_of::<WirePlace>() == 112);
+    assert!(size_of::<WireAnswer>() == 2016 && align_of::<WireAnswer>() == 8);
+    assert!(offset_of!(WireAnswer, text) == 48);
+    assert!(offset_of!(WireAnswer, places) == 224);
 };

@@ -36,7 +36,7 @@ impl Condition {
 /// What a latency is counted of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(usize)]
-pub enum Stage {
+pub enum LatencyStage {
     /// From the moment a request was taken until work began.
     Queue = 0,
     /// Checking it, and putting it into the ego's frame.
@@ -49,7 +49,7 @@ pub enum Stage {
     Total = 4,
 }
 
-impl Stage {
+impl LatencyStage {
     /// All of them, in order.
     pub const ALL: [Self; 5] = [Self::Queue, Self::Plan, Self::Work, Self::Assess, Self::Total];
 
@@ -90,7 +90,7 @@ pub struct Health {
     pub at_ns: u64,
     /// Since when it answers, on CLOCK_MONOTONIC (ns).
     pub since_ns: u64,
-    /// Answers since then, in the order of [`super::Verdict::ALL`].
+    /// Answers since then, in the order of [`super::WireState::ALL`].
     pub answers: [u64; 5],
     /// Requests whose client had gone or given up: not worked on.
     pub withdrawn: u64,
@@ -104,7 +104,7 @@ pub struct Health {
     pub messages: u64,
     /// Bytes of these.
     pub message_bytes: u64,
-    /// p50, p99, p99.9 and greatest of each [`Stage`] (ns).
+    /// p50, p99, p99.9 and greatest of each [`LatencyStage`] (ns).
     pub latency_ns: [[u64; 4]; 5],
     /// The workers.
     pub each: [WorkerHealth; WORKERS_MAX],

@@ -22,7 +22,7 @@ proptest! {
         let supports = pairs.then_some(&supports);
         let summary = Summary {
             np: 3,
-            end: End::Complete as u32,
+            end: WireEnd::Complete as u32,
             supports: if pairs { 74 } else { 0 },
             ..Summary::zeroed()
         };
@@ -34,7 +34,7 @@ proptest! {
 
     #[test]
     fn side_and_triangle_come_back(triangle in 0_u32..1 << 31, a in any::<bool>()) {
-        let side = if a { Side::A } else { Side::B };
+        let side = if a { WireSide::A } else { WireSide::B };
         prop_assert_eq!(read_hit(hit(side, triangle)), (side, triangle));
     }
 

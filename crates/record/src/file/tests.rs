@@ -2,16 +2,17 @@
 
 use super::*;
 use crate::content::{
-    Body, Edge, End, Mode, Moment, Place, RecordedJob, Settings, Source, Span, Stage, Text,
+    Edge, Mode, PoseQuestion, RecordedBody, RecordedEnd, RecordedJob, RecordedMoment,
+    RecordedSource, RecordedSpan, RecordedStage, RecordedText, Settings,
 };
 use proptest::prelude::*;
 
-pub(crate) fn record(name: &str) -> Record {
-    Record {
+pub(crate) fn record(name: &str) -> RecordContent {
+    RecordContent {
         build: "0.1.0+b".into(),
-        scenario: Text::new(name, "schema = 1\n"),
-        policy: Text::new("p.toml", "p"),
-        curves: Text::new("c.toml", "c"),
+        scenario: RecordedText::new(name, "schema = 1\n"),
+        policy: RecordedText::new("p.toml", "p"),
+        curves: RecordedText::new("c.toml", "c"),
         settings: Settings {
             mode: Mode::Workers,
             workers: 4,
@@ -26,21 +27,30 @@ pub(crate) fn record(name: &str) -> Record {
             unknown_is_fixed: false,
         },
         bodies: vec![
-            Body { party: "ego".into(), source: Source::Generated, hash: "aa".into() },
-            Body {
+            RecordedBody {
+                party: "ego".into(),
+                source: RecordedSource::Generated,
+                hash: "aa".into(),
+            },
+            RecordedBody {
                 party: "suv".into(),
-                source: Source::File { path: "suv.trolley".into(), hash: "bb".into() },
+                source: RecordedSource::File { path: "suv.trolley".into(), hash: "bb".into() },
                 hash: "cc".into(),
             },
         ],
-        places: vec![Place { candidate: 0, is_survey: true, travel_m: -0.25 }],
-        jobs: [End::Done, End::Cut, End::Abandoned]
+        places: vec![PoseQuestion { candidate: 0, is_survey: true, travel_m: -0.25 }],
+        jobs: [RecordedEnd::Done, RecordedEnd::Cut, RecordedEnd::Abandoned]
             .map(|end| RecordedJob { place: 0, a: 3, b: 5, end })
             .to_vec(),
-        moments: vec![Moment { at_ns: 9, jobs: 3, state: "complete".into(), work: vec![[0., 1.]] }],
-        spans: vec![Span { worker: 1, from_ns: 0, to_ns: 9 }],
+        moments: vec![RecordedMoment {
+            at_ns: 9,
+            jobs: 3,
+            state: "complete".into(),
+            work: vec![[0., 1.]],
+        }],
+        spans: vec![RecordedSpan { worker: 1, from_ns: 0, to_ns: 9 }],
         edges: vec![Edge { from: "a".into(), to: "b".into(), messages: 1, bytes: 64 }],
-        stages: vec![Stage { name: "work".into(), ms: 1.5 }],
+        stages: vec![RecordedStage { name: "work".into(), ms: 1.5 }],
         faults: vec!["worker 1 was lost".into()],
         answer: "{}".into(),
         explanation: "{}".into(),

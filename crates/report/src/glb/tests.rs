@@ -1,15 +1,15 @@
 //! What is written can be taken apart again: lengths, counts, colours.
 
 use super::*;
-use crate::shot::Patch;
+use crate::shot::ShotPatch;
 use serde_json::from_slice;
 
 /// Two triangles ahead of each other; of the second body the only one is hit.
-pub(crate) fn shot() -> (Shot, Vec<Body>) {
+pub(crate) fn shot() -> (Shot, Vec<ShotBody>) {
     let plate = |x: f32| [[x, -1.0, 0.0], [x, 1.0, 0.0], [x, 0.0, 1.5]];
     let bodies = vec![
-        Body { name: "ego".into(), corners: vec![plate(0.0), plate(1.0)] },
-        Body { name: "other <b>".into(), corners: vec![plate(0.0)] },
+        ShotBody { name: "ego".into(), corners: vec![plate(0.0), plate(1.0)] },
+        ShotBody { name: "other <b>".into(), corners: vec![plate(0.0)] },
     ];
     let shot = Shot {
         name: "a \"way\" </script>".into(),
@@ -17,7 +17,7 @@ pub(crate) fn shot() -> (Shot, Vec<Body>) {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [2.0, 0.0, 0.0],
         hits: [vec![1], vec![0]],
-        patch: Some(Patch {
+        patch: Some(ShotPatch {
             centre_m: [1.5, 0.0, 0.5],
             normal: [1.0, 0.0, 0.0],
             size_m: [1.0, 0.6],

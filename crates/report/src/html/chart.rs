@@ -1,6 +1,6 @@
 //! Small charts as inline SVG: labelled, readable in grey.
 
-use super::{Moment, Worker, escape, percent};
+use super::{TimelineMoment, Worker, escape, percent};
 use std::fmt::Write as _;
 
 /// Width of every chart, in its own units.
@@ -120,7 +120,7 @@ pub(super) fn workers(workers: &[Worker]) -> String {
 }
 
 /// Work intervals over jobs closed, one band per candidate.
-pub(super) fn moments(moments: &[Moment], names: &[String]) -> String {
+pub(super) fn moments(moments: &[TimelineMoment], names: &[String]) -> String {
     let jobs = moments.iter().map(|moment| moment.jobs).max().unwrap_or(1).max(1) as f64;
     let top = moments.iter().flat_map(|moment| &moment.work).map(|work| work[1]);
     let top = top.fold(0.0, f64::max).max(1e-12);

@@ -5,7 +5,7 @@ use crate::glb::tests::shot;
 
 fn made() -> String {
     let (shot, bodies) = shot();
-    let one = |name: &str, touches: bool, work: f64| Candidate {
+    let one = |name: &str, touches: bool, work: f64| CandidateRow {
         name: name.into(),
         other: "wall".into(),
         contact: "front ↔ wall".into(),
@@ -14,7 +14,7 @@ fn made() -> String {
         range: [0.5 * work, 2.0 * work],
         why: Some("because <i>".into()),
         persons: vec![("driver <u>".into(), [work, work], [work, work])],
-        ..Candidate::default()
+        ..CandidateRow::default()
     };
     let about = Decision {
         scenario: "A \"test\" <script>alert(1)</script>".into(),
@@ -23,12 +23,12 @@ fn made() -> String {
         ties: vec!["pass & go".into()],
         policy: "default".into(),
         moments: [0, 5]
-            .map(|jobs| Moment { at_ms: 1.0, jobs, work: vec![[0.0, 1.0], [0.1, 0.5]] })
+            .map(|jobs| TimelineMoment { at_ms: 1.0, jobs, work: vec![[0.0, 1.0], [0.1, 0.5]] })
             .to_vec(),
         names: vec!["a".into(), "b".into()],
         workers: vec![Worker {
             name: "worker 0".into(),
-            spans: vec![Span { from_ms: 0.0, to_ms: 1.0 }],
+            spans: vec![TimelineSpan { from_ms: 0.0, to_ms: 1.0 }],
         }],
         ..Decision::default()
     };

@@ -94,7 +94,7 @@ fn every_mistake_has_its_reason_and_says_where() {
         (|ask, v| ask.candidates[0].probability = v, Reason::OutOfRange, "probability"),
         (|ask, v| ask.parties[0].responsibility = v, Reason::OutOfRange, "party 0"),
         (
-            |ask, v| (ask.parties[0].flags, ask.parties[0].mass_kg) = (Party::MASS, v),
+            |ask, v| (ask.parties[0].flags, ask.parties[0].mass_kg) = (WireParty::MASS, v),
             Reason::OutOfRange,
             "mass_kg",
         ),
@@ -105,10 +105,10 @@ fn every_mistake_has_its_reason_and_says_where() {
             Reason::Misfit,
             "candidate 1: a pole is fixed",
         ),
-        (|ask, _| ask.parties[1].flags = Party::UNKNOWN, Reason::UnknownKind, "unknown kind"),
+        (|ask, _| ask.parties[1].flags = WireParty::UNKNOWN, Reason::UnknownKind, "unknown kind"),
         (
             |ask, _| {
-                ask.parties[1].flags = Party::PERSONS;
+                ask.parties[1].flags = WireParty::PERSONS;
                 ask.add_person(Person { party: 1, seat: 1 });
             },
             Reason::Misfit,
@@ -123,7 +123,7 @@ fn every_mistake_has_its_reason_and_says_where() {
         ),
         (
             |ask, _| {
-                ask.parties[0].flags = Party::PERSONS;
+                ask.parties[0].flags = WireParty::PERSONS;
                 ask.add_person(Person { party: 0, seat: 7 });
             },
             Reason::Malformed,

@@ -2,7 +2,7 @@
 
 use super::*;
 use protocol::public::Ask;
-use transport::{Address, Client};
+use transport::{Address, ClientPort};
 
 struct Scene {
     _folder: tempfile::TempDir,
@@ -20,13 +20,13 @@ impl Scene {
         Self { _folder: folder, address, desk }
     }
 
-    fn client(&self) -> Client {
-        Client::open(&self.address).unwrap()
+    fn client(&self) -> ClientPort {
+        ClientPort::open(&self.address).unwrap()
     }
 }
 
-fn refused(text: &str) -> Answer {
-    Answer::without_ranking(1, Verdict::Refused, Reason::Malformed, text)
+fn refused(text: &str) -> WireAnswer {
+    WireAnswer::without_ranking(1, WireState::Refused, Reason::Malformed, text)
 }
 
 /// The second client takes the first one's place in every table of iceoryx2, and both count their
@@ -78,11 +78,11 @@ fn nobody_loses_an_answer_to_one_who_waited_in_its_place() {
 #[test]
 fn beyond_the_queue_the_answer_is_busy() {
     let mut scene = Scene::new(2, 1);
-    let clients: Vec<Client> = (0..3).map(|_| scene.client()).collect();
-    let ask = |client: &Client| client.ask(&Ask::new(1)).unwrap();
+    let clients: Vec<ClientPort> = (0..3).map(|_| scene.client()).collect();
+    let ask = |client: &ClientPort| client.ask(&Ask::new(1)).unwrap();
     let pending: Vec<_> = clients.iter().map(ask).collect();
     scene.desk.drain();
     let verdict = |pending: &transport::Pending| pending.receive().unwrap().map(|a| a.verdict());
-    let busy = pending.iter().filter(|pending| verdict(pending) == Some(Verdict::Busy)).count();
+    let busy = pending.iter().filter(|pending| verdict(pending) == Some(WireState::Busy)).count();
     assert_eq!((busy, scene.desk.waiting()), (2, 1));
 }

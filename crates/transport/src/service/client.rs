@@ -13,19 +13,19 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::{LoanError, SendError};
 use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _, ipc};
 use iceoryx2::service::port_factory::{event, request_response};
-use protocol::public::{Answer, Ask, RANK, WAKE};
+use protocol::public::{Ask, RANK, WAKE, WireAnswer};
 
 /// One client of a service. It belongs to one thread, and asks one thing at a time.
-pub struct Client {
+pub struct ClientPort {
     // Dropped in this order: ports, services, node.
-    port: Port<ipc::Service, wire::Ask, (), wire::Answer, ()>,
+    port: Port<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>,
     notifier: Notifier<ipc::Service>,
-    rank: request_response::PortFactory<ipc::Service, wire::Ask, (), wire::Answer, ()>,
+    rank: request_response::PortFactory<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>,
     _wake: event::PortFactory<ipc::Service>,
     _node: Node<ipc::Service>,
 }
 
-impl Client {
+impl ClientPort {
     /// Connects, and takes all memory that it will need.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl Client {
     }
 }
 
-impl fmt::Debug for Client {
+impl fmt::Debug for ClientPort {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Client").field("servers", &self.servers()).finish_non_exhaustive()
     }
@@ -85,7 +85,7 @@ impl fmt::Debug for Client {
 
 /// A request that was sent. Dropping it withdraws the request.
 #[must_use = "a dropped request is withdrawn"]
-pub struct Pending(PendingResponse<ipc::Service, wire::Ask, (), wire::Answer, ()>);
+pub struct Pending(PendingResponse<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>);
 
 impl Pending {
     /// The answer; `None` if it has not come yet. Never waits.
@@ -93,7 +93,7 @@ impl Pending {
     /// # Errors
     ///
     /// [`UseError::Broken`] if the channel is not what it should be.
-    pub fn receive(&self) -> Result<Option<Answer>, UseError> {
+    pub fn receive(&self) -> Result<Option<WireAnswer>, UseError> {
         match self.0.receive() {
             Ok(Some(response)) => Ok(Some(read_once(&response.payload().0))),
             Ok(None) => Ok(None),

@@ -9,19 +9,19 @@ use iceoryx2::node::Node;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::ipc;
 use iceoryx2::service::port_factory::publish_subscribe;
-use protocol::public::{Answer, HEALTH, Health, RANKING};
+use protocol::public::{HEALTH, Health, RANKING, WireAnswer};
 
 /// A listener of both topics.
-pub struct Listener {
+pub struct TopicSubscriber {
     // Dropped in this order: ports, services, node.
-    rankings: Subscriber<ipc::Service, wire::Answer, ()>,
+    rankings: Subscriber<ipc::Service, wire::WireAnswer, ()>,
     health: Subscriber<ipc::Service, wire::Health, ()>,
-    _ranking_topic: publish_subscribe::PortFactory<ipc::Service, wire::Answer, ()>,
+    _ranking_topic: publish_subscribe::PortFactory<ipc::Service, wire::WireAnswer, ()>,
     _health_topic: publish_subscribe::PortFactory<ipc::Service, wire::Health, ()>,
     _node: Node<ipc::Service>,
 }
 
-impl Listener {
+impl TopicSubscriber {
     /// Starts listening.
     ///
     /// # Errors
@@ -30,7 +30,7 @@ impl Listener {
     /// listeners as it takes, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let node = address.guest("listener")?;
-        let ranking = topic::<wire::Answer>(&node, RANKING)?;
+        let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
         let health = topic::<wire::Health>(&node, HEALTH)?;
         let rankings = ranking.subscriber_builder().create();
         let healths = health.subscriber_builder().create();
@@ -45,7 +45,7 @@ impl Listener {
 
     /// The next ranking; `None` if there is none that was not seen.
     #[must_use]
-    pub fn ranking(&self) -> Option<Answer> {
+    pub fn ranking(&self) -> Option<WireAnswer> {
         let sample = self.rankings.receive().ok().flatten()?;
         Some(read_once(&sample.payload().0))
     }
@@ -63,7 +63,7 @@ impl Listener {
     }
 }
 
-impl fmt::Debug for Listener {
+impl fmt::Debug for TopicSubscriber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Listener").finish_non_exhaustive()
     }

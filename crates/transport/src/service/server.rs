@@ -17,18 +17,18 @@ use iceoryx2::prelude::{
     BackpressureStrategy, FileDescriptorBased, IceoryxSend, ZeroCopySend, ipc,
 };
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
-use protocol::public::{Answer, Ask, CLIENTS_MAX, HEALTH, Health, RANK, RANKING, WAKE};
+use protocol::public::{Ask, CLIENTS_MAX, HEALTH, Health, RANK, RANKING, WAKE, WireAnswer};
 use std::os::fd::BorrowedFd;
 
-type Service = request_response::PortFactory<ipc::Service, wire::Ask, (), wire::Answer, ()>;
-type Request = ActiveRequest<ipc::Service, wire::Ask, (), wire::Answer, ()>;
+type Service = request_response::PortFactory<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>;
+type Request = ActiveRequest<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>;
 
 /// The one server of a service.
 pub struct Server {
     // Dropped in this order: ports, services, node, files.
-    port: Port<ipc::Service, wire::Ask, (), wire::Answer, ()>,
+    port: Port<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>,
     wake_fd: Listener<ipc::Service>,
-    rankings: Publisher<ipc::Service, wire::Answer, ()>,
+    rankings: Publisher<ipc::Service, wire::WireAnswer, ()>,
     health: Publisher<ipc::Service, wire::Health, ()>,
     rank: Service,
     _topics: [Box<dyn core::any::Any>; 3],
@@ -49,7 +49,7 @@ impl Server {
         let node = address.node("trolley")?;
         let rank = rank(&node)?;
         let wake = wake(&node)?;
-        let ranking = topic::<wire::Answer>(&node, RANKING)?;
+        let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
         let health = topic::<wire::Health>(&node, HEALTH)?;
         let port = rank
             .server_builder()
@@ -75,7 +75,7 @@ impl Server {
 
     /// Takes a request that somebody waits for; `None` if there is none. Never waits.
     ///
-    /// What is [wanted no more](Asked::is_wanted) has to be dropped before: once another client
+    /// What is [wanted no more](TakenRequest::is_wanted) has to be dropped before: once another client
     /// has come to the place of one that has gone, the request of the one may pass for the
     /// other's.
     ///
@@ -84,12 +84,12 @@ impl Server {
     /// [`UseError::Full`] if a client has given up and asked again while too many of its requests
     /// are held here: let go of those that nobody wants. [`UseError::Broken`] if a client's channel
     /// is not what it should be.
-    pub fn take(&self) -> Result<Option<Asked>, UseError> {
+    pub fn take(&self) -> Result<Option<TakenRequest>, UseError> {
         loop {
             match self.port.receive() {
                 Ok(Some(request)) if request.is_connected() => {
                     let ask = read_once(&request.payload().0);
-                    return Ok(Some(Asked { request, ask }));
+                    return Ok(Some(TakenRequest { request, ask }));
                 }
                 // Its client has gone. To drop it is what frees the channel.
                 Ok(Some(_)) => {}
@@ -101,8 +101,8 @@ impl Server {
     }
 
     /// Tells everybody who listens of an answer.
-    pub fn publish_ranking(&self, answer: &Answer) {
-        if let Err(error) = self.rankings.send_copy(wire::Answer(*answer)) {
+    pub fn publish_ranking(&self, answer: &WireAnswer) {
+        if let Err(error) = self.rankings.send_copy(wire::WireAnswer(*answer)) {
             tracing::debug!(?error, "a ranking was not published");
         }
     }
@@ -164,12 +164,12 @@ impl Housekeeper {
 }
 
 /// A request that was taken.
-pub struct Asked {
+pub struct TakenRequest {
     request: Request,
     ask: Ask,
 }
 
-impl Asked {
+impl TakenRequest {
     /// What is asked: a private copy.
     #[must_use]
     pub fn ask(&self) -> &Ask {
@@ -187,16 +187,16 @@ impl Asked {
     /// # Errors
     ///
     /// [`UseError::Broken`] if the client has gone: nobody is left to tell.
-    pub fn answer(self, answer: &Answer) -> Result<(), UseError> {
+    pub fn answer(self, answer: &WireAnswer) -> Result<(), UseError> {
         // One heap allocation, made by iceoryx2 for the loan.
-        match self.request.send_copy(wire::Answer(*answer)) {
+        match self.request.send_copy(wire::WireAnswer(*answer)) {
             Ok(_) => Ok(()),
             Err(_) => Err(UseError::Broken),
         }
     }
 }
 
-impl fmt::Debug for Asked {
+impl fmt::Debug for TakenRequest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Asked").field("sequence", &self.ask.sequence).finish_non_exhaustive()
     }
@@ -206,7 +206,7 @@ impl fmt::Debug for Asked {
 pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
     let name = RANK.try_into().map_err(OpenError::at("name", RANK))?;
     node.service_builder(&name)
-        .request_response::<wire::Ask, wire::Answer>()
+        .request_response::<wire::Ask, wire::WireAnswer>()
         .max_servers(1)
         .max_clients(CLIENTS_MAX)
         .max_nodes(NODES_MAX)

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::error::UseError;
-use protocol::public::{Answer, Ask, Health, Reason, Verdict};
+use protocol::public::{Ask, Health, Reason, WireAnswer, WireState};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A folder of its own, and an instance that no other test has.
@@ -27,15 +27,15 @@ impl Scene {
     }
 }
 
-fn refused(sequence: u64) -> Answer {
-    Answer::without_ranking(sequence, Verdict::Refused, Reason::Malformed, "no")
+fn refused(sequence: u64) -> WireAnswer {
+    WireAnswer::without_ranking(sequence, WireState::Refused, Reason::Malformed, "no")
 }
 
 #[test]
 fn what_is_asked_arrives_and_its_answer_comes_back() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let client = Client::open(&scene.address).unwrap();
+    let client = ClientPort::open(&scene.address).unwrap();
     assert_eq!(client.servers(), 1);
     for sequence in 0..100 {
         let mut ask = Ask::new(sequence);
@@ -63,7 +63,7 @@ fn a_second_server_is_refused_and_the_first_goes_on() {
     let error = Server::open(&scene.address).unwrap_err();
     assert!(matches!(error, OpenError::Taken { .. }), "{error}");
     assert!(error.to_string().contains(&std::process::id().to_string()), "{error}");
-    let client = Client::open(&scene.address).unwrap();
+    let client = ClientPort::open(&scene.address).unwrap();
     let pending = client.ask(&Ask::new(1)).unwrap();
     server.take().unwrap().unwrap().answer(&refused(1)).unwrap();
     assert!(pending.receive().unwrap().is_some());
@@ -72,9 +72,12 @@ fn a_second_server_is_refused_and_the_first_goes_on() {
 #[test]
 fn without_a_server_there_is_a_clear_error() {
     let scene = Scene::new();
-    let error = Client::open(&scene.address).unwrap_err();
+    let error = ClientPort::open(&scene.address).unwrap_err();
     assert!(matches!(error, OpenError::NoService { .. }), "{error}");
-    assert!(matches!(Listener::open(&scene.address).unwrap_err(), OpenError::NoService { .. }));
+    assert!(matches!(
+        TopicSubscriber::open(&scene.address).unwrap_err(),
+        OpenError::NoService { .. }
+    ));
     assert!(!std::path::Path::new(scene.address.root()).exists(), "asking makes nothing");
 }
 
@@ -82,12 +85,14 @@ fn without_a_server_there_is_a_clear_error() {
 fn sixteen_clients_find_room_and_a_place_that_is_given_up_is_taken_again() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let mut clients: Vec<Client> = (0..16).map(|_| Client::open(&scene.address).unwrap()).collect();
+    let mut clients: Vec<ClientPort> =
+        (0..16).map(|_| ClientPort::open(&scene.address).unwrap()).collect();
     assert_eq!(server.clients(), 16);
-    Client::open(&scene.address).unwrap_err();
+    ClientPort::open(&scene.address).unwrap_err();
     clients.pop();
-    clients.push(Client::open(&scene.address).unwrap());
-    let ask = |(number, client): (usize, &Client)| client.ask(&Ask::new(number as u64)).unwrap();
+    clients.push(ClientPort::open(&scene.address).unwrap());
+    let ask =
+        |(number, client): (usize, &ClientPort)| client.ask(&Ask::new(number as u64)).unwrap();
     let pending: Vec<Pending> = clients.iter().enumerate().map(ask).collect();
     for _ in 0..16 {
         let asked = server.take().unwrap().unwrap();
@@ -104,7 +109,7 @@ fn sixteen_clients_find_room_and_a_place_that_is_given_up_is_taken_again() {
 fn a_client_that_gave_up_is_not_wanted_and_does_no_harm() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let client = Client::open(&scene.address).unwrap();
+    let client = ClientPort::open(&scene.address).unwrap();
     drop(client.ask(&Ask::new(1)).unwrap());
     if let Some(asked) = server.take().unwrap() {
         assert!(!asked.is_wanted());
@@ -121,7 +126,7 @@ fn a_client_that_gave_up_is_not_wanted_and_does_no_harm() {
 fn a_client_that_gives_up_again_and_again_is_heard_once_the_server_lets_go() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let client = Client::open(&scene.address).unwrap();
+    let client = ClientPort::open(&scene.address).unwrap();
     let mut held = Vec::new();
     for sequence in 0..5 {
         drop(client.ask(&Ask::new(sequence)).unwrap());
@@ -133,7 +138,7 @@ fn a_client_that_gives_up_again_and_again_is_heard_once_the_server_lets_go() {
             }
         }
     }
-    held.retain(Asked::is_wanted);
+    held.retain(TakenRequest::is_wanted);
     assert!(held.is_empty());
     let pending = client.ask(&Ask::new(9)).unwrap();
     let asked = core::iter::from_fn(|| server.take().unwrap()).last().unwrap();
@@ -149,7 +154,7 @@ fn clients_that_ask_and_go_before_they_are_heard_leave_nothing() {
     let server = Server::open(&scene.address).unwrap();
     let kept = scene.left().len();
     for sequence in 0..300 {
-        let client = Client::open(&scene.address).unwrap();
+        let client = ClientPort::open(&scene.address).unwrap();
         assert!(server.take().unwrap().is_none(), "the server knows it");
         let pending = client.ask(&Ask::new(sequence)).unwrap();
         drop(client);
@@ -164,7 +169,7 @@ fn clients_that_ask_and_go_before_they_are_heard_leave_nothing() {
 fn the_same_client_works_with_the_next_server() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let client = Client::open(&scene.address).unwrap();
+    let client = ClientPort::open(&scene.address).unwrap();
     drop(server);
     assert_eq!(client.servers(), 0);
     let server = Server::open(&scene.address).unwrap();
@@ -180,7 +185,7 @@ fn whoever_listens_hears_the_latest() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
     let health = |pid| Health { pid, ..bytemuck::Zeroable::zeroed() };
-    let listener = Listener::open(&scene.address).unwrap();
+    let listener = TopicSubscriber::open(&scene.address).unwrap();
     assert_eq!(listener.health(), None);
     for pid in 7..20 {
         server.publish_health(&health(pid));

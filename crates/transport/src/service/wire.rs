@@ -23,7 +23,7 @@ macro_rules! wire {
 }
 
 wire!(Ask, public::Ask, "trolley.Ask.v1");
-wire!(Answer, public::Answer, "trolley.Answer.v1");
+wire!(WireAnswer, public::WireAnswer, "trolley.Answer.v1");
 wire!(Health, public::Health, "trolley.Health.v1");
 
 /// Copies a value out of shared memory once, word by word: what is checked is what is used,

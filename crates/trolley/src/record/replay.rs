@@ -5,7 +5,7 @@ use crate::bodies::{Bodies, OnProgress};
 use crate::scenario::{Scenario, Text, Texts};
 use crate::{BUILD, Failure, Kind};
 use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
-use record::Source;
+use record::RecordedSource;
 use runtime::FileMap;
 use scenario::{Engine, Overrides};
 use std::collections::BTreeMap;
@@ -51,7 +51,8 @@ impl Record {
         progress: OnProgress<'_>,
     ) -> Result<Replay, Failure> {
         let content = &self.content;
-        let text = |text: &record::Text| Text { name: text.name.clone(), text: text.text.clone() };
+        let text =
+            |text: &record::RecordedText| Text { name: text.name.clone(), text: text.text.clone() };
         let scenario = Scenario::of_texts(Texts {
             scenario: text(&content.scenario),
             policy: text(&content.policy),
@@ -96,7 +97,7 @@ impl Record {
     ) -> Result<BTreeMap<usize, PathBuf>, Failure> {
         let mut wanted = BTreeMap::new();
         for (party, body) in self.content.bodies.iter().enumerate() {
-            if let Source::File { hash, .. } = &body.source {
+            if let RecordedSource::File { hash, .. } = &body.source {
                 wanted.insert(party, hash.as_str());
             }
         }
