@@ -3,7 +3,7 @@
 //! by the program and by the library.
 
 use crate::support::{self, Place, answer, builder, json, library_answer, overrides, run, six};
-use trolley::handing::{Handing, Transfer};
+use trolley::handing::{Handing, TransferMode};
 use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
 #[test]
@@ -63,7 +63,7 @@ fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
         }))
     };
     let copy = |memory_budget| Handing {
-        transfer: Transfer::Copy,
+        transfer: TransferMode::Copy,
         memory_budget: Some(memory_budget),
         ..Handing::default()
     };

@@ -4,11 +4,11 @@
 use crate::support::{Found, Place, assert_found, brute_force, json, run, six};
 use body::Mesh;
 use geometry::{Pose, RelativePose};
-use scenario::{Scenario, Source, State};
+use scenario::{MotionState, Scenario, Source};
 use shapes::generate;
 
 /// B at a travel, seen from A: moved against the direction of the relative velocity.
-fn placed(ego: &State, other: &State, travel_m: f64) -> RelativePose {
+fn placed(ego: &MotionState, other: &MotionState, travel_m: f64) -> RelativePose {
     let relative = ego.velocity_m_s - other.velocity_m_s;
     let u = Pose::direction_to_body(&ego.pose, relative) * (1.0 / relative.length());
     RelativePose::between(&ego.pose, &other.pose).moved(-u * travel_m)

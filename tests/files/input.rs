@@ -2,7 +2,7 @@
 //! leaves nothing behind.
 
 use crate::support::{self, Place, builder, overrides, run, six, text};
-use trolley::handing::{Handing, Transfer};
+use trolley::handing::{Handing, TransferMode};
 use trolley::{Kind, Limits, Scenario};
 
 struct Bad {
@@ -117,7 +117,7 @@ fn settings_on_the_command_line_obey_the_same_rules() {
 fn how_jobs_are_handed_out_obeys_rules_too() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(600))).unwrap();
-    let copy = Handing { transfer: Transfer::Copy, ..Handing::default() };
+    let copy = Handing { transfer: TransferMode::Copy, ..Handing::default() };
     let none = Handing::default();
     for (handing, says) in [
         (Handing { linger_us: 20_000, ..none }, "linger"),
@@ -147,7 +147,7 @@ fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
     let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
     // Room for the largest section at this depth, and not for what one worker needs in all.
     let handing =
-        Handing { transfer: Transfer::Copy, memory_budget: Some(90_000), ..Handing::default() };
+        Handing { transfer: TransferMode::Copy, memory_budget: Some(90_000), ..Handing::default() };
     let mut engine = builder().workers(1).depth(6).handing(handing).build().unwrap();
     let failure = engine.rank(&scenario, &Limits::default()).unwrap_err();
     assert_eq!(failure.kind(), Kind::Resources, "{failure}");

@@ -6,7 +6,7 @@ use crate::support::{
     self, Crash, Place, answer, builder, children, cpu_ticks, instance, json, left_in_shm,
     library_answer, run, scenario, signal, text, trolley, wait_for, workers_at_work,
 };
-use ::trolley::handing::{Handing, Transfer};
+use ::trolley::handing::{Handing, TransferMode};
 use ::trolley::{Limits, Scenario};
 use rustix::process::Signal;
 use std::fmt::Write as _;
@@ -109,7 +109,7 @@ fn a_killed_worker_changes_nothing_in_the_answer() {
 fn a_killed_worker_that_copied_changes_nothing_in_the_answer() {
     let place = Place::new();
     let handing = Handing {
-        transfer: Transfer::Copy,
+        transfer: TransferMode::Copy,
         memory_budget: Some(999_999_999),
         ..Handing::default()
     };

@@ -134,7 +134,7 @@ impl Wide {
     /// If the nodes are not a tree over these triangles, as [`crate::file::check_body`] holds.
     #[must_use]
     pub fn of(nodes: &[Node], corners: &[Corners]) -> Self {
-        Laid::out(nodes).filled(corners, 1, |shares| shares.into_iter().for_each(Share::fill))
+        Laid::out(nodes).filled(corners, 1, |shares| shares.into_iter().for_each(LeafRun::fill))
     }
 }
 
@@ -211,18 +211,18 @@ impl<'n> Laid<'n> {
         self,
         corners: &[Corners],
         shares: usize,
-        run: impl FnOnce(Vec<Share<'_>>),
+        run: impl FnOnce(Vec<LeafRun<'_>>),
     ) -> Wide {
         let Self { nodes, below, mut wide, leaves } = self;
         let (start, below, leaves) = (0, &below, &leaves);
-        run(Share { wide: &mut wide.nodes, start, leaves, nodes, below, corners }.cut(shares));
+        run(LeafRun { wide: &mut wide.nodes, start, leaves, nodes, below, corners }.cut(shares));
         wide
     }
 }
 
 /// Some leaves of a wide tree that wait to be filled, and the wide nodes among which they lie.
 #[derive(Debug)]
-pub struct Share<'s> {
+pub struct LeafRun<'s> {
     wide: &'s mut [WideNode],
     /// Number of the first of these.
     start: usize,
@@ -233,9 +233,9 @@ pub struct Share<'s> {
     corners: &'s [Corners],
 }
 
-impl<'s> Share<'s> {
+impl<'s> LeafRun<'s> {
     /// Cuts the leaves, in order, into so many shares of neighbours.
-    fn cut(self, shares: usize) -> Vec<Share<'s>> {
+    fn cut(self, shares: usize) -> Vec<LeafRun<'s>> {
         let share = self.leaves.len().div_ceil(shares.max(1)).max(1);
         let mut cut = Vec::new();
         let mut rest = self.wide;
@@ -244,7 +244,7 @@ impl<'s> Share<'s> {
             let start = leaves[0].0;
             let (before, wide) = rest.split_at_mut(start);
             rest = before;
-            cut.push(Share { wide, start, leaves, ..self });
+            cut.push(LeafRun { wide, start, leaves, ..self });
         }
         cut
     }

@@ -6,7 +6,7 @@ use crate::print;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::process::ExitCode;
-use trolley::doctor::{self, Finding, Level};
+use trolley::doctor::{self, Finding, FindingLevel};
 use trolley::{BUILD, Failure, Kind};
 
 /// What `--json` prints.
@@ -25,7 +25,7 @@ pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
     } else {
         print::out(&page(&findings))?;
     }
-    let has_problem = findings.iter().any(|finding| finding.level == Level::Problem);
+    let has_problem = findings.iter().any(|finding| finding.level == FindingLevel::Problem);
     Ok(if has_problem { Kind::CheckFailed.into() } else { ExitCode::SUCCESS })
 }
 
@@ -33,9 +33,9 @@ fn page(findings: &[Finding]) -> String {
     let mut text = String::new();
     for Finding { subject, level, found, remedy } in findings {
         let mark = match level {
-            Level::Ok => "ok",
-            Level::Note => "note",
-            Level::Problem => "PROBLEM",
+            FindingLevel::Ok => "ok",
+            FindingLevel::Note => "note",
+            FindingLevel::Problem => "PROBLEM",
         };
         // Writing to a string cannot fail.
         let _ok = writeln!(text, "{mark:<8} {subject:<16} {found}");

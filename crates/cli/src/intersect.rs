@@ -8,7 +8,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::Failure;
-use trolley::intersect::{Asked, Found, Intersect, Intersected, Question, Simd, Walk, hex};
+use trolley::intersect::{Found, Intersect, Intersected, QueryResult, Question, Simd, Walk, hex};
 use trolley::model::{BuildOptions, LEAF_SIZE_MAX};
 
 pub(crate) const EXAMPLES: &str = "\
@@ -180,7 +180,7 @@ fn text(of: &Intersected) -> String {
     };
     let count = |tests: u64| thousands(usize::try_from(tests).unwrap_or(usize::MAX));
     let BuildOptions { build, leaf_size, threads } = of.tree;
-    let Asked { counters, jobs, pose_ns, query_ns, .. } = of.asked;
+    let QueryResult { counters, jobs, pose_ns, query_ns, .. } = of.asked;
     let query = format!(
         "{}, {}{}median of {}; a new pose {}",
         time(query_ns),

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::model::{
     self, Axis, BodyKind, Build, BuildOptions, Export, ExportFormat, Generate, Import, Info,
-    MeshOptions, ReadLimits, Shape, TRIANGLES_MAX, TRIANGLES_MIN, Unit,
+    LengthUnit, MeshOptions, ReadLimits, Shape, TRIANGLES_MAX, TRIANGLES_MIN,
 };
 use trolley::{Failure, Kind};
 
@@ -149,7 +149,7 @@ struct MeshArgs {
     /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres [default: what a COLLADA
     /// file states, else m; an LS-DYNA deck needs one].
     #[arg(long, value_name = "UNIT")]
-    unit: Option<Unit>,
+    unit: Option<LengthUnit>,
     /// Axis of the file that points up [default: +y for glTF and GLB, what a COLLADA file states,
     /// else +z].
     #[arg(long, allow_hyphen_values = true, value_name = "AXIS")]

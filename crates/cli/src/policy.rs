@@ -7,7 +7,7 @@ use report::text::wrap;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::policy::Checked;
+use trolley::policy::CheckedFile;
 use trolley::{Failure, Kind};
 
 pub(crate) const EXAMPLES: &str = "\
@@ -40,7 +40,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         #[derive(Serialize)]
         struct Document<'a> {
             schema: &'static str,
-            files: &'a [Checked],
+            files: &'a [CheckedFile],
         }
         let document = Document { schema: "trolley.policy-check/1", files: &checked };
         print::out(&print::json(&document)?)?;

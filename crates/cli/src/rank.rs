@@ -9,7 +9,9 @@ use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::{Answer, Engine, Explanation, Failure, Kind, Ranking, Record, Run, Scenario, State};
+use trolley::{
+    Answer, AnswerState, Engine, Explanation, Failure, Kind, Ranking, Record, Run, Scenario,
+};
 
 /// What `rank` is asked.
 #[derive(Clone, Debug, Args)]
@@ -61,7 +63,7 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
 /// Nobody is met: a complete answer without a candidate.
 fn nothing(
     path: &Path,
-    imported: &trolley::traffic::Imported,
+    imported: &trolley::traffic::ImportedTraffic,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     if !output.json {
@@ -70,7 +72,7 @@ fn nothing(
     let none: [&str; 0] = [];
     let document = serde_json::json!({
         "schema": "trolley.rank/1",
-        "answer": {"state": State::Complete, "ranking": none, "tie_class": none, "missing": none},
+        "answer": {"state": AnswerState::Complete, "ranking": none, "tie_class": none, "missing": none},
         "traffic": imported.document(path),
     });
     print::out(&print::line(&document)?)
@@ -105,9 +107,9 @@ fn answer(
         output.say(&format!("recorded as {}", path.display()));
     }
     Ok(match ranking.answer.state {
-        State::Complete | State::Certified => ExitCode::SUCCESS,
-        State::Degraded => Kind::Degraded.into(),
-        State::Refused => Kind::Refused.into(),
+        AnswerState::Complete | AnswerState::Certified => ExitCode::SUCCESS,
+        AnswerState::Degraded => Kind::Degraded.into(),
+        AnswerState::Refused => Kind::Refused.into(),
     })
 }
 

@@ -4,7 +4,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use report::text::{COLUMNS, wrap};
 use scenario::Scenario;
 use trolley::run::{Certain, Kept};
-use trolley::{Answer, PersonRow, Row, Run, State, Touch};
+use trolley::{Answer, AnswerState, PersonRow, Row, Run, Touch};
 
 /// The ranking for people: at most 100 columns, whole sentences around a table.
 pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String {
@@ -132,10 +132,10 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     let Some(first) = answer.ranking.first() else { return String::new() };
     let mut lines = Vec::new();
     let state = match answer.state {
-        State::Complete => "COMPLETE: all work is done",
-        State::Certified => "CERTIFIED: no open work can change the winner",
-        State::Degraded => "DEGRADED: open work could change the winner",
-        State::Refused => "REFUSED: no candidate has a bound",
+        AnswerState::Complete => "COMPLETE: all work is done",
+        AnswerState::Certified => "CERTIFIED: no open work can change the winner",
+        AnswerState::Degraded => "DEGRADED: open work could change the winner",
+        AnswerState::Refused => "REFUSED: no candidate has a bound",
     };
     lines.push(format!(
         "Least harm: {}. {state} ({} jobs in {:.1} ms; policy \"{}\").",
@@ -185,7 +185,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
 /// How early the winner was certain, where that was before the end.
 fn early(answer: &Answer, certain: &Certain) -> Option<String> {
     let Certain { share, ms, .. } = certain;
-    let is_early = answer.state == State::Complete && *share < 0.95;
+    let is_early = answer.state == AnswerState::Complete && *share < 0.95;
     is_early.then(|| {
         format!("The winner was certain after {:.0} % of the work, at {ms:.1} ms.", 100.0 * share)
     })

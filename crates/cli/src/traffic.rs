@@ -6,7 +6,7 @@ use clap::{Args as ClapArgs, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::Failure;
-use trolley::traffic::{Imported, TrafficOptions};
+use trolley::traffic::{ImportedTraffic, TrafficOptions};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -79,7 +79,7 @@ fn within<const LEAST: i32, const MOST: i32>(text: &str) -> Result<f64, String> 
 }
 
 /// Reads a traffic file, sweeps, and writes the scenario.
-pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<Imported, Failure> {
+pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<ImportedTraffic, Failure> {
     let args = args.clone();
     let options = TrafficOptions {
         ego: args.ego,

@@ -7,8 +7,8 @@ use crate::case::{Case, Stage};
 use crate::request::{Candidate, Request};
 use body::{BodyView, Kind, Meta};
 use damage::{
-    CandidateHarm, Contact, DeltaV, Interval, Note, Party, Place, Range, Ranking, State,
-    Unevaluable,
+    AnswerState, CandidateHarm, CollisionParty, Contact, DeltaV, Interval, Note, Place, Range,
+    RankedCandidates, Unevaluable,
 };
 use geometry::DVec3;
 use serde::Serialize;
@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     /// How finished it is.
-    pub state: State,
+    pub state: AnswerState,
     /// The policy's name.
     pub policy: String,
     /// Candidates, least harm first.
@@ -128,12 +128,12 @@ impl Answer {
     /// The candidate of least harm; none if nothing was asked about, or no bound can be given.
     #[must_use]
     pub fn best(&self) -> Option<&Row> {
-        if self.state == State::Refused { None } else { self.ranking.first() }
+        if self.state == AnswerState::Refused { None } else { self.ranking.first() }
     }
 
     pub(crate) fn new(
         request: &Request,
-        ranking: &Ranking,
+        ranking: &RankedCandidates,
         harms: &[CandidateHarm],
         cases: &[Case],
         bodies: &[(Meta, BodyView<'_>)],
@@ -240,7 +240,7 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let Some(patch) = &harm.contact.patch else { return String::new() };
     let normal = DVec3::from_array(patch.normal);
     let up = candidate.approach.directions.d[damage::approach::UP];
-    let side = |party: &Party, outward: DVec3| match party.kind {
+    let side = |party: &CollisionParty, outward: DVec3| match party.kind {
         Kind::Wall | Kind::Pole | Kind::Building if candidate.is_assumed_fixed => "unknown",
         Kind::Wall | Kind::Pole | Kind::Building => party.kind.name(),
         Kind::Pedestrian => "person",

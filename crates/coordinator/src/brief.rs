@@ -5,13 +5,13 @@
 
 use crate::answer::assumptions;
 use crate::request::Request;
-use damage::{CandidateHarm, PersonHarm, Place, Ranking, Scratch, State};
+use damage::{AnswerState, CandidateHarm, PersonHarm, Place, RankedCandidates, Scratch};
 
 /// Harm of every candidate and their order, and the room that they were made in.
 #[derive(Debug, Default)]
 pub(crate) struct Judged {
     pub(crate) harms: Vec<CandidateHarm>,
-    pub(crate) ranking: Ranking,
+    pub(crate) ranking: RankedCandidates,
     pub(crate) scratch: Scratch,
     /// Lists of persons that are not needed now.
     pub(crate) persons: Vec<Vec<PersonHarm>>,
@@ -44,7 +44,7 @@ impl<'w> Brief<'w> {
 
     /// How finished it is.
     #[must_use]
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> AnswerState {
         self.judged.ranking.state
     }
 

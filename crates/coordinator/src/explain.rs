@@ -9,11 +9,11 @@
 
 use crate::case::{Case, Stage};
 use crate::request::{Candidate, Request};
-use damage::curve::{Curve, Unit};
+use damage::curve::{Curve, CurveUnit};
 use damage::dynamics::Response;
 use damage::evidence::Touch;
 use damage::injury::Quantity;
-use damage::{CandidateHarm, Ground, Interval, Parameters, RankError, Ranking, Stability};
+use damage::{CandidateHarm, Ground, Interval, Parameters, RankError, RankedCandidates, Stability};
 use serde::Serialize;
 
 /// Everything that the order was made from.
@@ -34,7 +34,7 @@ pub struct Explanation {
     /// Nominal curves in use, with their sources.
     pub curves: Vec<Curve>,
     /// Candidates, least harm first.
-    pub chains: Vec<Chain>,
+    pub chains: Vec<Derivation>,
     /// What would have to change for another one to win.
     pub stability: Stability,
     /// Names of the candidates in the order of the request: the numbers of `stability`.
@@ -43,7 +43,7 @@ pub struct Explanation {
 
 /// One candidate from contact to rank. Pairs are of the ego and of the other.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Chain {
+pub struct Derivation {
     /// Its name.
     pub name: String,
     /// The other party's name.
@@ -120,7 +120,7 @@ pub struct PersonChain {
     /// Its value in the curve's own unit.
     pub x_in_unit: f64,
     /// That unit.
-    pub unit: Unit,
+    pub unit: CurveUnit,
     /// P(x) = 1/(1+exp(-(a+b x))), as published.
     pub published: f64,
     /// P(0), which the anchoring takes away.
@@ -147,7 +147,7 @@ pub struct PolicyStep {
 impl Explanation {
     pub(crate) fn new(
         request: &Request,
-        ranking: &Ranking,
+        ranking: &RankedCandidates,
         harms: &[CandidateHarm],
         cases: &[Case],
     ) -> Result<Self, RankError> {
@@ -164,7 +164,7 @@ impl Explanation {
             let name = |number: usize| request.candidates[number].name.as_str();
             let why = place.why.as_ref().zip(next);
             let values = steps.iter().zip(&place.steps);
-            Chain {
+            Derivation {
                 poses: poses(&cases[place.candidate]),
                 separates: why.and_then(|(ground, next)| {
                     separation(request, ground, &harms[place.candidate], &harms[next])
@@ -199,10 +199,10 @@ fn poses(case: &Case) -> Vec<(f64, u64)> {
 }
 
 /// All of a chain but its place in the order.
-fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Chain {
+fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Derivation {
     let parties = [&candidate.a, &candidate.b];
     let patch = harm.contact.patch.as_ref();
-    Chain {
+    Derivation {
         name: candidate.name.to_string(),
         other: candidate.other_name.to_string(),
         touch: harm.contact.touch,
@@ -254,10 +254,10 @@ fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) 
     let curves = &request.curves;
     let rung = curves.rung(person.victim, request.policy.outcome).ok();
     let curve = rung.map(|rung| curves.nominal(rung));
-    let unit = curve.map_or(Unit::MetresPerSecond, |curve| curve.unit);
+    let unit = curve.map_or(CurveUnit::MetresPerSecond, |curve| curve.unit);
     let x_m_s = person.x_m_s.hi();
     let published = |x: f64| curve.map_or(0.0, |curve| curve.published(x));
-    let end = |end: &damage::injury::End| {
+    let end = |end: &damage::injury::RangeEnd| {
         let ids: Vec<&str> = end.curves.iter().map(|c| &*curves.curves[*c].id).collect();
         format!("{} at {} x {}", ids.join(", "), end.times, end.x.name())
     };

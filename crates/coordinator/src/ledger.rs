@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// What was kept of one request.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ledger {
+pub struct JobHistory {
     /// Questions that were asked, in that order. A question without a job was answered by asking.
     pub places: Vec<PoseQuestion>,
     /// Jobs, in the order in which they were closed.
@@ -25,7 +25,7 @@ pub struct Ledger {
     begun_ns: u64,
 }
 
-impl Ledger {
+impl JobHistory {
     pub(crate) fn new() -> Self {
         Self {
             places: Vec::new(),

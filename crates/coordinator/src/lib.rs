@@ -45,22 +45,22 @@ mod workspace;
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use brief::{Brief, BriefRow};
 
-pub use explain::{Chain, Explanation, PersonChain, PolicyStep, Separation};
+pub use explain::{Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
-pub use ledger::Ledger;
+pub use ledger::JobHistory;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;
 pub use request::{Candidates, Request, RequestError};
 pub use scene::Scene;
 pub use strategy::{Prospect, Pursuit, Strategy};
-pub use terms::{Terms, Until};
+pub use terms::{RequestLimits, Until};
 #[cfg(any(test, feature = "faults"))]
-pub use trial::{Chance, Flaw, Verdict, trial};
+pub use trial::{BoundFlaw, Chance, TrialResult, trial};
 pub use work::{Certainty, Effort, PartOf, RankingRun, Room, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;
 pub use worker_pool::{
-    Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options, Share,
-    WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, preflight, seal,
+    Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options,
+    WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, WorkerShare, preflight, seal,
 };
-pub use workspace::{Backend, Course, Inquiry, RankError, Stage, Workspace};
+pub use workspace::{Backend, Course, Inquiry, RankingWorkspace, RunError, Stage};

@@ -5,13 +5,13 @@ use bvh::support::{Extremes, support};
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
 use damage::{
-    Aboard, Approach, Curves, Encounter, Meeting, Parameters, Party, PersonId, Policy, Stiffness,
-    heading, occupants, plan,
+    Aboard, Approach, CollisionParty, Curves, Encounter, Meeting, Parameters, PersonId, Policy,
+    Stiffness, heading, occupants, plan,
 };
 use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
-use scenario::{Name, Scenario, State};
+use scenario::{MotionState, Name, Scenario};
 use smallvec::SmallVec;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -28,8 +28,8 @@ pub(crate) struct Candidate {
     pub(crate) pose: RelativePose,
     pub(crate) approach: Approach,
     pub(crate) meeting: Meeting,
-    pub(crate) a: Party,
-    pub(crate) b: Party,
+    pub(crate) a: CollisionParty,
+    pub(crate) b: CollisionParty,
     pub(crate) probability: f64,
     /// Nobody knows what B is: it is taken as fixed to the ground.
     pub(crate) is_assumed_fixed: bool,
@@ -241,7 +241,7 @@ fn party(
     stated: &scenario::Party,
     to_ego: Option<&RelativePose>,
     aboard: impl Iterator<Item = Aboard>,
-) -> Party {
+) -> CollisionParty {
     let centre = DVec3::from_array(meta.centre_m);
     let (centre_m, forward) = match to_ego {
         None => (centre, DVec3::X),
@@ -256,7 +256,7 @@ fn party(
     };
     // Of what nobody knows, only the shape counts: the rest is assumed to be that of a wall.
     let kind = if stated.is_unknown { Kind::Wall } else { meta.kind };
-    Party {
+    CollisionParty {
         kind,
         mass_kg: if is_fixed(kind) { None } else { stated.mass_kg.or(meta.mass_kg) },
         gyration_m: meta.gyration_m,
@@ -271,8 +271,8 @@ fn party(
 fn approach(
     (support_a, support_b): (impl Fn(DVec3) -> f64, impl Fn(DVec3) -> f64),
     pose: &RelativePose,
-    (state_a, state_b): (&State, &State),
-    (a, b): (&Party, &Party),
+    (state_a, state_b): (&MotionState, &MotionState),
+    (a, b): (&CollisionParty, &CollisionParty),
 ) -> Approach {
     let to_a = |v: DVec3| Pose::direction_to_body(&state_a.pose, v);
     let relative = to_a(state_a.velocity_m_s - state_b.velocity_m_s);

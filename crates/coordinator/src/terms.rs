@@ -17,7 +17,7 @@ pub enum Until {
 
 /// The terms. None changes a complete answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Terms {
+pub struct RequestLimits {
     /// How much must be certain.
     pub until: Until,
     /// When the answer is due whatever is known by then: so long after the request was accepted
@@ -29,7 +29,7 @@ pub struct Terms {
     pub budget: u64,
 }
 
-impl Default for Terms {
+impl Default for RequestLimits {
     fn default() -> Self {
         Self {
             until: Until::default(),
@@ -40,7 +40,7 @@ impl Default for Terms {
     }
 }
 
-impl Terms {
+impl RequestLimits {
     /// Most tests of a job where there is a deadline and nothing else was said: a millisecond or
     /// two.
     pub const BUDGET: u64 = 1 << 18;

@@ -5,7 +5,7 @@
 //! the one before; and places that were said to be settled are those of the finished run. Jobs are
 //! done in any order, cut by any budget, and now and then lost for good.
 //!
-//! [`Flaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing. All of it
+//! [`BoundFlaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing. All of it
 //! is behind the feature `faults`, and in the tests of this crate.
 
 use crate::bound::Open;
@@ -13,17 +13,19 @@ use crate::in_process::InProcessExecutor;
 use crate::request::{Request, RequestError};
 use crate::run_in_process;
 use crate::strategy::Pursuit;
-use crate::terms::Terms;
+use crate::terms::RequestLimits;
 use crate::work::RankingRun;
 use body::{BodyView, Meta};
-use damage::{AssessError, Bounds, CandidateHarm, Interval, Ranking, State};
+use damage::{
+    AnswerState, AssessError, CandidateBounds, CandidateHarm, Interval, RankedCandidates,
+};
 use damage::{bounds, needs_high};
 use dispatch::{Closed, JobSource as _};
 use geometry::hash::splitmix64;
 
 /// A bound that is wrong on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flaw {
+pub enum BoundFlaw {
     /// Poses that are not done are taken to add nothing.
     ForgetsOpenPoses,
     /// The upper end is taken to be half way up.
@@ -32,7 +34,7 @@ pub enum Flaw {
 
 /// What a trial found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Verdict {
+pub struct TrialResult {
     /// Looks at the answer.
     pub stops: u64,
     /// Looks at which the winner was certain and work was open.
@@ -113,9 +115,9 @@ impl Figures {
 
 /// The finished run, and what was seen last on the way to it.
 struct Trial {
-    last: (Vec<CandidateHarm>, Ranking),
-    before: Option<(Vec<CandidateHarm>, Ranking)>,
-    verdict: Verdict,
+    last: (Vec<CandidateHarm>, RankedCandidates),
+    before: Option<(Vec<CandidateHarm>, RankedCandidates)>,
+    verdict: TrialResult,
 }
 
 /// Works on a request as chance will have it, and looks at it about `stops` times.
@@ -128,16 +130,16 @@ pub fn trial(
     bodies: &[(Meta, BodyView<'_>)],
     depth: u32,
     (seed, stops): (u64, u64),
-    flaw: Option<Flaw>,
-) -> Result<Verdict, RequestError> {
+    flaw: Option<BoundFlaw>,
+) -> Result<TrialResult, RequestError> {
     let mut whole = RankingRun::new(request, bodies, depth);
     let jobs = run_in_process(&mut whole, bodies).max(1);
-    let mut trial = Trial { last: whole.judge()?, before: None, verdict: Verdict::default() };
+    let mut trial = Trial { last: whole.judge()?, before: None, verdict: TrialResult::default() };
     let mut chance = Chance::new(seed);
     let pursuit = Pursuit::ALL[chance.below(Pursuit::ALL.len() as u64) as usize];
     let budget = [u64::MAX, 10_000, 30_000][chance.below(3) as usize];
     let loses = [0, 0, 0, 200, 20][chance.below(5) as usize];
-    let terms = Terms { pursuit, budget, ..Terms::default() };
+    let terms = RequestLimits { pursuit, budget, ..RequestLimits::default() };
     let mut work = RankingRun::new(request, bodies, depth).with_terms(terms);
     let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
@@ -169,7 +171,7 @@ pub fn trial(
 
 impl Trial {
     /// Looks at the answer as it would be now.
-    fn look(&mut self, work: &RankingRun<'_>, flaw: Option<Flaw>) -> Result<(), RequestError> {
+    fn look(&mut self, work: &RankingRun<'_>, flaw: Option<BoundFlaw>) -> Result<(), RequestError> {
         let now = match flaw {
             None => work.judge()?,
             Some(flaw) => flawed(work, flaw)?,
@@ -189,7 +191,7 @@ impl Trial {
         self.verdict.violations.push(what);
     }
 
-    fn hold_against_the_end(&mut self, now: &(Vec<CandidateHarm>, Ranking)) {
+    fn hold_against_the_end(&mut self, now: &(Vec<CandidateHarm>, RankedCandidates)) {
         let mut wrong = Vec::new();
         for (k, (harm, end)) in now.0.iter().zip(&self.last.0).enumerate() {
             let all = [Figures::of(harm, steps(&now.1, k)), Figures::of_patch(harm)];
@@ -211,7 +213,7 @@ impl Trial {
         wrong.into_iter().for_each(|what| self.fail(what));
     }
 
-    fn hold_against_what_was_before(&mut self, now: &(Vec<CandidateHarm>, Ranking)) {
+    fn hold_against_what_was_before(&mut self, now: &(Vec<CandidateHarm>, RankedCandidates)) {
         let Some(before) = self.before.take() else { return };
         for (k, (harm, was)) in now.0.iter().zip(&before.0).enumerate() {
             let all = [Figures::of(harm, &[]), Figures::of_patch(harm)];
@@ -228,8 +230,8 @@ impl Trial {
         self.before = Some(before);
     }
 
-    fn hold_places(&mut self, ranking: &Ranking) {
-        let winners = |ranking: &Ranking| -> Vec<usize> {
+    fn hold_places(&mut self, ranking: &RankedCandidates) {
+        let winners = |ranking: &RankedCandidates| -> Vec<usize> {
             ranking.places.iter().map(|place| place.candidate).collect()
         };
         let (now, end) = (winners(ranking), winners(&self.last.1));
@@ -237,11 +239,11 @@ impl Trial {
         if now[..settled] != end[..settled] {
             self.fail(format!("{settled} places were settled as {now:?}, in the end {end:?}"));
         }
-        if ranking.state == State::Certified {
+        if ranking.state == AnswerState::Certified {
             self.verdict.certified += 1;
         }
         let can_win = ranking.possible.contains(&end[0]);
-        if !can_win && ranking.state != State::Refused {
+        if !can_win && ranking.state != AnswerState::Refused {
             self.fail(format!("{:?} could win, in the end {} did", ranking.possible, end[0]));
         }
     }
@@ -250,7 +252,7 @@ impl Trial {
     fn hold_standing(
         &mut self,
         work: &RankingRun<'_>,
-        (harms, ranking): &(Vec<CandidateHarm>, Ranking),
+        (harms, ranking): &(Vec<CandidateHarm>, RankedCandidates),
     ) {
         let Some(standing) = work.standing() else { return };
         if standing.settled > ranking.settled {
@@ -259,8 +261,8 @@ impl Trial {
         }
         for (k, harm) in harms.iter().enumerate() {
             let Ok(made) = bounds_of(work, k) else { continue };
-            let full = Bounds::of(harm);
-            let risks = |bounds: &Bounds| -> Vec<Interval> {
+            let full = CandidateBounds::of(harm);
+            let risks = |bounds: &CandidateBounds| -> Vec<Interval> {
                 bounds.persons.iter().map(|person| person.work).collect()
             };
             if made.energy_j != full.energy_j || risks(&made) != risks(&full) {
@@ -271,7 +273,7 @@ impl Trial {
 }
 
 /// The bounds of a candidate, made from all that is known now.
-fn bounds_of(work: &RankingRun<'_>, k: usize) -> Result<Bounds, AssessError> {
+fn bounds_of(work: &RankingRun<'_>, k: usize) -> Result<CandidateBounds, AssessError> {
     let request = work.request();
     let high = needs_high(&request.policy);
     let encounter = request.candidates[k].encounter();
@@ -279,24 +281,24 @@ fn bounds_of(work: &RankingRun<'_>, k: usize) -> Result<Bounds, AssessError> {
 }
 
 /// A candidate's measures in the policy's steps.
-fn steps(ranking: &Ranking, k: usize) -> &[Interval] {
+fn steps(ranking: &RankedCandidates, k: usize) -> &[Interval] {
     let place = ranking.places.iter().find(|place| place.candidate == k);
     place.map_or(&[], |place| &place.steps)
 }
 
 fn flawed(
     work: &RankingRun<'_>,
-    flaw: Flaw,
-) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+    flaw: BoundFlaw,
+) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
     match flaw {
-        Flaw::ForgetsOpenPoses => work.judge_by(
+        BoundFlaw::ForgetsOpenPoses => work.judge_by(
             |case| {
                 let nothing = |_, _: &damage::Stop| Open::nothing();
                 work.cases()[case].evidence(nothing)
             },
             |_| {},
         ),
-        Flaw::HalvesWidths => work.judge_by(
+        BoundFlaw::HalvesWidths => work.judge_by(
             |case| work.evidence(case),
             |harm| {
                 for person in &mut harm.persons {

@@ -1,10 +1,10 @@
 //! The work of one request: tasks become jobs, results become evidence, evidence becomes an answer.
 
 use crate::case::{Aim, Case};
-use crate::ledger::{Asked, Ledger};
+use crate::ledger::{Asked, JobHistory};
 use crate::request::Request;
 use crate::strategy::Strategy;
-use crate::terms::Terms;
+use crate::terms::RequestLimits;
 use body::{BodyView, Meta};
 use bvh::{Counters, NodePair, front, section};
 use dispatch::{Closed, Job};
@@ -78,12 +78,12 @@ pub struct RankingRun<'w> {
     /// Jobs there are, those included that were never handed out.
     slots: usize,
     effort: Effort,
-    terms: Terms,
+    terms: RequestLimits,
     strategy: Box<dyn Strategy>,
     outlook: Outlook,
     spare: Spare,
     deadline_ns: Option<u64>,
-    ledger: Option<Ledger>,
+    ledger: Option<JobHistory>,
     /// If this is a replay: what was asked in time.
     asked: Option<Asked>,
 }
@@ -106,7 +106,7 @@ impl<'w> RankingRun<'w> {
     ) -> Self {
         let Room { zones, cases, errands, waiting, pairs, aims, outlook, spare } =
             room.for_request(request, bodies);
-        let terms = Terms::default();
+        let terms = RequestLimits::default();
         let mut work = Self {
             request,
             bodies,
@@ -142,7 +142,7 @@ impl<'w> RankingRun<'w> {
 
     /// The same on other terms.
     #[must_use]
-    pub fn with_terms(self, terms: Terms) -> Self {
+    pub fn with_terms(self, terms: RequestLimits) -> Self {
         Self { terms, strategy: terms.pursuit.strategy(), ..self }
     }
 

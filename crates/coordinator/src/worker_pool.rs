@@ -37,13 +37,13 @@ pub use inject::Corruption;
 pub use mend::Mended;
 pub use options::Options;
 pub use preflight::{MissingRequirement, preflight};
-pub use report::{Duty, Hardware, Share, WorkerPoolReport, WorkerReport};
+pub use report::{Duty, Hardware, WorkerPoolReport, WorkerReport, WorkerShare};
 
 use crate::work::{PartOf, TaskSource};
 use chunk::Outgoing;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
-use dispatch::{Counts, Dispatcher, Effect, Entry, Event, Progress, Restarts, Scheme};
+use dispatch::{Counts, Dispatcher, Effect, Event, LogEntry, MatchScheme, Progress, Restarts};
 use outbox::BatchWriter;
 use protocol::{Boot, Incarnation, RequestId};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
@@ -75,7 +75,7 @@ pub struct WorkerPool {
     status: StatusMemory,
     poller: Poller,
     domain: Domain,
-    dispatcher: Dispatcher<Box<dyn Scheme>>,
+    dispatcher: Dispatcher<Box<dyn MatchScheme>>,
     boot: Boot,
     request: u64,
     options: Options,
@@ -194,7 +194,7 @@ impl WorkerPool {
     }
 
     /// What each worker did for the last request.
-    pub fn shares(&self) -> impl Iterator<Item = Share> {
+    pub fn shares(&self) -> impl Iterator<Item = WorkerShare> {
         self.workers.iter().map(|worker| worker.share(&self.status))
     }
 
@@ -297,7 +297,7 @@ impl WorkerPool {
 
     /// Who got which job in the last request, if that is written down.
     #[must_use]
-    pub fn log(&self) -> &[Entry] {
+    pub fn log(&self) -> &[LogEntry] {
         self.dispatcher.log()
     }
 

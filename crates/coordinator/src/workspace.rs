@@ -5,13 +5,13 @@
 //! ```
 //!
 //! A command that ranks once and a service that ranks for months both go through
-//! [`Workspace::rank`], so that they cannot drift apart.
+//! [`RankingWorkspace::rank`], so that they cannot drift apart.
 
 use crate::in_process::InProcessExecutor;
 use crate::request::{Candidates, Request, RequestError};
-use crate::terms::Terms;
+use crate::terms::RequestLimits;
 use crate::work::{RankingRun, Room, TaskSource};
-use crate::worker_pool::{Share, WorkerPool, WorkerPoolError, WorkerPoolReport};
+use crate::worker_pool::{WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerShare};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use damage::{Curves, Policy};
@@ -68,7 +68,7 @@ pub struct Course {
 
 /// A request that could not be worked on to its end.
 #[derive(Debug, thiserror::Error)]
-pub enum RankError {
+pub enum RunError {
     /// It cannot be worked on at all.
     #[error(transparent)]
     Request(#[from] RequestError),
@@ -77,7 +77,7 @@ pub enum RankError {
     WorkerPool(#[from] WorkerPoolError),
 }
 
-impl Diagnostic for RankError {
+impl Diagnostic for RunError {
     fn kind(&self) -> Kind {
         match self {
             Self::Request(error) => error.kind(),
@@ -104,7 +104,7 @@ impl Diagnostic for RankError {
 ///
 /// It must not be kept for other bodies, or another depth: it holds the zones of its bodies.
 #[derive(Debug, Default)]
-pub struct Workspace {
+pub struct RankingWorkspace {
     candidates: Candidates,
     room: Room,
 }
@@ -146,12 +146,12 @@ impl Backend {
     }
 
     /// What each worker did for the last request.
-    pub fn shares(&self) -> impl Iterator<Item = Share> {
+    pub fn shares(&self) -> impl Iterator<Item = WorkerShare> {
         self.worker_pool().into_iter().flat_map(WorkerPool::shares)
     }
 }
 
-impl Workspace {
+impl RankingWorkspace {
     /// Works a request off, and gives what is known then to `read`. `terms` says on which terms,
     /// once the request is planned: what is left of a deadline is known then.
     ///
@@ -166,10 +166,10 @@ impl Workspace {
         &mut self,
         stage: &Stage<'_>,
         inquiry: Inquiry<'_>,
-        terms: impl FnOnce() -> Terms,
+        terms: impl FnOnce() -> RequestLimits,
         backend: &mut Backend,
         read: impl FnOnce(&mut RankingRun<'_>, Course) -> T,
-    ) -> Result<T, RankError> {
+    ) -> Result<T, RunError> {
         let Inquiry { scenario, models, rules, ledger } = inquiry;
         let candidates = core::mem::take(&mut self.candidates);
         let request = Request::with_models(

@@ -14,11 +14,11 @@ use crate::evidence::{Evidence, Touch};
 use crate::harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 use crate::injury::{Curves, MissingCurve};
 use crate::interval::{Interval, Range};
-use crate::party::{Party, PartyError, PersonId};
+use crate::party::{CollisionParty, PartyError, PersonId};
 use crate::path::Meeting;
 use crash::Crash;
 
-pub use bounds::{Bounds, Risk, bounds, bounds_in};
+pub use bounds::{CandidateBounds, Risk, bounds, bounds_in};
 
 mod bounds;
 mod crash;
@@ -34,9 +34,9 @@ pub struct Encounter<'a> {
     /// What [`crate::plan`] made of them.
     pub meeting: &'a Meeting,
     /// The ego vehicle.
-    pub a: &'a Party,
+    pub a: &'a CollisionParty,
     /// What it meets.
-    pub b: &'a Party,
+    pub b: &'a CollisionParty,
     /// Probability that this happens, given the choice.
     pub probability: f64,
 }

@@ -12,7 +12,7 @@
 use crate::approach::{Approach, HORIZONTAL, QUARTER, UP, cosine, opposite, turn};
 use crate::evidence::{Evidence, Touch};
 use crate::interval::Interval;
-use crate::party::Party;
+use crate::party::CollisionParty;
 use crate::path::{PATCH_M, Path};
 use geometry::{DVec3, Supports};
 use serde::Serialize;
@@ -58,12 +58,12 @@ pub struct Contact {
     /// Least distance of the hulls (m), not more than the true one; negative: they overlap.
     pub hull_gap_m: f64,
     /// Features of the patch; `None` without contact.
-    pub patch: Option<Patch>,
+    pub patch: Option<ContactPatch>,
 }
 
 /// Features of a contact patch. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Patch {
+pub struct ContactPatch {
     /// Travel of the first contact.
     pub first_m: Interval,
     /// Nominal normal, from A to B, A's frame.
@@ -173,10 +173,10 @@ pub(crate) fn levers(
     evidence: &Evidence,
     reach: &Supports,
     middle: Interval,
-    parties: [&Party; 2],
+    parties: [&CollisionParty; 2],
     i: usize,
 ) -> [[Interval; 2]; 2] {
-    let distance = |party: &Party, sign: f64, d: usize| {
+    let distance = |party: &CollisionParty, sign: f64, d: usize| {
         let patch = evidence.middle(d, opposite(d), reach);
         patch.distance(centre(approach, party.centre_m, d, sign, middle))
     };
@@ -191,7 +191,7 @@ pub(crate) fn describe(
     reach: &Supports,
     places: &Places,
     normals: &Normals,
-) -> Option<Patch> {
+) -> Option<ContactPatch> {
     let &n = normals.nominal.first()?;
     let hull = |over: &[usize], of: &dyn Fn(usize) -> Interval| {
         over.iter().map(|&i| of(i)).reduce(Interval::hull).unwrap_or(Interval::ZERO)
@@ -216,7 +216,7 @@ pub(crate) fn describe(
         middle_of(i, opposite(i)) - 0.5 * mid(places.middle) * cosine(i)
     });
     let c = d[n] * c_n + d[t] * c_t + d[UP] * middle_of(UP, UP + 1);
-    Some(Patch {
+    Some(ContactPatch {
         first_m: places.first,
         normal: d[n].to_array().map(|x| x + 0.0),
         normal_degrees: degrees(n),

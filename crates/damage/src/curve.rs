@@ -27,7 +27,7 @@ pub enum Level {
 
 /// Unit of a curve's x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Unit {
+pub enum CurveUnit {
     /// Metres per second.
     #[serde(rename = "m/s")]
     MetresPerSecond,
@@ -47,7 +47,7 @@ pub struct Curve {
     /// What it gives the probability of.
     pub outcome: Level,
     /// Unit of x.
-    pub unit: Unit,
+    pub unit: CurveUnit,
     /// Intercept a.
     pub a: f64,
     /// Slope b > 0, per unit of x.
@@ -81,7 +81,7 @@ impl Level {
     }
 }
 
-impl Unit {
+impl CurveUnit {
     /// How many m/s one unit is.
     #[must_use]
     pub fn metres_per_second(self) -> f64 {

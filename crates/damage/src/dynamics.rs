@@ -12,7 +12,7 @@ use serde::Serialize;
 
 /// One body in an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Side {
+pub struct ImpactBody {
     /// 1/m (1/kg); 0 for an object fixed to the ground.
     pub inverse_mass: f64,
     /// Yaw radius of gyration k (m), above 0.
@@ -35,7 +35,7 @@ pub struct Impact {
     /// Coefficient of friction μ.
     pub friction: f64,
     /// The two bodies; at most one of them fixed.
-    pub sides: [Side; 2],
+    pub sides: [ImpactBody; 2],
 }
 
 /// What the impact does.
@@ -156,8 +156,8 @@ impl Impact {
     pub fn respond(&self) -> Response {
         let (e, mu) = (self.restitution, self.friction);
         let (v_n, v_t) = (self.normal_m_s, self.tangential_m_s);
-        let compliance = |lever: fn(&Side) -> f64| -> f64 {
-            let of = |s: &Side| {
+        let compliance = |lever: fn(&ImpactBody) -> f64| -> f64 {
+            let of = |s: &ImpactBody| {
                 let turn = lever(s) / s.gyration_m;
                 (1.0 + turn * turn) * s.inverse_mass
             };

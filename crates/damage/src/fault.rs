@@ -7,7 +7,7 @@ use std::borrow::Cow;
 /// A data file that is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {what}")]
-pub struct Fault {
+pub struct DataFileError {
     /// Name of the file, as the caller gave it.
     pub file: String,
     /// Line, from 1.
@@ -20,7 +20,7 @@ pub struct Fault {
     pub remedy: String,
 }
 
-impl Diagnostic for Fault {
+impl Diagnostic for DataFileError {
     fn kind(&self) -> Kind {
         Kind::Input
     }
@@ -52,16 +52,16 @@ impl Source<'_> {
         span: Range<usize>,
         what: impl Into<String>,
         remedy: impl Into<String>,
-    ) -> Fault {
+    ) -> DataFileError {
         let before = self.text.get(..span.start).unwrap_or("");
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         let file = self.file.to_owned();
-        Fault { file, line, column, what: what.into(), remedy: remedy.into() }
+        DataFileError { file, line, column, what: what.into(), remedy: remedy.into() }
     }
 
     /// A fault that the TOML reader found. `keys` says what belongs into such a file.
-    pub(crate) fn malformed(&self, error: &toml::de::Error, keys: &str) -> Fault {
+    pub(crate) fn malformed(&self, error: &toml::de::Error, keys: &str) -> DataFileError {
         const TRAITS: [&str; 6] = ["age", "sex", "gender", "condition", "race", "disability"];
         let message = error.message();
         let trait_ = TRAITS.iter().find(|t| message.contains(&format!("unknown field `{t}`")));

@@ -62,7 +62,7 @@ pub struct Speeds {
 
 /// One end of a model range: the extreme of some curves at a scaled quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct End {
+pub struct RangeEnd {
     /// Numbers of curves within the set; at least one.
     pub curves: Vec<usize>,
     /// Of what they are taken.
@@ -83,9 +83,9 @@ pub struct Rung {
     /// Number of the nominal curve within the set.
     pub nominal: usize,
     /// Lower end of the model range.
-    pub low: End,
+    pub low: RangeEnd,
     /// Upper end of the model range.
-    pub high: End,
+    pub high: RangeEnd,
 }
 
 /// A checked set of curves.
@@ -228,7 +228,13 @@ impl Curves {
         self.rungs.iter().filter(move |r| r.victim == victim)
     }
 
-    fn extreme(&self, end: &End, speeds: &Speeds, from: f64, pick: fn(f64, f64) -> f64) -> f64 {
+    fn extreme(
+        &self,
+        end: &RangeEnd,
+        speeds: &Speeds,
+        from: f64,
+        pick: fn(f64, f64) -> f64,
+    ) -> f64 {
         let x = speeds.get(end.x) * end.times;
         end.curves.iter().map(|c| self.curves[*c].risk(x)).fold(from, pick)
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Approach --plan--> Path --Search, survey--> poses to intersect         (before and between jobs)
-//! hits, open work --> Evidence --assess--> CandidateHarm --rank--> Ranking        (at any time)
+//! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates        (at any time)
 //! Curves::parse, Policy::parse: texts of config/curves and config/policies
 //! ```
 //!
@@ -11,7 +11,7 @@
 //! machines give the same bits.
 //!
 //! ```
-//! use damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, Party, Policy};
+//! use damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, CollisionParty, Policy};
 //! use damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
 //! use geometry::{DVec3, Directions, Supports};
 //! use body::{Kind, Seat};
@@ -34,7 +34,7 @@
 //!     supports_b: supports(points([2.2, 2.5], 10.0)),
 //!     directions: directions.clone(),
 //! };
-//! let car = Party {
+//! let car = CollisionParty {
 //!     kind: Kind::Sedan,
 //!     mass_kg: Some(1500.0),
 //!     gyration_m: 1.26,
@@ -44,7 +44,7 @@
 //!     concave: false,
 //!     persons: [Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }].into_iter().collect(),
 //! };
-//! let wall = Party {
+//! let wall = CollisionParty {
 //!     kind: Kind::Wall,
 //!     mass_kg: None,
 //!     persons: Default::default(),
@@ -76,7 +76,7 @@
 //! assert!((harm.delta_v[0].work.hi() - 16.5).abs() < 1e-9);
 //!
 //! let ranking = rank(&policy, &[Stake { is_ego: true, responsibility: 0.0 }], &[harm])?;
-//! assert_eq!(ranking.state, damage::State::Complete);
+//! assert_eq!(ranking.state, damage::AnswerState::Complete);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -115,22 +115,24 @@ pub mod search;
 mod scene;
 
 pub use approach::{Approach, ApproachError, heading};
-pub use assess::{AssessError, Basis, Bounds, Encounter, Risk};
+pub use assess::{AssessError, Basis, CandidateBounds, Encounter, Risk};
 pub use assess::{assess, assess_in, bounds, bounds_in};
-pub use contact::{Contact, Patch};
+pub use contact::{Contact, ContactPatch};
 pub use crush::{Crush, Stiffness};
 pub use curve::Level;
 pub use dynamics::Parameters;
 pub use evidence::{Evidence, Seen, Touch};
-pub use fault::Fault;
+pub use fault::DataFileError;
 pub use harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 pub use injury::{Curves, MissingCurve, Victim};
 pub use interval::{Interval, Range};
-pub use party::{Aboard, Party, PartyError, PersonId, occupants};
+pub use party::{Aboard, CollisionParty, PartyError, PersonId, occupants};
 pub use path::{Apart, Meeting, Path, Stop, Stops, Travels, plan};
 pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::standing::{Standing, needs_high, standing, standing_in};
-pub use rank::{Ground, Note, Place, RankError, Ranking, Scratch, State, rank, rank_in};
+pub use rank::{
+    AnswerState, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank, rank_in,
+};
 pub use rule::{Rule, Stake};
 pub use search::{First, Search};

@@ -32,7 +32,7 @@ pub type Seats = SmallVec<[Option<Seat>; IN_PLACE]>;
 
 /// A party of a collision, in A's frame at the given pose.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Party {
+pub struct CollisionParty {
     /// Kind of body.
     pub kind: Kind,
     /// Mass (kg); `None` if fixed to the ground.
@@ -108,7 +108,7 @@ impl Struck {
     }
 }
 
-impl Party {
+impl CollisionParty {
     /// Checks what dynamics rely on.
     ///
     /// # Errors

@@ -54,7 +54,7 @@ fn taken<T: Clone + Default>(list: &mut Vec<T>, count: usize) -> &mut [T] {
 /// How finished an answer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum State {
+pub enum AnswerState {
     /// All work is done.
     Complete,
     /// No open work can change the winner.
@@ -66,7 +66,7 @@ pub enum State {
     Refused,
 }
 
-impl State {
+impl AnswerState {
     /// The name as answers write it.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -155,9 +155,9 @@ pub struct Place {
 
 /// The answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Ranking {
+pub struct RankedCandidates {
     /// How finished it is.
-    pub state: State,
+    pub state: AnswerState,
     /// All candidates, least harm first.
     pub places: Vec<Place>,
     /// Candidates that can still win, in the order of the request.
@@ -203,8 +203,8 @@ pub fn rank(
     policy: &Policy,
     stakes: &[Stake],
     candidates: &[CandidateHarm],
-) -> Result<Ranking, RankError> {
-    let mut ranking = Ranking::default();
+) -> Result<RankedCandidates, RankError> {
+    let mut ranking = RankedCandidates::default();
     rank_in(&mut Scratch::default(), policy, stakes, candidates, &mut ranking)?;
     Ok(ranking)
 }
@@ -220,12 +220,12 @@ pub fn rank_in(
     policy: &Policy,
     stakes: &[Stake],
     candidates: &[CandidateHarm],
-    ranking: &mut Ranking,
+    ranking: &mut RankedCandidates,
 ) -> Result<(), RankError> {
     let Scratch { figures, steps, spare } = scratch;
     write_figures(stakes, candidates, figures)?;
     policy.write_steps(stakes.len(), steps);
-    let order = Order { policy, stakes, steps, figures: &figures[..candidates.len()] };
+    let order = RankOrder { policy, stakes, steps, figures: &figures[..candidates.len()] };
     order.write(candidates, spare, ranking);
     Ok(())
 }
@@ -257,7 +257,7 @@ fn write_figures(
 }
 
 /// Everything that a ranking is made from.
-struct Order<'a> {
+struct RankOrder<'a> {
     policy: &'a Policy,
     stakes: &'a [Stake],
     steps: &'a [Step],
@@ -270,12 +270,12 @@ struct Round {
     fell: Each<Option<usize>>,
 }
 
-impl Order<'_> {
+impl RankOrder<'_> {
     fn write(
         &self,
         candidates: &[CandidateHarm],
         spare: &mut Vec<Vec<Interval>>,
-        ranking: &mut Ranking,
+        ranking: &mut RankedCandidates,
     ) {
         let mut left: Each<usize> = (0..candidates.len()).collect();
         let mut rounds: Each<Round> = SmallVec::new();
@@ -295,13 +295,13 @@ impl Order<'_> {
         let is_done = |k: &usize| candidates[*k].is_settled() && !candidates[*k].is_open;
         let (possible, settled) = self.settled(is_done);
         ranking.state = if candidates.iter().all(|c| c.unevaluable.is_some()) {
-            State::Refused
+            AnswerState::Refused
         } else if (0..candidates.len()).all(|k| is_done(&k)) {
-            State::Complete
+            AnswerState::Complete
         } else if settled > 0 {
-            State::Certified
+            AnswerState::Certified
         } else {
-            State::Degraded
+            AnswerState::Degraded
         };
         ranking.settled = settled;
         ranking.possible.clear();

@@ -34,7 +34,7 @@ pub struct Term {
 }
 
 /// Weighted rules. There are five rules, so a policy's terms need no heap.
-pub type Terms = SmallVec<[Term; 5]>;
+pub type WeightedRules = SmallVec<[Term; 5]>;
 
 /// A measure of a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,7 +43,7 @@ pub enum Measure {
     /// One rule.
     Rule(Rule),
     /// A weighted sum of rules.
-    Weighted(Terms),
+    Weighted(WeightedRules),
     /// The k-th greatest risk, from 0.
     Worst(usize),
     /// Energy lost (J), for property damage.

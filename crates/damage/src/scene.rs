@@ -10,7 +10,7 @@ use crate::dynamics::Parameters;
 use crate::evidence::{Evidence, Seen};
 use crate::harm::CandidateHarm;
 use crate::injury::Curves;
-use crate::party::{Aboard, Party, PersonId};
+use crate::party::{Aboard, CollisionParty, PersonId};
 use crate::path::{Meeting, Path, plan};
 use crate::search::{First, Search};
 use body::{Kind, Seat, Zones};
@@ -104,14 +104,14 @@ pub(crate) struct Scene {
     pub(crate) a: Prism,
     pub(crate) b: Prism,
     pub(crate) velocity: [f64; 2],
-    pub(crate) party_a: Party,
-    pub(crate) party_b: Party,
+    pub(crate) party_a: CollisionParty,
+    pub(crate) party_b: CollisionParty,
 }
 
 /// A vehicle with one driver, at the middle of its prism.
-pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -> Party {
+pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -> CollisionParty {
     let (sin, cos) = libm::sincos(degrees.to_radians());
-    Party {
+    CollisionParty {
         kind: Kind::Sedan,
         mass_kg: Some(mass_kg),
         gyration_m: 1.26,
@@ -126,8 +126,8 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
 }
 
 /// Somebody on foot.
-pub(crate) fn walker(person: usize, centre: [f64; 2]) -> Party {
-    Party {
+pub(crate) fn walker(person: usize, centre: [f64; 2]) -> CollisionParty {
+    CollisionParty {
         kind: Kind::Pedestrian,
         mass_kg: Some(75.0),
         gyration_m: 0.2,
@@ -140,8 +140,8 @@ pub(crate) fn walker(person: usize, centre: [f64; 2]) -> Party {
 }
 
 /// A wall or pole.
-pub(crate) fn fixed(kind: Kind, centre: [f64; 2]) -> Party {
-    Party {
+pub(crate) fn fixed(kind: Kind, centre: [f64; 2]) -> CollisionParty {
+    CollisionParty {
         kind,
         mass_kg: None,
         gyration_m: 0.0,
@@ -268,12 +268,12 @@ impl Scene {
             let outline = p.outline.iter().map(|q| turn(*q)).collect();
             Prism { outline, height: p.height }.moved(by)
         };
-        let party = |p: &Party| {
+        let party = |p: &CollisionParty| {
             let vector = |v: DVec3, by: [f64; 2]| {
                 let [x, y] = turn([v.x, v.y]);
                 DVec3::new(x + by[0], y + by[1], v.z)
             };
-            Party {
+            CollisionParty {
                 centre_m: vector(p.centre_m, by),
                 forward: vector(p.forward, [0.0; 2]),
                 ..p.clone()

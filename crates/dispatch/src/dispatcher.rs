@@ -28,14 +28,14 @@ mod job;
 mod lease;
 
 pub use counts::{Counts, Fence};
-pub use event::{Effect, Entry, Event, Progress, Why};
+pub use event::{Effect, Event, LogEntry, Progress, Why};
 #[cfg(feature = "faults")]
-pub use flaw::Flaw;
+pub use flaw::DispatcherFlaw;
 pub use job::{Closed, Job, JobSource};
 
-use crate::ledger::{Cache, Ledger, Thrash, Transfer};
+use crate::ledger::{Cache, CacheModel, Thrash, Transfer};
 use crate::quarantine::Quarantine;
-use crate::scheme::{CoreView, Scheme};
+use crate::scheme::{CoreView, MatchScheme};
 use core::hash::Hash;
 use lease::Core;
 use protocol::{Incarnation, JobId, RequestId, Section};
@@ -102,17 +102,17 @@ pub struct Dispatcher<S> {
     /// The time is up: no more jobs are asked for.
     is_over: bool,
     open: u64,
-    ledger: Ledger,
-    log: Option<Vec<Entry>>,
+    ledger: CacheModel,
+    log: Option<Vec<LogEntry>>,
     counts: Counts,
     fresh: Vec<Job>,
     views: Vec<CoreView>,
     spare: Spare,
     #[cfg(feature = "faults")]
-    flaw: Option<Flaw>,
+    flaw: Option<DispatcherFlaw>,
 }
 
-impl<S: Scheme> Dispatcher<S> {
+impl<S: MatchScheme> Dispatcher<S> {
     /// A dispatcher for so many cores, none of them ready yet.
     #[must_use]
     pub fn new(scheme: S, queues: Queues, cache: Cache, cores: usize) -> Self {
@@ -128,7 +128,7 @@ impl<S: Scheme> Dispatcher<S> {
             request: RequestId(0),
             is_over: false,
             open: 0,
-            ledger: Ledger::new(cores, cache),
+            ledger: CacheModel::new(cores, cache),
             log: None,
             counts: Counts::default(),
             fresh: Vec::new(),
@@ -190,7 +190,7 @@ impl<S: Scheme> Dispatcher<S> {
 
     /// What was written down since [`Dispatcher::begin`], in order.
     #[must_use]
-    pub fn log(&self) -> &[Entry] {
+    pub fn log(&self) -> &[LogEntry] {
         self.log.as_deref().unwrap_or_default()
     }
 

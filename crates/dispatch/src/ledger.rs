@@ -70,7 +70,7 @@ struct Shelf {
 
 /// Which sections each core holds.
 #[derive(Clone, Debug, Default)]
-pub struct Ledger {
+pub struct CacheModel {
     cache: Cache,
     shelves: Vec<Shelf>,
     /// Counts what was booked: the order of needs.
@@ -79,7 +79,7 @@ pub struct Ledger {
     thrash: Option<Thrash>,
 }
 
-impl Ledger {
+impl CacheModel {
     /// An empty ledger.
     #[must_use]
     pub fn new(cores: usize, cache: Cache) -> Self {

@@ -25,11 +25,14 @@ mod scheme;
 mod supervise;
 
 #[cfg(feature = "faults")]
-pub use dispatcher::Flaw;
+pub use dispatcher::DispatcherFlaw;
 pub use dispatcher::{
-    Closed, Counts, Dispatcher, Effect, Entry, Event, Fence, Job, JobSource, Progress, Queues, Why,
+    Closed, Counts, Dispatcher, Effect, Event, Fence, Job, JobSource, LogEntry, Progress, Queues,
+    Why,
 };
-pub use ledger::{Cache, Ledger, Thrash, Transfer};
+pub use ledger::{Cache, CacheModel, Thrash, Transfer};
 pub use restart::{Intensity, Leave, Restarts};
-pub use scheme::{BestMatchLoad, CoreView, LowestMatch, Matching, RandomMatch, RoundRobin, Scheme};
-pub use supervise::{Patience, Pulse, Verdict, Watch};
+pub use scheme::{
+    BestMatchLoad, CoreView, LowestMatch, MatchScheme, Matching, RandomMatch, RoundRobin,
+};
+pub use supervise::{Liveness, Patience, Pulse, Watch};

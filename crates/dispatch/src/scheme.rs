@@ -28,13 +28,13 @@ impl CoreView {
 }
 
 /// A match scheme.
-pub trait Scheme: Debug {
+pub trait MatchScheme: Debug {
     /// The core for the next job, among the eligible ones; `None` if there is none, and then the
     /// job waits. `capacity` is the queue size of a core, in jobs.
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize>;
 }
 
-impl Scheme for Box<dyn Scheme> {
+impl MatchScheme for Box<dyn MatchScheme> {
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize> {
         self.as_mut().choose(cores, capacity)
     }
@@ -58,7 +58,7 @@ pub enum Matching {
 impl Matching {
     /// The scheme, at its start.
     #[must_use]
-    pub fn scheme(self) -> Box<dyn Scheme> {
+    pub fn scheme(self) -> Box<dyn MatchScheme> {
         match self {
             Self::BestMatchLoad(alpha) => Box::new(BestMatchLoad { alpha }),
             Self::BestMatch => Box::new(BestMatchLoad { alpha: 1.0 }),
@@ -77,7 +77,7 @@ pub struct BestMatchLoad {
     pub alpha: f64,
 }
 
-impl Scheme for BestMatchLoad {
+impl MatchScheme for BestMatchLoad {
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize> {
         greatest(cores, |view| {
             let load = f64::from(view.queued) / f64::from(capacity.max(1));
@@ -90,7 +90,7 @@ impl Scheme for BestMatchLoad {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LowestMatch;
 
-impl Scheme for LowestMatch {
+impl MatchScheme for LowestMatch {
     fn choose(&mut self, cores: &[CoreView], _: u32) -> Option<usize> {
         greatest(cores, |view| -f64::from(view.matched()))
     }
@@ -103,7 +103,7 @@ pub struct RandomMatch {
     pub state: u64,
 }
 
-impl Scheme for RandomMatch {
+impl MatchScheme for RandomMatch {
     fn choose(&mut self, cores: &[CoreView], _: u32) -> Option<usize> {
         let eligible = cores.iter().filter(|view| view.eligible).count() as u64;
         if eligible == 0 {
@@ -126,7 +126,7 @@ pub struct RoundRobin {
     next: usize,
 }
 
-impl Scheme for RoundRobin {
+impl MatchScheme for RoundRobin {
     fn choose(&mut self, cores: &[CoreView], _: u32) -> Option<usize> {
         let around = (0..cores.len()).map(|step| (self.next + step) % cores.len());
         let chosen = around.clone().find(|core| cores[*core].eligible)?;

@@ -38,7 +38,7 @@ impl Default for Patience {
 
 /// What follows from a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Liveness {
     /// It works, or has nothing to do, or waits for its core.
     Alive,
     /// It was stopped and has jobs: kill it.
@@ -49,7 +49,7 @@ pub enum Verdict {
     Silent,
 }
 
-impl Verdict {
+impl Liveness {
     /// One word for it, as records and reports have it.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -70,24 +70,24 @@ pub struct Watch {
 
 impl Watch {
     /// Judges a pulse at `now` [ns, monotonic].
-    pub fn look(&mut self, pulse: Pulse, now: u64, patience: &Patience) -> Verdict {
+    pub fn look(&mut self, pulse: Pulse, now: u64, patience: &Patience) -> Liveness {
         let Some((last, since)) = self.seen else {
             self.seen = Some((pulse, now));
-            return Verdict::Alive;
+            return Liveness::Alive;
         };
         if !pulse.busy || !last.busy || pulse.beat != last.beat {
             self.seen = Some((pulse, now));
-            return Verdict::Alive;
+            return Liveness::Alive;
         }
         let still = now.saturating_sub(since);
         if pulse.stopped && still >= patience.stopped_ns {
-            Verdict::Stopped
+            Liveness::Stopped
         } else if pulse.cpu_ns.saturating_sub(last.cpu_ns) >= patience.hung_cpu_ns {
-            Verdict::Hung
+            Liveness::Hung
         } else if still >= patience.silent_ns {
-            Verdict::Silent
+            Liveness::Silent
         } else {
-            Verdict::Alive
+            Liveness::Alive
         }
     }
 }

@@ -38,7 +38,7 @@ use crossing::Crossing;
 use orient::Orient;
 use planar::{Flat, Piercing};
 
-pub use contact::Contact;
+pub use contact::ContactPoints;
 
 /// A corner of a pair: one of [`A`] or of [`B`].
 type Corner = usize;
@@ -107,9 +107,9 @@ pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
 /// planes are nearly parallel, and a few ulps of the coordinates. Every point lies in the
 /// intersection of the two triangles' boxes. The bits depend on the input alone.
 #[must_use]
-pub fn contact(a: &Triangle, b: &Triangle) -> Contact {
+pub fn contact(a: &Triangle, b: &Triangle) -> ContactPoints {
     let (box_a, box_b) = (a.bounds(), b.bounds());
-    let mut contact = Contact::EMPTY;
+    let mut contact = ContactPoints::EMPTY;
     if !box_a.overlaps(&box_b) {
         return contact;
     }

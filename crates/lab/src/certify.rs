@@ -12,9 +12,9 @@ mod share;
 
 pub use bounds::{BoundsOptions, BoundsReport, bounds};
 pub use budget::{BudgetOptions, BudgetReport, budget};
-pub use coordinator::Flaw;
+pub use coordinator::BoundFlaw;
 pub use deadline::{DeadlineOptions, DeadlineReport, deadline};
 pub use share::{ShareOptions, ShareReport, share};
 
 /// Most tests of a job, where nothing else is said.
-pub const BUDGET: u64 = coordinator::Terms::BUDGET;
+pub const BUDGET: u64 = coordinator::RequestLimits::BUDGET;

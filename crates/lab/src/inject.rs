@@ -17,7 +17,7 @@ mod report;
 mod signals;
 mod worker_pool;
 
-use crate::progress::{OnProgress, Progress};
+use crate::progress::{Progress, SyncProgress};
 use coordinator::{RankingRun, Request, run_in_process};
 use plan::Plan;
 use report::Report;
@@ -47,7 +47,7 @@ pub struct InjectOptions {
 ///
 /// If the plan or its scenario cannot be read, or the machine refuses what workers need. What the
 /// faults did is no error: see [`Injected::is_survived`].
-pub fn inject(options: &InjectOptions, told: OnProgress<'_>) -> Result<Injected, Failure> {
+pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injected, Failure> {
     let plan = Plan::read(&options.plan)?;
     let scenario = Scenario::open(&plan.scenario)?;
     let parsed = scenario.parsed();

@@ -11,7 +11,7 @@
 //!
 //! Each takes plain options and returns a report: a document for programs, and text for people.
 //! Bodies are loaded and sealed by [`trolley::bodies`] alone. Long work tells how far it is:
-//! [`OnProgress`].
+//! [`SyncProgress`].
 //!
 //! It prints nothing and parses no command line.
 
@@ -24,4 +24,4 @@ mod progress;
 pub mod simulate;
 
 pub use pair::PairName;
-pub use progress::OnProgress;
+pub use progress::SyncProgress;

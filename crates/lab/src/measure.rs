@@ -20,18 +20,18 @@ mod swept;
 pub use ranking::{RankOptions, RankedRun, rank};
 
 use crate::pair::PairName;
-use crate::progress::{OnProgress, Progress};
+use crate::progress::{Progress, SyncProgress};
 use bench::Bench;
 use claims::{Claim, claims, curve};
 use figure::{Figure, Line, draw};
 use row::{Mode, Row};
-use scenario::{Engine, Scheme};
+use scenario::{EngineSettings, Scheme};
 use serde::Serialize;
 use simulate::Costs;
 use std::path::{Path, PathBuf};
 use sweep::Plan;
 use swept::Swept;
-use trolley::handing::{Handing, Transfer, log_csv};
+use trolley::handing::{Handing, TransferMode, log_csv};
 use trolley::{Failure, Kind, files};
 
 /// What is measured where nothing is named.
@@ -55,7 +55,7 @@ pub struct SweepOptions {
     /// Weight of the match against the load in best-match-load, 0 to 1.
     pub alpha: f64,
     /// How workers of measured runs come by the bodies; `None`: in place, and by copies besides.
-    pub transfer: Option<Transfer>,
+    pub transfer: Option<TransferMode>,
     /// How jobs reach the workers of measured runs; what it says of transfer does not count.
     pub handing: Handing,
     /// Where it is written down who got which job of the last measured run.
@@ -108,12 +108,12 @@ pub fn calibrate(options: &CalibrateOptions) -> Result<Costs, Failure> {
 ///
 /// If a setting is out of range or contradicts another, a body or its poses cannot be used, workers
 /// cannot be started, or a file cannot be written.
-pub fn sweep(options: &SweepOptions, told: OnProgress<'_>) -> Result<Measurement, Failure> {
+pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measurement, Failure> {
     if !(0.0..=1.0).contains(&options.alpha) {
         let fault = format!("--alpha is {}", options.alpha);
         return Err(Failure::setting(fault).with_remedy("--alpha may be 0 to 1"));
     }
-    options.handing.queues(&Engine::DEFAULT)?;
+    options.handing.queues(&EngineSettings::DEFAULT)?;
     // Nobody wants to hear after minutes that the folder cannot be written.
     std::fs::create_dir_all(&options.out).map_err(|error| {
         Failure::new(Kind::System, format!("{}: {error}", options.out.display()))
@@ -214,7 +214,7 @@ fn machine() -> String {
 
 /// Whether this machine counts instructions and cache misses.
 fn hardware() -> String {
-    match runtime::counters::Counters::of(std::process::id()) {
+    match runtime::counters::HardwareCounters::of(std::process::id()) {
         Ok(_) => "available, see `run.workers` of `trolley rank --json`".to_owned(),
         Err(error) => match coordinator::Hardware::from(error) {
             coordinator::Hardware::NotAvailable(why) => {
@@ -253,7 +253,7 @@ impl Measurement {
 
 /// Speed-up when copying, speed-up without, and transfer.
 fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
-    let line = |scheme: Scheme, transfer: Transfer, value: fn(&Row) -> Option<f64>| {
+    let line = |scheme: Scheme, transfer: TransferMode, value: fn(&Row) -> Option<f64>| {
         let points = curve(pair, scheme, transfer, value);
         Line {
             name: scheme.name().to_owned(),
@@ -278,20 +278,20 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
         y,
         lines,
     };
-    let copying = Scheme::ALL.map(|scheme| line(scheme, Transfer::Copy, speed));
+    let copying = Scheme::ALL.map(|scheme| line(scheme, TransferMode::Copy, speed));
     let mut shared: Vec<Line> =
-        Scheme::ALL.map(|scheme| line(scheme, Transfer::ZeroCopy, speed)).into();
+        Scheme::ALL.map(|scheme| line(scheme, TransferMode::ZeroCopy, speed)).into();
     let measured = pair.rows.iter().filter(|row| {
         (row.mode, row.workers, row.queue) == (Mode::Measured, 2, calibrate::QUEUES.capacity)
-            && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
+            && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, TransferMode::ZeroCopy)
     });
     shared.push(Line {
         name: "measured, 2 workers".to_owned(),
         scheme: None,
         points: measured.map(|row| (f64::from(row.depth), row.speed_up)).collect(),
     });
-    let moved =
-        Scheme::ALL.map(|scheme| line(scheme, Transfer::ZeroCopy, |row| row.relative_to_models));
+    let moved = Scheme::ALL
+        .map(|scheme| line(scheme, TransferMode::ZeroCopy, |row| row.relative_to_models));
     [
         (
             "speed-up",

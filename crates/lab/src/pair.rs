@@ -7,7 +7,7 @@ use body::{BodyView, Meta, Shape};
 use bvh::{Kernel, NodePair, Question, Task};
 use core::ops::ControlFlow;
 use geometry::{Pose, RelativePose};
-use scenario::Engine;
+use scenario::EngineSettings;
 use std::path::Path;
 use trolley::bodies::{Bodies, ModelFile, build_options};
 use trolley::{Failure, poses};
@@ -92,7 +92,7 @@ pub(crate) fn body(text: &str) -> Result<ModelFile, Failure> {
     });
     match generated {
         Some((shape, triangles)) => {
-            ModelFile::generate(shape, triangles, 1, &build_options(&Engine::DEFAULT))
+            ModelFile::generate(shape, triangles, 1, &build_options(&EngineSettings::DEFAULT))
         }
         None => ModelFile::as_it_is(Path::new(text)),
     }

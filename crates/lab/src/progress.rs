@@ -3,18 +3,18 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Told how much of how much is done, from any thread.
-pub type OnProgress<'p> = &'p (dyn Fn(u64, u64) + Sync);
+pub type SyncProgress<'p> = &'p (dyn Fn(u64, u64) + Sync);
 
 /// Counts what is done.
 pub(crate) struct Progress<'p> {
     total: u64,
     done: AtomicU64,
-    told: OnProgress<'p>,
+    told: SyncProgress<'p>,
 }
 
 impl<'p> Progress<'p> {
     /// Nothing done yet of `total` things.
-    pub(crate) fn new(total: u64, told: OnProgress<'p>) -> Self {
+    pub(crate) fn new(total: u64, told: SyncProgress<'p>) -> Self {
         Self { total, done: AtomicU64::new(0), told }
     }
 

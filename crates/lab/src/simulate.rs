@@ -1,13 +1,13 @@
 //! Seeded worlds in which everything goes wrong, in virtual time.
 
-use crate::progress::{OnProgress, Progress};
+use crate::progress::{Progress, SyncProgress};
 use serde::Serialize;
-use simulate::faults::{Faults, Limits, Tally, Violation, run, shrink};
+use simulate::faults::{FaultLimits, Faults, Tally, Violation, run, shrink};
 use std::fmt::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use simulate::faults::Fault;
+pub use simulate::faults::SimulatedFault;
 
 /// Which worlds.
 #[derive(Clone, Debug)]
@@ -23,9 +23,9 @@ pub struct FaultOptions {
     /// Threads; `None`: one for each core.
     pub threads: Option<usize>,
     /// These kinds of faults alone; none: all.
-    pub only: Vec<Fault>,
+    pub only: Vec<SimulatedFault>,
     /// Not these.
-    pub without: Vec<Fault>,
+    pub without: Vec<SimulatedFault>,
     /// So many faults in a world at most: the first ones.
     pub most: Option<u64>,
     /// Whether to tell all that happens, if there is one world.
@@ -59,14 +59,14 @@ pub struct Simulated {
 /// Goes through worlds of the dispatcher among workers that crash, hang and lie, on channels that
 /// lose and garble. `told` hears of worlds.
 #[must_use]
-pub fn faults(options: &FaultOptions, told: OnProgress<'_>) -> Simulated {
+pub fn faults(options: &FaultOptions, told: SyncProgress<'_>) -> Simulated {
     let mut kinds = options.only.iter().fold(Faults::NONE, |all, fault| all.with(*fault));
     if options.only.is_empty() {
         kinds = Faults::ALL;
     }
     let kinds = options.without.iter().fold(kinds, |all, fault| all.without(*fault));
     let most = options.most.unwrap_or(u64::MAX);
-    let limits = Limits { kinds, most, requests: options.requests.max(1) };
+    let limits = FaultLimits { kinds, most, requests: options.requests.max(1) };
     let (from, worlds) = options.seed.map_or((options.from, options.worlds), |seed| (seed, 1));
     let mut log = Vec::new();
     if options.log && options.seed.is_some() {
@@ -80,8 +80,8 @@ pub fn faults(options: &FaultOptions, told: OnProgress<'_>) -> Simulated {
     let (tally, failed) = all(from, worlds, &limits, threads, &progress);
     let shrunk = failed.as_ref().and_then(|violation| shrink(violation.seed, &limits));
     let replay = shrunk.as_ref().map(|shrunk| {
-        let Limits { kinds, most, requests, .. } = shrunk.limits;
-        let names: Vec<&str> = kinds.iter().map(Fault::name).collect();
+        let FaultLimits { kinds, most, requests, .. } = shrunk.limits;
+        let names: Vec<&str> = kinds.iter().map(SimulatedFault::name).collect();
         let mut command = format!(
             "trolley simulate faults -v --seed {} --requests {requests} --only {}",
             shrunk.violation.seed,
@@ -103,7 +103,11 @@ pub fn faults(options: &FaultOptions, told: OnProgress<'_>) -> Simulated {
         complete: tally.complete,
         degraded: tally.degraded,
         refused: tally.refused,
-        faults: Fault::ALL.iter().map(|f| f.name()).zip(tally.struck.iter().copied()).collect(),
+        faults: SimulatedFault::ALL
+            .iter()
+            .map(|f| f.name())
+            .zip(tally.struck.iter().copied())
+            .collect(),
         reissued: tally.reissued,
         abandoned: tally.abandoned,
         fenced: tally.fenced,
@@ -140,7 +144,7 @@ impl Simulated {
 fn all(
     from: u64,
     worlds: u64,
-    limits: &Limits,
+    limits: &FaultLimits,
     threads: usize,
     progress: &Progress<'_>,
 ) -> (Tally, Option<Violation>) {

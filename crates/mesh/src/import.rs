@@ -27,9 +27,9 @@ mod stl;
 mod suggest;
 
 pub use collect::TRIANGLES_MAX;
-pub use error::{Fault, ImportError, Place};
+pub use error::{FilePosition, ImportError, MeshDefect};
 pub use format::Format;
-pub use frame::{Axis, Frame, Unit, UnknownAxis, UnknownUnit};
+pub use frame::{Axis, Frame, LengthUnit, UnknownAxis, UnknownUnit};
 pub use guess::{Guess, guess};
 pub use suggest::{Reading, readings};
 
@@ -50,7 +50,7 @@ pub struct ImportOptions {
     /// Name of the file, for messages.
     pub file: String,
     /// Unit of its coordinates; `None`: the file's where it states one, else a metre.
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Its up axis; `None`: the file's where it states one, else the format's.
     pub up: Option<Axis>,
     /// Its forward axis; `None` for the format's.
@@ -75,7 +75,7 @@ impl ImportOptions {
     #[must_use]
     pub fn as_it_stands() -> Self {
         Self {
-            unit: Some(Unit::METRE),
+            unit: Some(LengthUnit::METRE),
             up: Some(Axis::Z),
             forward: Some(Axis::X),
             any_size: true,
@@ -87,7 +87,7 @@ impl ImportOptions {
 
 /// A mesh and what was found out about it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Imported {
+pub struct ImportedMesh {
     /// The triangles.
     pub mesh: Mesh,
     /// What the file held and what was done with it.
@@ -130,29 +130,29 @@ pub struct ImportReport {
 /// # Errors
 ///
 /// If the file is malformed, holds no triangle, names a part that does not exist, or is no
-/// plausible body of its kind; see [`Fault`].
+/// plausible body of its kind; see [`MeshDefect`].
 pub fn read(
     format: Format,
     bytes: &[u8],
     resolve: Resolver<'_>,
     options: &ImportOptions,
-) -> Result<Imported, ImportError> {
+) -> Result<ImportedMesh, ImportError> {
     let file = options.file.as_str();
-    let whole = |fault| ImportError::new(file, Place::Whole, fault);
+    let whole = |fault| ImportError::new(file, FilePosition::Whole, fault);
     let collada = match format {
         Format::Collada if bytes.len() <= BYTES_MAX => Some(collada::parse(file, bytes)?),
         _ => None,
     };
     let stated = collada.as_ref().map(|collada| collada.asset(file)).transpose()?;
     if format == Format::LsDyna && options.unit.is_none() {
-        return Err(whole(Fault::NoUnit));
+        return Err(whole(MeshDefect::NoUnit));
     }
     let unit = options.unit.or(stated.map(|asset| asset.unit)).unwrap_or_default();
     let up = options.up.or(stated.map(|asset| asset.up));
     let frame = Frame::new(format, unit, up, options.forward).map_err(whole)?;
     if bytes.len() > BYTES_MAX {
         let (count, max) = (bytes.len() as u64, BYTES_MAX as u64);
-        return Err(whole(Fault::TooMany { what: "bytes", count, max }));
+        return Err(whole(MeshDefect::TooMany { what: "bytes", count, max }));
     }
     let mut all = Collector::new(file, frame);
     all.hasher.update(bytes);
@@ -181,7 +181,7 @@ pub fn read(
     };
     check::select(&mut mesh, &all.parts, &options.only).map_err(whole)?;
     if mesh.corners.is_empty() {
-        return Err(whole(Fault::Empty(String::new())));
+        return Err(whole(MeshDefect::Empty(String::new())));
     }
     let triangles_selected = mesh.corners.len();
     if !options.keep_duplicates {
@@ -212,7 +212,7 @@ pub fn read(
         hash: all.hasher.finalize().to_hex().to_string(),
         origin: origin(file, &frame, &options.only),
     };
-    Ok(Imported { mesh, report })
+    Ok(ImportedMesh { mesh, report })
 }
 
 /// The last part of a path without its extension.

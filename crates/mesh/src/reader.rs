@@ -1,7 +1,7 @@
 //! Reading a stranger's mesh in a process of its own, as its parent sees it.
 //!
 //! ```text
-//! parent ── Request (argument) ──▶ child: limits itself, then reads, builds, encodes
+//! parent ── ReadRequest (argument) ──▶ child: limits itself, then reads, builds, encodes
 //!        ◀── Word per line: Progress*, then Refused, or Read and the model file's bytes ──
 //! ```
 //!
@@ -14,7 +14,7 @@
 mod child;
 pub mod open;
 
-use crate::import::{Axis, Unit};
+use crate::import::{Axis, LengthUnit};
 use body::{Build, Kind, file};
 use bvh::BuildOptions;
 use diagnostic::Failure;
@@ -58,7 +58,7 @@ const END_MS: u64 = 10_000;
 pub struct MeshOptions {
     /// Unit of the coordinates; none: what a COLLADA file states, else metres. An LS-DYNA deck
     /// needs one.
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Axis of the file that points up; none: +y for glTF, what a COLLADA file states, else +z.
     pub up: Option<Axis>,
     /// Axis of the file that points forward; none: +z for glTF, else +x.
@@ -91,7 +91,7 @@ impl Default for ReadLimits {
 
 /// What to read, and what for.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Request {
+pub struct ReadRequest {
     file: String,
     /// Whether every triangle is taken as it stands: no side file, nothing dropped, any size.
     as_it_stands: bool,
@@ -113,7 +113,7 @@ pub struct Request {
 
 /// One line from the child.
 #[derive(Debug, Serialize, Deserialize)]
-enum Word {
+enum ChildMessage {
     /// Triangles in the tree so far.
     Progress { done: u64, total: u64 },
     /// The file is at fault.
@@ -124,7 +124,7 @@ enum Word {
 
 /// What a child made of a mesh file.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct ReadMesh {
     /// What was found.
     pub report: Report,
     /// The model file; empty for a trial. What a damaged child sent need not be sound.
@@ -166,7 +166,7 @@ pub struct Report {
     pub side_file: Option<String>,
 }
 
-impl Request {
+impl ReadRequest {
     /// To read `file`, and make a model file of it that is called `name`, with such a tree; without
     /// a tree to try whether it could be read.
     ///
@@ -193,7 +193,7 @@ impl Request {
         Ok(Self {
             file: text.to_owned(),
             as_it_stands: false,
-            unit_m: mesh.unit.map(Unit::metres),
+            unit_m: mesh.unit.map(LengthUnit::metres),
             up: mesh.up.map(|axis| axis.to_string()),
             forward: mesh.forward.map(|axis| axis.to_string()),
             only: mesh.only.clone(),
@@ -220,7 +220,7 @@ impl Request {
         limits: ReadLimits,
     ) -> Result<Self, Failure> {
         let mesh = MeshOptions {
-            unit: Some(Unit::METRE),
+            unit: Some(LengthUnit::METRE),
             up: Some(Axis::Z),
             forward: Some(Axis::X),
             only: Vec::new(),
@@ -236,22 +236,22 @@ impl Request {
     /// # Errors
     ///
     /// If the file is at fault, reading it took more than it was allowed, or no child can be had.
-    pub fn run(&self, progress: OnProgress<'_>) -> Result<Outcome, Failure> {
+    pub fn run(&self, progress: OnProgress<'_>) -> Result<ReadMesh, Failure> {
         let (mut child, words, stderr) = self.start()?;
         let heard = hear(words, self.memory_bytes, progress);
         let exit = child.wait_ms(END_MS)?;
         drop(child);
         let last_words = stderr.join().unwrap_or_default();
         match heard {
-            Some((Word::Read { report, build_ns, .. }, bytes)) => {
-                Ok(Outcome { report: *report, bytes, build_ns })
+            Some((ChildMessage::Read { report, build_ns, .. }, bytes)) => {
+                Ok(ReadMesh { report: *report, bytes, build_ns })
             }
             // The limit may strike while the file is read, which is an error and no abort.
-            Some((Word::Refused { what, .. }, _)) if what.contains(NO_MEMORY) => {
+            Some((ChildMessage::Refused { what, .. }, _)) if what.contains(NO_MEMORY) => {
                 Err(self.took_too_much())
             }
-            Some((Word::Refused { what, remedy: None }, _)) => Err(Failure::input(what)),
-            Some((Word::Refused { what, remedy: Some(remedy) }, _)) => {
+            Some((ChildMessage::Refused { what, remedy: None }, _)) => Err(Failure::input(what)),
+            Some((ChildMessage::Refused { what, remedy: Some(remedy) }, _)) => {
                 Err(Failure::input(what).with_remedy(remedy))
             }
             _ => Err(self.ended(exit, &last_words)),
@@ -332,21 +332,21 @@ fn hear(
     words: PipeReader,
     bytes_max: u64,
     progress: OnProgress<'_>,
-) -> Option<(Word, file::Aligned)> {
+) -> Option<(ChildMessage, file::Aligned)> {
     let mut words = BufReader::with_capacity(1 << 16, words);
     loop {
         let mut line = Vec::new();
         words.by_ref().take(LINE_MAX).read_until(b'\n', &mut line).ok()?;
         match serde_json::from_slice(&line).ok()? {
-            Word::Progress { done, total } => progress(done, total),
-            Word::Read { report, build_ns, model_bytes } => {
+            ChildMessage::Progress { done, total } => progress(done, total),
+            ChildMessage::Read { report, build_ns, model_bytes } => {
                 // It cannot have more than it was allowed: whoever says so speaks nonsense.
                 let len = usize::try_from(model_bytes).ok().filter(|_| model_bytes <= bytes_max)?;
                 let mut bytes = open::room(len);
                 words.read_exact(bytes.bytes_mut()).ok()?;
-                return Some((Word::Read { report, build_ns, model_bytes }, bytes));
+                return Some((ChildMessage::Read { report, build_ns, model_bytes }, bytes));
             }
-            word @ Word::Refused { .. } => return Some((word, file::Aligned::default())),
+            word @ ChildMessage::Refused { .. } => return Some((word, file::Aligned::default())),
         }
     }
 }

@@ -23,7 +23,7 @@ use toml::Spanned;
 
 /// A side file, read and checked as far as it can be without the mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Side {
+pub struct SideFile {
     file: String,
     text: String,
     keys: Keys,
@@ -79,7 +79,7 @@ impl Diagnostic for SideError {
 const KEYS: &str = "the keys are name, kind, mass_kg, centre_m, yaw_inertia_kg_m2 or gyration_m, \
                     occupants, source";
 
-impl Side {
+impl SideFile {
     /// Reads a side file.
     ///
     /// # Errors

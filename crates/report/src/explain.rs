@@ -1,7 +1,7 @@
 //! An explanation in words: the chain from contact to rank, to be checked with a pocket calculator.
 
 use crate::text::wrap;
-use trolley::explanation::{Chain, Knob, PersonChain, Reserve, Unit};
+use trolley::explanation::{CurveUnit, Derivation, Knob, PersonChain, Reserve};
 use trolley::{Explanation, Touch};
 
 /// What the figures are made with; the same for all candidates.
@@ -74,7 +74,7 @@ fn pair(of: [f64; 2], masses: [Option<f64>; 2], decimals: usize) -> String {
     format!("{} / {}", one(0), one(1))
 }
 
-fn candidate(lines: &mut Vec<String>, chain: &Chain) {
+fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
     match chain.touch {
         Touch::No => lines.push(
             "  contact   none: no triangle of either body at any pose; everybody's risk is 0"
@@ -110,7 +110,7 @@ fn candidate(lines: &mut Vec<String>, chain: &Chain) {
     }
 }
 
-fn contact(lines: &mut Vec<String>, chain: &Chain) {
+fn contact(lines: &mut Vec<String>, chain: &Derivation) {
     let m = chain.mass_kg;
     let first = chain.first_m.map_or(String::new(), |s| format!("first at {s:.3} m of travel; "));
     lines.push(format!(
@@ -154,7 +154,7 @@ fn persons(lines: &mut Vec<String>, alike: &[&PersonChain], probability: f64) {
     let seats = if seats.is_empty() { String::new() } else { format!(" {}", seats.join(" and ")) };
     lines.push(format!("  person    {}{seats}, as {}", person.party, person.victim));
     let x = match person.unit {
-        Unit::MetresPerSecond => format!("{:.3} m/s", person.x_m_s),
+        CurveUnit::MetresPerSecond => format!("{:.3} m/s", person.x_m_s),
         unit => format!("{:.3} m/s = {:.3} {}", person.x_m_s, person.x_in_unit, unit.name()),
     };
     let given = if probability < 1.0 { format!("p {probability}, ") } else { String::new() };

@@ -10,7 +10,7 @@ use std::os::fd::{FromRawFd as _, OwnedFd};
 
 /// What a process did since its counters were opened, in user mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counted {
+pub struct HardwareCounts {
     /// Instructions retired.
     pub instructions: u64,
     /// Misses of the last level of cache, as far as the processor's own event says that.
@@ -19,7 +19,7 @@ pub struct Counted {
 
 /// The counters of one process: of its first thread.
 #[derive(Debug)]
-pub struct Counters {
+pub struct HardwareCounters {
     instructions: File,
     cache_misses: File,
 }
@@ -51,7 +51,7 @@ const USER_ONLY: u64 = 1 << 5 | 1 << 6;
 /// The flag of the call that keeps the descriptor from children.
 const CLOSE_ON_EXEC: libc::c_ulong = 1 << 3;
 
-impl Counters {
+impl HardwareCounters {
     /// Opens the counters of a process of the same user.
     ///
     /// # Errors
@@ -71,9 +71,9 @@ impl Counters {
     /// # Errors
     ///
     /// If the kernel took a counter away.
-    pub fn read(&self) -> Result<Counted> {
+    pub fn read(&self) -> Result<HardwareCounts> {
         let failed = |source| OsError::new("read the", "hardware counters", source);
-        Ok(Counted {
+        Ok(HardwareCounts {
             instructions: count(&self.instructions).map_err(failed)?,
             cache_misses: count(&self.cache_misses).map_err(failed)?,
         })

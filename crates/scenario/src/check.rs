@@ -3,8 +3,8 @@
 //! Rules stand in the order of the file's tables; the first that is broken ends the reading. Each
 //! fault carries the path of keys to what is wrong; [`Document`] turns it into line and column.
 
-use crate::document::{Document, Objection, Path, Place};
-use crate::engine::Engine;
+use crate::document::{Document, Objection, Path, TextPosition};
+use crate::engine::EngineSettings;
 use crate::error::{Misfit, ScenarioError};
 use crate::explain::explain;
 use crate::limit::{self, Limit, Show};
@@ -74,7 +74,7 @@ impl Checker<'_> {
         let policy = raw.policy.map(|path| self.file_ref("policy", path, &root)).transpose()?;
         let curves = raw.curves.map(|path| self.file_ref("curves", path, &root)).transpose()?;
         let deadline = (raw.deadline_ms.map(deadline).transpose()).at(&root.key("deadline_ms"))?;
-        let engine = Engine::DEFAULT.apply(&raw.engine.0).or_else(|misfit| {
+        let engine = EngineSettings::DEFAULT.apply(&raw.engine.0).or_else(|misfit| {
             let path = root.key("engine").key(misfit.setting);
             Err(misfit).at(&path)
         })?;
@@ -85,7 +85,7 @@ impl Checker<'_> {
         Ok(Scenario { name, policy, curves, deadline, engine, ego, parties, candidates })
     }
 
-    fn place(&self, path: &Path) -> Place {
+    fn place(&self, path: &Path) -> TextPosition {
         self.document.place(path)
     }
 

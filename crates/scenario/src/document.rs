@@ -12,19 +12,19 @@ use toml::de::{DeTable, DeValue, Deserializer};
 
 /// A place in a text, as editors count: from 1, columns in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct TextPosition {
     /// Line, from 1.
     pub line: usize,
     /// Column, from 1, in characters.
     pub column: usize,
 }
 
-impl Place {
+impl TextPosition {
     /// The beginning of a text: the place of whatever is missing from all of it.
     pub const START: Self = Self { line: 1, column: 1 };
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for TextPosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.line, self.column)
     }
@@ -86,7 +86,7 @@ impl fmt::Display for Path {
 
 /// What the TOML reader objects to.
 pub(crate) struct Objection {
-    pub(crate) place: Place,
+    pub(crate) place: TextPosition,
     /// The way to what it objects to; `None` if the text is not TOML at all.
     pub(crate) path: Option<Path>,
     pub(crate) message: String,
@@ -135,7 +135,7 @@ impl<'t> Document<'t> {
     }
 
     /// Where the value at the end of a path stands, or as much of the way as there is.
-    pub(crate) fn place(&self, path: &Path) -> Place {
+    pub(crate) fn place(&self, path: &Path) -> TextPosition {
         let mut start = 0;
         let mut at = At::Table(self.root.get_ref());
         for step in &path.0 {
@@ -207,10 +207,10 @@ impl<'d, 't> At<'d, 't> {
 }
 
 /// Line and column of a byte of a text; the end of the text if it is beyond.
-fn place_of(text: &str, byte: usize) -> Place {
+fn place_of(text: &str, byte: usize) -> TextPosition {
     let before = text.get(..byte).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |end| end + 1);
-    Place {
+    TextPosition {
         line: before.matches('\n').count() + 1,
         column: before[line_start..].chars().count() + 1,
     }

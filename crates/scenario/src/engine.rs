@@ -1,7 +1,7 @@
 //! Settings of the engine: how the work is cut, handed out and pinned.
 //!
 //! None of them changes a complete answer; they change how long it takes and what travels. Every
-//! default stands in [`Engine::DEFAULT`], with its reason. A scenario's `[engine]` table and the
+//! default stands in [`EngineSettings::DEFAULT`], with its reason. A scenario's `[engine]` table and the
 //! command line are both [`Overrides`], so both obey the same rules.
 
 use crate::error::Misfit;
@@ -63,9 +63,9 @@ pub enum Cores {
     Listed(Vec<u16>),
 }
 
-/// How the engine works. Always valid: made by [`Engine::apply`] from [`Engine::DEFAULT`].
+/// How the engine works. Always valid: made by [`EngineSettings::apply`] from [`EngineSettings::DEFAULT`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Engine {
+pub struct EngineSettings {
     /// Worker processes, 1 to 16.
     pub workers: usize,
     /// Where they run.
@@ -91,7 +91,7 @@ pub struct Engine {
     pub seed: u64,
 }
 
-impl Engine {
+impl EngineSettings {
     /// What holds where nothing is written.
     pub const DEFAULT: Self = Self {
         // The target is a quad-core computer: a worker for each core.
@@ -177,7 +177,7 @@ impl Engine {
     }
 }
 
-impl Default for Engine {
+impl Default for EngineSettings {
     fn default() -> Self {
         Self::DEFAULT
     }

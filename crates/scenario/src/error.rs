@@ -3,7 +3,7 @@
 //! [`Misfit`] knows the fault and the remedy, [`ScenarioError`] also the place. Both are written
 //! for a person at a terminal; nothing here knows colours or prefixes.
 
-use crate::document::Place;
+use crate::document::TextPosition;
 use diagnostic::{Diagnostic, Kind};
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ use std::borrow::Cow;
 /// ```
 /// let error = scenario::ScenarioError::new(
 ///     "left-turn.toml",
-///     scenario::Place { line: 14, column: 9 },
+///     scenario::TextPosition { line: 14, column: 9 },
 ///     "party \"suvv\" is not defined",
 ///     "parties defined here: ego, suv.  Did you mean \"suv\"?",
 /// );
@@ -28,7 +28,7 @@ pub struct ScenarioError {
     /// The file as it was named by whoever opened it.
     pub file: String,
     /// Where in it.
-    pub place: Place,
+    pub place: TextPosition,
     /// What is wrong, on one line.
     pub what: String,
     /// What to do about it, on one line.
@@ -40,7 +40,7 @@ impl ScenarioError {
     #[must_use]
     pub fn new(
         file: impl Into<String>,
-        place: Place,
+        place: TextPosition,
         what: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {

@@ -6,7 +6,7 @@
 //! wording.
 
 use crate::document::{Objection, Path};
-use crate::engine::Engine;
+use crate::engine::EngineSettings;
 use crate::limit;
 use crate::names::{choices, quoted};
 
@@ -57,7 +57,7 @@ pub(crate) fn explain(objection: &Objection) -> (String, String) {
         Some("depth") => format!(
             "write a number of levels, {}; the default is {}",
             limit::DEPTH.range(),
-            Engine::DEFAULT.depth
+            EngineSettings::DEFAULT.depth
         ),
         _ => SEE_SCHEMA.to_owned(),
     };

@@ -3,11 +3,11 @@
 //! ```text
 //! text (TOML) --Document--> raw tables with places --check--> Scenario: plain values, SI units
 //!                                                    |
-//! command line --Overrides---------------------------+--> Engine::apply: one set of rules for both
+//! command line --Overrides---------------------------+--> EngineSettings::apply: one set of rules for both
 //! ```
 //!
 //! Text goes in, values come out. This crate opens no file: the paths that a scenario names are
-//! returned with their [`Place`], so that whoever opens them can say where the name was written. It
+//! returned with their [`TextPosition`], so that whoever opens them can say where the name was written. It
 //! names a policy and does not read it; it knows no mesh, no contact and no harm.
 //!
 //! # Invariants
@@ -50,11 +50,11 @@ mod schema;
 mod testing;
 
 pub use decimal::decimal;
-pub use document::Place;
-pub use engine::{Cores, Engine, Overrides, Scheme};
+pub use document::TextPosition;
+pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
 pub use scenario::{
-    Candidate, FileRef, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA, Scenario, Source,
-    State, TEXT_BYTES_MAX,
+    Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA,
+    Scenario, Source, TEXT_BYTES_MAX,
 };
 pub use schema::schema;

@@ -5,10 +5,10 @@
 
 use crate::error::Misfit;
 use crate::limit;
-use crate::scenario::State;
+use crate::scenario::MotionState;
 use geometry::{DVec3, Pose};
 
-impl State {
+impl MotionState {
     /// Pose and velocity from position (m), yaw, pitch and roll (degrees), and velocity in the
     /// ground plane (m/s), as a scenario's would be.
     ///
@@ -79,7 +79,7 @@ mod tests {
         for candidate in parse(FULL).unwrap().candidates {
             for state in [candidate.ego, candidate.other.state] {
                 let velocity = [state.velocity_m_s.x, state.velocity_m_s.y];
-                let again = State::new(state.pose.translation, state.angles_deg, velocity);
+                let again = MotionState::new(state.pose.translation, state.angles_deg, velocity);
                 assert_eq!(again.unwrap(), state);
             }
         }
@@ -91,7 +91,7 @@ mod tests {
             let mut values = [0.0; 8];
             values[at] = value;
             let [x, y, z, yaw, pitch, roll, u, v] = values;
-            State::new([x, y, z], [yaw, pitch, roll], [u, v])
+            MotionState::new([x, y, z], [yaw, pitch, roll], [u, v])
         };
         for at in 0..8 {
             assert!(state(at, 1.0).is_ok());

@@ -4,8 +4,8 @@
 //! written, relative to the scenario's own file.
 
 use crate::check;
-use crate::document::Place;
-use crate::engine::Engine;
+use crate::document::TextPosition;
+use crate::engine::EngineSettings;
 use crate::error::{Misfit, ScenarioError};
 use crate::limit;
 use crate::rules;
@@ -31,7 +31,7 @@ pub struct Scenario {
     /// Time for the answer from the acceptance of the request; `None`: no deadline.
     pub deadline: Option<Duration>,
     /// How the engine works.
-    pub engine: Engine,
+    pub engine: EngineSettings,
     /// The automated vehicle.
     pub ego: PartyIndex,
     /// All bodies, sorted by name; 2 to 17.
@@ -56,7 +56,7 @@ pub struct FileRef {
     /// The path, relative to the scenario's file unless it is absolute.
     pub path: String,
     /// Where it was written, for the error of whoever cannot open it.
-    pub place: Place,
+    pub place: TextPosition,
 }
 
 /// A physical body that may be hit, and who is inside. It exists once, however many candidates name
@@ -66,7 +66,7 @@ pub struct Party {
     /// Its name, unique in the scenario.
     pub name: Name,
     /// Where its table stands.
-    pub place: Place,
+    pub place: TextPosition,
     /// Where its triangles come from.
     pub source: Source,
     /// Size to which the body is stretched; `None`: as it is.
@@ -105,11 +105,11 @@ pub struct Candidate {
     /// What people call it.
     pub name: Name,
     /// Where it stands in the file.
-    pub place: Place,
+    pub place: TextPosition,
     /// Probability that the collision happens if this candidate is chosen, 0 to 1.
     pub probability: f64,
     /// The ego at predicted impact.
-    pub ego: State,
+    pub ego: MotionState,
     /// The other side at predicted impact.
     pub other: Opponent,
 }
@@ -120,12 +120,12 @@ pub struct Opponent {
     /// Which party; never the ego.
     pub party: PartyIndex,
     /// Where it is and how it moves.
-    pub state: State,
+    pub state: MotionState,
 }
 
 /// Where a body is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct MotionState {
     /// Yaw, pitch and roll as they were written (degrees): `pose` follows from them.
     pub angles_deg: [f64; 3],
     /// Body frame to world.
@@ -145,7 +145,7 @@ impl Scenario {
             let fault = format!("{} bytes are too many for a scenario", text.len());
             let help =
                 format!("a scenario has at most {TEXT_BYTES_MAX} bytes; is this the right file?");
-            return Err(ScenarioError::new(file, Place::START, fault, help));
+            return Err(ScenarioError::new(file, TextPosition::START, fault, help));
         }
         check::scenario(file, text)
     }
@@ -179,7 +179,7 @@ impl Scenario {
     ///
     /// The first body that does not fit, at its party or at the candidate that moves it.
     pub fn check_kinds(&self, file: &str, kinds: &[Kind]) -> Result<(), ScenarioError> {
-        let at = |place: Place| {
+        let at = |place: TextPosition| {
             move |misfit: Misfit| ScenarioError::new(file, place, misfit.what, misfit.remedy)
         };
         for (index, (party, kind)) in self.parties.iter().zip(kinds).enumerate() {

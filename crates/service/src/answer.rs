@@ -2,16 +2,16 @@
 
 use crate::ask::seat_number;
 use coordinator::{Brief, BriefRow};
-use damage::State;
+use damage::AnswerState;
 use protocol::public::{Reason, VERSION, WireAnswer, WirePlace, WireState, flag};
 
 /// The verdict that a state is.
-fn verdict(state: State) -> WireState {
+fn verdict(state: AnswerState) -> WireState {
     match state {
-        State::Complete => WireState::Complete,
-        State::Certified => WireState::Certified,
-        State::Degraded => WireState::Degraded,
-        State::Refused => WireState::Refused,
+        AnswerState::Complete => WireState::Complete,
+        AnswerState::Certified => WireState::Certified,
+        AnswerState::Degraded => WireState::Degraded,
+        AnswerState::Refused => WireState::Refused,
     }
 }
 

@@ -8,7 +8,9 @@ use body::{BodyView, Kind, Meta, Seat, meta::Occupant};
 use protocol::public::{
     Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Reason, VERSION, WireParty,
 };
-use scenario::{Candidate, Misfit, Opponent, PartyIndex, Place, Scenario, State, live};
+use scenario::{
+    Candidate, Misfit, MotionState, Opponent, PartyIndex, Scenario, TextPosition, live,
+};
 use smallvec::SmallVec;
 use smol_str::format_smolstr;
 
@@ -119,8 +121,8 @@ pub(crate) fn check(
 }
 
 /// Places in errors of `scenario`: a party's number, and a candidate's behind them.
-fn place(number: usize) -> Place {
-    Place { line: number, column: 0 }
+fn place(number: usize) -> TextPosition {
+    TextPosition { line: number, column: 0 }
 }
 
 fn whose(number: usize) -> String {
@@ -227,7 +229,8 @@ fn listed(ask: &Ask, mut candidates: Vec<Candidate>) -> Result<Vec<Candidate>, R
         }
         let beyond = beyond(at);
         let state = |motion: &Motion| {
-            State::new(motion.position_m, motion.angles_deg, motion.velocity_m_s).map_err(&beyond)
+            MotionState::new(motion.position_m, motion.angles_deg, motion.velocity_m_s)
+                .map_err(&beyond)
         };
         candidates.push(Candidate {
             name: format_smolstr!("{number}"),
@@ -277,7 +280,7 @@ pub fn of_scenario(
         ask.add_party(row).ok_or("a request has at most 17 parties")?;
     }
     for candidate in &scenario.candidates {
-        let motion = |state: &State| Motion {
+        let motion = |state: &MotionState| Motion {
             position_m: state.pose.translation,
             angles_deg: state.angles_deg,
             velocity_m_s: [state.velocity_m_s.x, state.velocity_m_s.y],

@@ -24,7 +24,7 @@ const ENTRY: usize = size_of::<Ask>() + size_of::<WireAnswer>() + 32;
 
 /// A decision as it was kept.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct Decision {
     /// What was asked.
     pub ask: Ask,
     /// What was answered.
@@ -65,7 +65,7 @@ impl Diagnostic for DecisionError {
 /// # Errors
 ///
 /// If it cannot be read, is no such file, or was changed.
-pub fn read_decisions(path: &Path) -> Result<Vec<Entry>, DecisionError> {
+pub fn read_decisions(path: &Path) -> Result<Vec<Decision>, DecisionError> {
     let bytes = fs::read(path)?;
     let (head, body) = bytes.split_at_checked(HEAD).ok_or(DecisionError::Foreign)?;
     if head[..8] != MAGIC {
@@ -77,7 +77,7 @@ pub fn read_decisions(path: &Path) -> Result<Vec<Entry>, DecisionError> {
     for (number, bytes) in body.chunks_exact(ENTRY).enumerate() {
         let (ask_bytes, rest) = bytes.split_at(size_of::<Ask>());
         let (answer_bytes, hash) = rest.split_at(size_of::<WireAnswer>());
-        let mut entry = Entry { ask: Ask::zeroed(), answer: WireAnswer::zeroed() };
+        let mut entry = Decision { ask: Ask::zeroed(), answer: WireAnswer::zeroed() };
         bytemuck::bytes_of_mut(&mut entry.ask).copy_from_slice(ask_bytes);
         bytemuck::bytes_of_mut(&mut entry.answer).copy_from_slice(answer_bytes);
         before = link(&before, &entry.ask, &entry.answer);

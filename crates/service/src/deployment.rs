@@ -5,7 +5,7 @@
 
 use body::Shape;
 use diagnostic::{Diagnostic, Kind};
-use scenario::{Engine, Overrides};
+use scenario::{EngineSettings, Overrides};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub struct Deployment {
     /// Injury risk curves; `None`: those of the program.
     pub curves: Option<PathBuf>,
     /// Workers, cores, depth, batches.
-    pub engine: Engine,
+    pub engine: EngineSettings,
     /// Requests that may wait; more are answered *busy*.
     pub queue: usize,
     /// What the service does while nothing is asked.
@@ -42,7 +42,7 @@ pub struct Deployment {
     /// Priorities and memory.
     pub realtime: Realtime,
     /// How often lost workers have successors.
-    pub restarts: Restarts,
+    pub restarts: RestartLimits,
     /// Where a Prometheus text file is written, and how often (s).
     pub metrics: Option<Metrics>,
     /// Where decisions are kept.
@@ -57,12 +57,12 @@ pub struct Model {
     /// What people call it.
     pub name: String,
     /// Where its triangles come from.
-    pub source: Source,
+    pub source: ModelSource,
 }
 
 /// Where a model's triangles come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum ModelSource {
     /// A model file.
     File(PathBuf),
     /// The built-in generator.
@@ -114,14 +114,14 @@ impl Default for Realtime {
 /// How many deaths of workers there may be before one has no successor until some are longer ago.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Restarts {
+pub struct RestartLimits {
     /// On one core, within 10 s.
     pub core_in_10_s: u32,
     /// On all cores, within 60 s.
     pub all_in_60_s: u32,
 }
 
-impl Default for Restarts {
+impl Default for RestartLimits {
     fn default() -> Self {
         Self { core_in_10_s: 5, all_in_60_s: 10 }
     }
@@ -208,7 +208,7 @@ struct Raw {
     #[serde(default)]
     realtime: Realtime,
     #[serde(default)]
-    restarts: Restarts,
+    restarts: RestartLimits,
     metrics: Option<Metrics>,
     decisions: Option<Decisions>,
     #[serde(default)]
@@ -294,7 +294,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         let help = "queue may be 1 to 16: a client asks one thing at a time";
         return wrong("queue", "queue is out of range".to_owned(), help);
     }
-    let engine = Engine::DEFAULT
+    let engine = EngineSettings::DEFAULT
         .apply(&raw.engine)
         .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
     for (key, priority) in
@@ -309,7 +309,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         let help = "heap_mib may be 0 to 4096";
         return wrong("heap_mib", format!("heap_mib is {}", raw.realtime.heap_mib), help);
     }
-    let Restarts { core_in_10_s, all_in_60_s } = raw.restarts;
+    let RestartLimits { core_in_10_s, all_in_60_s } = raw.restarts;
     if core_in_10_s == 0 || all_in_60_s == 0 {
         let help = "one restart at least: core_in_10_s = 5, all_in_60_s = 10 are the defaults";
         return wrong("restarts", "no worker would ever have a successor".to_owned(), help);
@@ -351,7 +351,7 @@ fn models(raw: Vec<RawModel>) -> Result<Vec<Model>, Misfit> {
             return Err(("models", fault, "give each an id and a name of its own".to_owned()));
         }
         let source = match (model, generate) {
-            (Some(path), None) => Source::File(path),
+            (Some(path), None) => ModelSource::File(path),
             (None, Some(RawGenerate { shape, triangles, seed })) => {
                 let known = Shape::ALL.into_iter().find(|known| known.name() == shape);
                 let Some(shape) = known else {
@@ -364,7 +364,7 @@ fn models(raw: Vec<RawModel>) -> Result<Vec<Model>, Misfit> {
                     let help = "triangles may be 500 to 1000000";
                     return Err(("triangles", fault, help.to_owned()));
                 }
-                Source::Generate { shape, triangles, seed }
+                ModelSource::Generate { shape, triangles, seed }
             }
             _ => {
                 let fault = format!("model {name:?} has not exactly one of model and generate");

@@ -7,7 +7,7 @@ use crate::ask::Refusal;
 use crate::deployment::Deployment;
 use crate::ranker::{Ranker, Unranked};
 use body::{BodyView, Meta};
-use coordinator::{Backend, InProcessExecutor, Terms};
+use coordinator::{Backend, InProcessExecutor, RequestLimits};
 use damage::{Curves, Policy};
 use protocol::public::{Ask, Reason, WireAnswer, WireState};
 use std::sync::Arc;
@@ -44,7 +44,8 @@ impl<'b> InProcess<'b> {
 
     fn ranked(&mut self, ask: &Ask) -> Result<WireAnswer, Refusal> {
         let checked = self.ranker.check(ask)?;
-        let ranked = self.ranker.rank(ask.sequence, checked, Terms::default, &mut self.backend);
+        let ranked =
+            self.ranker.rank(ask.sequence, checked, RequestLimits::default, &mut self.backend);
         match ranked {
             Ok(ranked) => Ok(ranked.answer),
             Err(Unranked::Refused(refusal)) => Err(refusal),

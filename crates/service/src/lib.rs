@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! requests --Desk: taken at once, checked, queued, or answered busy--> one at a time:
-//!     ranker.rs: checked values --coordinator::Workspace, by workers or in this process--> WireAnswer
+//!     ranker.rs: checked values --coordinator::RankingWorkspace, by workers or in this process--> WireAnswer
 //!     --> answer.rs --> the client; then whoever listens; then the decision file
 //! beside it: a thread that cleans up behind dead clients and writes files
 //! ```
@@ -31,10 +31,10 @@ mod stats;
 mod team;
 
 pub use ask::{of_scenario, seat_number};
-pub use decisions::{DecisionError, Entry, read_decisions};
+pub use decisions::{Decision, DecisionError, read_decisions};
 pub use deployment::{
-    Decisions, Deployment, DeploymentError, Idle, Metrics, Model, Realtime, SCHEMA, Source,
+    Decisions, Deployment, DeploymentError, Idle, Metrics, Model, ModelSource, Realtime, SCHEMA,
     TEXT_BYTES_MAX,
 };
 pub use in_process::InProcess;
-pub use run::{MissingRequirement, ServiceError, Site, serve};
+pub use run::{MissingRequirement, ServiceConfig, ServiceError, serve};

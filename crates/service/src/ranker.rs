@@ -7,7 +7,9 @@ use crate::ask::{self, Checked, Lists, Refusal};
 use crate::deployment::Deployment;
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
-use coordinator::{Backend, Inquiry, RankError, Stage, Terms, WorkerPoolError, Workspace};
+use coordinator::{
+    Backend, Inquiry, RankingWorkspace, RequestLimits, RunError, Stage, WorkerPoolError,
+};
 use damage::{Curves, Policy};
 use diagnostic::chain;
 use protocol::public::{Ask, Reason, WireAnswer};
@@ -25,7 +27,7 @@ pub(crate) struct Ranker<'s> {
     rules: (Arc<Policy>, Arc<Curves>),
     depth: u32,
     lists: Lists,
-    workspace: Workspace,
+    workspace: RankingWorkspace,
 }
 
 /// A request that was answered, and when its stages ended (ns).
@@ -50,7 +52,7 @@ impl<'s> Ranker<'s> {
         depth: u32,
     ) -> Self {
         let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
-        let (lists, workspace) = (Lists::default(), Workspace::default());
+        let (lists, workspace) = (Lists::default(), RankingWorkspace::default());
         Self { deployment, bodies, extremes, rules, depth, lists, workspace }
     }
 
@@ -65,7 +67,7 @@ impl<'s> Ranker<'s> {
         &mut self,
         sequence: u64,
         checked: Checked,
-        terms: impl FnOnce() -> Terms,
+        terms: impl FnOnce() -> RequestLimits,
         backend: &mut Backend,
     ) -> Result<Ranked, Unranked> {
         let stage =
@@ -82,8 +84,8 @@ impl<'s> Ranker<'s> {
         let has_unknown = checked.has_unknown;
         self.lists = checked.into_room();
         let (answer, course) = told.map_err(|error| match error {
-            RankError::Request(error) => unassessable(&error),
-            RankError::WorkerPool(error) => Unranked::WorkerPool(error),
+            RunError::Request(error) => unassessable(&error),
+            RunError::WorkerPool(error) => Unranked::WorkerPool(error),
         })?;
         let mut answer = answer.map_err(|error| unassessable(&error))?;
         if has_unknown && answer.verdict().has_ranking() {

@@ -8,7 +8,7 @@ use crate::ranker::{Ranker, Unranked};
 use crate::stats::{Stats, Times};
 use crate::team::Team;
 use body::{BodyView, Meta};
-use coordinator::{IdleHook, Options, Pursuit, Terms, WorkerPoolError};
+use coordinator::{IdleHook, Options, Pursuit, RequestLimits, WorkerPoolError};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -35,7 +35,7 @@ const LOOK_NS: u64 = 1_000_000;
 
 /// All that a service needs, made and checked by whoever starts it.
 #[derive(Debug)]
-pub struct Site<'s> {
+pub struct ServiceConfig<'s> {
     /// Settings.
     pub deployment: &'s Deployment,
     /// The policy.
@@ -125,7 +125,7 @@ impl Diagnostic for ServiceError {
 ///
 /// If it cannot start, or the operating system refuses to go on.
 pub fn serve(
-    site: &Site<'_>,
+    site: &ServiceConfig<'_>,
     ready: impl FnOnce(&[MissingRequirement]),
 ) -> Result<(), ServiceError> {
     let deployment = site.deployment;
@@ -224,12 +224,12 @@ impl Watchdog {
 
 /// The terms of a request that is due then (ns; 0: whenever all is done), where requests of late
 /// took so long (ns; 0: it is not known).
-fn terms(answer_by_ns: u64, usual_ns: u64) -> Terms {
+fn terms(answer_by_ns: u64, usual_ns: u64) -> RequestLimits {
     if answer_by_ns == 0 {
-        return Terms::default();
+        return RequestLimits::default();
     }
     let left_ns = answer_by_ns.saturating_sub(clock::now_ns());
-    let mut terms = Terms::due_in(Duration::from_nanos(left_ns));
+    let mut terms = RequestLimits::due_in(Duration::from_nanos(left_ns));
     if usual_ns > 0 && left_ns / PLENTY > usual_ns {
         // All will be done in time, and soonest if nobody looks for who is certain first.
         terms.pursuit = Pursuit::AsAsked;
@@ -238,7 +238,7 @@ fn terms(answer_by_ns: u64, usual_ns: u64) -> Terms {
 }
 
 struct Service<'s> {
-    site: &'s Site<'s>,
+    site: &'s ServiceConfig<'s>,
     ranker: Ranker<'s>,
     // Dropped in this order: the workers, the files, then the port.
     team: Team<'s>,

@@ -1,6 +1,6 @@
 //! What is counted: answers, times per stage, faults, allocations, messages. Of fixed size.
 
-use coordinator::Share;
+use coordinator::WorkerShare;
 use hdrhistogram::Histogram;
 use protocol::public::{Health, LatencyStage, VERSION, WireState, WorkerHealth};
 use runtime::clock;
@@ -68,7 +68,7 @@ impl Stats {
     }
 
     /// What the workers did for one request.
-    pub(crate) fn shared(&mut self, shares: impl Iterator<Item = Share>) {
+    pub(crate) fn shared(&mut self, shares: impl Iterator<Item = WorkerShare>) {
         for worker in shares {
             self.messages += worker.messages;
             self.message_bytes += worker.message_bytes;

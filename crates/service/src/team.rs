@@ -3,7 +3,7 @@
 
 use body::{BodyView, Meta};
 use coordinator::{
-    Backend, IdleHook, InProcessExecutor, Mended, Options, Share, WorkerPool, WorkerPoolError,
+    Backend, IdleHook, InProcessExecutor, Mended, Options, WorkerPool, WorkerPoolError, WorkerShare,
 };
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
@@ -69,7 +69,7 @@ impl<'s> Team<'s> {
     }
 
     /// What each worker did for the last request.
-    pub(crate) fn shares(&self) -> impl Iterator<Item = Share> {
+    pub(crate) fn shares(&self) -> impl Iterator<Item = WorkerShare> {
         self.backend.shares()
     }
 

@@ -31,10 +31,10 @@ mod tally;
 mod work;
 mod world;
 
-pub use kind::{Fault, Faults};
+pub use kind::{Faults, SimulatedFault};
 pub use shrink::{Shrunk, shrink};
 pub use tally::Tally;
-pub use world::{Limits, Violation, run};
+pub use world::{FaultLimits, Violation, run};
 
 #[cfg(test)]
 mod model;

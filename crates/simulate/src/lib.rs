@@ -29,5 +29,5 @@ mod machine;
 mod trace;
 
 pub use costs::{Costs, Sample, fit};
-pub use machine::{Home, Outcome, Setup, run};
+pub use machine::{Home, Setup, SimulatedRun, run};
 pub use trace::{JobTrace, TaskTrace, Trace};

@@ -3,7 +3,8 @@
 use crate::costs::Costs;
 use crate::trace::{JobTrace, Replay, Trace};
 use dispatch::{
-    Cache, Counts, Dispatcher, Effect, Event, Matching, Progress, Queues, Scheme, Thrash, Transfer,
+    Cache, Counts, Dispatcher, Effect, Event, MatchScheme, Matching, Progress, Queues, Thrash,
+    Transfer,
 };
 use protocol::{Incarnation, JobId, RequestId};
 use std::collections::VecDeque;
@@ -39,7 +40,7 @@ pub struct Setup {
 
 /// What came out.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct SimulatedRun {
     /// From the start to the last result folded (ns).
     pub time_ns: f64,
     /// What each worker worked (ns).
@@ -66,7 +67,7 @@ struct Server {
 
 /// Runs the trace.
 #[must_use]
-pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> Outcome {
+pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> SimulatedRun {
     let workers = usize::from(setup.workers);
     let scheme = setup.matching.scheme();
     let mut machine = Machine {
@@ -88,7 +89,7 @@ pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> Outcome {
     while progress == Progress::Working {
         progress = machine.next();
     }
-    Outcome {
+    SimulatedRun {
         time_ns: machine.now_ns,
         busy_ns: machine.servers.iter().map(|server| server.busy_ns).collect(),
         coordinator_ns: machine.coordinator_ns,
@@ -99,7 +100,7 @@ pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> Outcome {
 }
 
 struct Machine<'t> {
-    dispatcher: Dispatcher<Box<dyn Scheme>>,
+    dispatcher: Dispatcher<Box<dyn MatchScheme>>,
     replay: Replay<'t>,
     jobs: Vec<&'t JobTrace>,
     costs: &'t Costs,

@@ -6,8 +6,8 @@
 //! which the middle is taken and noted. Occupancy sets are refused: a set of places is no place.
 
 use crate::error::TrafficError;
-use crate::outline::{Outline, Part, Placed, corners};
-use crate::recording::{Ego, Moment, Obstacle, Recording, wrapped};
+use crate::outline::{Outline, OutlinePart, Placed, corners};
+use crate::recording::{Ego, Obstacle, Recording, TimedState, wrapped};
 use crate::xml::Element;
 
 /// Types of obstacles in both versions.
@@ -180,7 +180,7 @@ impl Reader {
         let mut speeds_missing = 0;
         if element.name() == "environmentObstacle" {
             let place = Placed { at: [0.0; 2], yaw: 0.0 };
-            track.push(Moment { time_s: 0.0, place, speed_m_s: 0.0, slip: 0.0 });
+            track.push(TimedState { time_s: 0.0, place, speed_m_s: 0.0, slip: 0.0 });
         } else {
             let initial = element.need("initialState")?;
             let mut states = vec![initial];
@@ -191,7 +191,7 @@ impl Reader {
                 let (moment, was) = self.moment(state, false)?;
                 intervals += usize::from(was.interval);
                 speeds_missing += usize::from(was.speedless && !is_fixed);
-                if track.last().is_some_and(|last: &Moment| last.time_s >= moment.time_s) {
+                if track.last().is_some_and(|last: &TimedState| last.time_s >= moment.time_s) {
                     let help = "states stand in the order of their times, each time once";
                     return Err(state.fault("its time is not after that of the state before", help));
                 }
@@ -213,7 +213,7 @@ impl Reader {
     }
 
     /// A state, and what it left open.
-    fn moment(&self, state: Element<'_>, is_ego: bool) -> Result<(Moment, Open), TrafficError> {
+    fn moment(&self, state: Element<'_>, is_ego: bool) -> Result<(TimedState, Open), TrafficError> {
         let mut open = Open::default();
         let (at, is_region) = position(state.need("position")?)?;
         open.interval |= is_region;
@@ -244,7 +244,7 @@ impl Reader {
         let place = Placed { at, yaw: wrapped(yaw) };
         let time_s = time * self.step_s;
         let slip = slip.unwrap_or(0.0);
-        Ok((Moment { time_s, place, speed_m_s: speed.unwrap_or(0.0), slip }, open))
+        Ok((TimedState { time_s, place, speed_m_s: speed.unwrap_or(0.0), slip }, open))
     }
 }
 
@@ -255,14 +255,14 @@ struct Open {
     speedless: bool,
 }
 
-fn same(a: &Moment, b: &Moment) -> bool {
+fn same(a: &TimedState, b: &TimedState) -> bool {
     let apart = libm::hypot(a.place.at[0] - b.place.at[0], a.place.at[1] - b.place.at[1]);
     apart <= SAME[0]
         && wrapped(a.place.yaw - b.place.yaw).abs() <= SAME[1]
         && (a.speed_m_s - b.speed_m_s).abs() <= SAME[2]
 }
 
-fn speeds_from_places(track: &mut [Moment]) {
+fn speeds_from_places(track: &mut [TimedState]) {
     for index in 0..track.len() {
         let (a, b) = if index + 1 < track.len() { (index, index + 1) } else { (index - 1, index) };
         let (p, q) = (track[a], track[b]);
@@ -343,9 +343,9 @@ fn shape(element: Element<'_>) -> Result<Outline, TrafficError> {
         parts.push(match part.name() {
             "rectangle" => {
                 let yaw = part.get("orientation").map_or(Ok(0.0), |yaw| yaw.number())?;
-                Part::Polygon(corners(extent("length")?, extent("width")?, centre()?, yaw))
+                OutlinePart::Polygon(corners(extent("length")?, extent("width")?, centre()?, yaw))
             }
-            "circle" => Part::Circle(centre()?, extent("radius")?),
+            "circle" => OutlinePart::Circle(centre()?, extent("radius")?),
             "polygon" => polygon(part)?,
             other => {
                 let fault = format!("shape <{other}> is not known");
@@ -359,9 +359,9 @@ fn shape(element: Element<'_>) -> Result<Outline, TrafficError> {
     Ok(Outline { parts })
 }
 
-fn polygon(element: Element<'_>) -> Result<Part, TrafficError> {
+fn polygon(element: Element<'_>) -> Result<OutlinePart, TrafficError> {
     let points = element.all("point").map(point).collect::<Result<Vec<_>, _>>()?;
-    let part = Part::Polygon(points);
+    let part = OutlinePart::Polygon(points);
     let outline = Outline { parts: vec![part] };
     let [length, width] = outline.size();
     let [least, most] = EXTENT_M;
@@ -369,7 +369,7 @@ fn polygon(element: Element<'_>) -> Result<Part, TrafficError> {
         return Err(element.fault("it has no corners", "give at least three"));
     };
     match &part {
-        Part::Polygon(points) if points.len() < 3 => {
+        OutlinePart::Polygon(points) if points.len() < 3 => {
             Err(element.fault("it has fewer than three corners", "give at least three"))
         }
         _ if !(length.min(width) >= least && length.max(width) <= most) => {

@@ -31,9 +31,9 @@ mod xml;
 
 pub use error::TrafficError;
 pub use library::{DEFAULT_LIBRARY, Library};
-pub use outline::{Outline, Part, Placed, overlap};
-pub use recording::{Ego, Moment, Obstacle, Recording};
-pub use sweep::{Manoeuvre, Meeting, Sweep, Swept};
+pub use outline::{Outline, OutlinePart, Placed, overlap};
+pub use recording::{Ego, Obstacle, Recording, TimedState};
+pub use sweep::{Conflict, Manoeuvre, Sweep, Swept};
 pub use write::scenario_text;
 pub use xml::TEXT_BYTES_MAX;
 

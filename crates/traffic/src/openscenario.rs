@@ -5,8 +5,8 @@
 //! road, a lane or a route need a road network and are refused; so are expressions in `${…}`.
 
 use crate::error::TrafficError;
-use crate::outline::{Outline, Part, Placed, corners};
-use crate::recording::{Ego, Moment, Obstacle, Recording, wrapped};
+use crate::outline::{Outline, OutlinePart, Placed, corners};
+use crate::recording::{Ego, Obstacle, Recording, TimedState, wrapped};
 use crate::xml::{Document, Element};
 use crate::{Catalog, ReadOptions};
 use std::collections::BTreeMap;
@@ -53,7 +53,7 @@ pub(crate) fn read(
         order.push((name, entity));
     }
     let init = root.need("Storyboard")?.need("Init")?.need("Actions")?;
-    let mut states: BTreeMap<&str, Moment> = BTreeMap::new();
+    let mut states: BTreeMap<&str, TimedState> = BTreeMap::new();
     for private in init.all("Private") {
         let name = private.need_attribute("entityRef")?;
         let name = parameters.plain(name);
@@ -101,13 +101,13 @@ pub(crate) fn read(
 }
 
 /// Straight on for as long as anybody looks.
-fn course(start: Moment) -> Vec<Moment> {
+fn course(start: TimedState) -> Vec<TimedState> {
     if start.speed_m_s == 0.0 {
         return vec![start];
     }
     let [x, y] = start.velocity_m_s().map(|v| v * AHEAD_S);
     let at = [start.place.at[0] + x, start.place.at[1] + y];
-    let end = Moment { time_s: AHEAD_S, place: Placed { at, ..start.place }, ..start };
+    let end = TimedState { time_s: AHEAD_S, place: Placed { at, ..start.place }, ..start };
     vec![start, end]
 }
 
@@ -205,12 +205,12 @@ fn body(
         Some(centre) => [parameters.number(centre, "x")?, parameters.number(centre, "y")?],
         None => [0.0; 2],
     };
-    let part = Part::Polygon(corners(length, width, middle, 0.0));
+    let part = OutlinePart::Polygon(corners(length, width, middle, 0.0));
     Ok((Outline { parts: vec![part] }, kind(parameters.plain(category)).to_owned()))
 }
 
 /// Where an entity starts, and how fast.
-fn initial(private: Element<'_>, parameters: &Parameters<'_>) -> Result<Moment, TrafficError> {
+fn initial(private: Element<'_>, parameters: &Parameters<'_>) -> Result<TimedState, TrafficError> {
     let mut place = None;
     let mut speed_m_s = 0.0;
     for action in private.all("PrivateAction") {
@@ -242,7 +242,7 @@ fn initial(private: Element<'_>, parameters: &Parameters<'_>) -> Result<Moment, 
     let Some(place) = place else {
         return Err(private.fault("no TeleportAction says where it starts", "add one"));
     };
-    Ok(Moment { time_s: 0.0, place, speed_m_s, slip: 0.0 })
+    Ok(TimedState { time_s: 0.0, place, speed_m_s, slip: 0.0 })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 /// One piece of an outline, in the frame of the body (m).
 #[derive(Clone, Debug, PartialEq)]
-pub enum Part {
+pub enum OutlinePart {
     /// Corners in order, either way round.
     Polygon(Vec<[f64; 2]>),
     /// Centre and radius.
@@ -17,7 +17,7 @@ pub enum Part {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// At least one.
-    pub parts: Vec<Part>,
+    pub parts: Vec<OutlinePart>,
 }
 
 /// Where an outline lies.
@@ -42,7 +42,7 @@ impl Outline {
     /// A rectangle around the origin, length by width (m).
     #[must_use]
     pub fn rectangle(length: f64, width: f64) -> Self {
-        Self { parts: vec![Part::Polygon(corners(length, width, [0.0; 2], 0.0))] }
+        Self { parts: vec![OutlinePart::Polygon(corners(length, width, [0.0; 2], 0.0))] }
     }
 
     /// Least and greatest corner (m).
@@ -51,8 +51,8 @@ impl Outline {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for part in &self.parts {
             let (points, more) = match part {
-                Part::Polygon(points) => (points.as_slice(), 0.0),
-                Part::Circle(centre, radius) => (std::slice::from_ref(centre), *radius),
+                OutlinePart::Polygon(points) => (points.as_slice(), 0.0),
+                OutlinePart::Circle(centre, radius) => (std::slice::from_ref(centre), *radius),
             };
             for point in points {
                 for axis in 0..2 {
@@ -81,7 +81,7 @@ impl Outline {
     /// Whether it is one circle.
     #[must_use]
     pub fn is_round(&self) -> bool {
-        matches!(self.parts.as_slice(), [Part::Circle(..)])
+        matches!(self.parts.as_slice(), [OutlinePart::Circle(..)])
     }
 
     /// The greatest distance of any of its points from the origin (m).
@@ -90,12 +90,14 @@ impl Outline {
         libm::hypot(low[0].abs().max(high[0].abs()), low[1].abs().max(high[1].abs()))
     }
 
-    fn placed(&self, place: Placed) -> Vec<Part> {
-        let part = |part: &Part| match part {
-            Part::Polygon(points) => {
-                Part::Polygon(points.iter().map(|point| place.point(*point)).collect())
+    fn placed(&self, place: Placed) -> Vec<OutlinePart> {
+        let part = |part: &OutlinePart| match part {
+            OutlinePart::Polygon(points) => {
+                OutlinePart::Polygon(points.iter().map(|point| place.point(*point)).collect())
             }
-            Part::Circle(centre, radius) => Part::Circle(place.point(*centre), *radius),
+            OutlinePart::Circle(centre, radius) => {
+                OutlinePart::Circle(place.point(*centre), *radius)
+            }
         };
         self.parts.iter().map(part).collect()
     }
@@ -121,15 +123,17 @@ pub fn overlap(a: &Outline, at: Placed, b: &Outline, bt: Placed) -> bool {
     a.iter().any(|p| b.iter().any(|q| meet(p, q)))
 }
 
-fn meet(p: &Part, q: &Part) -> bool {
+fn meet(p: &OutlinePart, q: &OutlinePart) -> bool {
     match (p, q) {
-        (Part::Circle(a, r), Part::Circle(b, s)) => libm::hypot(b[0] - a[0], b[1] - a[1]) <= r + s,
-        (Part::Circle(centre, radius), Part::Polygon(polygon))
-        | (Part::Polygon(polygon), Part::Circle(centre, radius)) => {
+        (OutlinePart::Circle(a, r), OutlinePart::Circle(b, s)) => {
+            libm::hypot(b[0] - a[0], b[1] - a[1]) <= r + s
+        }
+        (OutlinePart::Circle(centre, radius), OutlinePart::Polygon(polygon))
+        | (OutlinePart::Polygon(polygon), OutlinePart::Circle(centre, radius)) => {
             inside(*centre, polygon)
                 || edges(polygon).any(|edge| distance(*centre, edge) <= *radius)
         }
-        (Part::Polygon(p), Part::Polygon(q)) => {
+        (OutlinePart::Polygon(p), OutlinePart::Polygon(q)) => {
             edges(p).any(|e| edges(q).any(|f| cross(e, f)))
                 || p.first().is_some_and(|point| inside(*point, q))
                 || q.first().is_some_and(|point| inside(*point, p))

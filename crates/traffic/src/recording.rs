@@ -19,11 +19,11 @@ pub struct Recording {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ego {
     /// Where it starts and how it moves there.
-    pub start: Moment,
+    pub start: TimedState,
     /// What it covers; `None`: the file does not say.
     pub outline: Option<Outline>,
     /// Where it went, if the file lists it among the obstacles; first moment first.
-    pub went: Vec<Moment>,
+    pub went: Vec<TimedState>,
 }
 
 /// Somebody or something that may be hit.
@@ -36,12 +36,12 @@ pub struct Obstacle {
     /// What it covers.
     pub outline: Outline,
     /// Where it is when; one moment: always there. Times rise.
-    pub track: Vec<Moment>,
+    pub track: Vec<TimedState>,
 }
 
 /// Where a body is at a time and how it moves there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct TimedState {
     /// From the start of the recording (s).
     pub time_s: f64,
     /// Where it is.
@@ -52,7 +52,7 @@ pub struct Moment {
     pub slip: f64,
 }
 
-impl Moment {
+impl TimedState {
     /// Velocity in the world (m/s).
     #[must_use]
     pub fn velocity_m_s(&self) -> [f64; 2] {
@@ -64,7 +64,7 @@ impl Moment {
 impl Obstacle {
     /// Where it is at a time; `None` before it comes and after it went.
     #[must_use]
-    pub fn at(&self, time_s: f64) -> Option<Moment> {
+    pub fn at(&self, time_s: f64) -> Option<TimedState> {
         at(&self.track, time_s)
     }
 
@@ -77,11 +77,11 @@ impl Obstacle {
 
 /// A track at a time: straight between moments, the shorter way round for angles. A single moment
 /// holds for ever.
-pub(crate) fn at(track: &[Moment], time_s: f64) -> Option<Moment> {
+pub(crate) fn at(track: &[TimedState], time_s: f64) -> Option<TimedState> {
     let after = track.partition_point(|moment| moment.time_s <= time_s + 1e-9);
     let before = track.get(after.checked_sub(1)?)?;
     if track.len() == 1 {
-        return Some(Moment { time_s, ..*before });
+        return Some(TimedState { time_s, ..*before });
     }
     let Some(next) = track.get(after) else {
         // The last moment itself still counts.
@@ -90,7 +90,7 @@ pub(crate) fn at(track: &[Moment], time_s: f64) -> Option<Moment> {
     let share = (time_s - before.time_s) / (next.time_s - before.time_s);
     let mix = |a: f64, b: f64| a + share * (b - a);
     let (a, b) = (before.place, next.place);
-    Some(Moment {
+    Some(TimedState {
         time_s,
         place: Placed {
             at: [mix(a.at[0], b.at[0]), mix(a.at[1], b.at[1])],

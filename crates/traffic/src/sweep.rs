@@ -9,7 +9,7 @@
 //! time.
 
 use crate::outline::{Outline, Placed, overlap};
-use crate::recording::{Ego, Moment, Obstacle, Recording, at};
+use crate::recording::{Ego, Obstacle, Recording, TimedState, at};
 
 /// Which manoeuvres are tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,22 +64,22 @@ pub enum Manoeuvre {
 
 /// A manoeuvre that meets somebody.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meeting {
+pub struct Conflict {
     /// What the ego does.
     pub manoeuvre: Manoeuvre,
     /// The ego when outlines first overlap; its time is counted as in the recording.
-    pub ego: Moment,
+    pub ego: TimedState,
     /// Whom it meets: number in [`Recording::others`].
     pub whom: usize,
     /// The other one then.
-    pub other: Moment,
+    pub other: TimedState,
 }
 
 /// What came of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swept {
     /// Manoeuvres that meet somebody, in the order of trial.
-    pub meetings: Vec<Meeting>,
+    pub meetings: Vec<Conflict>,
     /// Manoeuvres that meet nobody within the horizon.
     pub free: Vec<Manoeuvre>,
     /// Whom the ego overlaps already at the start, if anybody: then nothing was tried.
@@ -129,7 +129,7 @@ impl Recording {
             return swept;
         }
         let steps = (sweep.horizon_s / sweep.step_s).round() as u32;
-        let mut ways: Vec<(Manoeuvre, Vec<Moment>)> = Vec::new();
+        let mut ways: Vec<(Manoeuvre, Vec<TimedState>)> = Vec::new();
         if !self.ego.went.is_empty() {
             let times = (1..=steps).map(|n| start.time_s + f64::from(n) * sweep.step_s);
             let went = times.map_while(|time_s| at(&self.ego.went, time_s)).collect();
@@ -145,7 +145,7 @@ impl Recording {
         for (manoeuvre, way) in ways {
             let meeting = way.iter().find_map(|ego| {
                 let (whom, other) = first(&outline, ego.place, &self.others, ego.time_s)?;
-                Some(Meeting { manoeuvre, ego: *ego, whom, other })
+                Some(Conflict { manoeuvre, ego: *ego, whom, other })
             });
             match meeting {
                 Some(meeting) => swept.meetings.push(meeting),
@@ -171,7 +171,7 @@ impl Recording {
 }
 
 /// Where the ego is when manoeuvres begin: as recorded, else straight on.
-fn began(ego: &Ego, time_s: f64) -> Moment {
+fn began(ego: &Ego, time_s: f64) -> TimedState {
     if let Some(moment) = at(&ego.went, time_s) {
         return moment;
     }
@@ -179,7 +179,7 @@ fn began(ego: &Ego, time_s: f64) -> Moment {
     let [x, y] = start.velocity_m_s();
     let after_s = time_s - start.time_s;
     let moved = [start.place.at[0] + x * after_s, start.place.at[1] + y * after_s];
-    Moment { time_s, place: Placed { at: moved, ..start.place }, ..start }
+    TimedState { time_s, place: Placed { at: moved, ..start.place }, ..start }
 }
 
 /// The first of all obstacles that the ego overlaps.
@@ -188,7 +188,7 @@ fn first(
     place: Placed,
     others: &[Obstacle],
     time_s: f64,
-) -> Option<(usize, Moment)> {
+) -> Option<(usize, TimedState)> {
     others.iter().enumerate().find_map(|(index, obstacle)| {
         let moment = obstacle.at(time_s)?;
         overlap(outline, place, &obstacle.outline, moment.place).then_some((index, moment))
@@ -203,16 +203,16 @@ pub(crate) fn left_of_grip(brake_m_s2: f64, grip_m_s2: f64) -> f64 {
 
 /// The ego's way, one moment a step.
 fn arc(
-    start: &Moment,
+    start: &TimedState,
     brake_m_s2: f64,
     lateral_m_s2: f64,
     sweep: &Sweep,
     steps: u32,
-) -> Vec<Moment> {
+) -> Vec<TimedState> {
     let dt = sweep.step_s;
     let lateral = lateral_m_s2 * left_of_grip(brake_m_s2, sweep.grip_m_s2);
     let direction = if start.speed_m_s < 0.0 { -1.0 } else { 1.0 };
-    let mut now = Moment { slip: 0.0, ..*start };
+    let mut now = TimedState { slip: 0.0, ..*start };
     let mut way = Vec::with_capacity(steps as usize);
     for n in 1..=steps {
         let speed = now.speed_m_s.abs();

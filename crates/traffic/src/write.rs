@@ -5,8 +5,8 @@
 
 use crate::library::{Entry, Library};
 use crate::outline::{Outline, Placed};
-use crate::recording::{Moment, Recording, wrapped};
-use crate::sweep::{Meeting, Swept};
+use crate::recording::{Recording, TimedState, wrapped};
+use crate::sweep::{Conflict, Swept};
 use scenario::decimal;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -74,7 +74,7 @@ pub fn scenario_text(
 }
 
 /// The middle of an outline in the world: where its body is put.
-pub(crate) fn middle(moment: &Moment, outline: &Outline) -> Placed {
+pub(crate) fn middle(moment: &TimedState, outline: &Outline) -> Placed {
     Placed { at: moment.place.point(outline.middle()), yaw: moment.place.yaw }
 }
 
@@ -85,7 +85,7 @@ fn entry<'l>(library: &'l Library, kind: &str) -> Result<&'l Entry, String> {
 }
 
 /// What everybody that is met is called: type and id, as letters that fit a table, each once.
-fn names(recording: &Recording, meetings: &[Meeting]) -> BTreeMap<usize, String> {
+fn names(recording: &Recording, meetings: &[Conflict]) -> BTreeMap<usize, String> {
     let mut names: BTreeMap<usize, String> = BTreeMap::new();
     for meeting in meetings {
         let obstacle = &recording.others[meeting.whom];
@@ -125,7 +125,7 @@ fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
     }
 }
 
-fn state(moment: &Moment, outline: &Outline, moved: [f64; 2]) -> String {
+fn state(moment: &TimedState, outline: &Outline, moved: [f64; 2]) -> String {
     let place = middle(moment, outline);
     let [x, y] = [0, 1].map(|axis| rounded(place.at[axis] - moved[axis]));
     let yaw = rounded(wrapped(place.yaw).to_degrees());

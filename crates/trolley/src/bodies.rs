@@ -13,7 +13,7 @@ use crate::deployment::OpenDeployment;
 use body::{BodyView, Fit, Kind, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
 use runtime::{FileMap, SealedMemory};
-use scenario::{Engine, FileRef, Scenario, Source};
+use scenario::{EngineSettings, FileRef, Scenario, Source};
 use std::path::{Path, PathBuf};
 
 /// A body on its way into the model store.
@@ -33,7 +33,7 @@ pub const SILENT: OnProgress<'static> = &|_, _| {};
 /// How trees are built where a scenario or a deployment has these settings: by all cores that are
 /// granted.
 #[must_use]
-pub fn build_options(engine: &Engine) -> BuildOptions {
+pub fn build_options(engine: &EngineSettings) -> BuildOptions {
     BuildOptions {
         build: engine.build,
         leaf_size: engine.leaf_size,
@@ -166,7 +166,7 @@ impl Bodies {
     /// If a model file cannot be used, or does not fit its party.
     pub fn of_scenario(
         scenario: &Scenario,
-        engine: &Engine,
+        engine: &EngineSettings,
         file: &str,
         find: &dyn Fn(usize, &FileRef) -> PathBuf,
         progress: OnProgress<'_>,
@@ -210,9 +210,9 @@ impl Bodies {
     pub fn of_deployment(opened: &OpenDeployment) -> Result<Self, Failure> {
         let options = build_options(&opened.deployment.engine);
         let load = |model: &service::Model| match &model.source {
-            service::Source::File(path) => ModelFile::open(&opened.path(path), None, &options)
+            service::ModelSource::File(path) => ModelFile::open(&opened.path(path), None, &options)
                 .map_err(|failure| failure.at(format!("model \"{}\"", model.name))),
-            service::Source::Generate { shape, triangles, seed } => {
+            service::ModelSource::Generate { shape, triangles, seed } => {
                 ModelFile::generate(*shape, *triangles, *seed, &options)
             }
         };

@@ -94,13 +94,13 @@ impl OpenDeployment {
     /// Whether a model is the body of a scenario's party: the same file, or made the same way.
     fn is_body_of(&self, scenario: &Path, party: &Party, model: &Model) -> bool {
         match (&party.source, &model.source) {
-            (Source::File(reference), service::Source::File(path)) => {
+            (Source::File(reference), service::ModelSource::File(path)) => {
                 let theirs = beside(scenario, Path::new(&reference.path)).canonicalize().ok();
                 theirs.is_some() && theirs == self.path(path).canonicalize().ok()
             }
             (
                 Source::Generate { shape, triangles, seed },
-                service::Source::Generate { shape: s, triangles: t, seed: n },
+                service::ModelSource::Generate { shape: s, triangles: t, seed: n },
             ) => (shape, triangles, seed) == (s, t, n),
             _ => false,
         }

@@ -22,7 +22,7 @@ const PRIORITY: u64 = 60;
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Level {
+pub enum FindingLevel {
     /// As it should be.
     Ok,
     /// Slower or less predictable.
@@ -37,15 +37,20 @@ pub struct Finding {
     /// What was looked at.
     pub subject: &'static str,
     /// How bad it is.
-    pub level: Level,
+    pub level: FindingLevel,
     /// What was found.
     pub found: String,
     /// What it costs, and what to do about it; nothing if nothing is to be done.
     pub remedy: String,
 }
 
-fn finding(subject: &'static str, level: Level, found: impl Into<String>, remedy: &str) -> Finding {
-    let remedy = if level == Level::Ok { String::new() } else { remedy.to_owned() };
+fn finding(
+    subject: &'static str,
+    level: FindingLevel,
+    found: impl Into<String>,
+    remedy: &str,
+) -> Finding {
+    let remedy = if level == FindingLevel::Ok { String::new() } else { remedy.to_owned() };
     Finding { subject, level, found: found.into(), remedy }
 }
 
@@ -77,7 +82,7 @@ fn read(path: &str) -> Option<String> {
 fn cores() -> Finding {
     let cores = affinity::allowed_cores();
     let found = format!("{} granted: {cores:?}", cores.len());
-    let level = if cores.len() >= 4 { Level::Ok } else { Level::Note };
+    let level = if cores.len() >= 4 { FindingLevel::Ok } else { FindingLevel::Note };
     finding(
         "cores",
         level,
@@ -89,7 +94,7 @@ fn cores() -> Finding {
 
 fn isolation() -> Finding {
     let isolated = read("/sys/devices/system/cpu/isolated").unwrap_or_default();
-    let level = if isolated.is_empty() { Level::Note } else { Level::Ok };
+    let level = if isolated.is_empty() { FindingLevel::Note } else { FindingLevel::Ok };
     let found = if isolated.is_empty() { "no core is isolated".to_owned() } else { isolated };
     finding(
         "isolation",
@@ -110,9 +115,9 @@ fn governor() -> Finding {
     governors.dedup();
     if governors.is_empty() {
         let remedy = "nothing to do here: a virtual machine, or the firmware decides";
-        return finding("governor", Level::Note, "the kernel does not say", remedy);
+        return finding("governor", FindingLevel::Note, "the kernel does not say", remedy);
     }
-    let level = if governors == ["performance"] { Level::Ok } else { Level::Note };
+    let level = if governors == ["performance"] { FindingLevel::Ok } else { FindingLevel::Note };
     let remedy = "clocks fall while nothing is asked: cpupower frequency-set -g performance";
     finding("governor", level, governors.join(", "), remedy)
 }
@@ -120,7 +125,7 @@ fn governor() -> Finding {
 fn preemption() -> Finding {
     let version = read("/proc/sys/kernel/version").unwrap_or_default();
     let is_preempt = version.contains("PREEMPT");
-    let level = if is_preempt { Level::Ok } else { Level::Note };
+    let level = if is_preempt { FindingLevel::Ok } else { FindingLevel::Note };
     let remedy = "calls of other processes into the kernel may delay us: a kernel with PREEMPT or \
                   PREEMPT_RT";
     let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
@@ -130,8 +135,8 @@ fn preemption() -> Finding {
 fn throttling() -> Finding {
     let runtime_us = read("/proc/sys/kernel/sched_rt_runtime_us");
     let runtime_us = runtime_us.and_then(|text| text.parse::<i64>().ok()).unwrap_or(-1);
-    let level = if runtime_us == -1 { Level::Ok } else { Level::Note };
-    let found = if level == Level::Ok {
+    let level = if runtime_us == -1 { FindingLevel::Ok } else { FindingLevel::Note };
+    let found = if level == FindingLevel::Ok {
         "none".to_owned()
     } else {
         format!("fixed priorities run {} ms of each second", runtime_us / 1000)
@@ -163,7 +168,12 @@ fn priority() -> Finding {
     };
     let remedy = "answers wait for other processes: LimitRTPRIO=80 in the unit, or rtprio in \
                   /etc/security/limits.d";
-    finding("fixed priority", if may { Level::Ok } else { Level::Note }, found, remedy)
+    finding(
+        "fixed priority",
+        if may { FindingLevel::Ok } else { FindingLevel::Note },
+        found,
+        remedy,
+    )
 }
 
 fn locked_memory() -> Finding {
@@ -176,7 +186,7 @@ fn locked_memory() -> Finding {
     };
     let remedy = "page faults may delay answers: LimitMEMLOCK=infinity in the unit, or memlock in \
                   /etc/security/limits.d";
-    finding("locked memory", if may { Level::Ok } else { Level::Note }, found, remedy)
+    finding("locked memory", if may { FindingLevel::Ok } else { FindingLevel::Note }, found, remedy)
 }
 
 fn descriptors() -> Finding {
@@ -184,13 +194,18 @@ fn descriptors() -> Finding {
     let enough = files.is_none_or(|most| most >= FILES);
     let found = files.map_or("no limit".to_owned(), |most| most.to_string());
     let remedy = "clients may be refused: LimitNOFILE=4096 in the unit, or ulimit -n 4096";
-    finding("descriptors", if enough { Level::Ok } else { Level::Problem }, found, remedy)
+    finding(
+        "descriptors",
+        if enough { FindingLevel::Ok } else { FindingLevel::Problem },
+        found,
+        remedy,
+    )
 }
 
 fn swap() -> Finding {
     let swaps = read("/proc/swaps").unwrap_or_default();
     let count = swaps.lines().count().saturating_sub(1);
-    let level = if count == 0 { Level::Ok } else { Level::Note };
+    let level = if count == 0 { FindingLevel::Ok } else { FindingLevel::Note };
     let found = if count == 0 { "none".to_owned() } else { format!("{count} in use") };
     finding("swap", level, found, "memory that is not locked may be on a disk: swapoff -a")
 }
@@ -202,17 +217,17 @@ fn shared_memory() -> Finding {
         Ok(about) => {
             let free = about.f_bavail * about.f_frsize;
             let size = about.f_blocks * about.f_frsize;
-            let level = if free >= SHM_BYTES { Level::Ok } else { Level::Problem };
+            let level = if free >= SHM_BYTES { FindingLevel::Ok } else { FindingLevel::Problem };
             let found = format!("{} of {} MiB free", free >> 20, size >> 20);
             finding("/dev/shm", level, found, remedy)
         }
-        Err(error) => finding("/dev/shm", Level::Problem, error.to_string(), remedy),
+        Err(error) => finding("/dev/shm", FindingLevel::Problem, error.to_string(), remedy),
     }
 }
 
 fn leftovers() -> Finding {
     let dead = transport::dead_instances(Path::new("/dev/shm"));
-    let level = if dead.is_empty() { Level::Ok } else { Level::Note };
+    let level = if dead.is_empty() { FindingLevel::Ok } else { FindingLevel::Note };
     let found = if dead.is_empty() { "none".to_owned() } else { dead.join(", ") };
     let remedy = "of runs that were killed; the next run of their kind removes them, or \
                   trolley demo, and of a service: start and stop it";
@@ -220,19 +235,21 @@ fn leftovers() -> Finding {
 }
 
 fn counters() -> Finding {
-    match runtime::counters::Counters::of(std::process::id()) {
-        Ok(_) => finding("counters", Level::Ok, "instructions and cache misses are counted", ""),
+    match runtime::counters::HardwareCounters::of(std::process::id()) {
+        Ok(_) => {
+            finding("counters", FindingLevel::Ok, "instructions and cache misses are counted", "")
+        }
         Err(error) => {
             let cause = std::error::Error::source(&error).map(ToString::to_string);
             let found = format!("not available: {}", cause.unwrap_or_else(|| error.to_string()));
             let remedy = "reports say so and count bytes instead; a virtual machine often has \
                           none, elsewhere CAP_PERFMON";
-            finding("counters", Level::Note, found, remedy)
+            finding("counters", FindingLevel::Note, found, remedy)
         }
     }
 }
 
 fn versions() -> Finding {
     let found = format!("trolley {BUILD}, iceoryx2 0.10.0, layouts v{}", protocol::public::VERSION);
-    finding("versions", Level::Ok, found, "")
+    finding("versions", FindingLevel::Ok, found, "")
 }

@@ -1,7 +1,7 @@
 //! The engine: it owns the sealed bodies, the workers and the workspace, and ranks.
 //!
 //! ```text
-//! Scenario --Bodies::of_scenario--> sealed store --Backend--> Workspace::rank --> Ranking
+//! Scenario --Bodies::of_scenario--> sealed store --Backend--> RankingWorkspace::rank --> Ranking
 //! ```
 //!
 //! Bodies, trees, workers and workspace are kept for as long as scenarios are about the same bodies
@@ -16,13 +16,13 @@ use crate::{BUILD, Failure};
 use body::{BodyView, Build, Fit, Kind, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, Course, Explanation, InProcessExecutor, Inquiry, Ledger, Options, Row, Stage,
-    WorkerPool, Workspace,
+    Answer, Backend, Course, Explanation, InProcessExecutor, Inquiry, JobHistory, Options,
+    RankingWorkspace, Row, Stage, WorkerPool,
 };
-use dispatch::Entry;
+use dispatch::LogEntry;
 use record::Mode;
 use runtime::{FileMap, affinity, clock};
-use scenario::{Cores, Engine as Settings, FileRef, Overrides, Source};
+use scenario::{Cores, EngineSettings as Settings, FileRef, Overrides, Source};
 use std::path::PathBuf;
 
 /// Says how an [`Engine`] is to work.
@@ -59,7 +59,7 @@ pub struct Ranking {
 #[derive(Clone, Debug)]
 pub(crate) struct Recorded {
     pub(crate) scenario: Scenario,
-    pub(crate) ledger: Ledger,
+    pub(crate) ledger: JobHistory,
     pub(crate) settings: Settings,
     pub(crate) bodies: Vec<record::RecordedBody>,
 }
@@ -73,7 +73,7 @@ struct Loaded {
     /// Found when the bodies are asked about for the second time: it takes longer than one request.
     extremes: Option<Vec<Extremes>>,
     backend: Option<Backend>,
-    workspace: Workspace,
+    workspace: RankingWorkspace,
 }
 
 /// What is known of a request when its work is done.
@@ -81,7 +81,7 @@ struct Told {
     answer: Answer,
     answered_ns: u64,
     explanation: Option<Explanation>,
-    ledger: Option<Ledger>,
+    ledger: Option<JobHistory>,
     run: Run,
     accepted_ns: u64,
     course: Course,
@@ -285,7 +285,7 @@ impl Engine {
 
     /// Who got which job in the last ranking, if [`Handing::log`] is set.
     #[must_use]
-    pub fn job_log(&self) -> &[Entry] {
+    pub fn job_log(&self) -> &[LogEntry] {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
         backend.and_then(Backend::worker_pool).map_or(&[], WorkerPool::log)
     }
@@ -335,7 +335,7 @@ fn loaded<'l>(
             bodies,
             extremes: None,
             backend: None,
-            workspace: Workspace::default(),
+            workspace: RankingWorkspace::default(),
         });
     }
     kept.as_mut().ok_or_else(|| Failure::internal("no bodies"))

@@ -4,8 +4,8 @@
 use crate::Failure;
 use body::{BodyView, Meta};
 use bvh::section;
-use dispatch::{Cache, Entry, Matching, Queues};
-use scenario::{Engine, Scheme};
+use dispatch::{Cache, LogEntry, Matching, Queues};
+use scenario::{EngineSettings, Scheme};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -18,7 +18,7 @@ pub const BUDGET_PERCENT: u64 = 60;
 /// How workers come by the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Transfer {
+pub enum TransferMode {
     /// They read the one sealed store in place.
     #[default]
     ZeroCopy,
@@ -27,7 +27,7 @@ pub enum Transfer {
     Copy,
 }
 
-impl Transfer {
+impl TransferMode {
     /// Both of them, the default first.
     pub const ALL: [Self; 2] = [Self::ZeroCopy, Self::Copy];
 
@@ -50,8 +50,8 @@ pub struct Handing {
     /// room. `None`: no limit.
     pub cache_bytes: Option<u64>,
     /// How workers come by the bodies.
-    pub transfer: Transfer,
-    /// With [`Transfer::Copy`]: bytes of sections that a worker may hold; `None`:
+    pub transfer: TransferMode,
+    /// With [`TransferMode::Copy`]: bytes of sections that a worker may hold; `None`:
     /// [`BUDGET_PERCENT`] of all bodies.
     pub memory_budget: Option<u64>,
     /// Whether to keep who got which job.
@@ -64,7 +64,7 @@ impl Handing {
     /// # Errors
     ///
     /// If batches would wait too long.
-    pub fn queues(&self, engine: &Engine) -> Result<Queues, Failure> {
+    pub fn queues(&self, engine: &EngineSettings) -> Result<Queues, Failure> {
         if self.linger_us > LINGER_MAX_US {
             return Err(Failure::setting(format!("--linger is {}", self.linger_us))
                 .with_remedy(format!("--linger may be 0 to {LINGER_MAX_US} µs")));
@@ -84,40 +84,40 @@ impl Handing {
     pub fn cache(&self, depth: u32, bodies: &[(Meta, BodyView<'_>)]) -> Result<Cache, Failure> {
         let largest = || bodies.iter().map(|(_, body)| largest_section(body, depth)).max();
         match (self.transfer, self.cache_bytes, self.memory_budget) {
-            (Transfer::Copy, Some(_), _) => {
+            (TransferMode::Copy, Some(_), _) => {
                 Err(Failure::setting("--cache-bytes is for zero-copy alone")
                     .with_remedy("--memory-budget bounds what a worker that copies can hold"))
             }
-            (Transfer::ZeroCopy, _, Some(_)) => {
+            (TransferMode::ZeroCopy, _, Some(_)) => {
                 Err(Failure::setting("--memory-budget is for workers that copy")
                     .with_remedy("give --transfer copy besides, or --cache-bytes"))
             }
-            (Transfer::Copy, None, Some(budget)) => {
+            (TransferMode::Copy, None, Some(budget)) => {
                 fits("--memory-budget", budget, depth, largest().unwrap_or(0))?;
                 Ok(Cache::Fixed(budget))
             }
-            (Transfer::Copy, None, None) => {
+            (TransferMode::Copy, None, None) => {
                 let all: u64 = bodies.iter().map(|(_, body)| section::bytes(body.nodes, 0)).sum();
                 Ok(Cache::Fixed(all * BUDGET_PERCENT / 100))
             }
-            (Transfer::ZeroCopy, Some(bytes), None) => {
+            (TransferMode::ZeroCopy, Some(bytes), None) => {
                 fits("--cache-bytes", bytes, depth, largest().unwrap_or(0))?;
                 Ok(Cache::Recent(bytes))
             }
-            (Transfer::ZeroCopy, None, None) => Ok(Cache::Unlimited),
+            (TransferMode::ZeroCopy, None, None) => Ok(Cache::Unlimited),
         }
     }
 
     /// Whether sections are copied.
     #[must_use]
     pub fn copies(&self) -> bool {
-        self.transfer == Transfer::Copy
+        self.transfer == TransferMode::Copy
     }
 }
 
 /// Who gets which job, as the engine's settings say.
 #[must_use]
-pub fn matching(engine: &Engine) -> Matching {
+pub fn matching(engine: &EngineSettings) -> Matching {
     match engine.scheme {
         Scheme::BestMatchLoad => Matching::BestMatchLoad(engine.alpha),
         Scheme::BestMatch => Matching::BestMatch,
@@ -156,21 +156,21 @@ fn fits(option: &str, bytes: u64, depth: u32, largest: u64) -> Result<(), Failur
 /// A job log as CSV: who got which job, with the sections that it needs and their bytes. The
 /// transfer ledger can be recomputed from it.
 #[must_use]
-pub fn log_csv(log: &[Entry]) -> String {
+pub fn log_csv(log: &[LogEntry]) -> String {
     let mut text = String::from(
         "event,job,attempt,worker,incarnation,model_a,node_a,bytes_a,model_b,node_b,bytes_b\n",
     );
     for entry in log {
         // A String takes whatever it is given.
         let _written = match entry {
-            Entry::Assigned { job, attempt, who, sections: [(a, bytes_a), (b, bytes_b)] } => {
+            LogEntry::Assigned { job, attempt, who, sections: [(a, bytes_a), (b, bytes_b)] } => {
                 writeln!(
                     text,
                     "assigned,{},{attempt},{},{},{},{},{bytes_a},{},{},{bytes_b}",
                     job.0, who.worker, who.inc, a.model, a.node, b.model, b.node
                 )
             }
-            Entry::Lost { who } => writeln!(text, "lost,,,{},{},,,,,,", who.worker, who.inc),
+            LogEntry::Lost { who } => writeln!(text, "lost,,,{},{},,,,,,", who.worker, who.inc),
         };
     }
     text

@@ -13,7 +13,7 @@
 mod answer;
 mod bodies;
 
-pub use answer::{Asked, Found, Intersected, hex};
+pub use answer::{Found, Intersected, QueryResult, hex};
 pub use bvh::kernel::Walk;
 pub use bvh::{Counters, Question};
 pub use geometry::simd::Simd;
@@ -128,7 +128,7 @@ fn ask(
     level: Level,
     bodies: [&Body; 2],
     poses: &[Pose; 2],
-) -> Result<Asked, Failure> {
+) -> Result<QueryResult, Failure> {
     let views @ [a, b] = [bodies[0].view()?, bodies[1].view()?];
     let [depth_a, depth_b] = bodies.map(|body| body.meta.depth);
     let kernel = || {
@@ -160,12 +160,12 @@ fn ask(
             let fault = "the same query found different things: this is a mistake of ours";
             return Err(Failure::internal(fault));
         };
-        let median = |time: fn(&Asked) -> u64| {
+        let median = |time: fn(&QueryResult) -> u64| {
             let mut times: Vec<u64> = timed.iter().map(|(_, asked)| time(asked)).collect();
             times.sort_unstable();
             times[times.len() / 2].midpoint(times[(times.len() - 1) / 2])
         };
-        Ok(Asked {
+        Ok(QueryResult {
             pose_ns: median(|asked| asked.pose_ns),
             query_ns: median(|asked| asked.query_ns),
             ..*last
@@ -191,14 +191,14 @@ fn query<'t>(
     [a, b]: [BodyView<'t>; 2],
     poses: &[Pose; 2],
     question: Question,
-) -> Asked {
+) -> QueryResult {
     let begun_ns = now_ns();
     let [of_a, of_b] = black_box(poses);
     let pose = RelativePose::between(of_a, of_b);
     let posed_ns = now_ns();
     let outcome = parallel.run(&Task { a, b, pose, question, directions: None });
     let query_ns = now_ns() - posed_ns;
-    Asked {
+    QueryResult {
         found: found(&outcome, parallel, [&a, &b]),
         counters: outcome.counters,
         jobs: parallel.jobs(),

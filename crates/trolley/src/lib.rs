@@ -56,7 +56,7 @@ pub mod traffic;
 mod worker;
 
 pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Pursuit, Row, Scene, Until};
-pub use damage::{State, Touch};
+pub use damage::{AnswerState, Touch};
 pub use deployment::OpenDeployment;
 pub use diagnostic::{Diagnostic, Failure, Kind};
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
@@ -65,15 +65,15 @@ pub use protocol::public::Ask;
 pub use record::Record;
 pub use run::Run;
 pub use runtime::heap::Counting as CountingAllocator;
-pub use scenario::{Scenario, Text, Texts, read_text};
+pub use scenario::{Scenario, SourceText, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
 pub use service::Idle;
 pub use worker::{play_worker, run_reader, run_worker};
 
 /// What an [`Explanation`] is made of.
 pub mod explanation {
-    pub use coordinator::{Chain, PersonChain, PolicyStep, Separation};
-    pub use damage::curve::Unit;
+    pub use coordinator::{Derivation, PersonChain, PolicyStep, Separation};
+    pub use damage::curve::CurveUnit;
     pub use damage::{Knob, Margin, Reserve, Stability};
 }
 

@@ -1,7 +1,7 @@
 //! How far, by when, in which order and in how large pieces a request is worked on.
 
 use crate::{Failure, Kind};
-use coordinator::{Pursuit, Terms, Until};
+use coordinator::{Pursuit, RequestLimits, Until};
 use core::time::Duration;
 
 /// Least budget: two full leaves are tested in one step.
@@ -109,19 +109,19 @@ impl Limits {
 
     /// As the coordinator takes them.
     #[must_use]
-    pub fn terms(&self, scenario: Option<Duration>) -> Terms {
+    pub fn terms(&self, scenario: Option<Duration>) -> RequestLimits {
         let deadline = self.deadline(scenario);
         let is_early = self.until != Until::Complete || deadline.is_some();
         let usual = if is_early { Pursuit::Deciding } else { Pursuit::AsAsked };
         // A replay makes the jobs of a ledger again, and knows of no parts of them.
         let budget = match (self.budget, deadline) {
             (Some(budget), _) => budget,
-            (None, Some(_)) if !self.ledger => Terms::BUDGET,
+            (None, Some(_)) if !self.ledger => RequestLimits::BUDGET,
             (None, _) => u64::MAX,
         };
-        Terms {
+        RequestLimits {
             until: self.until,
-            deadline_ns: deadline.map(Terms::guarded),
+            deadline_ns: deadline.map(RequestLimits::guarded),
             pursuit: self.pursuit.unwrap_or(usual),
             budget,
         }

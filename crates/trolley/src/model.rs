@@ -21,14 +21,14 @@ pub mod open;
 
 pub use body::{Build, Kind as BodyKind, LEAF_SIZE_MAX, Seat, Shape};
 pub use bvh::BuildOptions;
-pub use check::{Checked, Verdict, check};
+pub use check::{CheckReport, FileCheck, check};
 pub use export::{Export, Exported};
 pub use facts::Facts;
 pub use generate::{Generate, Generated};
-pub use import::{Import, Imported};
+pub use import::{Import, ImportedModel};
 pub use info::{BodyInfo, Info, MeshInfo, info};
 pub use mesh::export::ExportFormat;
-pub use mesh::import::{Axis, Reading, Unit};
+pub use mesh::import::{Axis, LengthUnit, Reading};
 pub use mesh::reader::{MeshOptions, OnProgress, ReadLimits, Report};
 pub use shapes::{TRIANGLES_MAX, TRIANGLES_MIN};
 

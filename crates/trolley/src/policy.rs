@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// One file, checked.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Checked {
+pub struct CheckedFile {
     /// The file.
     pub file: String,
     /// What it is: "policy", "curve set", or "file" where that could not be found out.
@@ -29,7 +29,10 @@ pub struct Checked {
 /// # Errors
 ///
 /// If `curves` cannot be read or is not sound. That one of `files` is not is no error: it says so.
-pub fn check<P: AsRef<Path>>(files: &[P], curves: Option<&Path>) -> Result<Vec<Checked>, Failure> {
+pub fn check<P: AsRef<Path>>(
+    files: &[P],
+    curves: Option<&Path>,
+) -> Result<Vec<CheckedFile>, Failure> {
     let curves = match curves {
         None => Curves::shipped(),
         Some(path) => Curves::parse(&path.display().to_string(), &read_text(path)?),
@@ -38,13 +41,13 @@ pub fn check<P: AsRef<Path>>(files: &[P], curves: Option<&Path>) -> Result<Vec<C
     Ok(files.iter().map(|file| check_one(file.as_ref(), &curves)).collect())
 }
 
-fn check_one(path: &Path, curves: &Curves) -> Checked {
+fn check_one(path: &Path, curves: &Curves) -> CheckedFile {
     let file = path.display().to_string();
     let text = match read_text(path) {
         Ok(text) => text,
         Err(failure) => {
             let (kind, name, says) = ("file", String::new(), Vec::new());
-            return Checked { file, kind, name, says, fault: Some(failure.to_string()) };
+            return CheckedFile { file, kind, name, says, fault: Some(failure.to_string()) };
         }
     };
     let is_curves = text.lines().any(|line| line.trim_start().starts_with("[[curve]]"));
@@ -59,10 +62,10 @@ fn check_one(path: &Path, curves: &Curves) -> Checked {
         Some(format!("{file}: outcome {}: {missing}", policy.outcome.name()))
     });
     match (read, uncovered.flatten()) {
-        (Ok((name, says)), fault) => Checked { file, kind, name, says, fault },
+        (Ok((name, says)), fault) => CheckedFile { file, kind, name, says, fault },
         (Err(fault), _) => {
             let (name, says) = (String::new(), Vec::new());
-            Checked { file, kind, name, says, fault: Some(Failure::from(fault).to_string()) }
+            CheckedFile { file, kind, name, says, fault: Some(Failure::from(fault).to_string()) }
         }
     }
 }

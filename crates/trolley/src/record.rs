@@ -118,7 +118,7 @@ fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
         return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
     };
     let Recorded { scenario, ledger, settings: engine, bodies } = recorded;
-    let text = |text: &crate::scenario::Text| RecordedText::new(&text.name, &text.text);
+    let text = |text: &crate::scenario::SourceText| RecordedText::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
     });

@@ -18,7 +18,7 @@ const DEMO_NAME: &str = "config/scenarios/demo.toml";
 
 /// A text and the name to blame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Text {
+pub struct SourceText {
     /// Where it is from: a path, usually.
     pub name: String,
     /// The text.
@@ -29,11 +29,11 @@ pub struct Text {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texts {
     /// Parties and candidates.
-    pub scenario: Text,
+    pub scenario: SourceText,
     /// By what candidates are compared.
-    pub policy: Text,
+    pub policy: SourceText,
     /// Injury risk curves.
-    pub curves: Text,
+    pub curves: SourceText,
 }
 
 /// What is to be ranked, and by what it will be judged: read and checked.
@@ -76,12 +76,12 @@ impl Scenario {
         let parsed = scenario::Scenario::parse(name, text)?;
         let or_shipped = |reference: &Option<FileRef>, shipped: &str, text: &str| match reference {
             Some(reference) => named(Path::new(name), reference),
-            None => Ok(Text { name: shipped.to_owned(), text: text.to_owned() }),
+            None => Ok(SourceText { name: shipped.to_owned(), text: text.to_owned() }),
         };
         let texts = Texts {
             policy: or_shipped(&parsed.policy, "config/policies/default.toml", DEFAULT_POLICY)?,
             curves: or_shipped(&parsed.curves, "config/curves/default.toml", DEFAULT_CURVES)?,
-            scenario: Text { name: name.to_owned(), text: text.to_owned() },
+            scenario: SourceText { name: name.to_owned(), text: text.to_owned() },
         };
         Self::of_texts(texts)
     }
@@ -172,9 +172,9 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 /// The text of a file that the scenario names.
-fn named(scenario: &Path, reference: &FileRef) -> Result<Text, Failure> {
+fn named(scenario: &Path, reference: &FileRef) -> Result<SourceText, Failure> {
     let path = beside(scenario, &reference.path);
     let place = format!("{}:{}", scenario.display(), reference.place);
     let text = read_text(&path).map_err(|failure| failure.at(place))?;
-    Ok(Text { name: path.display().to_string(), text })
+    Ok(SourceText { name: path.display().to_string(), text })
 }

@@ -6,7 +6,7 @@ use crate::engine::{pin_coordinator, worker_cores};
 use crate::{BUILD, Failure, handing};
 use coordinator::Options;
 use dispatch::{Intensity, Queues};
-use service::{Idle, MissingRequirement, Site};
+use service::{Idle, MissingRequirement, ServiceConfig};
 
 /// What is decided at the start, in place of what the deployment says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,7 +70,7 @@ pub fn serve(
         },
         ..Options::new(opened.deployment.instance.clone(), BUILD, cores)
     };
-    let site = Site {
+    let site = ServiceConfig {
         deployment: &opened.deployment,
         policy: &policy,
         curves: &curves,

@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use traffic::{
-    Catalog, DEFAULT_LIBRARY, Library, Manoeuvre, Meeting, ReadOptions, Recording, Sweep, Swept,
+    Catalog, Conflict, DEFAULT_LIBRARY, Library, Manoeuvre, ReadOptions, Recording, Sweep, Swept,
 };
 
 /// When a recorded ego meets somebody too late for a sweep from its start, manoeuvres begin this
@@ -77,7 +77,7 @@ impl TrafficOptions {
 }
 
 /// A traffic file, read and swept.
-pub struct Imported {
+pub struct ImportedTraffic {
     recording: Recording,
     swept: Swept,
     horizon_s: f64,
@@ -124,7 +124,7 @@ fn text(path: &Path) -> Result<String, Failure> {
 /// # Errors
 ///
 /// If a file cannot be read or is not sound, or the ego stands in somebody where manoeuvres begin.
-pub fn import(path: &Path, options: &TrafficOptions) -> Result<Imported, Failure> {
+pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, Failure> {
     let name = path.display().to_string();
     let mut sweep = options.sweep()?;
     let library = options.library()?;
@@ -169,7 +169,7 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<Imported, Failure
             Some(text)
         }
     };
-    Ok(Imported { recording, swept, horizon_s: sweep.horizon_s, notes, text })
+    Ok(ImportedTraffic { recording, swept, horizon_s: sweep.horizon_s, notes, text })
 }
 
 /// A meeting as `--json` has it.
@@ -201,8 +201,8 @@ pub struct Document<'a> {
     notes: &'a [String],
 }
 
-impl Imported {
-    fn row(&self, meeting: &Meeting) -> MeetingRow<'_> {
+impl ImportedTraffic {
+    fn row(&self, meeting: &Conflict) -> MeetingRow<'_> {
         let other = &self.recording.others[meeting.whom];
         MeetingRow {
             manoeuvre: meeting.manoeuvre.name(),

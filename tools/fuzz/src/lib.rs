@@ -7,7 +7,7 @@
 use body::file::Aligned;
 use bytemuck::Zeroable as _;
 use damage::{Curves, Policy};
-use mesh::import::{Format, ImportOptions, Unit};
+use mesh::import::{Format, ImportOptions, LengthUnit};
 use protocol::public::Ask;
 use protocol::{Boot, Head, Incarnation, Launch, chunk, job, result};
 use std::sync::OnceLock;
@@ -48,7 +48,7 @@ fn text(bytes: &[u8], parse: impl FnOnce(&str)) {
 /// A reader of others may panic, which the child process in which it runs turns into a message; so
 /// only what it then does to memory and time is looked at here.
 fn mesh(format: Format, bytes: &[u8]) {
-    let unit = (format == Format::LsDyna).then_some(Unit::METRE);
+    let unit = (format == Format::LsDyna).then_some(LengthUnit::METRE);
     let file = "fuzz".to_owned();
     let options = ImportOptions { file, unit, any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(format!("{name}: no side files here"));

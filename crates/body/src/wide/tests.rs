@@ -128,7 +128,7 @@ fn shares_do_not_change_it() {
         for shares in [0, 2, 3, 9] {
             let wide = Laid::out(&body.nodes).filled(&body.corners, shares, |cut| {
                 assert!(cut.len() <= shares.max(1));
-                cut.into_iter().rev().for_each(Share::fill);
+                cut.into_iter().rev().for_each(LeafRun::fill);
             });
             assert!(wide == body.wide, "{count} triangles, {shares} shares");
         }

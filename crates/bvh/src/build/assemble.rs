@@ -4,7 +4,7 @@
 use super::team::Team;
 use super::{BuildError, BuildOptions, Hierarchy, grow, hierarchy};
 use crate::Tree;
-use body::wide::{Laid, Share};
+use body::wide::{Laid, LeafRun};
 use body::{Body, BodyView, Mesh, Meta, Zones};
 use geometry::Corners;
 
@@ -40,7 +40,7 @@ fn assembled_by<R: Send>(
         },
     );
     let wide = laid.filled(&in_order, team.threads(), |shares| {
-        team.each(shares, Share::fill);
+        team.each(shares, LeafRun::fill);
     });
     let tree = Tree { nodes, wide, corners: in_order, ids: order, zones: Vec::new(), depth };
     Ok((tree, rest))

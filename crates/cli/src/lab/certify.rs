@@ -6,7 +6,7 @@
 use super::shown::show;
 use crate::output::Output;
 use ::lab::certify::{
-    BUDGET, BoundsOptions, BudgetOptions, DeadlineOptions, Flaw, ShareOptions, bounds, budget,
+    BUDGET, BoundFlaw, BoundsOptions, BudgetOptions, DeadlineOptions, ShareOptions, bounds, budget,
     deadline, share,
 };
 use std::path::PathBuf;
@@ -78,7 +78,7 @@ pub(crate) struct BoundsArgs {
     flaw: Option<FlawName>,
 }
 
-/// [`Flaw`] by name.
+/// [`BoundFlaw`] by name.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum FlawName {
     /// Poses that are not done are taken to add nothing.
@@ -148,8 +148,8 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
                 seed: args.seed,
                 depth: args.depth,
                 flaw: args.flaw.map(|flaw| match flaw {
-                    FlawName::ForgetsOpenPoses => Flaw::ForgetsOpenPoses,
-                    FlawName::HalvesWidths => Flaw::HalvesWidths,
+                    FlawName::ForgetsOpenPoses => BoundFlaw::ForgetsOpenPoses,
+                    FlawName::HalvesWidths => BoundFlaw::HalvesWidths,
                 }),
             };
             let report = bounds(&options, &told)?;

@@ -8,10 +8,10 @@ use crate::output::Output;
 use ::lab::PairName;
 use ::lab::measure::{ALPHA, RankOptions, SweepOptions, rank, sweep};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use scenario::{Engine, Overrides, Scheme};
+use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::handing::{Handing, Transfer};
+use trolley::handing::{Handing, TransferMode};
 use trolley::{Failure, Limits, Pursuit};
 
 pub(crate) const EXAMPLES: &str = "\
@@ -51,9 +51,9 @@ pub(crate) struct MeasureArgs {
     alpha: Option<f64>,
     /// How workers come by the bodies: they read the one store, or get sections copied [default of
     /// a sweep: both, of a ranking: zero-copy].
-    #[arg(long, value_name = "MODE", value_parser = named(Transfer::ALL, Transfer::name),
+    #[arg(long, value_name = "MODE", value_parser = named(TransferMode::ALL, TransferMode::name),
           conflicts_with = "in_process")]
-    transfer: Option<Transfer>,
+    transfer: Option<TransferMode>,
     /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of bodies].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     memory_budget: Option<u64>,
@@ -123,7 +123,7 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
         pairs: args.pair.clone(),
         out,
         schemes: args.scheme.clone(),
-        seed: Engine::DEFAULT.apply(&overrides)?.seed,
+        seed: EngineSettings::DEFAULT.apply(&overrides)?.seed,
         alpha: args.alpha.unwrap_or(ALPHA),
         transfer: args.transfer,
         handing: args.handing(),

@@ -3,7 +3,7 @@
 use super::shown::show;
 use crate::output::Output;
 use crate::print;
-use ::lab::simulate::{Fault, FaultOptions, faults};
+use ::lab::simulate::{FaultOptions, SimulatedFault, faults};
 use std::process::ExitCode;
 use trolley::{Failure, Kind};
 
@@ -42,18 +42,18 @@ pub(crate) struct FaultArgs {
     threads: Option<usize>,
     /// These kinds of faults alone.
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kind)]
-    only: Vec<Fault>,
+    only: Vec<SimulatedFault>,
     /// Not these.
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kind)]
-    without: Vec<Fault>,
+    without: Vec<SimulatedFault>,
     /// So many faults in a world at most: the first ones.
     #[arg(long, value_name = "N")]
     most: Option<u64>,
 }
 
-fn kind(name: &str) -> Result<Fault, String> {
-    Fault::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Fault::ALL.iter().map(|fault| fault.name()).collect();
+fn kind(name: &str) -> Result<SimulatedFault, String> {
+    SimulatedFault::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = SimulatedFault::ALL.iter().map(|fault| fault.name()).collect();
         format!("there are: {}", names.join(", "))
     })
 }

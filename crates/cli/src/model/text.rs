@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use trolley::model::facts::triangles;
-use trolley::model::{Facts, MeshInfo, Reading, Report, Seat, Verdict};
+use trolley::model::{Facts, FileCheck, MeshInfo, Reading, Report, Seat};
 
 pub(crate) use trolley::model::facts::thousands;
 
@@ -124,7 +124,7 @@ pub(super) fn read(report: &Report) -> String {
 }
 
 /// The line of a file that was checked.
-pub(super) fn verdict(verdict: &Verdict) -> String {
+pub(super) fn verdict(verdict: &FileCheck) -> String {
     let (state, mut text) = match (&verdict.what, &verdict.fault) {
         (Some(what), _) => ("ok", format!("{}: {what}", verdict.file)),
         (None, fault) => ("refused", fault.clone().unwrap_or_default()),

@@ -3,7 +3,7 @@
 use super::*;
 use crate::fixtures::with;
 use crate::run_in_process;
-use crate::{Answer, Pursuit, Request, Terms};
+use crate::{Answer, Pursuit, Request, RequestLimits};
 use proptest::prelude::*;
 
 /// What becomes of a job that is not obsolete.
@@ -52,7 +52,7 @@ fn given_and_again(
     pursuit: Pursuit,
     fate: impl FnMut() -> Fate,
 ) -> (Answer, Answer) {
-    let terms = Terms { pursuit, ..Terms::default() };
+    let terms = RequestLimits { pursuit, ..RequestLimits::default() };
     let mut work = RankingRun::new(request, bodies, 4).with_terms(terms).with_ledger();
     run_badly(&mut work, bodies, fate);
     let ledger = work.ledger().expect("kept");
@@ -75,7 +75,7 @@ fn a_complete_run_is_replayed_from_its_ledger_alone() {
         // Without its last jobs it is another answer, and says that it is not complete.
         let mut cut = RankingRun::new(request, bodies, 4);
         replay(&mut cut, bodies, &ledger.places, &ledger.jobs[..ledger.jobs.len() / 2]);
-        assert_ne!(cut.answer().expect("sound").state, damage::State::Complete);
+        assert_ne!(cut.answer().expect("sound").state, damage::AnswerState::Complete);
     });
 }
 
@@ -110,8 +110,8 @@ fn an_answer_that_was_given_early_is_given_again() {
                 assert_eq!(again, given, "{pursuit:?} after {jobs} jobs");
                 states.push(given.state);
             }
-            assert_eq!(states.first(), Some(&damage::State::Degraded));
-            assert_eq!(states.last(), Some(&damage::State::Complete));
+            assert_eq!(states.first(), Some(&damage::AnswerState::Degraded));
+            assert_eq!(states.last(), Some(&damage::AnswerState::Complete));
         }
     });
 }

@@ -13,8 +13,8 @@ const POLICIES: [&str; 6] = [
     include_str!("../../../../config/policies/worst-off-first.toml"),
 ];
 
-fn campaign(seeds: u64, flaw: Option<Flaw>) -> Verdict {
-    let mut all = Verdict::default();
+fn campaign(seeds: u64, flaw: Option<BoundFlaw>) -> TrialResult {
+    let mut all = TrialResult::default();
     for (number, text) in POLICIES.iter().enumerate() {
         let policy = Policy::parse("policy.toml", text).expect("sound");
         with_policy(policy, |request, bodies| {
@@ -42,7 +42,7 @@ fn final_values_lie_in_every_earlier_interval() {
 
 #[test]
 fn unsound_bounds_are_caught() {
-    for flaw in [Flaw::ForgetsOpenPoses, Flaw::HalvesWidths] {
+    for flaw in [BoundFlaw::ForgetsOpenPoses, BoundFlaw::HalvesWidths] {
         let verdict = campaign(1, Some(flaw));
         assert!(!verdict.violations.is_empty(), "{flaw:?} went unnoticed");
     }

@@ -4,7 +4,7 @@ use super::RankingRun;
 use crate::answer::Answer;
 use crate::brief::{Brief, Judged};
 use crate::request::{Request, RequestError};
-use damage::{Basis, CandidateHarm, Evidence, Ranking, assess_in, rank_in};
+use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess_in, rank_in};
 
 impl<'w> RankingRun<'w> {
     /// The answer that follows from what is known by now.
@@ -18,7 +18,7 @@ impl<'w> RankingRun<'w> {
     }
 
     /// Harm of every candidate, and their order.
-    pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+    pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
         self.judge_by(|case| self.evidence(case), |_| {})
     }
 
@@ -27,7 +27,7 @@ impl<'w> RankingRun<'w> {
         &self,
         evidence: impl Fn(usize) -> Evidence,
         change: impl Fn(&mut CandidateHarm),
-    ) -> Result<(Vec<CandidateHarm>, Ranking), RequestError> {
+    ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
         let mut judged = Judged::default();
         self.judge_in(&mut judged, evidence, change)?;
         Ok((judged.harms, judged.ranking))

@@ -2,7 +2,7 @@
 
 use super::{RankingRun, TaskState};
 use crate::explain::Explanation;
-use crate::ledger::{Asked, Ledger};
+use crate::ledger::{Asked, JobHistory};
 use crate::request::RequestError;
 use protocol::TaskId;
 
@@ -10,7 +10,7 @@ impl RankingRun<'_> {
     /// The same, keeping a ledger of its jobs.
     #[must_use]
     pub fn with_ledger(mut self) -> Self {
-        self.ledger = Some(Ledger::new());
+        self.ledger = Some(JobHistory::new());
         self
     }
 
@@ -23,7 +23,7 @@ impl RankingRun<'_> {
 
     /// The ledger, if one is kept.
     #[must_use]
-    pub fn ledger(&self) -> Option<&Ledger> {
+    pub fn ledger(&self) -> Option<&JobHistory> {
         self.ledger.as_ref()
     }
 

@@ -10,7 +10,9 @@ use crate::case::Aim;
 use crate::request::Request;
 use crate::terms::Until;
 use damage::evidence::Touch;
-use damage::{Basis, Bounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing};
+use damage::{
+    Basis, CandidateBounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing,
+};
 use damage::{bounds_in, needs_high, standing_in};
 use runtime::clock;
 use serde::Serialize;
@@ -30,7 +32,7 @@ pub struct Certainty {
 #[derive(Debug, Default)]
 pub(super) struct Outlook {
     /// Per candidate. They are all made at the first review.
-    bounds: Vec<Bounds>,
+    bounds: Vec<CandidateBounds>,
     pub(super) standing: Option<Standing>,
     /// What the persons of the request have at stake.
     stakes: Vec<Stake>,

@@ -1,7 +1,7 @@
 //! What the coordinator saw of a fault, and when: the other half of a fault report.
 
 use super::WorkerPool;
-use dispatch::{Verdict, Why};
+use dispatch::{Liveness, Why};
 use protocol::{Incarnation, Reject};
 use runtime::clock;
 
@@ -25,7 +25,7 @@ pub enum Observation {
     /// The process has ended.
     Ended,
     /// It stood still, and was killed.
-    StoodStill(Verdict),
+    StoodStill(Liveness),
     /// Its message was turned away.
     TurnedAway(Reject),
     /// Its result was not wanted: late, repeated, or out of order.

@@ -1,7 +1,7 @@
 //! How a worker pool is started: who plays the workers, on which cores, with which queues.
 
 use dispatch::{Cache, Intensity, Matching, Patience, Queues};
-use scenario::Engine;
+use scenario::EngineSettings;
 use std::path::PathBuf;
 
 /// How workers are started.
@@ -37,8 +37,8 @@ pub struct Options {
 impl Options {
     /// Queues and batches as the engine has them where nothing is said.
     pub const QUEUES: Queues = Queues {
-        capacity: Engine::DEFAULT.queue as u32,
-        batch: Engine::DEFAULT.batch as u32,
+        capacity: EngineSettings::DEFAULT.queue as u32,
+        batch: EngineSettings::DEFAULT.batch as u32,
         linger_ns: 0,
     };
 
@@ -55,7 +55,7 @@ impl Options {
             instance: instance.into(),
             build: build.into(),
             cores,
-            matching: Matching::BestMatchLoad(Engine::DEFAULT.alpha),
+            matching: Matching::BestMatchLoad(EngineSettings::DEFAULT.alpha),
             queues: Self::QUEUES,
             cache: Cache::Unlimited,
             copies: false,

@@ -78,7 +78,7 @@ pub struct Duty {
 
 /// What one worker did for one request: what is added up over requests.
 #[derive(Clone, Copy, Debug)]
-pub struct Share {
+pub struct WorkerShare {
     /// Worker number.
     pub worker: u8,
     /// Process id.

@@ -1,12 +1,12 @@
 //! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
 
-use super::{Hardware, Options, Share, WorkerReport};
+use super::{Hardware, Options, WorkerReport, WorkerShare};
 use core::sync::atomic::Ordering;
-use dispatch::{Patience, Pulse, Verdict, Watch};
+use dispatch::{Liveness, Patience, Pulse, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
 use protocol::{Head, Incarnation, JobId, Kind, Launch, Reject, RequestId};
-use runtime::counters::{Counted, Counters};
+use runtime::counters::{HardwareCounters, HardwareCounts};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
@@ -34,7 +34,7 @@ pub(super) struct WorkerHandle {
     /// What was counted before this request: by the worker, and at both ends of its channels.
     before: Before,
     /// Hardware counters, or why there are none; and what they said before this request.
-    counters: Result<(Counters, Counted), Hardware>,
+    counters: Result<(HardwareCounters, HardwareCounts), Hardware>,
     /// Kept open: the worker holds the other end.
     _wake_fd: EventFd,
 }
@@ -118,7 +118,7 @@ impl WorkerHandle {
             hardware: Hardware::Counted { instructions: 0, cache_misses: 0 },
             lost: None,
         };
-        let counters = Counters::of(child.pid()).map_err(Hardware::from);
+        let counters = HardwareCounters::of(child.pid()).map_err(Hardware::from);
         Ok(Self {
             who: launch.who,
             report,
@@ -134,7 +134,7 @@ impl WorkerHandle {
             batches: 0,
             seq: 0,
             before: Before::default(),
-            counters: counters.map(|counters| (counters, Counted::default())),
+            counters: counters.map(|counters| (counters, HardwareCounts::default())),
             _wake_fd: wake_fd,
         })
     }
@@ -219,12 +219,12 @@ impl WorkerHandle {
     }
 
     /// The part of [`WorkerHandle::report`] that is added up over requests: nothing is copied for it.
-    pub(super) fn share(&self, status: &StatusMemory) -> Share {
+    pub(super) fn share(&self, status: &StatusMemory) -> WorkerShare {
         let (now, before, report) = (self.counted(status), &self.before, &self.report);
         let messages = |count: fn(&Traffic) -> u64| {
             (count(&now.sent) - count(&before.sent)) + (count(&now.taken) - count(&before.taken))
         };
-        Share {
+        WorkerShare {
             worker: report.worker,
             pid: report.pid,
             core: report.core,
@@ -331,7 +331,7 @@ impl WorkerHandle {
         status: &StatusMemory,
         now: u64,
         patience: &Patience,
-    ) -> Option<Verdict> {
+    ) -> Option<Liveness> {
         if !self.is_busy(status) {
             self.watch = Watch::default();
             return None;
@@ -341,7 +341,7 @@ impl WorkerHandle {
         let stopped = matches!(stat.state, 'T' | 't');
         let pulse = Pulse { beat, cpu_ns: stat.cpu_ns, stopped, busy: true };
         let verdict = self.watch.look(pulse, now, patience);
-        (verdict != Verdict::Alive).then_some(verdict)
+        (verdict != Liveness::Alive).then_some(verdict)
     }
 
     /// Kills it, and remembers why.

@@ -26,7 +26,7 @@ pub struct Risk {
 
 /// The figures of one candidate by which it ranks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bounds {
+pub struct CandidateBounds {
     /// Probability of the collision.
     pub probability: f64,
     /// Whether the bodies touch.
@@ -51,7 +51,7 @@ impl Risk {
     }
 }
 
-impl Bounds {
+impl CandidateBounds {
     /// The same figures of a candidate that was assessed in full.
     #[must_use]
     pub fn of(harm: &CandidateHarm) -> Self {
@@ -81,7 +81,7 @@ pub fn bounds(
     evidence: &Evidence,
     basis: &Basis<'_>,
     high: bool,
-) -> Result<Bounds, AssessError> {
+) -> Result<CandidateBounds, AssessError> {
     bounds_in(encounter, evidence, basis, high, (&mut Vec::new(), Vec::new()))
 }
 
@@ -97,12 +97,12 @@ pub fn bounds_in(
     basis: &Basis<'_>,
     high: bool,
     (assessed, mut persons): (&mut Vec<PersonHarm>, Vec<Risk>),
-) -> Result<Bounds, AssessError> {
+) -> Result<CandidateBounds, AssessError> {
     persons.clear();
     let is_path = matches!(encounter.meeting, Meeting::Path(_));
     if high || !evidence.is_open() || !is_path {
         let harm = assess_in(encounter, evidence, basis, core::mem::take(assessed))?;
-        let bounds = Bounds::with(&harm, persons);
+        let bounds = CandidateBounds::with(&harm, persons);
         *assessed = harm.persons;
         return Ok(bounds);
     }
@@ -117,7 +117,7 @@ pub fn bounds_in(
             |id| Risk { id, work, range: Range::new(0.0, 1.0), high: Interval::new(0.0, 1.0) };
         persons.extend(body.persons.iter().map(|person| risk(person.id)));
     }
-    Ok(Bounds {
+    Ok(CandidateBounds {
         probability: encounter.probability,
         touch: crash.touch,
         energy_j: crash.energy(),

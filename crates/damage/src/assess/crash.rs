@@ -3,11 +3,11 @@
 use crate::approach::{Approach, UP, cosine, opposite};
 use crate::contact::{Normals, PerNormal, Places, across, describe, levers};
 use crate::crush::Crush;
-use crate::dynamics::{Impact, Parameters, Pick, Response, Side, factor};
+use crate::dynamics::{Impact, ImpactBody, Parameters, Pick, Response, factor};
 use crate::evidence::{Evidence, Touch};
 use crate::harm::{CandidateHarm, DeltaV};
 use crate::interval::{Interval, Range};
-use crate::party::{Party, Struck};
+use crate::party::{CollisionParty, Struck};
 use geometry::Supports;
 
 /// Which end of an interval of lever arms.
@@ -35,7 +35,7 @@ struct Picks {
 pub(super) struct Crash<'a> {
     pub(super) approach: &'a Approach,
     pub(super) evidence: &'a Evidence,
-    pub(super) parties: [&'a Party; 2],
+    pub(super) parties: [&'a CollisionParty; 2],
     pub(super) parameters: &'a Parameters,
     pub(super) normals: Normals,
     pub(super) places: Places,
@@ -113,7 +113,7 @@ impl Crash<'_> {
             };
             let mass = factor(self.parameters.mass_share, mass);
             let gyration = factor(self.parameters.gyration_share, picks.model);
-            Side {
+            ImpactBody {
                 inverse_mass: party.mass_kg.map_or(0.0, |m| 1.0 / (m * mass)),
                 // A fixed body does not turn; its gyration may be anything, even 0.
                 gyration_m: party.mass_kg.map_or(1.0, |_| party.gyration_m * gyration),
@@ -210,7 +210,7 @@ impl Crash<'_> {
             levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
         harm.levers_m = arms.map(|arms| arms.map(Interval::lo));
         harm.crush = harm.contact.patch.as_ref().and_then(|patch| {
-            let of = |party: &Party| party.mass_kg.map(|_| party.stiffness);
+            let of = |party: &CollisionParty| party.mass_kg.map(|_| party.stiffness);
             let plastic = 1.0 - self.parameters.restitution.nominal;
             let energy_j = 0.5 * plastic * self.speeds(i).0 * harm.response.normal_n_s;
             Crush::of(self.parties.map(of), energy_j, patch.width_m.hi(), patch.depth_m)

@@ -4,7 +4,7 @@ use super::*;
 use crate::evidence::Seen;
 use crate::injury::Victim;
 
-use crate::contact::Patch;
+use crate::contact::ContactPatch;
 use crate::harm::PersonHarm;
 use crate::path::plan;
 use crate::scene::{Prism, Scene, car, fixed, head_on, walker};

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-fn curve(unit: Unit, a: f64, b: f64) -> Curve {
+fn curve(unit: CurveUnit, a: f64, b: f64) -> Curve {
     let empty = String::new;
     Curve {
         id: empty().into(),
@@ -22,9 +22,10 @@ fn curve(unit: Unit, a: f64, b: f64) -> Curve {
 
 #[test]
 fn units_are_converted_into_the_curves_own() {
-    assert!((Unit::MilesPerHour.of(12.0) - 26.8432).abs() < 1e-4);
-    assert!((Unit::KilometresPerHour.of(10.0) - 36.0).abs() < 1e-12);
-    for unit in [Unit::MetresPerSecond, Unit::KilometresPerHour, Unit::MilesPerHour] {
+    assert!((CurveUnit::MilesPerHour.of(12.0) - 26.8432).abs() < 1e-4);
+    assert!((CurveUnit::KilometresPerHour.of(10.0) - 36.0).abs() < 1e-12);
+    for unit in [CurveUnit::MetresPerSecond, CurveUnit::KilometresPerHour, CurveUnit::MilesPerHour]
+    {
         assert!((unit.of(7.0) * unit.metres_per_second() - 7.0).abs() < 1e-12);
     }
 }
@@ -38,7 +39,7 @@ proptest! {
         v in 0.0..80.0_f64,
         more in 0.0..5.0_f64,
     ) {
-        let curve = curve(Unit::MetresPerSecond, a, b);
+        let curve = curve(CurveUnit::MetresPerSecond, a, b);
         let p = |x: f64| 1.0 / (1.0 + (-(a + b * x)).exp());
         let expected = (p(v) - p(0.0)) / (1.0 - p(0.0));
         prop_assert!((curve.risk(v) - expected).abs() < 1e-12);

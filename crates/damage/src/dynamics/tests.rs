@@ -5,11 +5,11 @@ use proptest::prelude::*;
 
 mod coupled;
 
-fn side(mass: f64, h: f64, q: f64, k: f64) -> Side {
-    Side { inverse_mass: 1.0 / mass, gyration_m: k, across_m: h, along_m: q }
+fn side(mass: f64, h: f64, q: f64, k: f64) -> ImpactBody {
+    ImpactBody { inverse_mass: 1.0 / mass, gyration_m: k, across_m: h, along_m: q }
 }
 
-fn impact(speeds: [f64; 2], e: f64, mu: f64, sides: [Side; 2]) -> Impact {
+fn impact(speeds: [f64; 2], e: f64, mu: f64, sides: [ImpactBody; 2]) -> Impact {
     let [normal_m_s, tangential_m_s] = speeds;
     Impact { normal_m_s, tangential_m_s, restitution: e, friction: mu, sides }
 }
@@ -43,7 +43,7 @@ fn d3_a_lever_arm_turns_part_of_the_impulse_into_spin() {
 
 #[test]
 fn d4_a_fixed_object_takes_no_velocity() {
-    let wall = Side { inverse_mass: 0.0, ..side(1.0, 3.0, 3.0, 1.0) };
+    let wall = ImpactBody { inverse_mass: 0.0, ..side(1.0, 3.0, 3.0, 1.0) };
     let d4 = impact([15.0, 0.0], 0.1, 0.45, [side(1500.0, 0.5, 0.0, 1.26), wall]).respond();
     near(d4.delta_v_m_s[0], 14.255, 1e-3);
     assert_eq!(d4.delta_v_m_s[1], 0.0);

@@ -1,8 +1,8 @@
 //! Reading a set of curves from TOML, and the checks that refuse an unsound one.
 
-use super::{Curves, DEFAULT_CURVES, End, Quantity, Rung, Speeds, Victim};
-use crate::curve::{Curve, Level, Unit};
-use crate::fault::{Fault, Source};
+use super::{Curves, DEFAULT_CURVES, Quantity, RangeEnd, Rung, Speeds, Victim};
+use crate::curve::{Curve, CurveUnit, Level};
+use crate::fault::{DataFileError, Source};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -33,7 +33,7 @@ struct File {
 struct CurveText {
     id: Spanned<String>,
     outcome: Level,
-    unit: Unit,
+    unit: CurveUnit,
     a: Spanned<f64>,
     b: Spanned<f64>,
     valid: Spanned<[f64; 2]>,
@@ -70,7 +70,7 @@ impl Curves {
     /// # Errors
     ///
     /// Never for the file as shipped: a test reads it.
-    pub fn shipped() -> Result<Self, Fault> {
+    pub fn shipped() -> Result<Self, DataFileError> {
         Self::parse("config/curves/default.toml", DEFAULT_CURVES)
     }
 
@@ -82,7 +82,7 @@ impl Curves {
     /// number that is not finite, a slope that is not positive, an empty source, an unknown or
     /// twice used name, a curve of another outcome, several origins without a reason, a model range
     /// that does not contain its nominal curve, and a broken severity ladder.
-    pub fn parse(file: &str, text: &str) -> Result<Self, Fault> {
+    pub fn parse(file: &str, text: &str) -> Result<Self, DataFileError> {
         let source = Source { file, text };
         let read: File = toml::from_str(text).map_err(|e| source.malformed(&e, KEYS))?;
         if *read.schema.get_ref() != 1 {
@@ -124,7 +124,7 @@ impl Curves {
         Ok(set)
     }
 
-    fn resolve(&self, source: &Source<'_>, text: PersonText) -> Result<Rung, Fault> {
+    fn resolve(&self, source: &Source<'_>, text: PersonText) -> Result<Rung, DataFileError> {
         let (x, level) = (text.x, text.level);
         let find = |id: &Spanned<String>| {
             let position = self.curves.iter().position(|c| *c.id == **id.get_ref());
@@ -152,7 +152,7 @@ impl Curves {
                 let remedy = "write a finite factor above 0";
                 return Err(source.fault(text.times.span(), "not a factor", remedy));
             }
-            Ok(End { curves, x: text.x.unwrap_or(x), times })
+            Ok(RangeEnd { curves, x: text.x.unwrap_or(x), times })
         };
         Ok(Rung {
             victim: text.victim,
@@ -225,7 +225,7 @@ fn speeds() -> impl Iterator<Item = f64> {
     (0..=count).map(|k| f64::from(k) / f64::from(LADDER_STEPS))
 }
 
-fn curve(source: &Source<'_>, text: CurveText) -> Result<Curve, Fault> {
+fn curve(source: &Source<'_>, text: CurveText) -> Result<Curve, DataFileError> {
     let (a, b) = (*text.a.get_ref(), *text.b.get_ref());
     if !a.is_finite() {
         return Err(source.fault(text.a.span(), "not a number", "write a finite intercept"));

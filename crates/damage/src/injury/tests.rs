@@ -1,7 +1,7 @@
 //! The worked vectors I1 to I5, and files that must be refused.
 
 use super::*;
-use crate::fault::Fault;
+use crate::fault::DataFileError;
 
 /// Severity levels of one study beside each other, and fatal pedestrian accidents.
 const LEVELS: &str =
@@ -108,7 +108,11 @@ fn the_upper_fatal_curve_covers_another_study() {
 }
 
 /// A set of two levels for one person.
-fn pair(unit: &str, mild: (&str, f64, f64), severe: (&str, f64, f64)) -> Result<Curves, Fault> {
+fn pair(
+    unit: &str,
+    mild: (&str, f64, f64),
+    severe: (&str, f64, f64),
+) -> Result<Curves, DataFileError> {
     let mut text = String::from("schema = 1\nname = \"pair\"\nmixed_origins = \"a test\"\n");
     for (level, a, b) in [mild, severe] {
         text += &format!(
@@ -128,7 +132,7 @@ fn pair(unit: &str, mild: (&str, f64, f64), severe: (&str, f64, f64)) -> Result<
 }
 
 /// Speeds as the message gives them: "from 26.6 to 40.0 m/s".
-fn broken(result: Result<Curves, Fault>) -> String {
+fn broken(result: Result<Curves, DataFileError>) -> String {
     let fault = result.expect_err("the ladder is broken").what;
     fault.split(" from ").nth(1).unwrap_or_default().to_owned()
 }
@@ -151,7 +155,7 @@ fn published_pairs_that_break_the_ladder_are_refused() {
 }
 
 /// The shipped file with one text replaced: where and why it is refused.
-fn refused(from: &str, to: &str) -> Fault {
+fn refused(from: &str, to: &str) -> DataFileError {
     assert!(DEFAULT_CURVES.contains(from), "{from}");
     Curves::parse("my.toml", &DEFAULT_CURVES.replacen(from, to, 1)).expect_err(to)
 }

@@ -45,17 +45,17 @@ fn a_bearing_is_positive_to_the_left_of_the_body_not_of_the_frame() {
 #[test]
 fn impossible_parties_are_refused() {
     for mass in [0.0, -1200.0, f64::NAN, f64::INFINITY] {
-        let party = Party { mass_kg: Some(mass), ..car(0, 1200.0, [0.0, 0.0], 0.0) };
+        let party = CollisionParty { mass_kg: Some(mass), ..car(0, 1200.0, [0.0, 0.0], 0.0) };
         assert_eq!(party.check(), Err(PartyError::Mass));
     }
     for gyration_m in [0.0, -1.0, f64::NAN] {
-        let party = Party { gyration_m, ..car(0, 1200.0, [0.0, 0.0], 0.0) };
+        let party = CollisionParty { gyration_m, ..car(0, 1200.0, [0.0, 0.0], 0.0) };
         assert_eq!(party.check(), Err(PartyError::Gyration));
     }
-    let nowhere = Party { centre_m: DVec3::NAN, ..walker(0, [0.0, 0.0]) };
+    let nowhere = CollisionParty { centre_m: DVec3::NAN, ..walker(0, [0.0, 0.0]) };
     assert_eq!(nowhere.check(), Err(PartyError::Place));
     let persons = walker(0, [0.0, 0.0]).persons;
-    let haunted = Party { persons, ..fixed(Kind::Wall, [0.0, 0.0]) };
+    let haunted = CollisionParty { persons, ..fixed(Kind::Wall, [0.0, 0.0]) };
     assert_eq!(haunted.check(), Err(PartyError::PersonsInFixed));
     let mut full = car(3, 1200.0, [0.0, 0.0], 0.0);
     full.persons.push(full.persons[0]);

@@ -2,7 +2,7 @@
 
 use super::{Composition, DEFAULT_POLICY, Policy, Property, Step, TieBreak};
 use crate::curve::Level;
-use crate::fault::{Fault, Source};
+use crate::fault::{DataFileError, Source};
 use crate::rule::{Measure, Rule, Term};
 use serde::Deserialize;
 use toml::Spanned;
@@ -84,7 +84,7 @@ impl Policy {
     /// # Errors
     ///
     /// Never for the file as shipped: a test reads it.
-    pub fn shipped() -> Result<Self, Fault> {
+    pub fn shipped() -> Result<Self, DataFileError> {
         Self::parse("config/policies/default.toml", DEFAULT_POLICY)
     }
 
@@ -96,7 +96,7 @@ impl Policy {
     /// sex and condition among them), an unknown rule, weights that are negative, not finite or do
     /// not sum to 1, more weight on equality than half of that on Bayes, a tolerance or accepted
     /// risk out of [0, 1], keys that do not go together, and a tie-break that leaves ties.
-    pub fn parse(file: &str, text: &str) -> Result<Self, Fault> {
+    pub fn parse(file: &str, text: &str) -> Result<Self, DataFileError> {
         let source = Source { file, text };
         let read: File = toml::from_str(text).map_err(|e| source.malformed(&e, KEYS))?;
         if *read.schema.get_ref() != 1 {
@@ -158,7 +158,7 @@ impl Policy {
 }
 
 /// A number in [0, 1].
-fn share(source: &Source<'_>, number: &Spanned<f64>) -> Result<f64, Fault> {
+fn share(source: &Source<'_>, number: &Spanned<f64>) -> Result<f64, DataFileError> {
     let value = *number.get_ref();
     if (0.0..=1.0).contains(&value) {
         return Ok(value + 0.0);
@@ -166,7 +166,7 @@ fn share(source: &Source<'_>, number: &Spanned<f64>) -> Result<f64, Fault> {
     Err(source.fault(number.span(), "not a number in [0, 1]", "write a risk between 0 and 1"))
 }
 
-fn step(source: &Source<'_>, text: &Spanned<LevelText>) -> Result<Step, Fault> {
+fn step(source: &Source<'_>, text: &Spanned<LevelText>) -> Result<Step, DataFileError> {
     let level = text.get_ref();
     match (level.rule.rule(), &level.accept, &level.tolerance) {
         (Some(rule), None, tolerance) => Ok(Step::Least {
@@ -189,7 +189,7 @@ fn weights(
     source: &Source<'_>,
     texts: &[Spanned<TermText>],
     place: core::ops::Range<usize>,
-) -> Result<Vec<Term>, Fault> {
+) -> Result<Vec<Term>, DataFileError> {
     let mut terms: Vec<Term> = Vec::with_capacity(texts.len());
     for text in texts {
         let term = Term { rule: text.get_ref().rule, weight: *text.get_ref().weight.get_ref() };

@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn refused(text: &str) -> crate::fault::Fault {
+fn refused(text: &str) -> crate::fault::DataFileError {
     Policy::parse("my.toml", text).expect_err(text)
 }
 

@@ -1,7 +1,7 @@
 //! The figures of one candidate that ranking uses: risks of all persons of the request, rounded.
 
 use super::RankError;
-use crate::assess::{Bounds, Risk};
+use crate::assess::{CandidateBounds, Risk};
 use crate::harm::CandidateHarm;
 use crate::interval::Interval;
 
@@ -33,7 +33,12 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Becomes those of candidate number `k`, among `n` persons.
-    pub(super) fn bound(&mut self, k: usize, bounds: &Bounds, n: usize) -> Result<(), RankError> {
+    pub(super) fn bound(
+        &mut self,
+        k: usize,
+        bounds: &CandidateBounds,
+        n: usize,
+    ) -> Result<(), RankError> {
         self.fill((k, n), bounds.probability, bounds.energy_j, bounds.persons.iter().copied())
     }
 

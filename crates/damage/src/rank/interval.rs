@@ -10,7 +10,7 @@
 //! members of P are finished and the one that the tie-break takes from P is in S, it is the winner
 //! too, because it is best of a set that holds K.
 
-use super::{Each, Order, rounded};
+use super::{Each, RankOrder, rounded};
 use crate::interval::Interval;
 use crate::policy::Step;
 
@@ -30,7 +30,7 @@ impl Outlook {
     }
 }
 
-impl Order<'_> {
+impl RankOrder<'_> {
     /// Who can still win, and how many of the first places no open work can change.
     ///
     /// Ranks are found one by one, as in the order itself: once the first is certain it is removed,

@@ -11,7 +11,7 @@
 //! here says that a change would be allowed: a policy that results may well be refused.
 
 use super::figures::Figures;
-use super::{Order, RankError, Step, figures_of};
+use super::{RankError, RankOrder, Step, figures_of};
 use crate::curve::Curve;
 use crate::harm::CandidateHarm;
 use crate::injury::Curves;
@@ -123,11 +123,16 @@ struct Sought<'a> {
 }
 
 impl<'a> Sought<'a> {
-    fn order<'b>(&self, policy: &'b Policy, steps: &'b [Step], figures: &'b [Figures]) -> Order<'b>
+    fn order<'b>(
+        &self,
+        policy: &'b Policy,
+        steps: &'b [Step],
+        figures: &'b [Figures],
+    ) -> RankOrder<'b>
     where
         'a: 'b,
     {
-        Order { policy, stakes: self.stakes, steps, figures }
+        RankOrder { policy, stakes: self.stakes, steps, figures }
     }
 
     /// The steps of a policy among the persons at stake.

@@ -1,7 +1,7 @@
 //! What is certain of an order while work is open: asked after every result, so from bounds alone.
 
-use super::{Each, Order, RankError, Scratch, taken};
-use crate::assess::Bounds;
+use super::{Each, RankError, RankOrder, Scratch, taken};
+use crate::assess::CandidateBounds;
 use crate::interval::Interval;
 use crate::policy::{Policy, Step};
 use crate::rule::Stake;
@@ -27,7 +27,7 @@ pub struct Standing {
 pub fn standing(
     policy: &Policy,
     stakes: &[Stake],
-    bounds: &[Bounds],
+    bounds: &[CandidateBounds],
 ) -> Result<Standing, RankError> {
     let mut standing = Standing::default();
     standing_in(&mut Scratch::default(), policy, stakes, bounds, &mut standing)?;
@@ -44,7 +44,7 @@ pub fn standing_in(
     scratch: &mut Scratch,
     policy: &Policy,
     stakes: &[Stake],
-    bounds: &[Bounds],
+    bounds: &[CandidateBounds],
     standing: &mut Standing,
 ) -> Result<(), RankError> {
     if bounds.is_empty() {
@@ -56,7 +56,7 @@ pub fn standing_in(
         figures.bound(k, bounds, stakes.len())?;
     }
     policy.write_steps(stakes.len(), steps);
-    let order = Order { policy, stakes, steps, figures };
+    let order = RankOrder { policy, stakes, steps, figures };
     let (possible, settled) = order.settled(|k| bounds[*k].is_done);
     let all: Each<usize> = (0..bounds.len()).collect();
     order.compare(&possible, &mut standing.compared);
@@ -73,7 +73,7 @@ pub fn needs_high(policy: &Policy) -> bool {
     policy.levels.iter().any(|step| matches!(step, Step::Accept { .. }))
 }
 
-impl Order<'_> {
+impl RankOrder<'_> {
     /// What the first step compares that does not find all possible winners equal and settled.
     fn compare(&self, possible: &[usize], last: &mut Vec<Interval>) {
         last.clear();

@@ -74,14 +74,14 @@ pub(in crate::rank) fn weighted(bayes: f64, equality: f64, maximin: f64) -> Poli
     policy("weighted", &text.concat())
 }
 
-pub(in crate::rank) fn ranked(policy: &Policy, candidates: &[CandidateHarm]) -> Ranking {
+pub(in crate::rank) fn ranked(policy: &Policy, candidates: &[CandidateHarm]) -> RankedCandidates {
     let n = candidates[0].persons.len();
     let mut stakes = vec![Stake::default(); n];
     stakes[0].is_ego = true;
     rank(policy, &stakes, candidates).expect("sound candidates")
 }
 
-fn order(ranking: &Ranking) -> Vec<usize> {
+fn order(ranking: &RankedCandidates) -> Vec<usize> {
     ranking.places.iter().map(|p| p.candidate + 1).collect()
 }
 
@@ -161,10 +161,10 @@ fn open_work_certifies_or_degrades_as_worked_out() {
         ranked(&policy, &[open(&[(0.10, 0.14)]), open(&[(0.15, 0.30)]), open(&[third])])
     };
     let sure = with((0.145, 0.16));
-    assert_eq!((sure.state, sure.places[0].candidate), (State::Certified, 0));
+    assert_eq!((sure.state, sure.places[0].candidate), (AnswerState::Certified, 0));
     assert_eq!(sure.possible, [0]);
     let unsure = with((0.13, 0.16));
-    assert_eq!((unsure.state, order(&unsure)), (State::Degraded, vec![1, 3, 2]));
+    assert_eq!((unsure.state, order(&unsure)), (AnswerState::Degraded, vec![1, 3, 2]));
     assert_eq!(unsure.possible, [0, 2]);
 }
 
@@ -190,7 +190,7 @@ fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
         open(&[(0.2, 0.3)]),
     ];
     let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
-    assert_eq!((ranking.state, ranking.possible.as_slice()), (State::Certified, &[0, 1][..]));
+    assert_eq!((ranking.state, ranking.possible.as_slice()), (AnswerState::Certified, &[0, 1][..]));
     assert_eq!(order(&ranking), [1, 2, 3]);
     let why = ranking.places[0].why.as_ref().expect("there is a next");
     assert!(matches!(why, Ground::TieBreak { by: TieBreak::Request, .. }), "{why:?}");
@@ -214,7 +214,7 @@ fn a_tie_break_certifies_only_who_was_surely_kept() {
     let text = DEFAULT_POLICY.replace("property = \"last\"", "property = \"ignored\"");
     let policy = Policy::parse("", &text.replacen("tolerance = 0.0", "tolerance = 0.05", 1));
     let ranking = ranked(&policy.expect("sound"), &[first, second, third]);
-    assert_eq!((ranking.state, ranking.possible), (State::Degraded, vec![0, 1]));
+    assert_eq!((ranking.state, ranking.possible), (AnswerState::Degraded, vec![0, 1]));
     assert_eq!(ranking.places[0].candidate, 1);
 }
 
@@ -224,7 +224,7 @@ fn property_decides_only_between_equal_persons() {
         |risk: f64, energy: f64| candidate(&[Interval::exactly(risk)], Interval::exactly(energy));
     let candidates = [with(0.1, 9e5), with(0.1, 8e5), with(0.100_001, 0.0)];
     let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
-    assert_eq!((ranking.state, order(&ranking)), (State::Complete, vec![2, 1, 3]));
+    assert_eq!((ranking.state, order(&ranking)), (AnswerState::Complete, vec![2, 1, 3]));
     let why = ranking.places[0].why.as_ref().expect("there is a next");
     assert!(why.sentence("wall", "pole").contains("less property is damaged (800.0 against 900.0"));
 }
@@ -233,7 +233,7 @@ fn property_decides_only_between_equal_persons() {
 fn no_contact_ranks_like_any_other() {
     let candidates = [settled(&[0.1, 0.0]), settled(&[0.0, 0.0]), settled(&[0.0, 0.0])];
     let ranking = ranked(&Policy::shipped().expect("sound"), &candidates);
-    assert_eq!((ranking.state, order(&ranking)), (State::Complete, vec![2, 3, 1]));
+    assert_eq!((ranking.state, order(&ranking)), (AnswerState::Complete, vec![2, 3, 1]));
     assert_eq!(ranking.places[0].work.hi().to_bits(), 0);
     assert_eq!(ranking.tie_class, [1, 2]);
     assert!(!ranking.places[0].certain && ranking.places[1].certain);
@@ -246,9 +246,9 @@ fn who_cannot_be_evaluated_is_ranked_last_and_may_still_win() {
     lost.is_open = false;
     let policy = Policy::shipped().expect("sound");
     let ranking = ranked(&policy, &[lost.clone(), settled(&[0.2])]);
-    assert_eq!((ranking.state, order(&ranking)), (State::Degraded, vec![2, 1]));
+    assert_eq!((ranking.state, order(&ranking)), (AnswerState::Degraded, vec![2, 1]));
     assert_eq!(ranking.possible, [0, 1]);
-    assert_eq!(ranked(&policy, &[lost.clone(), lost]).state, State::Refused);
+    assert_eq!(ranked(&policy, &[lost.clone(), lost]).state, AnswerState::Refused);
 }
 
 #[test]
@@ -320,9 +320,9 @@ proptest! {
         }).collect();
         let (before, after) = (ranked(&policy, &now), ranked(&policy, &later));
         let winner = after.places[0].candidate;
-        prop_assert_eq!(after.state, State::Complete);
+        prop_assert_eq!(after.state, AnswerState::Complete);
         prop_assert!(before.possible.contains(&winner), "{before:?} {after:?}");
-        if before.state == State::Certified {
+        if before.state == AnswerState::Certified {
             prop_assert_eq!(before.places[0].candidate, winner);
         }
         // The order's own winner is one of the possible ones.

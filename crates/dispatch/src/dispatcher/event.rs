@@ -116,7 +116,7 @@ impl core::fmt::Display for Why {
 
 /// One line of the log from which the ledger can be recomputed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Entry {
+pub enum LogEntry {
     /// A job was given to a worker.
     Assigned {
         /// The job.

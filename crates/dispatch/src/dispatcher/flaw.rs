@@ -2,12 +2,12 @@
 //! feature `faults`: no build for a vehicle has them.
 
 use super::{Closed, Dispatcher, JobSource, State};
-use crate::scheme::Scheme;
+use crate::scheme::MatchScheme;
 use protocol::{Incarnation, JobId};
 
 /// A mistake that a dispatcher could make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Flaw {
+pub enum DispatcherFlaw {
     /// Takes a result from anybody, for any attempt.
     NoFence,
     /// Counts what a dead worker held as done: nothing was heard, so nothing was hit.
@@ -16,14 +16,14 @@ pub enum Flaw {
     LeaseForgotten,
 }
 
-impl Flaw {
+impl DispatcherFlaw {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::NoFence, Self::SilenceIsHarmless, Self::LeaseForgotten];
 }
 
-impl<S: Scheme> Dispatcher<S> {
+impl<S: MatchScheme> Dispatcher<S> {
     /// From now on makes this mistake.
-    pub fn corrupt(&mut self, flaw: Option<Flaw>) {
+    pub fn corrupt(&mut self, flaw: Option<DispatcherFlaw>) {
         self.flaw = flaw;
     }
 
@@ -34,7 +34,7 @@ impl<S: Scheme> Dispatcher<S> {
         body: W::Part<'_>,
         work: &mut W,
     ) -> bool {
-        if self.flaw != Some(Flaw::NoFence) {
+        if self.flaw != Some(DispatcherFlaw::NoFence) {
             return false;
         }
         let Some(slot) = self.slots.get(job.0 as usize).copied() else { return true };
@@ -54,8 +54,8 @@ impl<S: Scheme> Dispatcher<S> {
 
     pub(super) fn bury_badly<W: JobSource>(&mut self, who: Incarnation, work: &mut W) -> bool {
         match self.flaw {
-            Some(Flaw::LeaseForgotten) => true,
-            Some(Flaw::SilenceIsHarmless) => {
+            Some(DispatcherFlaw::LeaseForgotten) => true,
+            Some(DispatcherFlaw::SilenceIsHarmless) => {
                 for number in 0..self.slots.len() {
                     if self.slots[number].state == State::Leased(who) {
                         let job = JobId(u32::try_from(number).unwrap_or(u32::MAX));
@@ -64,7 +64,7 @@ impl<S: Scheme> Dispatcher<S> {
                 }
                 true
             }
-            Some(Flaw::NoFence) | None => false,
+            Some(DispatcherFlaw::NoFence) | None => false,
         }
     }
 }

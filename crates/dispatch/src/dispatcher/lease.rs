@@ -15,8 +15,8 @@
 //! *Trust* is for lives of workers: [`FAULTS_MAX`] messages lost or turned away in one request, or
 //! [`REFUSALS_MAX`] batches refused in a row, and the worker is to be killed.
 
-use super::{Closed, Dispatcher, Effect, Entry, JobSource, Queues, State, Why};
-use crate::scheme::Scheme;
+use super::{Closed, Dispatcher, Effect, JobSource, LogEntry, Queues, State, Why};
+use crate::scheme::MatchScheme;
 use core::mem::replace;
 use protocol::{Incarnation, JobId, Section};
 use std::collections::VecDeque;
@@ -109,7 +109,7 @@ impl Core {
     }
 }
 
-impl<S: Scheme> Dispatcher<S> {
+impl<S: MatchScheme> Dispatcher<S> {
     /// Leases a job. It lies in the outbox until it is sent.
     pub(super) fn lease<W: JobSource>(
         &mut self,
@@ -132,7 +132,7 @@ impl<S: Scheme> Dispatcher<S> {
             }
         }
         if let Some(log) = &mut self.log {
-            log.push(Entry::Assigned { job, attempt, who, sections });
+            log.push(LogEntry::Assigned { job, attempt, who, sections });
         }
         core.queued += 1;
         if core.outbox.is_empty() {
@@ -243,7 +243,7 @@ impl<S: Scheme> Dispatcher<S> {
         *core = Core::default();
         self.ledger.lose(usize::from(who.worker));
         if let Some(log) = &mut self.log {
-            log.push(Entry::Lost { who });
+            log.push(LogEntry::Lost { who });
         }
         #[cfg(feature = "faults")]
         if self.bury_badly(who, work) {

@@ -57,7 +57,7 @@ impl JobSource for Waves {
 type Held = (Incarnation, JobId, u8);
 
 struct World {
-    dispatcher: Dispatcher<Box<dyn Scheme>>,
+    dispatcher: Dispatcher<Box<dyn MatchScheme>>,
     now_ns: u64,
     work: Waves,
     queues: BTreeMap<Incarnation, Vec<Held>>,
@@ -132,16 +132,20 @@ fn caches() -> impl Strategy<Value = Cache> {
 }
 
 /// What was transferred, by the log alone: a list of sections per core, most recent last.
-fn recomputed(dispatcher: &Dispatcher<Box<dyn Scheme>>, cache: Cache, cores: usize) -> Transfer {
+fn recomputed(
+    dispatcher: &Dispatcher<Box<dyn MatchScheme>>,
+    cache: Cache,
+    cores: usize,
+) -> Transfer {
     let mut held: Vec<Vec<(Section, u64)>> = vec![Vec::new(); cores];
     let mut sum = Transfer::default();
     for entry in dispatcher.log() {
         let (who, sections) = match entry {
-            Entry::Lost { who } => {
+            LogEntry::Lost { who } => {
                 held[usize::from(who.worker)].clear();
                 continue;
             }
-            Entry::Assigned { who, sections, .. } => (who, sections),
+            LogEntry::Assigned { who, sections, .. } => (who, sections),
         };
         let list = &mut held[usize::from(who.worker)];
         for section in sections {

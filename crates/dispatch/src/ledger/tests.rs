@@ -60,7 +60,7 @@ proptest! {
         cache in caches(),
         log in prop::collection::vec((0..CORES, 0_u32..2, 0_u32..200, 0_u8..20), 0..300),
     ) {
-        let mut ledger = Ledger::new(CORES, cache);
+        let mut ledger = CacheModel::new(CORES, cache);
         let (mut lists, mut expected) = (vec![List::default(); CORES], Transfer::default());
         let mut has_thrashed = false;
         for (core, model, node, dice) in log {

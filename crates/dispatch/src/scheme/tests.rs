@@ -40,7 +40,7 @@ proptest! {
 
     #[test]
     fn each_end_of_alpha_and_the_lowest_match_are_what_they_say(cores in views()) {
-        let choose = |mut scheme: Box<dyn Scheme>| scheme.choose(&cores, 64);
+        let choose = |mut scheme: Box<dyn MatchScheme>| scheme.choose(&cores, 64);
         let best = first_by(&cores, |view| (2 - view.matched(), view.queued));
         prop_assert_eq!(choose(Matching::BestMatchLoad(1.0).scheme()), best);
         prop_assert_eq!(choose(Matching::BestMatch.scheme()), best);

@@ -15,7 +15,7 @@ proptest! {
             now += gap * MS;
             beat += u64::from(busy);
             let pulse = Pulse { beat, cpu_ns: now, stopped, busy };
-            prop_assert_eq!(watch.look(pulse, now, &Patience::default()), Verdict::Alive);
+            prop_assert_eq!(watch.look(pulse, now, &Patience::default()), Liveness::Alive);
         }
     }
 
@@ -28,17 +28,17 @@ proptest! {
         let verdict = loop {
             let pulse = Pulse { beat: 7, cpu_ns: now * share / 100, stopped, busy: true };
             match watch.look(pulse, now, &patience) {
-                Verdict::Alive => now += every * MS,
+                Liveness::Alive => now += every * MS,
                 verdict => break verdict,
             }
         };
         prop_assert!(now <= patience.silent_ns + every * MS);
         let expected = if stopped {
-            Verdict::Stopped
+            Liveness::Stopped
         } else if share >= 26 {
-            Verdict::Hung
+            Liveness::Hung
         } else {
-            Verdict::Silent
+            Liveness::Silent
         };
         prop_assert!(verdict == expected || share < 28, "{verdict:?} at {share} %");
     }
@@ -49,6 +49,6 @@ fn a_worker_that_waits_for_its_core_is_given_time() {
     let mut watch = Watch::default();
     for now in [0, 300 * MS, 900 * MS, 1_900 * MS] {
         let pulse = Pulse { beat: 1, cpu_ns: 5, stopped: false, busy: true };
-        assert_eq!(watch.look(pulse, now, &Patience::default()), Verdict::Alive);
+        assert_eq!(watch.look(pulse, now, &Patience::default()), Liveness::Alive);
     }
 }

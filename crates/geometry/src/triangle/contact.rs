@@ -7,12 +7,12 @@ const POINTS: usize = 6;
 
 /// The points whose convex hull is (nearly) the intersection of two triangles: at most six.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct ContactPoints {
     points: [DVec3; POINTS],
     count: u8,
 }
 
-impl Contact {
+impl ContactPoints {
     /// No points yet.
     pub(super) const EMPTY: Self = Self { points: [DVec3::ZERO; POINTS], count: 0 };
 

@@ -2,8 +2,8 @@
 
 use super::figures::names;
 use super::requests::{self, POLICIES, Pool};
-use crate::progress::{OnProgress, Progress};
-use coordinator::{Chance, Flaw, Verdict, trial};
+use crate::progress::{Progress, SyncProgress};
+use coordinator::{BoundFlaw, Chance, TrialResult, trial};
 use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::Failure;
@@ -22,7 +22,7 @@ pub struct BoundsOptions {
     /// Distribution depth.
     pub depth: u32,
     /// Makes the bounds wrong on purpose: then violations must be found.
-    pub flaw: Option<Flaw>,
+    pub flaw: Option<BoundFlaw>,
 }
 
 /// What was found.
@@ -55,11 +55,11 @@ struct Violation {
 ///
 /// If a body cannot be used or a request cannot be worked on. Violations are no error: see
 /// [`BoundsReport::is_right`].
-pub fn bounds(options: &BoundsOptions, told: OnProgress<'_>) -> Result<BoundsReport, Failure> {
+pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsReport, Failure> {
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
     let bar = Progress::new(options.stops, told);
-    let mut all = Verdict::default();
+    let mut all = TrialResult::default();
     let (mut requests, mut first) = (0_u64, None);
     let mut seed = options.seed;
     while all.stops < options.stops {

@@ -2,7 +2,7 @@
 
 use super::figures::{Class, classes, names, percentile};
 use super::requests::Pool;
-use crate::progress::{OnProgress, Progress};
+use crate::progress::{Progress, SyncProgress};
 use bvh::{End, Kernel, NodePair, Question, Task, kernel};
 use core::ops::ControlFlow;
 use geometry::{DVec3, Directions, Pose, RelativePose};
@@ -73,7 +73,7 @@ const CLASSES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 10.0];
 /// # Errors
 ///
 /// If a body cannot be used, or a job takes more tests than its budget.
-pub fn budget(options: &BudgetOptions, told: OnProgress<'_>) -> Result<BudgetReport, Failure> {
+pub fn budget(options: &BudgetOptions, told: SyncProgress<'_>) -> Result<BudgetReport, Failure> {
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
     let depth = views.iter().map(|(meta, _)| meta.depth).max().unwrap_or(1);

@@ -2,10 +2,12 @@
 
 use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
-use crate::progress::{OnProgress, Progress};
+use crate::progress::{Progress, SyncProgress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, Options, RankingRun, Request, Terms, WorkerPool, run_in_process};
-use damage::State;
+use coordinator::{
+    Chance, Options, RankingRun, Request, RequestLimits, WorkerPool, run_in_process,
+};
+use damage::AnswerState;
 use dispatch::Queues;
 use runtime::{affinity, clock};
 use serde::Serialize;
@@ -66,7 +68,7 @@ const ROUND: usize = 32;
 /// If a body cannot be used, workers cannot be started, or a winner that was sure is another one.
 pub fn deadline(
     options: &DeadlineOptions,
-    told: OnProgress<'_>,
+    told: SyncProgress<'_>,
 ) -> Result<DeadlineReport, Failure> {
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
@@ -91,7 +93,7 @@ pub fn deadline(
         ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
     };
     let due = Duration::from_secs_f64(options.deadline_ms / 1e3);
-    let terms = Terms { budget: options.budget, ..Terms::due_in(due) };
+    let terms = RequestLimits { budget: options.budget, ..RequestLimits::due_in(due) };
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for _ in 0..options.load {
@@ -117,12 +119,16 @@ pub fn deadline(
 /// The winner of the finished run; `None` where that would take too long to know.
 fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
     let most_ns = 20_000_000_000;
-    let terms = Terms { deadline_ns: Some(most_ns), budget: Terms::BUDGET, ..Terms::default() };
+    let terms = RequestLimits {
+        deadline_ns: Some(most_ns),
+        budget: RequestLimits::BUDGET,
+        ..RequestLimits::default()
+    };
     let mut work = RankingRun::new(request, views, 5).with_terms(terms);
     run_in_process(&mut work, views);
     let answer = work.answer()?;
     let first = answer.ranking.first().map(|row| row.name.clone());
-    Ok(first.filter(|_| answer.state == State::Complete))
+    Ok(first.filter(|_| answer.state == AnswerState::Complete))
 }
 
 /// What became of the requests.
@@ -140,9 +146,9 @@ fn ask(
     options: &DeadlineOptions,
     (asked, winners): (&[Request], &[Option<String>]),
     views: &[(Meta, BodyView<'_>)],
-    terms: Terms,
+    terms: RequestLimits,
     start: impl Fn() -> Result<WorkerPool, Failure>,
-    told: OnProgress<'_>,
+    told: SyncProgress<'_>,
 ) -> Result<Asked, Failure> {
     let bar = Progress::new(options.requests.into(), told);
     let mut worker_pool = start()?;
@@ -157,7 +163,7 @@ fn ask(
         all.own.push((clock::thread_cpu_ns() - begun_ns) as f64 / 1e6);
         all.late.push(took_ms - options.deadline_ms);
         all.states[answer.state as usize] += 1;
-        let is_sure = matches!(answer.state, State::Complete | State::Certified);
+        let is_sure = matches!(answer.state, AnswerState::Complete | AnswerState::Certified);
         let first = answer.ranking.first().map(|row| &row.name);
         if let (true, Some(winner), Some(first)) = (is_sure, &winners[at], first)
             && winner != first
@@ -202,7 +208,7 @@ impl DeadlineReport {
             self.bodies.len(),
             names(&self.bodies),
             self.deadline_ms,
-            Terms::GUARD.as_secs_f64() * 1e3,
+            RequestLimits::GUARD.as_secs_f64() * 1e3,
             self.workers,
             self.cores,
             self.load,

@@ -2,9 +2,9 @@
 
 use super::figures::{median, names, percentile};
 use super::requests::{self, Pool};
-use crate::progress::{OnProgress, Progress};
+use crate::progress::{Progress, SyncProgress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, Pursuit, RankingRun, Request, Terms, Until, run_in_process};
+use coordinator::{Chance, Pursuit, RankingRun, Request, RequestLimits, Until, run_in_process};
 use damage::evidence::Touch;
 use runtime::clock;
 use serde::Serialize;
@@ -82,7 +82,7 @@ fn run(
     request: &Request,
     views: &[(Meta, BodyView<'_>)],
     depth: u32,
-    terms: Terms,
+    terms: RequestLimits,
 ) -> Result<(f64, f64, Winner), Failure> {
     let mut work = RankingRun::new(request, views, depth).with_terms(terms);
     let begun_ns = clock::now_ns();
@@ -93,7 +93,8 @@ fn run(
     let answer = work.answer()?;
     let name = answer.ranking.first().map(|row| row.name.clone()).unwrap_or_default();
     let touching = answer.ranking.iter().filter(|row| row.contact.touch == Touch::Yes);
-    let is_sure = matches!(answer.state, damage::State::Complete | damage::State::Certified);
+    let is_sure =
+        matches!(answer.state, damage::AnswerState::Complete | damage::AnswerState::Certified);
     let missing = (!is_sure).then(|| answer.missing.join("; "));
     Ok((tests, took_ns, Winner { name, touches: touching.count(), missing }))
 }
@@ -104,7 +105,7 @@ fn run(
 ///
 /// If a body cannot be used, the file cannot be written, or a winner that was certain is another
 /// one.
-pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport, Failure> {
+pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareReport, Failure> {
     // Nobody wants to hear after the work that the file cannot be written.
     options.out.as_deref().map(|path| files::check(path, None)).transpose()?;
     let pool = Pool::load(&options.bodies)?;
@@ -129,7 +130,7 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
             let Some(request) = requests::request(&views, way, &mut chance, policy)? else {
                 continue;
             };
-            let (all, whole_ns, winner) = run(&request, &views, depth, Terms::default())?;
+            let (all, whole_ns, winner) = run(&request, &views, depth, RequestLimits::default())?;
             let is_avoidable = winner.touches < candidates;
             // Of bodies that overlap where they begin there is no whole answer to be early with.
             if (options.unavoidable && is_avoidable) || winner.missing.is_some() {
@@ -140,7 +141,8 @@ pub fn share(options: &ShareOptions, told: OnProgress<'_>) -> Result<ShareReport
                 sizes.push((all, whole_ns / 1e6));
             }
             for (number, pursuit) in Pursuit::ALL.into_iter().enumerate() {
-                let terms = Terms { until: Until::Certified, pursuit, ..Terms::default() };
+                let terms =
+                    RequestLimits { until: Until::Certified, pursuit, ..RequestLimits::default() };
                 let (tests, took_ns, first) = run(&request, &views, depth, terms)?;
                 if let Some(missing) = first.missing {
                     return Err(Failure::internal(format!("a run ended degraded: {missing}")));

@@ -30,11 +30,11 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
     if answer == reference {
         return State::Complete;
     }
-    if answer.state == damage::State::Complete {
+    if answer.state == damage::AnswerState::Complete {
         return State::Wrong;
     }
     let winners = [answer, reference].map(|answer| answer.ranking.first().map(|row| &row.name));
-    if answer.state == damage::State::Certified && winners[0] != winners[1] {
+    if answer.state == damage::AnswerState::Certified && winners[0] != winners[1] {
         return State::Wrong;
     }
     let holds = answer.ranking.iter().all(|row| {
@@ -43,7 +43,7 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
         known.is_some_and(|[least, most]| lo <= least && most <= hi)
     });
     match (holds && answer.ranking.len() == reference.ranking.len(), answer.state) {
-        (true, damage::State::Refused) => State::Refused,
+        (true, damage::AnswerState::Refused) => State::Refused,
         (true, _) => State::Degraded,
         (false, _) => State::Wrong,
     }

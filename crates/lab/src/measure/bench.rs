@@ -6,12 +6,12 @@ use bvh::{Counters, Kernel, Question, Task, front, parallel};
 use coordinator::{
     Options, PairWork, PoseFound, Spent, WorkerPool, WorkerPoolError, WorkerPoolReport, run_watched,
 };
-use dispatch::{Cache, Entry, Matching, Queues, Thrash};
+use dispatch::{Cache, LogEntry, Matching, Queues, Thrash};
 use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
 use scenario::Scheme;
 use simulate::{JobTrace, Sample, TaskTrace, Trace};
-use trolley::handing::Transfer;
+use trolley::handing::TransferMode;
 use trolley::{BUILD, Failure};
 
 /// Depths by which pairs of leaves are reckoned: from less deep ones they came out four times too
@@ -37,7 +37,7 @@ pub(crate) struct Way {
     pub(crate) scheme: Scheme,
     pub(crate) matching: Matching,
     pub(crate) queues: Queues,
-    pub(crate) transfer: Transfer,
+    pub(crate) transfer: TransferMode,
     pub(crate) cache: Cache,
 }
 
@@ -48,7 +48,7 @@ pub(crate) struct Ran {
     /// Median of all (ns).
     pub(crate) median_ns: f64,
     /// Who got which job in the last of them, if that is written down.
-    pub(crate) log: Vec<Entry>,
+    pub(crate) log: Vec<LogEntry>,
 }
 
 /// What this process alone took at one depth.
@@ -216,7 +216,7 @@ impl<'p> Bench<'p> {
             matching: way.matching,
             queues: way.queues,
             cache: way.cache,
-            copies: way.transfer == Transfer::Copy,
+            copies: way.transfer == TransferMode::Copy,
             log: self.log,
             ..Options::new(format!("m{}", std::process::id()), BUILD, cores)
         };

@@ -10,7 +10,7 @@ use dispatch::{Cache, Matching, Queues};
 use scenario::Scheme;
 use simulate::{Costs, fit};
 use trolley::Failure;
-use trolley::handing::Transfer;
+use trolley::handing::TransferMode;
 
 /// Buffers of all calibrations.
 pub(crate) const QUEUES: Queues = Options::QUEUES;
@@ -34,13 +34,13 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
         scheme: Scheme::BestMatchLoad,
         matching: Matching::BestMatchLoad(0.5),
         queues: QUEUES,
-        transfer: Transfer::ZeroCopy,
+        transfer: TransferMode::ZeroCopy,
         cache: Cache::Unlimited,
     };
     let ran = bench.worker_pool(&way)?;
     // Room for everything: what it takes longer is the copying.
     let cache = Cache::Fixed(2 * bench.model_bytes());
-    let copied = bench.worker_pool(&Way { transfer: Transfer::Copy, cache, ..way })?;
+    let copied = bench.worker_pool(&Way { transfer: TransferMode::Copy, cache, ..way })?;
     let moved = per(copied.report.transfer.section_bytes);
     let ship_ns = copied.report.duty.send_ns.saturating_sub(ran.report.duty.send_ns) as f64;
     let longer_ns = copied.report.duty.run_ns.saturating_sub(ran.report.duty.run_ns) as f64;

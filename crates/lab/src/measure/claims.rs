@@ -8,7 +8,7 @@ use super::row::{Mode, Row};
 use super::swept::Swept;
 use scenario::Scheme;
 use serde::Serialize;
-use trolley::handing::Transfer;
+use trolley::handing::TransferMode;
 
 /// Speed-ups closer than this are the same.
 const SAME: f64 = 0.02;
@@ -27,7 +27,7 @@ pub(crate) struct Claim {
 pub(crate) fn curve<'s>(
     swept: &'s Swept,
     scheme: Scheme,
-    transfer: Transfer,
+    transfer: TransferMode,
     value: impl Fn(&Row) -> Option<f64> + 's,
 ) -> Vec<(u32, Option<f64>)> {
     let standard = super::calibrate::QUEUES;
@@ -41,13 +41,13 @@ pub(crate) fn curve<'s>(
 
 /// The depth with the greatest speed-up of Best Match-Load, and that speed-up.
 pub(crate) fn best_depth(swept: &Swept) -> Option<(u32, f64)> {
-    let curve = curve(swept, Scheme::BestMatchLoad, Transfer::ZeroCopy, |row| row.speed_up);
+    let curve = curve(swept, Scheme::BestMatchLoad, TransferMode::ZeroCopy, |row| row.speed_up);
     let known = curve.into_iter().filter_map(|(depth, value)| Some((depth, value?)));
     known.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn at(swept: &Swept, scheme: Scheme, depth: u32, value: fn(&Row) -> Option<f64>) -> Option<f64> {
-    let curve = curve(swept, scheme, Transfer::ZeroCopy, value);
+    let curve = curve(swept, scheme, TransferMode::ZeroCopy, value);
     curve.into_iter().find(|(known, _)| *known == depth)?.1
 }
 
@@ -100,7 +100,9 @@ fn less_travels(swept: &[Swept]) -> Claim {
     let claim = "transfer: best match ≤ random match ≤ lowest match at every depth";
     each('a', claim, swept, |pair| {
         let [best, random, lowest] = [Scheme::BestMatch, Scheme::RandomMatch, Scheme::LowestMatch]
-            .map(|scheme| curve(pair, scheme, Transfer::ZeroCopy, |row| row.relative_to_models));
+            .map(|scheme| {
+                curve(pair, scheme, TransferMode::ZeroCopy, |row| row.relative_to_models)
+            });
         let all = best.iter().zip(&random).zip(&lowest);
         let bad: Vec<u32> = all
             .filter(|((best, random), lowest)| !(best.1 <= random.1 && random.1 <= lowest.1))
@@ -116,7 +118,7 @@ fn less_travels(swept: &[Swept]) -> Claim {
 
 fn interior(swept: &[Swept]) -> Claim {
     each('b', "speed-up has an interior best depth", swept, |pair| {
-        let depths = curve(pair, Scheme::BestMatchLoad, Transfer::ZeroCopy, |row| row.speed_up);
+        let depths = curve(pair, Scheme::BestMatchLoad, TransferMode::ZeroCopy, |row| row.speed_up);
         let Some((best, speed_up)) = best_depth(pair) else { return (false, String::new()) };
         let ends = [depths.first(), depths.last()].map(|end| end.map(|(depth, _)| *depth));
         let is_interior = !ends.contains(&Some(best));
@@ -175,7 +177,7 @@ fn thrashes(swept: &[Swept]) -> Claim {
         let copying =
             [Scheme::BestMatchLoad, Scheme::BestMatch, Scheme::RandomMatch, Scheme::LowestMatch];
         for scheme in copying {
-            let curve = curve(pair, scheme, Transfer::Copy, |row| row.speed_up);
+            let curve = curve(pair, scheme, TransferMode::Copy, |row| row.speed_up);
             let out: Vec<u32> =
                 curve.iter().filter(|(_, value)| value.is_none()).map(|(d, _)| *d).collect();
             let is_low = curve.iter().take(out.len()).all(|(depth, _)| out.contains(depth));
@@ -197,7 +199,7 @@ fn buffer(swept: &[Swept]) -> Claim {
         let of = |mode: Mode, workers: u8| {
             let rows = pair.rows.iter().filter(move |row| {
                 (row.mode, row.workers, row.depth) == (mode, workers, depth)
-                    && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
+                    && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, TransferMode::ZeroCopy)
             });
             let mut all: Vec<(u32, f64)> =
                 rows.filter_map(|row| Some((row.queue, row.speed_up?))).collect();

@@ -5,7 +5,7 @@ use super::row::Mode;
 use super::swept::{Check, Swept};
 use scenario::Scheme;
 use std::fmt::Write as _;
-use trolley::handing::Transfer;
+use trolley::handing::TransferMode;
 
 /// The median and the greatest error of the predictions (%); `None` if nothing was predicted.
 pub(crate) fn errors(checks: &[Check]) -> Option<[f64; 2]> {
@@ -18,7 +18,7 @@ pub(crate) fn errors(checks: &[Check]) -> Option<[f64; 2]> {
 pub(crate) fn best(swept: &Swept, mode: Mode, workers: u8) -> Option<(f64, u32)> {
     let rows = swept.rows.iter().filter(|row| {
         (row.mode, row.workers) == (mode, workers)
-            && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, Transfer::ZeroCopy)
+            && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, TransferMode::ZeroCopy)
     });
     let known = rows.filter_map(|row| Some((row.speed_up?, row.depth)));
     known.max_by(|a, b| a.0.total_cmp(&b.0))
@@ -170,7 +170,7 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
         .to_owned());
     say("| depth | zero-copy | copy | time | zero-copy | copy | bytes |".to_owned());
     say("|--:|--:|--:|--:|--:|--:|--:|".to_owned());
-    let of = |transfer: Transfer, depth: u32| {
+    let of = |transfer: TransferMode, depth: u32| {
         pair.rows.iter().find(|row| {
             (row.mode, row.workers, row.depth) == (Mode::Measured, 2, depth)
                 && row.queue == super::calibrate::QUEUES.capacity
@@ -178,7 +178,7 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
         })
     };
     for shares in pair.shares.iter().filter(|shares| shares.workers == 2) {
-        let rows = (of(Transfer::ZeroCopy, shares.depth), of(Transfer::Copy, shares.depth));
+        let rows = (of(TransferMode::ZeroCopy, shares.depth), of(TransferMode::Copy, shares.depth));
         let (Some(shared), Some(copy)) = rows else { continue };
         let kb = |row: &super::row::Row| row.message_bytes.map(|bytes| bytes as f64 / 1e3);
         let line = match (shared.time_ms, copy.time_ms, kb(shared), kb(copy)) {

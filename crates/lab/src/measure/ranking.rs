@@ -1,7 +1,7 @@
 //! One ranking of a scenario with the hand-over of a measurement: its answer, which does not depend
 //! on that, and what it took.
 
-use crate::progress::OnProgress;
+use crate::progress::SyncProgress;
 use scenario::Overrides;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -59,7 +59,7 @@ impl RankedRun {
 /// # Errors
 ///
 /// If the scenario cannot be ranked with these settings, or the file cannot be written.
-pub fn rank(options: &RankOptions, told: OnProgress<'_>) -> Result<RankedRun, Failure> {
+pub fn rank(options: &RankOptions, told: SyncProgress<'_>) -> Result<RankedRun, Failure> {
     // Nobody wants to hear after the work that the file cannot be written.
     options.job_log.as_deref().map(|path| files::check(path, None)).transpose()?;
     let scenario = Scenario::open(&options.scenario)?;

@@ -2,7 +2,7 @@
 
 use scenario::Scheme;
 use serde::Serialize;
-use trolley::handing::Transfer;
+use trolley::handing::TransferMode;
 
 /// Where a figure comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -31,7 +31,7 @@ impl Mode {
 pub(crate) struct Row {
     pub(crate) pair: String,
     pub(crate) mode: Mode,
-    pub(crate) transfer: Transfer,
+    pub(crate) transfer: TransferMode,
     pub(crate) scheme: Scheme,
     pub(crate) depth: u32,
     pub(crate) workers: u8,

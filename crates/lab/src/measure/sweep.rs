@@ -6,11 +6,11 @@ use super::calibrate::{QUEUES, calibrate};
 use super::row::{Mode, Row};
 use super::swept::{Check, Shares, Swept};
 use crate::progress::Progress;
-use dispatch::{Cache, Entry, Matching, Queues, Thrash};
-use scenario::{Engine, Scheme};
+use dispatch::{Cache, LogEntry, Matching, Queues, Thrash};
+use scenario::{EngineSettings, Scheme};
 use simulate::{Costs, Home, Setup};
 use trolley::Failure;
-use trolley::handing::{self, BUDGET_PERCENT, Handing, Transfer};
+use trolley::handing::{self, BUDGET_PERCENT, Handing, TransferMode};
 
 /// Workers of the quad-core machine.
 pub(crate) const CORES: u8 = 4;
@@ -37,7 +37,7 @@ pub(crate) struct Plan {
 impl Plan {
     fn matching(&self, scheme: Scheme) -> Matching {
         let (alpha, seed) = (self.alpha, self.seed);
-        handing::matching(&Engine { scheme, alpha, seed, ..Engine::DEFAULT })
+        handing::matching(&EngineSettings { scheme, alpha, seed, ..EngineSettings::DEFAULT })
     }
 }
 
@@ -154,7 +154,7 @@ struct Sweep<'s> {
     /// What a worker of a measured run may hold.
     cache: Cache,
     /// Who got which job of the last measured run, if that is written down.
-    log: Vec<Entry>,
+    log: Vec<LogEntry>,
     costs: Costs,
     alone_ns: f64,
     predicted_ns: f64,
@@ -173,7 +173,7 @@ impl Sweep<'_> {
             scheme,
             matching: self.plan.matching(scheme),
             queues: QUEUES,
-            transfer: Transfer::ZeroCopy,
+            transfer: TransferMode::ZeroCopy,
             cache: Cache::Unlimited,
         }
     }
@@ -181,7 +181,7 @@ impl Sweep<'_> {
     /// The same with copies into memory of so many percent of the bodies.
     fn copying(&self, way: Way) -> Way {
         let cache = Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100);
-        Way { transfer: Transfer::Copy, cache, ..way }
+        Way { transfer: TransferMode::Copy, cache, ..way }
     }
 
     /// The same as real workers get their jobs.
@@ -263,7 +263,7 @@ impl Sweep<'_> {
         let scheme = Scheme::BestMatchLoad;
         let best = self.rows.iter().filter(|row| {
             (row.mode, row.transfer, row.scheme)
-                == (Mode::SimulatedOwnCore, Transfer::ZeroCopy, scheme)
+                == (Mode::SimulatedOwnCore, TransferMode::ZeroCopy, scheme)
         });
         let best =
             best.max_by(|a, b| a.speed_up.unwrap_or(0.0).total_cmp(&b.speed_up.unwrap_or(0.0)));
@@ -367,7 +367,7 @@ impl Sweep<'_> {
     /// A run on virtual cores.
     fn simulate(&mut self, way: Way, alone: &Alone, home: Home) {
         let Way { workers, matching, queues, cache, .. } = way;
-        let copies = way.transfer == Transfer::Copy;
+        let copies = way.transfer == TransferMode::Copy;
         let setup = Setup { workers, home, matching, queues, cache, copies };
         let out = simulate::run(&alone.trace, &self.costs, &setup);
         let mode = match home {

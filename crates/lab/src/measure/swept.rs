@@ -4,7 +4,7 @@
 //! these figures is not judged here: see `claims`.
 
 use super::row::Row;
-use dispatch::Entry;
+use dispatch::LogEntry;
 use serde::Serialize;
 use simulate::Costs;
 
@@ -71,5 +71,5 @@ pub(crate) struct Swept {
     pub(crate) rows: Vec<Row>,
     /// Who got which job of the last measured run, if that was written down.
     #[serde(skip)]
-    pub(crate) log: Vec<Entry>,
+    pub(crate) log: Vec<LogEntry>,
 }

@@ -1,18 +1,21 @@
 //! What every imported mesh goes through after its reader: selection, duplicates, area, size.
 
 use super::collect::Part;
-use super::{Fault, Unit};
+use super::{LengthUnit, MeshDefect};
 use body::{Kind, Mesh};
 use geometry::Corners;
 
 /// Keeps the triangles of the parts that have one of the names; all if no name is given.
-pub(super) fn select(mesh: &mut Mesh, parts: &[Part], only: &[String]) -> Result<(), Fault> {
+pub(super) fn select(mesh: &mut Mesh, parts: &[Part], only: &[String]) -> Result<(), MeshDefect> {
     if only.is_empty() {
         return Ok(());
     }
     for name in only {
         if !parts.iter().any(|part| part.is_named(name)) {
-            return Err(Fault::NoSuchPart { asked: format!("\"{name}\""), names: names(parts) });
+            return Err(MeshDefect::NoSuchPart {
+                asked: format!("\"{name}\""),
+                names: names(parts),
+            });
         }
     }
     let keep: Vec<bool> =
@@ -110,17 +113,21 @@ fn limits(kind: Option<Kind>) -> ([f64; 2], [f64; 2]) {
 }
 
 /// Refuses a body that no body of its kind is as small or as large as.
-pub(super) fn check_size(size: [f64; 3], kind: Option<Kind>, unit: Unit) -> Result<(), Fault> {
+pub(super) fn check_size(
+    size: [f64; 3],
+    kind: Option<Kind>,
+    unit: LengthUnit,
+) -> Result<(), MeshDefect> {
     let greatest = size.into_iter().fold(0.0, f64::max);
     let ([least, most], usual) = limits(kind);
     if (least..=most).contains(&greatest) {
         return Ok(());
     }
     let in_unit = |metres: f64| greatest / unit.metres() * metres;
-    let likely = Unit::NAMED.iter().find(|(_, metres)| {
+    let likely = LengthUnit::NAMED.iter().find(|(_, metres)| {
         *metres != unit.metres() && (usual[0]..=usual[1]).contains(&in_unit(*metres))
     });
-    Err(Fault::Size {
+    Err(MeshDefect::Size {
         size: describe(size),
         kind: kind.map_or("road user or object", Kind::name).to_owned(),
         least,

@@ -9,7 +9,7 @@
 //! in what the unit scales.
 
 use super::collect::Collector;
-use super::{Axis, Fault, ImportError, Place, Unit};
+use super::{Axis, FilePosition, ImportError, LengthUnit, MeshDefect};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -34,7 +34,7 @@ pub(super) struct Collada<'t> {
 /// What a file says of its unit and axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Asset {
-    pub(super) unit: Unit,
+    pub(super) unit: LengthUnit,
     pub(super) up: Axis,
 }
 
@@ -43,23 +43,23 @@ pub(super) fn parse<'t>(file: &str, bytes: &'t [u8]) -> Result<Collada<'t>, Impo
     let fail = |place, fault| ImportError::new(file, place, fault);
     let text = core::str::from_utf8(bytes).map_err(|error| {
         let fault = format!("not UTF-8 from byte {} on", error.valid_up_to());
-        fail(Place::Whole, Fault::Syntax(fault))
+        fail(FilePosition::Whole, MeshDefect::Syntax(fault))
     })?;
     let options =
         ParsingOptions { allow_dtd: false, nodes_limit: XML_NODES_MAX, ..Default::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| {
-        let line = Place::Line(error.pos().row as usize);
+        let line = FilePosition::Line(error.pos().row as usize);
         match error {
             roxmltree::Error::DtdDetected => {
-                fail(line, Fault::Feature("a document type declaration".to_owned()))
+                fail(line, MeshDefect::Feature("a document type declaration".to_owned()))
             }
-            _ => fail(line, Fault::Syntax(error.to_string())),
+            _ => fail(line, MeshDefect::Syntax(error.to_string())),
         }
     })?;
     let root = document.root_element().tag_name().name();
     if root != "COLLADA" {
-        let fault = Fault::Syntax(format!("its first element is <{root}>, not <COLLADA>"));
-        return Err(fail(Place::Whole, fault));
+        let fault = MeshDefect::Syntax(format!("its first element is <{root}>, not <COLLADA>"));
+        return Err(fail(FilePosition::Whole, fault));
     }
     Ok(Collada { document })
 }
@@ -74,10 +74,10 @@ impl Collada<'_> {
                 let text = unit.attribute("meter").unwrap_or("1.0");
                 text.trim().parse().map_err(|_error| {
                     let fault = format!("<unit meter={text:?}> is no length");
-                    ImportError::new(file, line(unit), Fault::Syntax(fault))
+                    ImportError::new(file, line(unit), MeshDefect::Syntax(fault))
                 })?
             }
-            None => Unit::METRE,
+            None => LengthUnit::METRE,
         };
         let up = match asset.and_then(|asset| child(asset, "up_axis")) {
             Some(axis) => match axis.text().unwrap_or_default().trim() {
@@ -85,7 +85,7 @@ impl Collada<'_> {
                 "Y_UP" => Axis::Y,
                 "Z_UP" => Axis::Z,
                 other => {
-                    let fault = Fault::Syntax(format!("<up_axis> is {other:?}"));
+                    let fault = MeshDefect::Syntax(format!("<up_axis> is {other:?}"));
                     return Err(ImportError::new(file, line(axis), fault));
                 }
             },
@@ -121,8 +121,8 @@ fn text<'d>(node: Node<'d, 'd>) -> Cow<'d, str> {
     }
 }
 
-fn line(node: Node<'_, '_>) -> Place {
-    Place::Line(node.document().text_pos_at(node.range().start).row as usize)
+fn line(node: Node<'_, '_>) -> FilePosition {
+    FilePosition::Line(node.document().text_pos_at(node.range().start).row as usize)
 }
 
 /// What can be referred to by id.
@@ -151,12 +151,12 @@ impl<'d> Library<'d> {
         let url = node.attribute(attribute).unwrap_or_default();
         let Some(id) = url.strip_prefix('#') else {
             let fault = format!("{attribute}={url:?}, a reference to another file,");
-            return Err(into.fail(line(node), Fault::Feature(fault)));
+            return Err(into.fail(line(node), MeshDefect::Feature(fault)));
         };
         match self.by_id.get(id) {
             Some(found) if found.tag_name().name() == kind => Ok(*found),
             _ => {
-                let fault = Fault::Syntax(format!("there is no <{kind}> with id {id:?}"));
+                let fault = MeshDefect::Syntax(format!("there is no <{kind}> with id {id:?}"));
                 Err(into.fail(line(node), fault))
             }
         }
@@ -189,7 +189,7 @@ pub(super) fn read(file: &Collada<'_>, into: &mut Collector<'_>) -> Result<(), I
         {
             if count > max {
                 let (count, max) = (count as u64, max as u64);
-                return Err(into.fail(line(node), Fault::TooMany { what, count, max }));
+                return Err(into.fail(line(node), MeshDefect::TooMany { what, count, max }));
             }
         }
         let matrix = place::product(&matrix, &place::local(node, into)?);
@@ -202,13 +202,13 @@ pub(super) fn read(file: &Collada<'_>, into: &mut Collector<'_>) -> Result<(), I
                 "instance_geometry" => {
                     let flat = place::determinant(&matrix);
                     if !(flat.abs() > 1e-18) {
-                        return Err(into.fail(line(node), Fault::Singular(flat)));
+                        return Err(into.fail(line(node), MeshDefect::Singular(flat)));
                     }
                     let geometry = library.find(part, "url", "geometry", into)?;
                     mesh::add(geometry, part, &library, &matrix, &names, into)?;
                 }
                 other @ "instance_controller" => {
-                    let fault = Fault::Feature(format!("<{other}> (a skin or morph)"));
+                    let fault = MeshDefect::Feature(format!("<{other}> (a skin or morph)"));
                     return Err(into.fail(line(part), fault));
                 }
                 _ => {}
@@ -219,7 +219,9 @@ pub(super) fn read(file: &Collada<'_>, into: &mut Collector<'_>) -> Result<(), I
         }
     }
     if into.corners.is_empty() {
-        return Err(into.fail(Place::Whole, Fault::Empty(": its scene has no mesh".to_owned())));
+        return Err(
+            into.fail(FilePosition::Whole, MeshDefect::Empty(": its scene has no mesh".to_owned()))
+        );
     }
     Ok(())
 }
@@ -236,7 +238,7 @@ fn scene<'d>(
     }
     let first = child(root, "library_visual_scenes").and_then(|all| child(all, "visual_scene"));
     first.ok_or_else(|| {
-        into.fail(Place::Whole, Fault::Empty(": it has no <visual_scene>".to_owned()))
+        into.fail(FilePosition::Whole, MeshDefect::Empty(": it has no <visual_scene>".to_owned()))
     })
 }
 

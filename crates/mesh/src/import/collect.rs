@@ -1,7 +1,7 @@
 //! Where every reader puts its triangles: into the body frame, checked, counted, tagged with a
 //! part.
 
-use super::{Fault, Frame, ImportError, Place, polygon};
+use super::{FilePosition, Frame, ImportError, MeshDefect, polygon};
 use body::file::COORDINATE_MAX_M;
 use geometry::Corners;
 use std::collections::BTreeMap;
@@ -60,7 +60,7 @@ impl<'a> Collector<'a> {
     }
 
     /// An error in this file.
-    pub(super) fn fail(&self, place: Place, fault: Fault) -> ImportError {
+    pub(super) fn fail(&self, place: FilePosition, fault: MeshDefect) -> ImportError {
         ImportError::new(self.file, place, fault)
     }
 
@@ -74,8 +74,8 @@ impl<'a> Collector<'a> {
         }
         let Ok(number) = u16::try_from(self.parts.len()) else {
             let max = PARTS_MAX as u64;
-            let fault = Fault::TooMany { what: "parts", count: max + 1, max };
-            return Err(self.fail(Place::Whole, fault));
+            let fault = MeshDefect::TooMany { what: "parts", count: max + 1, max };
+            return Err(self.fail(FilePosition::Whole, fault));
         };
         self.parts.push(Part { name: key.0.clone(), aliases: key.1.clone() });
         self.numbers.insert(key, number);
@@ -86,15 +86,15 @@ impl<'a> Collector<'a> {
     pub(super) fn point(
         &self,
         point: [f64; 3],
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePosition,
     ) -> Result<[f32; 3], ImportError> {
         if let Some(value) = point.into_iter().find(|x| !x.is_finite()) {
-            return Err(self.fail(place(), Fault::NotFinite { value }));
+            return Err(self.fail(place(), MeshDefect::NotFinite { value }));
         }
         let point = self.frame.point(point);
         let max = f64::from(COORDINATE_MAX_M);
         if let Some(metres) = point.into_iter().find(|x| !(x.abs() <= max)) {
-            return Err(self.fail(place(), Fault::TooFar { metres, max }));
+            return Err(self.fail(place(), MeshDefect::TooFar { metres, max }));
         }
         Ok(point.map(|x| x as f32))
     }
@@ -103,8 +103,8 @@ impl<'a> Collector<'a> {
     pub(super) fn triangle(&mut self, corners: Corners, part: u16) -> Result<(), ImportError> {
         if self.corners.len() >= TRIANGLES_MAX {
             let max = TRIANGLES_MAX as u64;
-            let fault = Fault::TooMany { what: "triangles", count: max + 1, max };
-            return Err(self.fail(Place::Whole, fault));
+            let fault = MeshDefect::TooMany { what: "triangles", count: max + 1, max };
+            return Err(self.fail(FilePosition::Whole, fault));
         }
         self.corners.push(corners);
         self.part_of.push(part);
@@ -116,19 +116,19 @@ impl<'a> Collector<'a> {
         &mut self,
         points: &[[f32; 3]],
         part: u16,
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePosition,
     ) -> Result<(), ImportError> {
         if let [a, b, c] = points {
             return self.triangle([*a, *b, *c], part);
         }
         if points.len() < 3 {
             let fault = format!("a face with {} corners is no surface", points.len());
-            return Err(self.fail(place(), Fault::Syntax(fault)));
+            return Err(self.fail(place(), MeshDefect::Syntax(fault)));
         }
         if points.len() > polygon::CORNERS_MAX {
             let (count, max) = (points.len() as u64, polygon::CORNERS_MAX as u64);
             return Err(
-                self.fail(place(), Fault::TooMany { what: "corners of a face", count, max })
+                self.fail(place(), MeshDefect::TooMany { what: "corners of a face", count, max })
             );
         }
         let wide: Vec<[f64; 3]> = points.iter().map(|point| point.map(f64::from)).collect();

@@ -13,14 +13,14 @@ pub struct ImportError {
     /// Name of the file, as the caller gave it.
     pub file: String,
     /// Where in the file.
-    pub place: Place,
+    pub place: FilePosition,
     /// What is wrong.
-    pub fault: Fault,
+    pub fault: MeshDefect,
 }
 
 /// Where in a file a fault is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// The file as a whole.
     Whole,
     /// A line, counted from 1.
@@ -29,7 +29,7 @@ pub enum Place {
     Element(String),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     /// Ends with a colon and a space, unless the place is the whole file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -42,7 +42,7 @@ impl fmt::Display for Place {
 
 /// What is wrong with a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Fault {
+pub enum MeshDefect {
     /// The name's extension is none that can be imported.
     #[error("{what} cannot be imported")]
     Unsupported {
@@ -145,7 +145,7 @@ pub enum Fault {
 impl ImportError {
     /// A fault at a place.
     #[must_use]
-    pub fn new(file: &str, place: Place, fault: Fault) -> Self {
+    pub fn new(file: &str, place: FilePosition, fault: MeshDefect) -> Self {
         Self { file: file.to_owned(), place, fault }
     }
 }
@@ -157,45 +157,49 @@ impl Diagnostic for ImportError {
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         let remedy = match &self.fault {
-            Fault::Unsupported { .. } => {
+            MeshDefect::Unsupported { .. } => {
                 "convert it to OBJ, STL, PLY, glTF, GLB or COLLADA (Blender: File, Export)"
             }
-            Fault::Misnamed { looks, .. } => match Format::ALL.iter().find(|f| f.name() == looks) {
-                Some(format) => {
-                    return Some(format!("rename it to end in .{}", format.extension()).into());
+            MeshDefect::Misnamed { looks, .. } => {
+                match Format::ALL.iter().find(|f| f.name() == looks) {
+                    Some(format) => {
+                        return Some(format!("rename it to end in .{}", format.extension()).into());
+                    }
+                    None => "convert it to UTF-8 OBJ, STL, PLY, glTF or GLB",
                 }
-                None => "convert it to UTF-8 OBJ, STL, PLY, glTF or GLB",
-            },
-            Fault::Syntax(_) => "correct this place, or export the mesh again",
-            Fault::Feature(_) => "export the mesh without it",
-            Fault::Truncated(_) => {
+            }
+            MeshDefect::Syntax(_) => "correct this place, or export the mesh again",
+            MeshDefect::Feature(_) => "export the mesh without it",
+            MeshDefect::Truncated(_) => {
                 "the file is incomplete: copy it again, or export the mesh again"
             }
-            Fault::NotFinite { .. } => {
+            MeshDefect::NotFinite { .. } => {
                 "export the mesh again: NaN and infinity are no \
                                         positions"
             }
-            Fault::TooFar { .. } => {
+            MeshDefect::TooFar { .. } => {
                 "state the unit (--unit mm, cm, inch, ...), or move the body \
                                      to the origin"
             }
-            Fault::Index { .. } => "correct the face, or export the mesh again",
-            Fault::Empty(_) => "export the surface as triangles or polygons",
-            Fault::TooMany { .. } => "reduce the mesh, or import parts of it with --only",
-            Fault::SideFile { .. } => {
+            MeshDefect::Index { .. } => "correct the face, or export the mesh again",
+            MeshDefect::Empty(_) => "export the surface as triangles or polygons",
+            MeshDefect::TooMany { .. } => "reduce the mesh, or import parts of it with --only",
+            MeshDefect::SideFile { .. } => {
                 "put the side file beside the mesh, or export as one .glb \
                                        file"
             }
-            Fault::Singular(_) => "apply the transforms when exporting",
-            Fault::NoSuchPart { .. } => "give one of these names to --only",
-            Fault::NoUnit => "state the length that it was written in: --unit mm, --unit m, ...",
-            Fault::Options(_) => "the axes are +x, -x, +y, -y, +z, -z",
-            Fault::Size { unit: Some(unit), .. } => {
+            MeshDefect::Singular(_) => "apply the transforms when exporting",
+            MeshDefect::NoSuchPart { .. } => "give one of these names to --only",
+            MeshDefect::NoUnit => {
+                "state the length that it was written in: --unit mm, --unit m, ..."
+            }
+            MeshDefect::Options(_) => "the axes are +x, -x, +y, -y, +z, -z",
+            MeshDefect::Size { unit: Some(unit), .. } => {
                 return Some(
                     format!("is its unit {unit}? then import it with --unit {unit}").into(),
                 );
             }
-            Fault::Size { unit: None, .. } => {
+            MeshDefect::Size { unit: None, .. } => {
                 "state its unit or a factor with --unit, and check --kind"
             }
         };

@@ -1,6 +1,6 @@
 //! Which format a file has: by its name, checked against its content.
 
-use super::{Fault, ImportError, Place};
+use super::{FilePosition, ImportError, MeshDefect};
 use core::fmt;
 
 /// A mesh format that can be imported.
@@ -73,7 +73,7 @@ impl Format {
     ///
     /// If the extension is unknown, or the content is plainly something else.
     pub fn detect(file: &str, bytes: &[u8]) -> Result<Self, ImportError> {
-        let refuse = |fault| Err(ImportError::new(file, Place::Whole, fault));
+        let refuse = |fault| Err(ImportError::new(file, FilePosition::Whole, fault));
         let looks = look(bytes);
         let extension = file.rsplit_once('.').map_or("", |(_, end)| end).to_ascii_lowercase();
         let Some(named) = Self::ALL.into_iter().find(|format| format.ends(&extension)) else {
@@ -85,11 +85,11 @@ impl Format {
                 Some(looks) => format!("{named} that looks like {looks}"),
                 None => named,
             };
-            return refuse(Fault::Unsupported { what });
+            return refuse(MeshDefect::Unsupported { what });
         };
         match looks {
             Some(looks) if looks != named.name() => {
-                refuse(Fault::Misnamed { named, looks: looks.to_owned() })
+                refuse(MeshDefect::Misnamed { named, looks: looks.to_owned() })
             }
             _ => Ok(named),
         }

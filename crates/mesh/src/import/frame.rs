@@ -1,20 +1,20 @@
 //! From a file's unit and axes to the body frame: metres, x forward, y left, z up.
 
-use super::{Fault, Format};
+use super::{Format, MeshDefect};
 use core::{fmt, str::FromStr};
 use diagnostic::{Diagnostic, Kind};
 
 /// Length of one unit of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unit {
+pub struct LengthUnit {
     metres: f64,
 }
 
-impl Unit {
+impl LengthUnit {
     /// Metres.
     pub const METRE: Self = Self { metres: 1.0 };
 
-    /// Names that [`Unit::from_str`] knows beside numbers, with their lengths in metres.
+    /// Names that [`LengthUnit::from_str`] knows beside numbers, with their lengths in metres.
     pub const NAMED: [(&'static str, f64); 5] =
         [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("inch", 0.0254)];
 
@@ -25,13 +25,13 @@ impl Unit {
     }
 }
 
-impl Default for Unit {
+impl Default for LengthUnit {
     fn default() -> Self {
         Self::METRE
     }
 }
 
-impl fmt::Display for Unit {
+impl fmt::Display for LengthUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match Self::NAMED.iter().find(|(_, metres)| *metres == self.metres) {
             Some((name, _)) => f.pad(name),
@@ -40,7 +40,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// A text that is no [`Unit`].
+/// A text that is no [`LengthUnit`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no unit: one of m, dm, cm, mm, inch, or a factor to metres above 0")]
 pub struct UnknownUnit(pub String);
@@ -51,7 +51,7 @@ impl Diagnostic for UnknownUnit {
     }
 }
 
-impl FromStr for Unit {
+impl FromStr for LengthUnit {
     type Err = UnknownUnit;
 
     fn from_str(text: &str) -> Result<Self, UnknownUnit> {
@@ -132,7 +132,7 @@ impl FromStr for Axis {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Unit of the file.
-    pub unit: Unit,
+    pub unit: LengthUnit,
     /// Up in the file.
     pub up: Axis,
     /// Forward in the file.
@@ -149,10 +149,10 @@ impl Frame {
     /// If up and forward are parallel.
     pub fn new(
         format: Format,
-        unit: Unit,
+        unit: LengthUnit,
         up: Option<Axis>,
         forward: Option<Axis>,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, MeshDefect> {
         let (usual_up, usual_forward) = match format {
             Format::Gltf | Format::Glb => (Axis::Y, Axis::Z),
             Format::Obj | Format::Stl | Format::Ply | Format::Collada | Format::LsDyna => {
@@ -161,7 +161,7 @@ impl Frame {
         };
         let (up, forward) = (up.unwrap_or(usual_up), forward.unwrap_or(usual_forward));
         if up.index == forward.index {
-            return Err(Fault::Options(format!(
+            return Err(MeshDefect::Options(format!(
                 "up {up} and forward {forward} are parallel: state both --up and --forward"
             )));
         }

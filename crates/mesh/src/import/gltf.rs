@@ -10,7 +10,7 @@ mod accessor;
 mod buffers;
 
 use super::collect::Collector;
-use super::{Fault, ImportError, Place, Resolver};
+use super::{FilePosition, ImportError, MeshDefect, Resolver};
 use ::gltf::json;
 use accessor::Source;
 use json::mesh::{Mode, Primitive, Semantic};
@@ -37,18 +37,20 @@ pub(super) fn read(
     let (mut stack, mut visited) = (start(&root, into)?, vec![false; root.nodes.len()]);
     // Depth first, children in the order in which they stand.
     while let Some(step) = stack.pop() {
-        let place = || Place::Element(format!("node {}", step.node));
+        let place = || FilePosition::Element(format!("node {}", step.node));
         let Some(node) = root.nodes.get(step.node) else {
             let range = format!("the file has {} nodes", root.nodes.len());
-            return Err(into.fail(place(), Fault::Index { index: step.node as i64, range }));
+            return Err(into.fail(place(), MeshDefect::Index { index: step.node as i64, range }));
         };
         if core::mem::replace(&mut visited[step.node], true) {
             let fault = "the node has two parents or is its own ancestor".to_owned();
-            return Err(into.fail(place(), Fault::Syntax(fault)));
+            return Err(into.fail(place(), MeshDefect::Syntax(fault)));
         }
         if step.depth > DEPTH_MAX {
             let (count, max) = (step.depth as u64, DEPTH_MAX as u64);
-            return Err(into.fail(place(), Fault::TooMany { what: "nested nodes", count, max }));
+            return Err(
+                into.fail(place(), MeshDefect::TooMany { what: "nested nodes", count, max })
+            );
         }
         let matrix = product(&step.matrix, &local(node));
         let mut names = step.names;
@@ -63,8 +65,8 @@ pub(super) fn read(
     }
     if into.corners.is_empty() {
         let (nodes, meshes) = (root.nodes.len(), root.meshes.len());
-        let fault = Fault::Empty(format!(": {nodes} nodes, {meshes} meshes"));
-        return Err(into.fail(Place::Whole, fault));
+        let fault = MeshDefect::Empty(format!(": {nodes} nodes, {meshes} meshes"));
+        return Err(into.fail(FilePosition::Whole, fault));
     }
     Ok(())
 }
@@ -86,8 +88,8 @@ fn start(root: &json::Root, into: &Collector<'_>) -> Result<Vec<Step>, ImportErr
         Some(scene) => scene.nodes.iter().map(json::Index::value).collect(),
         None if root.scene.is_some() => {
             let range = format!("the file has {} scenes", root.scenes.len());
-            let fault = Fault::Index { index: number as i64, range };
-            return Err(into.fail(Place::Element("scene".to_owned()), fault));
+            let fault = MeshDefect::Index { index: number as i64, range };
+            return Err(into.fail(FilePosition::Element("scene".to_owned()), fault));
         }
         None => {
             let mut is_child = vec![false; root.nodes.len()];
@@ -112,9 +114,8 @@ fn check_extensions(root: &json::Root, into: &Collector<'_>) -> Result<(), Impor
         .iter()
         .find(|name| !HARMLESS.iter().any(|start| name.starts_with(start)));
     match bad {
-        Some(name) => {
-            Err(into.fail(Place::Whole, Fault::Feature(format!("required extension {name}"))))
-        }
+        Some(name) => Err(into
+            .fail(FilePosition::Whole, MeshDefect::Feature(format!("required extension {name}")))),
         None => Ok(()),
     }
 }
@@ -159,20 +160,20 @@ fn add_mesh(
     names: &[String],
     into: &mut Collector<'_>,
 ) -> Result<(), ImportError> {
-    let place = Place::Element(format!("node {node}"));
+    let place = FilePosition::Element(format!("node {node}"));
     let Some(mesh) = source.root.meshes.get(number) else {
         let range = format!("the file has {} meshes", source.root.meshes.len());
-        return Err(into.fail(place, Fault::Index { index: number as i64, range }));
+        return Err(into.fail(place, MeshDefect::Index { index: number as i64, range }));
     };
     let flat = determinant(matrix);
     if !(flat.abs() > 1e-18) {
-        return Err(into.fail(place, Fault::Singular(flat)));
+        return Err(into.fail(place, MeshDefect::Singular(flat)));
     }
     let own = names.last().or(mesh.name.as_ref()).cloned();
     let own = own.unwrap_or_else(|| format!("node {node}"));
     let several = mesh.primitives.len() > 1;
     for (at, primitive) in mesh.primitives.iter().enumerate() {
-        let place = || Place::Element(format!("mesh {number}, primitive {at}"));
+        let place = || FilePosition::Element(format!("mesh {number}, primitive {at}"));
         let material = primitive
             .material
             .and_then(|material| source.root.materials.get(material.value()))
@@ -196,14 +197,14 @@ fn add_primitive(
     primitive: &Primitive,
     matrix: &Matrix,
     part: u16,
-    place: &dyn Fn() -> Place,
+    place: &dyn Fn() -> FilePosition,
     into: &mut Collector<'_>,
 ) -> Result<(), ImportError> {
     let fail = |into: &Collector<'_>, fault| into.fail(place(), fault);
     let mode = match primitive.mode {
         Checked::Valid(mode) => mode,
         Checked::Invalid => {
-            return Err(fail(into, Fault::Syntax("its mode is unknown".to_owned())));
+            return Err(fail(into, MeshDefect::Syntax("its mode is unknown".to_owned())));
         }
     };
     if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
@@ -220,7 +221,9 @@ fn add_primitive(
         .zip(points)
         .map(|(number, point)| {
             let vertex = || match place() {
-                Place::Element(name) => Place::Element(format!("{name}, vertex {number}")),
+                FilePosition::Element(name) => {
+                    FilePosition::Element(format!("{name}, vertex {number}"))
+                }
                 other => other,
             };
             let point = point.map(f64::from);
@@ -235,7 +238,7 @@ fn add_primitive(
     };
     if let Some(bad) = indices.iter().find(|index| **index as usize >= points.len()) {
         let range = format!("the primitive has {} vertices, from 0", points.len());
-        return Err(fail(into, Fault::Index { index: i64::from(*bad), range }));
+        return Err(fail(into, MeshDefect::Index { index: i64::from(*bad), range }));
     }
     for [a, b, c] in triangles(mode, &indices).map_err(|fault| fail(into, fault))? {
         into.triangle([points[a as usize], points[b as usize], points[c as usize]], part)?;
@@ -244,11 +247,14 @@ fn add_primitive(
 }
 
 /// Triangles of a list, strip or fan, wound as the specification says (section 3.7.2.1).
-fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, Fault> {
+fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, MeshDefect> {
     match mode {
         Mode::Triangles => match indices.as_chunks::<3>() {
             (triangles, []) => Ok(triangles.to_vec()),
-            _ => Err(Fault::Syntax(format!("{} indices are not whole triangles", indices.len()))),
+            _ => Err(MeshDefect::Syntax(format!(
+                "{} indices are not whole triangles",
+                indices.len()
+            ))),
         },
         Mode::TriangleStrip => Ok(indices
             .windows(3)

@@ -2,7 +2,7 @@
 //!
 //! A guess is shown to a person; it decides nothing.
 
-use super::Unit;
+use super::LengthUnit;
 use super::check::describe;
 use body::Mesh;
 
@@ -91,7 +91,7 @@ fn turned([x, y, z]: [f64; 3]) -> Option<String> {
 
 /// Every unit that makes a known shape, as if the file had been read in metres.
 fn scaled(size: [f64; 3]) -> impl Iterator<Item = String> {
-    let [_, units @ ..] = Unit::NAMED;
+    let [_, units @ ..] = LengthUnit::NAMED;
     units.into_iter().filter_map(move |(unit, metres)| {
         shape(size.map(|x| x * metres))
             .map(|name| format!("in {unit} instead of metres, it would look like {name}"))

@@ -6,7 +6,7 @@
 //! are refused with their line. A deck states no unit: the user must.
 
 use super::collect::Collector;
-use super::{Fault, ImportError, Place, Resolver};
+use super::{FilePosition, ImportError, MeshDefect, Resolver};
 use std::collections::BTreeMap;
 
 /// Decks that include decks, at most so deep.
@@ -92,8 +92,8 @@ pub(super) fn read(
             if depth > INCLUDES_MAX {
                 let (count, max) = (depth as u64, INCLUDES_MAX as u64);
                 return Err(into.fail(
-                    Place::Whole,
-                    Fault::TooMany { what: "decks that include decks", count, max },
+                    FilePosition::Whole,
+                    MeshDefect::TooMany { what: "decks that include decks", count, max },
                 ));
             }
             let leads_out =
@@ -104,12 +104,13 @@ pub(super) fn read(
                 resolve(&name)
             };
             let content = content.map_err(|reason| {
-                into.fail(Place::Whole, Fault::SideFile { name: name.clone(), reason })
+                into.fail(FilePosition::Whole, MeshDefect::SideFile { name: name.clone(), reason })
             })?;
             total += content.len();
             if total > BYTES_MAX {
                 let (count, max) = (total as u64, BYTES_MAX as u64);
-                return Err(into.fail(Place::Whole, Fault::TooMany { what: "bytes", count, max }));
+                return Err(into
+                    .fail(FilePosition::Whole, MeshDefect::TooMany { what: "bytes", count, max }));
             }
             waiting.push((name, content, depth));
         }
@@ -122,12 +123,14 @@ pub(super) fn read(
 }
 
 impl Deck {
-    fn fail(&self, place: Spot, fault: Fault, into: &Collector<'_>) -> ImportError {
+    fn fail(&self, place: Spot, fault: MeshDefect, into: &Collector<'_>) -> ImportError {
         let at = match (self.names[place.deck].as_str(), place.element) {
-            ("", 0) => Place::Line(place.line),
-            ("", element) => Place::Element(format!("line {}, element {element}", place.line)),
+            ("", 0) => FilePosition::Line(place.line),
+            ("", element) => {
+                FilePosition::Element(format!("line {}, element {element}", place.line))
+            }
             (name, element) => {
-                Place::Element(format!("{name}, line {}, element {element}", place.line))
+                FilePosition::Element(format!("{name}, line {}, element {element}", place.line))
             }
         };
         into.fail(at, fault)
@@ -146,7 +149,7 @@ impl Deck {
             let spot = |line| Spot { deck: number, line, element: 0 };
             let keyword = block.keyword.as_str();
             let refuse = |deck: &Self, what: String| {
-                Err(deck.fail(spot(block.line), Fault::Feature(what), into))
+                Err(deck.fail(spot(block.line), MeshDefect::Feature(what), into))
             };
             let (head, options) = keyword.split_once('_').unwrap_or((keyword, ""));
             match (head, options) {
@@ -179,7 +182,7 @@ impl Deck {
         for (line, card) in &block.cards {
             let place = Spot { deck, line: *line, element: 0 };
             let fields = fields(card, &[8, 16, 16, 16]);
-            let wrong = |fault: String| self.fail(place, Fault::Syntax(fault), into);
+            let wrong = |fault: String| self.fail(place, MeshDefect::Syntax(fault), into);
             let id = whole(fields.first()).filter(|id| *id > 0);
             let id = id.ok_or_else(|| wrong("a node without a number".to_owned()))?;
             let mut point = [0.0; 3];
@@ -216,7 +219,7 @@ impl Deck {
                 let shared = ["THICKNESS", "BETA", "MCID"];
                 let known = [&shared[..], &["OFFSET", "DOF"]].concat();
                 if let Some(word) = words.iter().find(|word| !known.contains(word)) {
-                    let fault = Fault::Feature(format!("*ELEMENT_SHELL with {word}"));
+                    let fault = MeshDefect::Feature(format!("*ELEMENT_SHELL with {word}"));
                     return Err(self.fail(place, fault, into));
                 }
                 let count = |of: &[&str]| words.iter().filter(|word| of.contains(word)).count();
@@ -228,7 +231,7 @@ impl Deck {
                     [] => 0,
                     ["ORTHO"] => 2,
                     _ => {
-                        let fault = Fault::Feature(format!("*ELEMENT_{options}"));
+                        let fault = MeshDefect::Feature(format!("*ELEMENT_{options}"));
                         return Err(self.fail(place, fault, into));
                     }
                 };
@@ -239,7 +242,7 @@ impl Deck {
                     block.cards.len();
                 Ok(())
             }
-            _ => Err(self.fail(place, Fault::Feature(format!("*ELEMENT_{options}")), into)),
+            _ => Err(self.fail(place, MeshDefect::Feature(format!("*ELEMENT_{options}")), into)),
         }
     }
 
@@ -256,13 +259,13 @@ impl Deck {
             let place = Spot { deck, line, element: id };
             if cards.len() < 1 + extra {
                 let fault = format!("{} more lines belong to it", 1 + extra - cards.len());
-                return Err(self.fail(place, Fault::Truncated(fault), into));
+                return Err(self.fail(place, MeshDefect::Truncated(fault), into));
             }
             // The first four are corners; those beyond lie in the middle of edges.
             let nodes = distinct(&nodes[..nodes.len().min(4)]);
             if nodes.len() < 3 {
                 let fault = format!("a shell with {} different corners", nodes.len());
-                return Err(self.fail(place, Fault::Syntax(fault), into));
+                return Err(self.fail(place, MeshDefect::Syntax(fault), into));
             }
             self.shells.push(Face { part, nodes, place });
         }
@@ -298,7 +301,7 @@ impl Deck {
                 [a, b, c, d, e, f, g, h, ..] => [a, b, c, d, e, f, g, h],
                 _ => {
                     let fault = format!("a solid with {} corners", nodes.len());
-                    return Err(self.fail(place, Fault::Feature(fault), into));
+                    return Err(self.fail(place, MeshDefect::Feature(fault), into));
                 }
             };
             let [_, _, _, d, rest @ ..] = corners;
@@ -331,7 +334,7 @@ impl Deck {
         for field in &fields {
             let place = Spot { deck, line, element: numbers.first().copied().unwrap_or(0) };
             let number = whole(Some(field)).ok_or_else(|| {
-                let fault = Fault::Syntax(format!("{field:?} is no whole number"));
+                let fault = MeshDefect::Syntax(format!("{field:?} is no whole number"));
                 self.fail(place, fault, into)
             })?;
             numbers.push(number);
@@ -340,7 +343,7 @@ impl Deck {
             [id, part, nodes @ ..] => Ok((*id, *part, nodes.to_vec())),
             _ => {
                 let place = Spot { deck, line, element: 0 };
-                let fault = Fault::Truncated("an element without a part".to_owned());
+                let fault = MeshDefect::Truncated("an element without a part".to_owned());
                 Err(self.fail(place, fault, into))
             }
         }
@@ -360,7 +363,7 @@ impl Deck {
             let fields = fields(card, &[10; 8]);
             let Some(id) = whole(fields.first()) else {
                 let place = Spot { deck, line: *line, element: 0 };
-                let fault = Fault::Syntax("a part without a number".to_owned());
+                let fault = MeshDefect::Syntax("a part without a number".to_owned());
                 return Err(self.fail(place, fault, into));
             };
             self.parts.insert(id, title.trim().to_owned());
@@ -381,8 +384,9 @@ impl Deck {
             self.outer.values().filter(|(_, solids)| *solids == 1).map(|(face, _)| face).collect();
         outer.sort_by_key(|face| (face.place.deck, face.place.line));
         if self.shells.is_empty() && outer.is_empty() {
-            let fault = Fault::Empty(format!(": {} nodes, no shells or solids", self.nodes.len()));
-            return Err(into.fail(Place::Whole, fault));
+            let fault =
+                MeshDefect::Empty(format!(": {} nodes, no shells or solids", self.nodes.len()));
+            return Err(into.fail(FilePosition::Whole, fault));
         }
         let mut points = Vec::with_capacity(4);
         for face in self.shells.iter().chain(outer) {
@@ -396,12 +400,12 @@ impl Deck {
                 let Some(point) = self.nodes.get(node) else {
                     let index = i64::try_from(*node).unwrap_or(i64::MAX);
                     let range = "the deck has no node with this number".to_owned();
-                    return Err(self.fail(face.place, Fault::Index { index, range }, into));
+                    return Err(self.fail(face.place, MeshDefect::Index { index, range }, into));
                 };
-                let at = || Place::Element(format!("node {node}"));
+                let at = || FilePosition::Element(format!("node {node}"));
                 points.push(into.point(*point, at)?);
             }
-            let at = || Place::Line(face.place.line);
+            let at = || FilePosition::Line(face.place.line);
             into.polygon(&points, part, at)?;
         }
         Ok(())

@@ -6,7 +6,7 @@
 //! hands on positions and position indices alone.
 
 use super::collect::Collector;
-use super::{Fault, ImportError, Place};
+use super::{FilePosition, ImportError, MeshDefect};
 use std::fmt::Write as _;
 use std::io::Read as _;
 
@@ -35,9 +35,10 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
     let text =
         core::str::from_utf8(bytes).map_or_else(|_| String::from_utf8_lossy(bytes), Into::into);
     if text.contains('\0') {
-        return Err(
-            into.fail(Place::Whole, Fault::Syntax("it is no text: it has zero bytes".into()))
-        );
+        return Err(into.fail(
+            FilePosition::Whole,
+            MeshDefect::Syntax("it is no text: it has zero bytes".into()),
+        ));
     }
     let scan = scan(text.trim_start_matches('\u{feff}'), into)?;
     for (count, what) in
@@ -54,7 +55,7 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
             (_, 0) => format!(": a point cloud of {vertices} vertices without faces"),
             (_, lines) => format!(": {lines} lines without faces"),
         };
-        return Err(into.fail(Place::Whole, Fault::Empty(what)));
+        return Err(into.fail(FilePosition::Whole, MeshDefect::Empty(what)));
     }
     let parsed = parse(&scan, into)?;
     let points = points(&parsed.positions, &scan.vertex_lines, into)?;
@@ -62,7 +63,7 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
     let mut polygon = Vec::new();
     for (face, arity) in scan.faces.iter().zip(parsed.arities) {
         let Some((own, after)) = rest.split_at_checked(arity as usize) else {
-            return Err(into.fail(Place::Line(face.line), lost()));
+            return Err(into.fail(FilePosition::Line(face.line), lost()));
         };
         rest = after;
         polygon.clear();
@@ -70,16 +71,16 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
             polygon.push(
                 *points
                     .get(*index as usize)
-                    .ok_or_else(|| into.fail(Place::Line(face.line), lost()))?,
+                    .ok_or_else(|| into.fail(FilePosition::Line(face.line), lost()))?,
             );
         }
-        into.polygon(&polygon, face.part, || Place::Line(face.line))?;
+        into.polygon(&polygon, face.part, || FilePosition::Line(face.line))?;
     }
     Ok(())
 }
 
-fn lost() -> Fault {
-    Fault::Syntax("the reader lost this face".to_owned())
+fn lost() -> MeshDefect {
+    MeshDefect::Syntax("the reader lost this face".to_owned())
 }
 
 /// The names that are in force at a line.
@@ -146,8 +147,8 @@ fn scan(text: &str, into: &mut Collector<'_>) -> Result<Scan, ImportError> {
     let (index, line) = scan.greatest;
     if index > scan.vertex_lines.len() {
         let range = format!("the file has {} vertices", scan.vertex_lines.len());
-        let fault = Fault::Index { index: i64::try_from(index).unwrap_or(i64::MAX), range };
-        return Err(into.fail(Place::Line(line), fault));
+        let fault = MeshDefect::Index { index: i64::try_from(index).unwrap_or(i64::MAX), range };
+        return Err(into.fail(FilePosition::Line(line), fault));
     }
     Ok(scan)
 }
@@ -197,7 +198,8 @@ impl Scan {
         rest: &str,
         into: &Collector<'_>,
     ) -> Result<(), ImportError> {
-        let fail = |fault: String| Err(into.fail(Place::Line(number), Fault::Syntax(fault)));
+        let fail =
+            |fault: String| Err(into.fail(FilePosition::Line(number), MeshDefect::Syntax(fault)));
         let rest = rest.split('#').next().unwrap_or(rest);
         let words: Vec<&str> = rest.split_whitespace().collect();
         if words.len() < 3 {
@@ -225,13 +227,13 @@ impl Scan {
 
     /// Writes the face with its indices made absolute, after checking each.
     fn face(&mut self, number: usize, rest: &str, into: &Collector<'_>) -> Result<(), ImportError> {
-        let fail = |fault: Fault| Err(into.fail(Place::Line(number), fault));
+        let fail = |fault: MeshDefect| Err(into.fail(FilePosition::Line(number), fault));
         self.face_text.push('f');
         let mut corners = 0;
         for word in rest.split('#').next().unwrap_or(rest).split_whitespace() {
             let own = word.split('/').next().unwrap_or(word);
             let Ok(index) = own.parse::<i64>() else {
-                return fail(Fault::Syntax(format!("\"{word}\" is no vertex index")));
+                return fail(MeshDefect::Syntax(format!("\"{word}\" is no vertex index")));
             };
             let so_far = self.vertex_lines.len();
             let absolute = if index < 0 {
@@ -244,7 +246,7 @@ impl Scan {
                     0 => "OBJ counts vertices from 1".to_owned(),
                     _ => format!("there are {so_far} vertices before this line"),
                 };
-                return fail(Fault::Index { index, range });
+                return fail(MeshDefect::Index { index, range });
             };
             if absolute > self.greatest.0 {
                 self.greatest = (absolute, number);
@@ -255,7 +257,9 @@ impl Scan {
         }
         self.face_text.push('\n');
         if corners < 3 {
-            return fail(Fault::Syntax(format!("a face with {corners} corners is no surface")));
+            return fail(MeshDefect::Syntax(format!(
+                "a face with {corners} corners is no surface"
+            )));
         }
         Ok(())
     }
@@ -266,7 +270,7 @@ impl Scan {
 /// `tobj` keeps only vertices that faces use, in the order of first use; so one polyline through
 /// every vertex comes before the first face, which keeps all of them, in file order.
 fn parse(scan: &Scan, into: &Collector<'_>) -> Result<Parsed, ImportError> {
-    let fail = |fault: String| into.fail(Place::Whole, Fault::Syntax(fault));
+    let fail = |fault: String| into.fail(FilePosition::Whole, MeshDefect::Syntax(fault));
     let vertices = scan.vertex_lines.len();
     let mut polyline = String::with_capacity(2 + vertices * 8);
     polyline.push('l');
@@ -318,7 +322,7 @@ fn points(
     chunks
         .iter()
         .zip(lines)
-        .map(|(point, line)| into.point(point.map(f64::from), || Place::Line(*line)))
+        .map(|(point, line)| into.point(point.map(f64::from), || FilePosition::Line(*line)))
         .collect()
 }
 

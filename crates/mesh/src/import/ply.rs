@@ -5,7 +5,7 @@
 //! allocated for them.
 
 use super::collect::{Collector, TRIANGLES_MAX};
-use super::{Fault, ImportError, Place};
+use super::{FilePosition, ImportError, MeshDefect};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
 use std::io::{Cursor, Read as _};
@@ -39,7 +39,9 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
                 add(&read, &points, part, into)?;
             }
             "tristrips" => {
-                return Err(into.fail(Place::Whole, Fault::Feature("element tristrips".into())));
+                return Err(
+                    into.fail(FilePosition::Whole, MeshDefect::Feature("element tristrips".into()))
+                );
             }
             _ => {
                 any.read_payload_for_element(&mut reader, element, &header)
@@ -51,8 +53,8 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
         }
     }
     if faces == 0 {
-        let fault = Fault::Empty(format!(": {} vertices without faces", points.len()));
-        return Err(into.fail(Place::Whole, fault));
+        let fault = MeshDefect::Empty(format!(": {} vertices without faces", points.len()));
+        return Err(into.fail(FilePosition::Whole, fault));
     }
     Ok(())
 }
@@ -71,11 +73,11 @@ fn split_header(
 ) -> Result<(Vec<u8>, usize, Vec<usize>), ImportError> {
     let fail = |place, fault| Err(into.fail(place, fault));
     if bytes.is_empty() {
-        return fail(Place::Whole, Fault::Empty(": the file is empty".to_owned()));
+        return fail(FilePosition::Whole, MeshDefect::Empty(": the file is empty".to_owned()));
     }
     if !bytes.starts_with(b"ply") {
         let fault = "a PLY file begins with \"ply\"".to_owned();
-        return fail(Place::Line(1), Fault::Syntax(fault));
+        return fail(FilePosition::Line(1), MeshDefect::Syntax(fault));
     }
     let (mut header, mut at, mut left_out) = (Vec::new(), 0, Vec::new());
     for number in 1..HEADER_LINES_MAX {
@@ -98,11 +100,15 @@ fn split_header(
             return Ok((header, at, left_out));
         }
     }
-    fail(Place::Whole, Fault::Truncated("the header has no line \"end_header\"".to_owned()))
+    fail(
+        FilePosition::Whole,
+        MeshDefect::Truncated("the header has no line \"end_header\"".to_owned()),
+    )
 }
 
 fn refuse(fault: &ParseError, left_out: usize, into: &Collector<'_>) -> ImportError {
-    let place = fault.line().map_or(Place::Whole, |line| Place::Line(line + left_out));
+    let place =
+        fault.line().map_or(FilePosition::Whole, |line| FilePosition::Line(line + left_out));
     let text = fault.to_string();
     let kept: Vec<&str> = text.split_whitespace().take(40).collect();
     let text = kept.join(" ");
@@ -112,38 +118,38 @@ fn refuse(fault: &ParseError, left_out: usize, into: &Collector<'_>) -> ImportEr
         _ => text,
     };
     if fault.kind() == std::io::ErrorKind::UnexpectedEof {
-        into.fail(place, Fault::Truncated(text))
+        into.fail(place, MeshDefect::Truncated(text))
     } else {
-        into.fail(place, Fault::Syntax(text))
+        into.fail(place, MeshDefect::Syntax(text))
     }
 }
 
 /// Every element takes a byte at least, so counts beyond the file's length are lies.
 fn check_counts(header: &Header, bytes: usize, into: &Collector<'_>) -> Result<(), ImportError> {
-    let fail = |fault| Err(into.fail(Place::Whole, fault));
+    let fail = |fault| Err(into.fail(FilePosition::Whole, fault));
     for name in ["vertex", "face"] {
         let Some(element) = header.elements.get(name) else {
             return fail(match name {
-                "face" => Fault::Empty(": the header has no element \"face\"".to_owned()),
-                _ => Fault::Syntax("the header has no element \"vertex\"".to_owned()),
+                "face" => MeshDefect::Empty(": the header has no element \"face\"".to_owned()),
+                _ => MeshDefect::Syntax("the header has no element \"vertex\"".to_owned()),
             });
         };
         let max = TRIANGLES_MAX * 3;
         if element.count > max {
             let (count, max) = (element.count as u64, max as u64);
             let what = if name == "vertex" { "vertices" } else { "faces" };
-            return fail(Fault::TooMany { what, count, max });
+            return fail(MeshDefect::TooMany { what, count, max });
         }
     }
     let order: Vec<&String> = header.elements.keys().collect();
     let place = |name: &str| order.iter().position(|known| *known == name);
     if place("face") < place("vertex") {
-        return fail(Fault::Feature("a file with faces before vertices".to_owned()));
+        return fail(MeshDefect::Feature("a file with faces before vertices".to_owned()));
     }
     if let Some(element) = header.elements.values().find(|element| element.count > bytes) {
         let fault =
             format!("it states {} elements \"{}\" in {bytes} bytes", element.count, element.name);
-        return fail(Fault::Truncated(fault));
+        return fail(MeshDefect::Truncated(fault));
     }
     check_properties(&header.elements["vertex"], &["x", "y", "z"], into)?;
     if header.elements["face"].count > 0 {
@@ -151,7 +157,7 @@ fn check_counts(header: &Header, bytes: usize, into: &Collector<'_>) -> Result<(
         let known = &header.elements["face"].properties;
         if !list.iter().any(|name| known.contains_key(*name)) {
             let fault = "element face has no property list vertex_indices";
-            return fail(Fault::Syntax(fault.to_owned()));
+            return fail(MeshDefect::Syntax(fault.to_owned()));
         }
     }
     Ok(())
@@ -165,7 +171,7 @@ fn check_properties(
     match names.iter().find(|name| !element.properties.contains_key(**name)) {
         Some(name) => {
             let fault = format!("element {} has no property {name}", element.name);
-            Err(into.fail(Place::Whole, Fault::Syntax(fault)))
+            Err(into.fail(FilePosition::Whole, MeshDefect::Syntax(fault)))
         }
         None => Ok(()),
     }
@@ -179,13 +185,13 @@ fn add(
 ) -> Result<(), ImportError> {
     let mut polygon = Vec::new();
     for (number, face) in faces.iter().enumerate() {
-        let place = || Place::Element(format!("face {number}"));
+        let place = || FilePosition::Element(format!("face {number}"));
         polygon.clear();
         for index in &face.corners {
             let point = usize::try_from(*index).ok().and_then(|index| points.get(index));
             let Some(point) = point else {
                 let range = format!("the file has {} vertices, from 0", points.len());
-                return Err(into.fail(place(), Fault::Index { index: *index, range }));
+                return Err(into.fail(place(), MeshDefect::Index { index: *index, range }));
             };
             polygon.push(*point);
         }
@@ -200,7 +206,7 @@ struct Vertex {
 
 impl Vertex {
     fn place(&self, number: usize, into: &Collector<'_>) -> Result<[f32; 3], ImportError> {
-        into.point(self.point, || Place::Element(format!("vertex {number}")))
+        into.point(self.point, || FilePosition::Element(format!("vertex {number}")))
     }
 }
 

@@ -5,7 +5,7 @@
 //! an error.
 
 use super::collect::Collector;
-use super::{Fault, ImportError, Place, format};
+use super::{FilePosition, ImportError, MeshDefect, format};
 use std::io::Cursor;
 
 pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
@@ -20,24 +20,24 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
 }
 
 fn binary(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
-    let whole = |into: &Collector<'_>, fault| into.fail(Place::Whole, fault);
+    let whole = |into: &Collector<'_>, fault| into.fail(FilePosition::Whole, fault);
     let Some(count) = format::stated_triangles(bytes) else {
         let fault = match bytes.len() {
-            0 => Fault::Empty(": the file is empty".to_owned()),
-            n => Fault::Truncated(format!("a binary STL has at least 84 bytes, this one {n}")),
+            0 => MeshDefect::Empty(": the file is empty".to_owned()),
+            n => MeshDefect::Truncated(format!("a binary STL has at least 84 bytes, this one {n}")),
         };
         return Err(whole(into, fault));
     };
     let (stated, found) = (84 + 50 * u64::from(count), bytes.len() as u64);
     if found < stated {
         let fault = format!("it states {count} triangles, {stated} bytes, but has {found} bytes");
-        return Err(whole(into, Fault::Truncated(fault)));
+        return Err(whole(into, MeshDefect::Truncated(fault)));
     }
     if found > stated {
         into.notes.push(format!("{} bytes after the last triangle left out", found - stated));
     }
     if count == 0 {
-        return Err(whole(into, Fault::Empty(": it states 0 triangles".to_owned())));
+        return Err(whole(into, MeshDefect::Empty(": it states 0 triangles".to_owned())));
     }
     let part = into.part("", Vec::new())?;
     // The crate takes a file for ASCII if its header begins so; the count has decided that.
@@ -45,10 +45,11 @@ fn binary(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
     plain.extend_from_slice(&bytes[80..]);
     let mut source = Cursor::new(plain);
     let facets = stl_io::create_stl_reader(&mut source)
-        .map_err(|fault| whole(into, Fault::Syntax(fault.to_string())))?;
+        .map_err(|fault| whole(into, MeshDefect::Syntax(fault.to_string())))?;
     for (number, facet) in facets.enumerate() {
-        let place = || Place::Element(format!("triangle {number}"));
-        let facet = facet.map_err(|fault| into.fail(place(), Fault::Syntax(fault.to_string())))?;
+        let place = || FilePosition::Element(format!("triangle {number}"));
+        let facet =
+            facet.map_err(|fault| into.fail(place(), MeshDefect::Syntax(fault.to_string())))?;
         add(&facet, part, place, into)?;
     }
     Ok(())
@@ -57,7 +58,7 @@ fn binary(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
 fn add(
     facet: &stl_io::Triangle,
     part: u16,
-    place: impl Fn() -> Place,
+    place: impl Fn() -> FilePosition,
     into: &mut Collector<'_>,
 ) -> Result<(), ImportError> {
     let [a, b, c] = facet.vertices.map(|vertex| vertex.0.map(f64::from));
@@ -84,7 +85,7 @@ fn ascii(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
             ("", _) => {}
             ("solid", Some(_)) => {
                 let fault = "a solid begins before the one before it ends".to_owned();
-                return Err(into.fail(Place::Line(number), Fault::Syntax(fault)));
+                return Err(into.fail(FilePosition::Line(number), MeshDefect::Syntax(fault)));
             }
             ("solid", None) => {
                 let name = trimmed[5..].trim().to_owned();
@@ -98,7 +99,7 @@ fn ascii(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
             }
             (_, None) => {
                 let fault = format!("\"{word}\" stands outside of a solid");
-                return Err(into.fail(Place::Line(number), Fault::Syntax(fault)));
+                return Err(into.fail(FilePosition::Line(number), MeshDefect::Syntax(fault)));
             }
         }
     }
@@ -107,8 +108,8 @@ fn ascii(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
         solid.read(into)?;
     }
     if into.corners.is_empty() {
-        let fault = Fault::Empty(format!(": {number} empty solids"));
-        return Err(into.fail(Place::Whole, fault));
+        let fault = MeshDefect::Empty(format!(": {number} empty solids"));
+        return Err(into.fail(FilePosition::Whole, fault));
     }
     Ok(())
 }
@@ -120,7 +121,7 @@ impl Solid {
     fn read(&self, into: &mut Collector<'_>) -> Result<(), ImportError> {
         if !self.closed {
             let fault = format!("the file ends inside solid \"{}\"", self.name);
-            return Err(into.fail(Place::Whole, Fault::Truncated(fault)));
+            return Err(into.fail(FilePosition::Whole, MeshDefect::Truncated(fault)));
         }
         if self.lines.len() == 1 {
             into.notes.push(format!("solid \"{}\" is empty", self.name));
@@ -128,14 +129,18 @@ impl Solid {
         }
         let part = into.part(&self.name, Vec::new())?;
         let mut source = Cursor::new(format!("solid part\n{}", self.text).into_bytes());
-        let facets = stl_io::create_stl_reader(&mut source)
-            .map_err(|fault| into.fail(Place::Whole, Fault::Syntax(fault.to_string())))?;
+        let facets = stl_io::create_stl_reader(&mut source).map_err(|fault| {
+            into.fail(FilePosition::Whole, MeshDefect::Syntax(fault.to_string()))
+        })?;
         // Any fault ends the loop: every facet before it took its seven lines.
         for (number, facet) in facets.enumerate() {
             let line = self.lines.get(number * FACET_LINES).or(self.lines.last()).copied();
-            let place = || Place::Line(line.unwrap_or(1));
+            let place = || FilePosition::Line(line.unwrap_or(1));
             let facet = facet.map_err(|fault| {
-                into.fail(place(), Fault::Syntax(format!("in the facet that begins here: {fault}")))
+                into.fail(
+                    place(),
+                    MeshDefect::Syntax(format!("in the facet that begins here: {fault}")),
+                )
             })?;
             add(&facet, part, place, into)?;
         }

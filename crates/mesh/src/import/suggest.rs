@@ -6,7 +6,7 @@
 //! person's toes are ahead of the heels. None of this decides anything.
 
 use super::guess::shape;
-use super::{Format, Unit};
+use super::{Format, LengthUnit};
 use body::Mesh;
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub fn readings(mesh: &Mesh, format: Format, most: usize) -> Vec<Reading> {
         else {
             continue;
         };
-        for (unit, metres) in Unit::NAMED {
+        for (unit, metres) in LengthUnit::NAMED {
             // A person is wider than deep; everything else is longer than wide.
             for [forward, side] in [[a, b], [b, a]] {
                 let real = [forward, side, up].map(|axis| size[axis] * metres);

@@ -11,7 +11,7 @@ use std::path::Path;
 /// Meshes that are part of this project.
 const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data");
 
-fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+fn import(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, ImportError> {
     let bytes = std::fs::read(path).expect("readable");
     let file = path.file_name().expect("a file").to_string_lossy().into_owned();
     let folder = path.parent().expect("a folder");

@@ -1,13 +1,13 @@
 //! Reading a stranger's mesh, in the process that may come to harm.
 //!
 //! It limits itself before it opens anything, opens files for reading only, and speaks to its
-//! parent alone: one [`Word`] per line on stdout.
+//! parent alone: one [`ChildMessage`] per line on stdout.
 
-use super::{Report, Request, Word, open};
+use super::{ChildMessage, ReadRequest, Report, open};
 use crate::import::{
-    self, Axis, BYTES_MAX, Fault, Format, ImportError, ImportOptions, Imported, Unit,
+    self, Axis, BYTES_MAX, Format, ImportError, ImportOptions, ImportedMesh, LengthUnit, MeshDefect,
 };
-use crate::side::Side;
+use crate::side::SideFile;
 use body::{Kind, Mesh, Zones, defaults, file, zones};
 use bvh::BuildOptions;
 use diagnostic::Failure;
@@ -55,7 +55,7 @@ pub fn play(request: &str) -> u8 {
 /// Limits this process, reads, and tells the parent.
 fn limited(request: &str) -> Result<u8, Failure> {
     runtime::process::set_name("trolley-import");
-    let request: Request = serde_json::from_str(request).map_err(|error| {
+    let request: ReadRequest = serde_json::from_str(request).map_err(|error| {
         Failure::setting(error.to_string()).with_remedy("use: trolley model import")
     })?;
     runtime::process::limit_self(request.memory_bytes, request.cpu_s)?;
@@ -73,13 +73,13 @@ fn limited(request: &str) -> Result<u8, Failure> {
     match outcome.unwrap_or_else(|_payload| Err(request.panicked())) {
         Ok((report, build_ns, bytes)) => {
             let model_bytes = bytes.len() as u64;
-            say(&Word::Read { report: Box::new(report), build_ns, model_bytes })?;
+            say(&ChildMessage::Read { report: Box::new(report), build_ns, model_bytes })?;
             send(&bytes)?;
             Ok(0)
         }
         Err(failure) => {
             let (what, remedy) = (failure.what().to_owned(), failure.remedy().map(str::to_owned));
-            say(&Word::Refused { what, remedy })?;
+            say(&ChildMessage::Refused { what, remedy })?;
             Ok(failure.kind().exit_code())
         }
     }
@@ -94,7 +94,7 @@ fn zones_by_all(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
     zones.map(|corners| zones::of_triangle(corners, &bounds, kind)).collect()
 }
 
-fn say(word: &Word) -> Result<(), Failure> {
+fn say(word: &ChildMessage) -> Result<(), Failure> {
     let line = serde_json::to_string(word).map_err(|error| Failure::internal(error.to_string()))?;
     send(format!("{line}\n").as_bytes())
 }
@@ -110,7 +110,7 @@ fn send(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-impl Request {
+impl ReadRequest {
     /// The threads that will build the tree, if they are several. They start now, and while they
     /// wait for what is read, one of them places memory: started for the build, two of them may
     /// find themselves on one core, and stay there for a good part of a small tree's time. So may
@@ -141,14 +141,14 @@ impl Request {
         check_length(path)?;
         let map = open::bytes(path)?;
         let side = if self.as_it_stands { None } else { self.side(path)? };
-        let kind = self.kind.or_else(|| side.as_ref().and_then(Side::kind));
+        let kind = self.kind.or_else(|| side.as_ref().and_then(SideFile::kind));
         let format = Format::detect(&self.file, map.bytes())?;
         let folder = folder(path);
         let mut resolve = |name: &str| side_file(&folder, name);
         let mut imported = import::read(format, map.bytes(), &mut resolve, &self.options(kind)?)
             .map_err(|error| self.by_import(error))?;
         drop(map);
-        if let (Some(flag), Some(said)) = (self.kind, side.as_ref().and_then(Side::kind))
+        if let (Some(flag), Some(said)) = (self.kind, side.as_ref().and_then(SideFile::kind))
             && flag != said
         {
             let note = format!("--kind {flag} was used; the side file says {said}");
@@ -165,7 +165,7 @@ impl Request {
 
     fn options(&self, kind: Option<Kind>) -> Result<ImportOptions, Failure> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse::<Axis>).transpose();
-        let unit = self.unit_m.map(|metres| metres.to_string().parse::<Unit>());
+        let unit = self.unit_m.map(|metres| metres.to_string().parse::<LengthUnit>());
         Ok(ImportOptions {
             file: self.file.clone(),
             unit: unit.transpose()?,
@@ -182,13 +182,13 @@ impl Request {
 
     fn model_file(
         &self,
-        imported: Imported,
+        imported: ImportedMesh,
         kind: Kind,
-        side: Option<&Side>,
+        side: Option<&SideFile>,
         options: &BuildOptions,
         builders: Option<&ThreadPool>,
     ) -> Result<(u64, Vec<u8>), Failure> {
-        let Imported { mesh, report } = imported;
+        let ImportedMesh { mesh, report } = imported;
         let origin = defaults::Origin {
             name: &report.name,
             kind,
@@ -212,7 +212,7 @@ impl Request {
             if now_ns() - *said_ns >= BETWEEN_WORDS_NS {
                 *said_ns = now_ns();
                 // A parent that has gone away takes this process with it.
-                let _told = say(&Word::Progress { done: *done, total });
+                let _told = say(&ChildMessage::Progress { done: *done, total });
             }
         };
         let build = |zones: fn(&Mesh, Kind) -> Vec<Zones>| {
@@ -232,7 +232,7 @@ impl Request {
 
     /// Where no unit can be stated, no unit is the remedy.
     fn by_import(&self, error: ImportError) -> Failure {
-        let is_too_far = matches!(error.fault, Fault::TooFar { .. });
+        let is_too_far = matches!(error.fault, MeshDefect::TooFar { .. });
         let failure = Failure::from(error);
         if is_too_far && self.as_it_stands {
             let remedy = "coordinates are taken as they stand: move the body to its origin";
@@ -242,7 +242,7 @@ impl Request {
     }
 
     /// The TOML file beside the mesh, if there is one.
-    fn side(&self, path: &Path) -> Result<Option<Side>, Failure> {
+    fn side(&self, path: &Path) -> Result<Option<SideFile>, Failure> {
         let name = side_path(path);
         let Ok(about) = std::fs::metadata(&name) else { return Ok(None) };
         if about.len() > SIDE_BYTES_MAX {
@@ -253,10 +253,10 @@ impl Request {
         let text = std::str::from_utf8(map.bytes()).map_err(|error| {
             Failure::input(format!("{}: {error}", name.display())).with_remedy("save it as UTF-8")
         })?;
-        Ok(Some(Side::parse(&name.display().to_string(), text)?))
+        Ok(Some(SideFile::parse(&name.display().to_string(), text)?))
     }
 
-    fn kind_missing(&self, path: &Path, imported: &Imported) -> Failure {
+    fn kind_missing(&self, path: &Path, imported: &ImportedMesh) -> Failure {
         let likely = match imported.report.guess.looks_like {
             Some("a car") => "sedan (or suv)",
             Some("a truck or bus") => "truck (or bus)",
@@ -297,7 +297,7 @@ fn check_length(path: &Path) -> Result<(), Failure> {
     }
 }
 
-fn report(imported: &Imported, side: Option<PathBuf>) -> Report {
+fn report(imported: &ImportedMesh, side: Option<PathBuf>) -> Report {
     let it = &imported.report;
     Report {
         format: it.format.name().to_owned(),

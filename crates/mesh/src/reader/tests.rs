@@ -2,8 +2,8 @@
 
 use super::*;
 
-fn request() -> Request {
-    Request {
+fn request() -> ReadRequest {
+    ReadRequest {
         file: "car.obj".to_owned(),
         as_it_stands: false,
         unit_m: None,
@@ -56,7 +56,7 @@ fn every_end_names_the_file_what_happened_and_a_remedy() {
 }
 
 /// What `hear` makes of bytes that a child wrote before it ended.
-fn heard(bytes: &[u8]) -> Option<(Word, file::Aligned)> {
+fn heard(bytes: &[u8]) -> Option<(ChildMessage, file::Aligned)> {
     let (words, mut says) = io::pipe().expect("a pipe");
     io::Write::write_all(&mut says, bytes).expect("room");
     drop(says);
@@ -66,7 +66,7 @@ fn heard(bytes: &[u8]) -> Option<(Word, file::Aligned)> {
 #[test]
 fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
     let refused = br#"{"Refused":{"what":"car.obj: bent","remedy":null}}"#;
-    assert!(matches!(heard(refused), Some((Word::Refused { .. }, _))));
+    assert!(matches!(heard(refused), Some((ChildMessage::Refused { .. }, _))));
     for cut in [0, 1, 20, refused.len() - 1] {
         assert!(heard(&refused[..cut]).is_none());
     }
@@ -86,14 +86,14 @@ fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
         notes: Vec::new(),
         side_file: None,
     };
-    let mut word = Word::Read { report: Box::new(report), build_ns: 5, model_bytes: 4 };
+    let mut word = ChildMessage::Read { report: Box::new(report), build_ns: 5, model_bytes: 4 };
     let mut bytes = serde_json::to_vec(&word).expect("plain data");
     bytes.extend(b"\nabcd");
     let (_, model) = heard(&bytes).expect("whole");
     assert_eq!(model.bytes(), b"abcd");
     assert!(heard(&bytes[..bytes.len() - 1]).is_none());
     // More than a child may have is not even asked for.
-    if let Word::Read { model_bytes, .. } = &mut word {
+    if let ChildMessage::Read { model_bytes, .. } = &mut word {
         *model_bytes = u64::MAX;
     }
     let mut bytes = serde_json::to_vec(&word).expect("plain data");

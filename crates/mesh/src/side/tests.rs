@@ -25,7 +25,7 @@ fn every_fault_has_line_and_column() {
         ("mass_kg = 1.0\nmass_kg = 2.0", "a.toml:2:1: duplicate key"),
     ];
     for (text, expected) in cases {
-        let fault = Side::parse("a.toml", text).expect_err(text);
+        let fault = SideFile::parse("a.toml", text).expect_err(text);
         assert!(fault.to_string().starts_with(expected), "{text:?}: {fault}");
         assert!(!fault.remedy.is_empty());
     }
@@ -33,7 +33,7 @@ fn every_fault_has_line_and_column() {
 
 #[test]
 fn an_empty_file_says_nothing() {
-    let side = Side::parse("a.toml", "# nothing is known\n").expect("valid");
+    let side = SideFile::parse("a.toml", "# nothing is known\n").expect("valid");
     assert_eq!((side.name(), side.kind()), (None, None));
 }
 
@@ -42,7 +42,7 @@ fn the_documented_example_is_read() {
     let text = "name = \"sedan\"\nkind = \"sedan\"\nmass_kg = 1550.0\ncentre_m = [0.0, 0.0, 0.7]\n\
                 yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
                 source = \"maker's data sheet, 2024\"\n";
-    let side = Side::parse("a.toml", text).expect("valid");
+    let side = SideFile::parse("a.toml", text).expect("valid");
     assert_eq!((side.name(), side.kind()), (Some("sedan"), Some(Kind::Sedan)));
 }
 
@@ -61,7 +61,7 @@ fn the_side_file_wins_and_is_named() {
     let text = "name = \"taxi\"\nmass_kg = 1550.0\ncentre_m = [3.0, 0.0, 0.7]\n\
                 yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
                 source = \"a data sheet\"\n";
-    let side = Side::parse("cars/taxi.toml", text).expect("valid");
+    let side = SideFile::parse("cars/taxi.toml", text).expect("valid");
     let origin = Origin { name: "mesh", kind: Kind::Sedan, origin: "o", hash: "h" };
     let mut meta = assemble(origin, &mesh);
     side.apply(&mut meta, &mesh.bounds()).expect("it fits");
@@ -96,7 +96,7 @@ fn a_side_file_that_does_not_fit_is_refused_at_its_place() {
         ),
     ];
     for (kind, text, expected) in cases {
-        let side = Side::parse("a.toml", text).expect("right by itself");
+        let side = SideFile::parse("a.toml", text).expect("right by itself");
         let origin = Origin { name: "mesh", kind, origin: "o", hash: "h" };
         let mut meta = assemble(origin, &mesh);
         let fault = side.apply(&mut meta, &mesh.bounds()).expect_err(text);

@@ -26,7 +26,7 @@ fn a_counter_counts_what_this_process_does() {
 #[test]
 fn hardware_counters_count_or_say_why_not() {
     let own = rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs();
-    match Counters::of(own) {
+    match HardwareCounters::of(own) {
         Ok(counters) => {
             let first = counters.read().expect("they can be read");
             let second = counters.read().expect("they can be read");
@@ -37,5 +37,5 @@ fn hardware_counters_count_or_say_why_not() {
             assert!(error.errno().is_some(), "the kernel gives a reason: {error:?}");
         }
     }
-    assert!(Counters::of(u32::MAX).is_err(), "no process has this number");
+    assert!(HardwareCounters::of(u32::MAX).is_err(), "no process has this number");
 }

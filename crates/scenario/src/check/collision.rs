@@ -1,11 +1,11 @@
 //! A candidate: two bodies at predicted impact, each with a pose and a velocity.
 
 use super::{At, Fault, name, number, undefined};
-use crate::document::{Path, Place};
+use crate::document::{Path, TextPosition};
 use crate::error::Misfit;
 use crate::limit::{self, Limit, Show};
 use crate::names::quoted;
-use crate::scenario::{Candidate, Opponent, Party, PartyIndex, Source, State};
+use crate::scenario::{Candidate, MotionState, Opponent, Party, PartyIndex, Source};
 use crate::{raw, rules};
 use geometry::{DVec3, Pose};
 
@@ -13,7 +13,7 @@ use geometry::{DVec3, Pose};
 pub(super) fn candidate(
     raw: raw::Candidate,
     path: &Path,
-    place: Place,
+    place: TextPosition,
     parties: &[Party],
     ego: PartyIndex,
 ) -> Result<Candidate, Fault> {
@@ -48,7 +48,7 @@ fn velocity_key(raw: &raw::Ego) -> &'static str {
 }
 
 /// Pose and velocity in the world.
-fn state(raw: &raw::Ego, path: &Path) -> Result<State, Fault> {
+fn state(raw: &raw::Ego, path: &Path) -> Result<MotionState, Fault> {
     let position_m = numbers(&raw.position_m, "position_m", limit::POSITION_M, path)?;
     let yaw_deg = number(raw.yaw_deg, "yaw_deg", limit::YAW_DEG, path)?.unwrap_or(0.0);
     let pitch_deg = number(raw.pitch_deg, "pitch_deg", limit::PITCH_DEG, path)?.unwrap_or(0.0);
@@ -76,7 +76,7 @@ fn state(raw: &raw::Ego, path: &Path) -> Result<State, Fault> {
         }
     };
     let angles_deg = [yaw_deg, pitch_deg, roll_deg];
-    Ok(State { angles_deg, pose, velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0) })
+    Ok(MotionState { angles_deg, pose, velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0) })
 }
 
 /// A list of so many numbers, each within the limit.

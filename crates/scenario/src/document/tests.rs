@@ -15,7 +15,7 @@ proptest! {
             }
             (line, column) = if c == '\n' { (line + 1, 1) } else { (line, column + 1) };
         }
-        prop_assert_eq!(place, Place { line, column });
+        prop_assert_eq!(place, TextPosition { line, column });
     }
 }
 
@@ -48,7 +48,7 @@ fn values_stand_where_they_were_written() {
         (&["nothing"], 1, 1),
         (&[], 1, 1),
     ] {
-        assert_eq!(document.place(&path(steps)), Place { line, column }, "{steps:?}");
+        assert_eq!(document.place(&path(steps)), TextPosition { line, column }, "{steps:?}");
     }
 }
 

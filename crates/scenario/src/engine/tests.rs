@@ -33,7 +33,7 @@ fn changes() -> impl Strategy<Value = Overrides> {
 }
 
 /// The same settings, written down again.
-fn as_written(engine: &Engine) -> Overrides {
+fn as_written(engine: &EngineSettings) -> Overrides {
     let number = |n: usize| Some(i64::try_from(n).unwrap());
     Overrides {
         workers: number(engine.workers),
@@ -54,7 +54,7 @@ fn as_written(engine: &Engine) -> Overrides {
     }
 }
 
-fn is_valid(engine: &Engine) -> bool {
+fn is_valid(engine: &EngineSettings) -> bool {
     let cores = match &engine.cores {
         Cores::Listed(cores) => {
             cores.len() == engine.workers && cores.iter().all(|core| *core <= 1023)
@@ -77,7 +77,7 @@ proptest! {
     fn what_is_applied_is_valid_and_written_again_is_the_same(
         first in changes(), second in changes(),
     ) {
-        let mut engine = Engine::DEFAULT;
+        let mut engine = EngineSettings::DEFAULT;
         for change in [first, second] {
             if let Ok(next) = engine.apply(&change) {
                 prop_assert!(is_valid(&next), "{change:?} {next:?}");
@@ -100,24 +100,24 @@ proptest! {
 
     #[test]
     fn what_is_refused_is_named(change in changes()) {
-        if let Err(misfit) = Engine::DEFAULT.apply(&change) {
+        if let Err(misfit) = EngineSettings::DEFAULT.apply(&change) {
             prop_assert!(!misfit.remedy.is_empty());
             prop_assert!(misfit.what.contains(misfit.setting), "{}", misfit);
         } else {
-            prop_assert!(Engine::DEFAULT.apply(&change).is_ok_and(|engine| is_valid(&engine)));
+            prop_assert!(EngineSettings::DEFAULT.apply(&change).is_ok_and(|engine| is_valid(&engine)));
         }
     }
 }
 
 #[test]
 fn the_defaults_are_valid() {
-    assert!(is_valid(&Engine::DEFAULT));
+    assert!(is_valid(&EngineSettings::DEFAULT));
 }
 
 #[test]
 fn fewer_workers_take_the_first_of_the_listed_cores() {
     let listed = Overrides { cores: Some(vec![4, 5, 6, 7]), ..Overrides::default() };
-    let engine = Engine::DEFAULT.apply(&listed).unwrap();
+    let engine = EngineSettings::DEFAULT.apply(&listed).unwrap();
     let with = |workers| Overrides { workers: Some(workers), ..Overrides::default() };
     assert_eq!(engine.apply(&with(2)).unwrap().cores, Cores::Listed(vec![4, 5]));
     let error = engine.apply(&with(5)).unwrap_err();

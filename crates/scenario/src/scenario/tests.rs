@@ -1,7 +1,7 @@
 //! What is written is what is read, no text makes the reader panic, and the demo is what it says.
 
 use super::*;
-use crate::engine::{Cores, Engine, Overrides};
+use crate::engine::{Cores, EngineSettings, Overrides};
 use crate::testing::{FULL, parse, told};
 use body::Seat;
 use proptest::prelude::*;
@@ -9,10 +9,10 @@ use proptest::prelude::*;
 #[test]
 fn the_full_scenario_reads_as_it_is_written() {
     let read = parse(FULL).unwrap();
-    let at = |line, column| Place { line, column };
+    let at = |line, column| TextPosition { line, column };
     let file =
         |path: &str, line, column| FileRef { path: path.to_owned(), place: at(line, column) };
-    let state = |yaw, pitch, roll, position, x, y| State {
+    let state = |yaw, pitch, roll, position, x, y| MotionState {
         angles_deg: [yaw, pitch, roll],
         pose: Pose::from_degrees(yaw, pitch, roll, position),
         velocity_m_s: DVec3::new(x, y, 0.0),
@@ -35,7 +35,7 @@ fn the_full_scenario_reads_as_it_is_written() {
         policy: Some(file("policies/board.toml", 3, 10)),
         curves: Some(file("curves/level3.toml", 4, 10)),
         deadline: Some(Duration::from_millis(50)),
-        engine: Engine {
+        engine: EngineSettings {
             workers: 2,
             cores: Cores::Listed(vec![0, 1]),
             coordinator_core: Some(3),
@@ -307,7 +307,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
     let text = FULL.replace("kind = \"unknown\"", "mass_kg = 90");
     let heavy = parse(&text).unwrap();
     let error = heavy.check_kinds("f.toml", &kinds(Kind::Wall)).unwrap_err();
-    assert_eq!(error.place, Place { line: 33, column: 1 });
+    assert_eq!(error.place, TextPosition { line: 33, column: 1 });
     assert_eq!(error.what, "a wall is fixed to the ground and has no mass");
 }
 
@@ -322,7 +322,7 @@ fn what_parse_accepts_check_kinds_accepts_for_generated_bodies() {
             })
             .collect();
         scenario.check_kinds("f.toml", &kinds).unwrap();
-        assert_eq!(scenario.engine.apply(&Overrides::default()), Ok(Engine::DEFAULT));
+        assert_eq!(scenario.engine.apply(&Overrides::default()), Ok(EngineSettings::DEFAULT));
     }
 }
 

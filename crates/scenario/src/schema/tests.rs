@@ -1,6 +1,6 @@
 //! The schema describes what the parser reads: never stricter, nothing missing, no stale default.
 
-use crate::engine::Engine;
+use crate::engine::EngineSettings;
 use crate::names::Word;
 use crate::testing::{FULL, parse, settings, with_line};
 use proptest::prelude::*;
@@ -146,7 +146,7 @@ fn units_stand_in_names_and_in_descriptions() {
 #[test]
 fn the_defaults_that_are_described_are_those_that_hold() {
     let schema = the_schema();
-    let d = Engine::DEFAULT;
+    let d = EngineSettings::DEFAULT;
     let expected = [
         ("workers", d.workers.to_string()),
         ("depth", d.depth.to_string()),

@@ -6,11 +6,11 @@ macro_rules! faults {
     ($($(#[doc = $doc:literal])* $name:ident = $text:literal;)*) => {
         /// A kind of fault.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub enum Fault {
+        pub enum SimulatedFault {
             $($(#[doc = $doc])* $name,)*
         }
 
-        impl Fault {
+        impl SimulatedFault {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$name),*];
 
@@ -66,7 +66,7 @@ faults! {
     Deadline = "deadline";
 }
 
-impl Fault {
+impl SimulatedFault {
     /// The fault of this name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
@@ -74,7 +74,7 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for SimulatedFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
@@ -88,28 +88,28 @@ impl Faults {
     /// None.
     pub const NONE: Self = Self(0);
     /// All.
-    pub const ALL: Self = Self((1 << Fault::ALL.len()) - 1);
+    pub const ALL: Self = Self((1 << SimulatedFault::ALL.len()) - 1);
 
     /// The set with one more.
     #[must_use]
-    pub fn with(self, fault: Fault) -> Self {
+    pub fn with(self, fault: SimulatedFault) -> Self {
         Self(self.0 | 1 << fault as u32)
     }
 
     /// The set without one.
     #[must_use]
-    pub fn without(self, fault: Fault) -> Self {
+    pub fn without(self, fault: SimulatedFault) -> Self {
         Self(self.0 & !(1 << fault as u32))
     }
 
     /// Whether it holds this one.
     #[must_use]
-    pub fn has(self, fault: Fault) -> bool {
+    pub fn has(self, fault: SimulatedFault) -> bool {
         self.0 >> fault as u32 & 1 == 1
     }
 
     /// Its members.
-    pub fn iter(self) -> impl Iterator<Item = Fault> {
-        Fault::ALL.iter().copied().filter(move |fault| self.has(*fault))
+    pub fn iter(self) -> impl Iterator<Item = SimulatedFault> {
+        SimulatedFault::ALL.iter().copied().filter(move |fault| self.has(*fault))
     }
 }

@@ -5,7 +5,8 @@
 
 use core::hash::{Hash, Hasher};
 use dispatch::{
-    BestMatchLoad, Cache, Closed, Dispatcher, Effect, Event, Flaw, Job, JobSource, Progress, Queues,
+    BestMatchLoad, Cache, Closed, Dispatcher, DispatcherFlaw, Effect, Event, Job, JobSource,
+    Progress, Queues,
 };
 use protocol::{Incarnation, JobId, RequestId, Section, TaskId};
 use stateright::{Checker, Model, Property};
@@ -34,7 +35,7 @@ struct Small {
     /// A job that takes down whoever starts it.
     poison: Option<u32>,
     budget: Budget,
-    flaw: Option<Flaw>,
+    flaw: Option<DispatcherFlaw>,
 }
 
 /// Each job finds a one of its own.
@@ -430,7 +431,7 @@ fn small_worlds_keep_the_laws_in_every_state() {
 #[test]
 fn in_small_worlds_mistakes_are_caught() {
     let budget = Budget { crashes: 1, spawns: 1, repeats: 1, ..NONE };
-    for flaw in Flaw::ALL {
+    for flaw in DispatcherFlaw::ALL {
         let (states, failed) =
             check(&format!("{flaw:?}"), Small { flaw: Some(flaw), budget, ..SMALL });
         assert!(failed.is_some() && states > 0, "{flaw:?} was not caught");

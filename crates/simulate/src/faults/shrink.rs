@@ -1,13 +1,13 @@
 //! Makes a failure smaller: fewer kinds of faults, then fewer faults, then fewer requests.
 
-use super::kind::Fault;
-use super::world::{Limits, Violation, run};
+use super::kind::SimulatedFault;
+use super::world::{FaultLimits, Violation, run};
 
 /// The smallest world found that still fails.
 #[derive(Clone, Debug)]
 pub struct Shrunk {
     /// What may strike in it.
-    pub limits: Limits,
+    pub limits: FaultLimits,
     /// How it fails.
     pub violation: Violation,
     /// How many worlds were tried.
@@ -16,17 +16,17 @@ pub struct Shrunk {
 
 /// Shrinks a world that fails under `limits`; `None` if it does not fail.
 #[must_use]
-pub fn shrink(seed: u64, limits: &Limits) -> Option<Shrunk> {
+pub fn shrink(seed: u64, limits: &FaultLimits) -> Option<Shrunk> {
     let violation = run(seed, limits, None).err()?;
     let mut best = Shrunk { limits: *limits, violation, tried: 1 };
-    let attempt = |best: &mut Shrunk, limits: Limits| {
+    let attempt = |best: &mut Shrunk, limits: FaultLimits| {
         best.tried += 1;
         if let Err(violation) = run(seed, &limits, None) {
             (best.limits, best.violation) = (limits, violation);
         }
     };
-    for fault in Fault::ALL {
-        let limits = Limits { kinds: best.limits.kinds.without(*fault), ..best.limits };
+    for fault in SimulatedFault::ALL {
+        let limits = FaultLimits { kinds: best.limits.kinds.without(*fault), ..best.limits };
         if best.limits.kinds.has(*fault) {
             attempt(&mut best, limits);
         }
@@ -37,7 +37,7 @@ pub fn shrink(seed: u64, limits: &Limits) -> Option<Shrunk> {
     while step > 0 {
         let most = best.violation.struck.iter().sum::<u64>();
         if most >= step && most > 0 {
-            let limits = Limits { most: most - step, ..best.limits };
+            let limits = FaultLimits { most: most - step, ..best.limits };
             let had = best.limits;
             attempt(&mut best, limits);
             if best.limits != had {

@@ -1,6 +1,6 @@
 //! What was counted in one world or in many.
 
-use super::kind::Fault;
+use super::kind::SimulatedFault;
 
 /// What was counted.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub struct Tally {
     pub degraded: u64,
     /// Refusals.
     pub refused: u64,
-    /// Faults that struck, in the order of [`Fault::ALL`].
+    /// Faults that struck, in the order of [`SimulatedFault::ALL`].
     pub struck: Vec<u64>,
     /// Leases that ended without a result.
     pub reissued: u64,
@@ -40,7 +40,7 @@ impl Default for Tally {
             complete: 0,
             degraded: 0,
             refused: 0,
-            struck: vec![0; Fault::ALL.len()],
+            struck: vec![0; SimulatedFault::ALL.len()],
             reissued: 0,
             abandoned: 0,
             fenced: 0,

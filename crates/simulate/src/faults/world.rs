@@ -2,12 +2,13 @@
 //! equal worlds. What workers and the coordinator do when it is their turn stands in their files.
 
 use super::draw::Draw;
-use super::kind::{Fault, Faults};
+use super::kind::{Faults, SimulatedFault};
 use super::tally::Tally;
 use super::work::{Part, Request};
 use core::fmt;
 use dispatch::{
-    Cache, Dispatcher, Event, Intensity, Matching, Patience, Progress, Queues, Restarts, Scheme,
+    Cache, Dispatcher, Event, Intensity, MatchScheme, Matching, Patience, Progress, Queues,
+    Restarts,
 };
 use protocol::{Incarnation, JobId, RequestId};
 use std::collections::BTreeMap;
@@ -34,7 +35,7 @@ const POISON_MAX: u64 = 2;
 
 /// What may strike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct FaultLimits {
     /// Kinds that may.
     pub kinds: Faults,
     /// How many in all: the first ones.
@@ -43,10 +44,10 @@ pub struct Limits {
     pub requests: u64,
     /// The mistake that the dispatcher makes.
     #[cfg(test)]
-    pub(crate) flaw: Option<dispatch::Flaw>,
+    pub(crate) flaw: Option<dispatch::DispatcherFlaw>,
 }
 
-impl Default for Limits {
+impl Default for FaultLimits {
     /// Everything, in four requests.
     fn default() -> Self {
         Self {
@@ -119,14 +120,14 @@ struct World<'l> {
     events: BTreeMap<(u64, u64), Happening>,
     made: u64,
     actors: Vec<Actor>,
-    dispatcher: Dispatcher<Box<dyn Scheme>>,
+    dispatcher: Dispatcher<Box<dyn MatchScheme>>,
     restarts: Restarts,
     patience: Patience,
     request: Request,
     number: RequestId,
     progress: Progress,
     tally: Tally,
-    limits: &'l Limits,
+    limits: &'l FaultLimits,
     wrong: Option<String>,
     /// Workers that each job has taken down, in this request.
     poisoned: BTreeMap<u64, u32>,
@@ -138,7 +139,11 @@ struct World<'l> {
 /// # Errors
 ///
 /// The first law that was broken.
-pub fn run(seed: u64, limits: &Limits, log: Option<&mut Vec<String>>) -> Result<Tally, Violation> {
+pub fn run(
+    seed: u64,
+    limits: &FaultLimits,
+    log: Option<&mut Vec<String>>,
+) -> Result<Tally, Violation> {
     let mut world = World::new(seed, limits, log);
     for number in 1..=limits.requests {
         let before = world.tally.faults();
@@ -156,7 +161,7 @@ pub fn run(seed: u64, limits: &Limits, log: Option<&mut Vec<String>>) -> Result<
 }
 
 impl<'l> World<'l> {
-    fn new(seed: u64, limits: &'l Limits, log: Option<&'l mut Vec<String>>) -> Self {
+    fn new(seed: u64, limits: &'l FaultLimits, log: Option<&'l mut Vec<String>>) -> Self {
         let draw = Draw::new(seed);
         let workers = [1, 2, 2, 3, 4, 4, 4, 4][draw.at(1).below(8) as usize];
         let capacity = 1 + draw.at(2).below(16) as u32;
@@ -174,7 +179,7 @@ impl<'l> World<'l> {
         let intensity =
             if draw.at(7).once_in(2) { Intensity::default() } else { Intensity::UNLIMITED };
         // Of each kind, most worlds have none or few: crowds hide what one alone would show.
-        let rate = |fault: &Fault| {
+        let rate = |fault: &SimulatedFault| {
             let draw = draw.at(8).at(*fault as u64);
             let rare = [0, 0, 0, 0, 0, 8, 40, 200][draw.below(8) as usize];
             if limits.kinds.has(*fault) { rare } else { 0 }
@@ -186,7 +191,7 @@ impl<'l> World<'l> {
         let actors = (0..workers as u8).map(|worker| Actor::new(Incarnation { worker, inc: 0 }));
         let mut world = Self {
             draw,
-            rates: Fault::ALL.iter().map(rate).collect(),
+            rates: SimulatedFault::ALL.iter().map(rate).collect(),
             now_ns: 1,
             events: BTreeMap::new(),
             made: 0,
@@ -221,7 +226,7 @@ impl<'l> World<'l> {
     }
 
     /// Whether a fault strikes at a place.
-    fn strikes(&mut self, fault: Fault, place: Draw) -> bool {
+    fn strikes(&mut self, fault: SimulatedFault, place: Draw) -> bool {
         let rate = self.rates[fault as usize];
         if rate == 0
             || !place.at(1000 + fault as u64).once_in(rate)

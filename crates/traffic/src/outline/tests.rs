@@ -31,8 +31,8 @@ proptest! {
     ) {
         let (a, b) = (Outline::rectangle(a.0, a.1), Outline::rectangle(b.0, b.1));
         let polygon = |outline: &Outline, place| match &outline.placed(place)[0] {
-            Part::Polygon(points) => points.clone(),
-            Part::Circle(..) => unreachable!("rectangles are polygons"),
+            OutlinePart::Polygon(points) => points.clone(),
+            OutlinePart::Circle(..) => unreachable!("rectangles are polygons"),
         };
         let gap = gap(&polygon(&a, p), &polygon(&b, q));
         prop_assume!(gap.abs() > 1e-9);
@@ -47,9 +47,9 @@ proptest! {
         p in place(), q in place(), radius in 0.2..2.0_f64,
     ) {
         let corners = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
-        let ell = Outline { parts: vec![Part::Polygon(corners)] };
-        let ball = Outline { parts: vec![Part::Circle([0.5, -0.2], radius)] };
-        let (Part::Polygon(points), Part::Circle(centre, _)) =
+        let ell = Outline { parts: vec![OutlinePart::Polygon(corners)] };
+        let ball = Outline { parts: vec![OutlinePart::Circle([0.5, -0.2], radius)] };
+        let (OutlinePart::Polygon(points), OutlinePart::Circle(centre, _)) =
             (&ell.placed(p)[0], &ball.placed(q)[0]) else { unreachable!("as made") };
         // Points of the disc, and the nearest of the polygon's border to its centre.
         let ring = |r: f64, n: u32| {
@@ -73,7 +73,7 @@ fn touching_counts_and_one_inside_the_other_too() {
     assert!(overlap(&square, at(0.0), &square, at(2.0)));
     assert!(!overlap(&square, at(0.0), &square, at(2.000_001)));
     assert!(overlap(&square, at(0.0), &Outline::rectangle(0.5, 0.5), at(0.3)));
-    let ball = Outline { parts: vec![Part::Circle([0.0; 2], 1.0)] };
+    let ball = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 1.0)] };
     assert!(overlap(&ball, at(0.0), &ball, at(2.0)) && !overlap(&ball, at(0.0), &ball, at(2.001)));
     assert!(overlap(&Outline::rectangle(9.0, 9.0), at(0.0), &ball, at(1.0)));
     assert!(ball.is_round() && ball.size() == [2.0; 2]);
@@ -81,8 +81,10 @@ fn touching_counts_and_one_inside_the_other_too() {
 
 #[test]
 fn several_parts_have_one_box() {
-    let parts =
-        vec![Part::Circle([3.0, 0.0], 1.0), Part::Polygon(corners(2.0, 1.0, [-1.0, 0.0], 0.0))];
+    let parts = vec![
+        OutlinePart::Circle([3.0, 0.0], 1.0),
+        OutlinePart::Polygon(corners(2.0, 1.0, [-1.0, 0.0], 0.0)),
+    ];
     let both = Outline { parts };
     assert_eq!(both.bounds(), [[-2.0, -1.0], [4.0, 1.0]]);
     assert_eq!((both.size(), both.middle()), ([6.0, 2.0], [1.0, 0.0]));

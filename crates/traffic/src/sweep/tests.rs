@@ -1,19 +1,19 @@
 //! Arcs stay within friction and end where integrals say; meetings are first overlaps.
 
 use super::*;
-use crate::outline::Part;
+use crate::outline::OutlinePart;
 use proptest::prelude::*;
 
-fn moment(x: f64, y: f64, yaw: f64, speed_m_s: f64) -> Moment {
-    Moment { time_s: 0.0, place: Placed { at: [x, y], yaw }, speed_m_s, slip: 0.0 }
+fn moment(x: f64, y: f64, yaw: f64, speed_m_s: f64) -> TimedState {
+    TimedState { time_s: 0.0, place: Placed { at: [x, y], yaw }, speed_m_s, slip: 0.0 }
 }
 
-fn recording(ego: Moment, others: Vec<Obstacle>) -> Recording {
+fn recording(ego: TimedState, others: Vec<Obstacle>) -> Recording {
     let ego = Ego { start: ego, outline: None, went: Vec::new() };
     Recording { name: "test".to_owned(), ego, others, notes: Vec::new() }
 }
 
-fn parked(id: &str, at: Moment) -> Obstacle {
+fn parked(id: &str, at: TimedState) -> Obstacle {
     let outline = Outline::rectangle(4.0, 2.0);
     Obstacle { id: id.to_owned(), kind: "car".to_owned(), outline, track: vec![at] }
 }
@@ -80,7 +80,7 @@ fn who_overlaps_at_the_start_is_named_and_nothing_is_tried() {
 #[test]
 fn what_is_gone_or_not_there_yet_is_not_met() {
     let mut other = parked("7", moment(10.0, 0.0, 0.0, 0.0));
-    let at = |time_s| Moment { time_s, ..moment(10.0, 0.0, 0.0, 0.0) };
+    let at = |time_s| TimedState { time_s, ..moment(10.0, 0.0, 0.0, 0.0) };
     other.track = vec![at(0.0), at(0.3)];
     let gone = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other.clone()]);
     assert!(gone.sweep(&Sweep::default()).meetings.is_empty());
@@ -92,8 +92,8 @@ fn what_is_gone_or_not_there_yet_is_not_met() {
 #[test]
 fn a_recorded_way_is_tried_and_left_where_manoeuvres_begin() {
     let at =
-        |n: u32| Moment { time_s: f64::from(n), ..moment(10.0 * f64::from(n), 0.0, 0.0, 10.0) };
-    let round = Outline { parts: vec![Part::Circle([0.0; 2], 0.3)] };
+        |n: u32| TimedState { time_s: f64::from(n), ..moment(10.0 * f64::from(n), 0.0, 0.0, 10.0) };
+    let round = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 0.3)] };
     let walker = Obstacle {
         id: "35".to_owned(),
         kind: "pedestrian".to_owned(),

@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::library::DEFAULT_LIBRARY;
-use crate::outline::Part;
+use crate::outline::OutlinePart;
 use crate::recording::{Ego, Obstacle};
 use crate::sweep::Sweep;
 use scenario::Scenario;
 
-fn moment(x: f64, y: f64, speed_m_s: f64) -> Moment {
-    Moment { time_s: 0.0, place: Placed { at: [x, y], yaw: 0.0 }, speed_m_s, slip: 0.0 }
+fn moment(x: f64, y: f64, speed_m_s: f64) -> TimedState {
+    TimedState { time_s: 0.0, place: Placed { at: [x, y], yaw: 0.0 }, speed_m_s, slip: 0.0 }
 }
 
 fn scene(kind: &str, outline: Outline, offset: f64) -> Recording {
@@ -47,7 +47,7 @@ fn what_is_written_is_a_scenario_with_a_candidate_for_each_meeting() {
 
 #[test]
 fn bodies_stand_in_the_middle_of_their_outlines() {
-    let ahead = Part::Polygon(crate::outline::corners(2.0, 1.0, [1.5, 0.25], 0.0));
+    let ahead = OutlinePart::Polygon(crate::outline::corners(2.0, 1.0, [1.5, 0.25], 0.0));
     let recording = scene("car", Outline { parts: vec![ahead] }, 0.0);
     let swept = recording.sweep(&Sweep::default());
     let (text, _) = scenario_text("a.xml", &recording, &swept, &library()).expect("written");
@@ -59,7 +59,7 @@ fn bodies_stand_in_the_middle_of_their_outlines() {
 
 #[test]
 fn a_circle_gives_its_longest_side() {
-    let round = Outline { parts: vec![Part::Circle([0.0; 2], 0.3)] };
+    let round = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 0.3)] };
     let recording = scene("pedestrian", round, 0.0);
     let swept = recording.sweep(&Sweep::default());
     let (text, _) = scenario_text("a.xml", &recording, &swept, &library()).expect("written");

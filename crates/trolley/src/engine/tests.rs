@@ -30,7 +30,7 @@ fn scenario(speed_m_s: f64) -> Scenario {
 #[test]
 fn a_scenario_is_ranked_without_a_process() {
     let ranking = here().rank(&scenario(12.0), &Limits::default()).unwrap();
-    assert_eq!(ranking.answer.state, damage::State::Complete);
+    assert_eq!(ranking.answer.state, damage::AnswerState::Complete);
     assert_eq!(ranking.best().map(|best| best.name.as_str()), Some("past"));
     assert_eq!(ranking.run.mode, Mode::InProcess);
     assert!(ranking.run.jobs > 0 && ranking.run.workers.is_empty());

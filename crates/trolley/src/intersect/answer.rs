@@ -21,7 +21,7 @@ pub struct Found {
 
 /// A query, or the last of several and the medians of their times.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct QueryResult {
     /// What it found.
     pub found: Found,
     /// Tests of boxes and of triangles.
@@ -60,7 +60,7 @@ pub struct Intersected {
     /// Whether B stood elsewhere for each query.
     pub moving: bool,
     /// What was found.
-    pub asked: Asked,
+    pub asked: QueryResult,
 }
 
 #[derive(Serialize)]

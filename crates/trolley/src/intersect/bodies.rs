@@ -5,7 +5,7 @@ use crate::model::open;
 use body::{BodyView, Build, Meta, file};
 use bvh::BuildOptions;
 use diagnostic::chain;
-use mesh::reader::{OnProgress, Outcome, ReadLimits, Request};
+use mesh::reader::{OnProgress, ReadLimits, ReadMesh, ReadRequest};
 use runtime::clock::now_ns;
 use std::path::Path;
 
@@ -53,8 +53,8 @@ impl Body {
         let (bytes, build_ns) = if open::is_model(path) {
             (open::copy(path)?, 0)
         } else {
-            let Outcome { bytes, build_ns, .. } =
-                Request::as_it_stands(path, options, limits)?.run(progress)?;
+            let ReadMesh { bytes, build_ns, .. } =
+                ReadRequest::as_it_stands(path, options, limits)?.run(progress)?;
             (bytes, build_ns)
         };
         let (meta, view) = open::view(path, bytes.bytes())?;

@@ -3,23 +3,23 @@
 use super::facts::{Facts, thousands, triangles};
 use super::open;
 use crate::{Failure, Kind};
-use mesh::reader::{MeshOptions, Outcome, ReadLimits, Request};
+use mesh::reader::{MeshOptions, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// What was found of some files.
 #[derive(Clone, Debug, Serialize)]
-pub struct Checked {
+pub struct CheckReport {
     schema: &'static str,
     /// How many are not sound.
     pub refused: usize,
     /// Each of them, in the order in which they were named.
-    pub files: Vec<Verdict>,
+    pub files: Vec<FileCheck>,
 }
 
 /// What was found of a file.
 #[derive(Clone, Debug, Serialize)]
-pub struct Verdict {
+pub struct FileCheck {
     /// Its name.
     pub file: String,
     /// Whether it is sound.
@@ -48,18 +48,18 @@ pub fn check(
     files: &[PathBuf],
     options: &MeshOptions,
     limits: ReadLimits,
-    tell: &mut dyn FnMut(&Verdict) -> Result<(), Failure>,
-) -> Result<Checked, Failure> {
+    tell: &mut dyn FnMut(&FileCheck) -> Result<(), Failure>,
+) -> Result<CheckReport, Failure> {
     let mut verdicts = Vec::new();
     for path in files {
         let file = path.display().to_string();
         let verdict = match look(path, options, limits) {
             Ok((what, doubts)) => {
-                Verdict { file, ok: true, what: Some(what), doubts, fault: None, help: None }
+                FileCheck { file, ok: true, what: Some(what), doubts, fault: None, help: None }
             }
             // Not the file's fault, but the machine's or ours: the others would fare no better.
             Err(failure) if failure.kind() != Kind::Input => return Err(failure),
-            Err(failure) => Verdict {
+            Err(failure) => FileCheck {
                 file,
                 ok: false,
                 what: None,
@@ -72,7 +72,7 @@ pub fn check(
         verdicts.push(verdict);
     }
     let refused = verdicts.iter().filter(|verdict| !verdict.ok).count();
-    Ok(Checked { schema: "trolley.model-check/1", refused, files: verdicts })
+    Ok(CheckReport { schema: "trolley.model-check/1", refused, files: verdicts })
 }
 
 /// What a file is, and doubts about it.
@@ -91,8 +91,8 @@ fn look(
         return Ok((what, Vec::new()));
     }
     // A trial builds no tree, so there is no progress to tell.
-    let Outcome { report, .. } =
-        Request::new(path, options, None, None, limits)?.run(crate::bodies::SILENT)?;
+    let ReadMesh { report, .. } =
+        ReadRequest::new(path, options, None, None, limits)?.run(crate::bodies::SILENT)?;
     let mut what =
         format!("{}, {}, {}", report.format, report.sentence, triangles(report.triangles));
     if report.duplicates_dropped > 0 {

@@ -41,7 +41,7 @@ pub struct Facts {
     /// Triangles of zero area.
     pub degenerate_kept: u32,
     /// Its parts, in their order in the file.
-    pub parts: Vec<Part>,
+    pub parts: Vec<BodyPart>,
     /// How its tree was built.
     pub build: Build,
     /// Triangles in a leaf at most.
@@ -65,7 +65,7 @@ pub struct Facts {
 
 /// A part of a body.
 #[derive(Clone, Debug, Serialize)]
-pub struct Part {
+pub struct BodyPart {
     /// What it is called.
     pub name: String,
     /// Its triangles.
@@ -107,7 +107,7 @@ impl Facts {
             triangles: body.corners.len(),
             duplicates_dropped: body.dropped.len(),
             degenerate_kept: meta.degenerate,
-            parts: parts.map(|(name, triangles)| Part { name, triangles }).collect(),
+            parts: parts.map(|(name, triangles)| BodyPart { name, triangles }).collect(),
             build: meta.build,
             leaf_size: meta.leaf_size,
             depth: meta.depth,

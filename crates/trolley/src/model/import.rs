@@ -3,7 +3,7 @@
 use super::{Facts, open};
 use crate::{Failure, Kind, files};
 use bvh::BuildOptions;
-use mesh::reader::{MeshOptions, OnProgress, Outcome, ReadLimits, Report, Request};
+use mesh::reader::{MeshOptions, OnProgress, ReadLimits, ReadMesh, ReadRequest, Report};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub struct Import {
 
 /// A model file that was made of a mesh.
 #[derive(Clone, Debug, Serialize)]
-pub struct Imported {
+pub struct ImportedModel {
     schema: &'static str,
     /// The model file.
     pub file: String,
@@ -46,17 +46,18 @@ impl Import {
     ///
     /// If the mesh is at fault, reading it took more than it was allowed, or the model file cannot
     /// be written; what was in its place is still there.
-    pub fn run(&self, progress: OnProgress<'_>) -> Result<Imported, Failure> {
+    pub fn run(&self, progress: OnProgress<'_>) -> Result<ImportedModel, Failure> {
         files::check(&self.out, Some(&self.mesh))?;
         let name = self.name.as_deref();
-        let request = Request::new(&self.mesh, &self.options, name, Some(&self.tree), self.limits)?;
-        let Outcome { report, bytes, .. } = request.run(progress)?;
+        let request =
+            ReadRequest::new(&self.mesh, &self.options, name, Some(&self.tree), self.limits)?;
+        let ReadMesh { report, bytes, .. } = request.run(progress)?;
         // What a damaged child sent is not written.
         let (meta, view) = open::view(&self.mesh, bytes.bytes())
             .map_err(|failure| failure.of_kind(Kind::Internal))?;
         let body = Facts::new(meta, &view, bytes.bytes())?;
         files::replace(&self.out, bytes.bytes())?;
         let file = self.out.display().to_string();
-        Ok(Imported { schema: "trolley.model-import/1", file, body, import: report })
+        Ok(ImportedModel { schema: "trolley.model-import/1", file, body, import: report })
     }
 }

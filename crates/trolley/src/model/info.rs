@@ -5,7 +5,7 @@ use crate::{Failure, Kind};
 use body::Mesh;
 use bvh::BuildOptions;
 use mesh::import::{Format, Reading, readings};
-use mesh::reader::{OnProgress, Outcome, ReadLimits, Request};
+use mesh::reader::{OnProgress, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
 use std::path::Path;
 
@@ -67,8 +67,8 @@ pub fn info(path: &Path, limits: ReadLimits, progress: OnProgress<'_>) -> Result
         let body = Facts::new(meta, &view, map.bytes())?;
         return Ok(Info::Body(Box::new(BodyInfo { schema: SCHEMA, file, body })));
     }
-    let request = Request::as_it_stands(path, &BuildOptions::default(), limits)?;
-    let Outcome { report, bytes, .. } = request.run(progress)?;
+    let request = ReadRequest::as_it_stands(path, &BuildOptions::default(), limits)?;
+    let ReadMesh { report, bytes, .. } = request.run(progress)?;
     let (meta, view) =
         open::view(path, bytes.bytes()).map_err(|failure| failure.of_kind(Kind::Internal))?;
     let format = Format::ALL.into_iter().find(|format| format.name() == report.format);

@@ -2,12 +2,12 @@
 
 use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress};
-use crate::scenario::{Scenario, Text, Texts};
+use crate::scenario::{Scenario, SourceText, Texts};
 use crate::{BUILD, Failure, Kind};
 use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
 use record::RecordedSource;
 use runtime::FileMap;
-use scenario::{Engine, Overrides};
+use scenario::{EngineSettings, Overrides};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -51,8 +51,10 @@ impl Record {
         progress: OnProgress<'_>,
     ) -> Result<Replay, Failure> {
         let content = &self.content;
-        let text =
-            |text: &record::RecordedText| Text { name: text.name.clone(), text: text.text.clone() };
+        let text = |text: &record::RecordedText| SourceText {
+            name: text.name.clone(),
+            text: text.text.clone(),
+        };
         let scenario = Scenario::of_texts(Texts {
             scenario: text(&content.scenario),
             policy: text(&content.policy),
@@ -77,7 +79,7 @@ impl Record {
     }
 
     /// The settings that the ledger depends on.
-    fn engine(&self) -> Result<Engine, Failure> {
+    fn engine(&self) -> Result<EngineSettings, Failure> {
         let settings = &self.content.settings;
         let changes = Overrides {
             depth: Some(i64::from(settings.depth)),
@@ -85,7 +87,7 @@ impl Record {
             leaf_size: Some(i64::from(settings.leaf_size)),
             ..Overrides::default()
         };
-        let applied = Engine::DEFAULT.apply(&changes);
+        let applied = EngineSettings::DEFAULT.apply(&changes);
         applied.map_err(|misfit| Failure::from(misfit).of_kind(Kind::Input))
     }
 

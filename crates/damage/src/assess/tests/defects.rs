@@ -2,7 +2,7 @@
 //! is a test that fails where the defect is.
 
 use super::*;
-use crate::dynamics::{Impact, Side};
+use crate::dynamics::{Impact, ImpactBody};
 use crate::party::{Struck, wrapped};
 use crate::policy::{DEFAULT_POLICY, Policy};
 use crate::rank::rank;
@@ -153,7 +153,8 @@ fn d12_a_fixed_object_is_not_certain_harm() {
 
 #[test]
 fn d13_equal_velocities_change_no_velocity() {
-    let car = Side { inverse_mass: 1.0 / 1500.0, gyration_m: 1.2, across_m: 0.3, along_m: 1.0 };
+    let car =
+        ImpactBody { inverse_mass: 1.0 / 1500.0, gyration_m: 1.2, across_m: 0.3, along_m: 1.0 };
     let impact = Impact {
         normal_m_s: 0.0,
         tangential_m_s: 0.0,

@@ -62,20 +62,20 @@ fn selected_parts_keep_their_ids_and_unused_names_go() {
 #[test]
 fn a_car_in_the_wrong_unit_is_named_with_the_right_one() {
     let car = [4.5, 1.8, 1.4];
-    for (unit, metres) in Unit::NAMED {
+    for (unit, metres) in LengthUnit::NAMED {
         // Written in `unit`, read in metres.
-        let outcome = check_size(car.map(|x| x / metres), Some(Kind::Sedan), Unit::METRE);
+        let outcome = check_size(car.map(|x| x / metres), Some(Kind::Sedan), LengthUnit::METRE);
         match outcome {
             Ok(()) => assert_eq!(unit, "m"),
-            Err(Fault::Size { unit: found, .. }) => assert_eq!(found, Some(unit)),
+            Err(MeshDefect::Size { unit: found, .. }) => assert_eq!(found, Some(unit)),
             Err(other) => panic!("{other}"),
         }
     }
     // Written in metres, read in millimetres.
     let fault = check_size(car.map(|x| x * 0.001), Some(Kind::Suv), "mm".parse().expect("a unit"));
-    assert!(matches!(fault, Err(Fault::Size { unit: Some("m"), .. })), "{fault:?}");
-    let fault =
-        check_size([4500.0, 1800.0, 1400.0], Some(Kind::Sedan), Unit::METRE).expect_err("long");
+    assert!(matches!(fault, Err(MeshDefect::Size { unit: Some("m"), .. })), "{fault:?}");
+    let fault = check_size([4500.0, 1800.0, 1400.0], Some(Kind::Sedan), LengthUnit::METRE)
+        .expect_err("long");
     let words = "4500.00 × 1800.00 × 1400.00 m is no plausible sedan: its greatest length should \
                  be 1 to 30 m";
     assert_eq!(fault.to_string(), words);

@@ -1,6 +1,6 @@
 //! Meshes: positions by source and accessor, then the polygons that index them.
 
-use super::super::{Fault, ImportError, Place, collect::Collector};
+use super::super::{FilePosition, ImportError, MeshDefect, collect::Collector};
 use super::place::{Matrix, apply};
 use super::{Library, child, children, line, named, text};
 use roxmltree::Node;
@@ -18,7 +18,7 @@ pub(super) fn add<'d>(
         let what = children(geometry)
             .find(|part| ["convex_mesh", "spline", "brep"].contains(&part.tag_name().name()));
         let what = what.map_or("nothing", |part| part.tag_name().name());
-        let fault = Fault::Feature(format!("a geometry of <{what}>"));
+        let fault = MeshDefect::Feature(format!("a geometry of <{what}>"));
         return Err(into.fail(line(geometry), fault));
     };
     let label = geometry.attribute("name").or(geometry.attribute("id")).unwrap_or_default();
@@ -81,7 +81,7 @@ impl<'d> Inputs<'d> {
         for input in named(part, "input") {
             let offset = match input.attribute("offset").unwrap_or("0").trim().parse::<usize>() {
                 Ok(offset) if offset < 64 => offset,
-                _ => return Err(into.fail(line(input), Fault::Syntax("a bad offset".into()))),
+                _ => return Err(into.fail(line(input), MeshDefect::Syntax("a bad offset".into()))),
             };
             stride = stride.max(offset + 1);
             if input.attribute("semantic") == Some("VERTEX") {
@@ -91,7 +91,7 @@ impl<'d> Inputs<'d> {
         match vertex {
             Some((vertex, offset)) => Ok(Self { vertex, offset, stride }),
             None => {
-                let fault = Fault::Syntax("it has no <input semantic=\"VERTEX\">".to_owned());
+                let fault = MeshDefect::Syntax("it has no <input semantic=\"VERTEX\">".to_owned());
                 Err(into.fail(line(part), fault))
             }
         }
@@ -105,7 +105,7 @@ fn positions<'d>(
     matrix: &Matrix,
     into: &Collector<'_>,
 ) -> Result<Vec<[f32; 3]>, ImportError> {
-    let fail = |node, fault: String| into.fail(line(node), Fault::Syntax(fault));
+    let fail = |node, fault: String| into.fail(line(node), MeshDefect::Syntax(fault));
     let input = named(vertices, "input").find(|i| i.attribute("semantic") == Some("POSITION"));
     let input = input.ok_or_else(|| fail(vertices, "it has no positions".to_owned()))?;
     let source = library.find(input, "source", "source", into)?;
@@ -141,7 +141,7 @@ fn positions<'d>(
     let needs = count.checked_mul(stride).and_then(|n| n.checked_add(offset));
     if needs.is_none_or(|needs| needs > values.len()) {
         let fault = format!("{count} vertices are stated, {} numbers listed", values.len());
-        return Err(into.fail(line(accessor), Fault::Truncated(fault)));
+        return Err(into.fail(line(accessor), MeshDefect::Truncated(fault)));
     }
     let id = vertices.attribute("id").unwrap_or_default();
     (0..count)
@@ -150,7 +150,7 @@ fn positions<'d>(
             let finite = point.iter().all(|x| x.is_finite());
             // Zero times infinity would hide what the file says.
             let point = if finite { apply(matrix, point) } else { point };
-            into.point(point, || Place::Element(format!("vertex {vertex} of \"{id}\"")))
+            into.point(point, || FilePosition::Element(format!("vertex {vertex} of \"{id}\"")))
         })
         .collect()
 }
@@ -160,7 +160,7 @@ fn indices(node: Node<'_, '_>, into: &Collector<'_>) -> Result<Vec<usize>, Impor
     let read = |word: &str| {
         word.parse().map_err(|_error| {
             let fault = format!("{word:?} is no index");
-            into.fail(line(node), Fault::Syntax(fault))
+            into.fail(line(node), MeshDefect::Syntax(fault))
         })
     };
     text(node).split_ascii_whitespace().map(read).collect()
@@ -175,7 +175,7 @@ fn polygons(
 ) -> Result<(), ImportError> {
     let kind = part.tag_name().name();
     if let Some(hole) = child(part, "ph") {
-        return Err(into.fail(line(hole), Fault::Feature("a polygon with holes".to_owned())));
+        return Err(into.fail(line(hole), MeshDefect::Feature("a polygon with holes".to_owned())));
     }
     let mut faces = 0;
     let mut corners: Vec<[f32; 3]> = Vec::new();
@@ -183,7 +183,7 @@ fn polygons(
         let all = indices(list, into)?;
         if all.len() % inputs.stride != 0 {
             let fault = format!("{} indices are not whole corners", all.len());
-            return Err(into.fail(line(list), Fault::Truncated(fault)));
+            return Err(into.fail(line(list), MeshDefect::Truncated(fault)));
         }
         let mut own = Vec::with_capacity(all.len() / inputs.stride);
         for corner in all.chunks(inputs.stride) {
@@ -191,7 +191,7 @@ fn polygons(
             let Some(point) = points.get(index) else {
                 let range = format!("the mesh has {} vertices, from 0", points.len());
                 let index = i64::try_from(index).unwrap_or(i64::MAX);
-                return Err(into.fail(line(list), Fault::Index { index, range }));
+                return Err(into.fail(line(list), MeshDefect::Index { index, range }));
             };
             own.push(*point);
         }
@@ -199,7 +199,7 @@ fn polygons(
             "triangles" => {
                 if own.len() % 3 != 0 {
                     let fault = format!("{} corners are not whole triangles", own.len());
-                    return Err(into.fail(line(list), Fault::Truncated(fault)));
+                    return Err(into.fail(line(list), MeshDefect::Truncated(fault)));
                 }
                 faces += own.len() / 3;
                 for triangle in own.chunks(3) {
@@ -214,7 +214,7 @@ fn polygons(
                 for count in counts {
                     let Some((polygon, after)) = rest.split_at_checked(count) else {
                         let fault = "<vcount> asks for more corners than <p> lists".to_owned();
-                        return Err(into.fail(line(list), Fault::Truncated(fault)));
+                        return Err(into.fail(line(list), MeshDefect::Truncated(fault)));
                     };
                     rest = after;
                     into.polygon(polygon, number, || line(list))?;
@@ -243,7 +243,7 @@ fn polygons(
     let stated = part.attribute("count").and_then(|count| count.trim().parse::<usize>().ok());
     if stated.is_some_and(|stated| stated != faces) {
         let fault = format!("<{kind}> states {} and lists {faces}", stated.unwrap_or_default());
-        return Err(into.fail(line(part), Fault::Truncated(fault)));
+        return Err(into.fail(line(part), MeshDefect::Truncated(fault)));
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Where a scene node lies: its transforms in the order in which they stand.
 
-use super::super::{Fault, ImportError, collect::Collector};
+use super::super::{ImportError, MeshDefect, collect::Collector};
 use super::{children, line, text};
 use roxmltree::Node;
 
@@ -38,7 +38,7 @@ pub(super) fn local(node: Node<'_, '_>, into: &Collector<'_>) -> Result<Matrix, 
             "matrix" => {
                 let m = numbers::<16>(part, into)?;
                 if m[12..] != [0.0, 0.0, 0.0, 1.0] {
-                    let fault = Fault::Feature("a <matrix> with perspective".to_owned());
+                    let fault = MeshDefect::Feature("a <matrix> with perspective".to_owned());
                     return Err(into.fail(line(part), fault));
                 }
                 [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| m[4 * row + column]))
@@ -57,7 +57,7 @@ pub(super) fn local(node: Node<'_, '_>, into: &Collector<'_>) -> Result<Matrix, 
             }
             "rotate" => rotation(numbers(part, into)?),
             other @ ("lookat" | "skew") => {
-                let fault = Fault::Feature(format!("the transform <{other}>"));
+                let fault = MeshDefect::Feature(format!("the transform <{other}>"));
                 return Err(into.fail(line(part), fault));
             }
             _ => continue,
@@ -99,12 +99,12 @@ fn numbers<const N: usize>(
             Ok(number) if number.is_finite() => *value = number,
             _ => {
                 let fault = format!("<{name}> needs {N} finite numbers; {word:?} is none");
-                return Err(into.fail(line(node), Fault::Syntax(fault)));
+                return Err(into.fail(line(node), MeshDefect::Syntax(fault)));
             }
         }
     }
     if words.next().is_some() {
-        let fault = Fault::Syntax(format!("<{name}> has more than {N} numbers"));
+        let fault = MeshDefect::Syntax(format!("<{name}> has more than {N} numbers"));
         return Err(into.fail(line(node), fault));
     }
     Ok(all)

@@ -33,7 +33,8 @@ const TRIANGLES: &str = r##"<triangles count="2" material="red">
 
 fn collect(text: &str) -> Result<Collector<'static>, ImportError> {
     let parsed = parse("a.dae", text.as_bytes())?;
-    let frame = Frame::new(Format::Collada, Unit::METRE, Some(Axis::Z), None).expect("orthogonal");
+    let frame =
+        Frame::new(Format::Collada, LengthUnit::METRE, Some(Axis::Z), None).expect("orthogonal");
     let mut into = Collector::new("a.dae", frame);
     read(&parsed, &mut into)?;
     Ok(into)
@@ -88,7 +89,7 @@ fn unit_and_axis_are_those_that_the_file_states() {
     assert_eq!((asset.unit.metres(), asset.up), (0.0254, Axis::Z));
     let bare = "<COLLADA/>";
     let asset = parse("a.dae", bare.as_bytes()).and_then(|c| c.asset("a.dae")).expect("defaults");
-    assert_eq!((asset.unit, asset.up), (Unit::METRE, Axis::Y));
+    assert_eq!((asset.unit, asset.up), (LengthUnit::METRE, Axis::Y));
     for (old, new) in [("0.0254", "0"), ("0.0254", "wide"), ("Z_UP", "UP")] {
         let text = text.replace(old, new);
         let parsed = parse("a.dae", text.as_bytes()).expect("XML");

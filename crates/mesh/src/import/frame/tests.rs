@@ -31,10 +31,11 @@ fn every_frame_is_right_handed() {
 
 #[test]
 fn nothing_stated_is_the_formats_own() {
-    let of = |format| Frame::new(format, Unit::METRE, None, None).expect("orthogonal").to_string();
+    let of =
+        |format| Frame::new(format, LengthUnit::METRE, None, None).expect("orthogonal").to_string();
     assert_eq!(of(Format::Glb), "unit m, up +y, forward +z");
     assert_eq!(of(Format::Stl), "unit m, up +z, forward +x");
-    let same = Frame::new(Format::Stl, Unit::METRE, None, None).expect("orthogonal");
+    let same = Frame::new(Format::Stl, LengthUnit::METRE, None, None).expect("orthogonal");
     let point = [f64::from(0.1_f32), -0.0, 1e-40];
     assert_eq!(same.point(point).map(f64::to_bits), point.map(f64::to_bits));
 }
@@ -45,10 +46,10 @@ fn names_are_read_and_others_refused_with_the_choice() {
         assert_eq!(name.parse::<Axis>().expect("an axis").to_string(), name);
     }
     assert_eq!("Y".parse::<Axis>(), "+y".parse());
-    assert_eq!("0.0254".parse::<Unit>().expect("a factor").to_string(), "inch");
-    assert_eq!("3.5".parse::<Unit>().expect("a factor").metres(), 3.5);
+    assert_eq!("0.0254".parse::<LengthUnit>().expect("a factor").to_string(), "inch");
+    assert_eq!("3.5".parse::<LengthUnit>().expect("a factor").metres(), 3.5);
     for bad in ["", "km", "-1", "0", "nan", "inf", "1e300"] {
-        assert!(bad.parse::<Unit>().is_err(), "{bad}");
+        assert!(bad.parse::<LengthUnit>().is_err(), "{bad}");
     }
     assert!("up".parse::<Axis>().is_err() && "".parse::<Axis>().is_err());
 }

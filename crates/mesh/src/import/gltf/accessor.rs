@@ -1,6 +1,6 @@
 //! Values of an accessor: positions and indices, with stride, sparse or not, every range checked.
 
-use super::super::Fault;
+use super::super::MeshDefect;
 use ::gltf::json;
 use json::accessor::{ComponentType, Type};
 use json::validation::Checked;
@@ -28,21 +28,23 @@ impl<'a> Run<'a> {
     }
 }
 
-fn no_such(what: &str, index: usize, count: usize) -> Fault {
-    Fault::Index { index: index as i64, range: format!("the file has {count} {what}") }
+fn no_such(what: &str, index: usize, count: usize) -> MeshDefect {
+    MeshDefect::Index { index: index as i64, range: format!("the file has {count} {what}") }
 }
 
-fn short(what: &str) -> Fault {
-    Fault::Truncated(format!("{what} reaches past the end of its buffer"))
+fn short(what: &str) -> MeshDefect {
+    MeshDefect::Truncated(format!("{what} reaches past the end of its buffer"))
 }
 
 impl<'a> Source<'a> {
     /// Positions: three f32 each.
-    pub(super) fn positions(&self, number: usize) -> Result<Vec<[f32; 3]>, Fault> {
+    pub(super) fn positions(&self, number: usize) -> Result<Vec<[f32; 3]>, MeshDefect> {
         let accessor = self.accessor(number)?;
         let component = component(accessor)?;
         if accessor.type_ != Checked::Valid(Type::Vec3) || component != ComponentType::F32 {
-            return Err(Fault::Feature(format!("accessor {number}: positions other than f32 × 3")));
+            return Err(MeshDefect::Feature(format!(
+                "accessor {number}: positions other than f32 × 3"
+            )));
         }
         let read = |bytes: &[u8]| {
             let (words, _) = bytes.as_chunks::<4>();
@@ -52,26 +54,30 @@ impl<'a> Source<'a> {
     }
 
     /// Indices: u8, u16 or u32 each.
-    pub(super) fn indices(&self, number: usize) -> Result<Vec<u32>, Fault> {
+    pub(super) fn indices(&self, number: usize) -> Result<Vec<u32>, MeshDefect> {
         let accessor = self.accessor(number)?;
         let component = component(accessor)?;
         if accessor.type_ != Checked::Valid(Type::Scalar) {
-            return Err(Fault::Syntax(format!("accessor {number}: indices are not scalars")));
+            return Err(MeshDefect::Syntax(format!("accessor {number}: indices are not scalars")));
         }
         let length = match component {
             ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => component.size(),
-            _ => return Err(Fault::Syntax(format!("accessor {number}: indices are not unsigned"))),
+            _ => {
+                return Err(MeshDefect::Syntax(format!(
+                    "accessor {number}: indices are not unsigned"
+                )));
+            }
         };
         self.values(accessor, length, 0, little_endian)
     }
 
-    fn accessor(&self, number: usize) -> Result<&'a json::Accessor, Fault> {
+    fn accessor(&self, number: usize) -> Result<&'a json::Accessor, MeshDefect> {
         let accessors = &self.root.accessors;
         let accessor =
             accessors.get(number).ok_or_else(|| no_such("accessors", number, accessors.len()))?;
         if accessor.count.0 > COUNT_MAX {
             let (count, max) = (accessor.count.0, COUNT_MAX);
-            return Err(Fault::TooMany { what: "elements of an accessor", count, max });
+            return Err(MeshDefect::TooMany { what: "elements of an accessor", count, max });
         }
         Ok(accessor)
     }
@@ -83,7 +89,7 @@ impl<'a> Source<'a> {
         length: usize,
         empty: T,
         read: impl Fn(&[u8]) -> T,
-    ) -> Result<Vec<T>, Fault> {
+    ) -> Result<Vec<T>, MeshDefect> {
         let count = accessor.count.0 as usize;
         let mut values = match accessor.buffer_view {
             Some(view) => {
@@ -97,10 +103,12 @@ impl<'a> Source<'a> {
             }
             // Zeros are a bomb: 20 bytes of JSON ask for gigabytes.
             None if accessor.sparse.is_none() => {
-                return Err(Fault::Feature("an accessor without a buffer view".to_owned()));
+                return Err(MeshDefect::Feature("an accessor without a buffer view".to_owned()));
             }
             None if count as u64 > self.bytes() => {
-                return Err(Fault::Truncated("a sparse accessor claims more than there is".into()));
+                return Err(MeshDefect::Truncated(
+                    "a sparse accessor claims more than there is".into(),
+                ));
             }
             None => vec![empty; count],
         };
@@ -120,9 +128,9 @@ impl<'a> Source<'a> {
         length: usize,
         read: impl Fn(&[u8]) -> T,
         values: &mut [T],
-    ) -> Result<(), Fault> {
+    ) -> Result<(), MeshDefect> {
         let Checked::Valid(kind) = sparse.indices.component_type else {
-            return Err(Fault::Syntax("sparse indices of unknown type".to_owned()));
+            return Err(MeshDefect::Syntax("sparse indices of unknown type".to_owned()));
         };
         let width = kind.0.size();
         let places =
@@ -144,7 +152,7 @@ impl<'a> Source<'a> {
     }
 
     /// The bytes of a view from an offset on, and how far apart its elements lie.
-    fn run(&self, number: usize, offset: u64, length: usize) -> Result<Run<'a>, Fault> {
+    fn run(&self, number: usize, offset: u64, length: usize) -> Result<Run<'a>, MeshDefect> {
         let views = &self.root.buffer_views;
         let view = views.get(number).ok_or_else(|| no_such("buffer views", number, views.len()))?;
         let buffer = view.buffer.value();
@@ -163,16 +171,18 @@ impl<'a> Source<'a> {
         let from = from.ok_or_else(|| short("an accessor"))?;
         let stride = view.byte_stride.map_or(length, |stride| stride.0);
         if stride < length {
-            return Err(Fault::Syntax(format!("stride {stride} for elements of {length} bytes")));
+            return Err(MeshDefect::Syntax(format!(
+                "stride {stride} for elements of {length} bytes"
+            )));
         }
         Ok(Run { bytes: from, stride })
     }
 }
 
-fn component(accessor: &json::Accessor) -> Result<ComponentType, Fault> {
+fn component(accessor: &json::Accessor) -> Result<ComponentType, MeshDefect> {
     match accessor.component_type {
         Checked::Valid(kind) => Ok(kind.0),
-        Checked::Invalid => Err(Fault::Syntax("an accessor of unknown type".to_owned())),
+        Checked::Invalid => Err(MeshDefect::Syntax("an accessor of unknown type".to_owned())),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Container and buffers of a glTF file: the GLB blob, data URIs, and side files by the resolver.
 
 use super::super::collect::Collector;
-use super::super::{BYTES_MAX, Fault, ImportError, Place, Resolver};
+use super::super::{BYTES_MAX, FilePosition, ImportError, MeshDefect, Resolver};
 use ::gltf::{Glb, json};
 
 /// The JSON tree and the GLB's binary blob.
@@ -9,10 +9,10 @@ pub(super) fn parse<'b>(
     bytes: &'b [u8],
     into: &Collector<'_>,
 ) -> Result<(json::Root, Option<Vec<u8>>), ImportError> {
-    let fail = |fault: Fault| into.fail(Place::Whole, fault);
-    let syntax = |fault: &dyn core::fmt::Display| fail(Fault::Syntax(fault.to_string()));
+    let fail = |fault: MeshDefect| into.fail(FilePosition::Whole, fault);
+    let syntax = |fault: &dyn core::fmt::Display| fail(MeshDefect::Syntax(fault.to_string()));
     if bytes.is_empty() {
-        return Err(fail(Fault::Empty(": the file is empty".to_owned())));
+        return Err(fail(MeshDefect::Empty(": the file is empty".to_owned())));
     }
     if !bytes.starts_with(b"glTF") {
         let root = json::Root::from_slice(bytes).map_err(|fault| json_fault(&fault, into))?;
@@ -24,9 +24,9 @@ pub(super) fn parse<'b>(
         Some(stated) if stated >= 20 && stated as usize <= bytes.len() => {}
         Some(stated) => {
             let fault = format!("its header states {stated} bytes, it has {}", bytes.len());
-            return Err(fail(Fault::Truncated(fault)));
+            return Err(fail(MeshDefect::Truncated(fault)));
         }
-        None => return Err(fail(Fault::Truncated("its header is cut".to_owned()))),
+        None => return Err(fail(MeshDefect::Truncated("its header is cut".to_owned()))),
     }
     let glb: Glb<'b> = Glb::from_slice(bytes).map_err(|fault| syntax(&fault))?;
     let root = json::Root::from_slice(&glb.json).map_err(|fault| json_fault(&fault, into))?;
@@ -34,7 +34,7 @@ pub(super) fn parse<'b>(
 }
 
 fn json_fault(fault: &json::Error, into: &Collector<'_>) -> ImportError {
-    into.fail(Place::Line(fault.line().max(1)), Fault::Syntax(format!("JSON: {fault}")))
+    into.fail(FilePosition::Line(fault.line().max(1)), MeshDefect::Syntax(format!("JSON: {fault}")))
 }
 
 /// The content of every buffer, at least as long as it is stated.
@@ -47,7 +47,7 @@ pub(super) fn load(
     let mut buffers: Vec<Vec<u8>> = Vec::new();
     let mut total = 0_usize;
     for (number, buffer) in root.buffers.iter().enumerate() {
-        let place = || Place::Element(format!("buffer {number}"));
+        let place = || FilePosition::Element(format!("buffer {number}"));
         let content = match &buffer.uri {
             Some(uri) => match uri.strip_prefix("data:") {
                 Some(data) => from_data_uri(data).map_err(|fault| into.fail(place(), fault))?,
@@ -60,19 +60,19 @@ pub(super) fn load(
             },
             None if number == 0 && blob.is_some() => blob.take().unwrap_or_default(),
             None => {
-                let fault = Fault::Syntax("it has neither a URI nor a GLB blob".to_owned());
+                let fault = MeshDefect::Syntax("it has neither a URI nor a GLB blob".to_owned());
                 return Err(into.fail(place(), fault));
             }
         };
         if (content.len() as u64) < buffer.byte_length.0 {
             let (stated, found) = (buffer.byte_length.0, content.len());
             let fault = format!("it states {stated} bytes, its source has {found}");
-            return Err(into.fail(place(), Fault::Truncated(fault)));
+            return Err(into.fail(place(), MeshDefect::Truncated(fault)));
         }
         total = total.saturating_add(content.len());
         if total > BYTES_MAX {
             let (count, max) = (total as u64, BYTES_MAX as u64);
-            return Err(into.fail(place(), Fault::TooMany { what: "bytes", count, max }));
+            return Err(into.fail(place(), MeshDefect::TooMany { what: "bytes", count, max }));
         }
         buffers.push(content);
     }
@@ -82,9 +82,10 @@ pub(super) fn load(
 fn from_side_file(
     uri: &str,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
-) -> Result<Vec<u8>, Fault> {
-    let refuse =
-        |reason: &str| Err(Fault::SideFile { name: uri.to_owned(), reason: reason.to_owned() });
+) -> Result<Vec<u8>, MeshDefect> {
+    let refuse = |reason: &str| {
+        Err(MeshDefect::SideFile { name: uri.to_owned(), reason: reason.to_owned() })
+    };
     let Some(name) = percent_decoded(uri) else {
         return refuse("its name is malformed");
     };
@@ -92,7 +93,7 @@ fn from_side_file(
     if leads_out || name.starts_with(['/', '\\']) || name.contains(':') || name.contains('\0') {
         return refuse("only files beside the mesh or below it are read");
     }
-    resolve(&name).map_err(|reason| Fault::SideFile { name, reason })
+    resolve(&name).map_err(|reason| MeshDefect::SideFile { name, reason })
 }
 
 /// `%20` and the like, as URIs have them.
@@ -113,14 +114,14 @@ fn percent_decoded(uri: &str) -> Option<String> {
 }
 
 /// The part after `data:`: a media type, `;base64,`, then the content.
-fn from_data_uri(data: &str) -> Result<Vec<u8>, Fault> {
+fn from_data_uri(data: &str) -> Result<Vec<u8>, MeshDefect> {
     let Some((kind, content)) = data.split_once(',') else {
-        return Err(Fault::Syntax("its data URI has no comma".to_owned()));
+        return Err(MeshDefect::Syntax("its data URI has no comma".to_owned()));
     };
     if !kind.ends_with(";base64") {
-        return Err(Fault::Feature("a data URI that is not base64".to_owned()));
+        return Err(MeshDefect::Feature("a data URI that is not base64".to_owned()));
     }
-    from_base64(content).ok_or_else(|| Fault::Syntax("its data URI is no base64".to_owned()))
+    from_base64(content).ok_or_else(|| MeshDefect::Syntax("its data URI is no base64".to_owned()))
 }
 
 /// RFC 4648, section 4; padding may be missing, anything else is refused.

@@ -1,13 +1,13 @@
 //! Every way to write a triangle gives that triangle; every number of the file is checked.
 
-use super::super::{Axis, Format, Frame, Unit};
+use super::super::{Axis, Format, Frame, LengthUnit};
 use super::*;
 use proptest::prelude::*;
 
 /// Reads in glTF's own axes, so that positions come back as they were written.
 fn collect(bytes: &[u8], side: &[(&str, &[u8])]) -> Result<Collector<'static>, ImportError> {
     let (up, forward) = (Some(Axis::Z), Some(Axis::X));
-    let frame = Frame::new(Format::Gltf, Unit::METRE, up, forward).expect("orthogonal");
+    let frame = Frame::new(Format::Gltf, LengthUnit::METRE, up, forward).expect("orthogonal");
     let mut into = Collector::new("a.gltf", frame);
     let mut resolve = |name: &str| {
         let found = side.iter().find(|(known, _)| *known == name);

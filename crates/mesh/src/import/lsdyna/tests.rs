@@ -1,6 +1,6 @@
 //! Shells and solids in every way that cards write them; what is wrong is named with its line.
 
-use super::super::{Format, Frame, Unit};
+use super::super::{Format, Frame, LengthUnit};
 use super::*;
 use proptest::prelude::*;
 
@@ -16,7 +16,7 @@ const NODES: &str = "*KEYWORD\n$ a comment\n*NODE
 ";
 
 fn with_side(text: &str, side: &[(&str, &str)]) -> Result<Collector<'static>, ImportError> {
-    let frame = Frame::new(Format::LsDyna, Unit::METRE, None, None).expect("orthogonal");
+    let frame = Frame::new(Format::LsDyna, LengthUnit::METRE, None, None).expect("orthogonal");
     let mut into = Collector::new("a.k", frame);
     let mut resolve = |name: &str| {
         let found = side.iter().find(|(known, _)| *known == name);
@@ -153,7 +153,7 @@ proptest! {
             let at = at.index(bytes.len());
             bytes[at] = byte;
         }
-        let frame = Frame::new(Format::LsDyna, Unit::METRE, None, None).expect("orthogonal");
+        let frame = Frame::new(Format::LsDyna, LengthUnit::METRE, None, None).expect("orthogonal");
         let mut into = Collector::new("a.k", frame);
         let mut resolve = |_: &str| Err("none".to_owned());
         if let Err(error) = read(&bytes, &mut resolve, &mut into) {

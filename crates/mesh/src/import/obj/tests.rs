@@ -1,11 +1,11 @@
 //! Faces are the triangles that the text says, and every fault has its line.
 
-use super::super::{Format, Frame, Unit};
+use super::super::{Format, Frame, LengthUnit};
 use super::*;
 use proptest::prelude::*;
 
 fn collect(text: &str) -> Result<Collector<'static>, ImportError> {
-    let frame = Frame::new(Format::Obj, Unit::METRE, None, None).expect("orthogonal");
+    let frame = Frame::new(Format::Obj, LengthUnit::METRE, None, None).expect("orthogonal");
     let mut into = Collector::new("a.obj", frame);
     read(text.as_bytes(), &mut into)?;
     Ok(into)

@@ -1,12 +1,12 @@
 //! All encodings give the same triangles; what a header claims is checked before it is believed.
 
-use super::super::{Format, Frame, Unit};
+use super::super::{Format, Frame, LengthUnit};
 use super::*;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
 fn collect(bytes: &[u8]) -> Result<Collector<'static>, ImportError> {
-    let frame = Frame::new(Format::Ply, Unit::METRE, None, None).expect("orthogonal");
+    let frame = Frame::new(Format::Ply, LengthUnit::METRE, None, None).expect("orthogonal");
     let mut into = Collector::new("a.ply", frame);
     read(bytes, &mut into)?;
     Ok(into)

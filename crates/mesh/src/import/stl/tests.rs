@@ -1,13 +1,13 @@
 //! Every solid is read, binary and text alike, and every fault has its place.
 
-use super::super::{Format, Frame, Unit};
+use super::super::{Format, Frame, LengthUnit};
 use super::*;
 use geometry::Corners;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
 fn collect(bytes: &[u8]) -> Result<Collector<'static>, ImportError> {
-    let frame = Frame::new(Format::Stl, Unit::METRE, None, None).expect("orthogonal");
+    let frame = Frame::new(Format::Stl, LengthUnit::METRE, None, None).expect("orthogonal");
     let mut into = Collector::new("a.stl", frame);
     read(bytes, &mut into)?;
     Ok(into)

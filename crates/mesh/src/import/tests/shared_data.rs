@@ -211,7 +211,7 @@ fn real_bodies_have_their_real_size() {
     for known in KNOWN {
         let only = known.only.iter().map(|name| (*name).to_owned()).collect();
         let options = ImportOptions { only, ..options(known.frame, known.kind) };
-        let Imported { mesh, report } =
+        let ImportedMesh { mesh, report } =
             import(&models.join(known.file), &options).expect(known.file);
         let file = known.file;
         assert_eq!([report.triangles_in_file, report.triangles], known.triangles, "{file}");

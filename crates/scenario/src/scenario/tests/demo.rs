@@ -2,7 +2,7 @@
 
 use super::DEMO;
 use crate::testing::parse;
-use crate::{Party, Scenario, Source, State};
+use crate::{MotionState, Party, Scenario, Source};
 use geometry::{Aabb, RelativePose};
 
 /// Corners in the world's plan, and the box.
@@ -11,7 +11,7 @@ struct Body {
     bounds: Aabb,
 }
 
-fn body(party: &Party, state: &State) -> Body {
+fn body(party: &Party, state: &MotionState) -> Body {
     let Source::Generate { shape, seed, .. } = party.source else { panic!("{}", party.name) };
     // The shape does not depend on the count by more than millimetres.
     let mesh = shapes::generate(shape, 3000, seed).unwrap();

@@ -1,7 +1,7 @@
 //! One worker of the simulated world: what it holds, what it does, how it looks from outside.
 
 use crate::faults::work::SimulatedJob;
-use dispatch::{Patience, Pulse, Verdict, Watch};
+use dispatch::{Liveness, Patience, Pulse, Watch};
 use protocol::{Incarnation, JobId, RequestId};
 use std::collections::VecDeque;
 
@@ -138,7 +138,7 @@ impl Actor {
     }
 
     /// What the coordinator sees of it, and concludes.
-    pub(super) fn look(&mut self, busy: bool, now_ns: u64, patience: &Patience) -> Verdict {
+    pub(super) fn look(&mut self, busy: bool, now_ns: u64, patience: &Patience) -> Liveness {
         let spent_ns = match self.ill {
             Ill::Hung => now_ns - self.begun_ns,
             _ => 0,

@@ -6,9 +6,9 @@
 
 use super::actor::{Actor, Ill, Mail};
 use super::{FLIGHT_NS, FOR_EVER_NS, Happening, LOOK_NS, START_NS, World};
-use crate::faults::kind::Fault;
+use crate::faults::kind::SimulatedFault;
 use crate::faults::work::{Answer, Part, Request};
-use dispatch::{Effect, Event, Leave, Progress, Verdict};
+use dispatch::{Effect, Event, Leave, Liveness, Progress};
 use protocol::{Incarnation, JobId, RequestId};
 
 impl World<'_> {
@@ -21,7 +21,7 @@ impl World<'_> {
         let begun_ns = self.now_ns;
         self.say(|| format!("request {} begins", number.0));
         self.dispatcher.begin(number);
-        let deadline_ns = if self.strikes(Fault::Deadline, draw) {
+        let deadline_ns = if self.strikes(SimulatedFault::Deadline, draw) {
             Some(100_000 + draw.at(9).below(5_000_000))
         } else {
             draw.at(10).once_in(2).then_some(30_000_000_000)
@@ -120,7 +120,7 @@ impl World<'_> {
         }
         self.say(|| format!("batch {batch} to {}.{}: {jobs:?}", to.worker, to.inc));
         let place = self.place(to).at(2).at(batch.into());
-        if self.strikes(Fault::Full, place) {
+        if self.strikes(SimulatedFault::Full, place) {
             return Some(Event::Unsent { to, batch });
         }
         let table = |(job, attempt): &(JobId, u8)| {
@@ -129,18 +129,18 @@ impl World<'_> {
         };
         let jobs = jobs.iter().filter_map(table).collect();
         let mut mail = Mail { number: batch, request: self.number, jobs, is_garbled: false };
-        if self.strikes(Fault::LoseBatch, place) {
+        if self.strikes(SimulatedFault::LoseBatch, place) {
             self.actors[usize::from(to.worker)].has_lost_mail = true;
             return None;
         }
-        mail.is_garbled = self.strikes(Fault::GarbleBatch, place);
+        mail.is_garbled = self.strikes(SimulatedFault::GarbleBatch, place);
         let mut flight_ns = FLIGHT_NS;
-        if self.strikes(Fault::DelayBatch, place) {
+        if self.strikes(SimulatedFault::DelayBatch, place) {
             flight_ns += place.at(4).below(3_000_000);
             // Out of order and then garbled, a batch may go unnoticed until its worker is silent.
             self.actors[usize::from(to.worker)].has_lost_mail = true;
         }
-        if self.strikes(Fault::RepeatBatch, place) {
+        if self.strikes(SimulatedFault::RepeatBatch, place) {
             self.after(flight_ns + place.at(5).below(400_000), Happening::Batch(to, mail.clone()));
         }
         self.after(flight_ns, Happening::Batch(to, mail));
@@ -157,7 +157,7 @@ impl World<'_> {
                 continue;
             }
             let verdict = actor.look(busy, now_ns, &patience);
-            if verdict == Verdict::Alive {
+            if verdict == Liveness::Alive {
                 continue;
             }
             let (who, ill, lost) = (actor.who, actor.ill, actor.has_lost_mail);
@@ -193,7 +193,7 @@ impl World<'_> {
             let next = Incarnation { inc: who.inc + 1, ..who };
             self.actors[number] = Actor::new(next);
             let place = self.place(next);
-            if self.strikes(Fault::ExitedAtStart, place) {
+            if self.strikes(SimulatedFault::ExitedAtStart, place) {
                 self.after(START_NS / 2, Happening::Dies(next));
             } else {
                 self.after(START_NS / 2 + place.at(7).below(START_NS), Happening::Hello(next));

@@ -5,7 +5,7 @@
 
 use super::actor::{Ill, Notes};
 use super::{FLIGHT_NS, Happening, NOTICE_NS, POISON_MAX, World};
-use crate::faults::kind::Fault;
+use crate::faults::kind::SimulatedFault;
 use protocol::Incarnation;
 
 impl World<'_> {
@@ -23,24 +23,24 @@ impl World<'_> {
         let place = self.place(who).at(3).at(request.0).at(job.0.into()).at(attempt.into());
         let mut time_ns = work.time_ns;
         let mut ill = Ill::None;
-        if self.strikes(Fault::Poison, whole) {
+        if self.strikes(SimulatedFault::Poison, whole) {
             let deaths = self.poisoned.entry(name).or_default();
             *deaths += u32::from(request == self.number);
-            let overtaken = self.tally.struck[Fault::DelayBatch as usize];
+            let overtaken = self.tally.struck[SimulatedFault::DelayBatch as usize];
             if u64::from(*deaths) > POISON_MAX + overtaken {
                 self.wrong = Some(format!("job {name} has taken {deaths} workers down"));
             }
             self.after(time_ns / 2, Happening::Dies(who));
-        } else if self.strikes(Fault::Crash, place) {
+        } else if self.strikes(SimulatedFault::Crash, place) {
             self.after(place.at(8).below(time_ns), Happening::Dies(who));
-        } else if self.strikes(Fault::Hang, place) {
+        } else if self.strikes(SimulatedFault::Hang, place) {
             ill = Ill::Hung;
-        } else if self.strikes(Fault::Stop, place) {
+        } else if self.strikes(SimulatedFault::Stop, place) {
             ill = Ill::Stopped;
-        } else if self.strikes(Fault::Slow, place) {
+        } else if self.strikes(SimulatedFault::Slow, place) {
             ill = Ill::Slow;
             time_ns *= 10;
-        } else if self.strikes(Fault::Starve, place) {
+        } else if self.strikes(SimulatedFault::Starve, place) {
             ill = Ill::Starved;
             time_ns += 50_000_000 + place.at(9).below(1_450_000_000);
         }
@@ -57,7 +57,7 @@ impl World<'_> {
         let Some(done) = self.actor(who).and_then(|actor| actor.finish(now_ns)) else { return };
         let (request, job, attempt, work) = done;
         let place = self.place(who).at(4).at(request.0).at(job.0.into()).at(attempt.into());
-        if self.strikes(Fault::Nack, place) {
+        if self.strikes(SimulatedFault::Nack, place) {
             self.after(FLIGHT_NS, Happening::Nack { from: who, request, job, attempt });
             return;
         }
@@ -66,21 +66,21 @@ impl World<'_> {
             let last = number + 1 == work.parts;
             let part = (number, last, work.part(number));
             let message = || Happening::Part { from: who, request, job, attempt, part };
-            if self.strikes(Fault::LoseResult, place) {
+            if self.strikes(SimulatedFault::LoseResult, place) {
                 continue;
             }
-            if self.strikes(Fault::GarbleResult, place) {
+            if self.strikes(SimulatedFault::GarbleResult, place) {
                 self.after(FLIGHT_NS, Happening::Garbled(who));
                 continue;
             }
             let mut flight_ns = FLIGHT_NS;
-            if self.strikes(Fault::DelayResult, place) {
+            if self.strikes(SimulatedFault::DelayResult, place) {
                 flight_ns += place.at(4).below(2_000_000);
             }
-            if self.strikes(Fault::RepeatResult, place) {
+            if self.strikes(SimulatedFault::RepeatResult, place) {
                 self.after(flight_ns + place.at(5).below(900_000), message());
             }
-            if self.strikes(Fault::Zombie, place) {
+            if self.strikes(SimulatedFault::Zombie, place) {
                 // Its word that the job is started is the last that is known of it.
                 if let Some(actor) = self.actor(who) {
                     actor.started = Some((request, job, attempt));
@@ -92,7 +92,7 @@ impl World<'_> {
             }
             self.after(flight_ns, message());
         }
-        if self.strikes(Fault::CrashIdle, place) {
+        if self.strikes(SimulatedFault::CrashIdle, place) {
             self.after(FLIGHT_NS, Happening::Dies(who));
         }
     }
