@@ -5,7 +5,7 @@ use crate::support::{
     self, Place, answer, builder, instance, json, left_in_shm, library_answer, run, scenario, six,
     text, trolley,
 };
-use ::trolley::{Engine, EngineBuilder, Limits, Pursuit, Scenario};
+use ::trolley::{Engine, EngineBuilder, Limits, Scenario, SearchOrder};
 
 /// Work that no machine ends within a few milliseconds: a dense body right in another like it.
 fn heavy() -> String {
@@ -46,13 +46,13 @@ fn whose_job_goes_first_changes_nothing_in_the_answer() {
         library_answer(&mut builder.build().unwrap(), &scenario, limits)
     };
     let reference = of(here(), &Limits::default());
-    let limits = |pursuit| Limits::default().with_pursuit(pursuit);
-    let small = |pursuit, tests| limits(pursuit).with_budget(tests).unwrap();
+    let limits = |order| Limits::default().with_search_order(order);
+    let small = |order, tests| limits(order).with_budget(tests).unwrap();
     for (builder, limits) in [
-        (builder().workers(2), limits(Pursuit::Deciding)),
-        (here(), limits(Pursuit::Alternating)),
-        (builder().depth(3), small(Pursuit::RoundRobin, 40_000)),
-        (builder().workers(1).depth(0), small(Pursuit::Sequential, 38_000)),
+        (builder().workers(2), limits(SearchOrder::Deciding)),
+        (here(), limits(SearchOrder::Alternating)),
+        (builder().depth(3), small(SearchOrder::RoundRobin, 40_000)),
+        (builder().workers(1).depth(0), small(SearchOrder::Sequential, 38_000)),
     ] {
         assert_eq!(of(builder, &limits), reference, "{limits:?}");
     }

@@ -74,7 +74,7 @@ fn one_ranking_is_measured_with_settings_that_no_decision_needs() {
     };
     let plain = run(&["rank", path, "--json", "--in-process"]);
     let handing = ["--scheme", "lowest-match", "--cache-bytes", "90000", "--linger", "20"];
-    let asked = ["--depth", "6", "--workers", "2", "--pursuit", "deciding", "--job-log"];
+    let asked = ["--depth", "6", "--workers", "2", "--search-order", "deciding", "--job-log"];
     let log_path = log.to_str().expect("a path of letters");
     let all = [&["measure", "--scenario", path, "--json"], &handing[..], &asked, &[log_path]];
     let document = run(&all.concat());
@@ -124,7 +124,7 @@ fn bad_input_is_refused_with_its_reason() {
     refused(&["--out", out, "--alpha", "1.5"], 78, "--alpha may be 0 to 1");
     refused(&["--out", out, "--alpha", "nan"], 78, "--alpha may be 0 to 1");
     refused(&["--out", out, "--workers", "2"], 78, "--scenario FILE");
-    refused(&["--out", out, "--pursuit", "deciding"], 78, "--scenario FILE");
+    refused(&["--out", out, "--search-order", "deciding"], 78, "--scenario FILE");
     refused(&["--out", out, "--memory-budget", "9"], 78, "--transfer copy");
     refused(&["--out", out, "--linger", "20000"], 78, "--linger may be");
     refused(&["--out", out, "--scheme", "worst-match"], 2, "round-robin");

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and
-//! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other. `team` shares
+//! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other. `pool` shares
 //! work out among threads.
 
 mod assemble;
@@ -13,7 +13,7 @@ mod error;
 mod grow;
 mod sah;
 mod seed;
-mod team;
+mod thread_pool;
 
 pub(crate) use assemble::assembled;
 pub use assemble::{body, rebuild};
@@ -22,7 +22,7 @@ pub use grow::worth_starting;
 
 use body::Node;
 use geometry::Corners;
-use team::Team;
+use thread_pool::BuildPool;
 
 pub use body::{Build, LEAF_SIZE_MAX};
 
@@ -81,28 +81,28 @@ pub fn build(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Hierarchy, BuildError> {
     let threads = grow::worth_starting(options.threads, corners.len());
-    Team::with(threads, |team| hierarchy(corners, options, team, progress))
+    BuildPool::with(threads, |pool| hierarchy(corners, options, pool, progress))
 }
 
 /// [`build`], by these threads.
 fn hierarchy(
     corners: &[Corners],
     options: &BuildOptions,
-    team: &Team,
+    pool: &BuildPool,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Hierarchy, BuildError> {
-    check(corners, options, team)?;
+    check(corners, options, pool)?;
     let progress = grow::Progress::new(progress);
-    let job = grow::Job { leaf_size: options.leaf_size as usize, team, progress };
+    let job = grow::Job { leaf_size: options.leaf_size as usize, pool, progress };
     let forest = match options.build {
         Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
         Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
         Build::Sah => sah::grow(corners, &job),
     };
-    Ok(forest.joined(team))
+    Ok(forest.joined(pool))
 }
 
-fn check(corners: &[Corners], options: &BuildOptions, team: &Team) -> Result<(), BuildError> {
+fn check(corners: &[Corners], options: &BuildOptions, pool: &BuildPool) -> Result<(), BuildError> {
     let triangles = corners.len();
     if triangles == 0 {
         return Err(BuildError::Empty);
@@ -116,8 +116,8 @@ fn check(corners: &[Corners], options: &BuildOptions, team: &Team) -> Result<(),
     if !(1..=LEAF_SIZE_MAX).contains(&options.leaf_size) {
         return Err(BuildError::LeafSize { leaf_size: options.leaf_size });
     }
-    let share = team.share(triangles);
-    let bad = team.each(corners.chunks(share).collect(), |part| {
+    let share = pool.share(triangles);
+    let bad = pool.each(corners.chunks(share).collect(), |part| {
         part.iter().position(|t| !t.iter().flatten().all(|x| x.is_finite()))
     });
     match bad.iter().zip((0..).step_by(share)).find_map(|(bad, first)| Some(first + (*bad)?)) {

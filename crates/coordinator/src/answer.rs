@@ -3,7 +3,7 @@
 //! Hashes are wrapping sums of splitmix64 over source triangle ids, as 16 hexadecimal digits; that
 //! of the pairs is over (id in A) << 32 | (id in B). Zeros are +0.
 
-use crate::case::{Case, Stage};
+use crate::candidate_state::{CandidateState, Stage};
 use crate::request::{Candidate, Request};
 use body::{BodyView, Kind, Meta};
 use damage::{
@@ -135,16 +135,16 @@ impl Answer {
         request: &Request,
         ranking: &RankedCandidates,
         harms: &[CandidateHarm],
-        cases: &[Case],
+        candidate_states: &[CandidateState],
         bodies: &[(Meta, BodyView<'_>)],
     ) -> Self {
         let name = |number: usize| request.candidates[number].name.to_string();
         let rows = ranking.places.iter().enumerate().map(|(at, place)| {
             let next = ranking.places.get(at + 1).map(|next| next.candidate);
-            let (harm, case) = (&harms[place.candidate], &cases[place.candidate]);
-            row(request, place, next, harm, case, bodies)
+            let (harm, state) = (&harms[place.candidate], &candidate_states[place.candidate]);
+            row(request, place, next, harm, state, bodies)
         });
-        let missing = (0..cases.len())
+        let missing = (0..candidate_states.len())
             .filter(|number| harms[*number].is_open || harms[*number].unevaluable.is_some());
         Self {
             state: ranking.state,
@@ -155,15 +155,15 @@ impl Answer {
             assumptions: assumptions(request),
             settled_places: ranking.settled,
             missing: missing
-                .map(|number| format!("{}: {}", name(number), open(&cases[number])))
+                .map(|number| format!("{}: {}", name(number), open(&candidate_states[number])))
                 .collect(),
         }
     }
 }
 
 /// What is not known of a candidate.
-fn open(case: &Case) -> String {
-    match &case.stage {
+fn open(state: &CandidateState) -> String {
+    match &state.stage {
         Stage::Settled => "the bodies overlap before they meet".to_owned(),
         Stage::Searching { search, .. } => {
             let (from, to) = search.bracket();
@@ -194,7 +194,7 @@ fn row(
     place: &Place,
     next: Option<usize>,
     harm: &CandidateHarm,
-    case: &Case,
+    state: &CandidateState,
     bodies: &[(Meta, BodyView<'_>)],
 ) -> Row {
     let candidate = &request.candidates[place.candidate];
@@ -205,8 +205,8 @@ fn row(
         .map(|(ground, next)| ground.sentence(&candidate.name, &request.candidates[next].name));
     let [(meta_a, a), (meta_b, b)] =
         [candidate.model_a, candidate.model_b].map(|model| &bodies[model as usize]);
-    let [parts_a, parts_b] = case.hit.parts(a, b);
-    let hit = case.hit.summary(a, b);
+    let [parts_a, parts_b] = state.hit.parts(a, b);
+    let hit = state.hit.summary(a, b);
     let names = |meta: &Meta, parts: BTreeSet<u16>| {
         let known = &meta.parts;
         parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
@@ -231,7 +231,7 @@ fn row(
         persons: persons(request, harm),
         unevaluable: harm.unevaluable,
         coarse_path: harm.coarse_path,
-        poses: poses(case),
+        poses: poses(state),
     }
 }
 
@@ -274,9 +274,9 @@ fn hex(hash: u64) -> String {
     format!("{hash:016x}")
 }
 
-fn poses(case: &Case) -> Vec<PoseRow> {
-    let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
-    let row = |(stop, surveyed): &(damage::Stop, Option<crate::case::Surveyed>)| {
+fn poses(state: &CandidateState) -> Vec<PoseRow> {
+    let Stage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
+    let row = |(stop, surveyed): &(damage::Stop, Option<crate::candidate_state::Surveyed>)| {
         let found = surveyed.as_ref()?;
         Some(PoseRow {
             travel_m: stop.travel_m,

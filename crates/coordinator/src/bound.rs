@@ -31,7 +31,7 @@ pub(crate) fn zones(body: &BodyView<'_>) -> u16 {
 
 /// What the hulls alone say.
 pub(crate) fn hulls(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Seen {
-    crate::case::seen(stop, &candidate.approach.reach_at(stop.travel_m), zones)
+    crate::candidate_state::seen(stop, &candidate.approach.reach_at(stop.travel_m), zones)
 }
 
 impl Open {
@@ -59,8 +59,8 @@ impl Open {
         }
         let found_zones = [found.zones_a, found.zones_b];
         Self {
-            found: crate::case::seen(stop, &found.supports, found_zones),
-            reach: crate::case::seen(stop, &supports, zones),
+            found: crate::candidate_state::seen(stop, &found.supports, found_zones),
+            reach: crate::candidate_state::seen(stop, &supports, zones),
         }
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! It depends on nothing but what the answer depends on.
 
-use crate::case::{Case, Stage};
+use crate::candidate_state::{CandidateState, Stage};
 use crate::request::{Candidate, Request};
 use damage::curve::{Curve, CurveUnit};
 use damage::dynamics::Response;
@@ -149,7 +149,7 @@ impl Explanation {
         request: &Request,
         ranking: &RankedCandidates,
         harms: &[CandidateHarm],
-        cases: &[Case],
+        candidate_states: &[CandidateState],
     ) -> Result<Self, RankError> {
         let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
         let stability = damage::stability(&request.policy, &stakes, harms, &request.curves)?;
@@ -165,7 +165,7 @@ impl Explanation {
             let why = place.why.as_ref().zip(next);
             let values = steps.iter().zip(&place.steps);
             Derivation {
-                poses: poses(&cases[place.candidate]),
+                poses: poses(&candidate_states[place.candidate]),
                 separates: why.and_then(|(ground, next)| {
                     separation(request, ground, &harms[place.candidate], &harms[next])
                 }),
@@ -192,8 +192,8 @@ impl Explanation {
 }
 
 /// Pairs at the poses of the patch.
-fn poses(case: &Case) -> Vec<(f64, u64)> {
-    let Stage::Surveying { stops, .. } = &case.stage else { return Vec::new() };
+fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
+    let Stage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
     let of_patch = stops.iter().filter(|(stop, _)| stop.patch);
     of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }

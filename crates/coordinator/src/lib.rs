@@ -21,21 +21,21 @@
 //! It does not know formats of files, nor how harm is computed.
 
 mod answer;
+mod answer_view;
 mod bound;
-mod brief;
-mod case;
+mod candidate_state;
 mod explain;
 #[cfg(test)]
 mod fixtures;
 mod gather;
 mod in_process;
-mod ledger;
+mod job_history;
 mod pairs;
 mod replay;
 mod request;
+mod request_limits;
 mod scene;
 mod strategy;
-mod terms;
 #[cfg(any(test, feature = "faults"))]
 mod trial;
 mod work;
@@ -43,20 +43,20 @@ mod worker_pool;
 mod workspace;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
-pub use brief::{Brief, BriefRow};
+pub use answer_view::{AnswerRow, AnswerView};
 
 pub use explain::{Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
-pub use ledger::JobHistory;
+pub use job_history::JobHistory;
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use replay::replay;
 pub use request::{Candidates, Request, RequestError};
+pub use request_limits::{RequestLimits, Until};
 pub use scene::Scene;
-pub use strategy::{Prospect, Pursuit, Strategy};
-pub use terms::{RequestLimits, Until};
+pub use strategy::{Prospect, SearchOrder, Strategy};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{BoundFlaw, Chance, TrialResult, trial};
-pub use work::{Certainty, Effort, PartOf, RankingRun, Room, TaskSource};
+pub use work::{Certainty, Effort, PartOf, RankingRun, RunBuffers, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;
 pub use worker_pool::{

@@ -1,13 +1,13 @@
 //! Making the evidence of a recorded request again, in this process.
 
 use crate::in_process::InProcessExecutor;
-use crate::ledger::{Asked, Ends};
+use crate::job_history::{Asked, Ends};
 use crate::work::RankingRun;
 use body::{BodyView, Meta};
 use dispatch::{Closed, JobSource as _};
 use record::{PoseQuestion, RecordedEnd, RecordedJob};
 
-/// Asks what a ledger says was asked, does the jobs that were done, gives up those that were given
+/// Asks what a job history says was asked, does the jobs that were done, gives up those that were given
 /// up, and leaves open what never ended. Returns how many jobs were done.
 ///
 /// Evidence is made from unions and maxima, so the order in which the jobs once ended is of no
@@ -28,7 +28,7 @@ pub fn replay(
             return done;
         }
         for job in open.drain(..) {
-            let end = work.errand(job.task).and_then(|errand| ends.end(errand, &job));
+            let end = work.state(job.task).and_then(|state| ends.end(state, &job));
             match end {
                 _ if work.is_obsolete(job.task) => work.close(&job, Closed::Cut),
                 // In another order it may be needed here though it was not needed there.

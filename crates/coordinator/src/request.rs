@@ -198,7 +198,7 @@ impl Request {
 
     /// The room, for the next request.
     #[must_use]
-    pub fn into_room(self) -> Candidates {
+    pub fn into_buffers(self) -> Candidates {
         Candidates(self.candidates)
     }
 

@@ -1,6 +1,6 @@
 //! What is to be seen of each candidate once the work is done: how bodies lie, what is hit.
 
-use crate::case::Stage;
+use crate::candidate_state::Stage;
 use crate::work::RankingRun;
 use geometry::RelativePose;
 
@@ -24,8 +24,11 @@ impl RankingRun<'_> {
     /// Every candidate, in the order of the request.
     #[must_use]
     pub fn scenes(&self) -> Vec<Scene> {
-        let scene = |(candidate, case): (&crate::request::Candidate, &crate::case::Case)| {
-            let travel_m = match &case.stage {
+        let scene = |(candidate, state): (
+            &crate::request::Candidate,
+            &crate::candidate_state::CandidateState,
+        )| {
+            let travel_m = match &state.stage {
                 Stage::Surveying { stops, .. } => {
                     let last = stops.iter().rfind(|(stop, _)| stop.patch);
                     last.map_or(0.0, |(stop, _)| stop.travel_m)
@@ -38,9 +41,9 @@ impl RankingRun<'_> {
                 models: [candidate.model_a as usize, candidate.model_b as usize],
                 pose: candidate.pose.moved(-u * travel_m),
                 travel_m,
-                hits: case.hit.triangles(),
+                hits: state.hit.triangles(),
             }
         };
-        self.request().candidates.iter().zip(self.cases()).map(scene).collect()
+        self.request().candidates.iter().zip(self.candidate_states()).map(scene).collect()
     }
 }

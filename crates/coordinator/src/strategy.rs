@@ -50,7 +50,7 @@ pub trait Strategy: Debug {
 
 /// The strategies by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Pursuit {
+pub enum SearchOrder {
     /// As they were asked, whole poses together: the quickest way to the end of all work.
     #[default]
     AsAsked,
@@ -64,7 +64,7 @@ pub enum Pursuit {
     Deciding,
 }
 
-impl Pursuit {
+impl SearchOrder {
     /// All of them.
     pub const ALL: [Self; 5] =
         [Self::AsAsked, Self::Sequential, Self::RoundRobin, Self::Alternating, Self::Deciding];

@@ -11,9 +11,9 @@
 use crate::bound::Open;
 use crate::in_process::InProcessExecutor;
 use crate::request::{Request, RequestError};
+use crate::request_limits::RequestLimits;
 use crate::run_in_process;
-use crate::strategy::Pursuit;
-use crate::terms::RequestLimits;
+use crate::strategy::SearchOrder;
 use crate::work::RankingRun;
 use body::{BodyView, Meta};
 use damage::{
@@ -136,11 +136,11 @@ pub fn trial(
     let jobs = run_in_process(&mut whole, bodies).max(1);
     let mut trial = Trial { last: whole.judge()?, before: None, verdict: TrialResult::default() };
     let mut chance = Chance::new(seed);
-    let pursuit = Pursuit::ALL[chance.below(Pursuit::ALL.len() as u64) as usize];
+    let search_order = SearchOrder::ALL[chance.below(SearchOrder::ALL.len() as u64) as usize];
     let budget = [u64::MAX, 10_000, 30_000][chance.below(3) as usize];
     let loses = [0, 0, 0, 200, 20][chance.below(5) as usize];
-    let terms = RequestLimits { pursuit, budget, ..RequestLimits::default() };
-    let mut work = RankingRun::new(request, bodies, depth).with_terms(terms);
+    let limits = RequestLimits { search_order, budget, ..RequestLimits::default() };
+    let mut work = RankingRun::new(request, bodies, depth).with_limits(limits);
     let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     trial.look(&work, flaw)?;
@@ -292,14 +292,14 @@ fn flawed(
 ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
     match flaw {
         BoundFlaw::ForgetsOpenPoses => work.judge_by(
-            |case| {
+            |k| {
                 let nothing = |_, _: &damage::Stop| Open::nothing();
-                work.cases()[case].evidence(nothing)
+                work.candidate_states()[k].evidence(nothing)
             },
             |_| {},
         ),
         BoundFlaw::HalvesWidths => work.judge_by(
-            |case| work.evidence(case),
+            |k| work.evidence(k),
             |harm| {
                 for person in &mut harm.persons {
                     let (lo, hi) = (person.work.lo(), person.work.hi());

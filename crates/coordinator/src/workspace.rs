@@ -9,8 +9,8 @@
 
 use crate::in_process::InProcessExecutor;
 use crate::request::{Candidates, Request, RequestError};
-use crate::terms::RequestLimits;
-use crate::work::{RankingRun, Room, TaskSource};
+use crate::request_limits::RequestLimits;
+use crate::work::{RankingRun, RunBuffers, TaskSource};
 use crate::worker_pool::{WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerShare};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
@@ -42,8 +42,8 @@ pub struct Inquiry<'a> {
     pub models: &'a [usize],
     /// By what candidates are judged.
     pub rules: (Arc<Policy>, Arc<Curves>),
-    /// Whether a ledger of questions and jobs is kept.
-    pub ledger: bool,
+    /// Whether a job history of questions and jobs is kept.
+    pub job_history: bool,
 }
 
 /// Who does the jobs.
@@ -106,7 +106,7 @@ impl Diagnostic for RunError {
 #[derive(Debug, Default)]
 pub struct RankingWorkspace {
     candidates: Candidates,
-    room: Room,
+    buffers: RunBuffers,
 }
 
 impl Backend {
@@ -152,7 +152,7 @@ impl Backend {
 }
 
 impl RankingWorkspace {
-    /// Works a request off, and gives what is known then to `read`. `terms` says on which terms,
+    /// Works a request off, and gives what is known then to `read`. `limits` says within which limits,
     /// once the request is planned: what is left of a deadline is known then.
     ///
     /// # Errors
@@ -166,11 +166,11 @@ impl RankingWorkspace {
         &mut self,
         stage: &Stage<'_>,
         inquiry: Inquiry<'_>,
-        terms: impl FnOnce() -> RequestLimits,
+        limits: impl FnOnce() -> RequestLimits,
         backend: &mut Backend,
         read: impl FnOnce(&mut RankingRun<'_>, Course) -> T,
     ) -> Result<T, RunError> {
-        let Inquiry { scenario, models, rules, ledger } = inquiry;
+        let Inquiry { scenario, models, rules, job_history } = inquiry;
         let candidates = core::mem::take(&mut self.candidates);
         let request = Request::with_models(
             scenario,
@@ -179,11 +179,11 @@ impl RankingWorkspace {
             rules,
             candidates,
         )?;
-        let room = core::mem::take(&mut self.room);
-        let mut work =
-            RankingRun::in_room(&request, stage.bodies, stage.depth, room).with_terms(terms());
-        if ledger {
-            work = work.with_ledger();
+        let buffers = core::mem::take(&mut self.buffers);
+        let mut work = RankingRun::with_buffers(&request, stage.bodies, stage.depth, buffers)
+            .with_limits(limits());
+        if job_history {
+            work = work.with_job_history();
         }
         let planned_ns = clock::now_ns();
         let done = backend.work_off(&mut work);
@@ -191,8 +191,8 @@ impl RankingWorkspace {
         let told = done.map(|jobs_in_process| {
             read(&mut work, Course { planned_ns, worked_ns, jobs_in_process })
         });
-        self.room = work.into_room();
-        self.candidates = request.into_room();
+        self.buffers = work.into_buffers();
+        self.candidates = request.into_buffers();
         Ok(told?)
     }
 }

@@ -33,7 +33,7 @@ pub use event::{Effect, Event, LogEntry, Progress, Why};
 pub use flaw::DispatcherFlaw;
 pub use job::{Closed, Job, JobSource};
 
-use crate::ledger::{Cache, CacheModel, Thrash, Transfer};
+use crate::cache_model::{Cache, CacheModel, Thrash, Transfer};
 use crate::quarantine::Quarantine;
 use crate::scheme::{CoreView, MatchScheme};
 use core::hash::Hash;
@@ -81,7 +81,7 @@ struct Slot {
 
 /// Lists of batches that are not needed now, so that the next ones need no heap.
 #[derive(Clone, Debug, Default)]
-struct Spare {
+struct BatchPool {
     outboxes: Vec<Vec<(JobId, u8)>>,
     fetches: Vec<Vec<Section>>,
     jobs: Vec<Vec<JobId>>,
@@ -107,7 +107,7 @@ pub struct Dispatcher<S> {
     counts: Counts,
     fresh: Vec<Job>,
     views: Vec<CoreView>,
-    spare: Spare,
+    spare: BatchPool,
     #[cfg(feature = "faults")]
     flaw: Option<DispatcherFlaw>,
 }
@@ -133,7 +133,7 @@ impl<S: MatchScheme> Dispatcher<S> {
             counts: Counts::default(),
             fresh: Vec::new(),
             views: Vec::with_capacity(cores),
-            spare: Spare::default(),
+            spare: BatchPool::default(),
             #[cfg(feature = "faults")]
             flaw: None,
         }

@@ -17,20 +17,20 @@
 //! - Nothing here depends on a hash order or reads a clock, so equal events at equal times give
 //!   equal effects.
 
+mod cache_model;
 mod dispatcher;
-mod ledger;
 mod quarantine;
 mod restart;
 mod scheme;
 mod supervise;
 
+pub use cache_model::{Cache, CacheModel, Thrash, Transfer};
 #[cfg(feature = "faults")]
 pub use dispatcher::DispatcherFlaw;
 pub use dispatcher::{
     Closed, Counts, Dispatcher, Effect, Event, Fence, Job, JobSource, LogEntry, Progress, Queues,
     Why,
 };
-pub use ledger::{Cache, CacheModel, Thrash, Transfer};
 pub use restart::{Intensity, Leave, Restarts};
 pub use scheme::{
     BestMatchLoad, CoreView, LowestMatch, MatchScheme, Matching, RandomMatch, RoundRobin,

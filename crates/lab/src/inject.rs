@@ -65,8 +65,8 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         Some(ms) => Limits::default().with_deadline_ms(f64::from(ms))?,
         None => Limits::default(),
     };
-    let terms = limits.terms(None);
-    let work = || RankingRun::new(&request, &views, plan.depth).with_terms(terms);
+    let limits = limits.request_limits(None);
+    let work = || RankingRun::new(&request, &views, plan.depth).with_limits(limits);
 
     let begun_ns = runtime::clock::now_ns();
     let mut report = Report::new(options.seed);

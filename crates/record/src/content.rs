@@ -117,7 +117,7 @@ pub enum RecordedEnd {
     Abandoned,
 }
 
-/// A job of the ledger. Jobs that are not in it were open when the answer was given.
+/// A job of the job history. Jobs that are not in it were open when the answer was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordedJob {
     /// Number in [`RecordContent::places`].
@@ -194,7 +194,7 @@ pub struct RecordContent {
     /// Questions that were asked by the time of the answer, in that order. One without a job was
     /// answered by asking: nothing was near enough.
     pub places: Vec<PoseQuestion>,
-    /// The ledger, in the order in which jobs were closed.
+    /// The job history, in the order in which jobs were closed.
     pub jobs: Vec<RecordedJob>,
     /// What was known over time.
     pub moments: Vec<RecordedMoment>,

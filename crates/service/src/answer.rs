@@ -1,7 +1,7 @@
 //! From the engine's answer to the one on the wire. The only place where states are mapped.
 
 use crate::ask::seat_number;
-use coordinator::{Brief, BriefRow};
+use coordinator::{AnswerRow, AnswerView};
 use damage::AnswerState;
 use protocol::public::{Reason, VERSION, WireAnswer, WirePlace, WireState, flag};
 
@@ -16,7 +16,7 @@ fn verdict(state: AnswerState) -> WireState {
 }
 
 /// Lays an answer out. Names of candidates and parties are their numbers: see `ask.rs`.
-pub(crate) fn lay_out(sequence: u64, answer: &Brief<'_>) -> WireAnswer {
+pub(crate) fn lay_out(sequence: u64, answer: &AnswerView<'_>) -> WireAnswer {
     let verdict = verdict(answer.state());
     let reason = if verdict == WireState::Refused { Reason::Unassessable } else { Reason::None };
     let mut out = WireAnswer::without_ranking(sequence, verdict, reason, "");
@@ -39,7 +39,7 @@ fn number(name: &str) -> u32 {
     name.parse().unwrap_or(u32::MAX)
 }
 
-fn place_of(row: &BriefRow<'_>, answer: &Brief<'_>) -> WirePlace {
+fn place_of(row: &AnswerRow<'_>, answer: &AnswerView<'_>) -> WirePlace {
     let (harm, contact) = (row.harm, &row.harm.contact);
     let mut place = WirePlace {
         candidate: number(row.name),

@@ -19,16 +19,16 @@
 
 mod answer;
 mod ask;
+mod backend;
 mod decisions;
 mod deployment;
-mod desk;
 mod housekeeping;
 mod in_process;
 mod metrics;
 mod ranker;
+mod request_queue;
 mod run;
 mod stats;
-mod team;
 
 pub use ask::{of_scenario, seat_number};
 pub use decisions::{Decision, DecisionError, read_decisions};

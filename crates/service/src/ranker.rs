@@ -62,12 +62,12 @@ impl<'s> Ranker<'s> {
         ask::check(ask, self.deployment, self.bodies, lists)
     }
 
-    /// Ranks a request that was checked; `terms` says on which terms, once it is planned.
+    /// Ranks a request that was checked; `limits` says within which limits, once it is planned.
     pub(crate) fn rank(
         &mut self,
         sequence: u64,
         checked: Checked,
-        terms: impl FnOnce() -> RequestLimits,
+        limits: impl FnOnce() -> RequestLimits,
         backend: &mut Backend,
     ) -> Result<Ranked, Unranked> {
         let stage =
@@ -76,10 +76,10 @@ impl<'s> Ranker<'s> {
             scenario: &checked.scenario,
             models: &checked.models,
             rules: self.rules.clone(),
-            ledger: false,
+            job_history: false,
         };
-        let told = self.workspace.rank(&stage, inquiry, terms, backend, |work, course| {
-            (work.brief(|brief| lay_out(sequence, brief)), course)
+        let told = self.workspace.rank(&stage, inquiry, limits, backend, |work, course| {
+            (work.view(|view| lay_out(sequence, view)), course)
         });
         let has_unknown = checked.has_unknown;
         self.lists = checked.into_room();

@@ -1,14 +1,14 @@
 //! The service's life: open, tell systemd, answer one request after the other, end on a signal.
 
 use crate::ask::Refusal;
+use crate::backend::ServiceBackend;
 use crate::deployment::{Deployment, Idle};
-use crate::desk::{Desk, Taken};
 use crate::housekeeping::Housekeeping;
 use crate::ranker::{Ranker, Unranked};
+use crate::request_queue::{RequestQueue, Taken};
 use crate::stats::{Stats, Times};
-use crate::team::Team;
 use body::{BodyView, Meta};
-use coordinator::{IdleHook, Options, Pursuit, RequestLimits, WorkerPoolError};
+use coordinator::{IdleHook, Options, RequestLimits, SearchOrder, WorkerPoolError};
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
@@ -125,47 +125,52 @@ impl Diagnostic for ServiceError {
 ///
 /// If it cannot start, or the operating system refuses to go on.
 pub fn serve(
-    site: &ServiceConfig<'_>,
+    config: &ServiceConfig<'_>,
     ready: impl FnOnce(&[MissingRequirement]),
 ) -> Result<(), ServiceError> {
-    let deployment = site.deployment;
+    let deployment = config.deployment;
     let address = Address::new(&deployment.folder, &deployment.instance)?;
     let server = Server::open(&address)?;
     let housekeeper = server.housekeeper();
     let stats = Stats::new().ok_or(ServiceError::Memory)?;
-    let desk = Rc::new(RefCell::new(Desk::new(server, stats, deployment.queue)));
+    let queue = Rc::new(RefCell::new(RequestQueue::new(server, stats, deployment.queue)));
     let watchdog = Rc::new(Watchdog::new());
     let idle_hook = {
-        let (desk, watchdog) = (desk.clone(), watchdog.clone());
+        let (queue, watchdog) = (queue.clone(), watchdog.clone());
         IdleHook::new(move || {
             watchdog.kick();
             // Borrowed only while it is answered from: never at the same time as here.
-            if let Ok(mut desk) = desk.try_borrow_mut() {
+            if let Ok(mut queue) = queue.try_borrow_mut() {
                 // A wake fd that goes on ringing would let the coordinator sleep no more.
-                desk.server.drain();
-                desk.drain();
+                queue.server.drain();
+                queue.drain();
             }
         })
     };
-    let wake_fd = desk.borrow().server.wake_fd().try_clone_to_owned();
+    let wake_fd = queue.borrow().server.wake_fd().try_clone_to_owned();
     let wake_fd = wake_fd.map_err(|source| runtime::OsError::new("copy", "bell", source))?;
     use std::os::fd::AsFd as _;
-    let team = Team::start((site.store, site.bodies), site.options, wake_fd.as_fd(), idle_hook)?;
+    let backend = ServiceBackend::start(
+        (config.store, config.bodies),
+        config.options,
+        wake_fd.as_fd(),
+        idle_hook,
+    )?;
     // From here on signals are caught: the thread inherits that.
     let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
         ServiceError::Files { folder: folder.unwrap_or_default(), source }
     })?;
     let mut service = Service {
-        site,
+        config,
         ranker: Ranker::new(
-            site.deployment,
-            site.bodies,
-            (Arc::new(site.policy.clone()), Arc::new(site.curves.clone())),
-            site.depth,
+            config.deployment,
+            config.bodies,
+            (Arc::new(config.policy.clone()), Arc::new(config.curves.clone())),
+            config.depth,
         ),
-        desk,
-        team,
+        queue,
+        backend,
         house,
         watchdog,
         missing: Vec::new(),
@@ -176,12 +181,12 @@ pub fn serve(
         is_short: false,
         is_stopping: false,
     };
-    service.hurry();
+    service.apply_realtime();
     if deployment.realtime.require && !service.missing.is_empty() {
         return Err(ServiceError::NoRealtime(service.missing));
     }
-    let pids = service.team.pids();
-    service.desk.borrow_mut().stats.replaced(&pids, true);
+    let pids = service.backend.pids();
+    service.queue.borrow_mut().stats.replaced(&pids, true);
     service.tell(Condition::Ready);
     ready(&service.missing);
     notify(&[sd_notify::NotifyState::Ready]);
@@ -222,28 +227,28 @@ impl Watchdog {
     }
 }
 
-/// The terms of a request that is due then (ns; 0: whenever all is done), where requests of late
+/// The limits of a request that is due then (ns; 0: whenever all is done), where requests of late
 /// took so long (ns; 0: it is not known).
-fn terms(answer_by_ns: u64, usual_ns: u64) -> RequestLimits {
+fn limits(answer_by_ns: u64, usual_ns: u64) -> RequestLimits {
     if answer_by_ns == 0 {
         return RequestLimits::default();
     }
     let left_ns = answer_by_ns.saturating_sub(clock::now_ns());
-    let mut terms = RequestLimits::due_in(Duration::from_nanos(left_ns));
+    let mut limits = RequestLimits::due_in(Duration::from_nanos(left_ns));
     if usual_ns > 0 && left_ns / PLENTY > usual_ns {
         // All will be done in time, and soonest if nobody looks for who is certain first.
-        terms.pursuit = Pursuit::AsAsked;
+        limits.search_order = SearchOrder::AsAsked;
     }
-    terms
+    limits
 }
 
 struct Service<'s> {
-    site: &'s ServiceConfig<'s>,
+    config: &'s ServiceConfig<'s>,
     ranker: Ranker<'s>,
     // Dropped in this order: the workers, the files, then the port.
-    team: Team<'s>,
+    backend: ServiceBackend<'s>,
     house: Housekeeping,
-    desk: Rc<RefCell<Desk>>,
+    queue: Rc<RefCell<RequestQueue>>,
     watchdog: Rc<Watchdog>,
     missing: Vec<MissingRequirement>,
     request: u64,
@@ -259,8 +264,8 @@ struct Service<'s> {
 
 impl Service<'_> {
     /// Asks for all that real time needs, and notes what was refused.
-    fn hurry(&mut self) {
-        let settings = &self.site.deployment.realtime;
+    fn apply_realtime(&mut self) {
+        let settings = &self.config.deployment.realtime;
         let mut missing = Vec::new();
         let mut note = |what: &str, done: Result<(), runtime::OsError>| {
             if let Err(error) = done {
@@ -274,7 +279,7 @@ impl Service<'_> {
             note("memory is not locked", realtime::lock_memory());
         }
         realtime::sharpen_timers();
-        for pid in self.team.pids() {
+        for pid in self.backend.pids() {
             if settings.worker_priority > 0 {
                 note(
                     "a worker has no fixed priority",
@@ -294,21 +299,21 @@ impl Service<'_> {
         let mut looked_ns = 0;
         while !self.is_stopping {
             let taken = {
-                let mut desk = self.desk.borrow_mut();
+                let mut queue = self.queue.borrow_mut();
                 // First the rings, then the requests: one that comes in between rings again.
-                if self.site.deployment.idle == Idle::Park {
-                    desk.server.drain();
+                if self.config.deployment.idle == Idle::Park {
+                    queue.server.drain();
                 }
-                desk.drain();
-                desk.next()
+                queue.drain();
+                queue.next()
             };
             if let Some(taken) = taken {
                 self.answer(taken);
                 looked_ns = 0;
             }
             let now_ns = clock::now_ns();
-            let is_quiet = self.desk.borrow().waiting() == 0;
-            let sleep_ns = match self.site.deployment.idle {
+            let is_quiet = self.queue.borrow().waiting() == 0;
+            let sleep_ns = match self.config.deployment.idle {
                 Idle::Park if looked_ns != 0 && is_quiet => NAP_NS,
                 _ => 0,
             };
@@ -318,7 +323,7 @@ impl Service<'_> {
             }
             looked_ns = now_ns;
             self.watchdog.kick();
-            if self.team.idle(sleep_ns)?.is_some() {
+            if self.backend.idle(sleep_ns)?.is_some() {
                 self.is_stopping = true;
             } else {
                 self.mend()?;
@@ -326,28 +331,28 @@ impl Service<'_> {
             if clock::now_ns() - self.told_ns >= HEALTH_NS {
                 self.tell(self.condition());
             }
-            if self.site.deployment.idle == Idle::Spin {
-                self.desk.borrow().server.drain();
+            if self.config.deployment.idle == Idle::Spin {
+                self.queue.borrow().server.drain();
             }
         }
         Ok(())
     }
 
     fn condition(&self) -> Condition {
-        if self.team.missing() > 0 { Condition::Short } else { Condition::Ready }
+        if self.backend.missing() > 0 { Condition::Short } else { Condition::Ready }
     }
 
     /// Gives successors to workers that were lost, and looks whether one stands still at what an
     /// earlier request left it.
     fn mend(&mut self) -> Result<(), ServiceError> {
         let now_ns = clock::now_ns();
-        let missing = self.team.missing();
+        let missing = self.backend.missing();
         let pause_ns = if self.is_short { RETRY_NS } else { MEND_NS };
         if now_ns - self.mended_ns < pause_ns && (missing == 0 || self.is_short) {
             return Ok(());
         }
         self.mended_ns = now_ns;
-        let mended = match self.team.mend() {
+        let mended = match self.backend.mend() {
             Ok(mended) => mended,
             Err(WorkerPoolError::Interrupted) => {
                 self.is_stopping = true;
@@ -363,12 +368,12 @@ impl Service<'_> {
         if mended.started.is_empty() {
             return Ok(());
         }
-        let pids = self.team.pids();
-        let mut desk = self.desk.borrow_mut();
-        desk.stats.lost += mended.started.len() as u64;
-        desk.stats.replaced(&pids, false);
-        drop(desk);
-        let priority = self.site.deployment.realtime.worker_priority;
+        let pids = self.backend.pids();
+        let mut queue = self.queue.borrow_mut();
+        queue.stats.lost += mended.started.len() as u64;
+        queue.stats.replaced(&pids, false);
+        drop(queue);
+        let priority = self.config.deployment.realtime.worker_priority;
         for who in mended.started {
             let pid = pids.get(usize::from(who.worker)).copied().unwrap_or_default();
             tracing::warn!(worker = who.worker, pid, "a worker was lost, and has a successor");
@@ -400,17 +405,17 @@ impl Service<'_> {
         answer.request = self.request;
         answer.queued_ns = begun_ns - taken_ns;
         answer.worked_ns = clock::now_ns() - begun_ns;
-        let mut desk = self.desk.borrow_mut();
-        desk.answer(&answer);
+        let mut queue = self.queue.borrow_mut();
+        queue.answer(&answer);
         times.set(LatencyStage::Total, clock::now_ns() - taken_ns);
         let faulted = realtime::page_faults();
         let faults = (faulted.0 - faults.0) + (faulted.1 - faults.1);
         let allocations = heap::allocations() - allocations;
         if answer.verdict().has_ranking() {
-            desk.stats.worked(times, faults, allocations);
+            queue.stats.worked(times, faults, allocations);
         }
         // The client has its answer: whoever listens may wait.
-        desk.server.publish_ranking(&answer);
+        queue.server.publish_ranking(&answer);
         self.house.keep(&ask, &answer);
     }
 
@@ -428,8 +433,8 @@ impl Service<'_> {
         let checked = self.ranker.check(ask)?;
         self.request += 1;
         let usual_ns = self.usual_ns;
-        let terms = || terms(ask.answer_by_ns, usual_ns);
-        let ranked = self.ranker.rank(ask.sequence, checked, terms, &mut self.team.backend);
+        let limits = || limits(ask.answer_by_ns, usual_ns);
+        let ranked = self.ranker.rank(ask.sequence, checked, limits, &mut self.backend.backend);
         let ranked = ranked.map_err(|error| match error {
             Unranked::Refused(refusal) => refusal,
             Unranked::WorkerPool(WorkerPoolError::Interrupted) => {
@@ -446,7 +451,7 @@ impl Service<'_> {
                 }
             }
         })?;
-        self.desk.borrow_mut().stats.shared(self.team.shares());
+        self.queue.borrow_mut().stats.shared(self.backend.shares());
         times.set(LatencyStage::Plan, ranked.planned_ns - begun_ns);
         times.set(LatencyStage::Work, ranked.worked_ns - ranked.planned_ns);
         times.set(LatencyStage::Assess, ranked.done_ns - ranked.worked_ns);
@@ -459,24 +464,24 @@ impl Service<'_> {
 
     /// Says how it is to whoever listens.
     fn tell(&mut self, condition: Condition) {
-        let desk = self.desk.borrow();
-        let mut health = desk.stats.health();
+        let queue = self.queue.borrow();
+        let mut health = queue.stats.health();
         health.condition = condition as u32;
-        health.workers = self.team.size() as u32;
-        health.alive = (self.team.size() - self.team.missing()) as u32;
-        health.waiting = desk.waiting() as u32;
-        health.queue = self.site.deployment.queue as u32;
-        health.clients = desk.server.clients() as u32;
-        desk.server.publish_health(&health);
+        health.workers = self.backend.size() as u32;
+        health.alive = (self.backend.size() - self.backend.missing()) as u32;
+        health.waiting = queue.waiting() as u32;
+        health.queue = self.config.deployment.queue as u32;
+        health.clients = queue.server.clients() as u32;
+        queue.server.publish_health(&health);
         self.house.tell(&health);
         self.told_ns = health.at_ns;
     }
 
     /// Nobody waits for an answer that will not come.
     fn part(&mut self) {
-        let mut desk = self.desk.borrow_mut();
-        desk.drain();
-        while let Some(Taken { ask, .. }) = desk.next() {
+        let mut queue = self.queue.borrow_mut();
+        queue.drain();
+        while let Some(Taken { ask, .. }) = queue.next() {
             let text = "the service is stopping";
             let answer = WireAnswer::without_ranking(
                 ask.sequence,
@@ -484,9 +489,9 @@ impl Service<'_> {
                 Reason::Stopping,
                 text,
             );
-            desk.answer(&answer);
+            queue.answer(&answer);
         }
-        drop(desk);
+        drop(queue);
         self.tell(Condition::Stopping);
     }
 }

@@ -59,7 +59,7 @@ pub struct Ranking {
 #[derive(Clone, Debug)]
 pub(crate) struct Recorded {
     pub(crate) scenario: Scenario,
-    pub(crate) ledger: JobHistory,
+    pub(crate) job_history: JobHistory,
     pub(crate) settings: Settings,
     pub(crate) bodies: Vec<record::RecordedBody>,
 }
@@ -81,7 +81,7 @@ struct Told {
     answer: Answer,
     answered_ns: u64,
     explanation: Option<Explanation>,
-    ledger: Option<JobHistory>,
+    job_history: Option<JobHistory>,
     run: Run,
     accepted_ns: u64,
     course: Course,
@@ -192,7 +192,7 @@ impl Engine {
         scenario.check_unknown()?;
         let settings = applied(&scenario.parsed.engine, &self.settings.overrides)?;
         limits.check()?;
-        let terms = limits.terms(scenario.parsed.deadline);
+        let request_limits = limits.request_limits(scenario.parsed.deadline);
         let loaded = loaded(&mut self.loaded, scenario, &settings, progress)?;
         let loaded_ns = clock::now_ns();
         let mut backend = match loaded.backend.take() {
@@ -216,12 +216,12 @@ impl Engine {
             scenario: &scenario.parsed,
             models: &models,
             rules: (scenario.policy.clone(), scenario.curves.clone()),
-            ledger: limits.wants_ledger(),
+            job_history: limits.wants_job_history(),
         };
         let told = loaded.workspace.rank(
             &stage,
             inquiry,
-            || terms,
+            || request_limits,
             &mut backend,
             |work, course| {
                 Ok::<_, coordinator::RequestError>(Told {
@@ -231,7 +231,7 @@ impl Engine {
                         .wants_explanation()
                         .then(|| work.explanation())
                         .transpose()?,
-                    ledger: work.ledger().cloned(),
+                    job_history: work.job_history().cloned(),
                     run: run.with_effort(work),
                     accepted_ns: work.accepted_ns(),
                     course,
@@ -242,7 +242,8 @@ impl Engine {
         let told = told?;
         let report = backend.report();
         loaded.backend = Some(backend);
-        let Told { answer, answered_ns, explanation, ledger, mut run, accepted_ns, course } = told?;
+        let Told { answer, answered_ns, explanation, job_history, mut run, accepted_ns, course } =
+            told?;
         run.stages = Stages {
             load_ms: milliseconds(loaded_ns - begun_ns),
             plan_ms: milliseconds(course.planned_ns - started_ns),
@@ -257,9 +258,9 @@ impl Engine {
         if let Some(report) = report {
             run = run.with_worker_pool(report, loaded.bodies.store().bytes().len());
         }
-        let recorded = ledger.map(|ledger| Recorded {
+        let recorded = job_history.map(|job_history| Recorded {
             scenario: scenario.clone(),
-            ledger,
+            job_history,
             settings,
             bodies: loaded.bodies.recorded(&scenario.parsed),
         });

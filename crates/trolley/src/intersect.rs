@@ -207,7 +207,7 @@ fn query<'t>(
     }
 }
 
-/// What a query found, in terms of the ids that others know.
+/// What a query found, in limits of the ids that others know.
 fn found(outcome: &Outcome, parallel: &Parallel<'_, '_>, bodies: [&BodyView<'_>; 2]) -> Found {
     let hits = [Side::A, Side::B].map(|side| parallel.hits(side));
     let hash = |hits: &[u32], body: &BodyView<'_>| {

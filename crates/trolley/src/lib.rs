@@ -55,7 +55,7 @@ mod serve;
 pub mod traffic;
 mod worker;
 
-pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Pursuit, Row, Scene, Until};
+pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Row, Scene, SearchOrder, Until};
 pub use damage::{AnswerState, Touch};
 pub use deployment::OpenDeployment;
 pub use diagnostic::{Diagnostic, Failure, Kind};

@@ -1,7 +1,7 @@
 //! How far, by when, in which order and in how large pieces a request is worked on.
 
 use crate::{Failure, Kind};
-use coordinator::{Pursuit, RequestLimits, Until};
+use coordinator::{RequestLimits, SearchOrder, Until};
 use core::time::Duration;
 
 /// Least budget: two full leaves are tested in one step.
@@ -19,9 +19,9 @@ const DEADLINE_MS: f64 = 3_600_000.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     until: Until,
-    pursuit: Option<Pursuit>,
+    search_order: Option<SearchOrder>,
     explanation: bool,
-    ledger: bool,
+    job_history: bool,
     deadline: Option<Duration>,
     budget: Option<u64>,
 }
@@ -35,8 +35,8 @@ impl Limits {
 
     /// The same, with jobs in this order, and not in the one that suits deadline and certainty.
     #[must_use]
-    pub fn with_pursuit(self, pursuit: Pursuit) -> Self {
-        Self { pursuit: Some(pursuit), ..self }
+    pub fn with_search_order(self, search_order: SearchOrder) -> Self {
+        Self { search_order: Some(search_order), ..self }
     }
 
     /// The same, with the chain from contact to rank beside the answer, and every source.
@@ -45,19 +45,19 @@ impl Limits {
         Self { explanation: true, ..self }
     }
 
-    /// The same, with all that a [`RecordContent`](crate::RecordContent) needs: an explanation, and a ledger of
+    /// The same, with all that a [`RecordContent`](crate::RecordContent) needs: an explanation, and a job history of
     /// questions and jobs.
     #[must_use]
     pub fn with_record(self) -> Self {
-        Self { explanation: true, ledger: true, ..self }
+        Self { explanation: true, job_history: true, ..self }
     }
 
     pub(crate) fn wants_explanation(&self) -> bool {
         self.explanation
     }
 
-    pub(crate) fn wants_ledger(&self) -> bool {
-        self.ledger
+    pub(crate) fn wants_job_history(&self) -> bool {
+        self.job_history
     }
 
     /// The same with an answer after so many milliseconds at the latest, and bounds on what is not
@@ -92,7 +92,7 @@ impl Limits {
 
     /// Refuses what cannot be together.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        match (self.budget, self.ledger) {
+        match (self.budget, self.job_history) {
             (Some(_), true) => {
                 let what = "a record knows of no parts of jobs, so no budget can be replayed";
                 Err(Failure::setting(what).with_remedy("leave the budget out, or the record"))
@@ -109,20 +109,20 @@ impl Limits {
 
     /// As the coordinator takes them.
     #[must_use]
-    pub fn terms(&self, scenario: Option<Duration>) -> RequestLimits {
+    pub fn request_limits(&self, scenario: Option<Duration>) -> RequestLimits {
         let deadline = self.deadline(scenario);
         let is_early = self.until != Until::Complete || deadline.is_some();
-        let usual = if is_early { Pursuit::Deciding } else { Pursuit::AsAsked };
-        // A replay makes the jobs of a ledger again, and knows of no parts of them.
+        let usual = if is_early { SearchOrder::Deciding } else { SearchOrder::AsAsked };
+        // A replay makes the jobs of a job history again, and knows of no parts of them.
         let budget = match (self.budget, deadline) {
             (Some(budget), _) => budget,
-            (None, Some(_)) if !self.ledger => RequestLimits::BUDGET,
+            (None, Some(_)) if !self.job_history => RequestLimits::BUDGET,
             (None, _) => u64::MAX,
         };
         RequestLimits {
             until: self.until,
             deadline_ns: deadline.map(RequestLimits::guarded),
-            pursuit: self.pursuit.unwrap_or(usual),
+            search_order: self.search_order.unwrap_or(usual),
             budget,
         }
     }

@@ -114,10 +114,10 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
 fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
     let Ranking { run, .. } = ranking;
     let (Some(recorded), Some(explanation)) = (&ranking.recorded, &ranking.explanation) else {
-        let what = "a ranking without ledger and explanation cannot be recorded";
+        let what = "a ranking without job history and explanation cannot be recorded";
         return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
     };
-    let Recorded { scenario, ledger, settings: engine, bodies } = recorded;
+    let Recorded { scenario, job_history, settings: engine, bodies } = recorded;
     let text = |text: &crate::scenario::SourceText| RecordedText::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
@@ -141,9 +141,9 @@ fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
             unknown_is_fixed: scenario.unknown_is_fixed,
         },
         bodies: bodies.clone(),
-        places: ledger.places.clone(),
-        jobs: ledger.jobs.clone(),
-        moments: ledger.moments.clone(),
+        places: job_history.places.clone(),
+        jobs: job_history.jobs.clone(),
+        moments: job_history.moments.clone(),
         spans: spans(run),
         edges: edges(run),
         stages: stages(run),

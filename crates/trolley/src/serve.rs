@@ -70,7 +70,7 @@ pub fn serve(
         },
         ..Options::new(opened.deployment.instance.clone(), BUILD, cores)
     };
-    let site = ServiceConfig {
+    let config = ServiceConfig {
         deployment: &opened.deployment,
         policy: &policy,
         curves: &curves,
@@ -80,7 +80,7 @@ pub fn serve(
         depth: engine.depth,
     };
     runtime::process::set_name("trolley-serve");
-    service::serve(&site, |missing| {
+    service::serve(&config, |missing| {
         ready(&Greeting {
             instance: &opened.deployment.instance,
             models: opened.deployment.models.len(),

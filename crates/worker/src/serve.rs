@@ -96,25 +96,25 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     line.state.store(WorkerState::Hello as u32, Ordering::Release);
     outlet.tell(outlet.head(RequestId(0), Kind::Hello))?;
     line.state.store(WorkerState::Ready as u32, Ordering::Release);
-    let mut desk = Desk::new(&bodies, &outlet);
+    let mut job_loop = JobLoop::new(&bodies, &outlet);
     if launch.copies {
-        desk.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
+        job_loop.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
     }
     #[cfg(feature = "faults")]
     if launch.obeys {
-        desk.orders = Some(Orders::default());
+        job_loop.orders = Some(Orders::default());
     }
     let mut words = Vec::with_capacity(sizes.job_words);
-    while let Some(head) = desk.next_batch(&link, &mut words)? {
-        desk.work_off(&head, &words)?;
-        desk.answered(u64::from(head.job) + 1);
+    while let Some(head) = job_loop.next_batch(&link, &mut words)? {
+        job_loop.work_off(&head, &words)?;
+        job_loop.answered(u64::from(head.job) + 1);
     }
     line.state.store(WorkerState::Bye as u32, Ordering::Release);
     Ok(())
 }
 
 /// Where jobs are worked off.
-struct Desk<'w> {
+struct JobLoop<'w> {
     bodies: &'w [(Meta, BodyView<'w>)],
     outlet: &'w Outlet<'w>,
     executor: Executor,
@@ -125,7 +125,7 @@ struct Desk<'w> {
     orders: Option<Orders>,
 }
 
-impl<'w> Desk<'w> {
+impl<'w> JobLoop<'w> {
     fn new(bodies: &'w [(Meta, BodyView<'w>)], outlet: &'w Outlet<'w>) -> Self {
         let executor = Executor::with_room_for(bodies);
         Self {

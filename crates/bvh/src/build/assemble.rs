@@ -1,7 +1,7 @@
 //! From triangles to a tree: nodes are built, and every array is brought into leaf order. A body is
 //! that, and what a mesh knows besides.
 
-use super::team::Team;
+use super::thread_pool::BuildPool;
 use super::{BuildError, BuildOptions, Hierarchy, grow, hierarchy};
 use crate::Tree;
 use body::wide::{Laid, LeafRun};
@@ -11,9 +11,9 @@ use geometry::Corners;
 /// Builds a tree over triangles: [`Tree::build`].
 pub(crate) fn assembled(corners: &[Corners], options: &BuildOptions) -> Result<Tree, BuildError> {
     let threads = grow::worth_starting(options.threads, corners.len());
-    Team::with(threads, |team| {
-        let no_zones = |order: &[u32]| team.copies(Zones(0), order.len());
-        let (tree, zones) = assembled_by(team, corners, options, &|_| (), no_zones)?;
+    BuildPool::with(threads, |pool| {
+        let no_zones = |order: &[u32]| pool.copies(Zones(0), order.len());
+        let (tree, zones) = assembled_by(pool, corners, options, &|_| (), no_zones)?;
         Ok(Tree { zones, ..tree })
     })
 }
@@ -21,26 +21,26 @@ pub(crate) fn assembled(corners: &[Corners], options: &BuildOptions) -> Result<T
 /// [`assembled`] but for zones, by these threads. `beside` hears in which order triangles lie, and
 /// does what else is to be done with that, while one thread lays out the wide tree.
 fn assembled_by<R: Send>(
-    team: &Team,
+    pool: &BuildPool,
     corners: &[Corners],
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
     beside: impl FnOnce(&[u32]) -> R + Send,
 ) -> Result<(Tree, R), BuildError> {
-    let Hierarchy { nodes, order, depth } = hierarchy(corners, options, team, progress)?;
+    let Hierarchy { nodes, order, depth } = hierarchy(corners, options, pool, progress)?;
     // The largest array is the first to ask for the memory in which the tree was built.
     let mut in_order = Vec::with_capacity(corners.len());
     // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
     // brings the arrays into order.
-    let (laid, rest) = team.both(
+    let (laid, rest) = pool.both(
         || Laid::out(&nodes),
         || {
-            team.map(&order, |&from| corners[from as usize], &mut in_order);
+            pool.map(&order, |&from| corners[from as usize], &mut in_order);
             beside(&order)
         },
     );
-    let wide = laid.filled(&in_order, team.threads(), |shares| {
-        team.each(shares, LeafRun::fill);
+    let wide = laid.filled(&in_order, pool.threads(), |shares| {
+        pool.each(shares, LeafRun::fill);
     });
     let tree = Tree { nodes, wide, corners: in_order, ids: order, zones: Vec::new(), depth };
     Ok((tree, rest))
@@ -63,12 +63,12 @@ pub fn body(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
     let threads = grow::worth_starting(options.threads, mesh.corners.len());
-    Team::with(threads, |team| body_by(team, mesh, meta, zones, options, progress))
+    BuildPool::with(threads, |pool| body_by(pool, mesh, meta, zones, options, progress))
 }
 
 /// [`body()`], by these threads.
 fn body_by(
-    team: &Team,
+    pool: &BuildPool,
     mesh: Mesh,
     meta: Meta,
     zones: Vec<Zones>,
@@ -78,12 +78,12 @@ fn body_by(
     let triangles = mesh.corners.len();
     belong_together(triangles, mesh.source_ids.len(), mesh.part_of.len(), zones.len())?;
     let beside = |order: &[u32]| {
-        let source_ids = permuted(&mesh.source_ids, order, team);
-        let part_of = permuted(&mesh.part_of, order, team);
-        (source_ids, part_of, permuted(&zones, order, team))
+        let source_ids = permuted(&mesh.source_ids, order, pool);
+        let part_of = permuted(&mesh.part_of, order, pool);
+        (source_ids, part_of, permuted(&zones, order, pool))
     };
     let (tree, (source_ids, part_of, zones)) =
-        assembled_by(team, &mesh.corners, options, progress, beside)?;
+        assembled_by(pool, &mesh.corners, options, progress, beside)?;
     let Tree { nodes, wide, corners, depth, .. } = tree;
     Ok(Body {
         meta: Meta {
@@ -119,12 +119,12 @@ pub fn rebuild(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Body, BuildError> {
     let threads = grow::worth_starting(options.threads, view.corners.len());
-    Team::with(threads, |team| rebuild_by(team, view, meta, options, progress))
+    BuildPool::with(threads, |pool| rebuild_by(pool, view, meta, options, progress))
 }
 
 /// [`rebuild`], by these threads.
 fn rebuild_by(
-    team: &Team,
+    pool: &BuildPool,
     view: BodyView<'_>,
     meta: &Meta,
     options: &BuildOptions,
@@ -135,15 +135,15 @@ fn rebuild_by(
     let mut order: Vec<u32> = (0..triangles as u32).collect();
     order.sort_by_key(|&triangle| view.source_ids[triangle as usize]);
     let mesh = Mesh {
-        corners: permuted(view.corners, &order, team),
-        source_ids: permuted(view.source_ids, &order, team),
-        part_of: permuted(view.part_of, &order, team),
+        corners: permuted(view.corners, &order, pool),
+        source_ids: permuted(view.source_ids, &order, pool),
+        part_of: permuted(view.part_of, &order, pool),
         parts: meta.parts.clone(),
         dropped: view.dropped.iter().map(|&[dropped, kept]| (dropped, kept)).collect(),
         degenerate: meta.degenerate,
     };
-    let zones = permuted(view.zones, &order, team);
-    body_by(team, mesh, meta.clone(), zones, options, progress)
+    let zones = permuted(view.zones, &order, pool);
+    body_by(pool, mesh, meta.clone(), zones, options, progress)
 }
 
 fn belong_together(
@@ -160,8 +160,8 @@ fn belong_together(
 }
 
 /// `values[order[0]], values[order[1]], ...`
-fn permuted<T: Copy + Send + Sync>(values: &[T], order: &[u32], team: &Team) -> Vec<T> {
+fn permuted<T: Copy + Send + Sync>(values: &[T], order: &[u32], pool: &BuildPool) -> Vec<T> {
     let mut permuted = Vec::with_capacity(order.len());
-    team.map(order, |&from| values[from as usize], &mut permuted);
+    pool.map(order, |&from| values[from as usize], &mut permuted);
     permuted
 }

@@ -7,7 +7,7 @@
 //! result is the same for any number of threads.
 
 use super::Hierarchy;
-use super::team::Team;
+use super::thread_pool::BuildPool;
 use body::Node;
 use bytemuck::zeroed_vec;
 use geometry::Aabb;
@@ -25,8 +25,13 @@ pub(super) trait Parts: Sized + Send {
     fn len(&self) -> usize;
 
     /// Reorders the triangles of `range`, at least two, so that the left half comes first; all of
-    /// `team` may help.
-    fn cut(&mut self, range: Range<usize>, known: Self::Known, team: &Team) -> Cut<Self::Known>;
+    /// `pool` may help.
+    fn cut(
+        &mut self,
+        range: Range<usize>,
+        known: Self::Known,
+        pool: &BuildPool,
+    ) -> Cut<Self::Known>;
 
     /// Everything before `at`, and everything from there on.
     fn split_at(self, at: usize) -> (Self, Self);
@@ -51,7 +56,7 @@ pub(super) struct Job<'a> {
     /// Most triangles in a leaf.
     pub(super) leaf_size: usize,
     /// Who builds.
-    pub(super) team: &'a Team,
+    pub(super) pool: &'a BuildPool,
     /// Hears of what was placed.
     pub(super) progress: Progress<'a>,
 }
@@ -129,7 +134,7 @@ pub(super) struct Forest {
 }
 
 /// A tree that several threads grow.
-struct Yard<'j> {
+struct ParallelBuild<'j> {
     job: &'j Job<'j>,
     /// Larger ranges are cut by all threads together.
     large: usize,
@@ -157,12 +162,12 @@ pub(super) fn grow<P: Parts>(
 ) -> Forest {
     let count = parts.len();
     let whole = Piece { first: 0, parts, known, order: &mut order };
-    let made = if job.team.is_alone() {
+    let made = if job.pool.is_alone() {
         Made { cuts: Vec::new(), grown: vec![subtree(whole, job)] }
     } else {
-        let threads = job.team.threads();
+        let threads = job.pool.threads();
         let grain = (count / (threads * PIECES)).max(GRAIN_MIN);
-        let yard = Yard {
+        let build = ParallelBuild {
             job,
             large: (count / (threads * SHARE)).max(LARGE_MIN),
             grain,
@@ -170,8 +175,8 @@ pub(super) fn grow<P: Parts>(
             waiting: AtomicUsize::new(0),
             made: Mutex::default(),
         };
-        rayon::scope(|scope| yard.work(scope, whole));
-        yard.made.into_inner().unwrap_or_else(PoisonError::into_inner)
+        rayon::scope(|scope| build.work(scope, whole));
+        build.made.into_inner().unwrap_or_else(PoisonError::into_inner)
     };
     job.progress.say();
     Forest { order, made }
@@ -179,11 +184,11 @@ pub(super) fn grow<P: Parts>(
 
 impl Forest {
     /// Nodes in preorder, the order of triangles, the depth.
-    pub(super) fn joined(self, team: &Team) -> Hierarchy {
+    pub(super) fn joined(self, pool: &BuildPool) -> Hierarchy {
         let Self { order, made: Made { cuts, mut grown } } = self;
         let (nodes, depth) = match grown.pop_if(|_| cuts.is_empty()) {
             Some(whole) => (whole.nodes, whole.depth),
-            None => join(order.len(), cuts, grown, team),
+            None => join(order.len(), cuts, grown, pool),
         };
         Hierarchy { nodes, order, depth }
     }
@@ -211,10 +216,10 @@ impl<'a> Progress<'a> {
     }
 }
 
-impl Yard<'_> {
+impl ParallelBuild<'_> {
     /// Pieces of more triangles than this are cut now, the others grown.
     fn grain(&self) -> usize {
-        let enough = self.waiting.load(Ordering::Relaxed) >= self.job.team.threads();
+        let enough = self.waiting.load(Ordering::Relaxed) >= self.job.pool.threads();
         if enough { self.grain } else { self.fine }
     }
 
@@ -227,8 +232,8 @@ impl Yard<'_> {
             // Who waits for others to cut their part may begin another piece meanwhile, on the same
             // stack: that goes no deeper than there are large pieces side by side, which are few.
             let is_large = piece.parts.len() > self.large;
-            let team = if is_large { self.job.team } else { &Team::ALONE };
-            let (mark, [far, near]) = halved(piece, team);
+            let pool = if is_large { self.job.pool } else { &BuildPool::ALONE };
+            let (mark, [far, near]) = halved(piece, pool);
             self.made().cuts.push(mark);
             self.waiting.fetch_add(1, Ordering::Relaxed);
             scope.spawn(|scope| {
@@ -242,10 +247,10 @@ impl Yard<'_> {
     }
 }
 
-fn halved<'a, P: Parts>(piece: Piece<'a, P>, team: &Team) -> (Mark, [Piece<'a, P>; 2]) {
+fn halved<'a, P: Parts>(piece: Piece<'a, P>, pool: &BuildPool) -> (Mark, [Piece<'a, P>; 2]) {
     let Piece { first, mut parts, known, order } = piece;
     let count = parts.len();
-    let Cut { bounds, left, known: [known_left, known_right] } = parts.cut(0..count, known, team);
+    let Cut { bounds, left, known: [known_left, known_right] } = parts.cut(0..count, known, pool);
     let (near, far) = parts.split_at(left);
     let (order_left, order_right) = order.split_at_mut(left);
     let halves = [
@@ -293,7 +298,7 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
             }
         } else {
             let Cut { bounds, left, known: [near, far] } =
-                parts.cut(range.clone(), known, &Team::ALONE);
+                parts.cut(range.clone(), known, &BuildPool::ALONE);
             let (left, depth) = (range.start + left, depth + 1);
             nodes.push(interior(bounds));
             open.push(Open { range: left..range.end, known: far, parent: Some(node), depth });
@@ -305,7 +310,12 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
 }
 
 /// Joins the subtrees below the nodes at which large ranges were cut; says how deep the tree is.
-fn join(count: usize, mut cuts: Vec<Mark>, mut grown: Vec<Grown>, team: &Team) -> (Vec<Node>, u32) {
+fn join(
+    count: usize,
+    mut cuts: Vec<Mark>,
+    mut grown: Vec<Grown>,
+    pool: &BuildPool,
+) -> (Vec<Node>, u32) {
     cuts.sort_unstable_by_key(|cut| (cut.first, cut.count));
     grown.sort_unstable_by_key(|piece| piece.first);
     let total = cuts.len() + grown.iter().map(|piece| piece.nodes.len()).sum::<usize>();
@@ -336,7 +346,7 @@ fn join(count: usize, mut cuts: Vec<Mark>, mut grown: Vec<Grown>, team: &Team) -
             next += piece.nodes.len();
         }
     }
-    team.each(copies, |(from, to, root)| {
+    pool.each(copies, |(from, to, root)| {
         for (node, place) in from.iter().zip(to) {
             let shift = if node.is_leaf() { 0 } else { root as u32 };
             *place = Node { link: node.link + shift, ..*node };

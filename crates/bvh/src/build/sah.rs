@@ -11,7 +11,7 @@
 //! maxima alone, so it does not matter in which parts they were looked at, or by whom.
 
 use super::grow::{self, Cut, Forest, Job, Parts};
-use super::team::Team;
+use super::thread_pool::BuildPool;
 use geometry::{Aabb, Corners};
 use std::ops::Range;
 
@@ -229,9 +229,9 @@ pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> Forest {
     let n = corners.len();
     let order = grow::order(n);
     let (mut first, mut second) = (vec![[0.0; 8]; n], vec![[0.0; 8]; n]);
-    let share = job.team.share(n);
+    let share = job.pool.share(n);
     let tasks = first.chunks_mut(share).zip(corners.chunks(share)).zip((0..).step_by(share));
-    let known = job.team.each(tasks.collect(), |((items, corners), first)| {
+    let known = job.pool.each(tasks.collect(), |((items, corners), first)| {
         sums(items.iter_mut().zip(corners).zip(first..).map(|((item, corners), id)| {
             *item = reach(corners, id);
             &*item
@@ -266,17 +266,17 @@ impl Items<'_> {
         &mut self,
         range: Range<usize>,
         known: Known,
-        team: &Team,
+        pool: &BuildPool,
     ) -> Cut<Known> {
         let [first, second] = &mut self.0;
         let (from, to) = if known.second { (second, first) } else { (first, second) };
         let (from, to) = (&from[range.clone()], &mut to[range]);
         let Some(scale) = Scale::new::<N>(&known.centres) else { return halved(from, known) };
-        let (share, threads) = (team.share(from.len()), team.threads());
+        let (share, threads) = (pool.share(from.len()), pool.threads());
         let mut bins = Bins::<N>::EMPTY;
         let mut parts = Vec::new();
         if threads > 1 {
-            parts = team.each(from.chunks(share).collect(), |items| {
+            parts = pool.each(from.chunks(share).collect(), |items| {
                 let mut bins = Bins::<N>::EMPTY;
                 bins.fill(items, &scale);
                 bins
@@ -298,7 +298,7 @@ impl Items<'_> {
                 (r, far) = far.split_at_mut(right);
                 tasks.push((items, [l, r]));
             }
-            both(&team.each(tasks, |(items, halves)| divide(items, halves, goes_right)))
+            both(&pool.each(tasks, |(items, halves)| divide(items, halves, goes_right)))
         } else {
             divide(from, [near, far], goes_right)
         };
@@ -332,11 +332,11 @@ impl Parts for Items<'_> {
         self.0[0].len()
     }
 
-    fn cut(&mut self, range: Range<usize>, known: Known, team: &Team) -> Cut<Known> {
+    fn cut(&mut self, range: Range<usize>, known: Known, pool: &BuildPool) -> Cut<Known> {
         if range.len() > FEW {
-            self.cut_with::<BINS>(range, known, team)
+            self.cut_with::<BINS>(range, known, pool)
         } else {
-            self.cut_with::<BINS_FEW>(range, known, &Team::ALONE)
+            self.cut_with::<BINS_FEW>(range, known, &BuildPool::ALONE)
         }
     }
 

@@ -13,7 +13,7 @@
 //! axis.
 
 use super::grow::{self, Cut, Forest, Job, Parts};
-use super::team::Team;
+use super::thread_pool::BuildPool;
 use bytemuck::{Pod, Zeroable};
 use geometry::{Aabb, Corners};
 use std::ops::{Range, RangeInclusive};
@@ -82,10 +82,10 @@ pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> Forest {
     // Two pieces of memory, for what comes when they are free again: that of the orders is as large
     // as the triangles in leaf order; that of the spare, by two threads, as large as the nodes of a
     // tree with four triangles to a leaf. The tree does not depend on who gets which.
-    let mut orders = job.team.copies(Entry::zeroed(), 3 * n);
-    let to_sort = n * job.team.threads().min(3);
-    let mut spare = job.team.copies(Entry::zeroed(), to_sort.max(3 * room));
-    sort(corners, thirds(&mut orders), &mut spare, job.team);
+    let mut orders = job.pool.copies(Entry::zeroed(), 3 * n);
+    let to_sort = n * job.pool.threads().min(3);
+    let mut spare = job.pool.copies(Entry::zeroed(), to_sort.max(3 * room));
+    sort(corners, thirds(&mut orders), &mut spare, job.pool);
     let right: Vec<AtomicBool> = std::iter::repeat_with(AtomicBool::default).take(n).collect();
     let ([x, y, z], [of_x, of_y, of_z]) = (thirds(&mut orders), thirds(&mut spare[..3 * room]));
     let axes = [(x, of_x), (y, of_y), (z, of_z)].map(|(order, room)| Axis { order, room });
@@ -112,10 +112,10 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
 /// two threads evenly: so the third one is sorted in halves, which are merged from both ends. Each
 /// of the two also reads just one half of the triangles, for all axes: what the other made of its
 /// half is a third as long.
-fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], team: &Team) {
+fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], pool: &BuildPool) {
     let n = corners.len();
     let [x, y, z] = orders;
-    match team.threads() {
+    match pool.threads() {
         1 => {
             for (axis, order) in [x, y, z].into_iter().enumerate() {
                 sort_along(axis, corners, [order, &mut spare[..n]]);
@@ -128,11 +128,11 @@ fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], tea
             let (one, other) = spare.split_at_mut(n);
             let (one_near, one_far) = one.split_at_mut(middle);
             let (other_near, other_far) = other.split_at_mut(middle);
-            team.both(
+            pool.both(
                 || read_all(left, 0, [one_near, other_near, near]),
                 || read_all(right, middle as u32, [one_far, other_far, far]),
             );
-            team.both(
+            pool.both(
                 || {
                     sort_entries([x, one]);
                     sort_entries([&mut one[..middle], near]);
@@ -143,11 +143,11 @@ fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], tea
                 },
             );
             let halves = (&one[..middle], &other[middle..]);
-            team.both(|| merge_near(halves, near), || merge_far(halves, far));
+            pool.both(|| merge_near(halves, near), || merge_far(halves, far));
         }
         _ => {
             let [of_x, of_y, of_z] = thirds(spare);
-            team.three([(0, x, of_x), (1, y, of_y), (2, z, of_z)], |(axis, order, spare)| {
+            pool.three([(0, x, of_x), (1, y, of_y), (2, z, of_z)], |(axis, order, spare)| {
                 sort_along(axis, corners, [order, spare]);
             });
         }
@@ -326,12 +326,12 @@ impl Parts for Orders<'_> {
         self.axes[0].order.len()
     }
 
-    fn cut(&mut self, range: Range<usize>, (): (), team: &Team) -> Cut<()> {
+    fn cut(&mut self, range: Range<usize>, (): (), pool: &BuildPool) -> Cut<()> {
         let allowed = self.cuts.among(range.len());
         // At least half as long as the range, and so for every range beside it. In bytes, that is
         // enough for one number per triangle.
         let spare = range.start / 2..range.end / 2;
-        let found = team.three(self.axes.each_mut(), |axis| {
+        let found = pool.three(self.axes.each_mut(), |axis| {
             let lows = bytemuck::cast_slice_mut(&mut axis.room[spare.clone()]);
             best(&axis.order[range.clone()], lows, allowed.clone())
         });
@@ -340,7 +340,7 @@ impl Parts for Orders<'_> {
         for (i, entry) in self.axes[axis].order[range.clone()].iter().enumerate() {
             right[entry.id as usize].store(i >= k, Ordering::Relaxed);
         }
-        team.three(numbered(&mut self.axes), |(number, Axis { order, room })| {
+        pool.three(numbered(&mut self.axes), |(number, Axis { order, room })| {
             if number != axis {
                 divide(&mut order[range.clone()], k, &mut room[spare.clone()], right);
             }

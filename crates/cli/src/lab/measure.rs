@@ -12,7 +12,7 @@ use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::handing::{Handing, TransferMode};
-use trolley::{Failure, Limits, Pursuit};
+use trolley::{Failure, Limits, SearchOrder};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -68,8 +68,8 @@ pub(crate) struct MeasureArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "in_process")]
     job_log: Option<PathBuf>,
     /// With --scenario: whose job goes out next.
-    #[arg(long, value_name = "NAME", value_parser = named(Pursuit::ALL, Pursuit::name))]
-    pursuit: Option<Pursuit>,
+    #[arg(long, alias = "pursuit", value_name = "NAME", value_parser = named(SearchOrder::ALL, SearchOrder::name))]
+    search_order: Option<SearchOrder>,
     #[command(flatten)]
     limits: LimitArgs,
     #[command(flatten)]
@@ -111,7 +111,7 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
     let overrides = args.engine.overrides()?;
     let seed_alone = Overrides { seed: overrides.seed, ..Overrides::default() };
     let is_plain = args.engine.instance.is_none() && !args.engine.in_process;
-    let is_plain = is_plain && args.pursuit.is_none();
+    let is_plain = is_plain && args.search_order.is_none();
     if !is_plain || overrides != seed_alone || args.limits.limits()? != Limits::default() {
         let fault = "a sweep chooses workers, depths, buffers and limits itself";
         return Err(Failure::setting(fault)
@@ -145,7 +145,8 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
         }
     };
     let limits = args.limits.limits()?;
-    let limits = args.pursuit.map_or(limits, |pursuit| limits.with_pursuit(pursuit));
+    let limits =
+        args.search_order.map_or(limits, |search_order| limits.with_search_order(search_order));
     let options = RankOptions {
         scenario,
         overrides: Overrides { scheme, alpha: args.alpha, ..args.engine.overrides()? },

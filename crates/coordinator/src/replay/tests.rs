@@ -1,9 +1,9 @@
-//! Whatever became of the jobs and in whatever order, a replay of the ledger gives the same answer.
+//! Whatever became of the jobs and in whatever order, a replay of the job history gives the same answer.
 
 use super::*;
 use crate::fixtures::with;
 use crate::run_in_process;
-use crate::{Answer, Pursuit, Request, RequestLimits};
+use crate::{Answer, Request, RequestLimits, SearchOrder};
 use proptest::prelude::*;
 
 /// What becomes of a job that is not obsolete.
@@ -49,32 +49,37 @@ fn run_badly(
 /// The answer of a run in which jobs have such fates, and that of its replay.
 fn given_and_again(
     (request, bodies): (&Request, &[(Meta, BodyView<'_>)]),
-    pursuit: Pursuit,
+    search_order: SearchOrder,
     fate: impl FnMut() -> Fate,
 ) -> (Answer, Answer) {
-    let terms = RequestLimits { pursuit, ..RequestLimits::default() };
-    let mut work = RankingRun::new(request, bodies, 4).with_terms(terms).with_ledger();
+    let limits = RequestLimits { search_order, ..RequestLimits::default() };
+    let mut work = RankingRun::new(request, bodies, 4).with_limits(limits).with_job_history();
     run_badly(&mut work, bodies, fate);
-    let ledger = work.ledger().expect("kept");
+    let job_history = work.job_history().expect("kept");
     let mut again = RankingRun::new(request, bodies, 4);
-    replay(&mut again, bodies, &ledger.places, &ledger.jobs);
+    replay(&mut again, bodies, &job_history.places, &job_history.jobs);
     (work.answer().expect("sound"), again.answer().expect("sound"))
 }
 
 #[test]
 fn a_complete_run_is_replayed_from_its_ledger_alone() {
     with(|request, bodies| {
-        let mut work = RankingRun::new(request, bodies, 4).with_ledger();
+        let mut work = RankingRun::new(request, bodies, 4).with_job_history();
         run_in_process(&mut work, bodies);
-        let ledger = work.ledger().expect("kept").clone();
-        assert!(ledger.jobs.len() > 50, "{} jobs are too few to tell", ledger.jobs.len());
-        assert_eq!(ledger.moments.last().map(|m| m.state.as_str()), Some("complete"));
+        let job_history = work.job_history().expect("kept").clone();
+        assert!(job_history.jobs.len() > 50, "{} jobs are too few to tell", job_history.jobs.len());
+        assert_eq!(job_history.moments.last().map(|m| m.state.as_str()), Some("complete"));
         let mut again = RankingRun::new(request, bodies, 4);
-        replay(&mut again, bodies, &ledger.places, &ledger.jobs);
+        replay(&mut again, bodies, &job_history.places, &job_history.jobs);
         assert_eq!(again.answer().expect("sound"), work.answer().expect("sound"));
         // Without its last jobs it is another answer, and says that it is not complete.
         let mut cut = RankingRun::new(request, bodies, 4);
-        replay(&mut cut, bodies, &ledger.places, &ledger.jobs[..ledger.jobs.len() / 2]);
+        replay(
+            &mut cut,
+            bodies,
+            &job_history.places,
+            &job_history.jobs[..job_history.jobs.len() / 2],
+        );
         assert_ne!(cut.answer().expect("sound").state, damage::AnswerState::Complete);
     });
 }
@@ -82,9 +87,9 @@ fn a_complete_run_is_replayed_from_its_ledger_alone() {
 #[test]
 fn work_intervals_only_nest_from_moment_to_moment() {
     with(|request, bodies| {
-        let mut work = RankingRun::new(request, bodies, 3).with_ledger();
+        let mut work = RankingRun::new(request, bodies, 3).with_job_history();
         run_in_process(&mut work, bodies);
-        let moments = &work.ledger().expect("kept").moments;
+        let moments = &work.job_history().expect("kept").moments;
         assert!(moments.len() >= 2);
         for pair in moments.windows(2) {
             for (before, after) in pair[0].work.iter().zip(&pair[1].work) {
@@ -97,7 +102,7 @@ fn work_intervals_only_nest_from_moment_to_moment() {
 #[test]
 fn an_answer_that_was_given_early_is_given_again() {
     with(|request, bodies| {
-        for pursuit in Pursuit::ALL {
+        for search_order in SearchOrder::ALL {
             let mut states = Vec::new();
             for jobs in (0..300).step_by(4) {
                 let mut left = jobs;
@@ -106,8 +111,8 @@ fn an_answer_that_was_given_early_is_given_again() {
                     left -= i32::from(!is_late);
                     if is_late { Fate::Late } else { Fate::Done }
                 };
-                let (given, again) = given_and_again((request, bodies), pursuit, fate);
-                assert_eq!(again, given, "{pursuit:?} after {jobs} jobs");
+                let (given, again) = given_and_again((request, bodies), search_order, fate);
+                assert_eq!(again, given, "{search_order:?} after {jobs} jobs");
                 states.push(given.state);
             }
             assert_eq!(states.first(), Some(&damage::AnswerState::Degraded));
@@ -127,7 +132,7 @@ proptest! {
                 state = geometry::hash::splitmix64(state);
                 if state.is_multiple_of(one_in) { Fate::GivenUp } else { Fate::Done }
             };
-            let (given, again) = given_and_again((request, bodies), Pursuit::default(), fate);
+            let (given, again) = given_and_again((request, bodies), SearchOrder::default(), fate);
             prop_assert_eq!(again, given);
             Ok(())
         })?;

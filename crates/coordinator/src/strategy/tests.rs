@@ -20,11 +20,11 @@ proptest! {
         let prospects: Vec<Prospect> =
             all.iter().map(|(lo, width, work, can)| prospect(*lo, *width, *work, *can)).collect();
         let incumbent = incumbent.index(prospects.len());
-        for pursuit in Pursuit::ALL {
-            let mut strategy = pursuit.strategy();
+        for search_order in SearchOrder::ALL {
+            let mut strategy = search_order.strategy();
             for _ in 0..rounds {
                 if let Some(k) = strategy.choose(&prospects, incumbent) {
-                    prop_assert!(prospects[k].has_work, "{pursuit:?} chose {k}");
+                    prop_assert!(prospects[k].has_work, "{search_order:?} chose {k}");
                 }
             }
         }
@@ -35,17 +35,17 @@ proptest! {
 fn each_goes_its_way() {
     let of = |lo, width| prospect(lo, width, true, true);
     let prospects = [of(0.2, 0.1), of(0.1, 0.9), of(0.05, 0.3), prospect(0.0, 0.0, true, false)];
-    let picks = |pursuit: Pursuit| {
-        let mut strategy = pursuit.strategy();
+    let picks = |search_order: SearchOrder| {
+        let mut strategy = search_order.strategy();
         [0; 4].map(|_| strategy.choose(&prospects, 0))
     };
-    assert_eq!(picks(Pursuit::AsAsked), [None; 4]);
-    assert_eq!(picks(Pursuit::Sequential), [Some(0); 4]);
-    assert_eq!(picks(Pursuit::RoundRobin), [0, 1, 2, 3].map(Some));
+    assert_eq!(picks(SearchOrder::AsAsked), [None; 4]);
+    assert_eq!(picks(SearchOrder::Sequential), [Some(0); 4]);
+    assert_eq!(picks(SearchOrder::RoundRobin), [0, 1, 2, 3].map(Some));
     // The challenger is the possible one with the lowest lower end.
-    assert_eq!(picks(Pursuit::Alternating), [2, 0, 2, 0].map(Some));
+    assert_eq!(picks(SearchOrder::Alternating), [2, 0, 2, 0].map(Some));
     // It has more to lose than the incumbent.
-    assert_eq!(picks(Pursuit::Deciding), [Some(2); 4]);
+    assert_eq!(picks(SearchOrder::Deciding), [Some(2); 4]);
 }
 
 #[test]
@@ -53,6 +53,6 @@ fn contact_is_decided_first() {
     let touched = prospect(0.0, 1.0, true, true);
     let unknown = Prospect { touch: Touch::Unknown, ..touched };
     let asked = Prospect { jobs: 3, ..unknown };
-    let mut strategy = Pursuit::Deciding.strategy();
+    let mut strategy = SearchOrder::Deciding.strategy();
     assert_eq!(strategy.choose(&[touched, asked, unknown], 0), Some(2));
 }

@@ -1,7 +1,7 @@
 //! Which task the next jobs come from.
 
 use super::RankingRun;
-use crate::case::{Aim, Case, Stage};
+use crate::candidate_state::{CandidateState, Purpose, Stage};
 use crate::strategy::Prospect;
 use damage::{Interval, needs_high};
 
@@ -24,20 +24,21 @@ impl RankingRun<'_> {
         let incumbent = self.outlook.standing.as_ref().map_or(0, |standing| standing.incumbent);
         let chosen = self.strategy.choose(prospects, incumbent);
         let work = &*self;
-        let of_case = |case: usize| {
+        let of_case = |k: usize| {
             let tasks = work.waiting.iter().copied();
-            tasks.filter(move |task| work.errands[*task as usize].case == case)
+            tasks.filter(move |task| work.tasks[*task as usize].candidate == k)
         };
-        let chosen = chosen.and_then(|case| {
+        let chosen = chosen.and_then(|k| {
             if self.strategy.is_eager() {
-                of_case(case).min_by_key(|task| self.eagerness(*task))
+                of_case(k).min_by_key(|task| self.eagerness(*task))
             } else {
-                of_case(case).next()
+                of_case(k).next()
             }
         });
         // Nobody has work that ranks, or the strategy has no wish.
         let possible = || {
-            let is_possible = |task: &u32| prospects[self.errands[*task as usize].case].is_possible;
+            let is_possible =
+                |task: &u32| prospects[self.tasks[*task as usize].candidate].is_possible;
             self.waiting.iter().copied().find(|task| self.strategy.is_eager() && is_possible(task))
         };
         chosen.or_else(possible)
@@ -45,47 +46,47 @@ impl RankingRun<'_> {
 
     fn write_prospects(&self, prospects: &mut Vec<Prospect>) {
         let standing = self.outlook.standing.as_ref();
-        let prospect = |case: usize| Prospect {
+        let prospect = |k: usize| Prospect {
             has_work: false,
-            is_possible: standing.is_none_or(|standing| standing.possible.contains(&case)),
-            touch: self.outlook.touch_of(case),
-            compared: standing.map_or(Interval::new(0.0, 1.0), |standing| standing.compared[case]),
-            jobs: self.outlook.handed(case),
+            is_possible: standing.is_none_or(|standing| standing.possible.contains(&k)),
+            touch: self.outlook.touch_of(k),
+            compared: standing.map_or(Interval::new(0.0, 1.0), |standing| standing.compared[k]),
+            jobs: self.outlook.handed(k),
         };
         prospects.clear();
-        prospects.extend((0..self.cases.len()).map(prospect));
+        prospects.extend((0..self.candidate_states.len()).map(prospect));
         let all_rank = !self.strategy.is_eager() || needs_high(&self.request.policy);
         for task in &self.waiting {
-            let errand = &self.errands[*task as usize];
-            let ranks = match errand.aim {
-                Aim::Probe { .. } => true,
-                Aim::Survey { stop } => self.cases[errand.case].is_patch(stop),
+            let state = &self.tasks[*task as usize];
+            let ranks = match state.purpose {
+                Purpose::Probe { .. } => true,
+                Purpose::Survey { stop } => self.candidate_states[state.candidate].is_patch(stop),
             };
-            prospects[errand.case].has_work |= ranks || all_rank;
+            prospects[state.candidate].has_work |= ranks || all_rank;
         }
     }
 
     /// Less goes first: the probe that parts the open poses best, then the deepest pose of the
     /// patch, then what only zones and depth need.
     fn eagerness(&self, task: u32) -> (u32, i64) {
-        let errand = &self.errands[task as usize];
-        let case = &self.cases[errand.case];
+        let state = &self.tasks[task as usize];
+        let candidate = &self.candidate_states[state.candidate];
         let micrometres = |metres: f64| (metres * 1e6) as i64;
-        match errand.aim {
-            Aim::Probe { travel_m } => {
+        match state.purpose {
+            Purpose::Probe { travel_m } => {
                 // What was begun is finished first: half a probe tells nothing.
-                let begun = u32::from(!errand.is_descended);
-                (begun, micrometres((travel_m - case.middle_m()).abs()))
+                let begun = u32::from(!state.is_descended);
+                (begun, micrometres((travel_m - candidate.middle_m()).abs()))
             }
-            Aim::Survey { stop } if case.is_patch(stop) => {
-                (2 + u32::from(!errand.is_descended), -micrometres(errand.travel_m))
+            Purpose::Survey { stop } if candidate.is_patch(stop) => {
+                (2 + u32::from(!state.is_descended), -micrometres(state.travel_m))
             }
-            Aim::Survey { .. } => (4, micrometres(errand.travel_m)),
+            Purpose::Survey { .. } => (4, micrometres(state.travel_m)),
         }
     }
 }
 
-impl Case {
+impl CandidateState {
     /// Whether a stop of the survey forms the patch.
     fn is_patch(&self, number: usize) -> bool {
         match &self.stage {

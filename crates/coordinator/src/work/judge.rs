@@ -2,7 +2,7 @@
 
 use super::RankingRun;
 use crate::answer::Answer;
-use crate::brief::{Brief, Judged};
+use crate::answer_view::{AnswerView, Judged};
 use crate::request::{Request, RequestError};
 use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess_in, rank_in};
 
@@ -14,12 +14,12 @@ impl<'w> RankingRun<'w> {
     /// If a candidate cannot be assessed or ranked at all: then the request is refused.
     pub fn answer(&self) -> Result<Answer, RequestError> {
         let (harms, ranking) = self.judge()?;
-        Ok(Answer::new(self.request, &ranking, &harms, &self.cases, self.bodies))
+        Ok(Answer::new(self.request, &ranking, &harms, &self.candidate_states, self.bodies))
     }
 
     /// Harm of every candidate, and their order.
     pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
-        self.judge_by(|case| self.evidence(case), |_| {})
+        self.judge_by(|k| self.evidence(k), |_| {})
     }
 
     /// The same by other evidence, and with harm changed before it is ranked.
@@ -44,12 +44,11 @@ impl<'w> RankingRun<'w> {
         let basis = self.basis();
         let Judged { harms, ranking, scratch, persons } = judged;
         persons.extend(harms.drain(..).rev().map(|harm| harm.persons));
-        for (case, candidate) in request.candidates.iter().enumerate() {
+        for (k, candidate) in request.candidates.iter().enumerate() {
             let list = persons.pop().unwrap_or_default();
-            let mut harm =
-                assess_in(&candidate.encounter(), &evidence(case), &basis, list).map_err(
-                    |source| RequestError::Assess { name: candidate.name.to_string(), source },
-                )?;
+            let mut harm = assess_in(&candidate.encounter(), &evidence(k), &basis, list).map_err(
+                |source| RequestError::Assess { name: candidate.name.to_string(), source },
+            )?;
             change(&mut harm);
             harms.push(harm);
         }
@@ -62,10 +61,10 @@ impl<'w> RankingRun<'w> {
     /// # Errors
     ///
     /// As [`RankingRun::answer`].
-    pub fn brief<T>(&mut self, of: impl FnOnce(&Brief<'_>) -> T) -> Result<T, RequestError> {
+    pub fn view<T>(&mut self, of: impl FnOnce(&AnswerView<'_>) -> T) -> Result<T, RequestError> {
         let mut judged = std::mem::take(&mut self.spare.judged);
-        let made = self.judge_in(&mut judged, |case| self.evidence(case), |_| {});
-        let told = made.map(|()| of(&Brief::new(self.request, &judged)));
+        let made = self.judge_in(&mut judged, |k| self.evidence(k), |_| {});
+        let told = made.map(|()| of(&AnswerView::new(self.request, &judged)));
         self.spare.judged = judged;
         told
     }

@@ -6,9 +6,9 @@
 
 use super::{Effort, RankingRun};
 use crate::bound::{self, Open};
-use crate::case::Aim;
+use crate::candidate_state::Purpose;
 use crate::request::Request;
-use crate::terms::Until;
+use crate::request_limits::Until;
 use damage::evidence::Touch;
 use damage::{
     Basis, CandidateBounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing,
@@ -37,7 +37,7 @@ pub(super) struct Outlook {
     /// What the persons of the request have at stake.
     stakes: Vec<Stake>,
     /// Room for what is made after every result.
-    desk: Desk,
+    scratch: OutlookScratch,
     /// Per candidate: closed jobs that its bounds do not know of, and whether they are due.
     news: Vec<(usize, bool)>,
     /// Jobs handed out, per candidate.
@@ -53,7 +53,7 @@ pub(super) struct Outlook {
 
 /// Room for what is made after every result, so that none is taken from the heap.
 #[derive(Debug, Default)]
-struct Desk {
+struct OutlookScratch {
     scratch: Scratch,
     assessed: Vec<PersonHarm>,
     risks: Vec<Vec<Risk>>,
@@ -66,10 +66,10 @@ const NEWS: usize = 32;
 impl Outlook {
     /// Nothing known of a request, in the lists of an earlier one.
     pub(super) fn anew(self, request: &Request) -> Self {
-        let Self { mut bounds, standing, mut stakes, mut desk, mut news, mut handed, .. } = self;
+        let Self { mut bounds, standing, mut stakes, mut scratch, mut news, mut handed, .. } = self;
         let candidates = request.candidates.len();
-        desk.risks.extend(bounds.drain(..).map(|bounds| bounds.persons));
-        desk.standing = standing.unwrap_or(desk.standing);
+        scratch.risks.extend(bounds.drain(..).map(|bounds| bounds.persons));
+        scratch.standing = standing.unwrap_or(scratch.standing);
         stakes.clear();
         stakes.extend(request.persons.iter().map(|person| person.stake));
         news.clear();
@@ -77,7 +77,7 @@ impl Outlook {
         handed.clear();
         handed.resize(candidates, 0);
         let begun_ns = clock::now_ns();
-        Self { bounds, stakes, desk, news, handed, begun_ns, ..Self::default() }
+        Self { bounds, stakes, scratch, news, handed, begun_ns, ..Self::default() }
     }
 
     /// What the persons of the request have at stake, in their order.
@@ -98,37 +98,37 @@ impl Outlook {
     /// they cannot be made: then nothing is known of the order any more.
     fn bind(
         &mut self,
-        case: usize,
+        k: usize,
         encounter: &Encounter<'_>,
         evidence: &Evidence,
         basis: &Basis<'_>,
         high: bool,
     ) -> bool {
-        let before = self.bounds.get_mut(case).map(|bounds| core::mem::take(&mut bounds.persons));
-        let risks = before.or_else(|| self.desk.risks.pop()).unwrap_or_default();
-        match bounds_in(encounter, evidence, basis, high, (&mut self.desk.assessed, risks)) {
-            Ok(made) if case < self.bounds.len() => self.bounds[case] = made,
+        let before = self.bounds.get_mut(k).map(|bounds| core::mem::take(&mut bounds.persons));
+        let risks = before.or_else(|| self.scratch.risks.pop()).unwrap_or_default();
+        match bounds_in(encounter, evidence, basis, high, (&mut self.scratch.assessed, risks)) {
+            Ok(made) if k < self.bounds.len() => self.bounds[k] = made,
             Ok(made) => self.bounds.push(made),
             Err(_) => self.is_lost = true,
         }
         !self.is_lost
     }
 
-    pub(super) fn handed_out(&mut self, case: usize, jobs: usize) {
-        self.handed[case] += jobs as u64;
+    pub(super) fn handed_out(&mut self, k: usize, jobs: usize) {
+        self.handed[k] += jobs as u64;
     }
 
-    pub(super) fn handed(&self, case: usize) -> u64 {
-        self.handed[case]
+    pub(super) fn handed(&self, k: usize) -> u64 {
+        self.handed[k]
     }
 
-    pub(super) fn touch_of(&self, case: usize) -> Touch {
-        self.bounds.get(case).map_or(Touch::Unknown, |bounds| bounds.touch)
+    pub(super) fn touch_of(&self, k: usize) -> Touch {
+        self.bounds.get(k).map_or(Touch::Unknown, |bounds| bounds.touch)
     }
 
     /// Something was learned of a candidate; `is_due`: a question of it is answered.
-    pub(super) fn touch(&mut self, case: usize, is_due: bool) {
-        let (jobs, due) = &mut self.news[case];
+    pub(super) fn touch(&mut self, k: usize, is_due: bool) {
+        let (jobs, due) = &mut self.news[k];
         *jobs += 1;
         *due |= is_due || *jobs >= NEWS;
         self.jobs += u64::from(!is_due);
@@ -156,7 +156,7 @@ impl RankingRun<'_> {
 
     /// Whether anybody looks at bounds before the end.
     fn is_watched(&self) -> bool {
-        let is_known = match self.terms.until {
+        let is_known = match self.limits.until {
             Until::Complete => self.outlook.winner.is_some(),
             Until::Ordered | Until::Certified => self.outlook.is_decided,
         };
@@ -171,19 +171,19 @@ impl RankingRun<'_> {
         let request = self.request;
         let basis = self.basis();
         let high = needs_high(&request.policy);
-        for (case, candidate) in request.candidates.iter().enumerate() {
-            if !self.outlook.news[case].1 {
+        for (k, candidate) in request.candidates.iter().enumerate() {
+            if !self.outlook.news[k].1 {
                 continue;
             }
-            self.outlook.news[case] = (0, false);
-            self.reach_anew(case);
-            let evidence = self.evidence_by(case, true);
-            if !self.outlook.bind(case, &candidate.encounter(), &evidence, &basis, high) {
+            self.outlook.news[k] = (0, false);
+            self.reach_anew(k);
+            let evidence = self.evidence_by(k, true);
+            if !self.outlook.bind(k, &candidate.encounter(), &evidence, &basis, high) {
                 return;
             }
         }
         let outlook = &mut self.outlook;
-        let Desk { scratch, standing: spare, .. } = &mut outlook.desk;
+        let OutlookScratch { scratch, standing: spare, .. } = &mut outlook.scratch;
         let standing = outlook.standing.as_mut().unwrap_or(spare);
         let (stakes, bounds) = (&outlook.stakes, &outlook.bounds);
         if standing_in(scratch, &request.policy, stakes, bounds, standing).is_err() {
@@ -191,7 +191,7 @@ impl RankingRun<'_> {
             return;
         }
         let settled = standing.settled;
-        outlook.standing.get_or_insert_with(|| core::mem::take(&mut outlook.desk.standing));
+        outlook.standing.get_or_insert_with(|| core::mem::take(&mut outlook.scratch.standing));
         let Effort { descent, jobs, .. } = self.effort;
         let now = || Certainty {
             tests: descent.tests() + jobs.tests(),
@@ -205,7 +205,7 @@ impl RankingRun<'_> {
         if is_ordered && self.outlook.order.is_none() {
             self.outlook.order = Some(now());
         }
-        self.outlook.is_decided = match self.terms.until {
+        self.outlook.is_decided = match self.limits.until {
             Until::Complete => false,
             Until::Ordered => is_ordered,
             Until::Certified => settled > 0,
@@ -213,20 +213,20 @@ impl RankingRun<'_> {
     }
 
     /// What is known of the contact of a candidate.
-    pub(crate) fn evidence(&self, case: usize) -> Evidence {
-        self.evidence_by(case, false)
+    pub(crate) fn evidence(&self, k: usize) -> Evidence {
+        self.evidence_by(k, false)
     }
 
     /// The same; `by_cache` takes reaches as they were last made, which may be too wide.
-    fn evidence_by(&self, case: usize, by_cache: bool) -> Evidence {
-        let candidate = &self.request.candidates[case];
+    fn evidence_by(&self, k: usize, by_cache: bool) -> Evidence {
+        let candidate = &self.request.candidates[k];
         let zones = [candidate.model_a, candidate.model_b].map(|m| self.zones[m as usize]);
-        self.cases[case].evidence(|task, stop| {
-            let errand = &self.errands[task as usize];
-            let Some(found) = errand.found.as_ref().filter(|_| errand.done > 0) else {
+        self.candidate_states[k].evidence(|task, stop| {
+            let state = &self.tasks[task as usize];
+            let Some(found) = state.found.as_ref().filter(|_| state.done > 0) else {
                 return Open::whole(candidate, stop, zones);
             };
-            let reach = match (&errand.reach, by_cache) {
+            let reach = match (&state.reach, by_cache) {
                 (Some((_, reach)), true) => *reach,
                 _ => self.reach_of(task),
             };
@@ -236,23 +236,23 @@ impl RankingRun<'_> {
 
     /// What the open jobs of a task can reach.
     fn reach_of(&self, task: u32) -> geometry::Supports {
-        let errand = &self.errands[task as usize];
-        let candidate = &self.request.candidates[errand.case];
-        let open = errand.todo.iter().chain(&errand.out).chain(&errand.lost).copied();
-        let pose = super::pose_of(&errand.wire);
-        bound::boxes(candidate, self.views(&errand.wire), &pose, errand.open(), open)
+        let state = &self.tasks[task as usize];
+        let candidate = &self.request.candidates[state.candidate];
+        let open = state.todo.iter().chain(&state.out).chain(&state.lost).copied();
+        let pose = super::pose_of(&state.wire);
+        bound::boxes(candidate, self.views(&state.wire), &pose, state.open(), open)
     }
 
     /// Makes the reaches of a candidate's open poses anew where half of the jobs that they were
     /// made of are closed.
-    fn reach_anew(&mut self, case: usize) {
-        for task in 0..self.errands.len() as u32 {
-            let errand = &self.errands[task as usize];
-            let is_stop = matches!(errand.aim, Aim::Survey { .. }) && errand.found.is_some();
-            let is_stale = errand.reach.is_none_or(|(count, _)| 2 * errand.open() <= count);
-            if errand.case == case && is_stop && errand.done > 0 && is_stale {
-                let reach = (errand.open(), self.reach_of(task));
-                self.errands[task as usize].reach = Some(reach);
+    fn reach_anew(&mut self, k: usize) {
+        for task in 0..self.tasks.len() as u32 {
+            let state = &self.tasks[task as usize];
+            let is_stop = matches!(state.purpose, Purpose::Survey { .. }) && state.found.is_some();
+            let is_stale = state.reach.is_none_or(|(count, _)| 2 * state.open() <= count);
+            if state.candidate == k && is_stop && state.done > 0 && is_stale {
+                let reach = (state.open(), self.reach_of(task));
+                self.tasks[task as usize].reach = Some(reach);
             }
         }
     }

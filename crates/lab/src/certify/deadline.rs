@@ -93,7 +93,7 @@ pub fn deadline(
         ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
     };
     let due = Duration::from_secs_f64(options.deadline_ms / 1e3);
-    let terms = RequestLimits { budget: options.budget, ..RequestLimits::due_in(due) };
+    let limits = RequestLimits { budget: options.budget, ..RequestLimits::due_in(due) };
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for _ in 0..options.load {
@@ -107,7 +107,7 @@ pub fn deadline(
             options,
             (&asked, &winners),
             &views,
-            terms,
+            limits,
             || Ok(WorkerPool::start(pool.bodies.store(), &worker_pool)?),
             told,
         );
@@ -119,12 +119,12 @@ pub fn deadline(
 /// The winner of the finished run; `None` where that would take too long to know.
 fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
     let most_ns = 20_000_000_000;
-    let terms = RequestLimits {
+    let limits = RequestLimits {
         deadline_ns: Some(most_ns),
         budget: RequestLimits::BUDGET,
         ..RequestLimits::default()
     };
-    let mut work = RankingRun::new(request, views, 5).with_terms(terms);
+    let mut work = RankingRun::new(request, views, 5).with_limits(limits);
     run_in_process(&mut work, views);
     let answer = work.answer()?;
     let first = answer.ranking.first().map(|row| row.name.clone());
@@ -146,7 +146,7 @@ fn ask(
     options: &DeadlineOptions,
     (asked, winners): (&[Request], &[Option<String>]),
     views: &[(Meta, BodyView<'_>)],
-    terms: RequestLimits,
+    limits: RequestLimits,
     start: impl Fn() -> Result<WorkerPool, Failure>,
     told: SyncProgress<'_>,
 ) -> Result<Asked, Failure> {
@@ -155,7 +155,7 @@ fn ask(
     let mut all = Asked::default();
     for number in 0..options.requests as usize {
         let at = number % asked.len();
-        let mut work = RankingRun::new(&asked[at], views, 5).with_terms(terms);
+        let mut work = RankingRun::new(&asked[at], views, 5).with_limits(limits);
         worker_pool.run(&mut work)?;
         let begun_ns = clock::thread_cpu_ns();
         let answer = work.answer()?;

@@ -4,7 +4,7 @@ use super::figures::{median, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{Progress, SyncProgress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, Pursuit, RankingRun, Request, RequestLimits, Until, run_in_process};
+use coordinator::{Chance, RankingRun, Request, RequestLimits, SearchOrder, Until, run_in_process};
 use damage::evidence::Touch;
 use runtime::clock;
 use serde::Serialize;
@@ -82,9 +82,9 @@ fn run(
     request: &Request,
     views: &[(Meta, BodyView<'_>)],
     depth: u32,
-    terms: RequestLimits,
+    limits: RequestLimits,
 ) -> Result<(f64, f64, Winner), Failure> {
-    let mut work = RankingRun::new(request, views, depth).with_terms(terms);
+    let mut work = RankingRun::new(request, views, depth).with_limits(limits);
     let begun_ns = clock::now_ns();
     run_in_process(&mut work, views);
     let took_ns = (clock::now_ns() - begun_ns) as f64;
@@ -114,7 +114,7 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
     let mut rows = Vec::new();
     let mut sizes = Vec::new();
     for &depth in &options.depths {
-        let mut ran: Vec<Vec<Ran>> = vec![Vec::new(); Pursuit::ALL.len()];
+        let mut ran: Vec<Vec<Ran>> = vec![Vec::new(); SearchOrder::ALL.len()];
         let mut chance = Chance::new(options.seed);
         let (mut made, mut tried) = (0, 0);
         while made < options.requests {
@@ -140,16 +140,19 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
             if depth == options.depths[0] {
                 sizes.push((all, whole_ns / 1e6));
             }
-            for (number, pursuit) in Pursuit::ALL.into_iter().enumerate() {
-                let terms =
-                    RequestLimits { until: Until::Certified, pursuit, ..RequestLimits::default() };
-                let (tests, took_ns, first) = run(&request, &views, depth, terms)?;
+            for (number, search_order) in SearchOrder::ALL.into_iter().enumerate() {
+                let limits = RequestLimits {
+                    until: Until::Certified,
+                    search_order,
+                    ..RequestLimits::default()
+                };
+                let (tests, took_ns, first) = run(&request, &views, depth, limits)?;
                 if let Some(missing) = first.missing {
                     return Err(Failure::internal(format!("a run ended degraded: {missing}")));
                 }
                 if first.name != winner.name {
                     let (first, winner) = (first.name, winner.name);
-                    let what = format!("{} certified {first}, not {winner}", pursuit.name());
+                    let what = format!("{} certified {first}, not {winner}", search_order.name());
                     return Err(Failure::internal(what));
                 }
                 let of = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
@@ -157,12 +160,12 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
             }
             bar.add(1);
         }
-        for (pursuit, ran) in Pursuit::ALL.into_iter().zip(&ran) {
+        for (search_order, ran) in SearchOrder::ALL.into_iter().zip(&ran) {
             let mut shares: Vec<f64> = ran.iter().map(|ran| ran.share).collect();
             let mut times: Vec<f64> = ran.iter().map(|ran| ran.time).collect();
             rows.push(Row {
                 depth,
-                strategy: pursuit.name(),
+                strategy: search_order.name(),
                 median_share: median(&mut shares),
                 p90_share: percentile(&mut shares, 0.9),
                 worst_share: percentile(&mut shares, 1.0),

@@ -57,7 +57,7 @@ fn a_ranking_is_recorded_and_made_again() {
     let scenario = scenario(12.0);
     let bare = here().rank(&scenario, &Limits::default()).unwrap();
     let refused = Record::write(folder.path(), &bare).unwrap_err();
-    assert!(refused.what().contains("ledger") && refused.remedy().is_some(), "{refused}");
+    assert!(refused.what().contains("job history") && refused.remedy().is_some(), "{refused}");
     let mut paths = Vec::new();
     for _ in 0..2 {
         let ranking = here().rank(&scenario, &Limits::default().with_record()).unwrap();

@@ -11,7 +11,7 @@ use scenario::{EngineSettings, Overrides};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A request made again from its record, as its ledger says it was done.
+/// A request made again from its record, as its job history says it was done.
 #[derive(Debug)]
 pub struct Replay {
     /// What was asked.
@@ -78,7 +78,7 @@ impl Record {
         Ok(Replay { scenario, bodies, answer, explanation, scenes, jobs, json })
     }
 
-    /// The settings that the ledger depends on.
+    /// The settings that the job history depends on.
     fn engine(&self) -> Result<EngineSettings, Failure> {
         let settings = &self.content.settings;
         let changes = Overrides {

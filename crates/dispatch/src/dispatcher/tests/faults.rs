@@ -3,23 +3,23 @@
 use super::*;
 
 /// A dispatcher of so many cores, all ready, with jobs handed out and what it said.
-struct Desk {
+struct Fixture {
     dispatcher: Dispatcher<BestMatchLoad>,
     work: Waves,
     said: Vec<Effect>,
     now_ns: u64,
 }
 
-impl Desk {
+impl Fixture {
     fn new(cores: u8, queues: Queues, jobs: u32) -> Self {
         let scheme = BestMatchLoad { alpha: 0.0 };
         let mut dispatcher = Dispatcher::new(scheme, queues, Cache::Unlimited, cores.into());
         dispatcher.begin(NOW);
         (0..cores).for_each(|worker| dispatcher.admit(Incarnation { worker, inc: 0 }));
         let work = Waves { left: vec![jobs], ..Waves::default() };
-        let mut desk = Self { dispatcher, work, said: Vec::new(), now_ns: 0 };
-        desk.step(Event::Poll);
-        desk
+        let mut fixture = Self { dispatcher, work, said: Vec::new(), now_ns: 0 };
+        fixture.step(Event::Poll);
+        fixture
     }
 
     fn step(&mut self, event: Event<u16>) -> Progress {
@@ -61,96 +61,96 @@ const QUEUES: Queues = Queues { capacity: 4, batch: 2, linger_ns: 0 };
 
 #[test]
 fn a_batch_that_was_turned_away_is_sent_again_without_blame() {
-    let mut desk = Desk::new(1, QUEUES, 4);
-    assert_eq!(desk.sent(0), [(0, vec![(0, 0), (1, 0)]), (1, vec![(2, 0), (3, 0)])]);
-    desk.part(FIRST, 2, 0);
-    desk.step(Event::Answered { who: FIRST, batches: 1 });
-    assert_eq!(desk.sent(0), [(2, vec![(0, 0), (1, 0)])]);
-    desk.part(FIRST, 3, 0);
-    desk.step(Event::Answered { who: FIRST, batches: 2 });
-    assert!(desk.sent(0).is_empty(), "the second batch was answered in full");
-    desk.part(FIRST, 1, 0);
-    assert_eq!(desk.part(FIRST, 0, 0), Progress::Finished);
-    assert_eq!((desk.dispatcher.counts().reissued, desk.dispatcher.counts().done), (2, 4));
+    let mut fixture = Fixture::new(1, QUEUES, 4);
+    assert_eq!(fixture.sent(0), [(0, vec![(0, 0), (1, 0)]), (1, vec![(2, 0), (3, 0)])]);
+    fixture.part(FIRST, 2, 0);
+    fixture.step(Event::Answered { who: FIRST, batches: 1 });
+    assert_eq!(fixture.sent(0), [(2, vec![(0, 0), (1, 0)])]);
+    fixture.part(FIRST, 3, 0);
+    fixture.step(Event::Answered { who: FIRST, batches: 2 });
+    assert!(fixture.sent(0).is_empty(), "the second batch was answered in full");
+    fixture.part(FIRST, 1, 0);
+    assert_eq!(fixture.part(FIRST, 0, 0), Progress::Finished);
+    assert_eq!((fixture.dispatcher.counts().reissued, fixture.dispatcher.counts().done), (2, 4));
 }
 
 #[test]
 fn who_loses_three_messages_is_killed_once_and_its_jobs_go_to_the_others() {
-    let mut desk = Desk::new(2, QUEUES, 8);
-    desk.sent(0);
-    desk.sent(1);
+    let mut fixture = Fixture::new(2, QUEUES, 8);
+    fixture.sent(0);
+    fixture.sent(1);
     for batches in 1..=3 {
-        assert_eq!(desk.killed(), []);
-        desk.step(Event::Answered { who: FIRST, batches });
+        assert_eq!(fixture.killed(), []);
+        fixture.step(Event::Answered { who: FIRST, batches });
         if batches < 3 {
-            assert!(desk.sent(0).iter().all(|(_, jobs)| jobs.len() == 2));
+            assert!(fixture.sent(0).iter().all(|(_, jobs)| jobs.len() == 2));
         }
     }
-    assert_eq!(desk.killed(), [(FIRST, Why::Forgetful)]);
-    desk.step(Event::Garbled { from: FIRST });
-    assert_eq!(desk.killed().len(), 1);
-    desk.step(Event::Lost { who: FIRST, started: None });
+    assert_eq!(fixture.killed(), [(FIRST, Why::Forgetful)]);
+    fixture.step(Event::Garbled { from: FIRST });
+    assert_eq!(fixture.killed().len(), 1);
+    fixture.step(Event::Lost { who: FIRST, started: None });
     for job in 0..8 {
-        desk.part(SECOND, job, 0);
+        fixture.part(SECOND, job, 0);
     }
     for job in 0..8 {
-        desk.part(SECOND, job, 0);
+        fixture.part(SECOND, job, 0);
     }
-    assert_eq!(desk.dispatcher.counts().done, 8);
+    assert_eq!(fixture.dispatcher.counts().done, 8);
 }
 
 #[test]
 fn garbled_messages_kill_their_sender_at_the_third() {
-    let mut desk = Desk::new(2, QUEUES, 8);
+    let mut fixture = Fixture::new(2, QUEUES, 8);
     for _ in 0..2 {
-        desk.step(Event::Garbled { from: SECOND });
+        fixture.step(Event::Garbled { from: SECOND });
     }
-    assert_eq!(desk.killed(), []);
-    desk.step(Event::Garbled { from: SECOND });
-    assert_eq!(desk.killed(), [(SECOND, Why::Garbled)]);
+    assert_eq!(fixture.killed(), []);
+    fixture.step(Event::Garbled { from: SECOND });
+    assert_eq!(fixture.killed(), [(SECOND, Why::Garbled)]);
 }
 
 #[test]
 fn a_full_queue_costs_no_attempt_and_the_core_is_tried_again_later() {
-    let mut desk = Desk::new(1, QUEUES, 2);
-    assert_eq!(desk.sent(0), [(0, vec![(0, 0), (1, 0)])]);
-    assert_eq!(desk.step(Event::Unsent { to: FIRST, batch: 0 }), Progress::Working);
-    assert!(desk.sent(0).is_empty(), "at once would be a busy loop");
-    let due_ns = desk.dispatcher.due_ns().expect("it is tried again");
-    assert!(due_ns > desk.now_ns);
-    desk.now_ns = due_ns;
-    desk.step(Event::Poll);
-    assert_eq!(desk.sent(0), [(0, vec![(0, 0), (1, 0)])], "numbers have no gaps");
-    assert_eq!(desk.dispatcher.due_ns(), None);
+    let mut fixture = Fixture::new(1, QUEUES, 2);
+    assert_eq!(fixture.sent(0), [(0, vec![(0, 0), (1, 0)])]);
+    assert_eq!(fixture.step(Event::Unsent { to: FIRST, batch: 0 }), Progress::Working);
+    assert!(fixture.sent(0).is_empty(), "at once would be a busy loop");
+    let due_ns = fixture.dispatcher.due_ns().expect("it is tried again");
+    assert!(due_ns > fixture.now_ns);
+    fixture.now_ns = due_ns;
+    fixture.step(Event::Poll);
+    assert_eq!(fixture.sent(0), [(0, vec![(0, 0), (1, 0)])], "numbers have no gaps");
+    assert_eq!(fixture.dispatcher.due_ns(), None);
 }
 
 #[test]
 fn a_queue_that_stays_full_is_the_end_of_its_worker() {
-    let mut desk = Desk::new(1, QUEUES, 2);
+    let mut fixture = Fixture::new(1, QUEUES, 2);
     let mut refusals = 0;
-    while desk.killed().is_empty() {
+    while fixture.killed().is_empty() {
         assert!(refusals < 20, "for ever");
-        desk.step(Event::Unsent { to: FIRST, batch: 0 });
+        fixture.step(Event::Unsent { to: FIRST, batch: 0 });
         refusals += 1;
-        desk.now_ns = desk.dispatcher.due_ns().unwrap_or(desk.now_ns);
-        desk.step(Event::Poll);
+        fixture.now_ns = fixture.dispatcher.due_ns().unwrap_or(fixture.now_ns);
+        fixture.step(Event::Poll);
     }
-    assert_eq!(desk.killed(), [(FIRST, Why::Full)]);
+    assert_eq!(fixture.killed(), [(FIRST, Why::Full)]);
 }
 
 #[test]
 fn a_suspect_runs_alone_and_while_it_waits_the_others_go_on() {
-    let mut desk = Desk::new(2, QUEUES, 12);
-    assert_eq!(desk.sent(0).concat_jobs(), [0, 2, 4, 6]);
-    desk.sent(1);
-    desk.step(Event::Lost { who: FIRST, started: Some((JobId(2), 0)) });
+    let mut fixture = Fixture::new(2, QUEUES, 12);
+    assert_eq!(fixture.sent(0).concat_jobs(), [0, 2, 4, 6]);
+    fixture.sent(1);
+    fixture.step(Event::Lost { who: FIRST, started: Some((JobId(2), 0)) });
     let again = Incarnation { worker: 0, inc: 1 };
-    desk.step(Event::Ready(again));
-    assert_eq!(desk.sent(0), [(0, vec![(2, 1)])], "the core is empty: the suspect, and no more");
-    assert_eq!(desk.part(again, 2, 0), Progress::Working, "the first attempt is over");
-    assert!(desk.sent(0).is_empty());
-    desk.part(again, 2, 1);
-    assert_eq!(desk.sent(0).concat_jobs().len(), 4, "cleared, the core takes its share");
+    fixture.step(Event::Ready(again));
+    assert_eq!(fixture.sent(0), [(0, vec![(2, 1)])], "the core is empty: the suspect, and no more");
+    assert_eq!(fixture.part(again, 2, 0), Progress::Working, "the first attempt is over");
+    assert!(fixture.sent(0).is_empty());
+    fixture.part(again, 2, 1);
+    assert_eq!(fixture.sent(0).concat_jobs().len(), 4, "cleared, the core takes its share");
 }
 
 #[test]
@@ -201,24 +201,24 @@ fn a_job_that_took_two_workers_down_is_left_alone_by_the_next_request() {
 
 #[test]
 fn when_the_time_is_up_all_is_closed_and_what_comes_later_is_fenced() {
-    let mut desk = Desk::new(1, QUEUES, 9);
-    desk.part(FIRST, 0, 0);
-    assert_eq!(desk.step(Event::Expired), Progress::Finished);
-    let counts = desk.dispatcher.counts();
+    let mut fixture = Fixture::new(1, QUEUES, 9);
+    fixture.part(FIRST, 0, 0);
+    assert_eq!(fixture.step(Event::Expired), Progress::Finished);
+    let counts = fixture.dispatcher.counts();
     assert_eq!((counts.done, counts.late, counts.jobs), (1, 8, 9));
-    assert_eq!(desk.part(FIRST, 1, 0), Progress::Finished);
-    assert_eq!(desk.dispatcher.counts().fence.not_leased, 1);
+    assert_eq!(fixture.part(FIRST, 1, 0), Progress::Finished);
+    assert_eq!(fixture.dispatcher.counts().fence.not_leased, 1);
     // The next request: the queue still holds three jobs of this one, and there is room for one
     // more, not for a batch.
-    desk.said.clear();
-    desk.dispatcher.begin(RequestId(8));
-    desk.work = Waves { left: vec![2], ..Waves::default() };
-    desk.step(Event::Poll);
-    assert!(desk.sent(0).is_empty(), "it would overflow");
-    desk.part(FIRST, 1, 0);
-    assert_eq!(desk.dispatcher.counts().fence.stale, 1);
-    desk.step(Event::Answered { who: FIRST, batches: 2 });
-    assert_eq!(desk.sent(0).concat_jobs(), [0, 1]);
+    fixture.said.clear();
+    fixture.dispatcher.begin(RequestId(8));
+    fixture.work = Waves { left: vec![2], ..Waves::default() };
+    fixture.step(Event::Poll);
+    assert!(fixture.sent(0).is_empty(), "it would overflow");
+    fixture.part(FIRST, 1, 0);
+    assert_eq!(fixture.dispatcher.counts().fence.stale, 1);
+    fixture.step(Event::Answered { who: FIRST, batches: 2 });
+    assert_eq!(fixture.sent(0).concat_jobs(), [0, 1]);
 }
 
 trait Jobs {

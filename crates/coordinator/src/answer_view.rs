@@ -19,14 +19,14 @@ pub(crate) struct Judged {
 
 /// What was asked, answered.
 #[derive(Clone, Copy, Debug)]
-pub struct Brief<'w> {
+pub struct AnswerView<'w> {
     request: &'w Request,
     judged: &'w Judged,
 }
 
 /// One candidate in its place.
 #[derive(Clone, Copy, Debug)]
-pub struct BriefRow<'w> {
+pub struct AnswerRow<'w> {
     /// Its name.
     pub name: &'w str,
     /// Its rank.
@@ -37,7 +37,7 @@ pub struct BriefRow<'w> {
     pub is_tied: bool,
 }
 
-impl<'w> Brief<'w> {
+impl<'w> AnswerView<'w> {
     pub(crate) fn new(request: &'w Request, judged: &'w Judged) -> Self {
         Self { request, judged }
     }
@@ -49,9 +49,9 @@ impl<'w> Brief<'w> {
     }
 
     /// Candidates, least harm first.
-    pub fn rows(&self) -> impl Iterator<Item = BriefRow<'w>> {
+    pub fn rows(&self) -> impl Iterator<Item = AnswerRow<'w>> {
         let Self { request, judged } = *self;
-        judged.ranking.places.iter().map(|place| BriefRow {
+        judged.ranking.places.iter().map(|place| AnswerRow {
             name: &request.candidates[place.candidate].name,
             place,
             harm: &judged.harms[place.candidate],

@@ -12,7 +12,7 @@ use std::os::fd::BorrowedFd;
 const WAKE_KEY: u32 = 0;
 
 /// The workers, or what stands in their place.
-pub(crate) struct Team<'s> {
+pub(crate) struct ServiceBackend<'s> {
     /// Where this process sleeps while it has no worker pool.
     guard: Poller,
     pub(crate) backend: Backend,
@@ -23,7 +23,7 @@ pub(crate) struct Team<'s> {
 #[derive(Debug)]
 pub(crate) struct Interrupted;
 
-impl<'s> Team<'s> {
+impl<'s> ServiceBackend<'s> {
     /// Starts the workers; `None` for options: all work is done here.
     pub(crate) fn start(
         (store, bodies): (&'s SealedMemory, &'s [(Meta, BodyView<'s>)]),

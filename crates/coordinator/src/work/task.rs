@@ -1,7 +1,7 @@
 //! One question about one pose of one candidate, and where each of its jobs is: to be handed out,
 //! out, done, or lost. What the parts of their results say of that; not what they found.
 
-use crate::case::Aim;
+use crate::candidate_state::Purpose;
 use crate::gather::{Gathered, Part, Rest};
 use bvh::NodePair;
 use geometry::Supports;
@@ -12,8 +12,8 @@ use std::collections::VecDeque;
 /// One question about one pose of one candidate.
 #[derive(Clone, Debug)]
 pub(crate) struct TaskState {
-    pub(crate) case: usize,
-    pub(crate) aim: Aim,
+    pub(crate) candidate: usize,
+    pub(crate) purpose: Purpose,
     pub(crate) travel_m: f64,
     pub(super) wire: WireTask,
     /// The descent was made: jobs exist.

@@ -12,14 +12,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Fewer small things are not worth another thread.
 const SHARE_MIN: usize = 1024;
 
-/// Threads of one rayon pool, or the caller alone. There is none outside of [`Team::with`]: inside,
+/// Threads of one rayon pool, or the caller alone. There is none outside of [`BuildPool::with`]: inside,
 /// the pool is the one that rayon's functions mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Team {
+pub(super) struct BuildPool {
     threads: usize,
 }
 
-impl Team {
+impl BuildPool {
     /// The caller.
     pub(super) const ALONE: Self = Self { threads: 1 };
 
@@ -117,7 +117,7 @@ impl Team {
         rayon::iter::repeat_n(value, count).with_min_len(SHARE_MIN).collect()
     }
 
-    /// [`Team::each`] of three. Nothing is allocated.
+    /// [`BuildPool::each`] of three. Nothing is allocated.
     pub(super) fn three<T: Send, R: Send>(
         &self,
         tasks: [T; 3],

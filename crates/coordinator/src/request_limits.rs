@@ -1,6 +1,6 @@
-//! On what terms a request is worked on: how far, by when, in which order, in how large pieces.
+//! On what limits a request is worked on: how far, by when, in which order, in how large pieces.
 
-use crate::strategy::Pursuit;
+use crate::strategy::SearchOrder;
 use core::time::Duration;
 
 /// When to stop.
@@ -15,7 +15,7 @@ pub enum Until {
     Certified,
 }
 
-/// The terms. None changes a complete answer.
+/// The limits. None changes a complete answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequestLimits {
     /// How much must be certain.
@@ -24,7 +24,7 @@ pub struct RequestLimits {
     /// (ns); `None`: never.
     pub deadline_ns: Option<u64>,
     /// Whose job goes out next.
-    pub pursuit: Pursuit,
+    pub search_order: SearchOrder,
     /// Most tests of boxes and triangles that one job may take.
     pub budget: u64,
 }
@@ -34,7 +34,7 @@ impl Default for RequestLimits {
         Self {
             until: Until::default(),
             deadline_ns: None,
-            pursuit: Pursuit::default(),
+            search_order: SearchOrder::default(),
             budget: u64::MAX,
         }
     }
@@ -54,12 +54,12 @@ impl RequestLimits {
         u64::try_from(work.as_nanos()).unwrap_or(u64::MAX)
     }
 
-    /// The terms on which an answer that is due after so long is usually made.
+    /// The limits within which an answer that is due after so long is usually made.
     #[must_use]
     pub fn due_in(deadline: Duration) -> Self {
         Self {
             deadline_ns: Some(Self::guarded(deadline)),
-            pursuit: Pursuit::Deciding,
+            search_order: SearchOrder::Deciding,
             budget: Self::BUDGET,
             ..Self::default()
         }

@@ -13,7 +13,7 @@ use protocol::WireQuestion;
 
 /// What a task is for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Aim {
+pub(crate) enum Purpose {
     /// Does it touch at this travel?
     Probe { travel_m: f64 },
     /// What is hit at this stop of the survey?
@@ -44,7 +44,7 @@ pub(crate) enum Stage {
 
 /// One candidate at work.
 #[derive(Clone, Debug)]
-pub(crate) struct Case {
+pub(crate) struct CandidateState {
     pub(crate) stage: Stage,
     /// Triangles hit from first contact to e.
     pub(crate) hit: Union,
@@ -52,9 +52,9 @@ pub(crate) struct Case {
     spare: Vec<(Stop, Option<Surveyed>)>,
 }
 
-impl Case {
+impl CandidateState {
     pub(crate) fn new(candidate: &Candidate) -> Self {
-        Self::in_room(candidate, Union::default(), Vec::new())
+        Self::with_buffers(candidate, Union::default(), Vec::new())
     }
 
     /// Another candidate, in the room of this one.
@@ -65,10 +65,14 @@ impl Case {
             spare = stops;
             spare.clear();
         }
-        Self::in_room(candidate, hit, spare)
+        Self::with_buffers(candidate, hit, spare)
     }
 
-    fn in_room(candidate: &Candidate, hit: Union, spare: Vec<(Stop, Option<Surveyed>)>) -> Self {
+    fn with_buffers(
+        candidate: &Candidate,
+        hit: Union,
+        spare: Vec<(Stop, Option<Surveyed>)>,
+    ) -> Self {
         let stage = match &candidate.meeting {
             Meeting::Path(path) => {
                 Stage::Searching { search: Search::new(path), asked: Travels::new() }
@@ -84,7 +88,7 @@ impl Case {
         &mut self,
         candidate: &Candidate,
         task: u32,
-        aims: &mut Vec<(Aim, f64, WireQuestion)>,
+        purposes: &mut Vec<(Purpose, f64, WireQuestion)>,
     ) {
         let Stage::Searching { search, asked } = &mut self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
@@ -92,7 +96,7 @@ impl Case {
             for travel_m in search.wanted() {
                 if !asked.iter().any(|s| s.to_bits() == travel_m.to_bits()) {
                     asked.push(travel_m);
-                    aims.push((Aim::Probe { travel_m }, travel_m, WireQuestion::Touches));
+                    purposes.push((Purpose::Probe { travel_m }, travel_m, WireQuestion::Touches));
                 }
             }
             return;
@@ -104,7 +108,7 @@ impl Case {
         for (number, stop) in stops.iter().enumerate() {
             let question =
                 if stop.patch || stop.depth { WireQuestion::Pairs } else { WireQuestion::Sets };
-            aims.push((Aim::Survey { stop: number }, stop.travel_m, question));
+            purposes.push((Purpose::Survey { stop: number }, stop.travel_m, question));
         }
         let search = search.clone();
         let mut list = std::mem::take(&mut self.spare);
@@ -113,13 +117,13 @@ impl Case {
     }
 
     /// Whether the answer at a probe can still matter.
-    pub(crate) fn needs(&self, aim: Aim) -> bool {
-        match (aim, &self.stage) {
-            (Aim::Probe { travel_m }, Stage::Searching { search, .. }) => {
+    pub(crate) fn needs(&self, purpose: Purpose) -> bool {
+        match (purpose, &self.stage) {
+            (Purpose::Probe { travel_m }, Stage::Searching { search, .. }) => {
                 search.is_needed(travel_m)
             }
-            (Aim::Probe { .. }, _) => false,
-            (Aim::Survey { .. }, _) => true,
+            (Purpose::Probe { .. }, _) => false,
+            (Purpose::Survey { .. }, _) => true,
         }
     }
 

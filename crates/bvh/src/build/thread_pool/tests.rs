@@ -1,19 +1,19 @@
 //! Laws of teams: everything is done once, in order, and nobody stays behind.
 
-use super::Team;
+use super::BuildPool;
 use rayon::ThreadPoolBuilder;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The steps of a build.
-fn steps(team: &Team, round: u64) {
-    let each: Vec<u64> = team.each((0..20).collect(), |i: u64| i * i + round);
+fn steps(pool: &BuildPool, round: u64) {
+    let each: Vec<u64> = pool.each((0..20).collect(), |i: u64| i * i + round);
     assert!(each.iter().copied().eq((0..20).map(|i| i * i + round)));
     let items: Vec<u64> = (0..3 * round * round).collect();
     let mut mapped = Vec::new();
-    team.map(&items, |i| i + round, &mut mapped);
+    pool.map(&items, |i| i + round, &mut mapped);
     assert!(mapped.into_iter().eq(round..round + 3 * round * round));
-    assert_eq!(team.copies(round, items.len()), vec![round; items.len()]);
-    let (one, three) = team.both(|| 1, || team.three([2, 3, 4], |i| i));
+    assert_eq!(pool.copies(round, items.len()), vec![round; items.len()]);
+    let (one, three) = pool.both(|| 1, || pool.three([2, 3, 4], |i| i));
     assert_eq!((one, three), (1, [2, 3, 4]));
 }
 
@@ -22,24 +22,24 @@ fn a_team_does_everything_once_and_in_order() {
     for threads in [0, 1, 2, 3, 8] {
         // Many times over: a lead that waits for itself would hang.
         for round in 0..200 {
-            Team::with(threads, |team| {
-                assert_eq!(team.threads(), threads.max(1));
-                steps(team, round);
+            BuildPool::with(threads, |pool| {
+                assert_eq!(pool.threads(), threads.max(1));
+                steps(pool, round);
             });
         }
     }
 }
 
 #[test]
-fn a_team_is_the_pool_that_it_is_asked_for_in() {
+fn a_build_pool_is_the_pool_that_it_is_asked_for_in() {
     for threads in [1, 2, 3] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         for round in 0..200 {
             pool.install(|| {
-                Team::with(1, |team| assert_eq!(team, &Team::ALONE));
-                Team::with(2, |team| {
-                    assert_eq!(team.threads(), threads);
-                    steps(team, round);
+                BuildPool::with(1, |pool| assert_eq!(pool, &BuildPool::ALONE));
+                BuildPool::with(2, |pool| {
+                    assert_eq!(pool.threads(), threads);
+                    steps(pool, round);
                 });
             });
         }
@@ -52,15 +52,15 @@ fn a_panic_ends_the_work_and_nothing_else() {
     for threads in [1, 2, 3] {
         for _ in 0..20 {
             let fails: [&(dyn Fn() + Sync); 2] =
-                [&|| Team::with(threads, |_| assert_eq!(threads, 0, "of the test")), &|| {
+                [&|| BuildPool::with(threads, |_| assert_eq!(threads, 0, "of the test")), &|| {
                     let each = |i| assert_ne!(i, 2, "of the test");
-                    Team::with(threads, |team| drop(team.each(vec![1, 2, 3], each)));
+                    BuildPool::with(threads, |pool| drop(pool.each(vec![1, 2, 3], each)));
                 }];
             for work in fails {
                 assert!(catch_unwind(AssertUnwindSafe(work)).is_err());
                 assert!(catch_unwind(AssertUnwindSafe(|| pool.install(work))).is_err());
             }
-            let doubled = || Team::with(threads, |team| team.each(vec![1, 2, 3], |i| 2 * i));
+            let doubled = || BuildPool::with(threads, |pool| pool.each(vec![1, 2, 3], |i| 2 * i));
             assert_eq!(doubled(), [2, 4, 6]);
             assert_eq!(pool.install(doubled), [2, 4, 6]);
         }

@@ -1,9 +1,9 @@
-//! The ledger of a request: what was asked, which jobs ended how, and what was known when.
+//! The job history of a request: what was asked, which jobs ended how, and what was known when.
 //!
 //! Questions are named by candidate and travel, never by the number that they happened to get: that
-//! depends on the order in which answers came in. So a ledger can be replayed in any order.
+//! depends on the order in which answers came in. So a job history can be replayed in any order.
 
-use crate::case::Aim;
+use crate::candidate_state::Purpose;
 use crate::work::TaskState;
 use dispatch::{Closed, Job};
 use protocol::TaskId;
@@ -37,11 +37,11 @@ impl JobHistory {
     }
 
     /// A question is asked: from now on there are its jobs, which may be none.
-    pub(crate) fn ask(&mut self, task: TaskId, errand: &TaskState) {
+    pub(crate) fn ask(&mut self, task: TaskId, state: &TaskState) {
         let task = task.0 as usize;
         self.of_task.resize(self.of_task.len().max(task + 1), None);
         self.of_task[task] = Some(self.places.len() as u32);
-        self.places.push(errand.place());
+        self.places.push(state.place());
     }
 
     /// A job of a question that was asked has ended.
@@ -62,10 +62,10 @@ impl JobHistory {
 }
 
 impl TaskState {
-    /// What this errand asks, without its number.
+    /// What this state asks, without its number.
     fn place(&self) -> PoseQuestion {
-        let is_survey = matches!(self.aim, Aim::Survey { .. });
-        PoseQuestion { candidate: self.case as u32, is_survey, travel_m: self.travel_m }
+        let is_survey = matches!(self.purpose, Purpose::Survey { .. });
+        PoseQuestion { candidate: self.candidate as u32, is_survey, travel_m: self.travel_m }
     }
 
     fn key(&self) -> Key {
@@ -80,7 +80,7 @@ fn key(place: &PoseQuestion) -> Key {
     (place.candidate, place.is_survey, place.travel_m.to_bits())
 }
 
-/// The questions of a recorded ledger. Whatever else a replay would ask was not asked in time.
+/// The questions of a recorded job history. Whatever else a replay would ask was not asked in time.
 #[derive(Clone, Debug)]
 pub(crate) struct Asked(BTreeSet<Key>);
 
@@ -90,12 +90,12 @@ impl Asked {
     }
 
     /// Whether it was asked.
-    pub(crate) fn has(&self, errand: &TaskState) -> bool {
-        self.0.contains(&errand.key())
+    pub(crate) fn has(&self, state: &TaskState) -> bool {
+        self.0.contains(&state.key())
     }
 }
 
-/// The ends of a recorded ledger, by what was asked.
+/// The ends of a recorded job history, by what was asked.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends(BTreeMap<(Key, (u32, u32)), RecordedEnd>);
 
@@ -109,7 +109,7 @@ impl Ends {
     }
 
     /// How a job ended; `None` if it never did.
-    pub(crate) fn end(&self, errand: &TaskState, job: &Job) -> Option<RecordedEnd> {
-        self.0.get(&(errand.key(), (job.a.node, job.b.node))).copied()
+    pub(crate) fn end(&self, state: &TaskState, job: &Job) -> Option<RecordedEnd> {
+        self.0.get(&(state.key(), (job.a.node, job.b.node))).copied()
     }
 }

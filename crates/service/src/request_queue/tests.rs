@@ -7,7 +7,7 @@ use transport::{Address, ClientPort};
 struct Scene {
     _folder: tempfile::TempDir,
     address: Address,
-    desk: Desk,
+    queue: RequestQueue,
 }
 
 impl Scene {
@@ -16,8 +16,8 @@ impl Scene {
         let instance = format!("d{:x}-{number}", std::process::id() & 0xff_ffff);
         let address = Address::new(folder.path().to_str().unwrap(), &instance).unwrap();
         let server = Server::open(&address).unwrap();
-        let desk = Desk::new(server, Stats::new().unwrap(), capacity);
-        Self { _folder: folder, address, desk }
+        let queue = RequestQueue::new(server, Stats::new().unwrap(), capacity);
+        Self { _folder: folder, address, queue }
     }
 
     fn client(&self) -> ClientPort {
@@ -36,19 +36,19 @@ fn nobody_gets_the_answer_of_a_client_that_has_gone() {
     let mut scene = Scene::new(0, 4);
     let first = scene.client();
     let pending = first.ask(&Ask::new(1)).unwrap();
-    scene.desk.drain();
-    assert_eq!(scene.desk.next().unwrap().ask.sequence, 1);
+    scene.queue.drain();
+    assert_eq!(scene.queue.next().unwrap().ask.sequence, 1);
     drop((pending, first));
 
     let second = scene.client();
     let pending = second.ask(&Ask::new(1)).unwrap();
-    scene.desk.drain();
-    scene.desk.answer(&refused("to the first"));
+    scene.queue.drain();
+    scene.queue.answer(&refused("to the first"));
     assert_eq!(pending.receive().unwrap(), None);
-    assert!(scene.desk.next().is_some(), "it is still wanted");
-    scene.desk.answer(&refused("to the second"));
+    assert!(scene.queue.next().is_some(), "it is still wanted");
+    scene.queue.answer(&refused("to the second"));
     assert_eq!(pending.receive().unwrap(), Some(refused("to the second")));
-    assert_eq!(scene.desk.stats.health().withdrawn, 1);
+    assert_eq!(scene.queue.stats.health().withdrawn, 1);
 }
 
 #[test]
@@ -56,23 +56,23 @@ fn nobody_loses_an_answer_to_one_who_waited_in_its_place() {
     let mut scene = Scene::new(1, 4);
     let busy = scene.client();
     let kept = busy.ask(&Ask::new(9)).unwrap();
-    scene.desk.drain();
-    scene.desk.next().unwrap();
+    scene.queue.drain();
+    scene.queue.next().unwrap();
     let first = scene.client();
     let pending = first.ask(&Ask::new(1)).unwrap();
-    scene.desk.drain();
-    assert_eq!(scene.desk.waiting(), 1);
+    scene.queue.drain();
+    assert_eq!(scene.queue.waiting(), 1);
     drop((pending, first));
 
     let second = scene.client();
     let pending = second.ask(&Ask::new(1)).unwrap();
-    scene.desk.drain();
-    scene.desk.answer(&refused("to the busy one"));
+    scene.queue.drain();
+    scene.queue.answer(&refused("to the busy one"));
     assert_eq!(kept.receive().unwrap(), Some(refused("to the busy one")));
-    assert!(scene.desk.next().is_some());
-    scene.desk.answer(&refused("to the second"));
+    assert!(scene.queue.next().is_some());
+    scene.queue.answer(&refused("to the second"));
     assert_eq!(pending.receive().unwrap(), Some(refused("to the second")));
-    assert!(scene.desk.next().is_none());
+    assert!(scene.queue.next().is_none());
 }
 
 #[test]
@@ -81,8 +81,8 @@ fn beyond_the_queue_the_answer_is_busy() {
     let clients: Vec<ClientPort> = (0..3).map(|_| scene.client()).collect();
     let ask = |client: &ClientPort| client.ask(&Ask::new(1)).unwrap();
     let pending: Vec<_> = clients.iter().map(ask).collect();
-    scene.desk.drain();
+    scene.queue.drain();
     let verdict = |pending: &transport::Pending| pending.receive().unwrap().map(|a| a.verdict());
     let busy = pending.iter().filter(|pending| verdict(pending) == Some(WireState::Busy)).count();
-    assert_eq!((busy, scene.desk.waiting()), (2, 1));
+    assert_eq!((busy, scene.queue.waiting()), (2, 1));
 }

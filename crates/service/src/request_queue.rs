@@ -18,17 +18,17 @@ pub(crate) struct Taken {
 }
 
 /// The server's port, who waits before it, and who is being attended to.
-pub(crate) struct Desk {
+pub(crate) struct RequestQueue {
     pub(crate) server: Server,
     pub(crate) stats: Stats,
     /// With the time of taking (ns).
     waiting: VecDeque<(TakenRequest, u64)>,
-    /// What [`Desk::next`] gave out; `None` also if its client has gone since.
+    /// What [`RequestQueue::next`] gave out; `None` also if its client has gone since.
     at_work: Option<TakenRequest>,
     capacity: usize,
 }
 
-impl Desk {
+impl RequestQueue {
     pub(crate) fn new(server: Server, stats: Stats, capacity: usize) -> Self {
         let waiting = VecDeque::with_capacity(capacity);
         Self { server, stats, waiting, at_work: None, capacity }
@@ -66,7 +66,7 @@ impl Desk {
 
     /// Lets go of requests that nobody wants any more; says how many.
     fn forget_unwanted(&mut self) -> usize {
-        let held = |desk: &Self| desk.waiting.len() + usize::from(desk.at_work.is_some());
+        let held = |queue: &Self| queue.waiting.len() + usize::from(queue.at_work.is_some());
         let before = held(self);
         self.waiting.retain(|(asked, _)| asked.is_wanted());
         self.at_work.take_if(|asked| !asked.is_wanted());
@@ -84,7 +84,7 @@ impl Desk {
         Some(Taken { ask, taken_ns })
     }
 
-    /// Answers what [`Desk::next`] gave out, if its client is still there.
+    /// Answers what [`RequestQueue::next`] gave out, if its client is still there.
     pub(crate) fn answer(&mut self, answer: &WireAnswer) {
         if let Some(asked) = self.at_work.take() {
             self.hand_over(asked, answer);

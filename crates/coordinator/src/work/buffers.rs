@@ -5,9 +5,9 @@
 //! next: only capacity, and what depends on the bodies alone.
 
 use super::{Outlook, TaskState};
+use crate::answer_view::Judged;
 use crate::bound;
-use crate::brief::Judged;
-use crate::case::{Aim, Case};
+use crate::candidate_state::{CandidateState, Purpose};
 use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
@@ -16,33 +16,33 @@ use bvh::NodePair;
 use protocol::{WireQuestion, WireTask};
 use std::collections::VecDeque;
 
-/// What [`super::RankingRun::into_room`] gives and [`super::RankingRun::in_room`] takes.
+/// What [`super::RankingRun::into_buffers`] gives and [`super::RankingRun::with_buffers`] takes.
 ///
 /// It must not be kept for other bodies: it holds their zones.
 #[derive(Debug, Default)]
-pub struct Room {
+pub struct RunBuffers {
     pub(super) zones: Vec<u16>,
-    pub(super) cases: Vec<Case>,
-    pub(super) errands: Vec<TaskState>,
+    pub(super) candidate_states: Vec<CandidateState>,
+    pub(super) tasks: Vec<TaskState>,
     pub(super) waiting: VecDeque<u32>,
     pub(super) pairs: Vec<NodePair>,
-    pub(super) aims: Vec<(Aim, f64, WireQuestion)>,
+    pub(super) purposes: Vec<(Purpose, f64, WireQuestion)>,
     pub(super) outlook: Outlook,
-    pub(super) spare: Spare,
+    pub(super) spare: BufferPool,
 }
 
 /// What is laid aside.
 #[derive(Debug, Default)]
-pub(super) struct Spare {
-    cases: Vec<Case>,
-    errands: Vec<TaskState>,
+pub(super) struct BufferPool {
+    candidate_states: Vec<CandidateState>,
+    tasks: Vec<TaskState>,
     pub(super) gathered: Vec<Gathered>,
     pub(super) rests: Vec<Vec<NodePair>>,
     pub(super) prospects: Vec<Prospect>,
     pub(super) judged: Judged,
 }
 
-impl Room {
+impl RunBuffers {
     /// Cleared for a request.
     pub(super) fn for_request(
         mut self,
@@ -53,43 +53,43 @@ impl Room {
             self.zones.extend(bodies.iter().map(|(_, body)| bound::zones(body)));
         }
         self.waiting.clear();
-        self.aims.clear();
+        self.purposes.clear();
         let spare = &mut self.spare;
-        for errand in &mut self.errands {
-            spare.gathered.extend(errand.found.take());
-            spare.rests.extend(errand.rests.drain(..).map(|(_, rest)| rest));
+        for state in &mut self.tasks {
+            spare.gathered.extend(state.found.take());
+            spare.rests.extend(state.rests.drain(..).map(|(_, rest)| rest));
         }
         // The last is taken first: a request like the last one finds each in its old place.
-        spare.errands.extend(self.errands.drain(..).rev());
-        spare.cases.extend(self.cases.drain(..).rev());
+        spare.tasks.extend(self.tasks.drain(..).rev());
+        spare.candidate_states.extend(self.candidate_states.drain(..).rev());
         for candidate in &request.candidates {
-            let case = spare.cases.pop();
-            let case = case.map_or_else(|| Case::new(candidate), |case| case.anew(candidate));
-            self.cases.push(case);
+            let used = spare.candidate_states.pop();
+            let fresh = || CandidateState::new(candidate);
+            self.candidate_states.push(used.map_or_else(fresh, |used| used.anew(candidate)));
         }
         Self { outlook: self.outlook.anew(request), ..self }
     }
 }
 
-impl Spare {
+impl BufferPool {
     /// A task that nothing was done for.
-    pub(super) fn errand(
+    pub(super) fn state(
         &mut self,
-        case: usize,
-        (aim, travel_m): (Aim, f64),
+        candidate: usize,
+        (purpose, travel_m): (Purpose, f64),
         wire: WireTask,
     ) -> TaskState {
         let [mut todo, mut lost] = [Vec::new(), Vec::new()];
         let (mut out, mut rests) = (VecDeque::new(), Vec::new());
-        if let Some(used) = self.errands.pop() {
+        if let Some(used) = self.tasks.pop() {
             (todo, out, lost, rests) = (used.todo, used.out, used.lost, used.rests);
             todo.clear();
             out.clear();
             lost.clear();
         }
         TaskState {
-            case,
-            aim,
+            candidate,
+            purpose,
             travel_m,
             wire,
             is_descended: false,
