@@ -55,7 +55,7 @@ pub use request_limits::{RequestLimits, Until};
 pub use scene::Scene;
 pub use strategy::{Prospect, SearchOrder, Strategy};
 #[cfg(any(test, feature = "faults"))]
-pub use trial::{BoundFlaw, Chance, TrialResult, trial};
+pub use trial::{BoundFlaw, TrialResult, trial};
 pub use work::{Certainty, Effort, PartOf, RankingRun, RunBuffers, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;

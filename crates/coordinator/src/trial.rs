@@ -1,4 +1,4 @@
-//! Trials of the bounds: a request is worked on in random order, looked at wherever chance will
+//! Trials of the bounds: a request is worked on in random order, looked at wherever rng will
 //! have it, and every interval seen is held against the finished run.
 //!
 //! What must hold at every look: the final value lies in each interval; no interval is wider than
@@ -21,7 +21,7 @@ use damage::{
 };
 use damage::{bounds, needs_high};
 use dispatch::{Closed, JobSource as _};
-use geometry::hash::splitmix64;
+use geometry::rng::Rng;
 
 /// A bound that is wrong on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,31 +45,6 @@ pub struct TrialResult {
     pub open_intervals: u64,
     /// What did not hold, in words.
     pub violations: Vec<String>,
-}
-
-/// What is random about a trial.
-#[derive(Clone, Copy, Debug)]
-pub struct Chance {
-    state: u64,
-}
-
-impl Chance {
-    /// Equal seeds, equal chances.
-    #[must_use]
-    pub fn new(seed: u64) -> Self {
-        Self { state: splitmix64(seed) }
-    }
-
-    /// A number below `n`, which is above 0.
-    pub fn below(&mut self, n: u64) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        ((u128::from(splitmix64(self.state)) * u128::from(n)) >> 64) as u64
-    }
-
-    /// A number in `[from, to)`.
-    pub fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * (self.below(1 << 53) as f64 / (1_u64 << 53) as f64)
-    }
 }
 
 /// All figures of one candidate that are intervals, with their names.
@@ -120,7 +95,7 @@ struct Trial {
     verdict: TrialResult,
 }
 
-/// Works on a request as chance will have it, and looks at it about `stops` times.
+/// Works on a request as rng will have it, and looks at it about `stops` times.
 ///
 /// # Errors
 ///
@@ -135,10 +110,10 @@ pub fn trial(
     let mut whole = RankingRun::new(request, bodies, depth);
     let jobs = run_in_process(&mut whole, bodies).max(1);
     let mut trial = Trial { last: whole.judge()?, before: None, verdict: TrialResult::default() };
-    let mut chance = Chance::new(seed);
-    let search_order = SearchOrder::ALL[chance.below(SearchOrder::ALL.len() as u64) as usize];
-    let budget = [u64::MAX, 10_000, 30_000][chance.below(3) as usize];
-    let loses = [0, 0, 0, 200, 20][chance.below(5) as usize];
+    let mut rng = Rng::new(seed);
+    let search_order = SearchOrder::ALL[rng.below(SearchOrder::ALL.len() as u64) as usize];
+    let budget = [u64::MAX, 10_000, 30_000][rng.below(3) as usize];
+    let loses = [0, 0, 0, 200, 20][rng.below(5) as usize];
     let limits = RequestLimits { search_order, budget, ..RequestLimits::default() };
     let mut work = RankingRun::new(request, bodies, depth).with_limits(limits);
     let mut executor = InProcessExecutor::with_room_for(bodies);
@@ -146,22 +121,22 @@ pub fn trial(
     trial.look(&work, flaw)?;
     loop {
         let mut fresh = Vec::new();
-        if open.is_empty() || chance.below(8) == 0 {
+        if open.is_empty() || rng.below(8) == 0 {
             work.more(&mut fresh);
         }
         open.append(&mut fresh);
         if open.is_empty() {
             break;
         }
-        let job = open.swap_remove(chance.below(open.len() as u64) as usize);
+        let job = open.swap_remove(rng.below(open.len() as u64) as usize);
         if work.is_obsolete(job.task) {
             work.close(&job, Closed::Cut);
-        } else if loses > 0 && chance.below(loses) == 0 {
+        } else if loses > 0 && rng.below(loses) == 0 {
             work.close(&job, Closed::Abandoned);
         } else {
             executor.run(&mut work, &job, &mut |_, _| {});
         }
-        if chance.below(jobs) < stops {
+        if rng.below(jobs) < stops {
             trial.look(&work, flaw)?;
         }
     }

@@ -19,6 +19,7 @@ pub mod hash;
 pub mod lanes;
 pub mod patch;
 pub mod pose;
+pub mod rng;
 pub mod simd;
 pub mod support;
 pub mod triangle;

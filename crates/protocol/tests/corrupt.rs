@@ -1,33 +1,30 @@
 //! Corrupted messages: bits flipped, bytes overwritten, words exchanged, pieces cut, repeated,
 //! taken from other messages, lengths that lie. None is accepted.
 
+use geometry::rng::Rng;
 use protocol::{Boot, Head, Incarnation, Kind, RequestId, seal, verify};
 
 const PEER: Incarnation = Incarnation { worker: 2, inc: 7 };
 const BOOT: Boot = Boot(5);
 
-struct Dice(u64);
+struct RandomWords(Rng);
 
-impl Dice {
+impl RandomWords {
     fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((u128::from(z ^ z >> 31) * end as u128) >> 64) as usize
+        self.0.below(end as u64) as usize
     }
 
     fn word(&mut self) -> u64 {
-        (self.below(1 << 32) as u64) << 32 | self.below(1 << 32) as u64
+        self.0.bits()
     }
 }
 
 /// Header and payload as they lie in memory, with room behind for lengths that lie.
-fn message(dice: &mut Dice) -> Vec<u64> {
-    let kind = if dice.below(2) == 0 { Kind::Result } else { Kind::Batch };
-    let payload: Vec<u64> = (0..dice.below(64)).map(|_| dice.word()).collect();
-    let head = Head::new(BOOT, RequestId(dice.word()), PEER, kind);
-    let head = seal(Head { job: dice.below(1000) as u32, ..head }, &payload);
+fn message(random: &mut RandomWords) -> Vec<u64> {
+    let kind = if random.below(2) == 0 { Kind::Result } else { Kind::Batch };
+    let payload: Vec<u64> = (0..random.below(64)).map(|_| random.word()).collect();
+    let head = Head::new(BOOT, RequestId(random.word()), PEER, kind);
+    let head = seal(Head { job: random.below(1000) as u32, ..head }, &payload);
     let mut words: Vec<u64> = bytemuck::cast::<Head, [u64; 8]>(head).to_vec();
     words.extend(payload);
     words
@@ -41,37 +38,37 @@ fn is_accepted(words: &[u64]) -> bool {
     verify(&head, payload).is_ok() && head.accept(BOOT, PEER, room.len()).is_ok()
 }
 
-fn corrupt(dice: &mut Dice, words: &[u64], other: &[u64]) -> Vec<u64> {
+fn corrupt(random: &mut RandomWords, words: &[u64], other: &[u64]) -> Vec<u64> {
     let mut bad = words.to_vec();
-    match dice.below(8) {
-        0 => bad[dice.below(words.len())] ^= 1 << dice.below(64),
+    match random.below(8) {
+        0 => bad[random.below(words.len())] ^= 1 << random.below(64),
         1 => {
-            for _ in 0..1 + dice.below(8) {
-                bad[dice.below(words.len())] ^= 1 << dice.below(64);
+            for _ in 0..1 + random.below(8) {
+                bad[random.below(words.len())] ^= 1 << random.below(64);
             }
         }
         2 => {
-            let at = dice.below(words.len() * 8);
-            bytemuck::cast_slice_mut::<u64, u8>(&mut bad)[at] = dice.below(256) as u8;
+            let at = random.below(words.len() * 8);
+            bytemuck::cast_slice_mut::<u64, u8>(&mut bad)[at] = random.below(256) as u8;
         }
         3 => {
-            let (a, b) = (dice.below(words.len()), dice.below(words.len()));
+            let (a, b) = (random.below(words.len()), random.below(words.len()));
             bad.swap(a, b);
         }
-        4 => bad.truncate(8 + dice.below(words.len() - 7)),
+        4 => bad.truncate(8 + random.below(words.len() - 7)),
         5 => {
-            let from = dice.below(words.len());
-            let count = (1 + dice.below(16)).min(words.len() - from);
+            let from = random.below(words.len());
+            let count = (1 + random.below(16)).min(words.len() - from);
             bad[from..from + count].fill(0);
         }
         6 => {
-            let from = dice.below(words.len().min(other.len()));
+            let from = random.below(words.len().min(other.len()));
             let count = words.len().min(other.len()) - from;
             bad[from..from + count].copy_from_slice(&other[from..from + count]);
         }
         _ => {
             // The header's length, and words behind for it.
-            let len = dice.below(80) as u64;
+            let len = random.below(80) as u64;
             bad[4] = bad[4] & 0xffff_ffff | len << 32;
             bad.resize(words.len().max(8 + len as usize), 0);
         }
@@ -80,14 +77,14 @@ fn corrupt(dice: &mut Dice, words: &[u64], other: &[u64]) -> Vec<u64> {
 }
 
 fn none_of(count: u64, seed: u64) -> (u64, u64) {
-    let mut dice = Dice(seed);
+    let mut random = RandomWords(Rng::new(seed));
     let (mut tried, mut accepted) = (0, 0);
-    let mut other = message(&mut dice);
+    let mut other = message(&mut random);
     while tried < count {
-        let words = message(&mut dice);
+        let words = message(&mut random);
         assert!(is_accepted(&words), "what was sealed is accepted");
         for _ in 0..16 {
-            let bad = corrupt(&mut dice, &words, &other);
+            let bad = corrupt(&mut random, &words, &other);
             // The same words, or another whole message that was sealed: nothing is corrupt.
             let used =
                 |words: &[u64]| words[..(8 + (words[4] >> 32) as usize).min(words.len())].to_vec();

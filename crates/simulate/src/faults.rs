@@ -24,8 +24,8 @@
 //! `faults/tests.rs` holds that each kind of fault strikes, and that dispatchers with deliberate
 //! mistakes are caught; `faults/model.rs` goes through all states of small worlds.
 
-mod draw;
 mod kind;
+mod rng_key;
 mod shrink;
 mod tally;
 mod work;

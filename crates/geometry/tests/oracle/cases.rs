@@ -8,6 +8,7 @@
 //! a pose.
 
 use geometry::hash::splitmix64;
+use geometry::rng::Rng;
 use geometry::{DVec3, Pose, RelativePose, Triangle};
 
 /// Two triangles.
@@ -20,17 +21,17 @@ pub(crate) struct Pair {
 /// A way of making pairs.
 pub(crate) struct Family {
     pub(crate) name: &'static str,
-    make: fn(&mut Dice) -> [Corners; 2],
+    make: fn(&mut RandomPoints) -> [Corners; 2],
 }
 
 type Corners = [DVec3; 3];
 
 /// All of them; pair n is of family n modulo their number.
 pub(crate) const FAMILIES: &[Family] = &[
-    Family { name: "random", make: random },
-    Family { name: "grid", make: |dice| [dice.grid(2), dice.grid(2)] },
-    Family { name: "shared vertex", make: |dice| shared(dice, 1) },
-    Family { name: "shared edge", make: |dice| shared(dice, 2) },
+    Family { name: "random", make: unrelated },
+    Family { name: "grid", make: |random| [random.grid(2), random.grid(2)] },
+    Family { name: "shared vertex", make: |random| shared(random, 1) },
+    Family { name: "shared edge", make: |random| shared(random, 2) },
     Family { name: "vertex on face", make: vertex_on_face },
     Family { name: "edge on edge", make: edge_on_edge },
     Family { name: "coplanar", make: coplanar },
@@ -51,18 +52,18 @@ pub(crate) fn family(number: u64) -> usize {
 
 /// Pair `number` of `seed`.
 pub(crate) fn pair(seed: u64, number: u64) -> Pair {
-    let mut dice = Dice(splitmix64(seed) ^ splitmix64(number));
-    let mut corners = (FAMILIES[family(number)].make)(&mut dice);
-    if dice.below(3) == 0 {
-        stretch(&mut dice, &mut corners);
+    let mut random = RandomPoints(Rng::new(splitmix64(seed) ^ splitmix64(number)));
+    let mut corners = (FAMILIES[family(number)].make)(&mut random);
+    if random.below(3) == 0 {
+        stretch(&mut random, &mut corners);
     }
     for triangle in &mut corners {
-        triangle.rotate_left(dice.below(3) as usize);
-        if dice.below(2) == 0 {
+        triangle.rotate_left(random.below(3) as usize);
+        if random.below(2) == 0 {
             triangle.swap(1, 2);
         }
     }
-    if dice.below(2) == 0 {
+    if random.below(2) == 0 {
         corners.swap(0, 1);
     }
     let [a, b] = corners.map(Triangle);
@@ -82,19 +83,19 @@ pub(crate) const GROUP: usize = 64;
 
 /// Group `number` of `seed`; its pair i is of the family of `GROUP`·`number` + i.
 pub(crate) fn group(seed: u64, number: u64) -> Group {
-    let mut dice = Dice(splitmix64(seed) ^ splitmix64(!number));
+    let mut random = RandomPoints(Rng::new(splitmix64(seed) ^ splitmix64(!number)));
     let right = [-90.0, 0.0, 90.0, 180.0];
     let mut angle = |kind: u64| match kind {
         0 | 1 => 0.0,
-        2 => right[dice.below(4) as usize],
-        _ => dice.real() * 180.0,
+        2 => right[random.below(4) as usize],
+        _ => random.real() * 180.0,
     };
     let kind = number % 4;
     let (yaw, pitch, roll) = (angle(kind), angle(kind), angle(kind));
     let offset = match kind {
         0 => DVec3::ZERO,
-        1 | 2 => dice.whole_point(4),
-        _ => dice.real_point() * libm::exp2(dice.whole(12)),
+        1 | 2 => random.whole_point(4),
+        _ => random.real_point() * libm::exp2(random.whole(12)),
     };
     let pose = Pose::from_degrees(yaw, pitch, roll, offset.to_array());
     let mut group = Group {
@@ -104,14 +105,14 @@ pub(crate) fn group(seed: u64, number: u64) -> Group {
     };
     let stored = |point: DVec3| point.to_array().map(|x| x as f32);
     for i in 0..GROUP as u64 {
-        let mut corners = (FAMILIES[family(GROUP as u64 * number + i)].make)(&mut dice);
+        let mut corners = (FAMILIES[family(GROUP as u64 * number + i)].make)(&mut random);
         // Small, as triangles of bodies are beside their distance; now and then at the ends of f32.
-        let exponent = match dice.below(16) {
-            0 => dice.whole(120) - 20.0,
-            1..8 => -(dice.below(16) as f64),
+        let exponent = match random.below(16) {
+            0 => random.whole(120) - 20.0,
+            1..8 => -(random.below(16) as f64),
             _ => 0.0,
         };
-        let at = if dice.below(2) == 0 { dice.whole_point(3) } else { DVec3::ZERO };
+        let at = if random.below(2) == 0 { random.whole_point(3) } else { DVec3::ZERO };
         for corner in corners.iter_mut().flatten() {
             *corner = *corner * libm::exp2(exponent) + at;
         }
@@ -122,17 +123,12 @@ pub(crate) fn group(seed: u64, number: u64) -> Group {
     group
 }
 
-/// A reproducible source of chance: SplitMix64.
-struct Dice(u64);
+/// Random numbers and points.
+struct RandomPoints(Rng);
 
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        splitmix64(self.0)
-    }
-
+impl RandomPoints {
     fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
+        self.0.below(n)
     }
 
     /// A whole number in [−n, n].
@@ -142,7 +138,7 @@ impl Dice {
 
     /// In [−1, 1).
     fn real(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        (self.0.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
     fn whole_point(&mut self, n: i64) -> DVec3 {
@@ -163,10 +159,10 @@ impl Dice {
 }
 
 /// Multiplies each axis by a power of two: within the range of `robust`, or far out of it.
-fn stretch(dice: &mut Dice, corners: &mut [Corners; 2]) {
-    let far = dice.below(3) == 0;
-    let even = dice.below(2) == 0;
-    let mut exponent = || if far { dice.whole(1000) as i32 } else { dice.whole(60) as i32 };
+fn stretch(random: &mut RandomPoints, corners: &mut [Corners; 2]) {
+    let far = random.below(3) == 0;
+    let even = random.below(2) == 0;
+    let mut exponent = || if far { random.whole(1000) as i32 } else { random.whole(60) as i32 };
     let first = exponent();
     let exponents = if even { [first; 3] } else { [first, exponent(), exponent()] };
     for corner in corners.iter_mut().flatten() {
@@ -176,59 +172,60 @@ fn stretch(dice: &mut Dice, corners: &mut [Corners; 2]) {
     }
 }
 
-fn random(dice: &mut Dice) -> [Corners; 2] {
-    [dice.real_corners(), dice.real_corners()]
+fn unrelated(random: &mut RandomPoints) -> [Corners; 2] {
+    [random.real_corners(), random.real_corners()]
 }
 
 /// Two triangles with `count` corners in common.
-fn shared(dice: &mut Dice, count: usize) -> [Corners; 2] {
-    let [a, mut b] = random(dice);
+fn shared(random: &mut RandomPoints, count: usize) -> [Corners; 2] {
+    let [a, mut b] = unrelated(random);
     b[..count].copy_from_slice(&a[..count]);
     // Now and then off by one coordinate: then they may miss.
-    if dice.below(2) == 0 {
-        b[0].x += dice.real() * 1e-9;
-        b[1].y += dice.real() * 1e-9;
+    if random.below(2) == 0 {
+        b[0].x += random.real() * 1e-9;
+        b[1].y += random.real() * 1e-9;
     }
     [a, b]
 }
 
 /// A corner at a dyadic combination of the other's corners: inside, on an edge, or just outside.
-fn vertex_on_face(dice: &mut Dice) -> [Corners; 2] {
-    let (mut a, b) = (dice.grid(1000), dice.grid(1000));
-    let (v, w) = (dice.whole(9), dice.whole(9));
+fn vertex_on_face(random: &mut RandomPoints) -> [Corners; 2] {
+    let (mut a, b) = (random.grid(1000), random.grid(1000));
+    let (v, w) = (random.whole(9), random.whole(9));
     a[0] = b[0] * ((8.0 - v - w) / 8.0) + b[1] * (v / 8.0) + b[2] * (w / 8.0);
     [a, b]
 }
 
 /// An edge of each through one point, and now and then past its end.
-fn edge_on_edge(dice: &mut Dice) -> [Corners; 2] {
-    let meeting = dice.whole_point(100);
+fn edge_on_edge(random: &mut RandomPoints) -> [Corners; 2] {
+    let meeting = random.whole_point(100);
     let mut side = || {
-        let (along, past) = (dice.whole_point(100), dice.whole(1) - 0.5);
-        [meeting + along, meeting + along * past, dice.whole_point(200)]
+        let (along, past) = (random.whole_point(100), random.whole(1) - 0.5);
+        [meeting + along, meeting + along * past, random.whole_point(200)]
     };
     [side(), side()]
 }
 
 /// Whole steps along two directions of one plane.
-fn coplanar(dice: &mut Dice) -> [Corners; 2] {
-    let (origin, u, v) = (dice.whole_point(9), dice.whole_point(9), dice.whole_point(9));
-    let mut corners = || core::array::from_fn(|_| origin + u * dice.whole(3) + v * dice.whole(3));
+fn coplanar(random: &mut RandomPoints) -> [Corners; 2] {
+    let (origin, u, v) = (random.whole_point(9), random.whole_point(9), random.whole_point(9));
+    let mut corners =
+        || core::array::from_fn(|_| origin + u * random.whole(3) + v * random.whole(3));
     [corners(), corners()]
 }
 
 /// All on one line.
-fn collinear(dice: &mut Dice) -> [Corners; 2] {
-    let (origin, along) = (dice.whole_point(9), dice.whole_point(9));
-    let mut corners = || core::array::from_fn(|_| origin + along * dice.whole(6));
+fn collinear(random: &mut RandomPoints) -> [Corners; 2] {
+    let (origin, along) = (random.whole_point(9), random.whole_point(9));
+    let mut corners = || core::array::from_fn(|_| origin + along * random.whole(6));
     [corners(), corners()]
 }
 
 /// Points and segments, against each other and against true triangles.
-fn degenerate(dice: &mut Dice) -> [Corners; 2] {
+fn degenerate(random: &mut RandomPoints) -> [Corners; 2] {
     let mut corners = || {
-        let mut corners = dice.grid(1);
-        match dice.below(4) {
+        let mut corners = random.grid(1);
+        match random.below(4) {
             0 => corners = [corners[0]; 3],
             1 => corners[2] = corners[1],
             2 => corners[2] = (corners[0] + corners[1]) * 0.5,
@@ -240,81 +237,81 @@ fn degenerate(dice: &mut Dice) -> [Corners; 2] {
 }
 
 /// Third corners almost on the edge between the first two, the edges crossing or nearly so.
-fn needle(dice: &mut Dice) -> [Corners; 2] {
-    let meeting = dice.real_point();
+fn needle(random: &mut RandomPoints) -> [Corners; 2] {
+    let meeting = random.real_point();
     let mut corners = || {
-        let along = dice.real_point();
-        let [off, thin] = [(); 2].map(|()| libm::exp2(-10.0 - dice.below(45) as f64));
-        let (p, q) = (meeting + along + dice.real_point() * off, meeting - along);
-        [p, q, p + (q - p) * dice.real().abs() + dice.real_point() * thin]
+        let along = random.real_point();
+        let [off, thin] = [(); 2].map(|()| libm::exp2(-10.0 - random.below(45) as f64));
+        let (p, q) = (meeting + along + random.real_point() * off, meeting - along);
+        [p, q, p + (q - p) * random.real().abs() + random.real_point() * thin]
     };
     [corners(), corners()]
 }
 
 /// A contact of another family, one coordinate of one corner moved to a neighbouring number.
-fn an_ulp_off(dice: &mut Dice) -> [Corners; 2] {
-    let touching: [fn(&mut Dice) -> [Corners; 2]; 4] =
-        [vertex_on_face, edge_on_edge, coplanar, |dice| shared(dice, 1)];
-    let mut corners = touching[dice.below(4) as usize](dice);
-    let corner = &mut corners[dice.below(2) as usize][dice.below(3) as usize];
-    let coordinate = &mut corner[dice.below(3) as usize];
-    for _ in 0..=dice.below(2) {
+fn an_ulp_off(random: &mut RandomPoints) -> [Corners; 2] {
+    let touching: [fn(&mut RandomPoints) -> [Corners; 2]; 4] =
+        [vertex_on_face, edge_on_edge, coplanar, |random| shared(random, 1)];
+    let mut corners = touching[random.below(4) as usize](random);
+    let corner = &mut corners[random.below(2) as usize][random.below(3) as usize];
+    let coordinate = &mut corner[random.below(3) as usize];
+    for _ in 0..=random.below(2) {
         *coordinate =
-            if dice.below(2) == 0 { coordinate.next_up() } else { coordinate.next_down() };
+            if random.below(2) == 0 { coordinate.next_up() } else { coordinate.next_down() };
     }
     corners
 }
 
 /// One plane, up to some last bits.
-fn nearly_coplanar(dice: &mut Dice) -> [Corners; 2] {
-    let (origin, u, v) = (dice.real_point(), dice.real_point(), dice.real_point());
-    let off = libm::exp2(-30.0 - dice.below(26) as f64);
+fn nearly_coplanar(random: &mut RandomPoints) -> [Corners; 2] {
+    let (origin, u, v) = (random.real_point(), random.real_point(), random.real_point());
+    let off = libm::exp2(-30.0 - random.below(26) as f64);
     let mut corners = || {
         core::array::from_fn(|_| {
-            origin + u * dice.real() + v * dice.real() + dice.real_point() * off
+            origin + u * random.real() + v * random.real() + random.real_point() * off
         })
     };
     [corners(), corners()]
 }
 
 /// A large triangle, and a small one at one of its points.
-fn unequal_sizes(dice: &mut Dice) -> [Corners; 2] {
-    let [large, small] = random(dice);
-    let (v, w) = (dice.real().abs(), dice.real().abs());
+fn unequal_sizes(random: &mut RandomPoints) -> [Corners; 2] {
+    let [large, small] = unrelated(random);
+    let (v, w) = (random.real().abs(), random.real().abs());
     let at = large[0] + (large[1] - large[0]) * v + (large[2] - large[0]) * w;
-    let scale = libm::exp2(-(dice.below(60) as f64));
+    let scale = libm::exp2(-(random.below(60) as f64));
     [large, small.map(|corner| at + corner * scale)]
 }
 
 /// Stored f32 corners, B's through a relative pose: right angles, minute angles, any.
-fn posed(dice: &mut Dice) -> [Corners; 2] {
-    let mut angle = || match dice.below(4) {
-        0 => dice.whole(4) * 90.0,
-        1 => dice.real() * libm::exp2(-(dice.below(1060) as f64)),
+fn posed(random: &mut RandomPoints) -> [Corners; 2] {
+    let mut angle = || match random.below(4) {
+        0 => random.whole(4) * 90.0,
+        1 => random.real() * libm::exp2(-(random.below(1060) as f64)),
         2 => 0.0,
-        _ => dice.real() * 180.0,
+        _ => random.real() * 180.0,
     };
     let (yaw, pitch, roll) = (angle(), angle(), angle());
     // Equal yaws make R nearly the unit matrix: zeros meet minute sines.
-    let tiny = dice.below(4) == 0;
-    let at = if tiny { DVec3::ZERO } else { dice.whole_point(2) };
+    let tiny = random.below(4) == 0;
+    let at = if tiny { DVec3::ZERO } else { random.whole_point(2) };
     let a = Pose::from_degrees(yaw, 0.0, 0.0, at.to_array());
-    let b = Pose::from_degrees(if dice.below(2) == 0 { yaw } else { 0.0 }, pitch, roll, [0.0; 3]);
+    let b = Pose::from_degrees(if random.below(2) == 0 { yaw } else { 0.0 }, pitch, roll, [0.0; 3]);
     let pose = RelativePose::between(&a, &b);
     let scale = if tiny { f32::from_bits(1) } else { 1.0 };
-    let mut stored = || dice.grid(2).map(|p| p.to_array().map(|x| x as f32 * scale));
+    let mut stored = || random.grid(2).map(|p| p.to_array().map(|x| x as f32 * scale));
     let (corners_a, corners_b) = (stored(), stored());
     let exactly = corners_a.map(|p| DVec3::from_array(p.map(f64::from)));
     [exactly, pose.triangle(&corners_b).0]
 }
 
 /// Coordinates at and below the least normal number, among zeros and ordinary ones.
-fn denormal(dice: &mut Dice) -> [Corners; 2] {
-    let shift = dice.below(3);
-    let mut coordinate = || match (dice.below(4), shift) {
-        (0, 0) => dice.whole(2),
-        (1, 1) => dice.real() * f64::MIN_POSITIVE,
-        _ => dice.whole(3) * f64::from_bits(1),
+fn denormal(random: &mut RandomPoints) -> [Corners; 2] {
+    let shift = random.below(3);
+    let mut coordinate = || match (random.below(4), shift) {
+        (0, 0) => random.whole(2),
+        (1, 1) => random.real() * f64::MIN_POSITIVE,
+        _ => random.whole(3) * f64::from_bits(1),
     };
     let mut corners =
         || core::array::from_fn(|_| DVec3::new(coordinate(), coordinate(), coordinate()));

@@ -3,7 +3,8 @@
 use super::figures::names;
 use super::requests::{self, POLICIES, Pool};
 use crate::progress::{Progress, SyncProgress};
-use coordinator::{BoundFlaw, Chance, TrialResult, trial};
+use coordinator::{BoundFlaw, TrialResult, trial};
+use geometry::rng::Rng;
 use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::Failure;
@@ -64,10 +65,10 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
     let mut seed = options.seed;
     while all.stops < options.stops {
         // Every request has a seed of its own, so that one can be made again alone.
-        let mut chance = Chance::new(seed);
-        let candidates = 2 + chance.below(4) as usize;
+        let mut rng = Rng::new(seed);
+        let candidates = 2 + rng.below(4) as usize;
         let policy = requests::policy(requests as usize)?;
-        if let Some(request) = requests::request(&views, (candidates, 1.1), &mut chance, policy)? {
+        if let Some(request) = requests::request(&views, (candidates, 1.1), &mut rng, policy)? {
             let stops = (seed, options.per_request);
             let one = trial(&request, &views, options.depth, stops, options.flaw)?;
             if let (Some(what), None) = (one.violations.first(), &first) {

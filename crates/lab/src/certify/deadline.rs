@@ -4,11 +4,10 @@ use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{Progress, SyncProgress};
 use body::{BodyView, Meta};
-use coordinator::{
-    Chance, Options, RankingRun, Request, RequestLimits, WorkerPool, run_in_process,
-};
+use coordinator::{Options, RankingRun, Request, RequestLimits, WorkerPool, run_in_process};
 use damage::AnswerState;
 use dispatch::Queues;
+use geometry::rng::Rng;
 use runtime::{affinity, clock};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -72,12 +71,12 @@ pub fn deadline(
 ) -> Result<DeadlineReport, Failure> {
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
-    let mut chance = Chance::new(options.seed);
+    let mut rng = Rng::new(options.seed);
     let mut asked = Vec::new();
     while asked.len() < ROUND.min(options.requests as usize) {
-        let candidates = 6 + chance.below(11) as usize;
+        let candidates = 6 + rng.below(11) as usize;
         let policy = requests::policy(asked.len())?;
-        asked.extend(requests::request(&views, (candidates, 1.1), &mut chance, policy)?);
+        asked.extend(requests::request(&views, (candidates, 1.1), &mut rng, policy)?);
     }
     if pool.names[0] == pool.names[1] {
         // Identical bodies, one in the other to the last triangle.

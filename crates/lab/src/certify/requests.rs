@@ -1,9 +1,10 @@
-//! Requests as chance will have them: an ego among bodies that it may hit, from any side.
+//! Requests as rng will have them: an ego among bodies that it may hit, from any side.
 
 use crate::pair;
 use body::{BodyView, Kind, Meta};
-use coordinator::{Chance, Request};
+use coordinator::Request;
 use damage::{Curves, Policy};
+use geometry::rng::Rng;
 use scenario::Scenario;
 use std::fmt::Write as _;
 use trolley::Failure;
@@ -59,15 +60,15 @@ pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
 }
 
 /// A request of so many candidates between bodies of a pool, in their order; they stand to the side
-/// by up to so many times what their boxes take. `None` if chance made one that would be refused.
+/// by up to so many times what their boxes take. `None` if rng made one that would be refused.
 pub(super) fn request(
     views: &[(Meta, BodyView<'_>)],
     way: (usize, f64),
-    chance: &mut Chance,
+    rng: &mut Rng,
     policy: Policy,
 ) -> Result<Option<Request>, Failure> {
-    let text = scenario(views, way, chance);
-    let parsed = Scenario::parse("chance.toml", &text)?;
+    let text = scenario(views, way, rng);
+    let parsed = Scenario::parse("rng.toml", &text)?;
     Ok(Request::new(&parsed, views, policy, curves()?).ok())
 }
 
@@ -81,7 +82,7 @@ pub(super) fn parse(
     views: &[(Meta, BodyView<'_>)],
     policy: Policy,
 ) -> Result<Request, Failure> {
-    Ok(Request::new(&Scenario::parse("chance.toml", text)?, views, policy, curves()?)?)
+    Ok(Request::new(&Scenario::parse("rng.toml", text)?, views, policy, curves()?)?)
 }
 
 /// The ego and a body like it, which end in each other to the last triangle; and beside that, a way
@@ -99,7 +100,7 @@ pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> String {
 pub(super) fn scenario(
     views: &[(Meta, BodyView<'_>)],
     (candidates, miss): (usize, f64),
-    chance: &mut Chance,
+    rng: &mut Rng,
 ) -> String {
     let mut text = parties(views.len());
     let half = |body: &BodyView<'_>, axis: usize| {
@@ -108,7 +109,7 @@ pub(super) fn scenario(
     };
     let (_, ego) = &views[0];
     for number in 0..candidates {
-        let other = 1 + chance.below(views.len() as u64 - 1) as usize;
+        let other = 1 + rng.below(views.len() as u64 - 1) as usize;
         let (meta, body) = &views[other];
         let is_fixed = matches!(meta.kind, Kind::Wall | Kind::Pole | Kind::Building);
         let most = match meta.kind {
@@ -117,15 +118,15 @@ pub(super) fn scenario(
             Kind::Cyclist => 8.0,
             _ => 16.0,
         };
-        let speed = chance.between(0.0, most);
-        let yaw = chance.between(-180.0, 180.0);
+        let speed = rng.between(0.0, most);
+        let yaw = rng.between(-180.0, 180.0);
         let (own, across) = (half(body, 0), half(body, 1));
         let (sin, cos) = (yaw.to_radians().sin().abs(), yaw.to_radians().cos().abs());
         let reach = own * cos + across * sin;
-        let x = half(ego, 0) + chance.between(0.3, 1.0) * reach;
+        let x = half(ego, 0) + rng.between(0.3, 1.0) * reach;
         let wide = half(ego, 1) + own * sin + across * cos;
-        let y = chance.between(-miss, miss) * wide;
-        let ego_speed = chance.between(2.0, 20.0);
+        let y = rng.between(-miss, miss) * wide;
+        let ego_speed = rng.between(2.0, 20.0);
         candidate(&mut text, number, ego_speed, (other, [x, y], yaw, speed));
     }
     text
@@ -133,7 +134,7 @@ pub(super) fn scenario(
 
 /// The head of a scenario. The bodies themselves are passed beside it.
 fn parties(count: usize) -> String {
-    let mut text = "schema = \"trolley.scenario/1\"\nname = \"chance\"\n[parties]\n".to_owned();
+    let mut text = "schema = \"trolley.scenario/1\"\nname = \"rng\"\n[parties]\n".to_owned();
     for number in 0..count {
         let _written = writeln!(
             text,

@@ -4,8 +4,9 @@ use super::figures::{median, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{Progress, SyncProgress};
 use body::{BodyView, Meta};
-use coordinator::{Chance, RankingRun, Request, RequestLimits, SearchOrder, Until, run_in_process};
+use coordinator::{RankingRun, Request, RequestLimits, SearchOrder, Until, run_in_process};
 use damage::evidence::Touch;
+use geometry::rng::Rng;
 use runtime::clock;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -56,7 +57,7 @@ struct Row {
     median_time: f64,
 }
 
-/// Requests that chance may make for one that can be ranked and is asked for.
+/// Requests that rng may make for one that can be ranked and is asked for.
 const TRIES: u64 = 1_000;
 
 /// One request, worked on by one strategy.
@@ -115,19 +116,19 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
     let mut sizes = Vec::new();
     for &depth in &options.depths {
         let mut ran: Vec<Vec<Ran>> = vec![Vec::new(); SearchOrder::ALL.len()];
-        let mut chance = Chance::new(options.seed);
+        let mut rng = Rng::new(options.seed);
         let (mut made, mut tried) = (0, 0);
         while made < options.requests {
             tried += 1;
             if tried > TRIES * u64::from(options.requests) {
-                let what = "hardly any request that chance makes of these bodies can be ranked";
+                let what = "hardly any request that rng makes of these bodies can be ranked";
                 return Err(Failure::input(what).with_remedy("name other bodies: --body"));
             }
-            let candidates = 6 + chance.below(11) as usize;
+            let candidates = 6 + rng.below(11) as usize;
             let policy = requests::policy(made as usize)?;
             let miss = if options.unavoidable { 0.6 } else { 1.1 };
             let way = (candidates, miss);
-            let Some(request) = requests::request(&views, way, &mut chance, policy)? else {
+            let Some(request) = requests::request(&views, way, &mut rng, policy)? else {
                 continue;
             };
             let (all, whole_ns, winner) = run(&request, &views, depth, RequestLimits::default())?;

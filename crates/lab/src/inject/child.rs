@@ -1,11 +1,12 @@
 //! Faults that take a whole run: a program is started that ranks, and its run disturbed.
 
 use super::kind::Kind;
-use super::plan::{Dice, Plan};
+use super::plan::Plan;
 use super::report::{Report, State};
 use super::signals::flip;
 use super::worker_pool::{names_of, options};
 use coordinator::{Answer, WorkerPool, WorkerPoolError};
+use geometry::rng::Rng;
 use runtime::process::{self, Held, Spawn};
 use runtime::{Child, Exit, SealedMemory, clock};
 use std::fs::File;
@@ -114,13 +115,13 @@ pub(super) fn run(
     (reference, store): (&Answer, &SealedMemory),
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let dice = Dice(seed ^ number << 20);
+    let rng = Rng::new(seed ^ number << 20);
     report.requests += 1;
     match kind {
         Kind::CoordinatorKill | Kind::KillInStop | Kind::StaleMemory => {
-            kill_coordinator(rank, kind, dice, reference, report)
+            kill_coordinator(rank, kind, rng, reference, report)
         }
-        Kind::FlipQueue | Kind::FlipPayload => flip_bits(rank, kind, dice, reference, report),
+        Kind::FlipQueue | Kind::FlipPayload => flip_bits(rank, kind, rng, reference, report),
         Kind::VersionSkew => skew(rank, kind, store, report),
         Kind::SmallShm | Kind::FewFiles | Kind::ClockShift => {
             confine(rank, kind, reference, report)
@@ -136,14 +137,14 @@ pub(super) fn run(
 fn kill_coordinator(
     rank: &Rank<'_>,
     kind: Kind,
-    mut dice: Dice,
+    mut rng: Rng,
     reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     let mut run = Run::start(rank, &[])?;
     let wait_ms = match kind {
         Kind::KillInStop => run.until_it_stops(),
-        _ => dice.below(120),
+        _ => rng.below(120),
     };
     let ended = run.child.wait_ms(wait_ms)?;
     let workers: Vec<Held> =
@@ -177,20 +178,20 @@ fn kill_coordinator(
 fn flip_bits(
     rank: &Rank<'_>,
     kind: Kind,
-    mut dice: Dice,
+    mut rng: Rng,
     reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     let mut run = Run::start(rank, &[])?;
-    let _ended = run.child.wait_ms(10 + dice.below(60))?;
+    let _ended = run.child.wait_ms(10 + rng.below(60))?;
     let struck_ns = clock::now_ns();
     let prefix = format!("trolley.{}.", instance());
-    let (suffix, bits) = match (kind, dice.below(2)) {
+    let (suffix, bits) = match (kind, rng.below(2)) {
         (Kind::FlipPayload, _) => (".data", 64),
         (_, 0) => (".connection", 16),
         _ => (".dynamic", 16),
     };
-    flip(&prefix, suffix, bits, dice);
+    flip(&prefix, suffix, bits, rng);
     let state = run.end(reference)?;
     report.count(state);
     let took_ns = clock::now_ns() - struck_ns;

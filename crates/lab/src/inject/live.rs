@@ -1,12 +1,13 @@
 //! Faults in a worker pool that answers request after request, and is mended in between.
 
 use super::kind::Kind;
-use super::plan::{Dice, Plan};
+use super::plan::Plan;
 use super::report::{GUARD_NS, Report, State, judge};
 use super::signals::{Deed, Gunner, Shot};
 use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
 use coordinator::{Answer, Corruption, Observation, RankingRun, WorkerPool, WorkerPoolError};
+use geometry::rng::Rng;
 use protocol::{Fault, FaultCommand, Incarnation};
 use runtime::process::Held;
 use runtime::{SealedMemory, clock, machine};
@@ -46,7 +47,7 @@ struct Live<'s, F> {
     make: F,
     worker_pool: WorkerPool,
     instance: String,
-    dice: Dice,
+    rng: Rng,
     sequence: u16,
     /// What a request takes without faults (ns), and how many jobs it has.
     usual_ns: u64,
@@ -73,7 +74,7 @@ pub(super) fn run<'w>(
         make,
         worker_pool,
         instance,
-        dice: Dice(seed ^ 0x0fa7),
+        rng: Rng::new(seed ^ 0x0fa7),
         sequence: 0,
         usual_ns: 1,
         jobs: 1,
@@ -226,7 +227,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
 
     /// Takes some of the faults that are left. One that takes all workers stays alone.
     fn choose(&mut self, left: &mut Vec<(Kind, u32)>) -> Vec<(Kind, u32)> {
-        let most = 1 + self.dice.below(self.stage.plan.at_once.into()) as usize;
+        let most = 1 + self.rng.below(self.stage.plan.at_once.into()) as usize;
         let mut chosen: Vec<(Kind, u32)> = Vec::new();
         while chosen.len() < most {
             let is_alone = |(kind, _): &mut (Kind, u32)| chosen.is_empty() || !kind.takes_all();
@@ -241,13 +242,13 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
 
     /// A request with some of the faults that are left.
     fn round(&mut self, left: &mut Vec<(Kind, u32)>, report: &mut Report) -> Result<(), Failure> {
-        let waits = self.dice.below(4) > 0;
+        let waits = self.rng.below(4) > 0;
         self.mend(waits, report)?;
         let chosen = self.choose(left);
         let roster = self.worker_pool.roster();
         let mut workers: Vec<usize> = (0..roster.len()).collect();
         for at in (1..workers.len()).rev() {
-            workers.swap(at, self.dice.below(at as u64 + 1) as usize);
+            workers.swap(at, self.rng.below(at as u64 + 1) as usize);
         }
         let begun_ns = clock::now_ns();
         let mut shots = Vec::new();
@@ -327,7 +328,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         shots: &mut Vec<Shot>,
     ) -> Result<(), Failure> {
         let number = self.open.len() - 1;
-        let within_ns = self.dice.below(self.usual_ns);
+        let within_ns = self.rng.below(self.usual_ns);
         let mut shoot = |after_ns: u64, deed: Deed| {
             // Who has ended by itself cannot be shot.
             if let Ok(at) = Held::of(pid) {
@@ -346,7 +347,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                     let _mended = self.worker_pool.mend(self.stage.store)?;
                     self.look_at_start(number);
                     let next = self.worker_pool.roster()[usize::from(who.worker)];
-                    let after_ns = self.dice.below(20_000_000);
+                    let after_ns = self.rng.below(20_000_000);
                     if next.0 != who
                         && let Ok(at) = Held::of(next.1)
                     {
@@ -358,12 +359,12 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             }
             Kind::Stop => shoot(within_ns, Deed::Stop),
             Kind::StopContinue => {
-                let ns = 1_000_000 + self.dice.below(250_000_000);
+                let ns = 1_000_000 + self.rng.below(250_000_000);
                 shoot(within_ns, Deed::Pause(ns));
             }
             Kind::Slow => shoot(within_ns / 2, Deed::Choke(20)),
             Kind::GarbleBatch | Kind::QueueFull => {
-                let bit = self.dice.next() as u32;
+                let bit = self.rng.bits() as u32;
                 let how = if kind == Kind::QueueFull {
                     Corruption::Refused
                 } else {
@@ -379,12 +380,12 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 let argument = match misdeed {
                     // All get the same job.
                     Fault::Poison => {
-                        (Dice(self.usual_ns ^ u64::from(self.sequence / 16)).next() % self.jobs)
+                        (Rng::new(self.usual_ns ^ u64::from(self.sequence / 16)).bits() % self.jobs)
                             as u32
                     }
-                    _ => self.dice.next() as u32,
+                    _ => self.rng.bits() as u32,
                 };
-                let after = self.dice.below(share.clamp(1, 20)) as u8;
+                let after = self.rng.below(share.clamp(1, 20)) as u8;
                 let order = FaultCommand { sequence: self.sequence, misdeed, after, argument };
                 self.worker_pool.order(who.worker, Some(order));
             }

@@ -1,6 +1,7 @@
 //! A fault plan: which faults, how often, against which scenario.
 
 use super::kind::Kind;
+use geometry::rng::Rng;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -88,27 +89,11 @@ impl Plan {
             .iter()
             .flat_map(|(kind, count)| std::iter::repeat_n(*kind, *count as usize))
             .collect();
-        let mut dice = Dice(seed);
+        let mut rng = Rng::new(seed);
         for at in (1..all.len()).rev() {
-            all.swap(at, dice.below(at as u64 + 1) as usize);
+            all.swap(at, rng.below(at as u64 + 1) as usize);
         }
         all
-    }
-}
-
-/// splitmix64.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Dice(pub(crate) u64);
-
-impl Dice {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(1);
-        geometry::hash::splitmix64(self.0)
-    }
-
-    /// Below `end`, which is not 0.
-    pub(crate) fn below(&mut self, end: u64) -> u64 {
-        ((u128::from(self.next()) * u128::from(end)) >> 64) as u64
     }
 }
 

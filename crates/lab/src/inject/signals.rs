@@ -1,6 +1,6 @@
 //! Signals to workers at given moments, from a thread of its own.
 
-use super::plan::Dice;
+use geometry::rng::Rng;
 use runtime::clock;
 use runtime::process::Held;
 use std::fs::OpenOptions;
@@ -120,7 +120,7 @@ fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
 }
 
 /// Flips so many bits in each file of shared memory with these ends of its name.
-pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut dice: Dice) {
+pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut rng: Rng) {
     let Ok(entries) = std::fs::read_dir("/dev/shm") else { return };
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -133,9 +133,9 @@ pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut dice: Dice) {
         };
         let len = file.metadata().map_or(0, |meta| meta.len());
         for _ in 0..if len > 0 { bits } else { 0 } {
-            let (at, mut byte) = (dice.below(len), [0]);
+            let (at, mut byte) = (rng.below(len), [0]);
             if file.read_at(&mut byte, at).is_ok() {
-                byte[0] ^= 1 << dice.below(8);
+                byte[0] ^= 1 << rng.below(8);
                 let _gone = file.write_at(&byte, at);
             }
         }

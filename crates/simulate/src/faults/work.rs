@@ -4,7 +4,7 @@
 //! (pairs); a *probe* asks only whether there is anything, and is obsolete after the first hit; tasks
 //! come in waves, the next when the last one is closed.
 
-use super::draw::Draw;
+use super::rng_key::RngKey;
 use dispatch::{Closed, Job, JobSource};
 use protocol::{Section, TaskId};
 use std::collections::VecDeque;
@@ -82,23 +82,23 @@ pub(super) struct Request {
 }
 
 impl Request {
-    pub(super) fn draw(draw: Draw) -> Self {
-        let mut request = Self { is_gated: draw.at(1).once_in(3), ..Self::default() };
-        let tasks = 1 + draw.at(2).below(5);
+    pub(super) fn random(key: RngKey) -> Self {
+        let mut request = Self { is_gated: key.at(1).once_in(3), ..Self::default() };
+        let tasks = 1 + key.at(2).below(5);
         for number in 0..tasks {
-            let draw = draw.at(3).at(number);
+            let key = key.at(3).at(number);
             let first = request.jobs.len() as u32;
-            let is_probe = draw.at(0).once_in(4);
-            for job in 0..1 + draw.at(1).below(12) {
-                let draw = draw.at(2).at(job);
-                let is_hit = draw.at(0).once_in(2);
+            let is_probe = key.at(0).once_in(4);
+            for job in 0..1 + key.at(1).below(12) {
+                let key = key.at(2).at(job);
+                let is_hit = key.at(0).once_in(2);
                 let found = Found {
-                    bits: if is_hit { draw.at(1).bits() } else { 0 },
-                    most: if is_hit { draw.at(2).below(MOST.into()) as u32 } else { 0 },
-                    sum: if is_hit { 1 + draw.at(3).below(SUM - 1) } else { 0 },
+                    bits: if is_hit { key.at(1).bits() } else { 0 },
+                    most: if is_hit { key.at(2).below(MOST.into()) as u32 } else { 0 },
+                    sum: if is_hit { 1 + key.at(3).below(SUM - 1) } else { 0 },
                 };
-                let parts = if draw.at(4).once_in(4) { 1 + draw.at(5).below(3) as u16 } else { 1 };
-                let time_ns = 5_000 + draw.at(6).below(300_000);
+                let parts = if key.at(4).once_in(4) { 1 + key.at(5).below(3) as u16 } else { 1 };
+                let time_ns = 5_000 + key.at(6).below(300_000);
                 request.jobs.push(SimulatedJob { task: number as u32, found, parts, time_ns });
             }
             let jobs = first..request.jobs.len() as u32;

@@ -1,8 +1,8 @@
 //! The world: what happens, in the order of time, and what strikes at random. Equal seeds give
 //! equal worlds. What workers and the coordinator do when it is their turn stands in their files.
 
-use super::draw::Draw;
 use super::kind::{Faults, SimulatedFault};
+use super::rng_key::RngKey;
 use super::tally::Tally;
 use super::work::{Part, Request};
 use core::fmt;
@@ -113,7 +113,7 @@ enum Happening {
 }
 
 struct World<'l> {
-    draw: Draw,
+    key: RngKey,
     /// Rate of each kind: once in so many places; 0: never.
     rates: Vec<u64>,
     now_ns: u64,
@@ -155,33 +155,33 @@ pub fn run(
         }
         world.tally.disturbed += u64::from(world.tally.faults() > before);
         world.mend();
-        world.now_ns += world.draw.at(70).at(number).below(3 * START_NS);
+        world.now_ns += world.key.at(70).at(number).below(3 * START_NS);
     }
     Ok(world.tally)
 }
 
 impl<'l> World<'l> {
     fn new(seed: u64, limits: &'l FaultLimits, log: Option<&'l mut Vec<String>>) -> Self {
-        let draw = Draw::new(seed);
-        let workers = [1, 2, 2, 3, 4, 4, 4, 4][draw.at(1).below(8) as usize];
-        let capacity = 1 + draw.at(2).below(16) as u32;
+        let key = RngKey::new(seed);
+        let workers = [1, 2, 2, 3, 4, 4, 4, 4][key.at(1).below(8) as usize];
+        let capacity = 1 + key.at(2).below(16) as u32;
         let queues = Queues {
             capacity,
-            batch: 1 + draw.at(3).below(capacity.min(6).into()) as u32,
-            linger_ns: if draw.at(4).once_in(4) { 50_000 } else { 0 },
+            batch: 1 + key.at(3).below(capacity.min(6).into()) as u32,
+            linger_ns: if key.at(4).once_in(4) { 50_000 } else { 0 },
         };
-        let matching = match draw.at(5).below(4) {
-            0 => Matching::RandomMatch(draw.at(6).bits()),
+        let matching = match key.at(5).below(4) {
+            0 => Matching::RandomMatch(key.at(6).bits()),
             1 => Matching::LowestMatch,
             2 => Matching::RoundRobin,
-            _ => Matching::BestMatchLoad(draw.at(6).below(3) as f64 / 2.0),
+            _ => Matching::BestMatchLoad(key.at(6).below(3) as f64 / 2.0),
         };
         let intensity =
-            if draw.at(7).once_in(2) { Intensity::default() } else { Intensity::UNLIMITED };
+            if key.at(7).once_in(2) { Intensity::default() } else { Intensity::UNLIMITED };
         // Of each kind, most worlds have none or few: crowds hide what one alone would show.
         let rate = |fault: &SimulatedFault| {
-            let draw = draw.at(8).at(*fault as u64);
-            let rare = [0, 0, 0, 0, 0, 8, 40, 200][draw.below(8) as usize];
+            let key = key.at(8).at(*fault as u64);
+            let rare = [0, 0, 0, 0, 0, 8, 40, 200][key.below(8) as usize];
             if limits.kinds.has(*fault) { rare } else { 0 }
         };
         #[cfg_attr(not(test), expect(unused_mut, reason = "tests spoil it"))]
@@ -190,7 +190,7 @@ impl<'l> World<'l> {
         dispatcher.corrupt(limits.flaw);
         let actors = (0..workers as u8).map(|worker| Actor::new(Incarnation { worker, inc: 0 }));
         let mut world = Self {
-            draw,
+            key,
             rates: SimulatedFault::ALL.iter().map(rate).collect(),
             now_ns: 1,
             events: BTreeMap::new(),
@@ -226,7 +226,7 @@ impl<'l> World<'l> {
     }
 
     /// Whether a fault strikes at a place.
-    fn strikes(&mut self, fault: SimulatedFault, place: Draw) -> bool {
+    fn strikes(&mut self, fault: SimulatedFault, place: RngKey) -> bool {
         let rate = self.rates[fault as usize];
         if rate == 0
             || !place.at(1000 + fault as u64).once_in(rate)
@@ -239,8 +239,8 @@ impl<'l> World<'l> {
         true
     }
 
-    fn place(&self, who: Incarnation) -> Draw {
-        self.draw.at(30).at(who.worker.into()).at(who.inc.into())
+    fn place(&self, who: Incarnation) -> RngKey {
+        self.key.at(30).at(who.worker.into()).at(who.inc.into())
     }
 
     /// A worker's process, if it lives.

@@ -14,17 +14,17 @@ use protocol::{Incarnation, JobId, RequestId};
 impl World<'_> {
     /// Answers one request, and judges the answer.
     pub(super) fn answer(&mut self, number: RequestId) -> Result<(), String> {
-        let draw = self.draw.at(20).at(number.0);
+        let key = self.key.at(20).at(number.0);
         self.number = number;
-        self.request = Request::draw(draw);
+        self.request = Request::random(key);
         self.poisoned.clear();
         let begun_ns = self.now_ns;
         self.say(|| format!("request {} begins", number.0));
         self.dispatcher.begin(number);
-        let deadline_ns = if self.strikes(SimulatedFault::Deadline, draw) {
-            Some(100_000 + draw.at(9).below(5_000_000))
+        let deadline_ns = if self.strikes(SimulatedFault::Deadline, key) {
+            Some(100_000 + key.at(9).below(5_000_000))
         } else {
-            draw.at(10).once_in(2).then_some(30_000_000_000)
+            key.at(10).once_in(2).then_some(30_000_000_000)
         };
         if let Some(after_ns) = deadline_ns {
             self.after(after_ns, Happening::Deadline(number));

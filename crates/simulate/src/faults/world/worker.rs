@@ -19,7 +19,7 @@ impl World<'_> {
             return;
         };
         self.tell_answered(who, &notes);
-        let whole = self.draw.at(40).at(request.0).at(name);
+        let whole = self.key.at(40).at(request.0).at(name);
         let place = self.place(who).at(3).at(request.0).at(job.0.into()).at(attempt.into());
         let mut time_ns = work.time_ns;
         let mut ill = Ill::None;
