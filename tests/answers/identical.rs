@@ -3,7 +3,7 @@
 //! by the program and by the library.
 
 use crate::support::{self, Place, answer, builder, json, library_answer, overrides, run, six};
-use trolley::handing::{Handing, TransferMode};
+use trolley::dispatch_options::{DispatchOptions, TransferMode};
 use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
 #[test]
@@ -62,24 +62,24 @@ fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
             all.seed = Some(7);
         }))
     };
-    let copy = |memory_budget| Handing {
+    let copy = |memory_budget| DispatchOptions {
         transfer: TransferMode::Copy,
         memory_budget: Some(memory_budget),
-        ..Handing::default()
+        ..DispatchOptions::default()
     };
-    let linger = |linger_us| Handing { linger_us, ..Handing::default() };
-    let cache = Handing { cache_bytes: Some(100_000), ..Handing::default() };
+    let linger = |linger_us| DispatchOptions { linger_us, ..DispatchOptions::default() };
+    let cache = DispatchOptions { cache_bytes: Some(100_000), ..DispatchOptions::default() };
     let ways = [
         ("load alone, unpinned", scheme("best-match-load", 0.0, 16)),
         ("match alone", scheme("best-match-load", 1.0, 16)),
         ("best", scheme("best-match", 0.5, 16)),
         ("random", scheme("random-match", 0.5, 16)),
-        ("lowest, lingering", scheme("lowest-match", 0.5, 16).handing(linger(200))),
-        ("in turn, lingering", scheme("round-robin", 0.5, 5).handing(linger(50))),
-        ("a small cache", builder().handing(cache)),
-        ("copies", builder().handing(copy(9_000_000))),
-        ("copies, lowest", scheme("lowest-match", 0.5, 16).handing(copy(9_000_000))),
-        ("copies, two workers", builder().workers(2).depth(3).handing(copy(9_000_000))),
+        ("lowest, lingering", scheme("lowest-match", 0.5, 16).dispatch_options(linger(200))),
+        ("in turn, lingering", scheme("round-robin", 0.5, 5).dispatch_options(linger(50))),
+        ("a small cache", builder().dispatch_options(cache)),
+        ("copies", builder().dispatch_options(copy(9_000_000))),
+        ("copies, lowest", scheme("lowest-match", 0.5, 16).dispatch_options(copy(9_000_000))),
+        ("copies, two workers", builder().workers(2).depth(3).dispatch_options(copy(9_000_000))),
     ];
     for (name, way) in ways {
         assert_eq!(of(way), reference, "{name}");

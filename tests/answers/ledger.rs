@@ -4,7 +4,7 @@
 use crate::support::{Place, builder, overrides, six};
 use coordinator::Hardware;
 use std::collections::BTreeMap;
-use trolley::handing::{Handing, log_csv};
+use trolley::dispatch_options::{DispatchOptions, log_csv};
 use trolley::{Limits, Scenario};
 
 /// Bytes transferred, bytes if nothing were held, sections evicted.
@@ -48,28 +48,29 @@ fn recomputed(log: &str, capacity: u64) -> Sums {
 fn the_ledger_equals_its_recomputation_from_the_job_log() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
-    let handing = |linger_us, cache_bytes| Handing {
+    let dispatch_options = |linger_us, cache_bytes| DispatchOptions {
         linger_us,
         cache_bytes,
         log: true,
-        ..Handing::default()
+        ..DispatchOptions::default()
     };
     let ways = [
-        ("best-match-load", 4, handing(0, None)),
-        ("lowest-match", 3, handing(0, None)),
-        ("best-match", 4, handing(0, Some(90_000))),
-        ("random-match", 4, handing(20, Some(70_000))),
+        ("best-match-load", 4, dispatch_options(0, None)),
+        ("lowest-match", 3, dispatch_options(0, None)),
+        ("best-match", 4, dispatch_options(0, Some(90_000))),
+        ("random-match", 4, dispatch_options(20, Some(70_000))),
     ];
-    for (scheme, workers, handing) in ways {
+    for (scheme, workers, dispatch_options) in ways {
         let settings = overrides(|all| {
             all.scheme = Some(scheme.to_owned());
             (all.workers, all.depth) = (Some(workers), Some(6));
         });
-        let mut engine = builder().overrides(settings).handing(handing).build().unwrap();
+        let mut engine =
+            builder().overrides(settings).dispatch_options(dispatch_options).build().unwrap();
         let run = engine.rank(&scenario, &Limits::default()).unwrap().run;
         let ledger = (run.section_bytes, run.section_bytes_unshared, run.sections_evicted);
         let log = log_csv(engine.job_log());
-        let capacity = handing.cache_bytes.unwrap_or(u64::MAX);
+        let capacity = dispatch_options.cache_bytes.unwrap_or(u64::MAX);
         assert_eq!(ledger, recomputed(&log, capacity), "{scheme}");
         assert!(ledger.0 > 0 && ledger.0 < ledger.1, "{scheme}: {ledger:?}");
         assert_eq!(ledger.2 > 0, capacity < u64::MAX, "{scheme}: {ledger:?}");

@@ -2,8 +2,8 @@
 //! leaves nothing behind.
 
 use crate::support::{self, Place, builder, overrides, run, six, text};
-use trolley::handing::{Handing, TransferMode};
-use trolley::{Kind, Limits, Scenario};
+use trolley::dispatch_options::{DispatchOptions, TransferMode};
+use trolley::{FailureKind, Limits, Scenario};
 
 struct Bad {
     /// What is replaced in a good scenario, and by what.
@@ -117,18 +117,18 @@ fn settings_on_the_command_line_obey_the_same_rules() {
 fn how_jobs_are_handed_out_obeys_rules_too() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(600))).unwrap();
-    let copy = Handing { transfer: TransferMode::Copy, ..Handing::default() };
-    let none = Handing::default();
-    for (handing, says) in [
-        (Handing { linger_us: 20_000, ..none }, "linger"),
-        (Handing { cache_bytes: Some(1000), ..none }, "cache-bytes"),
-        (Handing { memory_budget: Some(99_999_999), ..none }, "memory-budget"),
-        (Handing { memory_budget: Some(1000), ..copy }, "memory-budget"),
-        (Handing { cache_bytes: Some(99_999_999), ..copy }, "cache-bytes"),
+    let copy = DispatchOptions { transfer: TransferMode::Copy, ..DispatchOptions::default() };
+    let none = DispatchOptions::default();
+    for (dispatch_options, says) in [
+        (DispatchOptions { linger_us: 20_000, ..none }, "linger"),
+        (DispatchOptions { cache_bytes: Some(1000), ..none }, "cache-bytes"),
+        (DispatchOptions { memory_budget: Some(99_999_999), ..none }, "memory-budget"),
+        (DispatchOptions { memory_budget: Some(1000), ..copy }, "memory-budget"),
+        (DispatchOptions { cache_bytes: Some(99_999_999), ..copy }, "cache-bytes"),
     ] {
-        let mut engine = builder().workers(1).handing(handing).build().unwrap();
+        let mut engine = builder().workers(1).dispatch_options(dispatch_options).build().unwrap();
         let failure = engine.rank(&scenario, &Limits::default()).unwrap_err();
-        assert_eq!(failure.kind(), Kind::Configuration, "{failure}");
+        assert_eq!(failure.kind(), FailureKind::Configuration, "{failure}");
         assert!(failure.what().contains(says) && failure.remedy().is_some(), "{failure}");
     }
     for (change, says) in [
@@ -136,7 +136,7 @@ fn how_jobs_are_handed_out_obeys_rules_too() {
         (overrides(|all| all.scheme = Some("worst-match".to_owned())), "scheme"),
     ] {
         let failure = builder().overrides(change).build().unwrap_err();
-        assert_eq!(failure.kind(), Kind::Configuration, "{failure}");
+        assert_eq!(failure.kind(), FailureKind::Configuration, "{failure}");
         assert!(failure.what().contains(says) && failure.remedy().is_some(), "{failure}");
     }
 }
@@ -146,11 +146,15 @@ fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
     // Room for the largest section at this depth, and not for what one worker needs in all.
-    let handing =
-        Handing { transfer: TransferMode::Copy, memory_budget: Some(90_000), ..Handing::default() };
-    let mut engine = builder().workers(1).depth(6).handing(handing).build().unwrap();
+    let dispatch_options = DispatchOptions {
+        transfer: TransferMode::Copy,
+        memory_budget: Some(90_000),
+        ..DispatchOptions::default()
+    };
+    let mut engine =
+        builder().workers(1).depth(6).dispatch_options(dispatch_options).build().unwrap();
     let failure = engine.rank(&scenario, &Limits::default()).unwrap_err();
-    assert_eq!(failure.kind(), Kind::Resources, "{failure}");
+    assert_eq!(failure.kind(), FailureKind::Resources, "{failure}");
     let what = failure.what();
     assert!(what.contains("thrashed: worker 0 holds") && what.contains("of 90000"), "{what}");
     assert!(failure.remedy().is_some());

@@ -6,7 +6,7 @@ use crate::support::{
     self, Crash, Place, answer, builder, children, cpu_ticks, instance, json, left_in_shm,
     library_answer, run, scenario, signal, text, trolley, wait_for, workers_at_work,
 };
-use ::trolley::handing::{Handing, TransferMode};
+use ::trolley::dispatch_options::{DispatchOptions, TransferMode};
 use ::trolley::{Limits, Scenario};
 use rustix::process::Signal;
 use std::fmt::Write as _;
@@ -108,15 +108,16 @@ fn a_killed_worker_changes_nothing_in_the_answer() {
 #[test]
 fn a_killed_worker_that_copied_changes_nothing_in_the_answer() {
     let place = Place::new();
-    let handing = Handing {
+    let dispatch_options = DispatchOptions {
         transfer: TransferMode::Copy,
         memory_budget: Some(999_999_999),
-        ..Handing::default()
+        ..DispatchOptions::default()
     };
     let limits = Limits::default();
     for triangles in [10_000, 20_000, 40_000, 80_000, 160_000] {
         let scenario = Scenario::open(place.write("heavy.toml", &heavy(triangles))).unwrap();
-        let mut engine = builder().workers(3).depth(14).handing(handing).build().unwrap();
+        let mut engine =
+            builder().workers(3).depth(14).dispatch_options(dispatch_options).build().unwrap();
         let reference = library_answer(&mut engine, &scenario, &limits);
         let victim = engine.worker_pids()[1];
         let ticks = cpu_ticks(victim).unwrap();

@@ -73,10 +73,11 @@ fn one_ranking_is_measured_with_settings_that_no_decision_needs() {
         json(&output)
     };
     let plain = run(&["rank", path, "--json", "--in-process"]);
-    let handing = ["--scheme", "lowest-match", "--cache-bytes", "90000", "--linger", "20"];
+    let dispatch_options = ["--scheme", "lowest-match", "--cache-bytes", "90000", "--linger", "20"];
     let asked = ["--depth", "6", "--workers", "2", "--search-order", "deciding", "--job-log"];
     let log_path = log.to_str().expect("a path of letters");
-    let all = [&["measure", "--scenario", path, "--json"], &handing[..], &asked, &[log_path]];
+    let all =
+        [&["measure", "--scenario", path, "--json"], &dispatch_options[..], &asked, &[log_path]];
     let document = run(&all.concat());
     assert_eq!(document["schema"], "trolley.measure-rank/1");
     assert_eq!(document["answer"], plain["answer"]);

@@ -5,7 +5,7 @@
 //! for 5 to 14 m²; its table gives the other road users. Yaw gyration 0.28 L: three cars with known
 //! inertia have 0.261, 0.283 and 0.284. The height of the centre of mass is our assumption.
 
-use crate::{Kind, Mesh, Meta};
+use crate::{BodyKind, Mesh, Meta};
 use geometry::Aabb;
 
 /// Yaw radius of gyration over the greatest horizontal extent.
@@ -20,7 +20,7 @@ pub struct Origin<'a> {
     /// Name of the body.
     pub name: &'a str,
     /// What it is.
-    pub kind: Kind,
+    pub kind: BodyKind,
     /// File, unit and axes, or the generator's call.
     pub origin: &'a str,
     /// BLAKE3 of the source, hexadecimal.
@@ -42,7 +42,7 @@ pub struct Inertia {
 
 /// Usual inertia of a body of this kind with this box. The box must not be empty.
 #[must_use]
-pub fn inertia(kind: Kind, bounds: &Aabb) -> Inertia {
+pub fn inertia(kind: BodyKind, bounds: &Aabb) -> Inertia {
     let [length, width, height] =
         [0, 1, 2].map(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]));
     let middle = |axis: usize| (f64::from(bounds.min[axis]) + f64::from(bounds.max[axis])) / 2.0;
@@ -59,19 +59,19 @@ pub fn inertia(kind: Kind, bounds: &Aabb) -> Inertia {
 
 /// Height of the centre of mass over the height of the body `[A]`: engines and floors are low, a
 /// standing person's centre is at the navel, a rider sits above the wheels.
-fn centre_height_ratio(kind: Kind) -> f64 {
+fn centre_height_ratio(kind: BodyKind) -> f64 {
     match kind {
-        Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus => 0.4,
-        Kind::Motorcycle | Kind::Cyclist => 0.5,
-        Kind::Pedestrian => 0.55,
-        Kind::Wall | Kind::Pole | Kind::Building => 0.5,
+        BodyKind::Sedan | BodyKind::Suv | BodyKind::Truck | BodyKind::Bus => 0.4,
+        BodyKind::Motorcycle | BodyKind::Cyclist => 0.5,
+        BodyKind::Pedestrian => 0.55,
+        BodyKind::Wall | BodyKind::Pole | BodyKind::Building => 0.5,
     }
 }
 
-fn mass(kind: Kind, footprint_m2: f64) -> (Option<f64>, String) {
+fn mass(kind: BodyKind, footprint_m2: f64) -> (Option<f64>, String) {
     let table = |mass: f64, note: &str| (Some(mass), format!("default, TUM table{note}"));
     match kind {
-        Kind::Sedan | Kind::Suv => {
+        BodyKind::Sedan | BodyKind::Suv => {
             let [least, greatest] = FOOTPRINT_M2;
             let used = footprint_m2.clamp(least, greatest);
             let mass = -1333.5 + 526.9 * libm::pow(used, 0.8);
@@ -82,12 +82,14 @@ fn mass(kind: Kind, footprint_m2: f64) -> (Option<f64>, String) {
             };
             (Some(mass), format!("default, TUM formula of length times width{note}"))
         }
-        Kind::Truck => table(25_000.0, ""),
-        Kind::Bus => table(13_000.0, ""),
-        Kind::Motorcycle => table(250.0, ", rider not counted"),
-        Kind::Cyclist => table(90.0, ", bicycle with rider"),
-        Kind::Pedestrian => table(75.0, ""),
-        Kind::Wall | Kind::Pole | Kind::Building => (None, "fixed to the ground".to_owned()),
+        BodyKind::Truck => table(25_000.0, ""),
+        BodyKind::Bus => table(13_000.0, ""),
+        BodyKind::Motorcycle => table(250.0, ", rider not counted"),
+        BodyKind::Cyclist => table(90.0, ", bicycle with rider"),
+        BodyKind::Pedestrian => table(75.0, ""),
+        BodyKind::Wall | BodyKind::Pole | BodyKind::Building => {
+            (None, "fixed to the ground".to_owned())
+        }
     }
 }
 

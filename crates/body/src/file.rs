@@ -22,7 +22,7 @@ mod check;
 
 use crate::{Body, BodyView, Meta, codec};
 use bytemuck::{Pod, Zeroable};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -107,8 +107,8 @@ pub enum FileError {
 }
 
 impl Diagnostic for FileError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {

@@ -24,6 +24,6 @@ pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones, is_degenerate};
 pub use fit::Fit;
-pub use meta::{Build, Kind, LEAF_SIZE_MAX, Meta, Seat};
+pub use meta::{BodyKind, Build, LEAF_SIZE_MAX, Meta, Seat};
 pub use shape::{Shape, UnknownShape};
 pub use wide::{Wide, WideLeaf, WideNode};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// What kind of road user or object a body is. It chooses defaults and injury curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum BodyKind {
     /// A passenger car: sedan, hatchback, estate.
     Sedan,
     /// A tall passenger car, a pick-up, a van.
@@ -90,7 +90,7 @@ pub struct Meta {
     /// Name, from the file or the generator.
     pub name: String,
     /// Kind.
-    pub kind: Kind,
+    pub kind: BodyKind,
     /// Mass `[kg]`; `None` for an object fixed to the ground.
     pub mass_kg: Option<f64>,
     /// Centre of mass, body frame `[m]`.
@@ -126,7 +126,7 @@ pub const MASS_MAX_KG: f64 = 1.0e6;
 /// Greatest yaw radius of gyration, and distance of the centre of mass from the origin, in metres.
 pub const LENGTH_MAX_M: f64 = 1.0e6;
 
-impl Kind {
+impl BodyKind {
     /// Every kind, in the order of the declaration.
     pub const ALL: [Self; 10] = [
         Self::Sedan,
@@ -182,13 +182,13 @@ impl Kind {
     }
 }
 
-impl core::fmt::Display for Kind {
+impl core::fmt::Display for BodyKind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.pad(self.name())
     }
 }
 
-/// A name that is no [`Kind`].
+/// A name that is no [`BodyKind`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{0}\" is no kind: one of sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, \
@@ -196,7 +196,7 @@ impl core::fmt::Display for Kind {
 )]
 pub struct UnknownKind(pub String);
 
-impl core::str::FromStr for Kind {
+impl core::str::FromStr for BodyKind {
     type Err = UnknownKind;
 
     fn from_str(text: &str) -> Result<Self, UnknownKind> {
@@ -271,7 +271,7 @@ impl Meta {
 }
 
 fn check_occupant<'a>(
-    kind: Kind,
+    kind: BodyKind,
     occupant: Occupant,
     mut earlier: impl Iterator<Item = &'a Occupant>,
 ) -> Result<(), String> {
@@ -279,7 +279,9 @@ fn check_occupant<'a>(
         Some(seat) if !kind.seats().contains(&seat) => {
             Err(format!("a {kind} has no seat {}", seat.name()))
         }
-        None if kind != Kind::Pedestrian => Err(format!("an occupant of a {kind} needs a seat")),
+        None if kind != BodyKind::Pedestrian => {
+            Err(format!("an occupant of a {kind} needs a seat"))
+        }
         Some(seat) if earlier.any(|other| *other == occupant) => {
             Err(format!("two occupants on seat {}", seat.name()))
         }

@@ -1,6 +1,6 @@
 //! The shapes that can be generated, their names and their sizes.
 
-use crate::Kind;
+use crate::BodyKind;
 use core::fmt;
 use core::str::FromStr;
 use serde::{Deserialize, Serialize};
@@ -87,17 +87,17 @@ impl Shape {
 
     /// The kind of road user or object.
     #[must_use]
-    pub fn kind(self) -> Kind {
+    pub fn kind(self) -> BodyKind {
         match self {
-            Self::Sedan => Kind::Sedan,
-            Self::Suv => Kind::Suv,
-            Self::Truck => Kind::Truck,
-            Self::Bus => Kind::Bus,
-            Self::Motorcycle => Kind::Motorcycle,
-            Self::Cyclist => Kind::Cyclist,
-            Self::Pedestrian => Kind::Pedestrian,
-            Self::Wall => Kind::Wall,
-            Self::Pole => Kind::Pole,
+            Self::Sedan => BodyKind::Sedan,
+            Self::Suv => BodyKind::Suv,
+            Self::Truck => BodyKind::Truck,
+            Self::Bus => BodyKind::Bus,
+            Self::Motorcycle => BodyKind::Motorcycle,
+            Self::Cyclist => BodyKind::Cyclist,
+            Self::Pedestrian => BodyKind::Pedestrian,
+            Self::Wall => BodyKind::Wall,
+            Self::Pole => BodyKind::Pole,
         }
     }
 }

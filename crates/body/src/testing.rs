@@ -1,6 +1,6 @@
 //! Bodies for tests: a tree built the dumbest way that is a tree.
 
-use crate::meta::{Build, Kind, Meta};
+use crate::meta::{BodyKind, Build, Meta};
 use crate::{Body, Mesh, Node, Wide, Zones};
 use geometry::{Aabb, Corners};
 
@@ -13,7 +13,7 @@ pub fn body_of(mesh: &Mesh) -> Body {
     Body {
         meta: Meta {
             name: "test".into(),
-            kind: Kind::Sedan,
+            kind: BodyKind::Sedan,
             mass_kg: Some(1000.0),
             centre_m: [0.0; 3],
             gyration_m: 1.0,

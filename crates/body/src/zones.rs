@@ -4,7 +4,7 @@
 //! that are our assumption `[A]`, stated in [`seat_range`]. The centroid decides, so a triangle
 //! that spans several zones belongs to one of each cut. Bits are those of [`Zones`].
 
-use crate::{Kind, Mesh, Seat, Zones};
+use crate::{BodyKind, Mesh, Seat, Zones};
 use geometry::{Aabb, Corners};
 
 /// The front third of the body.
@@ -27,14 +27,14 @@ pub const NAMES: [&str; 7] = ["front", "middle", "rear", "left", "right", "upper
 
 /// Zones of every triangle of a mesh, in its order.
 #[must_use]
-pub fn of_mesh(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
+pub fn of_mesh(mesh: &Mesh, kind: BodyKind) -> Vec<Zones> {
     let bounds = mesh.bounds();
     mesh.corners.iter().map(|corners| of_triangle(corners, &bounds, kind)).collect()
 }
 
 /// Zones of one triangle of a body with this box.
 #[must_use]
-pub fn of_triangle(corners: &Corners, bounds: &Aabb, kind: Kind) -> Zones {
+pub fn of_triangle(corners: &Corners, bounds: &Aabb, kind: BodyKind) -> Zones {
     let [x, y, z] = [0, 1, 2].map(|axis| share(corners, bounds, axis));
     let third = if x > 2.0 / 3.0 {
         FRONT
@@ -68,12 +68,12 @@ fn share(corners: &Corners, bounds: &Aabb, axis: usize) -> f64 {
 /// the body only behind and above. Trucks and buses: the cabin. Riders: all above the wheels' axles
 /// between them.
 #[must_use]
-pub fn seat_range(kind: Kind, seat: Seat) -> [[f64; 2]; 3] {
+pub fn seat_range(kind: BodyKind, seat: Seat) -> [[f64; 2]; 3] {
     let height = [0.2, 1.0];
     let row = match (kind, seat) {
-        (Kind::Truck, _) => [0.75, 1.0],
-        (Kind::Bus, Seat::FrontLeft | Seat::FrontRight) => [0.85, 1.0],
-        (Kind::Bus, _) => [0.0, 0.85],
+        (BodyKind::Truck, _) => [0.75, 1.0],
+        (BodyKind::Bus, Seat::FrontLeft | Seat::FrontRight) => [0.85, 1.0],
+        (BodyKind::Bus, _) => [0.0, 0.85],
         (_, Seat::FrontLeft | Seat::FrontRight) => [0.42, 0.62],
         (_, Seat::RearLeft | Seat::RearMiddle | Seat::RearRight) => [0.22, 0.42],
         (_, Seat::Rider) => return [[0.25, 0.75], [0.0, 1.0], [0.4, 1.0]],

@@ -4,7 +4,7 @@ use crate::query::Workspace;
 use crate::{
     BuildOptions, Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task, Walk, body,
 };
-use body::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
+use body::{Body, BodyKind, BodyView, Build, Mesh, Meta, Zones};
 use geometry::simd::{self, Level};
 use geometry::{Corners, DVec3, Directions, Pose, RelativePose, Supports, hash, triangle};
 use proptest::prelude::*;
@@ -29,7 +29,7 @@ pub(crate) fn body_of(corners: &[Corners], options: &BuildOptions) -> Body {
 pub(crate) fn meta() -> Meta {
     Meta {
         name: "test".into(),
-        kind: Kind::Sedan,
+        kind: BodyKind::Sedan,
         mass_kg: Some(1000.0),
         centre_m: [0.0; 3],
         gyration_m: 1.0,

@@ -58,7 +58,7 @@
 
 use crate::{End, Kernel, NodePair, Question, Side, Sink, Task};
 use body::BodyView;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 use std::convert::Infallible;
 use std::fmt;
@@ -163,8 +163,8 @@ pub struct HitSets {
 pub struct PoseError;
 
 impl Diagnostic for PoseError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn what(&self) -> String {

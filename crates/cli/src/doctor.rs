@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 use trolley::doctor::{self, Finding, FindingLevel};
-use trolley::{BUILD, Failure, Kind};
+use trolley::{BUILD, Failure, FailureKind};
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -26,7 +26,7 @@ pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
         print::out(&page(&findings))?;
     }
     let has_problem = findings.iter().any(|finding| finding.level == FindingLevel::Problem);
-    Ok(if has_problem { Kind::CheckFailed.into() } else { ExitCode::SUCCESS })
+    Ok(if has_problem { FailureKind::CheckFailed.into() } else { ExitCode::SUCCESS })
 }
 
 fn page(findings: &[Finding]) -> String {

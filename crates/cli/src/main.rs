@@ -2,7 +2,7 @@
 //!
 //! One binary plays every role: the command line for people, the coordinator of a request, and, as
 //! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to
-//! stderr. Exit codes are those of [`trolley::Kind`].
+//! stderr. Exit codes are those of [`trolley::FailureKind`].
 
 mod answer_args;
 mod args;

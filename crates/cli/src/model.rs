@@ -12,7 +12,7 @@ use trolley::model::{
     self, Axis, BodyKind, Build, BuildOptions, Export, ExportFormat, Generate, Import, Info,
     LengthUnit, MeshOptions, ReadLimits, Shape, TRIANGLES_MAX, TRIANGLES_MIN,
 };
-use trolley::{Failure, Kind};
+use trolley::{Failure, FailureKind};
 
 pub(crate) use text::{shown, thousands};
 
@@ -282,7 +282,7 @@ fn check(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure> {
     if output.json {
         print::out(&print::json(&checked)?)?;
     }
-    Ok(if checked.refused == 0 { ExitCode::SUCCESS } else { Kind::Input.into() })
+    Ok(if checked.refused == 0 { ExitCode::SUCCESS } else { FailureKind::Input.into() })
 }
 
 fn generate(args: &GenerateArgs, output: &Output) -> Result<ExitCode, Failure> {

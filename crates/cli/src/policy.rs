@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::policy::CheckedFile;
-use trolley::{Failure, Kind};
+use trolley::{Failure, FailureKind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -56,5 +56,5 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         }
     }
     let is_sound = checked.iter().all(|one| one.fault.is_none());
-    Ok(if is_sound { ExitCode::SUCCESS } else { Kind::Input.into() })
+    Ok(if is_sound { ExitCode::SUCCESS } else { FailureKind::Input.into() })
 }

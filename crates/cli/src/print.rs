@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
-use trolley::{Failure, Kind};
+use trolley::{Failure, FailureKind};
 
 /// Prints a result and a line feed.
 pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {
@@ -32,7 +32,7 @@ pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
 
 /// Stdout could not be written.
 pub(crate) fn failed(error: std::io::Error) -> Failure {
-    Failure::new(Kind::System, format!("cannot write the output: {error}"))
+    Failure::new(FailureKind::System, format!("cannot write the output: {error}"))
 }
 
 /// Prints a line for the person at the terminal.

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use trolley::{Failure, Kind, OpenDeployment};
+use trolley::{Failure, FailureKind, OpenDeployment};
 
 /// What the laboratory adds to the examples.
 #[cfg(feature = "lab")]
@@ -107,7 +107,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     if let Some(repeat) = options.repeat {
         let latency = ::lab::latency::run(&mut client, &ask, repeat, patience, &opened)?;
         let shown = crate::lab::shown::show(&latency, || latency.text(), output)?;
-        return Ok(if latency.is_right() { shown } else { Kind::CheckFailed.into() });
+        return Ok(if latency.is_right() { shown } else { FailureKind::CheckFailed.into() });
     }
     let answer = client.ask(&ask, patience);
     if output.json {
@@ -118,7 +118,7 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
     match answer.verdict() {
         WireState::Complete | WireState::Certified => Ok(ExitCode::SUCCESS),
-        WireState::Degraded => Ok(Kind::Degraded.into()),
+        WireState::Degraded => Ok(FailureKind::Degraded.into()),
         _ if output.json => Ok(code(&answer).into()),
         verdict => {
             let fault = format!("{}: {}", verdict.name(), answer.text());
@@ -127,10 +127,10 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
 }
 
-fn code(answer: &WireAnswer) -> Kind {
+fn code(answer: &WireAnswer) -> FailureKind {
     match (answer.verdict(), answer.reason()) {
-        (WireState::Busy, _) | (_, Reason::NoService | Reason::Stopping) => Kind::TryAgain,
-        _ => Kind::Refused,
+        (WireState::Busy, _) | (_, Reason::NoService | Reason::Stopping) => FailureKind::TryAgain,
+        _ => FailureKind::Refused,
     }
 }
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::{
-    Answer, AnswerState, Engine, Explanation, Failure, Kind, Ranking, Record, Run, Scenario,
+    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, Run, Scenario,
 };
 
 /// What `rank` is asked.
@@ -108,8 +108,8 @@ fn answer(
     }
     Ok(match ranking.answer.state {
         AnswerState::Complete | AnswerState::Certified => ExitCode::SUCCESS,
-        AnswerState::Degraded => Kind::Degraded.into(),
-        AnswerState::Refused => Kind::Refused.into(),
+        AnswerState::Degraded => FailureKind::Degraded.into(),
+        AnswerState::Refused => FailureKind::Refused.into(),
     })
 }
 

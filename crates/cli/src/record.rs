@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::record::hex;
-use trolley::{BUILD, Failure, Kind, Record};
+use trolley::{BUILD, Failure, FailureKind, Record};
 
 mod show;
 
@@ -128,9 +128,9 @@ fn another(path: &Path, is: &str, was: &str, same_build: bool) -> Failure {
         around(was)
     );
     let (kind, remedy) = if same_build {
-        (Kind::Internal, "the same build must give the same answer: keep both and report it")
+        (FailureKind::Internal, "the same build must give the same answer: keep both and report it")
     } else {
-        (Kind::Skew, "replay it with the build that recorded it")
+        (FailureKind::Skew, "replay it with the build that recorded it")
     };
     Failure::new(kind, what).at(path.display()).with_remedy(remedy)
 }

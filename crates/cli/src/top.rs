@@ -12,7 +12,7 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use trolley::{Failure, Kind, OpenDeployment};
+use trolley::{Failure, FailureKind, OpenDeployment};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -70,7 +70,7 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
     while options.times.is_none_or(|times| shown < times) {
         let Some(health) = listener.health(SILENCE) else {
             let fault = format!("instance \"{}\" says nothing", deployment.instance);
-            return Err(Failure::new(Kind::TryAgain, fault)
+            return Err(Failure::new(FailureKind::TryAgain, fault)
                 .with_remedy("it was killed, or stands still: systemctl status trolley"));
         };
         let rate = rate(before.as_ref(), &health);

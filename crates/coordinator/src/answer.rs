@@ -5,7 +5,7 @@
 
 use crate::candidate_state::{CandidateState, Stage};
 use crate::request::{Candidate, Request};
-use body::{BodyView, Kind, Meta};
+use body::{BodyKind, BodyView, Meta};
 use damage::{
     AnswerState, CandidateHarm, CollisionParty, Contact, DeltaV, Interval, Note, Place, Range,
     RankedCandidates, Unevaluable,
@@ -241,9 +241,11 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let normal = DVec3::from_array(patch.normal);
     let up = candidate.approach.directions.d[damage::approach::UP];
     let side = |party: &CollisionParty, outward: DVec3| match party.kind {
-        Kind::Wall | Kind::Pole | Kind::Building if candidate.is_assumed_fixed => "unknown",
-        Kind::Wall | Kind::Pole | Kind::Building => party.kind.name(),
-        Kind::Pedestrian => "person",
+        BodyKind::Wall | BodyKind::Pole | BodyKind::Building if candidate.is_assumed_fixed => {
+            "unknown"
+        }
+        BodyKind::Wall | BodyKind::Pole | BodyKind::Building => party.kind.name(),
+        BodyKind::Pedestrian => "person",
         _ => match party.bearing(outward, up) {
             angle if angle.abs() <= 45.0 => "front",
             angle if angle.abs() >= 135.0 => "rear",

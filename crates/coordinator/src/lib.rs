@@ -63,4 +63,4 @@ pub use worker_pool::{
     Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options,
     WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, WorkerShare, preflight, seal,
 };
-pub use workspace::{Backend, Course, Inquiry, RankingWorkspace, RunError, Stage};
+pub use workspace::{Backend, BodySet, RankingRequest, RankingWorkspace, RunError, RunTimes};

@@ -1,6 +1,6 @@
 //! A request as the engine takes it: every candidate in the ego's frame, and who is at stake.
 
-use body::{BodyView, Kind, Meta, Seat};
+use body::{BodyKind, BodyView, Meta, Seat};
 use bvh::support::{Extremes, support};
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
@@ -104,8 +104,8 @@ pub enum RequestError {
 }
 
 impl Diagnostic for RequestError {
-    fn kind(&self) -> diagnostic::Kind {
-        diagnostic::Kind::Refused
+    fn kind(&self) -> diagnostic::FailureKind {
+        diagnostic::FailureKind::Refused
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
@@ -255,7 +255,7 @@ fn party(
         }
     };
     // Of what nobody knows, only the shape counts: the rest is assumed to be that of a wall.
-    let kind = if stated.is_unknown { Kind::Wall } else { meta.kind };
+    let kind = if stated.is_unknown { BodyKind::Wall } else { meta.kind };
     CollisionParty {
         kind,
         mass_kg: if is_fixed(kind) { None } else { stated.mass_kg.or(meta.mass_kg) },

@@ -15,7 +15,7 @@ use crate::worker_pool::{WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerSh
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use damage::{Curves, Policy};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use runtime::clock;
 use scenario::Scenario;
 use std::borrow::Cow;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// The sealed bodies that requests are about, and how deep their trees are cut.
 #[derive(Clone, Copy, Debug)]
-pub struct Stage<'b> {
+pub struct BodySet<'b> {
     /// The bodies, as they lie in the store.
     pub bodies: &'b [(Meta, BodyView<'b>)],
     /// What can lie farthest of each body; `None`: its tree is asked, which is quicker for a single
@@ -35,7 +35,7 @@ pub struct Stage<'b> {
 
 /// One request.
 #[derive(Clone, Debug)]
-pub struct Inquiry<'a> {
+pub struct RankingRequest<'a> {
     /// Parties and candidates.
     pub scenario: &'a Scenario,
     /// The body of each party: its number in the store.
@@ -57,7 +57,7 @@ pub enum Backend {
 
 /// When the stages of one request ended (ns, monotonic), and what was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Course {
+pub struct RunTimes {
     /// Paths and hulls are known.
     pub planned_ns: u64,
     /// No job is waited for any more.
@@ -78,7 +78,7 @@ pub enum RunError {
 }
 
 impl Diagnostic for RunError {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> FailureKind {
         match self {
             Self::Request(error) => error.kind(),
             Self::WorkerPool(error) => error.kind(),
@@ -164,13 +164,13 @@ impl RankingWorkspace {
     /// If there is no model for a party, or no such body.
     pub fn rank<T>(
         &mut self,
-        stage: &Stage<'_>,
-        inquiry: Inquiry<'_>,
+        stage: &BodySet<'_>,
+        inquiry: RankingRequest<'_>,
         limits: impl FnOnce() -> RequestLimits,
         backend: &mut Backend,
-        read: impl FnOnce(&mut RankingRun<'_>, Course) -> T,
+        read: impl FnOnce(&mut RankingRun<'_>, RunTimes) -> T,
     ) -> Result<T, RunError> {
-        let Inquiry { scenario, models, rules, job_history } = inquiry;
+        let RankingRequest { scenario, models, rules, job_history } = inquiry;
         let candidates = core::mem::take(&mut self.candidates);
         let request = Request::with_models(
             scenario,
@@ -189,7 +189,7 @@ impl RankingWorkspace {
         let done = backend.work_off(&mut work);
         let worked_ns = clock::now_ns();
         let told = done.map(|jobs_in_process| {
-            read(&mut work, Course { planned_ns, worked_ns, jobs_in_process })
+            read(&mut work, RunTimes { planned_ns, worked_ns, jobs_in_process })
         });
         self.buffers = work.into_buffers();
         self.candidates = request.into_buffers();

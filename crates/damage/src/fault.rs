@@ -1,7 +1,7 @@
 //! A fault in a data file (curves, policies): file, place, what is wrong, what would be right.
 
 use core::ops::Range;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// A data file that is refused.
@@ -21,8 +21,8 @@ pub struct DataFileError {
 }
 
 impl Diagnostic for DataFileError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn place(&self) -> Option<String> {

@@ -117,8 +117,8 @@ pub struct MissingCurve {
 }
 
 impl diagnostic::Diagnostic for MissingCurve {
-    fn kind(&self) -> diagnostic::Kind {
-        diagnostic::Kind::Input
+    fn kind(&self) -> diagnostic::FailureKind {
+        diagnostic::FailureKind::Input
     }
 }
 

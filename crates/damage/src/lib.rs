@@ -35,7 +35,7 @@
 //!     directions: directions.clone(),
 //! };
 //! let car = CollisionParty {
-//!     kind: Kind::Sedan,
+//!     kind: BodyKind::Sedan,
 //!     mass_kg: Some(1500.0),
 //!     gyration_m: 1.26,
 //!     centre_m: DVec3::ZERO,
@@ -45,7 +45,7 @@
 //!     persons: [Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }].into_iter().collect(),
 //! };
 //! let wall = CollisionParty {
-//!     kind: Kind::Wall,
+//!     kind: BodyKind::Wall,
 //!     mass_kg: None,
 //!     persons: Default::default(),
 //!     ..car.clone()

@@ -6,7 +6,7 @@
 use crate::crush::Stiffness;
 use crate::injury::Victim;
 use body::meta::Occupant;
-use body::{Kind, Seat};
+use body::{BodyKind, Seat};
 use geometry::DVec3;
 use serde::Serialize;
 use smallvec::{SmallVec, smallvec};
@@ -34,7 +34,7 @@ pub type Seats = SmallVec<[Option<Seat>; IN_PLACE]>;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollisionParty {
     /// Kind of body.
-    pub kind: Kind,
+    pub kind: BodyKind,
     /// Mass (kg); `None` if fixed to the ground.
     pub mass_kg: Option<f64>,
     /// Yaw radius of gyration k (m); of no account if fixed.
@@ -151,49 +151,52 @@ impl CollisionParty {
     #[must_use]
     pub fn victim(&self, side: Struck) -> Option<Victim> {
         match self.kind {
-            Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus => Some(match side {
+            BodyKind::Sedan | BodyKind::Suv | BodyKind::Truck | BodyKind::Bus => Some(match side {
                 Struck::Front => Victim::OccupantFront,
                 Struck::Side => Victim::OccupantSide,
                 Struck::Rear => Victim::OccupantRear,
             }),
-            Kind::Motorcycle => Some(Victim::Motorcyclist),
-            Kind::Cyclist => Some(Victim::Cyclist),
-            Kind::Pedestrian => Some(Victim::Pedestrian),
-            Kind::Wall | Kind::Pole | Kind::Building => None,
+            BodyKind::Motorcycle => Some(Victim::Motorcyclist),
+            BodyKind::Cyclist => Some(Victim::Cyclist),
+            BodyKind::Pedestrian => Some(Victim::Pedestrian),
+            BodyKind::Wall | BodyKind::Pole | BodyKind::Building => None,
         }
     }
 }
 
 /// Whether bodies of this kind are fixed to the ground.
 #[must_use]
-pub fn is_fixed(kind: Kind) -> bool {
-    matches!(kind, Kind::Wall | Kind::Pole | Kind::Building)
+pub fn is_fixed(kind: BodyKind) -> bool {
+    matches!(kind, BodyKind::Wall | BodyKind::Pole | BodyKind::Building)
 }
 
 /// Whether bodies of this kind are concave in plan.
 #[must_use]
-pub fn is_concave(kind: Kind) -> bool {
-    matches!(kind, Kind::Building)
+pub fn is_concave(kind: BodyKind) -> bool {
+    matches!(kind, BodyKind::Building)
 }
 
 /// Who is with a body: as stated, or, where nobody said, one driver or rider if it moves (our
 /// assumption), and the person itself on foot.
 #[must_use]
-pub fn occupants(kind: Kind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Seats {
+pub fn occupants(kind: BodyKind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Seats {
     if let Some(stated) = stated {
         return stated.iter().map(|o| o.seat).collect();
     }
     let is_moving = speed_m_s > 0.0;
     match kind {
-        Kind::Pedestrian => smallvec![None],
-        Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus if is_moving => {
+        BodyKind::Pedestrian => smallvec![None],
+        BodyKind::Sedan | BodyKind::Suv | BodyKind::Truck | BodyKind::Bus if is_moving => {
             smallvec![Some(Seat::FrontLeft)]
         }
-        Kind::Motorcycle | Kind::Cyclist if is_moving => smallvec![Some(Seat::Rider)],
-        Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus | Kind::Motorcycle | Kind::Cyclist => {
-            Seats::new()
-        }
-        Kind::Wall | Kind::Pole | Kind::Building => Seats::new(),
+        BodyKind::Motorcycle | BodyKind::Cyclist if is_moving => smallvec![Some(Seat::Rider)],
+        BodyKind::Sedan
+        | BodyKind::Suv
+        | BodyKind::Truck
+        | BodyKind::Bus
+        | BodyKind::Motorcycle
+        | BodyKind::Cyclist => Seats::new(),
+        BodyKind::Wall | BodyKind::Pole | BodyKind::Building => Seats::new(),
     }
 }
 

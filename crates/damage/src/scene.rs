@@ -13,7 +13,7 @@ use crate::injury::Curves;
 use crate::party::{Aboard, CollisionParty, PersonId};
 use crate::path::{Meeting, Path, plan};
 use crate::search::{First, Search};
-use body::{Kind, Seat, Zones};
+use body::{BodyKind, Seat, Zones};
 use geometry::{DVec3, Directions, Supports};
 
 /// An upright prism over a convex outline, metres.
@@ -112,7 +112,7 @@ pub(crate) struct Scene {
 pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -> CollisionParty {
     let (sin, cos) = libm::sincos(degrees.to_radians());
     CollisionParty {
-        kind: Kind::Sedan,
+        kind: BodyKind::Sedan,
         mass_kg: Some(mass_kg),
         gyration_m: 1.26,
         centre_m: DVec3::new(centre[0], centre[1], 0.5),
@@ -128,7 +128,7 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
 /// Somebody on foot.
 pub(crate) fn walker(person: usize, centre: [f64; 2]) -> CollisionParty {
     CollisionParty {
-        kind: Kind::Pedestrian,
+        kind: BodyKind::Pedestrian,
         mass_kg: Some(75.0),
         gyration_m: 0.2,
         centre_m: DVec3::new(centre[0], centre[1], 0.9),
@@ -140,7 +140,7 @@ pub(crate) fn walker(person: usize, centre: [f64; 2]) -> CollisionParty {
 }
 
 /// A wall or pole.
-pub(crate) fn fixed(kind: Kind, centre: [f64; 2]) -> CollisionParty {
+pub(crate) fn fixed(kind: BodyKind, centre: [f64; 2]) -> CollisionParty {
     CollisionParty {
         kind,
         mass_kg: None,
@@ -148,7 +148,7 @@ pub(crate) fn fixed(kind: Kind, centre: [f64; 2]) -> CollisionParty {
         centre_m: DVec3::new(centre[0], centre[1], 0.5),
         forward: DVec3::X,
         stiffness: None,
-        concave: kind == Kind::Building,
+        concave: kind == BodyKind::Building,
         persons: Default::default(),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! a crate's own error --impl Diagnostic--> Failure --> a person: "place: what\n  help: remedy"
-//!                                                  --> the shell: Kind::exit_code
+//!                                                  --> the shell: FailureKind::exit_code
 //! ```
 //!
 //! A library crate keeps its own error type, which programs can match, and says here what a person
@@ -15,7 +15,7 @@ use std::borrow::Cow;
 /// What kind of failure it is, and so what a shell is told; after sysexits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum FailureKind {
     /// A check that was asked for has failed.
     CheckFailed = 1,
     /// The answer is degraded: bounds, not figures.
@@ -42,7 +42,7 @@ pub enum Kind {
     Interrupted = 130,
 }
 
-impl Kind {
+impl FailureKind {
     /// The exit code of a program that ends with it.
     #[must_use]
     pub const fn exit_code(self) -> u8 {
@@ -50,8 +50,8 @@ impl Kind {
     }
 }
 
-impl From<Kind> for std::process::ExitCode {
-    fn from(kind: Kind) -> Self {
+impl From<FailureKind> for std::process::ExitCode {
+    fn from(kind: FailureKind) -> Self {
         Self::from(kind.exit_code())
     }
 }
@@ -59,7 +59,7 @@ impl From<Kind> for std::process::ExitCode {
 /// An error that a person can do something about.
 pub trait Diagnostic: Error {
     /// What kind of failure it is.
-    fn kind(&self) -> Kind;
+    fn kind(&self) -> FailureKind;
 
     /// File, line and column, as far as they are known and not part of [`Self::what`].
     fn place(&self) -> Option<String> {
@@ -83,9 +83,9 @@ pub trait Diagnostic: Error {
 /// Any failure, for the person at the terminal and for the shell.
 ///
 /// ```
-/// use diagnostic::{Failure, Kind};
+/// use diagnostic::{Failure, FailureKind};
 ///
-/// let failure = Failure::new(Kind::Input, "body \"suvv\" is not defined")
+/// let failure = Failure::new(FailureKind::Input, "body \"suvv\" is not defined")
 ///     .at("left-turn.toml:14:9")
 ///     .with_remedy("bodies defined here: ego, suv");
 /// assert_eq!(
@@ -98,7 +98,7 @@ pub trait Diagnostic: Error {
 /// `Debug` says what `Display` says, so that `main` may return it.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Failure {
-    kind: Kind,
+    kind: FailureKind,
     what: String,
     remedy: Option<String>,
 }
@@ -106,26 +106,26 @@ pub struct Failure {
 impl Failure {
     /// A failure without a place and a remedy.
     #[must_use]
-    pub fn new(kind: Kind, what: impl Into<String>) -> Self {
+    pub fn new(kind: FailureKind, what: impl Into<String>) -> Self {
         Self { kind, what: what.into(), remedy: None }
     }
 
     /// A file that a person gave is at fault.
     #[must_use]
     pub fn input(what: impl Into<String>) -> Self {
-        Self::new(Kind::Input, what)
+        Self::new(FailureKind::Input, what)
     }
 
     /// A setting is at fault.
     #[must_use]
     pub fn setting(what: impl Into<String>) -> Self {
-        Self::new(Kind::Configuration, what)
+        Self::new(FailureKind::Configuration, what)
     }
 
     /// A mistake of ours.
     #[must_use]
     pub fn internal(what: impl Into<String>) -> Self {
-        Self::new(Kind::Internal, what)
+        Self::new(FailureKind::Internal, what)
     }
 
     /// The same, with what to do about it.
@@ -142,13 +142,13 @@ impl Failure {
 
     /// The same, of another kind: whose fault it is may depend on who asked.
     #[must_use]
-    pub fn of_kind(self, kind: Kind) -> Self {
+    pub fn of_kind(self, kind: FailureKind) -> Self {
         Self { kind, ..self }
     }
 
     /// What kind of failure it is.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> FailureKind {
         self.kind
     }
 

@@ -11,7 +11,7 @@
 
 use core::fmt;
 use core::str::FromStr;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 
 pub use fearless_simd::Level;
 
@@ -171,8 +171,8 @@ impl core::error::Error for Unavailable {}
 impl core::error::Error for Unknown {}
 
 impl Diagnostic for Unavailable {
-    fn kind(&self) -> Kind {
-        Kind::Configuration
+    fn kind(&self) -> FailureKind {
+        FailureKind::Configuration
     }
 }
 

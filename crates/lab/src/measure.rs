@@ -31,8 +31,8 @@ use simulate::Costs;
 use std::path::{Path, PathBuf};
 use sweep::Plan;
 use swept::Swept;
-use trolley::handing::{Handing, TransferMode, log_csv};
-use trolley::{Failure, Kind, files};
+use trolley::dispatch_options::{DispatchOptions, TransferMode, log_csv};
+use trolley::{Failure, FailureKind, files};
 
 /// What is measured where nothing is named.
 pub const PAIRS: [&str; 2] = ["sedan:100000,suv:100000,deep", "sedan:100000,suv:100000,scratch"];
@@ -57,7 +57,7 @@ pub struct SweepOptions {
     /// How workers of measured runs come by the bodies; `None`: in place, and by copies besides.
     pub transfer: Option<TransferMode>,
     /// How jobs reach the workers of measured runs; what it says of transfer does not count.
-    pub handing: Handing,
+    pub dispatch_options: DispatchOptions,
     /// Where it is written down who got which job of the last measured run.
     pub job_log: Option<PathBuf>,
 }
@@ -113,10 +113,10 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
         let fault = format!("--alpha is {}", options.alpha);
         return Err(Failure::setting(fault).with_remedy("--alpha may be 0 to 1"));
     }
-    options.handing.queues(&EngineSettings::DEFAULT)?;
+    options.dispatch_options.queues(&EngineSettings::DEFAULT)?;
     // Nobody wants to hear after minutes that the folder cannot be written.
     std::fs::create_dir_all(&options.out).map_err(|error| {
-        Failure::new(Kind::System, format!("{}: {error}", options.out.display()))
+        Failure::new(FailureKind::System, format!("{}: {error}", options.out.display()))
             .with_remedy("name a folder that you may write to")
     })?;
     files::replace(&options.out.join("rows.csv"), row::csv(&[]).as_bytes())?;
@@ -162,7 +162,8 @@ fn plan(options: &SweepOptions) -> Plan {
     } else {
         (vec![0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12], vec![1, 2, 4, 8, 16, 32, 64, 128, 256])
     };
-    let is_limited = options.handing.cache_bytes.or(options.handing.memory_budget).is_some();
+    let is_limited =
+        options.dispatch_options.cache_bytes.or(options.dispatch_options.memory_budget).is_some();
     Plan {
         depths,
         buffers,
@@ -173,7 +174,10 @@ fn plan(options: &SweepOptions) -> Plan {
         },
         seed: options.seed,
         alpha: options.alpha,
-        handing: Handing { transfer: options.transfer.unwrap_or_default(), ..options.handing },
+        dispatch_options: DispatchOptions {
+            transfer: options.transfer.unwrap_or_default(),
+            ..options.dispatch_options
+        },
         copies_too: options.transfer.is_none() && !is_limited,
     }
 }
@@ -192,7 +196,7 @@ fn command(options: &SweepOptions) -> String {
     let schemes: Vec<&str> = options.schemes.iter().map(|scheme| scheme.name()).collect();
     say("scheme", (!schemes.is_empty()).then(|| schemes.join(",")));
     say("transfer", options.transfer.map(|transfer| transfer.name().to_owned()));
-    let Handing { linger_us, cache_bytes, memory_budget, .. } = options.handing;
+    let DispatchOptions { linger_us, cache_bytes, memory_budget, .. } = options.dispatch_options;
     say("memory-budget", memory_budget.map(|bytes| bytes.to_string()));
     say("cache-bytes", cache_bytes.map(|bytes| bytes.to_string()));
     say("linger", (linger_us > 0).then(|| linger_us.to_string()));

@@ -33,7 +33,7 @@ pub use frame::{Axis, Frame, LengthUnit, UnknownAxis, UnknownUnit};
 pub use guess::{Guess, guess};
 pub use suggest::{Reading, readings};
 
-use body::{Kind, Mesh, is_degenerate};
+use body::{BodyKind, Mesh, is_degenerate};
 use collect::Collector;
 
 /// Greatest length of a mesh file or side file, in bytes.
@@ -58,7 +58,7 @@ pub struct ImportOptions {
     /// Names of parts, groups, objects, materials or nodes to keep; empty for all.
     pub only: Vec<String>,
     /// What the body is, for the check of its size.
-    pub kind: Option<Kind>,
+    pub kind: Option<BodyKind>,
     /// Whether a body may have any size: for a look at a file of which nothing is known yet.
     pub any_size: bool,
     /// Whether triangles with the positions of an earlier one are kept, for whom ids are all there

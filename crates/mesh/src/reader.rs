@@ -15,7 +15,7 @@ mod child;
 pub mod open;
 
 use crate::import::{Axis, LengthUnit};
-use body::{Build, Kind, file};
+use body::{BodyKind, Build, file};
 use bvh::BuildOptions;
 use diagnostic::Failure;
 use runtime::{Child, Exit, Spawn, process};
@@ -66,7 +66,7 @@ pub struct MeshOptions {
     /// Parts, groups, objects, materials or nodes that alone are kept; empty: all.
     pub only: Vec<String>,
     /// What the body is; none: what the TOML file beside the mesh says.
-    pub kind: Option<Kind>,
+    pub kind: Option<BodyKind>,
 }
 
 /// What the process that reads a mesh may use.
@@ -99,7 +99,7 @@ pub struct ReadRequest {
     up: Option<String>,
     forward: Option<String>,
     only: Vec<String>,
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     name: Option<String>,
     /// The tree to build; without one, this is a trial and no model file is made.
     tree: Option<(Build, u32)>,
@@ -225,7 +225,7 @@ impl ReadRequest {
             forward: Some(Axis::X),
             only: Vec::new(),
             // The kind does not matter here; this one has no mass, no seats and any shape.
-            kind: Some(Kind::Building),
+            kind: Some(BodyKind::Building),
         };
         let request = Self::new(file, &mesh, None, Some(tree), limits)?;
         Ok(Self { as_it_stands: true, ..request })
@@ -259,8 +259,9 @@ impl ReadRequest {
     }
 
     fn start(&self) -> Result<(Child, PipeReader, std::thread::JoinHandle<String>), Failure> {
-        let pipe =
-            |error: io::Error| Failure::new(diagnostic::Kind::System, format!("no pipe: {error}"));
+        let pipe = |error: io::Error| {
+            Failure::new(diagnostic::FailureKind::System, format!("no pipe: {error}"))
+        };
         let (words, says) = io::pipe().map_err(pipe)?;
         let (complaints, complains) = io::pipe().map_err(pipe)?;
         let request =
@@ -297,9 +298,9 @@ impl ReadRequest {
             return refuse("reading it ran out of stack", help.to_owned());
         }
         match exit {
-            Some(Exit::Code(code)) if code == diagnostic::Kind::System as i32 => {
+            Some(Exit::Code(code)) if code == diagnostic::FailureKind::System as i32 => {
                 let fault = last_words.trim().trim_start_matches("error: ");
-                Failure::new(diagnostic::Kind::System, format!("{}: {fault}", self.file))
+                Failure::new(diagnostic::FailureKind::System, format!("{}: {fault}", self.file))
                     .with_remedy(
                         "a limit of this session is lower: see ulimit -a, or use --memory-mb",
                     )

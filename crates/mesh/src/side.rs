@@ -13,7 +13,7 @@
 //! Every key may be left out; unknown keys are refused. Errors name file, line and column.
 
 use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
-use body::{Kind, Meta};
+use body::{BodyKind, Meta};
 use diagnostic::Diagnostic;
 use geometry::Aabb;
 use serde::Deserialize;
@@ -33,7 +33,7 @@ pub struct SideFile {
 #[serde(deny_unknown_fields)]
 struct Keys {
     name: Option<Spanned<String>>,
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     mass_kg: Option<Spanned<f64>>,
     centre_m: Option<Spanned<[f64; 3]>>,
     yaw_inertia_kg_m2: Option<Spanned<f64>>,
@@ -59,8 +59,8 @@ pub struct SideError {
 }
 
 impl Diagnostic for SideError {
-    fn kind(&self) -> diagnostic::Kind {
-        diagnostic::Kind::Input
+    fn kind(&self) -> diagnostic::FailureKind {
+        diagnostic::FailureKind::Input
     }
 
     fn place(&self) -> Option<String> {
@@ -96,7 +96,7 @@ impl SideFile {
 
     /// The kind that the file states.
     #[must_use]
-    pub fn kind(&self) -> Option<Kind> {
+    pub fn kind(&self) -> Option<BodyKind> {
         self.keys.kind
     }
 

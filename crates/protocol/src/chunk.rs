@@ -1,4 +1,4 @@
-//! Pieces of bodies on their way to a worker that copies: the payload of [`crate::Kind::Section`].
+//! Pieces of bodies on their way to a worker that copies: the payload of [`crate::MessageKind::Section`].
 //!
 //! A piece is a run of elements of one array of one body, named by where they belong: so a worker
 //! puts them where they lie in the store, and numbers of nodes and triangles stay the same.

@@ -6,7 +6,7 @@
 //! | 8 | boot, request: u64 | which run, which request |
 //! | 24 | inc, seq, job, len: u32 | incarnation; +1 per message; job or batch; payload words |
 //! | 40 | part, count: u16 | part, from 0; jobs in a batch, 1 in the last part of a result |
-//! | 44 | attempt, worker, kind, flags: u8 | of the job; of the worker's end; [`Kind`]; 0 |
+//! | 44 | attempt, worker, kind, flags: u8 | of the job; of the worker's end; [`MessageKind`]; 0 |
 //! | 48 | hits: u32, spare: u32 | hits in this part; 0 |
 //! | 56 | crc: u64 | CRC-64/NVME over header (crc = 0) and payload |
 
@@ -44,11 +44,11 @@ pub struct Head {
     pub attempt: u8,
     /// Worker at either end.
     pub worker: u8,
-    /// A [`Kind`].
+    /// A [`MessageKind`].
     pub kind: u8,
     /// 0.
     pub flags: u8,
-    /// Hits in this part of a result; pairs of nodes in a [`Kind::Rest`].
+    /// Hits in this part of a result; pairs of nodes in a [`MessageKind::Rest`].
     pub hits: u32,
     /// 0.
     pub spare: u32,
@@ -65,7 +65,7 @@ const _: () = {
 /// What a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum MessageKind {
     /// Jobs for a worker.
     Batch = 1,
     /// One part of what one job found.
@@ -80,7 +80,7 @@ pub enum Kind {
     Rest = 6,
 }
 
-impl Kind {
+impl MessageKind {
     /// The kind with this number.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
@@ -113,7 +113,7 @@ pub enum Reject {
 impl Head {
     /// A header with everything at zero but magic, layout, run, request, peer and kind.
     #[must_use]
-    pub fn new(boot: Boot, request: RequestId, peer: Incarnation, kind: Kind) -> Self {
+    pub fn new(boot: Boot, request: RequestId, peer: Incarnation, kind: MessageKind) -> Self {
         Self {
             magic: MAGIC,
             layout: crate::LAYOUT,
@@ -145,7 +145,12 @@ impl Head {
     /// # Errors
     ///
     /// Says which check failed.
-    pub fn accept(&self, boot: Boot, peer: Incarnation, words: usize) -> Result<Kind, Reject> {
+    pub fn accept(
+        &self,
+        boot: Boot,
+        peer: Incarnation,
+        words: usize,
+    ) -> Result<MessageKind, Reject> {
         if self.magic != MAGIC || self.layout != crate::LAYOUT {
             return Err(Reject::Foreign);
         }
@@ -158,7 +163,7 @@ impl Head {
         if self.peer() != peer {
             return Err(Reject::NotOwner);
         }
-        Kind::from_number(self.kind).ok_or(Reject::Foreign)
+        MessageKind::from_number(self.kind).ok_or(Reject::Foreign)
     }
 }
 

@@ -15,23 +15,23 @@
 //! - This crate does no I/O and reads no clock. It does not know what a triangle is.
 
 pub mod chunk;
+#[cfg(feature = "faults")]
+pub mod fault;
 pub mod head;
 pub mod id;
 pub mod job;
 pub mod launch;
-#[cfg(feature = "faults")]
-pub mod order;
 pub mod public;
 pub mod result;
 pub mod status;
 
 pub use chunk::{Array, Piece};
-pub use head::{Head, Kind, Reject, seal, verify};
+#[cfg(feature = "faults")]
+pub use fault::{FaultCommand, InjectedFault};
+pub use head::{Head, MessageKind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
 pub use job::{WireJob, WireQuestion, WireTask};
 pub use launch::Launch;
-#[cfg(feature = "faults")]
-pub use order::{Fault, FaultCommand};
 pub use result::{Summary, WireSide};
 pub use status::{CoordinatorLine, StatusPage, WorkerLine, WorkerState};
 

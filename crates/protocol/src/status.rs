@@ -67,7 +67,7 @@ pub struct CoordinatorLine {
     pub sleeping: AtomicU32,
     /// What it is ordered to do where faults are injected; 0: nothing. Reserved without the feature
     /// `faults`.
-    pub order: AtomicU64,
+    pub fault_command: AtomicU64,
 }
 
 const _: () = {
@@ -137,7 +137,7 @@ impl WorkerLine {
 impl CoordinatorLine {
     /// Blanks the line for the next incarnation. Only while no worker reads it.
     pub fn reset(&self) {
-        for word in [&self.consumed, &self.order] {
+        for word in [&self.consumed, &self.fault_command] {
             word.store(0, Ordering::Release);
         }
         for word in [&self.wake, &self.stop, &self.sleeping] {

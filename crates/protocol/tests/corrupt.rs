@@ -2,7 +2,7 @@
 //! taken from other messages, lengths that lie. None is accepted.
 
 use geometry::rng::Rng;
-use protocol::{Boot, Head, Incarnation, Kind, RequestId, seal, verify};
+use protocol::{Boot, Head, Incarnation, MessageKind, RequestId, seal, verify};
 
 const PEER: Incarnation = Incarnation { worker: 2, inc: 7 };
 const BOOT: Boot = Boot(5);
@@ -21,7 +21,7 @@ impl RandomWords {
 
 /// Header and payload as they lie in memory, with room behind for lengths that lie.
 fn message(random: &mut RandomWords) -> Vec<u64> {
-    let kind = if random.below(2) == 0 { Kind::Result } else { Kind::Batch };
+    let kind = if random.below(2) == 0 { MessageKind::Result } else { MessageKind::Batch };
     let payload: Vec<u64> = (0..random.below(64)).map(|_| random.word()).collect();
     let head = Head::new(BOOT, RequestId(random.word()), PEER, kind);
     let head = seal(Head { job: random.below(1000) as u32, ..head }, &payload);

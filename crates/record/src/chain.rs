@@ -1,7 +1,7 @@
 //! A chain of records: each names the hash of the one before it.
 
 use crate::file::{Link, RecordError, link};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// The end of a chain that was checked so far.
@@ -42,8 +42,8 @@ pub enum ChainError {
 }
 
 impl Diagnostic for ChainError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {

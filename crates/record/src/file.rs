@@ -16,7 +16,7 @@
 use crate::content::RecordContent;
 use body::codec;
 use bytemuck::{Pod, Zeroable};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// First eight bytes of every record.
@@ -83,10 +83,10 @@ pub enum RecordError {
 }
 
 impl Diagnostic for RecordError {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> FailureKind {
         match self {
-            Self::TooLong(_) => Kind::Resources,
-            _ => Kind::Input,
+            Self::TooLong(_) => FailureKind::Resources,
+            _ => FailureKind::Input,
         }
     }
 

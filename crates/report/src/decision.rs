@@ -2,7 +2,7 @@
 //! is to be seen of each candidate.
 
 use crate::explain;
-use crate::html::{CandidateRow, Decision, TimelineMoment, TimelineSpan, Worker};
+use crate::html::{CandidateRow, DecisionPage, TimelineMoment, TimelineSpan, Worker};
 use crate::shot::{Shot, ShotBody, ShotPatch};
 use std::collections::BTreeMap;
 use trolley::record::{Link, RecordContent, RecordedEnd, Replay, hex};
@@ -88,7 +88,7 @@ fn candidate(row: &Row) -> CandidateRow {
 }
 
 /// What a page says of a record whose answer was made again.
-pub(crate) fn decision(made: &Replay, record: &Record) -> Decision {
+pub(crate) fn decision(made: &Replay, record: &Record) -> DecisionPage {
     let Record { content: record, link } = record;
     let Replay { answer, explanation, .. } = made;
     let count = |end: RecordedEnd| record.jobs.iter().filter(|job| job.end == end).count() as u64;
@@ -112,7 +112,7 @@ pub(crate) fn decision(made: &Replay, record: &Record) -> Decision {
     let near = answer.ranking.iter().filter(|row| row.contact.near_miss);
     let near = near.map(|row| format!("Near miss, closer than poses are known: {}.", row.name));
     let faults = record.faults.iter().map(|fault| format!("Note: {fault}."));
-    Decision {
+    DecisionPage {
         scenario: made.scenario.parsed().name.clone(),
         state: answer.state.name().to_owned(),
         candidates: answer.ranking.iter().map(candidate).collect(),

@@ -18,7 +18,7 @@ const SCRIPT: &str = include_str!("../page/view.js");
 
 /// Everything a page about a decision says.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Decision {
+pub struct DecisionPage {
     /// What the scenario is called.
     pub scenario: String,
     /// State of the answer: complete, certified, degraded, refused.
@@ -140,7 +140,7 @@ pub(crate) fn percent(share: f64) -> String {
 
 /// A page about a decision.
 #[must_use]
-pub fn decision(decision: &Decision, bodies: &[ShotBody], shots: &[Shot]) -> String {
+pub fn decision(decision: &DecisionPage, bodies: &[ShotBody], shots: &[Shot]) -> String {
     let title = title(decision);
     let mut body = String::new();
     first_screen(decision, &title, &mut body);
@@ -190,7 +190,7 @@ fn page(title: &str, body: &str, data: Option<&str>) -> String {
     )
 }
 
-fn title(decision: &Decision) -> String {
+fn title(decision: &DecisionPage) -> String {
     match decision.candidates.first() {
         Some(first) => format!("Least harm: {}", first.name),
         None => "Nothing to rank".to_owned(),
@@ -198,7 +198,7 @@ fn title(decision: &Decision) -> String {
 }
 
 /// Title, how sure, why, the ranking.
-fn first_screen(decision: &Decision, title: &str, body: &mut String) {
+fn first_screen(decision: &DecisionPage, title: &str, body: &mut String) {
     let ways = decision.candidates.len();
     let touching = decision.candidates.iter().filter(|one| one.touches).count();
     let _w = write!(
@@ -271,7 +271,7 @@ fn first_screen(decision: &Decision, title: &str, body: &mut String) {
 }
 
 /// The state, and whether the range of the model leaves another winner.
-fn sureness(decision: &Decision) -> String {
+fn sureness(decision: &DecisionPage) -> String {
     let [done, cut, lost] = decision.jobs;
     let state = match decision.state.as_str() {
         "complete" => format!(
@@ -308,7 +308,7 @@ fn sureness(decision: &Decision) -> String {
     )
 }
 
-fn ranking(decision: &Decision, body: &mut String) {
+fn ranking(decision: &DecisionPage, body: &mut String) {
     let top = decision.candidates.iter().map(|one| one.range[1].max(one.work[1]));
     let top = top.fold(0.0, f64::max);
     body.push_str(
@@ -346,7 +346,7 @@ fn ranking(decision: &Decision, body: &mut String) {
 }
 
 /// The 3D view; without script its sentences remain.
-fn view(decision: &Decision, shots: &[Shot], body: &mut String) {
+fn view(decision: &DecisionPage, shots: &[Shot], body: &mut String) {
     if shots.is_empty() {
         return;
     }
@@ -361,7 +361,7 @@ fn view(decision: &Decision, shots: &[Shot], body: &mut String) {
     let _names = &decision.names;
 }
 
-fn persons(decision: &Decision, body: &mut String) {
+fn persons(decision: &DecisionPage, body: &mut String) {
     body.push_str(
         "<section><h2>Who is hurt</h2><div class=\"wide\"><table><thead><tr><th>candidate</th>\
          <th>person</th><th class=\"n\">risk %</th><th class=\"n\">range %</th></tr></thead>\
@@ -387,7 +387,7 @@ fn persons(decision: &Decision, body: &mut String) {
 }
 
 /// Stages, jobs, workers, intervals over time, transfer.
-fn work(decision: &Decision, body: &mut String) {
+fn work(decision: &DecisionPage, body: &mut String) {
     body.push_str("<section><h2>How the work was done</h2><h3>Stages</h3>");
     body.push_str(&chart::stages(&decision.stages));
     body.push_str("<h3>Jobs by candidate</h3>");

@@ -5,7 +5,7 @@
 //! record ──▶ trolley: the answer, made again ──write──▶ the files that are wanted
 //!                │ decision
 //!                ▼
-//! Decision (plain values) ──▶ html    one file: text, tables, charts (SVG), 3D view (three.js)
+//! DecisionPage (plain values) ──▶ html    one file: text, tables, charts (SVG), 3D view (three.js)
 //!      └── Shot (two bodies, hits, patch) ──▶ glb    for Blender and the like
 //!                                         ├─▶ still  PNG, drawn here
 //!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
@@ -35,7 +35,7 @@ pub mod still;
 pub mod text;
 mod write;
 
-pub use html::{CandidateRow, Decision, TimelineMoment, TimelineSpan, Worker};
+pub use html::{CandidateRow, DecisionPage, TimelineMoment, TimelineSpan, Worker};
 pub use measurement::{Figure, MeasurementPage};
 pub use shot::{Shot, ShotBody, ShotPatch};
 pub use write::{Wanted, write};

@@ -13,8 +13,8 @@ use std::io::Cursor;
 pub struct McapError(#[from] mcap::McapError);
 
 impl diagnostic::Diagnostic for McapError {
-    fn kind(&self) -> diagnostic::Kind {
-        diagnostic::Kind::Internal
+    fn kind(&self) -> diagnostic::FailureKind {
+        diagnostic::FailureKind::Internal
     }
 }
 

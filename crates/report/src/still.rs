@@ -27,8 +27,8 @@ const SKY: [f64; 3] = [250.0, 250.0, 248.0];
 pub struct StillError(String);
 
 impl diagnostic::Diagnostic for StillError {
-    fn kind(&self) -> diagnostic::Kind {
-        diagnostic::Kind::Internal
+    fn kind(&self) -> diagnostic::FailureKind {
+        diagnostic::FailureKind::Internal
     }
 }
 

@@ -9,7 +9,7 @@ use crate::still::Camera;
 use crate::{Figure, MeasurementPage, glb, html, still};
 use std::path::{Path, PathBuf};
 use trolley::bodies::OnProgress;
-use trolley::{Failure, Kind, Record, files};
+use trolley::{Failure, FailureKind, Record, files};
 
 /// Pixels of a still.
 const STILL: [usize; 2] = [1200, 800];
@@ -88,7 +88,7 @@ fn of_record(
     let made = record.replay(path, models, progress)?;
     if made.json != record.content.answer {
         let fault = "made again, the answer is another";
-        return Err(Failure::new(Kind::Skew, fault)
+        return Err(Failure::new(FailureKind::Skew, fault)
             .at(path.display())
             .with_remedy("make the report with the build that recorded it; see record replay"));
     }
@@ -145,8 +145,9 @@ fn picture(
 
 fn folder(path: Option<&Path>) -> Result<Option<&Path>, Failure> {
     let Some(path) = path else { return Ok(None) };
-    std::fs::create_dir_all(path)
-        .map_err(|error| Failure::new(Kind::System, format!("{}: {error}", path.display())))?;
+    std::fs::create_dir_all(path).map_err(|error| {
+        Failure::new(FailureKind::System, format!("{}: {error}", path.display()))
+    })?;
     Ok(Some(path))
 }
 

@@ -1,6 +1,6 @@
 //! What the operating system refused, in words for the person at the terminal.
 
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::io;
 
 /// A call to the operating system failed.
@@ -43,7 +43,7 @@ impl OsError {
 }
 
 impl Diagnostic for OsError {
-    fn kind(&self) -> Kind {
-        Kind::System
+    fn kind(&self) -> FailureKind {
+        FailureKind::System
     }
 }

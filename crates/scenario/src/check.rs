@@ -12,7 +12,7 @@ use crate::names::{self, choices, quoted};
 use crate::raw::{self, Table};
 use crate::rules;
 use crate::scenario::{Candidate, FileRef, Occupants, Party, PartyIndex, SCHEMA, Scenario, Source};
-use body::{Fit, Kind, Seat, meta::Occupant};
+use body::{BodyKind, Fit, Seat, meta::Occupant};
 use std::time::Duration;
 use toml::de::DeValue;
 
@@ -248,7 +248,7 @@ fn stiffness(raw: &raw::Crush, path: &Path) -> Result<[f64; 2], Fault> {
 /// Persons by their seats, in a body of this kind if that is known.
 fn list_persons(
     raw: &[Table<raw::Person>],
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     parent: &Path,
 ) -> Result<Occupants, Fault> {
     let path = parent.key("persons");

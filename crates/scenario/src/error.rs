@@ -4,7 +4,7 @@
 //! for a person at a terminal; nothing here knows colours or prefixes.
 
 use crate::document::TextPosition;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// A scenario that cannot be used: file, place and fault, in that order; the remedy beside.
@@ -71,8 +71,8 @@ impl Misfit {
 }
 
 impl Diagnostic for ScenarioError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn place(&self) -> Option<String> {
@@ -89,8 +89,8 @@ impl Diagnostic for ScenarioError {
 }
 
 impl Diagnostic for Misfit {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {

@@ -5,7 +5,7 @@ use crate::error::Misfit;
 use body::{Build, Seat, Shape};
 
 /// A thing that a scenario calls by a word.
-pub(crate) trait Word: Copy + Sized + 'static {
+pub(crate) trait Named: Copy + Sized + 'static {
     /// All of them, in the order in which people are told of them.
     const ALL: &'static [Self];
 
@@ -13,7 +13,7 @@ pub(crate) trait Word: Copy + Sized + 'static {
     fn word(self) -> &'static str;
 }
 
-impl Word for Shape {
+impl Named for Shape {
     const ALL: &'static [Self] = &Shape::ALL;
 
     fn word(self) -> &'static str {
@@ -21,7 +21,7 @@ impl Word for Shape {
     }
 }
 
-impl Word for Seat {
+impl Named for Seat {
     const ALL: &'static [Self] = &Seat::ALL;
 
     fn word(self) -> &'static str {
@@ -29,7 +29,7 @@ impl Word for Seat {
     }
 }
 
-impl Word for Build {
+impl Named for Build {
     const ALL: &'static [Self] = &Build::ALL;
 
     fn word(self) -> &'static str {
@@ -37,7 +37,7 @@ impl Word for Build {
     }
 }
 
-impl Word for Scheme {
+impl Named for Scheme {
     const ALL: &'static [Self] = &Scheme::ALL;
 
     fn word(self) -> &'static str {
@@ -46,12 +46,12 @@ impl Word for Scheme {
 }
 
 /// All words for one kind of thing.
-pub(crate) fn all<T: Word>() -> Vec<&'static str> {
+pub(crate) fn all<T: Named>() -> Vec<&'static str> {
     T::ALL.iter().map(|thing| thing.word()).collect()
 }
 
 /// What a word means, or which words there are.
-pub(crate) fn meaning<T: Word>(setting: &'static str, word: &str) -> Result<T, Misfit> {
+pub(crate) fn meaning<T: Named>(setting: &'static str, word: &str) -> Result<T, Misfit> {
     T::ALL.iter().copied().find(|thing| thing.word() == word).ok_or_else(|| {
         let known = all::<T>();
         let list = format!("known here: {}", known.join(", "));

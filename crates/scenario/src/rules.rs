@@ -5,7 +5,7 @@
 //! [`crate::Scenario::check_kinds`].
 
 use crate::error::Misfit;
-use body::{Kind, meta::Occupant};
+use body::{BodyKind, meta::Occupant};
 use geometry::DVec3;
 
 /// Whether a person can be in a body of this kind, among the persons before: on a seat that there
@@ -13,7 +13,7 @@ use geometry::DVec3;
 ///
 /// `kind` is `None` as long as it is not known; then seats must only differ.
 pub(crate) fn person_fits(
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     person: Occupant,
     before: &[Occupant],
 ) -> Result<(), Misfit> {
@@ -25,14 +25,14 @@ pub(crate) fn person_fits(
             _ if kind.is_fixed() => {
                 return misfit(format!("a {kind} holds nobody"), "leave persons out".to_owned());
             }
-            Some(_) if kind == Kind::Pedestrian => {
+            Some(_) if kind == BodyKind::Pedestrian => {
                 let help = "write persons = [{}], or leave persons out";
                 return misfit("a pedestrian has no seats".to_owned(), help.to_owned());
             }
             Some(seat) if !kind.seats().contains(&seat) => {
                 return misfit(format!("a {kind} has no seat {:?}", seat.name()), seats);
             }
-            None if kind != Kind::Pedestrian => {
+            None if kind != BodyKind::Pedestrian => {
                 return misfit(format!("a person in a {kind} needs a seat"), seats);
             }
             _ => {}
@@ -50,7 +50,7 @@ pub(crate) fn person_fits(
 }
 
 /// Whether a body of this kind may be given a mass: what is fixed to the ground has none.
-pub(crate) fn mass_fits(kind: Kind, mass_kg: Option<f64>) -> Result<(), Misfit> {
+pub(crate) fn mass_fits(kind: BodyKind, mass_kg: Option<f64>) -> Result<(), Misfit> {
     if kind.is_fixed() && mass_kg.is_some() {
         let fault = format!("a {kind} is fixed to the ground and has no mass");
         return Err(Misfit::new("mass_kg", fault, "leave mass_kg out"));
@@ -59,7 +59,7 @@ pub(crate) fn mass_fits(kind: Kind, mass_kg: Option<f64>) -> Result<(), Misfit> 
 }
 
 /// Whether a body of this kind may move as it does: what is fixed to the ground does not.
-pub(crate) fn stands_still(kind: Kind, velocity_m_s: DVec3) -> Result<(), Misfit> {
+pub(crate) fn stands_still(kind: BodyKind, velocity_m_s: DVec3) -> Result<(), Misfit> {
     if kind.is_fixed() && velocity_m_s != DVec3::ZERO {
         let fault = format!("a {kind} is fixed to the ground and cannot move");
         return Err(Misfit::new("speed_m_s", fault, "write speed_m_s = 0"));
@@ -68,10 +68,18 @@ pub(crate) fn stands_still(kind: Kind, velocity_m_s: DVec3) -> Result<(), Misfit
 }
 
 /// Whether a body of this kind can be the automated vehicle: it must drive by itself.
-pub(crate) fn ego_fits(kind: Kind) -> Result<(), Misfit> {
+pub(crate) fn ego_fits(kind: BodyKind) -> Result<(), Misfit> {
     match kind {
-        Kind::Sedan | Kind::Suv | Kind::Truck | Kind::Bus | Kind::Motorcycle => Ok(()),
-        Kind::Cyclist | Kind::Pedestrian | Kind::Wall | Kind::Pole | Kind::Building => {
+        BodyKind::Sedan
+        | BodyKind::Suv
+        | BodyKind::Truck
+        | BodyKind::Bus
+        | BodyKind::Motorcycle => Ok(()),
+        BodyKind::Cyclist
+        | BodyKind::Pedestrian
+        | BodyKind::Wall
+        | BodyKind::Pole
+        | BodyKind::Building => {
             let fault = format!("a {kind} cannot be the ego");
             let help = "the ego is a vehicle: sedan, suv, truck, bus or motorcycle";
             Err(Misfit::new("ego", fault, help))

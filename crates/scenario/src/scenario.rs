@@ -9,7 +9,7 @@ use crate::engine::EngineSettings;
 use crate::error::{Misfit, ScenarioError};
 use crate::limit;
 use crate::rules;
-use body::{Fit, Kind, Shape, meta::Occupant};
+use body::{BodyKind, Fit, Shape, meta::Occupant};
 use geometry::{DVec3, Pose};
 use std::time::Duration;
 
@@ -178,7 +178,7 @@ impl Scenario {
     /// # Errors
     ///
     /// The first body that does not fit, at its party or at the candidate that moves it.
-    pub fn check_kinds(&self, file: &str, kinds: &[Kind]) -> Result<(), ScenarioError> {
+    pub fn check_kinds(&self, file: &str, kinds: &[BodyKind]) -> Result<(), ScenarioError> {
         let at = |place: TextPosition| {
             move |misfit: Misfit| ScenarioError::new(file, place, misfit.what, misfit.remedy)
         };

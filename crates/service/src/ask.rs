@@ -4,7 +4,7 @@
 //! numbers written out. Nothing here depends on when a request came or on what was asked before.
 
 use crate::deployment::Deployment;
-use body::{BodyView, Kind, Meta, Seat, meta::Occupant};
+use body::{BodyKind, BodyView, Meta, Seat, meta::Occupant};
 use protocol::public::{
     Ask, CANDIDATES_MAX, Motion, PARTIES_MAX, PERSONS_MAX, Reason, VERSION, WireParty,
 };
@@ -98,7 +98,7 @@ pub(crate) fn check(
         parties: checked,
         candidates: listed(ask, candidates)?,
     };
-    let kinds: SmallVec<[Kind; PARTIES_MAX]> =
+    let kinds: SmallVec<[BodyKind; PARTIES_MAX]> =
         models.iter().map(|model| bodies[*model].0.kind).collect();
     if let Err(error) = scenario.check_kinds("", &kinds) {
         let number = error.place.line;

@@ -11,7 +11,7 @@
 
 use crate::deployment::Decisions;
 use bytemuck::Zeroable as _;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use protocol::public::{Ask, WireAnswer};
 use std::borrow::Cow;
 use std::fs::{self, File};
@@ -46,8 +46,8 @@ pub enum DecisionError {
 }
 
 impl Diagnostic for DecisionError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {

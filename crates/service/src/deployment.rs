@@ -4,7 +4,7 @@
 //! are refused, with their line. It opens no file: paths are returned as they were written.
 
 use body::Shape;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use scenario::{EngineSettings, Overrides};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -175,8 +175,8 @@ pub struct DeploymentError {
 }
 
 impl Diagnostic for DeploymentError {
-    fn kind(&self) -> Kind {
-        Kind::Configuration
+    fn kind(&self) -> FailureKind {
+        FailureKind::Configuration
     }
 
     fn place(&self) -> Option<String> {

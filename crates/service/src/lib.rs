@@ -37,4 +37,4 @@ pub use deployment::{
     TEXT_BYTES_MAX,
 };
 pub use in_process::InProcess;
-pub use run::{MissingRequirement, ServiceConfig, ServiceError, serve};
+pub use run::{MissingRealtime, ServiceConfig, ServiceError, serve};

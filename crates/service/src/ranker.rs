@@ -8,7 +8,7 @@ use crate::deployment::Deployment;
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use coordinator::{
-    Backend, Inquiry, RankingWorkspace, RequestLimits, RunError, Stage, WorkerPoolError,
+    Backend, BodySet, RankingRequest, RankingWorkspace, RequestLimits, RunError, WorkerPoolError,
 };
 use damage::{Curves, Policy};
 use diagnostic::chain;
@@ -71,8 +71,8 @@ impl<'s> Ranker<'s> {
         backend: &mut Backend,
     ) -> Result<Ranked, Unranked> {
         let stage =
-            Stage { bodies: self.bodies, extremes: Some(&self.extremes), depth: self.depth };
-        let inquiry = Inquiry {
+            BodySet { bodies: self.bodies, extremes: Some(&self.extremes), depth: self.depth };
+        let inquiry = RankingRequest {
             scenario: &checked.scenario,
             models: &checked.models,
             rules: self.rules.clone(),

@@ -12,7 +12,7 @@ use coordinator::{IdleHook, Options, RequestLimits, SearchOrder, WorkerPoolError
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
-use diagnostic::{Diagnostic, Kind, chain};
+use diagnostic::{Diagnostic, FailureKind, chain};
 use protocol::public::{Ask, Condition, LatencyStage, Reason, WireAnswer, WireState};
 use runtime::{SealedMemory, clock, heap, realtime};
 use std::borrow::Cow;
@@ -54,7 +54,7 @@ pub struct ServiceConfig<'s> {
 
 /// Something that real time needs and that was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MissingRequirement {
+pub struct MissingRealtime {
     /// What.
     pub what: String,
     /// Why.
@@ -84,21 +84,21 @@ pub enum ServiceError {
     /// Real time was required, and is not to be had.
     #[error("no real time: {}", .0.iter().map(|missing| format!("{} ({})", missing.what, missing.why))
         .collect::<Vec<_>>().join("; "))]
-    NoRealtime(Vec<MissingRequirement>),
+    NoRealtime(Vec<MissingRealtime>),
     /// There is no memory for counting.
     #[error("no memory is left for histograms")]
     Memory,
 }
 
 impl Diagnostic for ServiceError {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> FailureKind {
         match self {
             Self::Open(error) => error.kind(),
             Self::WorkerPool(error) => error.kind(),
             Self::System(error) => error.kind(),
-            Self::Files { .. } => Kind::System,
-            Self::NoRealtime(_) => Kind::NoRealtime,
-            Self::Memory => Kind::Resources,
+            Self::Files { .. } => FailureKind::System,
+            Self::NoRealtime(_) => FailureKind::NoRealtime,
+            Self::Memory => FailureKind::Resources,
         }
     }
 
@@ -126,7 +126,7 @@ impl Diagnostic for ServiceError {
 /// If it cannot start, or the operating system refuses to go on.
 pub fn serve(
     config: &ServiceConfig<'_>,
-    ready: impl FnOnce(&[MissingRequirement]),
+    ready: impl FnOnce(&[MissingRealtime]),
 ) -> Result<(), ServiceError> {
     let deployment = config.deployment;
     let address = Address::new(&deployment.folder, &deployment.instance)?;
@@ -250,7 +250,7 @@ struct Service<'s> {
     house: Housekeeping,
     queue: Rc<RefCell<RequestQueue>>,
     watchdog: Rc<Watchdog>,
-    missing: Vec<MissingRequirement>,
+    missing: Vec<MissingRealtime>,
     request: u64,
     told_ns: u64,
     /// What requests of late have taken at most until all was done (ns); 0: none was yet.
@@ -271,7 +271,7 @@ impl Service<'_> {
             if let Err(error) = done {
                 let cause = std::error::Error::source(&error).map(ToString::to_string);
                 let why = cause.unwrap_or_else(|| error.to_string());
-                missing.push(MissingRequirement { what: what.to_owned(), why });
+                missing.push(MissingRealtime { what: what.to_owned(), why });
             }
         };
         realtime::prefault(settings.heap_mib << 20);

@@ -40,7 +40,7 @@ mod variation;
 
 use blueprint::{Blueprint, Component, Fit};
 use body::{Mesh, Shape};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use geometry::DVec3;
 use soup::{Soup, Splits};
 use std::borrow::Cow;
@@ -70,8 +70,8 @@ pub enum GenerateError {
 }
 
 impl Diagnostic for GenerateError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn what(&self) -> String {

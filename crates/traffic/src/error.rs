@@ -1,6 +1,6 @@
 //! What is wrong with a traffic file: file, line, element, fault and remedy, in that order.
 
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// A file that cannot be used.
@@ -26,8 +26,8 @@ pub struct TrafficError {
 }
 
 impl Diagnostic for TrafficError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn place(&self) -> Option<String> {

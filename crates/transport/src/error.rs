@@ -4,7 +4,7 @@
 //! program: it is small, and each variant says what to do next.
 
 use core::error::Error;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// A domain or a link could not be opened. Start-up must stop.
@@ -85,12 +85,14 @@ impl OpenError {
 }
 
 impl Diagnostic for OpenError {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> FailureKind {
         match self {
-            Self::Skew { .. } => Kind::Skew,
-            Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => Kind::Configuration,
-            Self::Taken { .. } | Self::NoService { .. } => Kind::TryAgain,
-            Self::Failed { .. } => Kind::Resources,
+            Self::Skew { .. } => FailureKind::Skew,
+            Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => {
+                FailureKind::Configuration
+            }
+            Self::Taken { .. } | Self::NoService { .. } => FailureKind::TryAgain,
+            Self::Failed { .. } => FailureKind::Resources,
         }
     }
 

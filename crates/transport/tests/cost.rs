@@ -2,7 +2,7 @@
 //!
 //! `cargo test --release -p transport --test cost -- --ignored --nocapture --test-threads=1`
 
-use protocol::{Boot, Head, Incarnation, Kind, RequestId};
+use protocol::{Boot, Head, Incarnation, MessageKind, RequestId};
 use rustix::process::Signal;
 use rustix::thread::{CpuSet, sched_setaffinity};
 use rustix::time::{ClockId, clock_gettime};
@@ -32,7 +32,7 @@ fn percentile(times: &mut [u64], percent: usize) -> u64 {
     times[(times.len() - 1) * percent / 100]
 }
 
-fn send(sender: &Sender, kind: Kind, request: usize, words: usize) -> Outcome {
+fn send(sender: &Sender, kind: MessageKind, request: usize, words: usize) -> Outcome {
     let mut open = sender.loan()?;
     open.words()[..words].fill(request as u64);
     let head = Head::new(Boot(1), RequestId(request as u64), PEER, kind);
@@ -63,7 +63,7 @@ fn one_message() -> Outcome {
         let (mut sending, mut taking) = (Vec::new(), Vec::new());
         for request in 0..ROUNDS {
             let start = now_ns();
-            send(&worker.results, Kind::Result, request, words)?;
+            send(&worker.results, MessageKind::Result, request, words)?;
             let sent = now_ns();
             wait(&coordinator.results, &mut scratch)?;
             sending.push(sent - start);
@@ -93,10 +93,10 @@ fn round_trip_between_processes() -> Outcome {
         pin(1)?;
         let domain = Domain::open(&text)?;
         let link = WorkerLink::open(&domain, PEER, &SIZES, "cost")?;
-        send(&link.results, Kind::Hello, 0, 0)?;
+        send(&link.results, MessageKind::Hello, 0, 0)?;
         loop {
             let job = wait(&link.jobs, &mut scratch)?;
-            send(&link.results, Kind::Result, job.request as usize, scratch.len())?;
+            send(&link.results, MessageKind::Result, job.request as usize, scratch.len())?;
         }
     }
     pin(0)?;
@@ -114,7 +114,7 @@ fn round_trip_between_processes() -> Outcome {
             let mut times = Vec::new();
             for request in 0..ROUNDS {
                 let start = now_ns();
-                send(&link.jobs, Kind::Batch, request, words)?;
+                send(&link.jobs, MessageKind::Batch, request, words)?;
                 wait(&link.results, &mut scratch)?;
                 times.push(now_ns() - start);
             }

@@ -1,7 +1,7 @@
 //! A claim in the crate's header, held by a number: one heap allocation per loan, none elsewhere.
 #![expect(unsafe_code, reason = "an allocator that counts is an allocator")]
 
-use protocol::{Boot, Head, Incarnation, Kind, RequestId};
+use protocol::{Boot, Head, Incarnation, MessageKind, RequestId};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use transport::{CoordinatorLink, Domain, Sizes, WorkerLink};
@@ -44,9 +44,9 @@ fn a_thousand_round_trips_allocate_once_per_loan() -> Result<(), Box<dyn std::er
     let (mut jobs, mut results) = (Vec::with_capacity(64), Vec::with_capacity(512));
     let mut round = |request: u64| -> Result<(), Box<dyn std::error::Error>> {
         let head = |kind| Head::new(Boot(1), RequestId(request), PEER, kind);
-        coordinator.jobs.loan()?.send(head(Kind::Batch), 64)?;
+        coordinator.jobs.loan()?.send(head(MessageKind::Batch), 64)?;
         assert!(worker.jobs.take(&mut jobs)?.is_some_and(|taken| taken.is_ok()));
-        worker.results.loan()?.send(head(Kind::Result), 512)?;
+        worker.results.loan()?.send(head(MessageKind::Result), 512)?;
         assert!(coordinator.results.take(&mut results)?.is_some_and(|taken| taken.is_ok()));
         Ok(())
     };

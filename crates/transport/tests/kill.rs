@@ -3,7 +3,7 @@
 //! A child is told what it is by a further name on its command line, which the test runner takes
 //! for a filter that matches nothing: the domain to enter, or the word `own` to make one.
 
-use protocol::{Boot, Head, Incarnation, Kind, RequestId};
+use protocol::{Boot, Head, Incarnation, MessageKind, RequestId};
 use rustix::process::{Pid, Signal};
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -90,7 +90,7 @@ fn wait_for_the_end() {
     let _nobody_writes = std::io::stdin().read_line(&mut String::new());
 }
 
-fn head(domain: &Domain, kind: Kind, request: u64) -> Head {
+fn head(domain: &Domain, kind: MessageKind, request: u64) -> Head {
     Head::new(domain.boot(), RequestId(request), PEER, kind)
 }
 
@@ -109,7 +109,7 @@ fn a_worker_in_another_process_answers() -> Outcome {
     if let Some(text) = told()? {
         let domain = Domain::open(&text)?;
         let link = WorkerLink::open(&domain, PEER, &SIZES, BUILD)?;
-        link.results.loan()?.send(head(&domain, Kind::Hello, 0), 0)?;
+        link.results.loan()?.send(head(&domain, MessageKind::Hello, 0), 0)?;
         loop {
             let Some(batch) = link.jobs.take(&mut scratch)? else { continue };
             let batch = batch?;
@@ -120,7 +120,7 @@ fn a_worker_in_another_process_answers() -> Outcome {
             for (to, from) in answer.words().iter_mut().zip(&scratch) {
                 *to = from * from;
             }
-            answer.send(head(&domain, Kind::Result, batch.request), scratch.len())?;
+            answer.send(head(&domain, MessageKind::Result, batch.request), scratch.len())?;
         }
     }
     let domain = Domain::create("k-answers", Boot(1))?;
@@ -132,17 +132,17 @@ fn a_worker_in_another_process_answers() -> Outcome {
         }
         std::thread::yield_now();
     };
-    assert_eq!(take()?.0?.kind, Kind::Hello as u8);
+    assert_eq!(take()?.0?.kind, MessageKind::Hello as u8);
     link.connect()?;
     for request in 1..1000_u64 {
         let mut batch = link.jobs.loan()?;
         batch.words()[..3].copy_from_slice(&[request, request + 1, 5]);
-        batch.send(Head { count: 3, ..head(&domain, Kind::Batch, request) }, 3)?;
+        batch.send(Head { count: 3, ..head(&domain, MessageKind::Batch, request) }, 3)?;
         let (got, words) = take()?;
         assert_eq!(got?.request, request);
         assert_eq!(words, [request * request, (request + 1) * (request + 1), 25]);
     }
-    link.jobs.loan()?.send(head(&domain, Kind::Batch, 0), 0)?;
+    link.jobs.loan()?.send(head(&domain, MessageKind::Batch, 0), 0)?;
     assert!(worker.child.wait()?.success());
     let text = domain.text().to_owned();
     drop((link, domain));
@@ -158,7 +158,7 @@ fn a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not() -> Outco
         for request in 1..4 {
             let mut sent = link.results.loan()?;
             sent.words()[..2].fill(request);
-            sent.send(head(&domain, Kind::Result, request), 2)?;
+            sent.send(head(&domain, MessageKind::Result, request), 2)?;
         }
         let mut open = link.results.loan()?;
         open.words().fill(77);
@@ -183,7 +183,8 @@ fn a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not() -> Outco
     assert!(link.results.take(&mut scratch)?.is_none(), "what was never sent must not arrive");
     // Its jobs go nowhere, and nobody waits for it.
     let refused = (0..20).find_map(|_| {
-        let sent = link.jobs.loan().and_then(|job| job.send(head(&domain, Kind::Batch, 9), 1));
+        let sent =
+            link.jobs.loan().and_then(|job| job.send(head(&domain, MessageKind::Batch, 9), 1));
         sent.err()
     });
     assert_eq!(refused, Some(UseError::Full));
@@ -196,7 +197,7 @@ fn a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not() -> Outco
     let link = CoordinatorLink::create(&domain, next, &SIZES, BUILD)?;
     let entered = Domain::open(&text)?;
     let successor = WorkerLink::open(&entered, next, &SIZES, BUILD)?;
-    let hello = Head::new(domain.boot(), RequestId(0), next, Kind::Hello);
+    let hello = Head::new(domain.boot(), RequestId(0), next, MessageKind::Hello);
     successor.results.loan()?.send(hello, 0)?;
     assert!(link.results.take(&mut scratch)?.ok_or("no hello")?.is_ok());
     drop((successor, entered, link, domain));
@@ -213,7 +214,7 @@ fn a_stopped_worker_makes_nobody_wait() -> Outcome {
         let mut scratch = Vec::new();
         loop {
             while let Some(taken) = link.jobs.take(&mut scratch)? {
-                link.results.loan()?.send(head(&domain, Kind::Result, taken?.request), 0)?;
+                link.results.loan()?.send(head(&domain, MessageKind::Result, taken?.request), 0)?;
             }
             std::thread::yield_now();
         }
@@ -229,10 +230,10 @@ fn a_stopped_worker_makes_nobody_wait() -> Outcome {
     }
     let sent = SIZES.job_queue as u64;
     for request in 0..sent {
-        link.jobs.loan()?.send(head(&domain, Kind::Batch, request), 0)?;
+        link.jobs.loan()?.send(head(&domain, MessageKind::Batch, request), 0)?;
     }
     for _ in 0..100 {
-        let refused = link.jobs.loan()?.send(head(&domain, Kind::Batch, sent), 0);
+        let refused = link.jobs.loan()?.send(head(&domain, MessageKind::Batch, sent), 0);
         assert_eq!(refused, Err(UseError::Full));
     }
     worker.signal(Signal::CONT)?;

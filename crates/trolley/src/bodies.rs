@@ -10,7 +10,7 @@
 
 use crate::Failure;
 use crate::deployment::OpenDeployment;
-use body::{BodyView, Fit, Kind, Mesh, Meta, Shape, defaults, file, zones};
+use body::{BodyKind, BodyView, Fit, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
 use runtime::{FileMap, SealedMemory};
 use scenario::{EngineSettings, FileRef, Scenario, Source};
@@ -19,13 +19,12 @@ use std::path::{Path, PathBuf};
 /// A body on its way into the model store.
 #[derive(Debug)]
 pub struct ModelFile {
-    kind: Kind,
+    kind: BodyKind,
     bytes: file::Aligned,
     source_hash: Option<String>,
 }
 
-/// Told how many triangles of how many are built.
-pub type OnProgress<'p> = &'p dyn Fn(u64, u64);
+pub use mesh::reader::OnProgress;
 
 /// Tells nobody.
 pub const SILENT: OnProgress<'static> = &|_, _| {};
@@ -114,7 +113,7 @@ impl ModelFile {
 
     /// What kind of body it is.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> BodyKind {
         self.kind
     }
 
@@ -197,7 +196,7 @@ impl Bodies {
             };
             bodies.push(body);
         }
-        let kinds: Vec<Kind> = bodies.iter().map(ModelFile::kind).collect();
+        let kinds: Vec<BodyKind> = bodies.iter().map(ModelFile::kind).collect();
         scenario.check_kinds(file, &kinds)?;
         Self::seal(bodies)
     }

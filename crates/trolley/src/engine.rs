@@ -8,16 +8,16 @@
 //! and cut in the same way: whoever ranks many variants of a scene pays for them once.
 
 use crate::bodies::{Bodies, OnProgress, SILENT};
-use crate::handing::{self, Handing};
+use crate::dispatch_options::{self, DispatchOptions};
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
 use crate::{BUILD, Failure};
-use body::{BodyView, Build, Fit, Kind, Meta, Shape, file};
+use body::{BodyKind, BodyView, Build, Fit, Meta, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, Course, Explanation, InProcessExecutor, Inquiry, JobHistory, Options,
-    RankingWorkspace, Row, Stage, WorkerPool,
+    Answer, Backend, BodySet, Explanation, InProcessExecutor, JobHistory, Options, RankingRequest,
+    RankingWorkspace, Row, RunTimes, WorkerPool,
 };
 use dispatch::LogEntry;
 use record::Mode;
@@ -32,7 +32,7 @@ pub struct EngineBuilder {
     in_process: bool,
     instance: Option<String>,
     program: Option<PathBuf>,
-    handing: Handing,
+    dispatch_options: DispatchOptions,
 }
 
 /// Ranks scenarios: see the [crate's page](crate).
@@ -84,7 +84,7 @@ struct Told {
     job_history: Option<JobHistory>,
     run: Run,
     accepted_ns: u64,
-    course: Course,
+    course: RunTimes,
 }
 
 /// Where a party's body comes from; equal ones are equal bodies.
@@ -145,8 +145,8 @@ impl EngineBuilder {
 
     /// How jobs reach the workers: for measurements.
     #[must_use]
-    pub fn handing(self, handing: Handing) -> Self {
-        Self { handing, ..self }
+    pub fn dispatch_options(self, dispatch_options: DispatchOptions) -> Self {
+        Self { dispatch_options, ..self }
     }
 
     /// The engine. Workers are started with the first scenario, whose bodies they need.
@@ -210,9 +210,9 @@ impl Engine {
         let views = loaded.bodies.views()?;
         let run = Run::new(&self.settings, &settings, &views);
         let stage =
-            Stage { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
+            BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
         let models: Vec<usize> = (0..views.len()).collect();
-        let inquiry = Inquiry {
+        let inquiry = RankingRequest {
             scenario: &scenario.parsed,
             models: &models,
             rules: (scenario.policy.clone(), scenario.curves.clone()),
@@ -284,7 +284,7 @@ impl Engine {
         backend.and_then(Backend::worker_pool).map(WorkerPool::pids).unwrap_or_default()
     }
 
-    /// Who got which job in the last ranking, if [`Handing::log`] is set.
+    /// Who got which job in the last ranking, if [`DispatchOptions::log`] is set.
     #[must_use]
     pub fn job_log(&self) -> &[LogEntry] {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
@@ -303,7 +303,7 @@ impl Ranking {
 /// Settings with some replaced; what does not fit is a fault of whoever replaced it.
 fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failure> {
     let applied = settings.apply(overrides);
-    applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::Kind::Configuration))
+    applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::FailureKind::Configuration))
 }
 
 /// The bodies of a scenario: those there are, if they are the same, or others in their place.
@@ -320,7 +320,7 @@ fn loaded<'l>(
     if is_same && let Some(kept) = kept {
         let views = kept.bodies.views()?;
         // The bodies are the same, who is what among them may not be.
-        let kinds: Vec<Kind> = views.iter().map(|(meta, _)| meta.kind).collect();
+        let kinds: Vec<BodyKind> = views.iter().map(|(meta, _)| meta.kind).collect();
         scenario.parsed.check_kinds(scenario.file(), &kinds)?;
         let of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
         kept.extremes.get_or_insert_with(of_all);
@@ -399,11 +399,11 @@ impl EngineBuilder {
         let usual = Options::new(instance, BUILD, cores);
         Ok(Options {
             program: self.program.clone().unwrap_or_else(|| usual.program.clone()),
-            matching: handing::matching(settings),
-            queues: self.handing.queues(settings)?,
-            cache: self.handing.cache(settings.depth, &bodies.views()?)?,
-            copies: self.handing.copies(),
-            log: self.handing.log,
+            matching: dispatch_options::matching(settings),
+            queues: self.dispatch_options.queues(settings)?,
+            cache: self.dispatch_options.cache(settings.depth, &bodies.views()?)?,
+            copies: self.dispatch_options.copies(),
+            log: self.dispatch_options.log,
             ..usual
         })
     }

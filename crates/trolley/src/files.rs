@@ -3,7 +3,7 @@
 //! The bytes go to a temporary file in the same folder, then take the name in one step: readers
 //! see the old file or the new one, and a failure leaves the old one as it was.
 
-use diagnostic::{Failure, Kind};
+use diagnostic::{Failure, FailureKind};
 use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::os::unix::fs::PermissionsExt as _;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
     let refuse = |fault: &str, help: &str| {
         let fault = format!("{}: {fault}", target.display());
-        Err(Failure::new(Kind::System, fault).with_remedy(help))
+        Err(Failure::new(FailureKind::System, fault).with_remedy(help))
     };
     let folder = folder(target);
     if !folder.is_dir() {
@@ -52,8 +52,8 @@ pub fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let place = target.canonicalize().unwrap_or_else(|_| target.to_owned());
     write(&place, bytes).map_err(|error| {
         let code = match error.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Kind::Resources,
-            _ => Kind::System,
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => FailureKind::Resources,
+            _ => FailureKind::System,
         };
         Failure::new(code, format!("{}: cannot be written: {error}", target.display()))
             .with_remedy("the folder must be writable and have room")

@@ -38,10 +38,10 @@
 
 pub mod bodies;
 mod deployment;
+pub mod dispatch_options;
 pub mod doctor;
 mod engine;
 pub mod files;
-pub mod handing;
 pub mod intersect;
 pub mod kernel;
 mod limits;
@@ -58,7 +58,7 @@ mod worker;
 pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Row, Scene, SearchOrder, Until};
 pub use damage::{AnswerState, Touch};
 pub use deployment::OpenDeployment;
-pub use diagnostic::{Diagnostic, Failure, Kind};
+pub use diagnostic::{Diagnostic, Failure, FailureKind};
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
 pub use protocol::public::Ask;

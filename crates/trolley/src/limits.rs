@@ -1,6 +1,6 @@
 //! How far, by when, in which order and in how large pieces a request is worked on.
 
-use crate::{Failure, Kind};
+use crate::{Failure, FailureKind};
 use coordinator::{RequestLimits, SearchOrder, Until};
 use core::time::Duration;
 
@@ -71,7 +71,7 @@ impl Limits {
         if (0.001..=DEADLINE_MS).contains(&ms) {
             return Ok(Self { deadline: Some(Duration::from_secs_f64(ms / 1e3)), ..self });
         }
-        Err(Failure::new(Kind::Configuration, format!("--deadline-ms is {ms}"))
+        Err(Failure::new(FailureKind::Configuration, format!("--deadline-ms is {ms}"))
             .with_remedy(format!("--deadline-ms may be 0.001 to {DEADLINE_MS}")))
     }
 
@@ -85,9 +85,9 @@ impl Limits {
         if tests >= BUDGET_MIN {
             return Ok(Self { budget: Some(tests), ..self });
         }
-        Err(Failure::new(Kind::Configuration, format!("--budget is {tests}")).with_remedy(format!(
-            "--budget may be {BUDGET_MIN} or more: a step of a job takes half"
-        )))
+        Err(Failure::new(FailureKind::Configuration, format!("--budget is {tests}")).with_remedy(
+            format!("--budget may be {BUDGET_MIN} or more: a step of a job takes half"),
+        ))
     }
 
     /// Refuses what cannot be together.

@@ -19,7 +19,7 @@ mod import;
 mod info;
 pub mod open;
 
-pub use body::{Build, Kind as BodyKind, LEAF_SIZE_MAX, Seat, Shape};
+pub use body::{BodyKind, Build, LEAF_SIZE_MAX, Seat, Shape};
 pub use bvh::BuildOptions;
 pub use check::{CheckReport, FileCheck, check};
 pub use export::{Export, Exported};

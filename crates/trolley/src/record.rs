@@ -6,7 +6,7 @@
 
 use crate::engine::{Ranking, Recorded};
 use crate::run::Run;
-use crate::{BUILD, Failure, Kind};
+use crate::{BUILD, Failure, FailureKind};
 use record::{Chain, Edge, RecordedSpan, RecordedStage, RecordedText, Settings};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ impl Record {
                 Err(error) => return Err(unwritable(&path, &error.error)),
             }
         }
-        Err(Failure::new(Kind::Resources, "others write records here all the time")
+        Err(Failure::new(FailureKind::Resources, "others write records here all the time")
             .at(folder.display())
             .with_remedy("give each of them a folder of its own"))
     }
@@ -106,7 +106,7 @@ impl Record {
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(Kind::System, error.to_string())
+    Failure::new(FailureKind::System, error.to_string())
         .at(path.display())
         .with_remedy("--record needs a folder that may be written to")
 }

@@ -3,7 +3,7 @@
 //!
 //! Texts come from files, from a caller or from a decision record; all are read and checked alike.
 
-use crate::{Failure, Kind};
+use crate::{Failure, FailureKind};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
@@ -141,7 +141,7 @@ impl Scenario {
             return Ok(self.parsed.check_fixed(self.file())?);
         }
         let fault = format!("\"{}\" is of unknown kind", party.name);
-        Err(Failure::new(Kind::Refused, fault)
+        Err(Failure::new(FailureKind::Refused, fault)
             .at(format!("{}:{}", self.file(), party.place))
             .with_remedy(
                 "say what it is, or let it be taken as fixed to the ground with nobody in it: \

@@ -3,10 +3,10 @@
 use crate::bodies::Bodies;
 use crate::deployment::OpenDeployment;
 use crate::engine::{pin_coordinator, worker_cores};
-use crate::{BUILD, Failure, handing};
+use crate::{BUILD, Failure, dispatch_options};
 use coordinator::Options;
 use dispatch::{Intensity, Queues};
-use service::{Idle, MissingRequirement, ServiceConfig};
+use service::{Idle, MissingRealtime, ServiceConfig};
 
 /// What is decided at the start, in place of what the deployment says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,7 +31,7 @@ pub struct Greeting<'s> {
     /// Worker processes; 0: all work is done in this process.
     pub workers: usize,
     /// What real time missing on this machine.
-    pub missing: &'s [MissingRequirement],
+    pub missing: &'s [MissingRealtime],
 }
 
 /// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered.
@@ -61,7 +61,7 @@ pub fn serve(
     pin_coordinator(engine)?;
     let cores = worker_cores(engine, &runtime::affinity::allowed_cores())?;
     let worker_pool = Options {
-        matching: handing::matching(engine),
+        matching: dispatch_options::matching(engine),
         queues: Queues { capacity: engine.queue as u32, batch: engine.batch as u32, linger_ns: 0 },
         intensity: Intensity {
             core_deaths: opened.deployment.restarts.core_in_10_s as usize,

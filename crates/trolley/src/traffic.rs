@@ -4,7 +4,7 @@
 //! scenario, which is then read as if a person had written it.
 
 use crate::scenario::read_text;
-use crate::{Failure, Kind};
+use crate::{Failure, FailureKind};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -155,7 +155,7 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
         let id = &recording.others[whom].id;
         let fault = format!("{name}: the ego and obstacle {id} overlap where manoeuvres begin");
         let help = format!("if it is the ego itself: --without {id}; else begin earlier: --at");
-        return Err(Failure::new(Kind::Refused, fault).with_remedy(help));
+        return Err(Failure::new(FailureKind::Refused, fault).with_remedy(help));
     }
     let text = match swept.meetings.as_slice() {
         [] => None,

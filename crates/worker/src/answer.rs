@@ -1,7 +1,7 @@
 //! Writes the hits of one job into shared memory as the kernel finds them.
 
 #[cfg(feature = "faults")]
-use crate::misdeed::{self, Corruption};
+use crate::fault::{self, Corruption};
 use bvh::{NodePair, Sink};
 #[cfg(feature = "faults")]
 use core::cell::Cell;
@@ -10,7 +10,7 @@ use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use executor::{Done, hit};
 use protocol::result::{write_hit, write_last, write_rest};
-use protocol::{CoordinatorLine, Head, Incarnation, Kind, RequestId, WireJob};
+use protocol::{CoordinatorLine, Head, Incarnation, MessageKind, RequestId, WireJob};
 use protocol::{WorkerLine, launch, status};
 use runtime::clock;
 use transport::{OpenMessage, Sender, UseError};
@@ -54,7 +54,7 @@ impl<'w> Outlet<'w> {
             && self.coordinator.cancelled.load(Ordering::Relaxed) < request.0
     }
 
-    pub(crate) fn head(&self, request: RequestId, kind: Kind) -> Head {
+    pub(crate) fn head(&self, request: RequestId, kind: MessageKind) -> Head {
         Head::new(self.boot, request, self.who, kind)
     }
 
@@ -69,7 +69,7 @@ impl<'w> Outlet<'w> {
         #[cfg(not(feature = "faults"))]
         message.send(head, used)?;
         #[cfg(feature = "faults")]
-        misdeed::send(self.corruption.take(), message, head, used)?;
+        fault::send(self.corruption.take(), message, head, used)?;
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
         // The coordinator that counts this message sees all that went before it.
         self.line.sent.fetch_add(1, Ordering::SeqCst);
@@ -130,7 +130,7 @@ impl<'w> Answer<'w> {
             part: self.part,
             count: u16::from(last),
             hits: self.hits as u32,
-            ..self.outlet.head(self.request, Kind::Result)
+            ..self.outlet.head(self.request, MessageKind::Result)
         }
     }
 
@@ -172,7 +172,8 @@ impl<'w> Answer<'w> {
             let Some(mut message) = self.outlet.open()? else { return Ok(()) };
             let pairs = rest[first..].iter().map(|pair| (pair.a, pair.b));
             let count = write_rest(message.words(), first, pairs);
-            let head = Head { hits: count as u32, kind: Kind::Rest as u8, ..self.head(false) };
+            let head =
+                Head { hits: count as u32, kind: MessageKind::Rest as u8, ..self.head(false) };
             self.outlet.send(message, head, 1 + count)?;
             self.part += 1;
             first += count;
@@ -203,7 +204,7 @@ impl<'w> Answer<'w> {
         let used = write_last(message.words(), self.hits, &summary, done.supports());
         let head = self.head(true);
         #[cfg(feature = "faults")]
-        let Some(message) = misdeed::last(self.outlet, message, head, used)? else {
+        let Some(message) = fault::last(self.outlet, message, head, used)? else {
             return Ok(());
         };
         self.outlet.send(message, head, used)

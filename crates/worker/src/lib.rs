@@ -21,7 +21,7 @@
 mod answer;
 mod copy;
 #[cfg(feature = "faults")]
-mod misdeed;
+mod fault;
 mod serve;
 
 pub use serve::{WorkerError, run};

@@ -3,7 +3,7 @@
 use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
 #[cfg(feature = "faults")]
-use crate::misdeed::Orders;
+use crate::fault::FaultCommands;
 use body::{BodyView, Meta, store};
 use bvh::NodePair;
 use core::sync::atomic::Ordering;
@@ -11,7 +11,7 @@ use crossbeam::utils::Backoff;
 use diagnostic::Diagnostic;
 use executor::{Executor, NotDone};
 use protocol::{
-    Head, Kind, Launch, Reject, RequestId, WireJob, WireTask, WorkerState, job, launch,
+    Head, Launch, MessageKind, Reject, RequestId, WireJob, WireTask, WorkerState, job, launch,
 };
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -41,13 +41,13 @@ pub enum WorkerError {
 }
 
 impl Diagnostic for WorkerError {
-    fn kind(&self) -> diagnostic::Kind {
+    fn kind(&self) -> diagnostic::FailureKind {
         match self {
-            Self::Launch => diagnostic::Kind::Configuration,
-            Self::Open(open) if open.is_skew() => diagnostic::Kind::Skew,
-            Self::Open(_) => diagnostic::Kind::Resources,
+            Self::Launch => diagnostic::FailureKind::Configuration,
+            Self::Open(open) if open.is_skew() => diagnostic::FailureKind::Skew,
+            Self::Open(_) => diagnostic::FailureKind::Resources,
             Self::System(error) => Diagnostic::kind(error),
-            Self::Use(_) | Self::Batch(_) | Self::Store(_) => diagnostic::Kind::Internal,
+            Self::Use(_) | Self::Batch(_) | Self::Store(_) => diagnostic::FailureKind::Internal,
         }
     }
 }
@@ -94,7 +94,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         Ordering::Relaxed,
     );
     line.state.store(WorkerState::Hello as u32, Ordering::Release);
-    outlet.tell(outlet.head(RequestId(0), Kind::Hello))?;
+    outlet.tell(outlet.head(RequestId(0), MessageKind::Hello))?;
     line.state.store(WorkerState::Ready as u32, Ordering::Release);
     let mut job_loop = JobLoop::new(&bodies, &outlet);
     if launch.copies {
@@ -102,7 +102,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     }
     #[cfg(feature = "faults")]
     if launch.obeys {
-        job_loop.orders = Some(Orders::default());
+        job_loop.fault_commands = Some(FaultCommands::default());
     }
     let mut words = Vec::with_capacity(sizes.job_words);
     while let Some(head) = job_loop.next_batch(&link, &mut words)? {
@@ -122,7 +122,7 @@ struct JobLoop<'w> {
     copies: Option<Copies>,
     /// Set if faults are injected.
     #[cfg(feature = "faults")]
-    orders: Option<Orders>,
+    fault_commands: Option<FaultCommands>,
 }
 
 impl<'w> JobLoop<'w> {
@@ -134,7 +134,7 @@ impl<'w> JobLoop<'w> {
             executor,
             copies: None,
             #[cfg(feature = "faults")]
-            orders: None,
+            fault_commands: None,
         }
     }
 
@@ -160,8 +160,8 @@ impl<'w> JobLoop<'w> {
                 return Ok(None);
             }
             match link.jobs.take(words)? {
-                Some(Ok(head)) if head.kind == Kind::Batch as u8 => return Ok(Some(head)),
-                Some(Ok(head)) if head.kind == Kind::Section as u8 => {
+                Some(Ok(head)) if head.kind == MessageKind::Batch as u8 => return Ok(Some(head)),
+                Some(Ok(head)) if head.kind == MessageKind::Section as u8 => {
                     let is_stored = self.copies.as_mut().is_some_and(|copies| copies.store(words));
                     line.beat.fetch_add(1, Ordering::Relaxed);
                     if is_stored {
@@ -203,8 +203,8 @@ impl<'w> JobLoop<'w> {
             let _started = Started::new(self.outlet, request, job);
             let run = AssertUnwindSafe(|| {
                 #[cfg(feature = "faults")]
-                if let Some(orders) = &mut self.orders {
-                    orders.obey(self.outlet, job)?;
+                if let Some(fault_commands) = &mut self.fault_commands {
+                    fault_commands.obey(self.outlet, job)?;
                 }
                 self.run(request, &tasks[job.task as usize], job)
             });
@@ -238,7 +238,7 @@ impl<'w> JobLoop<'w> {
 
     /// Says that a job cannot be run here.
     fn refuse(&self, request: RequestId, job: &WireJob) -> Result<(), UseError> {
-        let head = self.outlet.head(request, Kind::Nack);
+        let head = self.outlet.head(request, MessageKind::Nack);
         self.outlet.tell(Head { job: job.job, attempt: job.attempt as u8, ..head })
     }
 }

@@ -1,12 +1,12 @@
 //! The bytes are pinned; every encoding comes back; nothing else is accepted.
 
 use super::*;
-use crate::meta::{Build, Kind, Meta, Occupant, Seat};
+use crate::meta::{BodyKind, Build, Meta, Occupant, Seat};
 
 fn meta() -> Meta {
     Meta {
         name: "ab".into(),
-        kind: Kind::Suv,
+        kind: BodyKind::Suv,
         mass_kg: Some(1.5),
         centre_m: [1.0, -2.0, 0.5],
         gyration_m: 0.25,

@@ -12,7 +12,7 @@ fn body(length: f32, width: f32, height: f32) -> Mesh {
     ]])
 }
 
-fn assembled(kind: Kind, mesh: &Mesh) -> Meta {
+fn assembled(kind: BodyKind, mesh: &Mesh) -> Meta {
     let origin = Origin { name: "n", kind, origin: "o", hash: "h" };
     assemble(origin, mesh)
 }
@@ -22,7 +22,7 @@ proptest! {
     #[test]
     fn defaults_are_always_usable(
         size in prop::array::uniform3(0.0_f32..1.0e5),
-        kind in prop::sample::select(Kind::ALL.to_vec()),
+        kind in prop::sample::select(BodyKind::ALL.to_vec()),
     ) {
         let [length, width, height] = size;
         let mesh = body(length, width, height);
@@ -39,20 +39,20 @@ proptest! {
     /// The larger car is the heavier one.
     #[test]
     fn mass_rises_with_the_footprint(a in 1.0_f64..20.0, b in 1.0_f64..20.0) {
-        let of = |footprint| mass(Kind::Sedan, footprint).0.expect("a car has a mass");
+        let of = |footprint| mass(BodyKind::Sedan, footprint).0.expect("a car has a mass");
         prop_assert!((a <= b) == (of(a) <= of(b)) || of(a) == of(b));
     }
 }
 
 #[test]
 fn a_sedan_has_the_mass_of_the_formula() {
-    let meta = assembled(Kind::Sedan, &body(4.5, 1.8, 1.4));
+    let meta = assembled(BodyKind::Sedan, &body(4.5, 1.8, 1.4));
     // 526.9 · 8.1^0.8 − 1333.5, by another calculator.
     let mass = meta.mass_kg.expect("a car has a mass");
     assert!((mass - 1475.28).abs() < 0.5, "{mass}");
     assert!((meta.gyration_m - 1.26).abs() < 1e-6);
     assert!((meta.centre_m[2] - (0.2 + 0.56)).abs() < 1e-6);
     assert_eq!(meta.mass_source, "default, TUM formula of length times width");
-    let toy = assembled(Kind::Suv, &body(2.0, 1.0, 1.0));
+    let toy = assembled(BodyKind::Suv, &body(2.0, 1.0, 1.0));
     assert!(toy.mass_source.ends_with("footprint 2.00 m² taken as 5 m²"), "{}", toy.mass_source);
 }

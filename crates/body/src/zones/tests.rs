@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const BOX: Aabb = Aabb { min: [-2.0, -1.0, 0.0], max: [2.0, 1.0, 1.5] };
 
-fn at(x: f32, y: f32, z: f32, kind: Kind) -> u16 {
+fn at(x: f32, y: f32, z: f32, kind: BodyKind) -> u16 {
     of_triangle(&[[x, y, z]; 3], &BOX, kind).0
 }
 
@@ -14,7 +14,7 @@ proptest! {
     #[test]
     fn each_cut_gives_exactly_one_zone(
         corners in prop::array::uniform3([-2.0_f32..=2.0, -1.0_f32..=1.0, 0.0_f32..=1.5]),
-        kind in prop::sample::select(Kind::ALL.to_vec()),
+        kind in prop::sample::select(BodyKind::ALL.to_vec()),
     ) {
         let Zones(bits) = of_triangle(&corners, &BOX, kind);
         prop_assert_eq!((bits & (FRONT | MIDDLE | REAR)).count_ones(), 1);
@@ -34,22 +34,22 @@ proptest! {
 fn seats_are_where_people_sit() {
     let seats = |x, y, z, kind| at(x, y, z, kind) >> 8;
     let bit = |seat: Seat| seat.zone_bit() >> 8;
-    assert_eq!(seats(0.1, 0.9, 0.7, Kind::Sedan), bit(Seat::FrontLeft));
-    assert_eq!(seats(0.1, -0.9, 0.7, Kind::Suv), bit(Seat::FrontRight));
-    assert_eq!(seats(-0.8, 0.9, 0.7, Kind::Sedan), bit(Seat::RearLeft));
-    assert_eq!(seats(-0.8, 0.1, 1.5, Kind::Sedan), bit(Seat::RearLeft) | bit(Seat::RearMiddle));
-    assert_eq!(seats(1.9, 0.5, 0.7, Kind::Sedan), 0, "the bumper");
-    assert_eq!(seats(0.1, 0.9, 0.1, Kind::Sedan), 0, "the sill");
-    assert_eq!(seats(1.9, 0.9, 0.7, Kind::Truck), bit(Seat::FrontLeft));
-    assert_eq!(seats(0.0, 0.0, 1.0, Kind::Cyclist), bit(Seat::Rider));
-    assert_eq!(seats(0.0, 0.0, 0.7, Kind::Pedestrian), 0);
+    assert_eq!(seats(0.1, 0.9, 0.7, BodyKind::Sedan), bit(Seat::FrontLeft));
+    assert_eq!(seats(0.1, -0.9, 0.7, BodyKind::Suv), bit(Seat::FrontRight));
+    assert_eq!(seats(-0.8, 0.9, 0.7, BodyKind::Sedan), bit(Seat::RearLeft));
+    assert_eq!(seats(-0.8, 0.1, 1.5, BodyKind::Sedan), bit(Seat::RearLeft) | bit(Seat::RearMiddle));
+    assert_eq!(seats(1.9, 0.5, 0.7, BodyKind::Sedan), 0, "the bumper");
+    assert_eq!(seats(0.1, 0.9, 0.1, BodyKind::Sedan), 0, "the sill");
+    assert_eq!(seats(1.9, 0.9, 0.7, BodyKind::Truck), bit(Seat::FrontLeft));
+    assert_eq!(seats(0.0, 0.0, 1.0, BodyKind::Cyclist), bit(Seat::Rider));
+    assert_eq!(seats(0.0, 0.0, 0.7, BodyKind::Pedestrian), 0);
 }
 
 #[test]
 fn borders_and_flat_bodies_have_an_answer() {
-    assert_eq!(at(2.0, 1.0, 1.5, Kind::Wall), FRONT | LEFT | UPPER);
-    assert_eq!(at(-2.0, -1.0, 0.0, Kind::Wall), REAR | RIGHT | LOWER);
-    assert_eq!(at(0.0, 0.0, 0.75, Kind::Wall), MIDDLE | RIGHT | LOWER);
+    assert_eq!(at(2.0, 1.0, 1.5, BodyKind::Wall), FRONT | LEFT | UPPER);
+    assert_eq!(at(-2.0, -1.0, 0.0, BodyKind::Wall), REAR | RIGHT | LOWER);
+    assert_eq!(at(0.0, 0.0, 0.75, BodyKind::Wall), MIDDLE | RIGHT | LOWER);
     let flat = mesh_of(vec![[[1.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 2.0]]]);
-    assert_eq!(of_mesh(&flat, Kind::Wall), [Zones(MIDDLE | RIGHT | LOWER)]);
+    assert_eq!(of_mesh(&flat, BodyKind::Wall), [Zones(MIDDLE | RIGHT | LOWER)]);
 }

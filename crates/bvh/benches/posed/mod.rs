@@ -1,7 +1,7 @@
 //! A scene with trees, ready to be asked.
 
 use crate::scene::Scene;
-use body::{Body, BodyView, Build, Kind, Mesh, Meta, Zones};
+use body::{Body, BodyKind, BodyView, Build, Mesh, Meta, Zones};
 use bvh::{BuildOptions, Counters, Kernel, NodePair, Outcome, Question, Sink, Task, body, front};
 use geometry::{Corners, Directions, Pose, RelativePose};
 use std::ops::{ControlFlow, Range};
@@ -87,7 +87,7 @@ fn with_tree(corners: Vec<Corners>, options: &BuildOptions) -> Body {
     // Nothing but the tree matters here.
     let meta = Meta {
         name: "benchmark".into(),
-        kind: Kind::Sedan,
+        kind: BodyKind::Sedan,
         mass_kg: None,
         centre_m: Pose::IDENTITY.translation,
         gyration_m: 1.0,

@@ -1,7 +1,7 @@
 //! Why a tree could not be built, and what to do about it.
 
 use super::{LEAF_SIZE_MAX, LITERAL_MAX, TRIANGLES_MAX};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -42,8 +42,8 @@ pub enum BuildError {
 }
 
 impl Diagnostic for BuildError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn what(&self) -> String {

@@ -272,7 +272,7 @@ fn what_cannot_be_built_is_refused_in_plain_words() {
     let said = |corners: &[Corners], built: &BuildOptions| {
         let error = Tree::build(corners, built).unwrap_err();
         let failure = Failure::from(error.clone());
-        assert_eq!(failure.kind(), Kind::Input);
+        assert_eq!(failure.kind(), FailureKind::Input);
         // One text says both, where there is but one line.
         assert_eq!(error.to_string(), failure.to_string().replace("\n  help", ""));
         failure.to_string()

@@ -11,7 +11,7 @@ use ::lab::certify::{
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::{Failure, Kind};
+use trolley::{Failure, FailureKind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -154,7 +154,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
             };
             let report = bounds(&options, &told)?;
             let shown = show(&report, || report.text(), output)?;
-            Ok(if report.is_right() { shown } else { Kind::CheckFailed.into() })
+            Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
         }
         Verb::Deadline(args) => {
             let options = DeadlineOptions {

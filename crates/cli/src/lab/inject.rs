@@ -6,7 +6,7 @@ use crate::output::Output;
 use ::lab::inject::{InjectOptions, inject};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::{Failure, Kind};
+use trolley::{Failure, FailureKind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -31,15 +31,15 @@ pub(crate) struct InjectArgs {
 pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failure> {
     let InjectArgs { plan, seed, junit } = args.clone();
     let program = std::env::current_exe()
-        .map_err(|error| Failure::new(Kind::System, format!("this program: {error}")))?;
+        .map_err(|error| Failure::new(FailureKind::System, format!("this program: {error}")))?;
     let progress = output.progress("faults");
     let told = |done, total| progress.set(done, total);
     let injected = inject(&InjectOptions { plan, seed, junit, program }, &told)?;
     drop(progress);
     let shown = show(&injected, || injected.text(), output)?;
     Ok(match (injected.is_interrupted(), injected.is_survived()) {
-        (true, _) => Kind::Interrupted.into(),
+        (true, _) => FailureKind::Interrupted.into(),
         (false, true) => shown,
-        (false, false) => Kind::CheckFailed.into(),
+        (false, false) => FailureKind::CheckFailed.into(),
     })
 }

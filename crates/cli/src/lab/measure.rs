@@ -11,7 +11,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::handing::{Handing, TransferMode};
+use trolley::dispatch_options::{DispatchOptions, TransferMode};
 use trolley::{Failure, Limits, SearchOrder};
 
 pub(crate) const EXAMPLES: &str = "\
@@ -95,8 +95,8 @@ fn named<T: Copy + Send + Sync + 'static, const N: usize>(
 }
 
 impl MeasureArgs {
-    fn handing(&self) -> Handing {
-        Handing {
+    fn dispatch_options(&self) -> DispatchOptions {
+        DispatchOptions {
             linger_us: self.linger,
             cache_bytes: self.cache_bytes,
             transfer: self.transfer.unwrap_or_default(),
@@ -126,7 +126,7 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
         seed: EngineSettings::DEFAULT.apply(&overrides)?.seed,
         alpha: args.alpha.unwrap_or(ALPHA),
         transfer: args.transfer,
-        handing: args.handing(),
+        dispatch_options: args.dispatch_options(),
         job_log: args.job_log.clone(),
     };
     let measured = sweep(&options, &|done, total| progress.set(done, total))?;
@@ -150,7 +150,7 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
     let options = RankOptions {
         scenario,
         overrides: Overrides { scheme, alpha: args.alpha, ..args.engine.overrides()? },
-        handing: args.handing(),
+        dispatch_options: args.dispatch_options(),
         limits,
         instance: args.engine.instance.clone(),
         in_process: args.engine.in_process,

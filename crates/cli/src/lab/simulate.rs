@@ -5,7 +5,7 @@ use crate::output::Output;
 use crate::print;
 use ::lab::simulate::{FaultOptions, SimulatedFault, faults};
 use std::process::ExitCode;
-use trolley::{Failure, Kind};
+use trolley::{Failure, FailureKind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -77,5 +77,5 @@ pub(crate) fn run(verb: &Verb, verbose: u8, output: &Output) -> Result<ExitCode,
     drop(progress);
     simulated.log().iter().for_each(|line| print::err(line));
     let shown = show(&simulated, || simulated.text(), output)?;
-    Ok(if simulated.is_right() { shown } else { Kind::CheckFailed.into() })
+    Ok(if simulated.is_right() { shown } else { FailureKind::CheckFailed.into() })
 }

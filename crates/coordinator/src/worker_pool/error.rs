@@ -1,6 +1,6 @@
 //! Why a run could not be finished.
 
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use runtime::Exit;
 use std::borrow::Cow;
 use transport::OpenError;
@@ -59,19 +59,19 @@ pub enum WorkerPoolError {
 }
 
 impl Diagnostic for WorkerPoolError {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> FailureKind {
         match self {
             Self::System(error) => error.kind(),
-            Self::Open(open) if open.is_skew() => Kind::Skew,
+            Self::Open(open) if open.is_skew() => FailureKind::Skew,
             // A name is the user's, all else is the machine's.
-            Self::Open(OpenError::Name { .. }) => Kind::Configuration,
+            Self::Open(OpenError::Name { .. }) => FailureKind::Configuration,
             Self::MissingRequirement(missing) => missing.kind(),
             Self::Open(_)
             | Self::ExitedAtStart { .. }
             | Self::HandshakeTimeout { .. }
             | Self::NobodyLeft { .. }
-            | Self::Thrashed(_) => Kind::Resources,
-            Self::Interrupted => Kind::Interrupted,
+            | Self::Thrashed(_) => FailureKind::Resources,
+            Self::Interrupted => FailureKind::Interrupted,
         }
     }
 

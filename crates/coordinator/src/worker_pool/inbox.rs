@@ -9,7 +9,7 @@ use crate::gather::{Part, Rest};
 use crate::work::{PartOf, TaskSource};
 use dispatch::{Effect, Event, Progress};
 use protocol::result::{read_hits, read_last};
-use protocol::{Head, JobId, Kind, Reject, RequestId};
+use protocol::{Head, JobId, MessageKind, Reject, RequestId};
 use runtime::clock;
 
 impl WorkerPool {
@@ -75,24 +75,26 @@ impl WorkerPool {
     ) -> Progress {
         let (from, job) = (self.workers[number].who, JobId(head.job));
         let request = RequestId(head.request);
-        let event = match Kind::from_number(head.kind) {
-            Some(kind @ (Kind::Result | Kind::Rest)) => match read_part(kind, head, words) {
-                Some(part) => return self.take_part(number, head, part, work, effects),
-                None => {
-                    self.distrust(number, "counts that do not fit");
-                    Event::Poll
+        let event = match MessageKind::from_number(head.kind) {
+            Some(kind @ (MessageKind::Result | MessageKind::Rest)) => {
+                match read_part(kind, head, words) {
+                    Some(part) => return self.take_part(number, head, part, work, effects),
+                    None => {
+                        self.distrust(number, "counts that do not fit");
+                        Event::Poll
+                    }
                 }
-            },
-            Some(Kind::Nack) => {
+            }
+            Some(MessageKind::Nack) => {
                 tracing::warn!(worker = number, job = head.job, "a job failed");
                 self.observe(from, Observation::Failed);
                 Event::Failed { from, request, job, attempt: head.attempt }
             }
-            Some(Kind::Hello) => {
+            Some(MessageKind::Hello) => {
                 self.workers[number].has_greeted = true;
                 Event::Ready(from)
             }
-            Some(Kind::Batch | Kind::Section) | None => Event::Poll,
+            Some(MessageKind::Batch | MessageKind::Section) | None => Event::Poll,
         };
         self.step(event, work, effects)
     }
@@ -159,8 +161,8 @@ impl WorkerPool {
 }
 
 /// What a message holds of a result; `None` if counts and words do not fit.
-fn read_part<'w>(kind: Kind, head: &Head, words: &'w [u64]) -> Option<Part<'w>> {
-    if kind == Kind::Rest {
+fn read_part<'w>(kind: MessageKind, head: &Head, words: &'w [u64]) -> Option<Part<'w>> {
+    if kind == MessageKind::Rest {
         let fits = words.len() == 1 + head.hits as usize;
         return fits.then_some(Part { hits: &[], rest: Rest::Words(words), last: None });
     }

@@ -39,10 +39,10 @@ pub(super) fn send(
 
 impl WorkerPool {
     /// Tells a worker to misbehave: it must have been started with `obeys`.
-    pub fn order(&self, worker: u8, order: Option<FaultCommand>) {
+    pub fn command_fault(&self, worker: u8, order: Option<FaultCommand>) {
         let line = self.status.page().coordinator.get(usize::from(worker));
         if let Some(line) = line {
-            line.order.store(order.map_or(0, FaultCommand::to_word), Ordering::SeqCst);
+            line.fault_command.store(order.map_or(0, FaultCommand::to_word), Ordering::SeqCst);
         }
     }
 

@@ -9,7 +9,7 @@ use super::chunk::chunks;
 use crate::work::TaskSource;
 use dispatch::{Effect, Event, Progress};
 use protocol::job::{WireJob, write_batch};
-use protocol::{Head, Incarnation, JobId, Kind, RequestId, Section, WireTask};
+use protocol::{Head, Incarnation, JobId, MessageKind, RequestId, Section, WireTask};
 use transport::UseError;
 
 /// Scratch for laying out batches.
@@ -55,7 +55,7 @@ impl WorkerPool {
         let head = Head {
             job: batch,
             count: rows.len() as u16,
-            ..Head::new(self.boot, RequestId(self.request), to, Kind::Batch)
+            ..Head::new(self.boot, RequestId(self.request), to, MessageKind::Batch)
         };
         let worker = &mut self.workers[usize::from(to.worker)];
         let Some(outgoing) = &mut self.outgoing else {
@@ -64,7 +64,7 @@ impl WorkerPool {
         let outgoing = &mut outgoing[usize::from(to.worker)];
         for section in fetch {
             let Some(body) = work.body(section.model) else { continue };
-            let head = Head::new(self.boot, RequestId(self.request), to, Kind::Section);
+            let head = Head::new(self.boot, RequestId(self.request), to, MessageKind::Section);
             for chunk in chunks(&body, *section) {
                 outgoing.push(head, chunk);
             }

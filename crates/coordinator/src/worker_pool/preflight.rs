@@ -3,7 +3,7 @@
 
 use super::Options;
 use core::fmt;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use runtime::machine;
 use std::borrow::Cow;
 use transport::Sizes;
@@ -28,8 +28,8 @@ impl fmt::Display for MissingRequirement {
 impl core::error::Error for MissingRequirement {}
 
 impl Diagnostic for MissingRequirement {
-    fn kind(&self) -> Kind {
-        Kind::Resources
+    fn kind(&self) -> FailureKind {
+        FailureKind::Resources
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {

@@ -7,7 +7,7 @@ use super::worker_handle::WorkerHandle;
 use super::{GREETING_NS, Observation, WorkerPool, WorkerPoolError};
 use crate::work::TaskSource;
 use dispatch::{Effect, Event, Progress};
-use protocol::{Incarnation, JobId, Kind};
+use protocol::{Incarnation, JobId, MessageKind};
 use runtime::clock;
 use transport::UseError;
 
@@ -20,7 +20,7 @@ impl WorkerPool {
             for number in 0..self.workers.len() {
                 let worker = &mut self.workers[number];
                 if let Ok(Some(Ok(head))) = worker.take(&self.status, &mut self.scratch) {
-                    worker.has_greeted |= head.kind == Kind::Hello as u8;
+                    worker.has_greeted |= head.kind == MessageKind::Hello as u8;
                 }
                 if !worker.is_starting() {
                     continue;

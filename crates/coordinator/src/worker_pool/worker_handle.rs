@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering;
 use dispatch::{Liveness, Patience, Pulse, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
-use protocol::{Head, Incarnation, JobId, Kind, Launch, Reject, RequestId};
+use protocol::{Head, Incarnation, JobId, Launch, MessageKind, Reject, RequestId};
 use runtime::counters::{HardwareCounters, HardwareCounts};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
@@ -277,7 +277,7 @@ impl WorkerHandle {
         #[cfg(feature = "faults")]
         super::inject::send(self.corruption.take(), message, sealed, words.len())?;
         self.seq = self.seq.wrapping_add(1);
-        if head.kind == Kind::Batch as u8 {
+        if head.kind == MessageKind::Batch as u8 {
             if !self.is_busy(status) {
                 // Nothing was asked of it until now: its silence begins here.
                 self.watch = Watch::default();

@@ -9,7 +9,7 @@ use crate::harm::PersonHarm;
 use crate::path::plan;
 use crate::scene::{Prism, Scene, car, fixed, head_on, walker};
 use crate::search::{First, Search};
-use body::{Kind, Zones};
+use body::{BodyKind, Zones};
 use geometry::{DVec3, Supports};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -141,7 +141,7 @@ fn a_fixed_object_is_not_certain_death_and_has_nobody_in_it() {
     let mut scene = head_on(0.0);
     scene.velocity = [15.0, 0.0];
     scene.b = Prism::cuboid(0.5, 20.0, [2.4, 0.0], 0.0);
-    scene.party_b = fixed(Kind::Wall, [2.4, 0.0]);
+    scene.party_b = fixed(BodyKind::Wall, [2.4, 0.0]);
     let harm = harm(&scene);
     assert_eq!(harm.persons.len(), 1);
     near(harm.persons[0].x_m_s.hi(), 16.5);
@@ -173,7 +173,7 @@ fn what_cannot_be_evaluated_is_anything_from_nothing_to_all() {
 fn a_concave_body_is_met_along_the_way_or_not_at_all() {
     let mut scene = head_on(0.0);
     scene.b = Prism::cuboid(10.0, 20.0, [7.0, 4.0], 20.0);
-    scene.party_b = fixed(Kind::Building, [7.0, 4.0]);
+    scene.party_b = fixed(BodyKind::Building, [7.0, 4.0]);
     let harm = harm(&scene);
     assert!(harm.concave);
     let ego = &harm.persons[0];
@@ -218,7 +218,7 @@ fn on_foot_is_never_safer() {
 
 #[test]
 fn impossible_candidates_are_refused() {
-    let wall = || fixed(Kind::Wall, [4.4, 0.0]);
+    let wall = || fixed(BodyKind::Wall, [4.4, 0.0]);
     let both = Scene { party_a: wall(), party_b: wall(), ..head_on(0.0) };
     assert_eq!(both.harm(), Err(AssessError::BothFixed));
     for mass in [0.0, -1.0, f64::NAN] {

@@ -55,25 +55,25 @@ fn impossible_parties_are_refused() {
     let nowhere = CollisionParty { centre_m: DVec3::NAN, ..walker(0, [0.0, 0.0]) };
     assert_eq!(nowhere.check(), Err(PartyError::Place));
     let persons = walker(0, [0.0, 0.0]).persons;
-    let haunted = CollisionParty { persons, ..fixed(Kind::Wall, [0.0, 0.0]) };
+    let haunted = CollisionParty { persons, ..fixed(BodyKind::Wall, [0.0, 0.0]) };
     assert_eq!(haunted.check(), Err(PartyError::PersonsInFixed));
     let mut full = car(3, 1200.0, [0.0, 0.0], 0.0);
     full.persons.push(full.persons[0]);
     assert_eq!(full.check(), Err(PartyError::Twice(PersonId(3))));
-    assert_eq!(fixed(Kind::Pole, [0.0, 0.0]).check(), Ok(()));
+    assert_eq!(fixed(BodyKind::Pole, [0.0, 0.0]).check(), Ok(()));
 }
 
 #[test]
 fn who_nobody_stated_is_one_driver_of_what_moves() {
-    assert_eq!(*occupants(Kind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
-    assert_eq!(*occupants(Kind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
-    assert!(occupants(Kind::Bus, 0.0, None).is_empty());
-    assert!(occupants(Kind::Wall, 0.0, None).is_empty());
-    assert_eq!(*occupants(Kind::Pedestrian, 0.0, None), [None]);
-    assert!(occupants(Kind::Sedan, 3.0, Some(&[])).is_empty());
+    assert_eq!(*occupants(BodyKind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
+    assert_eq!(*occupants(BodyKind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
+    assert!(occupants(BodyKind::Bus, 0.0, None).is_empty());
+    assert!(occupants(BodyKind::Wall, 0.0, None).is_empty());
+    assert_eq!(*occupants(BodyKind::Pedestrian, 0.0, None), [None]);
+    assert!(occupants(BodyKind::Sedan, 3.0, Some(&[])).is_empty());
     let two = [Seat::FrontLeft, Seat::RearRight].map(|s| Occupant { seat: Some(s) });
     assert_eq!(
-        *occupants(Kind::Sedan, 0.0, Some(&two)),
+        *occupants(BodyKind::Sedan, 0.0, Some(&two)),
         [Some(Seat::FrontLeft), Some(Seat::RearRight)]
     );
 }

@@ -1,7 +1,7 @@
 //! Requests as rng will have them: an ego among bodies that it may hit, from any side.
 
 use crate::pair;
-use body::{BodyView, Kind, Meta};
+use body::{BodyKind, BodyView, Meta};
 use coordinator::Request;
 use damage::{Curves, Policy};
 use geometry::rng::Rng;
@@ -56,7 +56,8 @@ impl Pool {
 /// A policy of those that come with the program.
 pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
     let (name, text) = POLICIES[number % POLICIES.len()];
-    Policy::parse(name, text).map_err(|error| Failure::from(error).of_kind(trolley::Kind::Internal))
+    Policy::parse(name, text)
+        .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))
 }
 
 /// A request of so many candidates between bodies of a pool, in their order; they stand to the side
@@ -73,7 +74,7 @@ pub(super) fn request(
 }
 
 fn curves() -> Result<Curves, Failure> {
-    Curves::shipped().map_err(|error| Failure::from(error).of_kind(trolley::Kind::Internal))
+    Curves::shipped().map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))
 }
 
 /// A request from its scenario.
@@ -111,11 +112,11 @@ pub(super) fn scenario(
     for number in 0..candidates {
         let other = 1 + rng.below(views.len() as u64 - 1) as usize;
         let (meta, body) = &views[other];
-        let is_fixed = matches!(meta.kind, Kind::Wall | Kind::Pole | Kind::Building);
+        let is_fixed = matches!(meta.kind, BodyKind::Wall | BodyKind::Pole | BodyKind::Building);
         let most = match meta.kind {
             _ if is_fixed => 0.0,
-            Kind::Pedestrian => 2.5,
-            Kind::Cyclist => 8.0,
+            BodyKind::Pedestrian => 2.5,
+            BodyKind::Cyclist => 8.0,
             _ => 16.0,
         };
         let speed = rng.between(0.0, most);

@@ -41,7 +41,7 @@ impl Run {
     /// `wrap`: a program and its arguments that are to run it.
     fn start(rank: &Rank<'_>, wrap: &[&str]) -> Result<Self, Failure> {
         let internal =
-            |error: std::io::Error| Failure::new(trolley::Kind::System, error.to_string());
+            |error: std::io::Error| Failure::new(trolley::FailureKind::System, error.to_string());
         let Rank { program, plan } = rank;
         let own = program.display().to_string();
         let scenario = plan.scenario.display().to_string();
@@ -257,7 +257,7 @@ fn is_granted(kind: Kind) -> Result<bool, Failure> {
     };
     let args: Vec<String> = test.iter().map(|&word| word.to_owned()).collect();
     let null = File::open("/dev/null")
-        .map_err(|error| Failure::new(trolley::Kind::System, error.to_string()))?;
+        .map_err(|error| Failure::new(trolley::FailureKind::System, error.to_string()))?;
     let program = Path::new("/usr/bin/unshare");
     let mut child =
         process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?;

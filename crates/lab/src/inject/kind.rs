@@ -1,6 +1,6 @@
 //! The kinds of faults that can be injected, by the names of plans and reports.
 
-use protocol::Fault;
+use protocol::InjectedFault;
 
 macro_rules! kinds {
     ($($name:ident = $text:literal,)*) => {
@@ -85,23 +85,23 @@ impl Kind {
     }
 
     /// The order that a worker gets for it.
-    pub(crate) fn misdeed(self) -> Option<Fault> {
+    pub(crate) fn commanded(self) -> Option<InjectedFault> {
         Some(match self {
-            Self::Abort => Fault::Abort,
-            Self::Segfault => Fault::Segfault,
-            Self::StackOverflow => Fault::Overflow,
-            Self::OutOfMemory => Fault::Exhaust,
-            Self::Quit => Fault::Quit,
-            Self::Panic => Fault::Panic,
-            Self::Hang => Fault::Hang,
-            Self::Stall => Fault::Stall,
-            Self::Poison => Fault::Poison,
-            Self::GarbleResult => Fault::Garble,
-            Self::WrongLength => Fault::Lie,
-            Self::Masquerade => Fault::Masquerade,
-            Self::RepeatResult => Fault::Repeat,
-            Self::LoseResult => Fault::Withhold,
-            Self::LoanExhausted => Fault::HoldLoan,
+            Self::Abort => InjectedFault::Abort,
+            Self::Segfault => InjectedFault::Segfault,
+            Self::StackOverflow => InjectedFault::Overflow,
+            Self::OutOfMemory => InjectedFault::Exhaust,
+            Self::Quit => InjectedFault::Quit,
+            Self::Panic => InjectedFault::Panic,
+            Self::Hang => InjectedFault::Hang,
+            Self::Stall => InjectedFault::Stall,
+            Self::Poison => InjectedFault::Poison,
+            Self::GarbleResult => InjectedFault::Garble,
+            Self::WrongLength => InjectedFault::Lie,
+            Self::Masquerade => InjectedFault::Masquerade,
+            Self::RepeatResult => InjectedFault::Repeat,
+            Self::LoseResult => InjectedFault::Withhold,
+            Self::LoanExhausted => InjectedFault::HoldLoan,
             _ => return None,
         })
     }

@@ -8,7 +8,7 @@ use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
 use coordinator::{Answer, Corruption, Observation, RankingRun, WorkerPool, WorkerPoolError};
 use geometry::rng::Rng;
-use protocol::{Fault, FaultCommand, Incarnation};
+use protocol::{FaultCommand, Incarnation, InjectedFault};
 use runtime::process::Held;
 use runtime::{SealedMemory, clock, machine};
 use trolley::Failure;
@@ -102,7 +102,7 @@ pub(super) fn run<'w>(
         let before = left.len();
         match live.round(&mut left, report) {
             // What is finished is told.
-            Err(failure) if failure.kind() == trolley::Kind::Interrupted => {
+            Err(failure) if failure.kind() == trolley::FailureKind::Interrupted => {
                 report.is_interrupted = true
             }
             other => other?,
@@ -282,7 +282,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 open.seen_ns.is_some()
                     || open.kind == Kind::Poison
                     || (open.struck_ns.is_some() && open.kind.may_be_survived())
-                    || (open.struck_ns.is_none() && open.kind.misdeed().is_none())
+                    || (open.struck_ns.is_none() && open.kind.commanded().is_none())
                     || (open.struck_ns.is_none() && chase >= CHASES)
             };
             if self.open.iter().all(is_over) || clock::now_ns() > answered_ns + CHASE_NS {
@@ -296,7 +296,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         self.disarm(report)?;
         self.book(&chosen, left, state, answered_ns, report);
         for (who, _) in self.worker_pool.roster() {
-            self.worker_pool.order(who.worker, None);
+            self.worker_pool.command_fault(who.worker, None);
         }
         Ok(())
     }
@@ -306,7 +306,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
     fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
         for (who, pid) in self.worker_pool.roster() {
             let is_armed = |open: &Open| {
-                let is_order = open.kind.misdeed().is_some();
+                let is_order = open.kind.commanded().is_some();
                 open.who == who && is_order && open.struck_ns.is_none()
             };
             if self.open.iter().any(is_armed)
@@ -374,20 +374,20 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 self.open[number].struck_ns = Some(clock::now_ns());
             }
             _ => {
-                let Some(misdeed) = kind.misdeed() else { return Ok(()) };
+                let Some(fault) = kind.commanded() else { return Ok(()) };
                 self.sequence = self.sequence.wrapping_add(1).max(1);
                 let share = self.jobs / u64::from(self.stage.plan.workers) / 2;
-                let argument = match misdeed {
+                let argument = match fault {
                     // All get the same job.
-                    Fault::Poison => {
+                    InjectedFault::Poison => {
                         (Rng::new(self.usual_ns ^ u64::from(self.sequence / 16)).bits() % self.jobs)
                             as u32
                     }
                     _ => self.rng.bits() as u32,
                 };
                 let after = self.rng.below(share.clamp(1, 20)) as u8;
-                let order = FaultCommand { sequence: self.sequence, misdeed, after, argument };
-                self.worker_pool.order(who.worker, Some(order));
+                let order = FaultCommand { sequence: self.sequence, fault, after, argument };
+                self.worker_pool.command_fault(who.worker, Some(order));
             }
         }
         Ok(())
@@ -400,7 +400,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
 
     /// When orders were obeyed.
     fn obeyed(&mut self, since_ns: u64) {
-        for open in self.open.iter_mut().filter(|open| open.kind.misdeed().is_some()) {
+        for open in self.open.iter_mut().filter(|open| open.kind.commanded().is_some()) {
             let at_ns = self.worker_pool.obeyed_ns(open.who.worker);
             if at_ns >= since_ns && open.struck_ns.is_none() {
                 open.struck_ns = Some(at_ns);

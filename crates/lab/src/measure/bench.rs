@@ -11,7 +11,7 @@ use geometry::{DVec3, Directions};
 use runtime::{affinity, clock};
 use scenario::Scheme;
 use simulate::{JobTrace, Sample, TaskTrace, Trace};
-use trolley::handing::TransferMode;
+use trolley::dispatch_options::TransferMode;
 use trolley::{BUILD, Failure};
 
 /// Depths by which pairs of leaves are reckoned: from less deep ones they came out four times too
@@ -29,7 +29,7 @@ pub(crate) struct Bench<'p> {
     log: bool,
 }
 
-/// One way of handing out work.
+/// One way of dispatch options out work.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
     pub(crate) workers: u8,

@@ -10,7 +10,7 @@ use dispatch::{Cache, Matching, Queues};
 use scenario::Scheme;
 use simulate::{Costs, fit};
 use trolley::Failure;
-use trolley::handing::TransferMode;
+use trolley::dispatch_options::TransferMode;
 
 /// Buffers of all calibrations.
 pub(crate) const QUEUES: Queues = Options::QUEUES;

@@ -8,7 +8,7 @@ use super::row::{Mode, Row};
 use super::swept::Swept;
 use scenario::Scheme;
 use serde::Serialize;
-use trolley::handing::TransferMode;
+use trolley::dispatch_options::TransferMode;
 
 /// Speed-ups closer than this are the same.
 const SAME: f64 = 0.02;

@@ -5,7 +5,7 @@ use super::row::Mode;
 use super::swept::{Check, Swept};
 use scenario::Scheme;
 use std::fmt::Write as _;
-use trolley::handing::TransferMode;
+use trolley::dispatch_options::TransferMode;
 
 /// The median and the greatest error of the predictions (%); `None` if nothing was predicted.
 pub(crate) fn errors(checks: &[Check]) -> Option<[f64; 2]> {

@@ -5,7 +5,7 @@ use crate::progress::SyncProgress;
 use scenario::Overrides;
 use serde::Serialize;
 use std::path::PathBuf;
-use trolley::handing::{Handing, log_csv};
+use trolley::dispatch_options::{DispatchOptions, log_csv};
 use trolley::{Answer, Engine, Failure, Limits, Run, Scenario, files};
 
 /// What is ranked, and how.
@@ -16,7 +16,7 @@ pub struct RankOptions {
     /// Settings of the engine in place of the scenario's.
     pub overrides: Overrides,
     /// How jobs reach the workers.
-    pub handing: Handing,
+    pub dispatch_options: DispatchOptions,
     /// When to stop, and whose job goes out next.
     pub limits: Limits,
     /// Name of the instance in shared memory, if not one of the program's choice.
@@ -63,8 +63,10 @@ pub fn rank(options: &RankOptions, told: SyncProgress<'_>) -> Result<RankedRun, 
     // Nobody wants to hear after the work that the file cannot be written.
     options.job_log.as_deref().map(|path| files::check(path, None)).transpose()?;
     let scenario = Scenario::open(&options.scenario)?;
-    let handing = Handing { log: options.job_log.is_some(), ..options.handing };
-    let mut builder = Engine::builder().overrides(options.overrides.clone()).handing(handing);
+    let dispatch_options =
+        DispatchOptions { log: options.job_log.is_some(), ..options.dispatch_options };
+    let mut builder =
+        Engine::builder().overrides(options.overrides.clone()).dispatch_options(dispatch_options);
     if let Some(instance) = &options.instance {
         builder = builder.instance(instance);
     }

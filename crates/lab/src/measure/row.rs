@@ -2,7 +2,7 @@
 
 use scenario::Scheme;
 use serde::Serialize;
-use trolley::handing::TransferMode;
+use trolley::dispatch_options::TransferMode;
 
 /// Where a figure comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

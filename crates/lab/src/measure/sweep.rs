@@ -10,7 +10,7 @@ use dispatch::{Cache, LogEntry, Matching, Queues, Thrash};
 use scenario::{EngineSettings, Scheme};
 use simulate::{Costs, Home, Setup};
 use trolley::Failure;
-use trolley::handing::{self, BUDGET_PERCENT, Handing, TransferMode};
+use trolley::dispatch_options::{self, BUDGET_PERCENT, DispatchOptions, TransferMode};
 
 /// Workers of the quad-core machine.
 pub(crate) const CORES: u8 = 4;
@@ -29,7 +29,7 @@ pub(crate) struct Plan {
     pub(crate) seed: u64,
     pub(crate) alpha: f64,
     /// How jobs reach the workers of measured runs.
-    pub(crate) handing: Handing,
+    pub(crate) dispatch_options: DispatchOptions,
     /// Whether copying is measured beside that.
     pub(crate) copies_too: bool,
 }
@@ -37,7 +37,12 @@ pub(crate) struct Plan {
 impl Plan {
     fn matching(&self, scheme: Scheme) -> Matching {
         let (alpha, seed) = (self.alpha, self.seed);
-        handing::matching(&EngineSettings { scheme, alpha, seed, ..EngineSettings::DEFAULT })
+        dispatch_options::matching(&EngineSettings {
+            scheme,
+            alpha,
+            seed,
+            ..EngineSettings::DEFAULT
+        })
     }
 }
 
@@ -51,7 +56,7 @@ pub(crate) fn steps(plan: &Plan) -> u64 {
 /// programs come in bursts that are longer than the repeats of one run.
 pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress<'_>) -> Result<Swept, Failure> {
     let deepest = plan.depths.iter().copied().max().unwrap_or(0);
-    let cache = plan.handing.cache(deepest, &bench.bodies)?;
+    let cache = plan.dispatch_options.cache(deepest, &bench.bodies)?;
     let mut alone: Vec<(u32, Alone)> = Vec::new();
     let mut whole = bench.alone(0)?;
     let mut sweep = Sweep {
@@ -165,7 +170,7 @@ struct Sweep<'s> {
 }
 
 impl Sweep<'_> {
-    /// A way of handing out work on which nothing is special yet.
+    /// A way of dispatch options out work on which nothing is special yet.
     fn way(&self, scheme: Scheme, workers: u8, depth: u32) -> Way {
         Way {
             workers,
@@ -186,9 +191,9 @@ impl Sweep<'_> {
 
     /// The same as real workers get their jobs.
     fn handed(&self, way: Way) -> Way {
-        let linger_ns = 1_000 * self.plan.handing.linger_us;
+        let linger_ns = 1_000 * self.plan.dispatch_options.linger_us;
         let queues = Queues { linger_ns, ..way.queues };
-        Way { queues, transfer: self.plan.handing.transfer, cache: self.cache, ..way }
+        Way { queues, transfer: self.plan.dispatch_options.transfer, cache: self.cache, ..way }
     }
 
     /// Every scheme at one depth with two workers, and one alone.
@@ -311,7 +316,7 @@ impl Sweep<'_> {
         // Where copying is measured beside, that is not where the time usually goes.
         let is_usual = way.queues.capacity == QUEUES.capacity
             && way.scheme == Scheme::BestMatchLoad
-            && way.transfer == self.plan.handing.transfer;
+            && way.transfer == self.plan.dispatch_options.transfer;
         if let Some(at) = self.rows.iter().position(|row| is_of(row, &way)) {
             if self.rows[at].time_ms.is_some_and(|ms| ms <= run_ns / 1e6) {
                 return Ok(());

@@ -2,7 +2,7 @@
 
 use super::collect::Part;
 use super::{LengthUnit, MeshDefect};
-use body::{Kind, Mesh};
+use body::{BodyKind, Mesh};
 use geometry::Corners;
 
 /// Keeps the triangles of the parts that have one of the names; all if no name is given.
@@ -98,24 +98,24 @@ fn key(corners: &Corners) -> [[u32; 3]; 3] {
 
 /// Least and greatest plausible value of the greatest extent, and the range that is usual, in
 /// metres. The outer limits are wide, so that they catch a wrong unit and nothing else.
-fn limits(kind: Option<Kind>) -> ([f64; 2], [f64; 2]) {
+fn limits(kind: Option<BodyKind>) -> ([f64; 2], [f64; 2]) {
     match kind {
         None => ([0.05, 500.0], [0.5, 20.0]),
-        Some(Kind::Sedan | Kind::Suv) => ([1.0, 30.0], [2.5, 6.5]),
-        Some(Kind::Truck | Kind::Bus) => ([2.0, 40.0], [4.0, 20.0]),
-        Some(Kind::Motorcycle) => ([0.8, 8.0], [1.4, 3.0]),
-        Some(Kind::Cyclist) => ([0.8, 8.0], [1.2, 2.5]),
-        Some(Kind::Pedestrian) => ([0.3, 2.6], [0.7, 2.2]),
-        Some(Kind::Wall) => ([0.1, 500.0], [1.0, 50.0]),
-        Some(Kind::Pole) => ([0.2, 100.0], [1.0, 20.0]),
-        Some(Kind::Building) => ([0.5, 1000.0], [3.0, 100.0]),
+        Some(BodyKind::Sedan | BodyKind::Suv) => ([1.0, 30.0], [2.5, 6.5]),
+        Some(BodyKind::Truck | BodyKind::Bus) => ([2.0, 40.0], [4.0, 20.0]),
+        Some(BodyKind::Motorcycle) => ([0.8, 8.0], [1.4, 3.0]),
+        Some(BodyKind::Cyclist) => ([0.8, 8.0], [1.2, 2.5]),
+        Some(BodyKind::Pedestrian) => ([0.3, 2.6], [0.7, 2.2]),
+        Some(BodyKind::Wall) => ([0.1, 500.0], [1.0, 50.0]),
+        Some(BodyKind::Pole) => ([0.2, 100.0], [1.0, 20.0]),
+        Some(BodyKind::Building) => ([0.5, 1000.0], [3.0, 100.0]),
     }
 }
 
 /// Refuses a body that no body of its kind is as small or as large as.
 pub(super) fn check_size(
     size: [f64; 3],
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     unit: LengthUnit,
 ) -> Result<(), MeshDefect> {
     let greatest = size.into_iter().fold(0.0, f64::max);
@@ -129,7 +129,7 @@ pub(super) fn check_size(
     });
     Err(MeshDefect::Size {
         size: describe(size),
-        kind: kind.map_or("road user or object", Kind::name).to_owned(),
+        kind: kind.map_or("road user or object", BodyKind::name).to_owned(),
         least,
         greatest: most,
         unit: likely.map(|(name, _)| *name),

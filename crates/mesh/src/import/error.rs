@@ -2,7 +2,7 @@
 
 use super::Format;
 use core::fmt;
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
 /// A mesh was refused. Displays as one sentence, `file: place: fault`; [`Diagnostic::remedy`]
@@ -151,8 +151,8 @@ impl ImportError {
 }
 
 impl Diagnostic for ImportError {
-    fn kind(&self) -> Kind {
-        Kind::Input
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {

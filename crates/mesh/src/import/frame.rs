@@ -2,7 +2,7 @@
 
 use super::{Format, MeshDefect};
 use core::{fmt, str::FromStr};
-use diagnostic::{Diagnostic, Kind};
+use diagnostic::{Diagnostic, FailureKind};
 
 /// Length of one unit of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +46,8 @@ impl fmt::Display for LengthUnit {
 pub struct UnknownUnit(pub String);
 
 impl Diagnostic for UnknownUnit {
-    fn kind(&self) -> Kind {
-        Kind::Configuration
+    fn kind(&self) -> FailureKind {
+        FailureKind::Configuration
     }
 }
 
@@ -108,8 +108,8 @@ impl fmt::Display for Axis {
 pub struct UnknownAxis(pub String);
 
 impl Diagnostic for UnknownAxis {
-    fn kind(&self) -> Kind {
-        Kind::Configuration
+    fn kind(&self) -> FailureKind {
+        FailureKind::Configuration
     }
 }
 

@@ -20,7 +20,7 @@ fn import(path: &Path, options: &ImportOptions) -> Result<ImportedMesh, ImportEr
     read(format, &bytes, &mut resolve, &ImportOptions { file, ..options.clone() })
 }
 
-fn options([unit, up, forward]: [&str; 3], kind: Option<Kind>) -> ImportOptions {
+fn options([unit, up, forward]: [&str; 3], kind: Option<BodyKind>) -> ImportOptions {
     ImportOptions {
         unit: Some(unit.parse().expect("a unit")),
         up: Some(up.parse().expect("an axis")),
@@ -32,8 +32,8 @@ fn options([unit, up, forward]: [&str; 3], kind: Option<Kind>) -> ImportOptions 
 
 #[test]
 fn shipped_bodies_have_their_size() {
-    let no_frame = ImportOptions { kind: Some(Kind::Wall), ..ImportOptions::default() };
-    let in_inches = options(["inch", "+z", "-y"], Some(Kind::Sedan));
+    let no_frame = ImportOptions { kind: Some(BodyKind::Wall), ..ImportOptions::default() };
+    let in_inches = options(["inch", "+z", "-y"], Some(BodyKind::Sedan));
     for (file, options, [in_file, kept], degenerate, parts, size, looks) in [
         ("hatchback.obj", in_inches, [788, 788], 0, 4, [4.0, 2.14, 1.57], "a car"),
         // COLLADA states unit and up axis.
@@ -56,7 +56,7 @@ fn shipped_bodies_have_their_size() {
 fn a_car_of_4500_metres_is_refused_with_its_size_and_unit() {
     let text = "v 0 0 0\nv 4500 0 0\nv 0 1800 0\nv 0 0 1400\nf 1 2 3\nf 1 2 4\n";
     let file = "a/b/car.obj".to_owned();
-    let options = ImportOptions { file, kind: Some(Kind::Sedan), ..ImportOptions::default() };
+    let options = ImportOptions { file, kind: Some(BodyKind::Sedan), ..ImportOptions::default() };
     let mut none = |_: &str| Err(String::new());
     let fault = read(Format::Obj, text.as_bytes(), &mut none, &options).expect_err("long");
     assert_eq!(

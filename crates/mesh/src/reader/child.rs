@@ -8,7 +8,7 @@ use crate::import::{
     self, Axis, BYTES_MAX, Format, ImportError, ImportOptions, ImportedMesh, LengthUnit, MeshDefect,
 };
 use crate::side::SideFile;
-use body::{Kind, Mesh, Zones, defaults, file, zones};
+use body::{BodyKind, Mesh, Zones, defaults, file, zones};
 use bvh::BuildOptions;
 use diagnostic::Failure;
 use rayon::prelude::*;
@@ -88,7 +88,7 @@ fn limited(request: &str) -> Result<u8, Failure> {
 /// Zones of every triangle of a mesh, by all threads of the pool that the caller is in. They build
 /// the tree next: so they are awake and have the triangles in their caches, which for 10,000 of
 /// them saves 5 to 9 % of the build.
-fn zones_by_all(mesh: &Mesh, kind: Kind) -> Vec<Zones> {
+fn zones_by_all(mesh: &Mesh, kind: BodyKind) -> Vec<Zones> {
     let bounds = mesh.bounds();
     let zones = mesh.corners.par_iter().with_min_len(SHARE_MIN);
     zones.map(|corners| zones::of_triangle(corners, &bounds, kind)).collect()
@@ -103,9 +103,10 @@ fn say(word: &ChildMessage) -> Result<(), Failure> {
 fn send(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::new(diagnostic::Kind::System, format!("cannot write the output: {error}")))
-        }
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::new(
+            diagnostic::FailureKind::System,
+            format!("cannot write the output: {error}"),
+        )),
         _ => Ok(()),
     }
 }
@@ -163,7 +164,7 @@ impl ReadRequest {
         Ok((report, build_ns, bytes))
     }
 
-    fn options(&self, kind: Option<Kind>) -> Result<ImportOptions, Failure> {
+    fn options(&self, kind: Option<BodyKind>) -> Result<ImportOptions, Failure> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse::<Axis>).transpose();
         let unit = self.unit_m.map(|metres| metres.to_string().parse::<LengthUnit>());
         Ok(ImportOptions {
@@ -183,7 +184,7 @@ impl ReadRequest {
     fn model_file(
         &self,
         imported: ImportedMesh,
-        kind: Kind,
+        kind: BodyKind,
         side: Option<&SideFile>,
         options: &BuildOptions,
         builders: Option<&ThreadPool>,
@@ -215,7 +216,7 @@ impl ReadRequest {
                 let _told = say(&ChildMessage::Progress { done: *done, total });
             }
         };
-        let build = |zones: fn(&Mesh, Kind) -> Vec<Zones>| {
+        let build = |zones: fn(&Mesh, BodyKind) -> Vec<Zones>| {
             let zones = zones(&mesh, kind);
             let begun_ns = now_ns();
             let body = bvh::body(mesh, meta, zones, options, &progress);
@@ -266,7 +267,7 @@ impl ReadRequest {
             Some("a wall or barrier") => "wall",
             _ => "K",
         };
-        let kinds = Kind::ALL.map(Kind::name).join(", ");
+        let kinds = BodyKind::ALL.map(BodyKind::name).join(", ");
         let guess = &imported.report.guess;
         let doubts: String = guess.doubts.iter().map(|doubt| format!("; {doubt}")).collect();
         Failure::input(format!(

@@ -23,29 +23,34 @@ fn request() -> ReadRequest {
 #[test]
 fn every_end_names_the_file_what_happened_and_a_remedy() {
     let ends = [
-        (Some(Exit::Signal(24)), "", "stopped after 120 s of CPU time", diagnostic::Kind::Input),
-        (Some(Exit::Signal(11)), "", "crashed (SIGSEGV)", diagnostic::Kind::Input),
-        (Some(Exit::Signal(9)), "", "crashed (SIGKILL)", diagnostic::Kind::Input),
+        (
+            Some(Exit::Signal(24)),
+            "",
+            "stopped after 120 s of CPU time",
+            diagnostic::FailureKind::Input,
+        ),
+        (Some(Exit::Signal(11)), "", "crashed (SIGSEGV)", diagnostic::FailureKind::Input),
+        (Some(Exit::Signal(9)), "", "crashed (SIGKILL)", diagnostic::FailureKind::Input),
         (
             Some(Exit::Signal(6)),
             "memory allocation of 9 bytes failed",
             "more than 2048 MB of memory",
-            diagnostic::Kind::Input,
+            diagnostic::FailureKind::Input,
         ),
         (
             Some(Exit::Signal(6)),
             "thread 'main' has overflowed its stack",
             "ran out of stack",
-            diagnostic::Kind::Input,
+            diagnostic::FailureKind::Input,
         ),
-        (Some(Exit::Code(101)), "oh", "gave up (exit code 101) oh", diagnostic::Kind::Input),
+        (Some(Exit::Code(101)), "oh", "gave up (exit code 101) oh", diagnostic::FailureKind::Input),
         (
             Some(Exit::Code(71)),
             "error: cannot limit 'address space'",
             "cannot limit 'address space'",
-            diagnostic::Kind::System,
+            diagnostic::FailureKind::System,
         ),
-        (None, "", "did not end", diagnostic::Kind::Input),
+        (None, "", "did not end", diagnostic::FailureKind::Input),
     ];
     for (exit, last_words, says, code) in ends {
         let failure = request().ended(exit, last_words);

@@ -43,7 +43,7 @@ fn the_documented_example_is_read() {
                 yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
                 source = \"maker's data sheet, 2024\"\n";
     let side = SideFile::parse("a.toml", text).expect("valid");
-    assert_eq!((side.name(), side.kind()), (Some("sedan"), Some(Kind::Sedan)));
+    assert_eq!((side.name(), side.kind()), (Some("sedan"), Some(BodyKind::Sedan)));
 }
 
 /// A body of one triangle whose box has this size (m).
@@ -62,7 +62,7 @@ fn the_side_file_wins_and_is_named() {
                 yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
                 source = \"a data sheet\"\n";
     let side = SideFile::parse("cars/taxi.toml", text).expect("valid");
-    let origin = Origin { name: "mesh", kind: Kind::Sedan, origin: "o", hash: "h" };
+    let origin = Origin { name: "mesh", kind: BodyKind::Sedan, origin: "o", hash: "h" };
     let mut meta = assemble(origin, &mesh);
     side.apply(&mut meta, &mesh.bounds()).expect("it fits");
     assert_eq!((&*meta.name, meta.mass_kg, meta.centre_m), ("taxi", Some(1550.0), [3.0, 0.0, 0.7]));
@@ -77,20 +77,20 @@ fn a_side_file_that_does_not_fit_is_refused_at_its_place() {
     let mesh = body_of_size(4.5, 1.8, 1.4);
     let cases = [
         (
-            Kind::Sedan,
+            BodyKind::Sedan,
             "centre_m = [3.0, 0.0, 70.0]",
             "a.toml:1:12: centre_m [3.0, 0.0, 70.0] is far",
         ),
-        (Kind::Wall, "\nmass_kg = 100.0", "a.toml:2:11: a wall is fixed to the ground"),
-        (Kind::Pole, "yaw_inertia_kg_m2 = 1.0", "a.toml:1:21: a pole is fixed to the ground"),
+        (BodyKind::Wall, "\nmass_kg = 100.0", "a.toml:2:11: a wall is fixed to the ground"),
+        (BodyKind::Pole, "yaw_inertia_kg_m2 = 1.0", "a.toml:1:21: a pole is fixed to the ground"),
         (
-            Kind::Pedestrian,
+            BodyKind::Pedestrian,
             "occupants = [{ seat = \"rider\" }]",
             "a.toml:1:13: a pedestrian has no seat rider",
         ),
-        (Kind::Sedan, "occupants = [{}]", "a.toml:1:13: an occupant of a sedan needs a seat"),
+        (BodyKind::Sedan, "occupants = [{}]", "a.toml:1:13: an occupant of a sedan needs a seat"),
         (
-            Kind::Cyclist,
+            BodyKind::Cyclist,
             "occupants = [{ seat = \"rider\" }, { seat = \"rider\" }]",
             "a.toml:1:13: two occupants on seat rider",
         ),

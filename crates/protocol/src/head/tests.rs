@@ -6,14 +6,14 @@ use proptest::prelude::*;
 const PEER: Incarnation = Incarnation { worker: 2, inc: 7 };
 
 fn sealed(payload: &[u64]) -> Head {
-    seal(Head::new(Boot(5), RequestId(9), PEER, Kind::Result), payload)
+    seal(Head::new(Boot(5), RequestId(9), PEER, MessageKind::Result), payload)
 }
 
 proptest! {
     #[test]
     fn a_sealed_message_is_accepted(payload in prop::collection::vec(any::<u64>(), 0..40)) {
         let head = sealed(&payload);
-        prop_assert_eq!(head.accept(Boot(5), PEER, payload.len()), Ok(Kind::Result));
+        prop_assert_eq!(head.accept(Boot(5), PEER, payload.len()), Ok(MessageKind::Result));
         prop_assert_eq!(verify(&head, &payload), Ok(()));
     }
 

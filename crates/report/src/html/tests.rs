@@ -16,7 +16,7 @@ fn made() -> String {
         persons: vec![("driver <u>".into(), [work, work], [work, work])],
         ..CandidateRow::default()
     };
-    let about = Decision {
+    let about = DecisionPage {
         scenario: "A \"test\" <script>alert(1)</script>".into(),
         state: "complete".into(),
         candidates: vec![one("pass & go", false, 0.0), one("</script><b>hit", true, 0.25)],
@@ -30,7 +30,7 @@ fn made() -> String {
             name: "worker 0".into(),
             spans: vec![TimelineSpan { from_ms: 0.0, to_ms: 1.0 }],
         }],
-        ..Decision::default()
+        ..DecisionPage::default()
     };
     decision(&about, &bodies, &[shot])
 }

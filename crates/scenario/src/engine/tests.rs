@@ -48,7 +48,7 @@ fn as_written(engine: &EngineSettings) -> Overrides {
         alpha: Some(engine.alpha),
         batch: number(engine.batch),
         queue: number(engine.queue),
-        build: Some(names::Word::word(engine.build).to_owned()),
+        build: Some(names::Named::word(engine.build).to_owned()),
         leaf_size: Some(i64::from(engine.leaf_size)),
         seed: Some(i64::try_from(engine.seed).unwrap()),
     }

@@ -38,7 +38,7 @@ proptest! {
     }
 }
 
-fn words_agree_with_the_model<T: Word + Debug + PartialEq + DeserializeOwned>() {
+fn words_agree_with_the_model<T: Named + Debug + PartialEq + DeserializeOwned>() {
     for thing in T::ALL {
         assert_eq!(meaning::<T>("x", thing.word()), Ok(*thing));
         let read: T = toml::Value::String(thing.word().to_owned()).try_into().unwrap();

@@ -8,7 +8,7 @@ fn seats() -> impl Iterator<Item = Option<Seat>> {
 }
 
 /// What a model file would have to say, checked by its own crate: the oracle.
-fn model_accepts(kind: Kind, mass_kg: Option<f64>, persons: &[Occupant]) -> bool {
+fn model_accepts(kind: BodyKind, mass_kg: Option<f64>, persons: &[Occupant]) -> bool {
     let meta = Meta {
         name: String::new(),
         kind,
@@ -28,13 +28,13 @@ fn model_accepts(kind: Kind, mass_kg: Option<f64>, persons: &[Occupant]) -> bool
     meta.check().is_ok()
 }
 
-fn persons_fit(kind: Option<Kind>, persons: &[Occupant]) -> bool {
+fn persons_fit(kind: Option<BodyKind>, persons: &[Occupant]) -> bool {
     (0..persons.len()).all(|i| person_fits(kind, persons[i], &persons[..i]).is_ok())
 }
 
 #[test]
 fn persons_fit_wherever_a_model_file_may_have_them() {
-    for kind in Kind::ALL {
+    for kind in BodyKind::ALL {
         for first in seats() {
             for second in seats() {
                 let persons = [Occupant { seat: first }, Occupant { seat: second }];
@@ -51,7 +51,7 @@ fn persons_fit_wherever_a_model_file_may_have_them() {
 
 #[test]
 fn a_mass_fits_wherever_a_model_file_may_have_one() {
-    for kind in Kind::ALL {
+    for kind in BodyKind::ALL {
         assert!(mass_fits(kind, None).is_ok());
         assert_eq!(mass_fits(kind, Some(80.0)).is_ok(), model_accepts(kind, Some(80.0), &[]));
     }
@@ -59,12 +59,12 @@ fn a_mass_fits_wherever_a_model_file_may_have_one() {
 
 #[test]
 fn what_has_no_mass_cannot_move_and_what_cannot_move_cannot_drive() {
-    for kind in Kind::ALL {
+    for kind in BodyKind::ALL {
         assert!(stands_still(kind, DVec3::ZERO).is_ok());
         let moves = stands_still(kind, DVec3::new(0.0, 1e-9, 0.0)).is_ok();
         assert_eq!(moves, mass_fits(kind, Some(1.0)).is_ok(), "{kind}");
         assert!(ego_fits(kind).is_err() || moves, "{kind}");
         // An ego carries persons on seats.
-        assert_eq!(ego_fits(kind).is_ok(), !kind.seats().is_empty() && kind != Kind::Cyclist);
+        assert_eq!(ego_fits(kind).is_ok(), !kind.seats().is_empty() && kind != BodyKind::Cyclist);
     }
 }

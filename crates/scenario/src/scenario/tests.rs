@@ -286,27 +286,27 @@ fn equal_scenarios_in_another_order_are_equal_but_for_places() {
 #[test]
 fn kinds_are_checked_again_when_the_files_are_open() {
     let scenario = parse(FULL).unwrap();
-    let kinds = |walker| [Kind::Sedan, Kind::Pole, walker];
-    scenario.check_kinds("f.toml", &kinds(Kind::Pedestrian)).unwrap();
-    let refused = |kinds: &[Kind]| told(scenario.check_kinds("f.toml", kinds).unwrap_err());
+    let kinds = |walker| [BodyKind::Sedan, BodyKind::Pole, walker];
+    scenario.check_kinds("f.toml", &kinds(BodyKind::Pedestrian)).unwrap();
+    let refused = |kinds: &[BodyKind]| told(scenario.check_kinds("f.toml", kinds).unwrap_err());
     assert_eq!(
-        refused(&kinds(Kind::Building)),
+        refused(&kinds(BodyKind::Building)),
         "f.toml:44:1: a building is fixed to the ground and cannot move\n  help: write \
          speed_m_s = 0"
     );
     assert_eq!(
-        refused(&[Kind::Cyclist, Kind::Pole, Kind::Suv]),
+        refused(&[BodyKind::Cyclist, BodyKind::Pole, BodyKind::Suv]),
         "f.toml:21:1: a cyclist cannot be the ego\n  help: the ego is a vehicle: sedan, suv, \
          truck, bus or motorcycle"
     );
     assert_eq!(
-        refused(&[Kind::Truck, Kind::Pole, Kind::Suv]),
+        refused(&[BodyKind::Truck, BodyKind::Pole, BodyKind::Suv]),
         "f.toml:21:1: a truck has no seat \"rear-right\"\n  help: seats of a truck: front-left, \
          front-right"
     );
     let text = FULL.replace("kind = \"unknown\"", "mass_kg = 90");
     let heavy = parse(&text).unwrap();
-    let error = heavy.check_kinds("f.toml", &kinds(Kind::Wall)).unwrap_err();
+    let error = heavy.check_kinds("f.toml", &kinds(BodyKind::Wall)).unwrap_err();
     assert_eq!(error.place, TextPosition { line: 33, column: 1 });
     assert_eq!(error.what, "a wall is fixed to the ground and has no mass");
 }
@@ -315,7 +315,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
 fn what_parse_accepts_check_kinds_accepts_for_generated_bodies() {
     for text in [DEMO, include_str!("../../../../config/scenarios/minimal.toml")] {
         let scenario = parse(text).unwrap();
-        let kinds: Vec<Kind> = (scenario.parties.iter())
+        let kinds: Vec<BodyKind> = (scenario.parties.iter())
             .map(|party| match party.source {
                 Source::Generate { shape, .. } => shape.kind(),
                 Source::File(_) => panic!("examples need no files"),

@@ -1,7 +1,7 @@
 //! The schema describes what the parser reads: never stricter, nothing missing, no stale default.
 
 use crate::engine::EngineSettings;
-use crate::names::Word;
+use crate::names::Named;
 use crate::testing::{FULL, parse, settings, with_line};
 use proptest::prelude::*;
 use serde_json::Value;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::error::UseError;
 use protocol::head::MAGIC;
-use protocol::{Boot, Head, Kind, Reject, RequestId};
+use protocol::{Boot, Head, MessageKind, Reject, RequestId};
 use std::fs::File;
 use std::os::unix::fs::{FileExt, MetadataExt};
 
@@ -22,7 +22,7 @@ fn pair(instance: &str, boot: u64) -> (CoordinatorLink, WorkerLink) {
     (coordinator, worker)
 }
 
-fn head(boot: u64, kind: Kind) -> Head {
+fn head(boot: u64, kind: MessageKind) -> Head {
     Head::new(Boot(boot), RequestId(1), PEER, kind)
 }
 
@@ -38,14 +38,14 @@ fn what_is_sent_arrives_in_order_and_whole() {
     let mut scratch = Vec::new();
     for round in 0..50_u64 {
         let batch: Vec<u64> = (0..round * 6).map(|i| i * i + round).collect();
-        send(&coordinator.jobs, head(1, Kind::Batch), &batch).unwrap();
+        send(&coordinator.jobs, head(1, MessageKind::Batch), &batch).unwrap();
         let got = worker.jobs.take(&mut scratch).unwrap().unwrap().unwrap();
         assert_eq!((got.seq, got.len, got.kind), (round as u32, batch.len() as u32, 1));
         assert_eq!(scratch, batch);
         assert!(worker.jobs.take(&mut scratch).unwrap().is_none());
 
         for part in 0..2 {
-            let head = Head { part, ..head(1, Kind::Result) };
+            let head = Head { part, ..head(1, MessageKind::Result) };
             send(&worker.results, head, &[round, u64::from(part)]).unwrap();
         }
         for part in 0..2 {
@@ -77,11 +77,11 @@ fn a_full_queue_is_said_so_and_nobody_waits() {
     let mut scratch = Vec::new();
     for _ in 0..3 {
         for job in 0..SIZES.job_queue as u64 {
-            send(&coordinator.jobs, head(2, Kind::Batch), &[job]).unwrap();
+            send(&coordinator.jobs, head(2, MessageKind::Batch), &[job]).unwrap();
         }
         for _ in 0..5 {
             // It returns at all: nobody takes anything meanwhile.
-            let refused = send(&coordinator.jobs, head(2, Kind::Batch), &[99]);
+            let refused = send(&coordinator.jobs, head(2, MessageKind::Batch), &[99]);
             assert_eq!(refused, Err(UseError::Full));
         }
         for job in 0..SIZES.job_queue as u64 {
@@ -97,7 +97,7 @@ fn a_full_queue_is_said_so_and_nobody_waits() {
 fn without_a_worker_nothing_is_handed_over() {
     let domain = Domain::create("alone", Boot(3)).unwrap();
     let link = CoordinatorLink::create(&domain, PEER, &SIZES, BUILD).unwrap();
-    assert_eq!(send(&link.jobs, head(3, Kind::Batch), &[1]), Err(UseError::Full));
+    assert_eq!(send(&link.jobs, head(3, MessageKind::Batch), &[1]), Err(UseError::Full));
     assert!(link.results.take(&mut Vec::new()).unwrap().is_none());
 }
 
@@ -113,9 +113,9 @@ fn one_message_is_open_at_a_time_and_a_dropped_one_was_never_there() {
         drop(open);
         assert!(worker.jobs.take(&mut scratch).unwrap().is_none());
     }
-    let too_long = coordinator.jobs.loan().unwrap().send(head(4, Kind::Batch), 301);
+    let too_long = coordinator.jobs.loan().unwrap().send(head(4, MessageKind::Batch), 301);
     assert_eq!(too_long, Err(UseError::TooLong));
-    coordinator.jobs.loan().unwrap().send(head(4, Kind::Batch), 300).unwrap();
+    coordinator.jobs.loan().unwrap().send(head(4, MessageKind::Batch), 300).unwrap();
     let got = worker.jobs.take(&mut scratch).unwrap().unwrap().unwrap();
     assert_eq!((got.seq, scratch.len()), (0, 300));
 }
@@ -126,7 +126,7 @@ fn scratch_of_the_right_size_never_grows() {
     let mut scratch = Vec::with_capacity(SIZES.job_words);
     let (place, room) = (scratch.as_ptr(), scratch.capacity());
     for words in [0, 1, 300, 17] {
-        coordinator.jobs.loan().unwrap().send(head(5, Kind::Batch), words).unwrap();
+        coordinator.jobs.loan().unwrap().send(head(5, MessageKind::Batch), words).unwrap();
         worker.jobs.take(&mut scratch).unwrap().unwrap().unwrap();
         assert_eq!((scratch.len(), scratch.as_ptr(), scratch.capacity()), (words, place, room));
     }
@@ -135,7 +135,7 @@ fn scratch_of_the_right_size_never_grows() {
 #[test]
 fn mail_of_others_is_turned_away() {
     let (coordinator, worker) = pair("others", 6);
-    let good = head(6, Kind::Result);
+    let good = head(6, MessageKind::Result);
     let cases = [
         (Head { boot: 7, ..good }, Reject::Stale),
         (Head { inc: PEER.inc - 1, ..good }, Reject::NotOwner),
@@ -193,7 +193,7 @@ fn no_flipped_bit_gets_through() {
     // Far from anything else that memory holds.
     let request = |bit: u64| 0x5eed_0000_0000_0000 | bit;
     for bit in 0..8 * 64 {
-        let head = Head { request: request(bit), ..head(8, Kind::Result) };
+        let head = Head { request: request(bit), ..head(8, MessageKind::Result) };
         send(&worker.results, head, &words).unwrap();
         let (file, place) = find(&text, request(bit));
         flip(&file, place, bit);
@@ -201,7 +201,7 @@ fn no_flipped_bit_gets_through() {
         assert!(taken.is_err() && scratch.is_empty(), "bit {bit} of the header");
     }
     for bit in 0..8 * size_of_val(&words) as u64 {
-        let head = Head { request: request(1 << 32 | bit), ..head(8, Kind::Result) };
+        let head = Head { request: request(1 << 32 | bit), ..head(8, MessageKind::Result) };
         send(&worker.results, head, &words).unwrap();
         let (file, head_place) = find(&text, request(1 << 32 | bit));
         let payload = head_place + payload_offset(&file, head_place, &words);
@@ -209,7 +209,7 @@ fn no_flipped_bit_gets_through() {
         let taken = coordinator.results.take(&mut scratch).unwrap();
         assert_eq!(taken, Some(Err(Reject::Corrupt)), "bit {bit} of the payload");
     }
-    send(&worker.results, head(8, Kind::Result), &words).unwrap();
+    send(&worker.results, head(8, MessageKind::Result), &words).unwrap();
     assert!(coordinator.results.take(&mut scratch).unwrap().unwrap().is_ok());
     assert_eq!(scratch, words);
 }
@@ -254,7 +254,7 @@ fn incarnations_and_workers_do_not_share_mail() {
     });
     let mut scratch = Vec::new();
     for (peer, coordinator, _) in &links {
-        let head = Head::new(Boot(11), RequestId(1), *peer, Kind::Batch);
+        let head = Head::new(Boot(11), RequestId(1), *peer, MessageKind::Batch);
         send(&coordinator.jobs, head, &[u64::from(peer.worker), u64::from(peer.inc)]).unwrap();
     }
     for (peer, _, worker) in &links {

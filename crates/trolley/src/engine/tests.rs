@@ -77,12 +77,12 @@ fn what_cannot_be_ranked_is_refused_with_a_remedy() {
         .replace("triangles = 600 } }\n[[", "triangles = 600 }, kind = \"unknown\" }\n[[");
     let unknown = Scenario::parse("two.toml", &unknown).unwrap();
     let failure = here().rank(&unknown, &Limits::default()).unwrap_err();
-    assert_eq!(failure.kind(), crate::Kind::Refused, "{failure}");
+    assert_eq!(failure.kind(), crate::FailureKind::Refused, "{failure}");
     assert!(failure.what().starts_with("two.toml:5:") && failure.remedy().is_some(), "{failure}");
     let answer = here().rank(&unknown.assuming_unknown_is_fixed(), &Limits::default()).unwrap();
     assert!(!answer.answer.assumptions.is_empty());
     let failure = Engine::builder().workers(17).build().unwrap_err();
-    assert_eq!(failure.kind(), crate::Kind::Configuration, "{failure}");
+    assert_eq!(failure.kind(), crate::FailureKind::Configuration, "{failure}");
 }
 
 #[test]
@@ -102,5 +102,5 @@ fn the_same_bodies_in_other_parts_are_checked_again() {
 fn a_budget_cannot_be_recorded() {
     let limits = Limits::default().with_record().with_budget(100_000).unwrap();
     let failure = here().rank(&scenario(12.0), &limits).unwrap_err();
-    assert_eq!(failure.kind(), crate::Kind::Configuration, "{failure}");
+    assert_eq!(failure.kind(), crate::FailureKind::Configuration, "{failure}");
 }

@@ -2,7 +2,7 @@
 
 use super::facts::{Facts, thousands, triangles};
 use super::open;
-use crate::{Failure, Kind};
+use crate::{Failure, FailureKind};
 use mesh::reader::{MeshOptions, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -58,7 +58,7 @@ pub fn check(
                 FileCheck { file, ok: true, what: Some(what), doubts, fault: None, help: None }
             }
             // Not the file's fault, but the machine's or ours: the others would fare no better.
-            Err(failure) if failure.kind() != Kind::Input => return Err(failure),
+            Err(failure) if failure.kind() != FailureKind::Input => return Err(failure),
             Err(failure) => FileCheck {
                 file,
                 ok: false,

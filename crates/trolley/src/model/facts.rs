@@ -1,7 +1,7 @@
 //! What is known of a body that lies in a model file.
 
 use crate::Failure;
-use body::{BodyView, Build, Kind, Mesh, Meta, Seat, file};
+use body::{BodyKind, BodyView, Build, Mesh, Meta, Seat, file};
 use mesh::import::{Guess, guess};
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ pub struct Facts {
     /// What it is called.
     pub name: String,
     /// What it is said to be.
-    pub kind: Kind,
+    pub kind: BodyKind,
     /// Extent forward, left and up (m).
     pub size_m: [f64; 3],
     /// Least coordinates (m).
@@ -136,15 +136,15 @@ fn guess_of(body: &BodyView<'_>) -> Guess {
 }
 
 /// Whether what a body looks like goes with what it is said to be.
-fn agrees(kind: Kind, looks: &str) -> bool {
+fn agrees(kind: BodyKind, looks: &str) -> bool {
     let expected = match kind {
-        Kind::Sedan | Kind::Suv => "a car",
-        Kind::Truck | Kind::Bus => "a truck or bus",
-        Kind::Motorcycle | Kind::Cyclist => "a motorcycle or bicycle",
-        Kind::Pedestrian => "a person",
-        Kind::Wall => "a wall or barrier",
-        Kind::Pole => "a pole or tree",
-        Kind::Building => return true,
+        BodyKind::Sedan | BodyKind::Suv => "a car",
+        BodyKind::Truck | BodyKind::Bus => "a truck or bus",
+        BodyKind::Motorcycle | BodyKind::Cyclist => "a motorcycle or bicycle",
+        BodyKind::Pedestrian => "a person",
+        BodyKind::Wall => "a wall or barrier",
+        BodyKind::Pole => "a pole or tree",
+        BodyKind::Building => return true,
     };
     looks == expected
 }

@@ -1,7 +1,7 @@
 //! A model file of a generated body.
 
 use super::{Facts, open};
-use crate::{Failure, Kind, bodies, files};
+use crate::{Failure, FailureKind, bodies, files};
 use body::{Shape, file};
 use bvh::BuildOptions;
 use serde::Serialize;
@@ -49,8 +49,8 @@ impl Generate {
             progress(before + more, u64::from(self.triangles));
         };
         let body = bodies::generate(self.shape, self.triangles, self.seed, &self.tree, &told)?;
-        let bytes =
-            file::encode(&body).map_err(|error| Failure::from(error).of_kind(Kind::Internal))?;
+        let bytes = file::encode(&body)
+            .map_err(|error| Failure::from(error).of_kind(FailureKind::Internal))?;
         drop(body);
         let bytes = file::Aligned::copy_of(&bytes);
         let (meta, view) = open::view(&self.out, bytes.bytes())?;

@@ -1,7 +1,7 @@
 //! From a mesh to a model file.
 
 use super::{Facts, open};
-use crate::{Failure, Kind, files};
+use crate::{Failure, FailureKind, files};
 use bvh::BuildOptions;
 use mesh::reader::{MeshOptions, OnProgress, ReadLimits, ReadMesh, ReadRequest, Report};
 use serde::Serialize;
@@ -54,7 +54,7 @@ impl Import {
         let ReadMesh { report, bytes, .. } = request.run(progress)?;
         // What a damaged child sent is not written.
         let (meta, view) = open::view(&self.mesh, bytes.bytes())
-            .map_err(|failure| failure.of_kind(Kind::Internal))?;
+            .map_err(|failure| failure.of_kind(FailureKind::Internal))?;
         let body = Facts::new(meta, &view, bytes.bytes())?;
         files::replace(&self.out, bytes.bytes())?;
         let file = self.out.display().to_string();

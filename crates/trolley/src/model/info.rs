@@ -1,7 +1,7 @@
 //! What a model file holds, or how a mesh might be meant.
 
 use super::{Facts, open};
-use crate::{Failure, Kind};
+use crate::{Failure, FailureKind};
 use body::Mesh;
 use bvh::BuildOptions;
 use mesh::import::{Format, Reading, readings};
@@ -69,8 +69,8 @@ pub fn info(path: &Path, limits: ReadLimits, progress: OnProgress<'_>) -> Result
     }
     let request = ReadRequest::as_it_stands(path, &BuildOptions::default(), limits)?;
     let ReadMesh { report, bytes, .. } = request.run(progress)?;
-    let (meta, view) =
-        open::view(path, bytes.bytes()).map_err(|failure| failure.of_kind(Kind::Internal))?;
+    let (meta, view) = open::view(path, bytes.bytes())
+        .map_err(|failure| failure.of_kind(FailureKind::Internal))?;
     let format = Format::ALL.into_iter().find(|format| format.name() == report.format);
     let format = format.unwrap_or(Format::Obj);
     let whole = Mesh { corners: view.corners.to_vec(), ..Mesh::default() };

@@ -3,7 +3,7 @@
 use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress};
 use crate::scenario::{Scenario, SourceText, Texts};
-use crate::{BUILD, Failure, Kind};
+use crate::{BUILD, Failure, FailureKind};
 use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
 use record::RecordedSource;
 use runtime::FileMap;
@@ -88,7 +88,7 @@ impl Record {
             ..Overrides::default()
         };
         let applied = EngineSettings::DEFAULT.apply(&changes);
-        applied.map_err(|misfit| Failure::from(misfit).of_kind(Kind::Input))
+        applied.map_err(|misfit| Failure::from(misfit).of_kind(FailureKind::Input))
     }
 
     /// The model file of each party that has one, found by its hash.
@@ -131,7 +131,7 @@ impl Record {
         let Some((now, then)) = other else { return Ok(()) };
         let what =
             format!("the body of \"{}\" is {} here, and was {}", now.party, now.hash, then.hash);
-        Err(Failure::new(Kind::Skew, what).at(file.display()).with_remedy(
+        Err(Failure::new(FailureKind::Skew, what).at(file.display()).with_remedy(
             "another build generates or divides bodies differently: use the recorded one",
         ))
     }

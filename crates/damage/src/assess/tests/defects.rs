@@ -146,7 +146,7 @@ fn d12_a_fixed_object_is_not_certain_harm() {
     let mut scene = head_on(0.0);
     scene.velocity = [2.0, 0.0];
     scene.b = Prism::cuboid(0.5, 20.0, [2.4, 0.0], 0.0);
-    scene.party_b = fixed(Kind::Wall, [2.4, 0.0]);
+    scene.party_b = fixed(BodyKind::Wall, [2.4, 0.0]);
     let risk = harm(&scene).persons[0].work.hi();
     assert!(risk > 0.0 && risk < 0.01, "{risk}");
 }
@@ -176,7 +176,7 @@ fn d14_who_has_no_curve_is_refused_and_not_taken_for_a_pedestrian() {
     let missing = MissingCurve { victim: Victim::Cyclist, level };
     assert_eq!(curves.rung(Victim::Cyclist, level).err(), Some(missing));
     let mut scene = on_foot(12.0);
-    scene.party_b.kind = Kind::Cyclist;
+    scene.party_b.kind = BodyKind::Cyclist;
     let (approach, parameters) = (scene.approach(), Parameters::default());
     let meeting = plan(&approach).expect("sound");
     let (a, b) = (&scene.party_a, &scene.party_b);

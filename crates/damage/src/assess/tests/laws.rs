@@ -18,7 +18,7 @@ fn scenes() -> impl Strategy<Value = Scene> {
             1 => Scene { b: Prism::round(0.25, [x, y]), party_b: walker(1, [x, y]), ..base },
             _ => Scene {
                 b: Prism::cuboid(0.4, 6.0, [x, y], turned),
-                party_b: fixed(Kind::Wall, [x, y]),
+                party_b: fixed(BodyKind::Wall, [x, y]),
                 ..base
             },
         }

@@ -64,7 +64,7 @@ fn a_car_in_the_wrong_unit_is_named_with_the_right_one() {
     let car = [4.5, 1.8, 1.4];
     for (unit, metres) in LengthUnit::NAMED {
         // Written in `unit`, read in metres.
-        let outcome = check_size(car.map(|x| x / metres), Some(Kind::Sedan), LengthUnit::METRE);
+        let outcome = check_size(car.map(|x| x / metres), Some(BodyKind::Sedan), LengthUnit::METRE);
         match outcome {
             Ok(()) => assert_eq!(unit, "m"),
             Err(MeshDefect::Size { unit: found, .. }) => assert_eq!(found, Some(unit)),
@@ -72,9 +72,10 @@ fn a_car_in_the_wrong_unit_is_named_with_the_right_one() {
         }
     }
     // Written in metres, read in millimetres.
-    let fault = check_size(car.map(|x| x * 0.001), Some(Kind::Suv), "mm".parse().expect("a unit"));
+    let fault =
+        check_size(car.map(|x| x * 0.001), Some(BodyKind::Suv), "mm".parse().expect("a unit"));
     assert!(matches!(fault, Err(MeshDefect::Size { unit: Some("m"), .. })), "{fault:?}");
-    let fault = check_size([4500.0, 1800.0, 1400.0], Some(Kind::Sedan), LengthUnit::METRE)
+    let fault = check_size([4500.0, 1800.0, 1400.0], Some(BodyKind::Sedan), LengthUnit::METRE)
         .expect_err("long");
     let words = "4500.00 × 1800.00 × 1400.00 m is no plausible sedan: its greatest length should \
                  be 1 to 30 m";

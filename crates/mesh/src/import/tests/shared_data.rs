@@ -16,7 +16,7 @@ fn data(below: &str) -> PathBuf {
 struct Known {
     file: &'static str,
     frame: [&'static str; 3],
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     only: Option<&'static str>,
     triangles: [usize; 2],
     degenerate: u32,
@@ -28,7 +28,7 @@ struct Known {
 const fn known(
     file: &'static str,
     frame: [&'static str; 3],
-    kind: Option<Kind>,
+    kind: Option<BodyKind>,
     triangles: [usize; 2],
     parts: usize,
     size: [f64; 3],
@@ -48,7 +48,7 @@ const KNOWN: [Known; 20] = [
         ..known(
             "chrono_sedan/sedan_chassis_vis.obj",
             CHRONO,
-            Some(Kind::Sedan),
+            Some(BodyKind::Sedan),
             [39_170, 39_170],
             12,
             [4.89, 1.85, 1.47],
@@ -60,7 +60,7 @@ const KNOWN: [Known; 20] = [
     known(
         "chrono_nissan_patrol_suv/suv_chassis.obj",
         CHRONO,
-        Some(Kind::Suv),
+        Some(BodyKind::Suv),
         [23_002; 2],
         7,
         [5.33, 2.24, 1.91],
@@ -89,7 +89,7 @@ const KNOWN: [Known; 20] = [
         ..known(
             "chrono_man10t_truck/MAN_10t_chassis.obj",
             CHRONO,
-            Some(Kind::Truck),
+            Some(BodyKind::Truck),
             [13_471, 13_462],
             9,
             [9.72, 2.47, 2.59],
@@ -109,7 +109,7 @@ const KNOWN: [Known; 20] = [
     known(
         "openmaterial_human/human_example.gltf",
         ["m", "+y", "+x"],
-        Some(Kind::Pedestrian),
+        Some(BodyKind::Pedestrian),
         [46_496; 2],
         15,
         [0.37, 1.09, 1.78],
@@ -120,7 +120,7 @@ const KNOWN: [Known; 20] = [
         ..known(
             "makehuman_base/base.obj",
             ["dm", "+y", "+z"],
-            Some(Kind::Pedestrian),
+            Some(BodyKind::Pedestrian),
             [36_972, 26_756],
             1,
             [0.42, 0.99, 1.67],
@@ -130,7 +130,7 @@ const KNOWN: [Known; 20] = [
     known(
         "gazebo_hatchback/hatchback.obj",
         ["0.0254", "+z", "-y"],
-        Some(Kind::Sedan),
+        Some(BodyKind::Sedan),
         [788; 2],
         4,
         [4.00, 2.14, 1.57],
@@ -139,7 +139,7 @@ const KNOWN: [Known; 20] = [
     known(
         "osrf_prius/hybrid_body.obj",
         PRIUS,
-        Some(Kind::Sedan),
+        Some(BodyKind::Sedan),
         [1_676; 2],
         3,
         [4.62, 2.01, 1.39],
@@ -150,7 +150,7 @@ const KNOWN: [Known; 20] = [
         ..known(
             "gazebo_pickup/pickup.dae",
             ["inch", "+z", "+y"],
-            Some(Kind::Suv),
+            Some(BodyKind::Suv),
             [1_084, 1_082],
             2,
             [5.66, 2.47, 1.87],
@@ -162,7 +162,7 @@ const KNOWN: [Known; 20] = [
         ..known(
             "gazebo_jersey_barrier/jersey_barrier.dae",
             ["inch", "+z", "+x"],
-            Some(Kind::Wall),
+            Some(BodyKind::Wall),
             [432, 430],
             1,
             [4.07, 0.81, 1.14],
@@ -173,7 +173,7 @@ const KNOWN: [Known; 20] = [
     known(
         "gazebo_lamp_post/lamp_post.dae",
         ["0.0762", "+z", "+x"],
-        Some(Kind::Pole),
+        Some(BodyKind::Pole),
         [270; 2],
         1,
         [0.49, 3.18, 9.27],
@@ -184,7 +184,7 @@ const KNOWN: [Known; 20] = [
     known(
         "kenney_trucks/vehicle-motorcycle.glb",
         GLTF,
-        Some(Kind::Motorcycle),
+        Some(BodyKind::Motorcycle),
         [960; 2],
         4,
         [2.44, 1.09, 1.27],

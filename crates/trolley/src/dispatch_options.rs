@@ -43,7 +43,7 @@ impl TransferMode {
 
 /// How jobs reach the workers, beside the scenario's settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Handing {
+pub struct DispatchOptions {
     /// How long a batch that is not full waits for more jobs (µs).
     pub linger_us: u64,
     /// Bytes of sections that the transfer ledger lets a core hold; the least recently needed make
@@ -58,7 +58,7 @@ pub struct Handing {
     pub log: bool,
 }
 
-impl Handing {
+impl DispatchOptions {
     /// Sizes of queues and batches.
     ///
     /// # Errors

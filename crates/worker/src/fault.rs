@@ -1,12 +1,12 @@
-//! Faults that a worker commits on order, so that everybody sees what follows.
+//! Faults that a worker commits on command, so that everybody sees what follows.
 //!
-//! Obeyed only if the coordinator started this worker for it: see `protocol::order`. All of it is
+//! Obeyed only if the coordinator started this worker for it: see `protocol::command`. All of it is
 //! behind the feature `faults`.
 
 use crate::answer::Outlet;
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
-use protocol::{Fault, FaultCommand, Head, WireJob};
+use protocol::{FaultCommand, Head, InjectedFault, WireJob};
 use runtime::{clock, futex, process};
 use transport::{OpenMessage, UseError};
 
@@ -15,29 +15,29 @@ const SEGV: i32 = 11;
 /// Address space of a worker that is to run out of it (bytes).
 const MEMORY_BYTES: u64 = 1 << 30;
 
-/// The orders that one worker has seen.
+/// The fault commands that one worker has seen.
 #[derive(Debug, Default)]
-pub(crate) struct Orders {
+pub(crate) struct FaultCommands {
     seen: u16,
     armed: Option<FaultCommand>,
 }
 
-impl Orders {
+impl FaultCommands {
     /// Does what is due now that this job is started. Returns only from what can be survived.
     pub(crate) fn obey(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Result<(), UseError> {
-        self.due(outlet, job).map_or(Ok(()), |order| commit(order, outlet))
+        self.due(outlet, job).map_or(Ok(()), |command| commit(command, outlet))
     }
 
     fn due(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Option<FaultCommand> {
-        let word = outlet.coordinator.order.load(Ordering::Relaxed);
-        if let Some(order) =
-            FaultCommand::from_word(word).filter(|order| order.sequence != self.seen)
+        let word = outlet.coordinator.fault_command.load(Ordering::Relaxed);
+        if let Some(command) =
+            FaultCommand::from_word(word).filter(|command| command.sequence != self.seen)
         {
-            self.seen = order.sequence;
-            self.armed = Some(order);
+            self.seen = command.sequence;
+            self.armed = Some(command);
         }
         let armed = self.armed.as_mut()?;
-        if armed.misdeed == Fault::Poison {
+        if armed.fault == InjectedFault::Poison {
             return (armed.argument == job.job).then_some(*armed).inspect(|_| obey(outlet));
         }
         if armed.after > 0 {
@@ -130,33 +130,33 @@ pub(crate) fn last<'w>(
     }
 }
 
-fn commit(order: FaultCommand, outlet: &Outlet<'_>) -> Result<(), UseError> {
+fn commit(command: FaultCommand, outlet: &Outlet<'_>) -> Result<(), UseError> {
     let corrupt = |corruption| outlet.corruption.set(Some(corruption));
-    match order.misdeed {
-        Fault::Abort | Fault::Poison => std::process::abort(),
-        Fault::Quit => std::process::exit(1),
-        Fault::Segfault => process::die_of(SEGV),
-        Fault::Overflow => {
+    match command.fault {
+        InjectedFault::Abort | InjectedFault::Poison => std::process::abort(),
+        InjectedFault::Quit => std::process::exit(1),
+        InjectedFault::Segfault => process::die_of(SEGV),
+        InjectedFault::Overflow => {
             black_box(dig(0));
         }
-        Fault::Exhaust => exhaust(),
+        InjectedFault::Exhaust => exhaust(),
         // Past the hook that would print it: nobody needs to read it.
-        Fault::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
-        Fault::Hang => loop {
+        InjectedFault::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
+        InjectedFault::Hang => loop {
             core::hint::spin_loop();
         },
-        Fault::Stall => {
+        InjectedFault::Stall => {
             let word = AtomicU32::new(0);
             loop {
                 let _woken = futex::wait(&word, 0, None);
             }
         }
-        Fault::Garble => corrupt(Corruption::Garble(order.argument)),
-        Fault::Lie => corrupt(Corruption::Lie),
-        Fault::Masquerade => corrupt(Corruption::Masquerade),
-        Fault::Repeat => corrupt(Corruption::Repeat),
-        Fault::Withhold => corrupt(Corruption::Withhold),
-        Fault::HoldLoan => {
+        InjectedFault::Garble => corrupt(Corruption::Garble(command.argument)),
+        InjectedFault::Lie => corrupt(Corruption::Lie),
+        InjectedFault::Masquerade => corrupt(Corruption::Masquerade),
+        InjectedFault::Repeat => corrupt(Corruption::Repeat),
+        InjectedFault::Withhold => corrupt(Corruption::Withhold),
+        InjectedFault::HoldLoan => {
             let _held = outlet.sender.loan()?;
             // There is but one, so this fails, and a worker that cannot send ends.
             outlet.sender.loan().map(drop)?;

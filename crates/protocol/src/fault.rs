@@ -1,17 +1,17 @@
 //! Orders to misbehave: how faults are injected into a worker from within.
 //!
-//! The coordinator writes an order into the worker's line of the status page; the worker obeys it
+//! The coordinator writes an command into the worker's line of the status page; the worker obeys it
 //! once, when it starts a job, and only if it was started with [`crate::Launch::obeys`]. All of it
-//! is behind the feature `faults`: a build without it can neither give nor read an order.
+//! is behind the feature `faults`: a build without it can neither give nor read an command.
 //!
 //! ```text
-//! word: sequence (16 bits) | misdeed (8) | jobs to do before (8) | argument (32)
+//! word: sequence (16 bits) | fault (8) | jobs to do before (8) | argument (32)
 //! ```
 
 /// What a worker is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
-pub enum Fault {
+pub enum InjectedFault {
     /// End with SIGABRT.
     Abort = 1,
     /// End with SIGSEGV.
@@ -44,7 +44,7 @@ pub enum Fault {
     Quit = 15,
 }
 
-impl Fault {
+impl InjectedFault {
     /// All of them.
     pub const ALL: [Self; 15] = [
         Self::Abort,
@@ -65,16 +65,16 @@ impl Fault {
     ];
 }
 
-/// An order.
+/// An command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaultCommand {
     /// Tells it from the one before it; not 0.
     pub sequence: u16,
     /// What to do.
-    pub misdeed: Fault,
+    pub fault: InjectedFault,
     /// How many jobs to do properly before.
     pub after: u8,
-    /// A bit or a job, where the misdeed needs one.
+    /// A bit or a job, where the fault needs one.
     pub argument: u32,
 }
 
@@ -83,19 +83,19 @@ impl FaultCommand {
     #[must_use]
     pub fn to_word(self) -> u64 {
         u64::from(self.sequence) << 48
-            | u64::from(self.misdeed as u8) << 40
+            | u64::from(self.fault as u8) << 40
             | u64::from(self.after) << 32
             | u64::from(self.argument)
     }
 
-    /// Reads the word; `None` if it is no order.
+    /// Reads the word; `None` if it is no command.
     #[must_use]
     pub fn from_word(word: u64) -> Option<Self> {
         let number = (word >> 40 & 0xff) as u8;
-        let misdeed = Fault::ALL.into_iter().find(|misdeed| *misdeed as u8 == number)?;
+        let fault = InjectedFault::ALL.into_iter().find(|fault| *fault as u8 == number)?;
         Some(Self {
             sequence: (word >> 48) as u16,
-            misdeed,
+            fault,
             after: (word >> 32 & 0xff) as u8,
             argument: (word & 0xffff_ffff) as u32,
         })
@@ -109,10 +109,10 @@ mod tests {
 
     #[test]
     fn every_order_comes_back_and_zero_is_none() {
-        for misdeed in Fault::ALL {
-            let order =
-                FaultCommand { sequence: 0xfeed, misdeed, after: 200, argument: 0xdead_beef };
-            assert_eq!(FaultCommand::from_word(order.to_word()), Some(order));
+        for fault in InjectedFault::ALL {
+            let command =
+                FaultCommand { sequence: 0xfeed, fault, after: 200, argument: 0xdead_beef };
+            assert_eq!(FaultCommand::from_word(command.to_word()), Some(command));
         }
         assert_eq!(FaultCommand::from_word(0), None);
         assert_eq!(FaultCommand::from_word(u64::MAX), None);
