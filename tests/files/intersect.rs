@@ -100,16 +100,16 @@ fn every_build_leaf_size_and_thread_count_finds_what_brute_force_finds() {
     let truth = crash.truth();
     assert!(truth[2].0 > 100, "{truth:?}: they hardly touch");
     for (build, leaf_size, threads, walk, files) in [
-        ("seed", "1", "1", "wide", &crash.meshes),
-        ("seed", "4", "2", "plain", &crash.meshes),
-        ("seed", "64", "3", "wide", &crash.meshes),
+        ("paper", "1", "1", "wide", &crash.meshes),
+        ("paper", "4", "2", "plain", &crash.meshes),
+        ("paper", "64", "3", "wide", &crash.meshes),
         ("literal", "2", "1", "plain", &crash.meshes),
         ("literal", "8", "2", "wide", &crash.meshes),
         ("sah", "1", "3", "plain", &crash.meshes),
         ("sah", "4", "1", "wide", &crash.meshes),
         ("sah", "8", "2", "wide", &crash.meshes),
         ("sah", "2", "2", "wide", &crash.models),
-        ("seed", "64", "1", "plain", &crash.models),
+        ("paper", "64", "1", "plain", &crash.models),
     ] {
         let how = ["--threads", threads, "--walk", walk];
         let flags = [&["--build", build, "--leaf-size", leaf_size][..], &how].concat();
@@ -186,8 +186,8 @@ fn a_model_file_keeps_its_tree_unless_another_is_asked_for() {
     ]);
     let [mesh, model] = [crash.meshes[0].clone(), crash.models[0].clone()];
     for (files, build, leaf_size, is_built) in [
-        ([model.clone(), crash.models[1].clone()], "seed", 4, false),
-        ([model, sah.clone()], "seed", 4, true),
+        ([model.clone(), crash.models[1].clone()], "paper", 4, false),
+        ([model, sah.clone()], "paper", 4, true),
         ([mesh, sah], "sah", 7, true),
     ] {
         let line = crash.ask(&files, &[]);

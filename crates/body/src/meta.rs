@@ -53,7 +53,7 @@ pub enum Seat {
 pub enum Build {
     /// The split of Wiseman and Grinberg with k in [n/8, 7n/8].
     #[default]
-    Seed,
+    Paper,
     /// The same split by the letter: peels slivers, depth up to thousands.
     Literal,
     /// Binned surface-area heuristic.
@@ -62,13 +62,13 @@ pub enum Build {
 
 impl Build {
     /// All of them, the default first.
-    pub const ALL: [Self; 3] = [Self::Seed, Self::Literal, Self::Sah];
+    pub const ALL: [Self; 3] = [Self::Paper, Self::Literal, Self::Sah];
 
     /// Its name, as files and the command line have it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Seed => "seed",
+            Self::Paper => "paper",
             Self::Literal => "literal",
             Self::Sah => "sah",
         }

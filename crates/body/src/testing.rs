@@ -23,7 +23,7 @@ pub fn body_of(mesh: &Mesh) -> Body {
             origin: "test".into(),
             origin_hash: String::new(),
             degenerate: mesh.degenerate,
-            build: Build::Seed,
+            build: Build::Paper,
             leaf_size: 2,
             depth,
         },

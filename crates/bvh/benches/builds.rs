@@ -15,7 +15,7 @@ fn main() {
         let mut group = criterion.benchmark_group(format!("build/{count}"));
         group.sampling_mode(SamplingMode::Flat);
         group.throughput(Throughput::Elements(u64::from(count)));
-        for (name, split) in [("seed", Build::Seed), ("sah", Build::Sah)] {
+        for (name, split) in [("paper", Build::Paper), ("sah", Build::Sah)] {
             for threads in [1, 2] {
                 let options = BuildOptions { build: split, leaf_size: 4, threads };
                 group.bench_function(BenchmarkId::new(name, threads), |bencher| {

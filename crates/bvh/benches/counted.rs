@@ -23,7 +23,7 @@ type Prepare = fn() -> Box<dyn FnMut() -> u64>;
 
 const WORKLOADS: &[(&str, Prepare)] = &[
     ("pairs", || ask(Build::Sah, Question::Pairs)),
-    ("pairs, seed's split", || ask(Build::Seed, Question::Pairs)),
+    ("pairs, paper's split", || ask(Build::Paper, Question::Pairs)),
     ("pairs and supports", || {
         let directions = Directions::around(DVec3::X, DVec3::Z);
         let mut posed = Posed::new(SCENE, Build::Sah, 4);
@@ -65,7 +65,7 @@ const WORKLOADS: &[(&str, Prepare)] = &[
             candidates.iter().filter(hit).count() as u64
         })
     }),
-    ("build, seed's split", || grow(Build::Seed)),
+    ("build, paper's split", || grow(Build::Paper)),
     ("build, sah", || grow(Build::Sah)),
 ];
 

@@ -98,8 +98,8 @@ fn queries(criterion: &mut Criterion) {
                 bencher.iter(|| posed.ask(question, black_box(directions)));
             });
         }
-        let mut posed = Posed::new(scene, Build::Seed, LEAF_SIZE);
-        group.bench_function("pairs, seed's split", |bencher| {
+        let mut posed = Posed::new(scene, Build::Paper, LEAF_SIZE);
+        group.bench_function("pairs, paper's split", |bencher| {
             bencher.iter(|| posed.ask(Question::Pairs, black_box(None)));
         });
     }

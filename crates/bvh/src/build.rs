@@ -5,14 +5,14 @@
 //! ```
 //!
 //! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and
-//! lays nodes out; `seed` and `sah` decide where to cut. Neither knows the other. `pool` shares
+//! lays nodes out; `paper` and `sah` decide where to cut. Neither knows the other. `thread_pool` shares
 //! work out among threads.
 
 mod assemble;
 mod error;
 mod grow;
+mod paper;
 mod sah;
-mod seed;
 mod thread_pool;
 
 pub(crate) use assemble::assembled;
@@ -38,7 +38,7 @@ pub const TRIANGLES_MAX: usize = 1 << 31;
 pub struct BuildOptions {
     /// Which split.
     pub build: Build,
-    /// Most triangles in a leaf, 1 to [`LEAF_SIZE_MAX`]. The seed's is 1.
+    /// Most triangles in a leaf, 1 to [`LEAF_SIZE_MAX`]. The paper's is 1.
     pub leaf_size: u32,
     /// Threads to build with; 0 is 1. The tree does not depend on it. If they are several and the
     /// caller is a thread of a rayon pool, they are those of the pool: whoever has a moment before
@@ -47,9 +47,9 @@ pub struct BuildOptions {
 }
 
 impl Default for BuildOptions {
-    /// The seed's split, four triangles to a leaf, one thread.
+    /// The paper's split, four triangles to a leaf, one thread.
     fn default() -> Self {
-        Self { build: Build::Seed, leaf_size: 4, threads: 1 }
+        Self { build: Build::Paper, leaf_size: 4, threads: 1 }
     }
 }
 
@@ -69,7 +69,7 @@ pub struct Hierarchy {
 /// `progress` is called with the number of triangles placed *since the last call*, from any of the
 /// threads, every few thousand triangles; the sum is the number of triangles.
 ///
-/// Time is O(n log n) for `Seed` and `Sah`, O(n · depth) for `Literal`; memory beside the result is
+/// Time is O(n log n) for `Paper` and `Sah`, O(n · depth) for `Literal`; memory beside the result is
 /// at most 96 bytes per triangle.
 ///
 /// # Errors
@@ -95,8 +95,8 @@ fn hierarchy(
     let progress = grow::Progress::new(progress);
     let job = grow::Job { leaf_size: options.leaf_size as usize, pool, progress };
     let forest = match options.build {
-        Build::Seed => seed::grow(corners, seed::Cuts::Balanced, &job),
-        Build::Literal => seed::grow(corners, seed::Cuts::Any, &job),
+        Build::Paper => paper::grow(corners, paper::Cuts::Balanced, &job),
+        Build::Literal => paper::grow(corners, paper::Cuts::Any, &job),
         Build::Sah => sah::grow(corners, &job),
     };
     Ok(forest.joined(pool))

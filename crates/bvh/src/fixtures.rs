@@ -39,7 +39,7 @@ pub(crate) fn meta() -> Meta {
         origin: "test".into(),
         origin_hash: String::new(),
         degenerate: 0,
-        build: Build::Seed,
+        build: Build::Paper,
         leaf_size: 1,
         depth: 1,
     }
@@ -131,7 +131,7 @@ pub(crate) fn pose() -> impl Strategy<Value = RelativePose> {
 }
 
 pub(crate) fn any_build() -> impl Strategy<Value = Build> {
-    prop::sample::select(vec![Build::Seed, Build::Literal, Build::Sah])
+    prop::sample::select(vec![Build::Paper, Build::Literal, Build::Sah])
 }
 
 pub(crate) fn directions() -> Directions {

@@ -181,8 +181,8 @@ pub(crate) struct LimitArgs {
 /// How the tree is built.
 #[derive(Clone, Copy, Debug, ClapArgs)]
 struct TreeArgs {
-    /// The split: the seed's with a balance rule, the seed's by the letter, or surface area.
-    #[arg(long, default_value = "seed")]
+    /// The split: the paper's with a balance rule, the paper's to the letter, or surface area.
+    #[arg(long, default_value = "paper")]
     build: BuildName,
     /// Triangles in a leaf at most.
     #[arg(long, value_name = "N", default_value_t = BuildOptions::default().leaf_size,
@@ -192,7 +192,8 @@ struct TreeArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum BuildName {
-    Seed,
+    #[value(alias = "seed")]
+    Paper,
     Literal,
     Sah,
 }
@@ -219,7 +220,7 @@ impl TreeArgs {
 impl From<BuildName> for Build {
     fn from(name: BuildName) -> Self {
         match name {
-            BuildName::Seed => Self::Seed,
+            BuildName::Paper => Self::Paper,
             BuildName::Literal => Self::Literal,
             BuildName::Sah => Self::Sah,
         }

@@ -3,7 +3,7 @@
 //! Hashes are wrapping sums of splitmix64 over source triangle ids, as 16 hexadecimal digits; that
 //! of the pairs is over (id in A) << 32 | (id in B). Zeros are +0.
 
-use crate::candidate_state::{CandidateState, Stage};
+use crate::candidate_state::{CandidateState, SearchStage};
 use crate::request::{Candidate, Request};
 use body::{BodyKind, BodyView, Meta};
 use damage::{
@@ -164,15 +164,15 @@ impl Answer {
 /// What is not known of a candidate.
 fn open(state: &CandidateState) -> String {
     match &state.stage {
-        Stage::Settled => "the bodies overlap before they meet".to_owned(),
-        Stage::Searching { search, .. } => {
+        SearchStage::Settled => "the bodies overlap before they meet".to_owned(),
+        SearchStage::Searching { search, .. } => {
             let (from, to) = search.bracket();
             // Not "-0.000".
             let [from, to] = [from, to].map(|m| (m * 1e3).round() / 1e3 + 0.0);
             let touch = if search.has_touched() { "begins" } else { "would begin" };
             format!("where contact {touch}, between {from:.3} m and {to:.3} m of travel")
         }
-        Stage::Surveying { stops, .. } => {
+        SearchStage::Surveying { stops, .. } => {
             let open = stops.iter().filter(|(_, surveyed)| surveyed.is_none()).count();
             format!("{open} of {} poses from first contact on", stops.len())
         }
@@ -277,7 +277,7 @@ fn hex(hash: u64) -> String {
 }
 
 fn poses(state: &CandidateState) -> Vec<PoseRow> {
-    let Stage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
+    let SearchStage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
     let row = |(stop, surveyed): &(damage::Stop, Option<crate::candidate_state::Surveyed>)| {
         let found = surveyed.as_ref()?;
         Some(PoseRow {

@@ -32,7 +32,7 @@ pub(crate) struct Surveyed {
 /// How far a candidate is.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a box would come from the heap on every request")]
-pub(crate) enum Stage {
+pub(crate) enum SearchStage {
     /// Nothing to find out: the hulls never meet, or always did.
     Settled,
     /// First contact is sought; `asked` are the travels that have a task.
@@ -45,7 +45,7 @@ pub(crate) enum Stage {
 /// One candidate at work.
 #[derive(Clone, Debug)]
 pub(crate) struct CandidateState {
-    pub(crate) stage: Stage,
+    pub(crate) stage: SearchStage,
     /// Triangles hit from first contact to e.
     pub(crate) hit: Union,
     /// The list of stops of an earlier request, for those of this one.
@@ -61,7 +61,7 @@ impl CandidateState {
     pub(crate) fn anew(self, candidate: &Candidate) -> Self {
         let Self { stage, mut hit, mut spare } = self;
         hit.clear();
-        if let Stage::Surveying { stops, .. } = stage {
+        if let SearchStage::Surveying { stops, .. } = stage {
             spare = stops;
             spare.clear();
         }
@@ -75,9 +75,9 @@ impl CandidateState {
     ) -> Self {
         let stage = match &candidate.meeting {
             Meeting::Path(path) => {
-                Stage::Searching { search: Search::new(path), asked: Travels::new() }
+                SearchStage::Searching { search: Search::new(path), asked: Travels::new() }
             }
-            Meeting::Never(_) | Meeting::AlreadyOverlapping => Stage::Settled,
+            Meeting::Never(_) | Meeting::AlreadyOverlapping => SearchStage::Settled,
         };
         Self { stage, hit, spare }
     }
@@ -90,7 +90,7 @@ impl CandidateState {
         task: u32,
         purposes: &mut Vec<(Purpose, f64, WireQuestion)>,
     ) {
-        let Stage::Searching { search, asked } = &mut self.stage else { return };
+        let SearchStage::Searching { search, asked } = &mut self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
         let Some(first) = search.outcome() else {
             for travel_m in search.wanted() {
@@ -113,13 +113,13 @@ impl CandidateState {
         let search = search.clone();
         let mut list = std::mem::take(&mut self.spare);
         list.extend(stops.into_iter().map(|stop| (stop, None)));
-        self.stage = Stage::Surveying { search, stops: list, task };
+        self.stage = SearchStage::Surveying { search, stops: list, task };
     }
 
     /// Whether the answer at a probe can still matter.
     pub(crate) fn needs(&self, purpose: Purpose) -> bool {
         match (purpose, &self.stage) {
-            (Purpose::Probe { travel_m }, Stage::Searching { search, .. }) => {
+            (Purpose::Probe { travel_m }, SearchStage::Searching { search, .. }) => {
                 search.is_needed(travel_m)
             }
             (Purpose::Probe { .. }, _) => false,
@@ -128,7 +128,7 @@ impl CandidateState {
     }
 
     pub(crate) fn learn(&mut self, travel_m: f64, touches: bool) {
-        if let Stage::Searching { search, .. } = &mut self.stage {
+        if let SearchStage::Searching { search, .. } = &mut self.stage {
             search.learn(travel_m, touches);
         }
     }
@@ -139,7 +139,7 @@ impl CandidateState {
         found: &Gathered,
         (a, b): (&BodyView<'_>, &BodyView<'_>),
     ) {
-        let Stage::Surveying { stops, .. } = &mut self.stage else { return };
+        let SearchStage::Surveying { stops, .. } = &mut self.stage else { return };
         let Some((stop, surveyed)) = stops.get_mut(number) else { return };
         let seen = seen(stop, &found.supports, [found.zones_a, found.zones_b]);
         *surveyed = Some(Surveyed {
@@ -155,7 +155,7 @@ impl CandidateState {
 
     /// Whether all poses of the survey are done.
     pub(crate) fn is_done(&self) -> bool {
-        matches!(&self.stage, Stage::Surveying { stops, .. }
+        matches!(&self.stage, SearchStage::Surveying { stops, .. }
             if stops.iter().all(|(_, surveyed)| surveyed.is_some()))
     }
 
@@ -163,9 +163,9 @@ impl CandidateState {
     /// done, and what it may still find.
     pub(crate) fn evidence(&self, mut open: impl FnMut(u32, &Stop) -> Open) -> Evidence {
         let (search, stops, task) = match &self.stage {
-            Stage::Settled => return Evidence::none((0.0, 0.0)),
-            Stage::Searching { search, .. } => (search, &[][..], None),
-            Stage::Surveying { search, stops, task } => (search, &stops[..], Some(*task)),
+            SearchStage::Settled => return Evidence::none((0.0, 0.0)),
+            SearchStage::Searching { search, .. } => (search, &[][..], None),
+            SearchStage::Surveying { search, stops, task } => (search, &stops[..], Some(*task)),
         };
         let mut evidence = Evidence::none(search.bracket());
         if search.has_touched() {

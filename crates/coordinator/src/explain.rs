@@ -7,7 +7,7 @@
 //!
 //! It depends on nothing but what the answer depends on.
 
-use crate::candidate_state::{CandidateState, Stage};
+use crate::candidate_state::{CandidateState, SearchStage};
 use crate::request::{Candidate, Request};
 use damage::curve::{Curve, CurveUnit};
 use damage::dynamics::Response;
@@ -193,7 +193,7 @@ impl Explanation {
 
 /// Pairs at the poses of the patch.
 fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
-    let Stage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
+    let SearchStage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
     let of_patch = stops.iter().filter(|(stop, _)| stop.patch);
     of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }

@@ -1,6 +1,6 @@
 //! What is to be seen of each candidate once the work is done: how bodies lie, what is hit.
 
-use crate::candidate_state::Stage;
+use crate::candidate_state::SearchStage;
 use crate::work::RankingRun;
 use geometry::RelativePose;
 
@@ -29,11 +29,11 @@ impl RankingRun<'_> {
             &crate::candidate_state::CandidateState,
         )| {
             let travel_m = match &state.stage {
-                Stage::Surveying { stops, .. } => {
+                SearchStage::Surveying { stops, .. } => {
                     let last = stops.iter().rfind(|(stop, _)| stop.patch);
                     last.map_or(0.0, |(stop, _)| stop.travel_m)
                 }
-                Stage::Settled | Stage::Searching { .. } => 0.0,
+                SearchStage::Settled | SearchStage::Searching { .. } => 0.0,
             };
             let u = candidate.approach.directions.d[0];
             Scene {

@@ -22,7 +22,7 @@ pub enum Cache {
     /// all of it is transferred whenever it is needed.
     Recent(u64),
     /// So many bytes, and nothing is ever evicted: the first section that does not fit is the end
-    /// ([`Thrash`]), as in the seed's system.
+    /// ([`Thrash`]), as in the paper's system.
     Fixed(u64),
 }
 

@@ -41,7 +41,7 @@ use lease::Core;
 use protocol::{Incarnation, JobId, RequestId, Section};
 use std::collections::VecDeque;
 
-/// Sizes of queues and batches: the three settings that the seed calls "buffer".
+/// Sizes of queues and batches: the three settings that the paper calls "buffer".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Queues {
     /// Most jobs a core may hold.

@@ -1,4 +1,4 @@
-//! The seed's experiment on real bodies: schemes, depths, buffers, transfer.
+//! The paper's experiment on real bodies: schemes, depths, buffers, transfer.
 //!
 //! ```text
 //! pair ──▶ bench: real runs ──▶ calibrate ──▶ Costs ─┐

@@ -111,7 +111,7 @@ impl EngineSettings {
         // Four batches. More and the schemes that look at sections let one worker wait while
         // another has a full queue; with 2 to 16 four virtual cores were the quickest.
         queue: 16,
-        build: Build::Seed,
+        build: Build::Paper,
         // 4 to 8 triangles per leaf were the fastest; 4 also suits machines with four lanes.
         leaf_size: 4,
         seed: 0,
@@ -143,6 +143,8 @@ impl EngineSettings {
             new.scheme = names::meaning("scheme", word)?;
         }
         if let Some(word) = &changes.build {
+            // Files written before the paper's split was named after it say "seed".
+            let word = if word == "seed" { Build::Paper.name() } else { word };
             new.build = names::meaning("build", word)?;
         }
         match (&changes.cores, &mut new.cores) {

@@ -1,7 +1,7 @@
 //! What each step costs, and how the kernel's costs follow from timed jobs.
 //!
-//! The kernel's part is the seed's model T = Nb·Cb + Np·Cp, with a start of the job and a price per
-//! hit besides: a vectorised walk has a fixed cost that the seed's did not.
+//! The kernel's part is the paper's model T = Nb·Cb + Np·Cp, with a start of the job and a price per
+//! hit besides: a vectorised walk has a fixed cost that the paper's did not.
 
 use serde::Serialize;
 
@@ -10,9 +10,9 @@ use serde::Serialize;
 pub struct Costs {
     /// Worker: per job, whatever is in it.
     pub job_ns: f64,
-    /// Worker: per test of two boxes (the seed's Cb).
+    /// Worker: per test of two boxes (the paper's Cb).
     pub box_ns: f64,
-    /// Worker: per test of two triangles (the seed's Cp).
+    /// Worker: per test of two triangles (the paper's Cp).
     pub triangle_ns: f64,
     /// Worker: per hit.
     pub hit_ns: f64,

@@ -59,7 +59,7 @@ pub(crate) struct Row {
 /// What we can be asked, in the order of the page; the first is what the others are compared with.
 const OUR_OPTIONS: &[(&str, &[&str])] = &[
     ("", &[]),
-    (" seed", &["--build", "seed"]),
+    (" paper", &["--build", "paper"]),
     // What every processor of its kind has.
     #[cfg(target_arch = "x86_64")]
     (" sse2", &["--simd", "sse2"]),

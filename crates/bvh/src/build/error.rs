@@ -72,7 +72,7 @@ impl Diagnostic for BuildError {
             Self::Empty => "import a mesh with faces, or select another group",
             Self::TooMany { .. } => "simplify it",
             Self::Literal { .. } => {
-                "use the build 'seed', which is the same split with a balance rule"
+                "use the build 'paper', which is the same split with a balance rule"
             }
             Self::LeafSize { .. } => return Some(format!("use 1 to {LEAF_SIZE_MAX}").into()),
             Self::NotFinite { .. } => "repair the mesh",

@@ -47,7 +47,7 @@ fn check(tree: &Hierarchy, corners: &[Corners], leaf_size: u32) {
     assert_eq!(deepest, tree.depth);
 }
 
-/// The seed's rule at one node, as it is written: all k of all axes, sets formed anew for each.
+/// The paper's rule at one node, as it is written: all k of all axes, sets formed anew for each.
 fn naive_cut(corners: &[Corners], cuts: std::ops::RangeInclusive<usize>) -> (usize, Vec<u32>) {
     let extent = |ids: &[u32], axis: usize| {
         let along = ids.iter().flat_map(|&i| corners[i as usize]).map(|p| f64::from(p[axis]));
@@ -83,12 +83,12 @@ fn left_of_root(tree: &Hierarchy) -> Vec<u32> {
     left
 }
 
-/// Checks the first cut of both builds that follow the seed against the naive one.
+/// Checks the first cut of both builds that follow the paper against the naive one.
 fn check_root(corners: &[Corners]) {
     let n = corners.len();
     let balanced = (1..n).filter(|k| 8 * k >= n && 8 * k <= 7 * n);
     let balanced = balanced.clone().min().unwrap()..=balanced.max().unwrap();
-    for (build, cuts) in [(Build::Seed, balanced), (Build::Literal, 1..=n - 1)] {
+    for (build, cuts) in [(Build::Paper, balanced), (Build::Literal, 1..=n - 1)] {
         let tree = grown(corners, &options(build, 1));
         assert_eq!(left_of_root(&tree), naive_cut(corners, cuts).1, "{build:?}");
     }
@@ -105,7 +105,7 @@ proptest! {
     }
 
     #[test]
-    fn the_root_is_cut_as_the_seed_says(corners in triangles(40)) {
+    fn the_root_is_cut_as_the_paper_says(corners in triangles(40)) {
         prop_assume!(corners.len() > 1);
         check_root(&corners);
     }
@@ -140,7 +140,7 @@ fn threads_do_not_change_a_tree() {
     let same = vec![soup(1, 1.0, 2)[0]; 20_000];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     for corners in [soup(60_000, 0.02, 1), torus(200, 100, 0.3), same, odd] {
-        for build in [Build::Seed, Build::Sah] {
+        for build in [Build::Paper, Build::Sah] {
             let alone = grown(&corners, &options(build, 2));
             check(&alone, &corners, 2);
             for threads in [0, 2, 3, 8] {
@@ -165,7 +165,7 @@ fn the_balance_rule_keeps_trees_shallow() {
         .collect();
     let depth = |build| grown(&nested, &options(build, 1)).depth;
     // log 3000 / log (8/7) = 60.
-    assert!(depth(Build::Seed) <= 62, "{}", depth(Build::Seed));
+    assert!(depth(Build::Paper) <= 62, "{}", depth(Build::Paper));
     assert!(depth(Build::Literal) > 1000, "{}", depth(Build::Literal));
     let line: Vec<Corners> = (0..3000).map(|i| [[i as f32, 0.0, 0.0]; 3]).collect();
     let flat = grown(&line, &options(Build::Sah, 1)).depth;
@@ -175,7 +175,7 @@ fn the_balance_rule_keeps_trees_shallow() {
 #[test]
 fn identical_triangles_are_halved() {
     let same = vec![[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; 1000];
-    for build in [Build::Seed, Build::Literal, Build::Sah] {
+    for build in [Build::Paper, Build::Literal, Build::Sah] {
         let tree = grown(&same, &options(build, 1));
         check(&tree, &same, 1);
         assert_eq!(tree.depth, 11, "{build:?}");
@@ -188,7 +188,7 @@ fn coordinates_at_the_ends_of_f32_build() {
     let corners: Vec<Corners> = (0..343)
         .map(|i| [[ends[i % 7], ends[i / 7 % 7], ends[i / 49]], [0.0; 3], [ends[i % 7]; 3]])
         .collect();
-    for build in [Build::Seed, Build::Literal, Build::Sah] {
+    for build in [Build::Paper, Build::Literal, Build::Sah] {
         let tree = grown(&corners, &options(build, 3));
         check(&tree, &corners, 3);
         let zeros = tree.nodes.iter().flat_map(|n| [n.bounds.min, n.bounds.max]).flatten();
@@ -228,7 +228,7 @@ fn progress_adds_up_to_all_triangles() {
 #[test]
 fn a_body_keeps_what_belongs_to_its_triangles() {
     let corners = soup(50, 0.5, 4);
-    let body = body_of(&corners, &options(Build::Seed, 4));
+    let body = body_of(&corners, &options(Build::Paper, 4));
     for (i, id) in body.source_ids.iter().enumerate() {
         let source = 50 - (id - 7) / 3;
         assert_eq!(body.corners[i], corners[source as usize]);
@@ -252,7 +252,7 @@ fn what_cannot_be_built_is_refused() {
     }
     let many = vec![one[0]; LITERAL_MAX + 1];
     let error = refused(&many, &options(Build::Literal, 1));
-    assert!(error.to_string().contains("use the build 'seed'"), "{error}");
+    assert!(error.to_string().contains("use the build 'paper'"), "{error}");
     for bad in [f32::NAN, f32::INFINITY] {
         let mut corners = soup(9, 1.0, 6);
         corners[7][1][2] = bad;

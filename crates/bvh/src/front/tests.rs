@@ -56,7 +56,7 @@ proptest! {
     fn its_nodes_lie_at_the_depth_or_are_leaves_above(
         a in triangles(40), b in triangles(40), pose in pose(), depth in 0_u32..8,
     ) {
-        let options = options(Build::Seed, 1);
+        let options = options(Build::Paper, 1);
         let (a, b) = (body_of(&a, &options), body_of(&b, &options));
         let (depths_a, depths_b) = (depths(&a.nodes), depths(&b.nodes));
         for NodePair { a: i, b: j } in front_of(&a, &b, &pose, depth) {
@@ -71,7 +71,7 @@ proptest! {
 
 #[test]
 fn bodies_apart_have_no_front() {
-    let options = options(Build::Seed, 1);
+    let options = options(Build::Paper, 1);
     let (a, b) = (body_of(&soup(50, 0.3, 1), &options), body_of(&soup(50, 0.3, 2), &options));
     let there = Pose::from_degrees(30.0, 0.0, 0.0, [9.0, 0.0, 0.0]);
     let pose = RelativePose::between(&Pose::IDENTITY, &there);
@@ -83,7 +83,7 @@ fn bodies_apart_have_no_front() {
 #[test]
 fn a_front_has_room_for_bodies_whose_boxes_all_overlap() {
     let same = vec![soup(1, 1.0, 3)[0]; 1024];
-    let options = options(Build::Seed, 1);
+    let options = options(Build::Paper, 1);
     let (a, b) = (body_of(&same, &options), body_of(&same, &options));
     let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
     let pairs = front_of(&a, &b, &pose, 12);

@@ -163,11 +163,11 @@ fn structured_bodies_give_the_same_answer_whatever_the_tree() {
         RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY),
     ];
     for (pose, other) in [(poses[0], &fat), (poses[1], &fat), (poses[2], &ring)] {
-        let plain = options(Build::Seed, 1);
+        let plain = options(Build::Paper, 1);
         let (a, b) = (body_of(&ring, &plain), body_of(other, &plain));
         let expected: Found = brute_force(&a.view(), &b.view(), &pose);
         assert!(expected.pairs > 100, "{}", expected.pairs);
-        for build in [Build::Seed, Build::Literal, Build::Sah] {
+        for build in [Build::Paper, Build::Literal, Build::Sah] {
             for (leaf_size, depth) in [(1, 0), (1, 12), (2, 5), (4, 3), (8, 8), (64, 1)] {
                 let built = options(build, leaf_size);
                 let (a, b) = (body_of(&ring, &built), body_of(other, &built));
@@ -196,11 +196,11 @@ fn generated_bodies_give_the_answer_of_brute_force() {
         (Shape::Truck, Shape::Wall, turned(90.0, [3.0, 0.0, -0.1])),
     ];
     for (of_a, of_b, pose) in cases {
-        let plain = options(Build::Seed, 1);
+        let plain = options(Build::Paper, 1);
         let (a, b) = (body(of_a, &plain), body(of_b, &plain));
         let expected = brute_force(&a.view(), &b.view(), &pose);
         assert!(expected.pairs > 10, "{of_a} and {of_b}: {} pairs", expected.pairs);
-        for build in [Build::Seed, Build::Literal, Build::Sah] {
+        for build in [Build::Paper, Build::Literal, Build::Sah] {
             let built = options(build, 4);
             let (a, b) = (body(of_a, &built), body(of_b, &built));
             for (depth, way) in [0, 4, 8, 12].into_iter().zip(Way::all().into_iter().cycle()) {
@@ -215,7 +215,7 @@ fn generated_bodies_give_the_answer_of_brute_force() {
 #[test]
 fn sets_test_fewer_triangles_than_pairs() {
     let dense = soup(300, 3.0, 7);
-    let body = body_of(&dense, &options(Build::Seed, 4));
+    let body = body_of(&dense, &options(Build::Paper, 4));
     let pose = turned(20.0, [0.1, 0.0, 0.0]);
     for way in Way::all() {
         let np = |question| answer(way, &body, &body, pose, question, 0, ALL).counters.np;
@@ -225,7 +225,7 @@ fn sets_test_fewer_triangles_than_pairs() {
 
 #[test]
 fn a_beat_comes_at_least_every_so_many_tests() {
-    let body = body_of(&soup(2_000, 0.3, 8), &options(Build::Seed, 64));
+    let body = body_of(&soup(2_000, 0.3, 8), &options(Build::Paper, 64));
     let directions = directions();
     let task = task(&body, &body, turned(20.0, [0.1, 0.0, 0.0]), Question::Pairs, &directions);
     let mut listener = Listener::new();
@@ -239,7 +239,7 @@ fn a_beat_comes_at_least_every_so_many_tests() {
 #[test]
 fn a_beat_may_say_stop_and_nothing_is_lost() {
     let (a, b) = (soup(900, 0.4, 9), soup(900, 0.4, 10));
-    let built = options(Build::Seed, 16);
+    let built = options(Build::Paper, 16);
     let (a, b) = (body_of(&a, &built), body_of(&b, &built));
     let pose = turned(70.0, [0.2, 0.3, 0.0]);
     let directions = directions();
@@ -287,7 +287,7 @@ fn bodies_of_any_size_give_the_answer_of_brute_force() {
             let corners = soup(60, 0.8, seed).into_iter();
             corners.map(|corners| corners.map(|corner| corner.map(|x| x * size))).collect()
         };
-        let built = options(Build::Seed, 4);
+        let built = options(Build::Paper, 4);
         let (a, b) = (body_of(&scaled(15), &built), body_of(&scaled(16), &built));
         let pose =
             RelativePose { translation: pose.translation.map(|t| t * f64::from(size)), ..pose };
@@ -303,7 +303,7 @@ fn bodies_of_any_size_give_the_answer_of_brute_force() {
 /// Too small a stack is a budget like another: the job ends early, and its rest can be done.
 #[test]
 fn a_stack_too_small_loses_nothing() {
-    let built = options(Build::Seed, 1);
+    let built = options(Build::Paper, 1);
     let (a, b) = (body_of(&soup(200, 0.4, 11), &built), body_of(&soup(200, 0.4, 12), &built));
     let pose = turned(10.0, [0.0, 0.3, 0.0]);
     let directions = directions();
@@ -318,7 +318,7 @@ fn a_stack_too_small_loses_nothing() {
 /// All scratch is there before the first job, and none of it grows or moves.
 #[test]
 fn a_job_needs_no_more_room_than_it_was_given() {
-    let built = options(Build::Seed, 4);
+    let built = options(Build::Paper, 4);
     let (a, b) = (body_of(&soup(3_000, 0.4, 13), &built), body_of(&soup(2_000, 0.4, 14), &built));
     let directions = directions();
     let task = task(&a, &b, turned(33.0, [0.1; 3]), Question::Pairs, &directions);

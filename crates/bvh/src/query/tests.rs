@@ -156,7 +156,7 @@ fn surfaces_that_share_faces_list_the_same_pairs_whatever_the_tree() {
     for (pose, other) in [(turned, &fat), (aside, &fat), (SAME, &ring)] {
         let all = brute_force(&ring, other, &pose);
         assert!(all.len() > 100, "{}", all.len());
-        for build in [Build::Seed, Build::Literal, Build::Sah] {
+        for build in [Build::Paper, Build::Literal, Build::Sah] {
             for leaf_size in [1, 2, 4, 8, 64] {
                 let built = options(build, leaf_size);
                 let (a, b) = (tree(&ring, &built), tree(other, &built));
@@ -182,7 +182,7 @@ fn generated_bodies_list_the_pairs_of_brute_force() {
     {
         let all = brute_force(a, b, &pose);
         assert!(all.len() > 10, "{} pairs", all.len());
-        for build in [Build::Seed, Build::Literal, Build::Sah] {
+        for build in [Build::Paper, Build::Literal, Build::Sah] {
             let built = options(build, 4);
             check(&tree(a, &built), &tree(b, &built), &pose, &mut workspace, &all);
         }
@@ -295,7 +295,7 @@ fn what_cannot_be_built_is_refused_in_plain_words() {
     assert_eq!(
         said(&vec![fine; build::LITERAL_MAX + 1], &options(Build::Literal, 4)),
         "the literal build takes at most 50000 triangles, the body has 50001\n  help: use the \
-         build 'seed', which is the same split with a balance rule"
+         build 'paper', which is the same split with a balance rule"
     );
     // Nobody has the memory to try.
     assert_eq!(

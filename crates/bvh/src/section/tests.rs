@@ -37,14 +37,14 @@ fn triangles_of_all(nodes: &[Node]) -> std::ops::Range<u32> {
 #[test]
 fn no_node_is_an_empty_section() {
     assert_eq!((triangles(&[], 0), nodes_of(&[], 0), bytes(&[], 0)), (0..0, 0..0, 0));
-    let body = body_of(&soup(8, 0.1, 1), &options(Build::Seed, 1));
+    let body = body_of(&soup(8, 0.1, 1), &options(Build::Paper, 1));
     let beyond = body.nodes.len() as u32;
     assert_eq!((triangles(&body.nodes, beyond), bytes(&body.nodes, u32::MAX)), (0..0, 0));
 }
 
 #[test]
 fn a_damaged_tree_does_not_go_round() {
-    let mut nodes = body_of(&soup(8, 0.1, 1), &options(Build::Seed, 1)).nodes;
+    let mut nodes = body_of(&soup(8, 0.1, 1), &options(Build::Paper, 1)).nodes;
     nodes[0].link = 0;
     assert_eq!((triangles(&nodes, 0), nodes_of(&nodes, 0)), (0..0, 0..0));
 }

@@ -34,14 +34,14 @@ proptest! {
 #[test]
 fn all_directions_of_measurement_at_once() {
     let corners = torus(60, 30, 0.3);
-    let body = body_of(&corners, &options(Build::Seed, 4));
+    let body = body_of(&corners, &options(Build::Paper, 4));
     let d = directions().d;
     assert_eq!(supports(&body.view(), &d), d.map(|d| brute_force(&corners, d)));
 }
 
 #[test]
 fn nothing_reaches_nowhere() {
-    let mut body = body_of(&torus(3, 3, 0.3), &options(Build::Seed, 4));
+    let mut body = body_of(&torus(3, 3, 0.3), &options(Build::Paper, 4));
     body.nodes.clear();
     assert_eq!(support(&body.view(), DVec3::X), f64::NEG_INFINITY);
 }

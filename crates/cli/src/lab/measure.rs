@@ -1,4 +1,4 @@
-//! `trolley measure`: the seed's experiment on real bodies: schemes, depths, buffers, transfer; or
+//! `trolley measure`: the paper's experiment on real bodies: schemes, depths, buffers, transfer; or
 //! one ranking with settings that no decision needs.
 
 use super::shown::show;

@@ -1,7 +1,7 @@
 //! Which task the next jobs come from.
 
 use super::RankingRun;
-use crate::candidate_state::{CandidateState, Purpose, Stage};
+use crate::candidate_state::{CandidateState, Purpose, SearchStage};
 use crate::strategy::Prospect;
 use damage::{Interval, needs_high};
 
@@ -90,19 +90,21 @@ impl CandidateState {
     /// Whether a stop of the survey forms the patch.
     fn is_patch(&self, number: usize) -> bool {
         match &self.stage {
-            Stage::Surveying { stops, .. } => stops.get(number).is_some_and(|(stop, _)| stop.patch),
-            Stage::Settled | Stage::Searching { .. } => false,
+            SearchStage::Surveying { stops, .. } => {
+                stops.get(number).is_some_and(|(stop, _)| stop.patch)
+            }
+            SearchStage::Settled | SearchStage::Searching { .. } => false,
         }
     }
 
     /// The middle of where first contact may be (m).
     fn middle_m(&self) -> f64 {
         match &self.stage {
-            Stage::Searching { search, .. } => {
+            SearchStage::Searching { search, .. } => {
                 let (from, to) = search.bracket();
                 f64::midpoint(from, to)
             }
-            Stage::Settled | Stage::Surveying { .. } => 0.0,
+            SearchStage::Settled | SearchStage::Surveying { .. } => 0.0,
         }
     }
 }

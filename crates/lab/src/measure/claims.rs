@@ -1,6 +1,6 @@
-//! The seed's claims about shape, each held against the data: it holds, or it does not.
+//! The paper's claims about shape, each held against the data: it holds, or it does not.
 //!
-//! The seed (Wiseman and Grinberg 2018, Figures 8 and 9) publishes no numbers; these are readings
+//! The paper (Wiseman and Grinberg 2018, Figures 8 and 9) publishes no numbers; these are readings
 //! of its figures. They are about four cores, so they rest on the simulation: transfer is exact
 //! there for its order of results, time is a prediction.
 
@@ -134,7 +134,7 @@ fn deeper(swept: &[Swept]) -> Claim {
             continue;
         };
         holds = Some(holds.unwrap_or(true) && one > other);
-        data.push(format!("{} {one}, {} {other} (the seed: 12 and 10)", deep.pair, scratch.pair));
+        data.push(format!("{} {one}, {} {other} (the paper: 12 and 10)", deep.pair, scratch.pair));
     }
     Claim { letter: 'c', claim, holds, data: data.join("; ") }
 }

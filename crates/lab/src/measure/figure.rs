@@ -1,4 +1,4 @@
-//! Figures in the style of the seed's Figures 8 and 9: one line per scheme against depth.
+//! Figures in the style of the paper's Figures 8 and 9: one line per scheme against depth.
 //!
 //! kuva draws them; this module alone names it. Lines differ in colour and in dash, so that they
 //! can be told apart in grey; where a run thrashed the line has a gap, marked at the foot

@@ -66,7 +66,7 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
                 .map_or(String::from("–"), |[half, most]| format!("{half:.0} %, {most:.0} %")),
         ));
     }
-    say("\n## The seed's claims about shape\n".to_owned());
+    say("\n## The paper's claims about shape\n".to_owned());
     say("| | claim | | data |\n|---|---|---|---|".to_owned());
     for Claim { letter, claim, holds, data } in claims {
         let verdict = match holds {
@@ -88,7 +88,7 @@ fn one(pair: &Swept, say: &mut impl FnMut(String)) {
     let depth = best_depth(pair).map_or(0, |(depth, _)| depth);
     say(format!("{poses} poses; best depth on four virtual cores: {depth}.\n"));
     for (kind, what) in [
-        ("speed-up", "Speed-up with four virtual cores that copy sections, as the seed's did"),
+        ("speed-up", "Speed-up with four virtual cores that copy sections, as the paper's did"),
         (
             "zero-copy",
             "Speed-up with four virtual cores on one sealed store, and measured with two",

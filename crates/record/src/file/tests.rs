@@ -17,7 +17,7 @@ pub(crate) fn record(name: &str) -> RecordContent {
             mode: Mode::Workers,
             workers: 4,
             depth: 8,
-            tree: body::Build::Seed,
+            tree: body::Build::Paper,
             leaf_size: 4,
             scheme: scenario::Scheme::BestMatchLoad,
             alpha: 0.5,

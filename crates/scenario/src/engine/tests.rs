@@ -6,7 +6,8 @@ use proptest::prelude::*;
 fn changes() -> impl Strategy<Value = Overrides> {
     let whole = || proptest::option::of(-2_i64..70);
     let cores = proptest::option::of(proptest::collection::vec(-1_i64..1030, 0..6));
-    let words = prop_oneof![Just("seed"), Just("literal"), Just("sah"), Just("none")];
+    let words =
+        prop_oneof![Just("paper"), Just("seed"), Just("literal"), Just("sah"), Just("none")];
     let alpha = proptest::option::of(prop_oneof![-0.5..1.5, Just(f64::NAN), Just(-0.0)]);
     let scheme = proptest::option::of(prop_oneof![Just("best-match-load"), Just("worst")]);
     (

@@ -21,7 +21,7 @@ fn model_accepts(kind: BodyKind, mass_kg: Option<f64>, persons: &[Occupant]) -> 
         origin: String::new(),
         origin_hash: String::new(),
         degenerate: 0,
-        build: Build::Seed,
+        build: Build::Paper,
         leaf_size: 1,
         depth: 1,
     };

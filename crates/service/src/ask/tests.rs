@@ -37,7 +37,7 @@ fn bodies() -> Vec<(Meta, BodyView<'static>)> {
         origin: String::new(),
         origin_hash: String::new(),
         degenerate: 0,
-        build: body::Build::Seed,
+        build: body::Build::Paper,
         leaf_size: 4,
         depth: 1,
     };

@@ -31,7 +31,7 @@ proptest! {
 #[test]
 fn a_finer_body_is_asked_in_thousands_of_directions() {
     for corners in [torus(60, 30, 0.3), torus(90, 4, 0.4)] {
-        let body = body_of(&corners, &options(Build::Seed, 4));
+        let body = body_of(&corners, &options(Build::Paper, 4));
         let view = body.view();
         let extremes = Extremes::of(&view);
         let listed = extremes.cells.iter().filter(|cell| cell.count > 0).count();
@@ -55,7 +55,7 @@ fn libm_free_turn(t: f64) -> (f64, f64) {
 
 #[test]
 fn what_is_no_direction_is_left_to_the_tree() {
-    let mut body = body_of(&torus(3, 3, 0.3), &options(Build::Seed, 4));
+    let mut body = body_of(&torus(3, 3, 0.3), &options(Build::Paper, 4));
     let extremes = Extremes::of(&body.view());
     for d in [DVec3::ZERO, DVec3::NAN, DVec3::splat(f64::INFINITY)] {
         let (found, expected) = (extremes.support(&body.view(), d), support(&body.view(), d));
