@@ -1,8 +1,9 @@
-//! What a compiler cannot check: the arrows between crates, who may hold `unsafe` or name an
-//! outside crate, what pure crates never touch, what stands behind a feature, how files look, that
-//! files named in prose exist.
+//! Checks that a compiler cannot make: dependencies between crates, which crates may contain
+//! `unsafe` or use an external crate, what pure crates never touch, what is behind a feature, the
+//! layout of files, and that files named in prose exist.
 //!
-//! A fault names file and line. The checks read text; they know of Rust what `tidy/code.rs` knows.
+//! A fault names file and line. The checks read text, and understand as much Rust as
+//! `tidy/code.rs`.
 
 #[path = "tidy/circles.rs"]
 mod circles;
@@ -21,7 +22,7 @@ use code::{calls, code, words};
 use std::path::Path;
 use tree::{Package, Text, all_sources, packages, root};
 
-/// Crates from the bottom up; each may use only what stands before it.
+/// Crates from the bottom up; each may use only those before it.
 const LAYERS: &[&str] = &[
     "diagnostic",
     "geometry",
@@ -52,14 +53,14 @@ const LAYERS: &[&str] = &[
 ];
 /// Programs and libraries on top: they never use each other.
 const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "client-c"];
-/// Crates that may use but a few of ours.
+/// Crates that may use only a few of the workspace's crates.
 const ONLY: &[(&str, &[&str])] = &[
-    // No reader of others' files; shapes are what their tests are about.
+    // No importer; their tests are about shapes.
     ("bvh", &["diagnostic", "geometry", "body", "shapes"]),
     ("damage", &["diagnostic", "geometry", "body"]),
     ("record", &["diagnostic", "body", "scenario"]),
     ("dispatch", &["diagnostic", "protocol"]),
-    ("simulate", &["diagnostic", "dispatch", "protocol"]),
+    ("simulate", &["diagnostic", "geometry", "dispatch", "protocol"]),
     ("executor", &["geometry", "protocol", "body", "bvh"]),
     ("transport", &["diagnostic", "protocol"]),
     ("runtime", &["diagnostic", "protocol"]),
@@ -67,11 +68,12 @@ const ONLY: &[(&str, &[&str])] = &[
     ("client-c", &["client", "protocol", "transport"]),
     ("report", &["diagnostic", "geometry", "trolley"]),
 ];
-/// What the command line may name of ours, its tests aside: flags, one call to a library, print.
+/// Workspace crates that the command line may use, its tests aside: it parses flags, calls a
+/// library, and prints.
 const COMMAND_LINE: &[&str] = &["scenario", "client", "trolley", "report", "lab"];
-/// Most lines of the command line.
+/// Maximum number of lines of the command line.
 const COMMAND_LINE_MAX: usize = 5_000;
-/// Outside crates, with what belongs to them, that a few of ours alone may name.
+/// External crates, with their companions, that only a few crates of the workspace may use.
 const ALONE: &[(&str, &[&str])] = &[
     ("iceoryx2", &["transport"]),
     ("libc", &["runtime"]),
@@ -104,7 +106,7 @@ const PURE: &[&str] = &[
     "record",
     "simulate",
 ];
-/// Crates that no build for a vehicle has, so that faults may stand anywhere in them.
+/// Crates that no vehicle build has, so that faults may be anywhere in them.
 const FAULTY: &[&str] = &[faults::LAB, "tools"];
 /// Longest line, in characters.
 const COLUMNS_MAX: usize = 100;

@@ -1,5 +1,5 @@
 //! Deadlines and early stops with real workers: the four states, their exit codes, what is missing,
-//! and that whatever was said to be certain is what a finished run says.
+//! and that certain statements agree with the finished run.
 
 use crate::support::{
     self, Place, answer, builder, instance, json, left_in_shm, library_answer, run, scenario, six,
@@ -7,7 +7,7 @@ use crate::support::{
 };
 use ::trolley::{Engine, EngineBuilder, Limits, Scenario, SearchOrder};
 
-/// Work that no machine ends within a few milliseconds: a dense body right in another like it.
+/// Work that no machine finishes within a few milliseconds: a dense body inside an identical one.
 fn heavy() -> String {
     let crash = |x| support::Crash {
         shape: "sedan",
@@ -42,10 +42,10 @@ fn whose_job_goes_first_changes_nothing_in_the_answer() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(1500))).unwrap();
     let here = || Engine::builder().in_process();
-    let of = |builder: EngineBuilder, limits: &Limits| {
+    let answer_of = |builder: EngineBuilder, limits: &Limits| {
         library_answer(&mut builder.build().unwrap(), &scenario, limits)
     };
-    let reference = of(here(), &Limits::default());
+    let reference = answer_of(here(), &Limits::default());
     let limits = |order| Limits::default().with_search_order(order);
     let small = |order, tests| limits(order).with_budget(tests).unwrap();
     for (builder, limits) in [
@@ -54,7 +54,7 @@ fn whose_job_goes_first_changes_nothing_in_the_answer() {
         (builder().depth(3), small(SearchOrder::RoundRobin, 40_000)),
         (builder().workers(1).depth(0), small(SearchOrder::Sequential, 38_000)),
     ] {
-        assert_eq!(of(builder, &limits), reference, "{limits:?}");
+        assert_eq!(answer_of(builder, &limits), reference, "{limits:?}");
     }
 }
 
@@ -111,7 +111,7 @@ fn an_answer_that_is_due_comes_with_bounds_and_says_what_is_missing() {
         assert_eq!(document["answer"]["missing"].as_array().unwrap().len(), 4);
         assert_eq!(document["run"]["deadline"]["due_ms"], 1.0);
     }
-    // The scenario may say it too, and the command line has the last word.
+    // The scenario may set it too; the command line overrides it.
     let timed = heavy().replace("name = \"test\"", "name = \"test\"\ndeadline_ms = 1");
     let path = place.write("timed.toml", &timed);
     let path = path.to_str().unwrap();
@@ -161,7 +161,7 @@ fn a_request_without_workers_is_answered_by_its_deadline() {
     }
     let output = child.wait_with_output().unwrap();
     assert_eq!(left_in_shm(&instance), Vec::<String>::new());
-    // Complete, if it was quicker than the kill.
+    // Complete, if it was faster than the kill.
     assert!(matches!(output.status.code(), Some(0 | 3)), "{}", text(&output.stderr));
     let document = json(&output);
     assert_eq!(document["answer"]["ranking"].as_array().unwrap().len(), 4);

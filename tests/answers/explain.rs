@@ -17,7 +17,7 @@ fn numbers(value: &Value) -> [f64; 2] {
     [value[0].as_f64().unwrap_or(0.0), value[1].as_f64().unwrap_or(0.0)]
 }
 
-/// From speeds, masses and lever arms to changes of velocity, once more.
+/// Recomputes changes of velocity from speeds, masses and lever arms.
 fn check_impact(chain: &Value, e: f64, mu: f64) {
     let inverse = [0, 1].map(|i| chain["mass_kg"][i].as_f64().map_or(0.0, |m| 1.0 / m));
     let k = numbers(&chain["gyration_m"]);
@@ -39,7 +39,7 @@ fn check_impact(chain: &Value, e: f64, mu: f64) {
     near(&response["energy_j"], lost, name);
 }
 
-/// From a speed to a probability, by the curve as the explanation states it.
+/// Recomputes a probability from a speed, by the curve that the explanation states.
 fn check_person(person: &Value, curves: &[Value], chain: &Value) -> f64 {
     let curve = curves.iter().find(|curve| curve["id"] == person["curve"]).unwrap();
     let unit = match curve["unit"].as_str().unwrap() {
@@ -148,7 +148,7 @@ fn parts_and_zones_of_what_was_hit_are_named() {
     }
 }
 
-/// A thing that nobody knows is refused, or taken as fixed and said to be.
+/// A party of unknown kind is refused, or taken as fixed, and the answer says so.
 #[test]
 fn an_unknown_party_is_refused_unless_it_may_be_taken_as_fixed() {
     let place = Place::new();

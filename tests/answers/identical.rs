@@ -11,14 +11,14 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
     let place = Place::new();
     let path = place.write("six.toml", &six(2000));
     let path = path.to_str().unwrap();
-    let of = |args: &[&str]| {
+    let answer_of = |args: &[&str]| {
         let mut all = vec!["rank", path, "--json"];
         all.extend(args);
         let output = run(&all);
         assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
         output
     };
-    let reference = of(&["--in-process"]);
+    let reference = answer_of(&["--in-process"]);
     let document = json(&reference);
     let reference = answer(&reference);
     assert!(reference.contains("\"pairs\""), "nothing was hit: {reference}");
@@ -36,9 +36,9 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
         &["--in-process", "--depth", "0", "--build", "sah"],
     ];
     for way in ways {
-        assert_eq!(answer(&of(way)), reference, "{way:?}");
+        assert_eq!(answer(&answer_of(way)), reference, "{way:?}");
     }
-    // Through text, too: reading a number may round it.
+    // As text as well: parsing a number may round it.
     let scenario = Scenario::open(path).unwrap();
     let mut engine = Engine::builder().in_process().build().unwrap();
     let by_library = library_answer(&mut engine, &scenario, &Limits::default());
@@ -51,10 +51,10 @@ fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
     let place = Place::new();
     let path = place.write("six.toml", &six(2000));
     let scenario = Scenario::open(path).unwrap();
-    let of = |builder: EngineBuilder| {
+    let answer_of = |builder: EngineBuilder| {
         library_answer(&mut builder.build().unwrap(), &scenario, &Limits::default())
     };
-    let reference = of(Engine::builder().in_process());
+    let reference = answer_of(Engine::builder().in_process());
     let scheme = |name: &str, alpha: f64, queue: i64| {
         builder().overrides(overrides(|all| {
             (all.scheme, all.alpha) = (Some(name.to_owned()), Some(alpha));
@@ -82,7 +82,7 @@ fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
         ("copies, two workers", builder().workers(2).depth(3).dispatch_options(copy(9_000_000))),
     ];
     for (name, way) in ways {
-        assert_eq!(of(way), reference, "{name}");
+        assert_eq!(answer_of(way), reference, "{name}");
     }
 }
 

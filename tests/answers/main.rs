@@ -1,5 +1,5 @@
-//! What answers must be, whatever way the work was done: one program of tests, so that its threads
-//! keep all cores busy and it is linked once.
+//! What answers must be, however the work is done. One test program, so that its threads keep all
+//! cores busy and it is linked once.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -7,8 +7,8 @@ mod support;
 mod deadline;
 mod explain;
 mod identical;
-mod ledger;
 mod oracle;
 mod policy;
 mod record;
 mod refine;
+mod transfer;

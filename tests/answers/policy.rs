@@ -1,4 +1,5 @@
-//! `trolley policy check`: what is shipped is sound; each kind of fault has place and remedy.
+//! `trolley policy check`: the shipped files are sound; each kind of fault is reported with place
+//! and remedy.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, text, trolley};

@@ -1,5 +1,5 @@
-//! Decision records of real runs: replayed elsewhere they give the same bytes; what was changed,
-//! cut, exchanged or removed is found and named.
+//! Decision records of real runs: replayed elsewhere they give the same bytes; changed, cut,
+//! exchanged or removed records are detected and named.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, answer, json, run, six, text, trolley};
@@ -48,7 +48,7 @@ fn a_record_is_replayed_bit_for_bit_in_another_place() {
     let verified = command(&["record", "verify", path(&records)]);
     assert!(verified.status.success(), "{}", text(&verified.stderr));
     assert!(text(&verified.stdout).contains("3 records"), "{}", text(&verified.stdout));
-    // Elsewhere there are neither scenario nor model under the names that they had.
+    // In another folder neither scenario nor model has its old path.
     let elsewhere = Place::new();
     let model = elsewhere.path().join("x.trolley");
     std::fs::copy(place.path().join("suv.trolley"), model).unwrap();

@@ -1,5 +1,5 @@
-//! The mesh does not matter: the same crashes meshed finer keep their order and their depth, flat
-//! faces may be split and faces doubled.
+//! The mesh does not matter: finer meshes keep the order and depth of crashes, flat faces may be
+//! split and faces doubled.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, json, run, six, text};
@@ -19,7 +19,7 @@ fn depth(row: &Value) -> f64 {
     row["contact"]["patch"]["depth_m"][1].as_f64().unwrap_or(0.0)
 }
 
-/// Six crashes between the nominal bodies, or others of the generator, meshed so finely.
+/// Six crashes between the nominal bodies, or other generated ones, with this many triangles.
 fn meshed(triangles: u32, nominal: bool) -> Vec<Value> {
     let place = Place::new();
     let mut text = six(triangles);
@@ -33,12 +33,12 @@ fn meshed(triangles: u32, nominal: bool) -> Vec<Value> {
 /// Depth within 2 %, risk within 2 %, and the order is the same.
 #[test]
 fn finer_meshes_of_the_same_bodies_keep_order_and_depth() {
-    let at = |triangles: u32| meshed(triangles, true);
-    let coarse = at(7_000);
+    let ranked_with = |triangles: u32| meshed(triangles, true);
+    let coarse = ranked_with(7_000);
     let touching = coarse.iter().filter(|row| row["contact"]["touch"] == "yes").count();
     assert_eq!((coarse.len(), touching), (6, 5));
     for triangles in [25_000, 100_000] {
-        for (fine, coarse) in at(triangles).iter().zip(&coarse) {
+        for (fine, coarse) in ranked_with(triangles).iter().zip(&coarse) {
             assert_eq!(fine["name"], coarse["name"], "{triangles}");
             let (d, e) = (depth(fine), depth(coarse));
             assert!((d - e).abs() <= 0.02 * e, "{} at {triangles}: {d} and {e}", fine["name"]);
@@ -71,7 +71,7 @@ fn a_normal_at_the_edge_turns_by_one_direction_and_the_range_holds_both() {
     assert_eq!(turned, 1, "the case that this is about is gone");
 }
 
-/// Every triangle as four, by the middles of its edges: the surface stays where it is.
+/// Splits every triangle into four at the midpoints of its edges; the surface is unchanged.
 fn split(mesh: &Mesh) -> Mesh {
     let mut fine = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
     for (at, [a, b, c]) in mesh.corners.iter().enumerate() {
@@ -85,7 +85,7 @@ fn split(mesh: &Mesh) -> Mesh {
     fine
 }
 
-/// Every triangle twice.
+/// Doubles every triangle.
 fn doubled(mesh: &Mesh) -> Mesh {
     let mut twice = mesh.clone();
     twice.corners.extend(&mesh.corners);
@@ -159,7 +159,7 @@ fn doubled_faces_change_no_bit_of_any_figure() {
     }
 }
 
-/// Every number of one value beside that of the other.
+/// Pairs every number of one value with that of the other.
 fn numbers(a: &Value, b: &Value, way: &str, pairs: &mut Vec<(String, f64, f64)>) {
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {

@@ -1,5 +1,6 @@
-//! Bodies from files: real ones come in at their size, exports come back bit for bit, and whatever
-//! is malformed is refused within seconds by a sentence, with nothing left behind.
+//! Bodies from files: real ones are imported at their true size, exports are reimported bit for
+//! bit, and malformed files are refused within seconds with a clear message, leaving nothing
+//! behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod bodies;
@@ -13,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Output;
 
-/// A refusal takes a fraction of a second; this leaves room for a busy machine.
+/// A refusal takes a fraction of a second; this allows for a busy machine.
 const REFUSAL_NS_MAX: u64 = 10_000_000_000;
 
 /// Runs `trolley model ...`.
@@ -42,7 +43,7 @@ fn listing(folder: &Path) -> Vec<String> {
 }
 
 /// Runs an import that must be refused: exit code, a message that names file, fault and remedy, a
-/// short time, and the folder of the output as it was. Gives the message.
+/// short time, and an unchanged output folder. Returns the message.
 fn refused(file: &str, more: &[&str], code: i32) -> String {
     let place = Place::new();
     let out = place.write("out.trolley", "old");
@@ -61,7 +62,7 @@ fn refused(file: &str, more: &[&str], code: i32) -> String {
     message
 }
 
-/// Imports bodies of a folder; each is then what is known of it.
+/// Imports bodies of a folder, and checks their known properties.
 fn come_in(models: &Path, bodies: &[Body]) {
     let place = Place::new();
     let out = place.path().join("out.trolley");
@@ -82,7 +83,7 @@ fn come_in(models: &Path, bodies: &[Body]) {
         let of_parts = body["parts"].as_array().unwrap().iter();
         let sum: u64 = of_parts.map(|part| part["triangles"].as_u64().unwrap()).sum();
         assert_eq!(sum, *triangles, "{file}");
-        // The file says the same as the import did.
+        // The file agrees with the import's report.
         let info = json(&done(&["info", utf8(&out), "--json"]));
         assert_eq!(info["body"], *body, "{file}");
         let table = text(&done(&["info", utf8(&out)]).stdout);
@@ -138,8 +139,8 @@ fn what_is_exported_comes_back_bit_for_bit() {
 fn box_obj([x, y, z]: [f64; 3]) -> String {
     let mut obj = String::new();
     for corner in 0..8 {
-        let at = |bit: u32, size: f64| if corner >> bit & 1 == 1 { size } else { 0.0 };
-        writeln!(obj, "v {} {} {}", at(0, x), at(1, y), at(2, z)).unwrap();
+        let coordinate = |bit: u32, size: f64| if corner >> bit & 1 == 1 { size } else { 0.0 };
+        writeln!(obj, "v {} {} {}", coordinate(0, x), coordinate(1, y), coordinate(2, z)).unwrap();
     }
     obj + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
 }
@@ -208,7 +209,7 @@ fn hostile_files_are_refused_in_bounded_time_and_memory() {
     for (name, content, says) in hostile() {
         let file = place.path().join(name);
         std::fs::write(&file, content).unwrap();
-        // A quarter of what any mesh is given; none of these may even try to use it up.
+        // A quarter of the default limit; none of these may even approach it.
         let limits = ["--kind", "sedan", "--memory-mb", "512", "--cpu-s", "8"];
         let message = if name.contains("-side.") {
             refused_by_side(&file, &limits)
@@ -239,7 +240,7 @@ fn refused_by_side(file: &Path, more: &[&str]) -> String {
     message
 }
 
-/// Triangles each wholly round the one before: the literal split takes them off one by one.
+/// Triangles that each enclose the one before: the literal split peels them off one by one.
 fn nested(triangles: u32) -> Vec<u8> {
     let mut stl = vec![0_u8; 80];
     stl.extend(triangles.to_le_bytes());
@@ -289,7 +290,7 @@ fn what_a_body_is_must_be_said_and_a_side_file_may_say_it() {
     assert_eq!((&body["name"], &body["kind"]), (&"taxi".into(), &"suv".into()));
     assert_eq!(body["mass_kg"], 1500.0);
     assert_eq!(body["occupants"][0], "front-left");
-    // What is said on the command line goes before what the side file says.
+    // The command line overrides the side file.
     let document = import(&["--kind", "sedan", "--name", "cab"]);
     let body = &document["body"];
     assert_eq!((&body["name"], &body["kind"]), (&"cab".into(), &"sedan".into()));

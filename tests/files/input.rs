@@ -1,5 +1,5 @@
-//! Bad input: each kind gets an error that names file, place and remedy, with its exit code, and
-//! leaves nothing behind.
+//! Bad input: each kind gives an error with file, place, remedy and exit code, and leaves nothing
+//! behind.
 
 use crate::support::{self, Place, builder, overrides, run, six, text};
 use trolley::dispatch_options::{DispatchOptions, TransferMode};
@@ -145,7 +145,7 @@ fn how_jobs_are_handed_out_obeys_rules_too() {
 fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
     let place = Place::new();
     let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
-    // Room for the largest section at this depth, and not for what one worker needs in all.
+    // Capacity for the largest section at this depth, but not for all that one worker needs.
     let dispatch_options = DispatchOptions {
         transfer: TransferMode::Copy,
         memory_budget: Some(90_000),

@@ -1,6 +1,6 @@
-//! `trolley intersect` against brute force, and what it says about input that is no good.
+//! `trolley intersect` compared with brute force, and its errors on bad input.
 //!
-//! The meshes are the project's own, exported and read back; ids are numbers of triangles.
+//! The meshes are generated, exported and read back; ids are triangle numbers.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Found, Place, brute_force, json, text, trolley};
@@ -21,7 +21,7 @@ fn utf8(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Two bodies, as model files and as meshes, and how they lie.
+/// Two bodies, as model files and as meshes, and their poses.
 struct Crash {
     place: Place,
     models: [PathBuf; 2],
@@ -34,9 +34,9 @@ impl Crash {
     /// A sedan in the side of an SUV.
     fn new() -> Self {
         let place = Place::new();
-        let of = |name: &str| place.path().join(name);
-        let models = ["a.trolley", "b.trolley"].map(of);
-        let meshes = ["a.stl", "b.stl"].map(of);
+        let path_of = |name: &str| place.path().join(name);
+        let models = ["a.trolley", "b.trolley"].map(path_of);
+        let meshes = ["a.stl", "b.stl"].map(path_of);
         for (shape, triangles, i) in [("sedan", "1500", 0), ("suv", "1300", 1)] {
             let (model, mesh) = (utf8(&models[i]), utf8(&meshes[i]));
             done(&["model", "generate", shape, "--triangles", triangles, "-o", model]);
@@ -155,7 +155,7 @@ fn what_is_found_is_of_the_pose_though_the_body_moves() {
     let crash = Crash::new();
     let truth = crash.truth();
     assert_eq!(crash.ask(&crash.meshes, &[])["moving"], false);
-    // Not once round, and more than once.
+    // Less than one turn, and more than one.
     for (repeat, threads) in [("1", "1"), ("5", "2"), ("12", "1")] {
         let how = ["--moving", "--repeat", repeat, "--threads", threads];
         let line = crash.ask(&crash.meshes, &how);
@@ -220,8 +220,8 @@ fn the_line_and_the_text_say_the_same() {
 #[test]
 fn a_mesh_is_taken_as_it_stands() {
     let place = Place::new();
-    // A plate of two squares, both there twice; a needle through the first; far too small to be
-    // anybody. The side file would make it large, and is none of our business.
+    // A plate of two squares, both there twice; a needle through the first; far too small to be a
+    // person. The side file would scale it up, but must be ignored.
     let plate = "v 0 0 0\nv 1e-6 0 0\nv 1e-6 1e-6 0\nv 0 1e-6 0\nv 2e-6 0 0\nv 2e-6 1e-6 0\n\
                  f 1 2 3 4\nf 2 5 6 3\nf 1 2 3 4\nf 2 5 6 3\n";
     let needle = "v 5e-7 2e-7 -1\nv 5e-7 2e-7 1\nv 5e-7 2e-7 1\nf 1 2 3\nf 1 2 3\n";
@@ -247,26 +247,26 @@ fn what_is_no_good_is_named_with_its_place_and_remedy() {
     let mesh = |name: &str, corner: &str| {
         write(name, &format!("v 0 0 0\nv 1 0 0\nv {corner} 1 0\nf 1 2 3\n"))
     };
-    let of = |name: &str| utf8(&place.path().join(name)).to_owned();
+    let path_of = |name: &str| utf8(&place.path().join(name)).to_owned();
     let bad_poses = |name: &str, text: &str| [a.clone(), a.clone(), write(name, text)];
     let bad_mesh = |file: String| [a.clone(), file, poses.clone()];
     let binary = std::fs::read(&a).unwrap();
-    std::fs::write(of("cut.stl"), &binary[..binary.len() / 2]).unwrap();
+    std::fs::write(path_of("cut.stl"), &binary[..binary.len() / 2]).unwrap();
     let mut damaged = std::fs::read(&crash.models[0]).unwrap();
     let at = damaged.len() - 100;
     damaged[at] ^= 1;
-    std::fs::write(of("damaged.trolley"), &damaged).unwrap();
+    std::fs::write(path_of("damaged.trolley"), &damaged).unwrap();
     let cases: Vec<([String; 3], &[&str])> = vec![
         (bad_poses("word.txt", &good.replacen(' ', " x", 1)), &["word.txt:1:", "is no number"]),
         (bad_poses("nan.txt", &good.replacen(' ', " nan ", 1)), &["nan.txt:1:", "not finite"]),
         (bad_poses("short.txt", "1 0 0 0\n"), &["short.txt:2:1:", "after 1 of the six rows"]),
         (bad_poses("bent.txt", &good.replacen("0.", "0.1", 1)), &["bent.txt:1:1:", "not rigid"]),
         (bad_poses("long.txt", &"#\n".repeat(40_000)), &["long.txt", "bytes are too many"]),
-        ([a.clone(), a.clone(), of("none.txt")], &["none.txt", "no such file"]),
-        (bad_mesh(of("none.stl")), &["none.stl", "no such file"]),
+        ([a.clone(), a.clone(), path_of("none.txt")], &["none.txt", "no such file"]),
+        (bad_mesh(path_of("none.stl")), &["none.stl", "no such file"]),
         (bad_mesh(utf8(place.path()).to_owned()), &["a folder"]),
-        (bad_mesh(of("cut.stl")), &["cut.stl", "it states"]),
-        (bad_mesh(of("damaged.trolley")), &["damaged.trolley", "damaged"]),
+        (bad_mesh(path_of("cut.stl")), &["cut.stl", "it states"]),
+        (bad_mesh(path_of("damaged.trolley")), &["damaged.trolley", "damaged"]),
         (bad_mesh(write("empty.obj", "# nothing\n")), &["empty.obj", "no triangle"]),
         (bad_mesh(mesh("nan.obj", "nan")), &["nan.obj", "not finite"]),
         (bad_mesh(mesh("far.obj", "1e7")), &["far.obj", "beyond", "as they stand"]),

@@ -1,7 +1,7 @@
-//! Bodies from files: imported, ranked by worker processes, compared with this one process and, for
-//! small bodies, with brute force; and replayed from a record.
+//! Bodies from files: imported, ranked by worker processes, compared with in-process rankings and,
+//! for small bodies, with brute force; and replayed from a record.
 //!
-//! Those of `tests/data` are drawn for this; `shared_data` has those of other people.
+//! Those of `tests/data` were drawn for this project; `shared_data` uses third-party ones.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, answer, assert_found, brute_force, json, run, shipped, text, trolley};
@@ -28,7 +28,7 @@ fn import(place: &Place, models: &Path, bodies: &[Given]) {
     }
 }
 
-/// A sedan once more, through another format.
+/// A sedan again, through another format.
 fn again(place: &Place, sedan: &str, format: &str) {
     let path = |name: String| place.path().join(name).to_str().unwrap().to_owned();
     let mesh = path(format!("{sedan}.{format}"));
@@ -41,7 +41,7 @@ fn again(place: &Place, sedan: &str, format: &str) {
     command(&args);
 }
 
-/// Ranks crashes that all touch, in every way the same; what was answered.
+/// Ranks crashes that all make contact, identical in every configuration; returns the answer.
 fn ranked_the_same(place: &Place, crashes: &str) -> Value {
     let path = place.write("real.toml", crashes);
     let path = path.to_str().unwrap();
@@ -63,7 +63,7 @@ fn ranked_the_same(place: &Place, crashes: &str) -> Value {
     document
 }
 
-/// A sedan that went through two formats strikes alike.
+/// A sedan imported through two formats gives the same crashes.
 fn assert_alike(document: &Value) {
     let rows = document["answer"]["ranking"].as_array().unwrap();
     let row = |name: &str| rows.iter().find(|row| row["name"] == name).unwrap();
@@ -171,7 +171,7 @@ other = { party = "barrier", position_m = [2.3, 0.2, 0], yaw_deg = 80, speed_m_s
     assert_hits(["hatchback", "barrier"], &place, crash);
 }
 
-/// Two builds, two questions, and a record: a body of a file is one body to all of them.
+/// Two builds, two questions, and a record: a body from a file is the same to all of them.
 #[test]
 fn a_crash_of_bodies_of_files_is_the_same_between_builds_and_replayed() {
     let place = Place::new();
@@ -191,12 +191,12 @@ fn a_crash_of_bodies_of_files_is_the_same_between_builds_and_replayed() {
         .unwrap();
     assert!(replayed.status.success(), "{}", text(&replayed.stderr));
     assert_eq!(json(&replayed)["same"], true);
-    // The mesh as it stands and the model made from it, by different trees.
+    // The mesh itself and the model imported from it, with different trees.
     let poses =
         place.write("poses.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 -1 0 2.1\n1 0 0 0.2\n0 0 1 0\n");
     let ask = |a: &str, more: &[&str]| {
-        let of = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
-        let files = [of(a), of("barrier.trolley")];
+        let path_of = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+        let files = [path_of(a), path_of("barrier.trolley")];
         let poses = poses.to_str().unwrap();
         let args = [&["intersect", &files[0], &files[1], "--poses", poses, "--json"], more];
         let output = trolley().args(args.concat()).output().unwrap();

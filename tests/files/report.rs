@@ -1,7 +1,7 @@
 //! `trolley report`: from a recorded decision to a page, .glb files and stills; and the page in a
 //! real browser, without a network.
 //!
-//! The browser is chromium, if the machine has one; else that is said loudly.
+//! The browser is chromium, if installed; else the test is skipped with a visible message.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, instance, left_in_shm, skipped, text, trolley};
@@ -35,7 +35,7 @@ ego = { position_m = [0, 0, 0], speed_m_s = 10 }
 other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
 "#;
 
-/// Ranks and records a scenario; the record.
+/// Ranks and records a scenario; returns the record.
 fn recorded(place: &Place, scenario: &Path, more: &[&str]) -> String {
     let folder = path(place.path(), "records");
     let name = instance();
@@ -58,7 +58,7 @@ fn a_record_becomes_a_page_meshes_and_stills() {
     let page = std::fs::read_to_string(&out).unwrap();
     assert!(page.contains("<h1>Least harm: "), "no title");
     assert!(page.contains("wall &lt;b&gt;") && !page.contains("wall <b>"));
-    // Workers did the jobs, and the record says which and when.
+    // Workers did the jobs, and the record says which worker, and when.
     assert!(page.contains("aria-label=\"Jobs on each worker over time\""));
     assert!(page.contains("<td>worker 1</td><td>coordinator</td>"));
     for (folder, start, count) in [(&glb, &b"glTF"[..], 2), (&png, &b"\x89PNG"[..], 4)] {
@@ -67,7 +67,7 @@ fn a_record_becomes_a_page_meshes_and_stills() {
         assert_eq!(files.len(), count, "{files:?}");
         assert!(files.iter().all(|file| std::fs::read(file).unwrap().starts_with(start)));
     }
-    // What was written is a body that can be imported again.
+    // The written file can be imported again as a body.
     let mesh = format!("{glb}/1-pole.glb");
     let mesh = if Path::new(&mesh).exists() { mesh } else { format!("{glb}/2-pole.glb") };
     let said = done(&["model", "check", &mesh]);
@@ -120,8 +120,8 @@ fn browser() -> Option<&'static str> {
     found
 }
 
-/// Opens a page from disk with all of the network cut off; what it says on its console, and the
-/// document as it is when all scripts have run.
+/// Opens a page from disk without any network; returns its console output, and the document after
+/// all scripts have run.
 fn opened(browser: &str, place: &Place, page: &str) -> (String, String) {
     let profile = format!("--user-data-dir={}", path(place.path(), "profile"));
     let output = Command::new(browser)
@@ -138,7 +138,8 @@ fn opened(browser: &str, place: &Place, page: &str) -> (String, String) {
     (console.join("\n"), text(&output.stdout))
 }
 
-/// The 3D view draws both bodies, what is hit, and the patch: five objects, six with its frame.
+/// The 3D view draws both bodies, the hit triangles, and the patch: five objects, six with its
+/// frame.
 fn assert_drawn(console: &str, document: &str) {
     assert_eq!(console, "", "the page complained");
     let view = document.split("data-view=\"").nth(1).and_then(|rest| rest.split('"').next());

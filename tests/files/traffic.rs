@@ -1,5 +1,5 @@
-//! `trolley scenario import` and `trolley rank FILE.xml` from the outside: files of others, and
-//! files that are none.
+//! `trolley scenario import` and `trolley rank FILE.xml` as a user runs them, on third-party files
+//! and on invalid ones.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, text, trolley};
@@ -10,7 +10,7 @@ fn asked(args: &[&str]) -> Output {
     trolley().args(args).output().unwrap()
 }
 
-/// A car stands on the ego's way, or far beside it.
+/// A car stands in the ego's path, or far beside it.
 fn crossing(y_m: f64, kind: &str) -> String {
     let state = |x: f64, y: f64, more: &str| {
         format!(
@@ -104,7 +104,7 @@ mod shared_data {
     use crate::support::{shared, text};
     use serde_json::Value;
 
-    /// Every file of others gives a ranking, or a reason not to.
+    /// Every third-party file gives a ranking, or a reason for none.
     #[test]
     #[ignore = "needs ../shared/data: recorded traffic"]
     fn recorded_traffic_gives_rankings_or_reasons() {

@@ -1,7 +1,7 @@
-//! Every client that is shipped, against one live service: Rust, C++ and Python rank as
-//! `trolley rank` does, to the last digit. And what integrators install is sound.
+//! Every shipped client, against one live service: Rust, C++ and Python rank like `trolley rank`,
+//! to the last digit. Also checks what integrators install.
 //!
-//! A client whose tools are not here is skipped, and that is said loudly.
+//! A client whose tools are missing is skipped, with a visible message.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::service::{ranked, serve, shipped};
@@ -22,7 +22,7 @@ fn printed(output: &Output) -> Vec<(String, [u64; 2])> {
     text(&output.stdout).lines().map(row).collect()
 }
 
-/// Builds a part of this workspace as the tests were built; the folder of what came out.
+/// Builds a part of this workspace as the tests were built; returns the output folder.
 ///
 /// Of the whole workspace: for one package alone, features of its dependencies may differ, and all
 /// of them would be compiled once more.
@@ -43,7 +43,7 @@ fn has(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
-/// A Python that has iceoryx2, as `.ci/run` makes one; else any.
+/// A Python with iceoryx2, as `.ci/run` sets one up; else any.
 fn python() -> Option<PathBuf> {
     let own = shipped("target/python/bin/python");
     [own, PathBuf::from("python3")].into_iter().find(|python| {
@@ -83,7 +83,7 @@ fn all_clients_see_the_ranking_of_rank() {
         let mut asked = Command::new(&planner);
         asked.arg(&instance).env("LD_LIBRARY_PATH", &folder);
         assert_eq!(printed(&asked.output().unwrap()), expected, "C++");
-        // Without a service it says so, and does not crash.
+        // Without a service it reports that, and does not crash.
         let nobody = Command::new(&planner)
             .arg("nobody-here")
             .env("LD_LIBRARY_PATH", &folder)
@@ -148,7 +148,7 @@ fn the_unit_is_one_that_systemd_accepts() {
     let here = place.write("trolley.service", &unit_here);
     let verified = Command::new("systemd-analyze").arg("verify").arg(&here).output().unwrap();
     assert!(verified.status.success(), "{}", text(&verified.stderr));
-    // What would break the service must not creep in.
+    // Settings that would break the service must not creep in.
     for broken in ["PrivateTmp=yes", "RemoveIPC=yes", "RestrictRealtime=yes", "PrivateIPC=yes"] {
         assert!(!unit.lines().any(|line| line == broken), "{broken}");
     }
@@ -160,7 +160,7 @@ fn the_install_script_puts_everything_in_its_place() {
     let root = place.path().join("root");
     let folder = Path::new(env!("CARGO_BIN_EXE_trolley")).parent().unwrap();
     if !folder.ends_with("release") {
-        // It installs what was built for release: give it this program as one.
+        // It installs release builds: pass this program off as one.
         let release = place.path().join("target/release");
         std::fs::create_dir_all(&release).unwrap();
         std::fs::copy(env!("CARGO_BIN_EXE_trolley"), release.join("trolley")).unwrap();
@@ -183,7 +183,7 @@ fn the_install_script_puts_everything_in_its_place() {
     let program = Command::new(root.join("usr/local/bin/trolley")).arg("--version").output();
     assert!(program.unwrap().status.success());
     assert!(root.join("etc/systemd/system/trolley.service").is_file());
-    // What was changed by hand stays.
+    // Manual changes are kept.
     let deployment = root.join("etc/trolley/deployment.toml");
     std::fs::write(&deployment, "mine").unwrap();
     assert!(install().status.success());

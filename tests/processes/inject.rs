@@ -1,5 +1,5 @@
-//! Faults in real processes, from the command line: survived, counted, nothing left; and the same
-//! of simulated ones.
+//! Faults in real processes, from the command line: survived, counted, nothing left behind; and
+//! faults in simulated ones.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{self, Place, json, run, text};
@@ -39,8 +39,8 @@ fn faults_of_all_sorts_are_survived_and_leave_nothing() {
     assert!(std::fs::read_to_string(report).unwrap().contains("name=\"garble-batch\""));
 }
 
-/// Stopped workers were never found where each request was over before the first look at them, and
-/// a successor that greeted between two requests was not heard.
+/// Regression: stopped workers were never detected if each request ended before the first check of
+/// them, and the greeting of a replacement between two requests was missed.
 #[test]
 fn what_short_requests_leave_open_is_found_by_those_that_follow() {
     let place = Place::new();

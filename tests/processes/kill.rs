@@ -1,5 +1,5 @@
-//! Real processes, real signals: whoever dies, the answer is the same or there is none, and nothing
-//! is left behind.
+//! Real processes, real signals: whichever process dies, the answer is the same or there is none,
+//! and nothing is left behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{
@@ -12,7 +12,7 @@ use rustix::process::Signal;
 use std::fmt::Write as _;
 use std::process::{Child, Output};
 
-/// So deep that there are tens of thousands of jobs: a run lasts, however quick the machine is.
+/// Deep enough for tens of thousands of jobs: the run takes long on any machine.
 const DEPTH: &str = "17";
 
 /// Work for a while: sixteen deep contacts of the same two bodies.
@@ -63,7 +63,7 @@ impl Started {
     }
 }
 
-/// Disturbs a run in its middle; if it was too quick, tries again with more work.
+/// Disturbs a run in its middle; if it was too fast, tries again with more work.
 fn disturbed(
     place: &Place,
     workers: usize,
@@ -187,7 +187,7 @@ fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
         (!started.workers.iter().any(alive)).then_some(())
     });
     assert!(gone.is_some(), "orphans");
-    // What it left is swept by the next run, which may be another test's.
+    // The next run, maybe of another test, cleans up what it left.
     run(&["rank", place.write("small.toml", &support::six(600)).to_str().unwrap()]);
     assert_eq!(left_in_shm(&started.instance), Vec::<String>::new());
 }

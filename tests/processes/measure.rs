@@ -1,5 +1,5 @@
-//! A whole measurement of small bodies: its tables, figures and page fit together; costs are
-//! written as they are printed; and bad input is refused before anything is measured.
+//! A whole measurement of small bodies: its tables, figures and page agree; costs are written as
+//! printed; and bad input is refused before anything is measured.
 
 use crate::support::{self, Place, json, six, text, trolley};
 use std::path::Path;
@@ -26,20 +26,20 @@ fn a_measurement_writes_tables_figures_and_a_page_that_fit_together() {
     for line in lines {
         let fields: Vec<&str> = line.split(',').collect();
         assert_eq!(fields.len(), names.len(), "{line}");
-        let of = |name: &str| fields[column(name)];
-        // What thrashed has a reason and no figure, everything else the reverse.
-        assert_eq!(of("thrashed").is_empty(), !of("speed_up").is_empty(), "{line}");
-        let is_counted = of("mode") == "measured" && of("thrashed").is_empty();
-        assert_eq!(is_counted, !of("message_bytes").is_empty(), "{line}");
-        if of("thrashed").is_empty() {
-            // Whoever works, at one depth there are the same jobs.
-            let jobs = by_depth.entry((of("pair"), of("depth"))).or_insert(of("jobs"));
-            assert_eq!(*jobs, of("jobs"), "{line}");
-            let share: f64 = of("relative_to_unshared").parse().expect("a number");
+        let field = |name: &str| fields[column(name)];
+        // A run that thrashed has a reason and no figures; any other, the reverse.
+        assert_eq!(field("thrashed").is_empty(), !field("speed_up").is_empty(), "{line}");
+        let is_counted = field("mode") == "measured" && field("thrashed").is_empty();
+        assert_eq!(is_counted, !field("message_bytes").is_empty(), "{line}");
+        if field("thrashed").is_empty() {
+            // However many workers, one depth has the same jobs.
+            let jobs = by_depth.entry((field("pair"), field("depth"))).or_insert(field("jobs"));
+            assert_eq!(*jobs, field("jobs"), "{line}");
+            let share: f64 = field("relative_to_unshared").parse().expect("a number");
             assert!(share > 0.0 && share <= 1.0, "{line}");
         }
         rows += 1;
-        measured += u32::from(of("mode") == "measured");
+        measured += u32::from(field("mode") == "measured");
     }
     assert!(rows > 100 && measured > 40, "{rows} rows, {measured} measured");
     let page = read("README.md");
@@ -81,11 +81,14 @@ fn one_ranking_is_measured_with_settings_that_no_decision_needs() {
     let document = run(&all.concat());
     assert_eq!(document["schema"], "trolley.measure-rank/1");
     assert_eq!(document["answer"], plain["answer"]);
-    let of = |key: &str| document["run"][key].as_u64().expect(key);
-    assert!(of("section_bytes") < of("section_bytes_unshared") && of("sections_evicted") > 0);
+    let counter = |key: &str| document["run"][key].as_u64().expect(key);
+    assert!(
+        counter("section_bytes") < counter("section_bytes_unshared")
+            && counter("sections_evicted") > 0
+    );
     let log = std::fs::read_to_string(log).expect("the log");
     let assigned = log.lines().filter(|line| line.starts_with("assigned")).count() as u64;
-    assert_eq!(assigned, of("jobs") - of("jobs_cut") + of("jobs_reissued"));
+    assert_eq!(assigned, counter("jobs") - counter("jobs_cut") + counter("jobs_reissued"));
 }
 
 #[test]
@@ -162,7 +165,7 @@ fn calibrated_costs_are_printed_and_written() {
     assert!(text(&output.stderr).contains("costs.json/again.json"));
 }
 
-/// Chance also makes requests whose bodies overlap where they begin: they have no whole answer.
+/// Random requests may have bodies that overlap at the start: these have no complete answer.
 #[test]
 fn how_early_a_winner_is_certain_is_measured_whatever_chance_makes() {
     let output = trolley()

@@ -1,5 +1,5 @@
-//! A real service and real clients: the same ranking as `trolley rank`, whoever asks however
-//! wrongly, vanishes or is killed; and nothing is left behind.
+//! A real service and real clients: the same ranking as `trolley rank`, even if clients send
+//! invalid requests, vanish or are killed; and nothing is left behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::service::{deployment, left_behind, ranked, ranking, serve, shipped};
@@ -105,8 +105,8 @@ fn a_second_instance_is_refused_and_the_first_goes_on() {
     serving.end();
 }
 
-/// Batches that were answered while a result ended the request for lack of time were never counted
-/// as answered: their room in the worker's queue was gone for good.
+/// Regression: batches answered while a result ended the request at its deadline were never counted
+/// as answered, and their slots in the worker's queue were lost.
 #[test]
 fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     let place = Place::new();
@@ -115,12 +115,12 @@ fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     for step in 0..300 {
         let _late_or_not = client.ask(&into_a_wall(), Duration::from_micros(1_000 + 40 * step));
     }
-    // What the hasty ones did not wait for may still be in the queue.
+    // Requests of impatient clients may still be in the queue.
     let answer = wait_for(20_000, || {
         let answer = client.ask(&into_a_wall(), PATIENCE);
         (answer.verdict() != WireState::Busy).then_some(answer)
     });
-    let answer = answer.expect("there is room again");
+    let answer = answer.expect("a slot is free again");
     assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
     drop(client);
     serving.end();
@@ -146,7 +146,7 @@ fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
         make(&mut ask);
         let answer = client.ask(&ask, PATIENCE);
         if *reason == Reason::Unassessable && answer.verdict().has_ranking() {
-            // A standstill may be ranked as one without figures.
+            // A standstill may be ranked without figures.
             continue;
         }
         assert_eq!(answer.verdict(), WireState::Refused, "{reason:?}");
@@ -165,7 +165,7 @@ fn clients_that_are_killed_in_the_middle_leave_room_for_others() {
     let place = Place::new();
     let scenario = place.write("six.toml", &six(2000));
     let serving = serve(&deployment(&place, 2, &of_six(2000)), &[]);
-    // More than the sixteen places there are.
+    // More than the sixteen slots.
     for round in 0..5_u32 {
         let start = || {
             trolley()
@@ -180,7 +180,7 @@ fn clients_that_are_killed_in_the_middle_leave_room_for_others() {
             client.kill().unwrap();
             client.wait().unwrap();
         }
-        // Room is made within a second.
+        // A slot is freed within a second.
         let output = wait_for(10_000, || {
             let output = serving.query(&scenario, &["--json"]);
             output.status.success().then_some(output)
@@ -212,7 +212,7 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
     let serving = serve(&file, &[]);
     let instance = serving.instance.as_str();
     let answers = std::thread::scope(|scope| {
-        // Each asks until it was served: how often it is told busy is up to the machine.
+        // Each asks until it is served: how often it is answered busy depends on the machine.
         let flood = || {
             let mut client = connect(instance);
             let (mut verdicts, mut served) = (Vec::new(), 0);
@@ -246,7 +246,7 @@ fn killed_workers_are_replaced_and_no_answer_is_wrong() {
         doomed.iter().for_each(|pid| signal(*pid, Signal::KILL));
         let output = wait_for(20_000, || {
             let output = serving.query(&scenario, &["--json"]);
-            // All may have died in the middle of it: that is refused, and worth another try.
+            // All workers may have died during it: then it is refused, and retried.
             output.status.success().then_some(output)
         });
         assert_eq!(ranking(&output.expect("an answer")), expected, "round {round}");
@@ -292,7 +292,7 @@ fn an_answer_that_would_come_too_late_is_refused_by_the_client_in_time() {
     let answer = client.ask(&into_a_wall(), Duration::from_millis(50));
     let ended = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
     assert_eq!(answer.reason(), Reason::Silence, "{}", answer.text());
-    // On time is not a promise of a busy machine; that it comes back at all is.
+    // A busy machine may be late; the call must return in any case.
     assert!(ended.tv_sec - begun.tv_sec < 15);
     signal(serving.child.id(), Signal::CONT);
     let answered = wait_for(20_000, || {
@@ -317,7 +317,7 @@ fn a_service_that_cannot_be_started_says_why() {
         ("workers = 1", "workers = 1\ncores = [1000]", 78, "core 1000"),
     ] {
         if from == "[engine]" && to.contains("nowhere") && rustix::process::getuid().is_root() {
-            // Root may make the folder.
+            // Root may create the folder.
             continue;
         }
         let wrong = place.write("wrong.toml", &good.replacen(from, to, 1));
@@ -380,11 +380,11 @@ fn metrics_and_decisions_are_written_and_bounded() {
     assert_eq!(entries.last().unwrap().ask.sequence, last);
 }
 
-/// What `tools/results/service.md` says of the heap, as a bound.
+/// Bound on heap use, from `tools/results/service.md`.
 #[test]
 fn a_request_takes_one_piece_from_the_heap_per_message_that_is_lent() {
     const REQUESTS: u64 = 60;
-    /// A look at a worker's pulse, which is felt every 20 ms at most.
+    /// Allowance for checks of a worker's heartbeat, at most one every 20 ms.
     const PULSES: u64 = 8;
     let place = Place::new();
     let file = deployment(&place, 1, WALL);
@@ -395,7 +395,7 @@ fn a_request_takes_one_piece_from_the_heap_per_message_that_is_lent() {
             assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), WireState::Complete);
         }
         drop(client);
-        // The first page may be of a second in which there were requests still.
+        // The first page may cover a second that still had requests.
         let top = trolley()
             .args(["top", file.to_str().unwrap(), "--instance", &serving.instance])
             .args(["--times", "2", "--json"])
@@ -404,7 +404,8 @@ fn a_request_takes_one_piece_from_the_heap_per_message_that_is_lent() {
         let last = text(&top.stdout).lines().last().map(str::to_owned).unwrap();
         let last: serde_json::Value = serde_json::from_str(&last).unwrap();
         assert_eq!(last["answers"][0][1], REQUESTS, "{last}");
-        // Beside the answer. With workers a bound: some messages are results, taken and not lent.
+        // Besides the answer. With workers an upper bound: some messages are results, received and
+        // not loaned.
         let lent = 1 + last["messages"].as_u64().unwrap() / REQUESTS;
         let most = if extra.is_empty() { lent + PULSES } else { lent };
         let allocations = last["allocations"].as_u64().unwrap();

@@ -1,4 +1,5 @@
-//! What the multi-process tests share: scenarios on disk, the binary, and what it leaves behind.
+//! Shared by the multi-process tests: scenarios on disk, the binary, and checks of what it leaves
+//! behind.
 //!
 //! Every run gets an instance name of its own, so that tests run side by side and each can say that
 //! nothing of its own is left in /dev/shm.
@@ -22,7 +23,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
-/// A folder that goes away with the test.
+/// A folder that is removed with the test.
 pub(crate) struct Place {
     folder: tempfile::TempDir,
 }
@@ -82,7 +83,7 @@ pub(crate) fn library_answer(engine: &mut Engine, scenario: &Scenario, limits: &
     serde_json::to_string(&engine.rank(scenario, limits).unwrap().answer).unwrap()
 }
 
-/// Settings of the engine beside the usual ones.
+/// Engine settings that differ from the usual ones.
 pub(crate) fn overrides(change: impl FnOnce(&mut Overrides)) -> Overrides {
     let mut overrides = Overrides::default();
     change(&mut overrides);
@@ -170,7 +171,7 @@ pub(crate) fn cpu_ticks(pid: u32) -> Option<u64> {
     Some(next()? + next()?)
 }
 
-/// Waits, 1 ms at a time, until `ready` gives something; `None` after so many milliseconds.
+/// Polls every 1 ms until `ready` returns a value; `None` after this many milliseconds.
 pub(crate) fn wait_for<T>(milliseconds: u32, mut ready: impl FnMut() -> Option<T>) -> Option<T> {
     for _ in 0..milliseconds {
         if let Some(value) = ready() {
@@ -188,8 +189,8 @@ pub(crate) fn signal(pid: u32, signal: rustix::process::Signal) {
     let _gone = rustix::process::kill_process(pid, signal);
 }
 
-/// Waits until a started run has so many workers, and each of them has worked; `None` if it was
-/// done before. It may then wait for somebody to read its output: use `wait_with_output`.
+/// Waits until a started run has this many workers, and each of them has worked; `None` if it ended
+/// before. It may then wait for somebody to read its output: use `wait_with_output`.
 pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>> {
     let pid = run.id();
     let mut most = 0;
@@ -213,15 +214,15 @@ pub(crate) fn shipped(name: &str) -> PathBuf {
     folder.join(name).canonicalize().unwrap()
 }
 
-/// A file of others that may lie beside this checkout. Tests that need it are ignored, and lie in
-/// modules named `shared_data`: `cargo x check` runs them where it is there.
+/// A third-party file that may exist beside this checkout. Tests that need it are ignored, and are
+/// in modules named `shared_data`: `cargo x check` runs them if it exists.
 pub(crate) fn shared(below: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(below);
     path.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Says that something is left out for want of a tool. Past the test runner, which keeps to itself
-/// what a test prints that passes; `cargo x check` shows the line.
+/// Reports that something is skipped because a tool is missing. Bypasses the test runner, which
+/// hides the output of passing tests; `cargo x check` shows the line.
 pub(crate) fn skipped(what: &str) {
     let _gone = writeln!(std::io::stderr(), "SKIPPED: {what}");
 }
@@ -230,7 +231,7 @@ pub(crate) fn skipped(what: &str) {
 pub(crate) type Found = [(u64, u64); 3];
 
 /// Every pair of triangles, tested one by one: no tree, no job, no process. The hashes are over the
-/// ids that stand beside the triangles.
+/// ids of the triangles.
 pub(crate) fn brute_force(
     (a, ids_a): (&[Corners], &[u32]),
     (b, ids_b): (&[Corners], &[u32]),
@@ -258,7 +259,7 @@ pub(crate) fn brute_force(
     found
 }
 
-/// Compares a pose of an answer with what brute force found there.
+/// Compares a pose of an answer with brute force.
 pub(crate) fn assert_found(pose: &serde_json::Value, found: &Found, place: &str) {
     for (side, count, hash) in [(0, "hits_a", "hash_a"), (1, "hits_b", "hash_b")] {
         assert_eq!(pose[count], found[side].0, "{place}: {count}");

@@ -1,4 +1,4 @@
-//! A running service of a test's own, and what it leaves behind.
+//! A running service for one test, and checks of what it leaves behind.
 
 use super::{Place, instance, left_in_shm, signal, text, trolley, wait_for};
 use rustix::process::Signal;
@@ -57,9 +57,9 @@ impl Serving {
             .unwrap()
     }
 
-    /// Ends it as systemd would, and checks what it left; returns what it said.
+    /// Ends it as systemd would, and checks what it left; returns its output.
     pub(crate) fn end(mut self) -> String {
-        // One that was reaped has no process id any more.
+        // A reaped process has no id any more.
         if self.child.try_wait().unwrap().is_none() {
             signal(self.child.id(), Signal::TERM);
         }
@@ -73,9 +73,9 @@ impl Serving {
 }
 
 impl Drop for Serving {
-    /// Of a test that failed. Killed at once, a service would leave its names in /dev/shm.
+    /// After a failed test. A service killed at once would leave its files in /dev/shm.
     fn drop(&mut self) {
-        // One that was reaped has no process id any more.
+        // A reaped process has no id any more.
         if matches!(self.child.try_wait(), Ok(None)) {
             signal(self.child.id(), Signal::TERM);
             // The test may have stopped it.
@@ -98,7 +98,7 @@ pub(crate) fn left_behind(instance: &str) -> Vec<String> {
     names.filter(is_public).chain(left_in_shm(instance)).collect()
 }
 
-/// A deployment with these shapes and triangles, ids from 1, and a place for it.
+/// A deployment with these shapes and triangles, ids from 1, in its own folder.
 pub(crate) fn deployment(place: &Place, workers: u32, bodies: &[(&str, u32, u32)]) -> PathBuf {
     let mut file = format!(
         "schema = \"trolley.deployment/1\"\ninstance = \"test\"\n[engine]\nworkers = {workers}\n\

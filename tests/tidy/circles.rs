@@ -1,4 +1,4 @@
-//! Which file of a crate names which other, and whether some name each other in a circle.
+//! Which file of a crate refers to which other, and whether the references are circular.
 
 use crate::code::{braces, in_word};
 use crate::pure::outside_tests_of;

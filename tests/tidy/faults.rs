@@ -1,5 +1,5 @@
-//! Orders to misbehave and deliberate flaws: what names them stands behind a feature; what turns
-//! that feature on.
+//! Fault orders and deliberate flaws: code that refers to them is behind a feature, and only one
+//! crate enables it.
 
 use crate::code::{braces, code, words};
 use crate::pure::left_of;
@@ -20,10 +20,10 @@ const MARKS: [&str; 4] = [
     "#[cfg(feature = \"lab\")]",
     "#[cfg(test)]",
 ];
-/// Whatever has a name with one of these in it is there for faults.
-const STEMS: [&str; 5] = ["misdeed", "misbehav", "corrupt", "flaw", "obey"];
+/// Names that contain one of these exist for faults.
+const STEMS: [&str; 6] = ["injectedfault", "faultcommand", "misbehav", "corrupt", "flaw", "obey"];
 /// Words that every build has, so that all have the same layouts.
-const RESERVED: [&str; 1] = ["obeyed_ns"];
+const RESERVED: [&str; 2] = ["obeyed_ns", "Corrupt"];
 
 /// The packages that have the feature.
 pub(crate) fn with_feature(packages: &[Package]) -> Vec<&Package> {

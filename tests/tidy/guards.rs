@@ -1,4 +1,4 @@
-//! Guards of the guards: the checks see what they are there to see, and nothing else.
+//! Tests of the checks: they detect what they should, and nothing else.
 
 use super::*;
 use crate::code::outside_tests;
@@ -52,18 +52,18 @@ fn impurities_are_seen_however_they_are_imported() {
 
 #[test]
 fn circles_of_files_are_seen_however_they_are_named() {
-    let of = |modules: &[(&str, &str)]| {
+    let circles_of = |modules: &[(&str, &str)]| {
         let modules = modules.iter().map(|(name, code)| ((*name).to_owned(), (*code).to_owned()));
         circles::circles(circles::names_in(&modules.collect())).into_iter().collect::<Vec<_>>()
     };
     let root = ("", "mod a; mod b; mod my;");
     let [a, b] = [("a", "use crate::{my, b::{X, Y}};"), ("b", "use crate::my::Z; mod c;")];
     let my = ("my", "fn crates() { mod_b; super_a::f() }");
-    assert_eq!(of(&[root, a, b, my, ("b::c", "use crate::my;")]), [""; 0]);
-    assert_eq!(of(&[root, a, b, my, ("b::c", "use super::X;")]), ["b", "b::c"]);
-    assert_eq!(of(&[root, a, b, my, ("b::c", "super::super::a::f()")]), ["a", "b", "b::c"]);
-    assert_eq!(of(&[root, a, b, ("my", "(crate::a::F)")]), ["a", "b", "my"]);
-    assert_eq!(of(&[root, a, b, ("my", "(crate::MAIN)")]), ["", "a", "b", "my"]);
+    assert_eq!(circles_of(&[root, a, b, my, ("b::c", "use crate::my;")]), [""; 0]);
+    assert_eq!(circles_of(&[root, a, b, my, ("b::c", "use super::X;")]), ["b", "b::c"]);
+    assert_eq!(circles_of(&[root, a, b, my, ("b::c", "super::super::a::f()")]), ["a", "b", "b::c"]);
+    assert_eq!(circles_of(&[root, a, b, ("my", "(crate::a::F)")]), ["a", "b", "my"]);
+    assert_eq!(circles_of(&[root, a, b, ("my", "(crate::MAIN)")]), ["", "a", "b", "my"]);
 }
 
 #[test]

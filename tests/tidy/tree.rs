@@ -1,4 +1,4 @@
-//! What lies where: source files, crates, and what their manifests name. Reads, never writes.
+//! The source tree: files, crates, and the dependencies in their manifests. Read-only.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,9 +12,9 @@ pub(crate) fn root() -> PathBuf {
 
 /// A file of text.
 pub(crate) struct Text {
-    /// Where it lies, from the root.
+    /// Its path from the root.
     pub(crate) path: String,
-    /// What it says.
+    /// Its content.
     pub(crate) text: String,
 }
 
@@ -112,7 +112,7 @@ impl Package {
         self.uses_as(&["dependencies", "dev-dependencies", "build-dependencies"])
     }
 
-    /// The same of some tables alone: its program, its tests, its build.
+    /// The dependencies in some tables only: of its program, its tests, its build.
     pub(crate) fn uses_as(&self, kinds: &[&str]) -> Vec<(String, usize)> {
         let everywhere = workspace_dependencies();
         let for_targets = self.table.get("target").and_then(Value::as_table);

@@ -164,7 +164,7 @@ def main() -> int:
                 break
         time.sleep(0.0001)
     else:
-        print("refused: no answer came in time", file=sys.stderr)
+        print("refused: no answer arrived in time", file=sys.stderr)
         return 4
     print(VERDICTS[answer.verdict], answer.text.decode(), file=sys.stderr)
     for number in range(answer.place_count):

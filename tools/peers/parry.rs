@@ -110,9 +110,9 @@ fn options() -> Result<Options> {
 }
 
 fn read_stl(path: &Path) -> Result<Vec<Corners>> {
-    /// Before the triangles: a text nobody reads, and their number.
+    /// Header: an ignored text, and the number of triangles.
     const HEADER: usize = 80 + 4;
-    /// A normal nobody reads, three corners, two spare bytes.
+    /// An ignored normal, three corners, two spare bytes.
     const RECORD: usize = 50;
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
     let records = bytes.get(HEADER..).unwrap_or_default().chunks_exact(RECORD);

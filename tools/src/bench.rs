@@ -1,7 +1,7 @@
 //! `cargo x bench`: criterion's benchmarks of the kernels, with criterion's own report.
 //!
-//! For a person who changes a kernel and watches one machine. What may gate a change is
-//! `cargo x count`; what says how we stand is `cargo x compare`.
+//! For kernel development on one machine. `cargo x count` gates changes; `cargo x compare` compares
+//! with other libraries.
 
 use crate::step::cargo;
 use anyhow::{Context as _, Result};

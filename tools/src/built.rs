@@ -1,4 +1,4 @@
-//! Programs that we have built, commands that we run, files that we write.
+//! Builds programs, runs commands, writes files.
 
 use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
@@ -7,12 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Where the workspace lies, and what is made from it.
+/// Folders of the workspace and of its build.
 #[derive(Debug)]
 pub(crate) struct Workspace {
     /// Its root.
     pub(crate) root: PathBuf,
-    /// Where cargo puts what it makes.
+    /// Cargo's target folder.
     pub(crate) target: PathBuf,
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn executable(command: &mut Command) -> Result<PathBuf> {
     made.next_back().with_context(|| format!("{command:?} made no program"))
 }
 
-/// What a command writes, if it succeeds; what it has to complain about goes to the terminal.
+/// Output of a command, if it succeeds; its stderr goes to the terminal.
 pub(crate) fn output(command: &mut Command) -> Result<String> {
     let done = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
     let done = done.with_context(|| format!("cannot start {command:?}"))?;
@@ -45,7 +45,7 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
     Ok(String::from_utf8(done.stdout)?)
 }
 
-/// Writes a file, making its folder if there is none.
+/// Writes a file, creating its folder if missing.
 pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
     let folder = path.parent().context("a file without a folder")?;
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;

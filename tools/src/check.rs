@@ -1,4 +1,4 @@
-//! `cargo x check`: the steps that a change must pass, the quickest to fail first.
+//! `cargo x check`: the steps that a change must pass, fastest first.
 
 use crate::step::Step;
 use anyhow::Result;
@@ -50,7 +50,7 @@ pub(crate) const STEPS: &[Step] = &[
     },
 ];
 
-/// Files of others, beside the checkout.
+/// Third-party files beside the checkout.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
 
 /// The tests that need [`DATA`]: they are ignored, and lie in modules of this name.
@@ -71,7 +71,7 @@ pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitC
     }
     if data.is_none() {
         let left_out =
-            "LEFT OUT: there is no ../shared/data; see the tests that are ignored for it";
+            "LEFT OUT: ../shared/data does not exist; see the tests that are ignored for it";
         writeln!(out, "{:<7} {left_out}", WITH_DATA.name)?;
     }
     Ok(ExitCode::SUCCESS)

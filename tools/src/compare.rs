@@ -1,4 +1,4 @@
-//! `cargo x compare`: our kernel beside other libraries, on the same cases, in one run.
+//! `cargo x compare`: the kernel compared with other libraries, on the same cases, in one run.
 //!
 //! ```text
 //! cases (made from scenes, or given) ─┐
@@ -6,9 +6,9 @@
 //! rows: ours with options, peers     ─┘        the exact answer, once per case          ─▶ page
 //! ```
 //!
-//! Rows take turns within a round, so that what disturbs the machine disturbs all of them; what
-//! counts is the median over the rounds, and ratios more than times. A driver reads its case,
-//! builds its trees, repeats the query and prints one line of JSON; no time includes reading.
+//! Rows take turns within a round, so that what disturbs the machine disturbs all of them; the
+//! median over the rounds counts, and ratios more than times. A driver reads its case, builds its
+//! trees, repeats the query and prints one line of JSON; no time includes reading.
 
 mod cases;
 mod log;
@@ -39,14 +39,14 @@ pub(crate) struct Options {
     /// Only cases whose names contain this.
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// How often every row takes its turn on every case.
+    /// Number of rounds: each runs every row on every case.
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
-    /// The core that everything but the runs on two threads is pinned to.
+    /// The core for all runs but those on two threads.
     #[arg(long, value_name = "N", default_value_t = 0)]
     core: usize,
-    /// Which peers, of embree, parry, fcl; the exact oracle is asked whenever it is there.
+    /// Which peers, of embree, parry, fcl; the exact oracle runs whenever it is installed.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     peers: Option<Vec<String>>,
     /// Measure with cold caches too: 64 MiB are written between two queries.
@@ -80,7 +80,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         for case in &cases {
             tell(format_args!("round {round} of {}: {}", options.rounds, case.name))?;
             for row in &rows {
-                // What failed once would fail again.
+                // A row that failed once would fail again.
                 if faults.contains_key(&row.key()) {
                     continue;
                 }
@@ -147,7 +147,7 @@ fn peers(
     if let Some(unknown) =
         options.peers.iter().flatten().find(|name| !peers::NAMES.contains(&name.as_str()))
     {
-        bail!("no peer is called {unknown}: there are {}", peers::NAMES.join(", "));
+        bail!("unknown peer {unknown}: expected one of {}", peers::NAMES.join(", "));
     }
     for name in peers::NAMES.iter().filter(|name| wanted(name)) {
         tell(format_args!("compiling the driver for {name}"))?;

@@ -1,11 +1,11 @@
 //! `cargo x count`: instructions per kernel, counted by callgrind and held against a record.
 //!
 //! Times on a shared machine cannot gate a change; instruction counts can: they are the same on
-//! every run. They say nothing of caches and mispredicted branches, so they are a gate against
-//! accidents, not a measure of speed. Callgrind has AVX2 at most.
+//! every run. They ignore caches and branch misprediction, so they guard against accidents and do
+//! not measure speed. Callgrind supports at most AVX2.
 //!
 //! The workloads are those of the bench target `counted` of `bvh`, one program: without arguments
-//! it lists their names, with a name it runs that one, inside of [`COUNTED`].
+//! it lists their names, with a name it runs that workload, inside [`COUNTED`].
 
 mod record;
 #[cfg(test)]
@@ -21,7 +21,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
-/// Where the record lies, from the root.
+/// Path of the record, from the root.
 const RECORD: &str = "tools/results/instructions.tsv";
 /// Instructions are counted between entry and return of this function.
 const COUNTED: &str = "counted::measured*";
@@ -32,7 +32,7 @@ const TOLERANCE: f64 = 0.03;
 pub(crate) fn run(record: bool) -> Result<ExitCode> {
     let mut out = io::stdout().lock();
     if !is_there("valgrind") {
-        writeln!(out, "count   SKIPPED, nothing was compared: there is no valgrind.")?;
+        writeln!(out, "count   SKIPPED, nothing was compared: valgrind is not installed.")?;
         writeln!(out, "        apt-get install valgrind, then run this again.")?;
         return if record { bail!("nothing to record") } else { Ok(ExitCode::SUCCESS) };
     }
@@ -82,11 +82,11 @@ pub(crate) fn run(record: bool) -> Result<ExitCode> {
         writeln!(out, "note: recorded with another compiler than this, {rustc}")?;
     }
     for gone in known.0.iter().filter(|entry| counted.instructions(&entry.benchmark).is_none()) {
-        writeln!(out, "note: {} is recorded and there no more", gone.benchmark)?;
+        writeln!(out, "note: {} is recorded but no longer exists", gone.benchmark)?;
     }
     if worse > 0 {
         writeln!(out, "{worse} are new or need more than {:.0} % more", 100.0 * TOLERANCE)?;
-        writeln!(out, "if that is as it should be: cargo x count --record, and say why")?;
+        writeln!(out, "if that is intended: cargo x count --record, and say why")?;
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)
@@ -113,7 +113,7 @@ fn instructions(program: &Path, name: &str, scratch: &Path) -> Result<u64> {
     }
     let figures = fs::read_to_string(scratch).context("the figures of callgrind")?;
     match total(&figures) {
-        Some(0) | None => bail!("{name}: callgrind counted nothing inside of {COUNTED}"),
+        Some(0) | None => bail!("{name}: callgrind counted nothing inside {COUNTED}"),
         Some(count) => Ok(count),
     }
 }

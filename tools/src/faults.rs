@@ -1,4 +1,4 @@
-//! `cargo x soak`, `model`, `corrupt` and `fuzz`: the long runs of what the tests run briefly.
+//! `cargo x soak`, `model`, `corrupt` and `fuzz`: long versions of short tests.
 
 use crate::built::{Workspace, executable};
 use crate::step::cargo;
@@ -17,7 +17,7 @@ const COVERAGE: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-l
 /// How to fuzz.
 #[derive(Debug, Args)]
 pub(crate) struct FuzzOptions {
-    /// Which targets; all if none is named.
+    /// Targets to fuzz; empty: all.
     targets: Vec<String>,
     /// For how much CPU time each (s).
     #[arg(long, value_name = "S", default_value_t = 600)]
@@ -61,7 +61,7 @@ pub(crate) fn fuzz(options: &FuzzOptions) -> Result<ExitCode> {
     let corpora = workspace.root.join("tools/fuzz/corpus");
     let targets = names(&corpora)?;
     if let Some(name) = options.targets.iter().find(|name| !targets.contains(name)) {
-        bail!("there is no target {name}: there are {}", targets.join(", "));
+        bail!("unknown target {name}: expected one of {}", targets.join(", "));
     }
     let home = workspace.target.join("fuzz");
     // A target named, even if it is this machine's: else build scripts would be compiled with the

@@ -1,8 +1,8 @@
 //! `cargo x gallery`: stills of the demo's crashes and of crashes between real bodies, and the page
 //! that shows them.
 //!
-//! Everything is ranked, recorded and drawn by the program itself. The real bodies are other
-//! people's: they are read where they lie, and nothing of them is kept but pictures.
+//! Everything is ranked, recorded and drawn by the program itself. The real bodies are third-party:
+//! they are read in place, and only pictures of them are kept.
 
 use crate::built::{self, Workspace, write};
 use crate::step::cargo;

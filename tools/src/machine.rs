@@ -1,4 +1,4 @@
-//! What a measurement was made on: processor, caches, kernel, compilers, commit.
+//! The machine of a measurement: processor, caches, kernel, compilers, commit.
 //!
 //! Dates are those of commits; nothing here reads a clock.
 
@@ -35,7 +35,7 @@ pub(crate) fn rustc() -> Result<String> {
 pub(crate) fn commit(root: &Path) -> Result<String> {
     let head = git(root, &["rev-parse", "--short=10", "HEAD"])?;
     let changed = git(root, &["status", "--porcelain", "--", "crates", "tools", "Cargo.*"])?;
-    // What was measured is no part of what it was measured on.
+    // The results themselves do not count as changes.
     let changed = changed.lines().any(|line| !line.contains("tools/results/"));
     Ok(head + if changed { "+" } else { "" })
 }

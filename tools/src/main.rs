@@ -1,7 +1,6 @@
-//! `cargo x`: one door for the tasks of this workspace.
+//! `cargo x`: the tasks of this workspace.
 //!
-//! Each task starts cargo or what cargo has built. This program takes no part in the product:
-//! nothing that ships depends on it.
+//! Each task starts cargo or what cargo has built. Nothing that ships depends on this program.
 
 mod bench;
 mod built;
@@ -37,55 +36,55 @@ enum Task {
         #[arg(long)]
         quick: bool,
     },
-    /// Compare the triangle test with exact rational arithmetic, on as many pairs as there is time.
+    /// Compare the triangle test with exact rational arithmetic, on any number of pairs.
     ///
     /// Equal seeds give equal pairs. A million pairs take one core about two and a half minutes.
     Oracle {
-        /// How many pairs of triangles; `cargo x check` includes 20,000.
+        /// Number of pairs of triangles; `cargo x check` includes 20,000.
         #[arg(long, value_name = "N", default_value_t = 1_000_000)]
         pairs: u64,
-        /// Which pairs.
+        /// Seed of the pairs.
         #[arg(long, value_name = "S", default_value_t = 1)]
         seed: u64,
     },
     /// Time the kernels with criterion: triangle tests, queries, tree builds.
     Bench {
-        /// Shorter runs, wider margins.
+        /// Use shorter runs, with wider margins.
         #[arg(long)]
         quick: bool,
-        /// Only benchmarks whose names contain this.
+        /// Run only benchmarks whose names contain this.
         filter: Option<String>,
     },
     /// Count the kernels' instructions with valgrind and compare them with the record.
     ///
-    /// More than 3 % more of them fail. The record is tools/results/instructions.tsv.
+    /// Fails if a count is more than 3 % higher. The record is tools/results/instructions.tsv.
     Count {
         /// Write the record instead.
         #[arg(long)]
         record: bool,
     },
-    /// Measure our kernel beside other libraries, in one interleaved run on one core.
+    /// Compare the kernel with other libraries, in one interleaved run on one core.
     ///
     /// The peers are C++ drivers that are compiled here if the Debian packages are installed
     /// (libembree-dev, libfcl-dev libeigen3-dev; for the exact oracle libcgal-dev libgmp-dev
-    /// libmpfr-dev), and parry3d. Fails if an answer of ours is wrong.
+    /// libmpfr-dev), and parry3d. Fails if an answer of Trolley is wrong.
     Compare(compare::Options),
-    /// A million requests among simulated faults; stops at the first law that is broken.
+    /// Simulate a million requests with faults; stops at the first violated invariant.
     Soak {
-        /// How many worlds, of four requests each.
+        /// Number of worlds, of four requests each.
         #[arg(long, value_name = "N", default_value_t = 250_000)]
         worlds: u64,
-        /// The first one.
+        /// Seed of the first world.
         #[arg(long, value_name = "N", default_value_t = 0)]
         from: u64,
     },
-    /// All states of small worlds of the job protocol, and the mistakes that must be caught.
+    /// Explore all states of small worlds of the job protocol, and flaws that must be caught.
     Model,
-    /// Ten million corrupted messages, none of which may be accepted.
+    /// Try ten million corrupted messages, none of which may be accepted.
     Corrupt,
     /// Fuzz parsers and decoders with libFuzzer, guided by coverage.
     Fuzz(faults::FuzzOptions),
-    /// Rank alternatives from recorded traffic with real bodies, beside boxes and a formula.
+    /// Rank alternatives from recorded traffic with real bodies; compare with boxes and a formula.
     ///
     /// Needs the data, which is not part of this project; writes a page and pictures.
     Scenarios(scenarios::Options),

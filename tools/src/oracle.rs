@@ -1,4 +1,4 @@
-//! `cargo x oracle`: the campaign of `crates/geometry/tests/oracle`, optimised, as long as asked.
+//! `cargo x oracle`: the campaign of `crates/geometry/tests/oracle`, optimised, of any length.
 
 use crate::step::cargo;
 use anyhow::{Context as _, Result};

@@ -1,12 +1,12 @@
-//! `cargo x scenarios`: alternatives derived from recorded traffic, ranked with real bodies, beside
-//! what overlapping boxes and a published harm formula say.
+//! `cargo x scenarios`: alternatives derived from recorded traffic, ranked with real bodies, and
+//! compared with overlapping boxes and a published harm formula.
 //!
 //! ```text
 //! derived_alternatives.json ─ cases ─▶ scenario files ─ trolley rank ─▶ answers ─┐
 //! models ─ bodies: imported, scaled to the stated size ─▲     boxes, formula ───┴─▶ page, pictures
 //! ```
 //!
-//! The data is other people's: it is read where it lies, and nothing of it is kept but figures.
+//! The data is third-party: it is read in place, and only figures from it are kept.
 
 mod bodies;
 mod cases;
@@ -40,7 +40,7 @@ pub(crate) struct Options {
 #[derive(Debug)]
 pub(crate) struct Ranked {
     pub(crate) scene: Scene,
-    /// What is said without any assumption, if it is a refusal.
+    /// The refusal without any assumption, if there is one.
     pub(crate) refusal: Option<String>,
     /// The JSON document of `trolley rank --json --explain`.
     pub(crate) document: Value,

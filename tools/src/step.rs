@@ -1,7 +1,7 @@
-//! One run of cargo: a line with its time if all is well, everything it said if not.
+//! One run of cargo: prints a line with its time on success, its whole output on failure.
 //!
-//! The closing lines of test runners are always shown, as they come: they say how much was tested.
-//! So is what a test skips for want of a tool.
+//! The summary lines of test runners are always shown, and so are tests skipped because a tool is
+//! missing.
 
 #[cfg(test)]
 mod tests;
@@ -15,15 +15,15 @@ use std::time::Instant;
 /// What to run.
 #[derive(Debug)]
 pub(crate) struct Step {
-    /// What people call it.
+    /// Its name in the output.
     pub(crate) name: &'static str,
     /// Arguments of cargo.
     pub(crate) args: &'static [&'static str],
-    /// What it finds in its environment, beside ours.
+    /// Additional environment variables.
     pub(crate) env: &'static [(&'static str, &'static str)],
 }
 
-/// How it went.
+/// The outcome.
 #[derive(Debug)]
 pub(crate) struct Outcome(ExitStatus);
 

@@ -1,4 +1,4 @@
-//! What a body is made of: a mesh in source order, and a body in leaf order with its tree.
+//! The data of a body: a mesh in source order, and a body in leaf order with its tree.
 
 use crate::meta::Meta;
 use crate::wide::{Wide, WideNode};
@@ -12,25 +12,25 @@ use geometry::{Aabb, Corners};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Node {
-    /// Exact box of all triangles below, body frame.
+    /// Exact bounding box of all triangles below, body frame.
     pub bounds: Aabb,
     /// Leaf: number of its first triangle. Interior: number of its right child.
     pub link: u32,
-    /// Leaf: how many triangles, at least 1. Interior: 0.
+    /// Leaf: number of triangles, at least 1. Interior: 0.
     pub count: u32,
 }
 
 const _: () = assert!(size_of::<Node>() == 32);
 
 impl Node {
-    /// Whether this node holds triangles itself.
+    /// Whether this node is a leaf.
     #[must_use]
     pub fn is_leaf(&self) -> bool {
         self.count > 0
     }
 }
 
-/// Zones of a body that a triangle belongs to: a set of bits.
+/// The zones of a body to which a triangle belongs, as a bit set.
 ///
 /// Bits 0 to 6: front, middle, rear third; left, right side; upper, lower half. Bits 8 to 15:
 /// beside the seat whose [`crate::Seat`] number is the bit minus 8.
@@ -41,7 +41,7 @@ pub struct Zones(pub u16);
 /// A triangulated body in source order, before it has a tree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Triangles, metres, x forward, y left, z up; every coordinate finite.
+    /// Triangles, metres, x forward, y left, z up; every coordinate is finite.
     pub corners: Vec<Corners>,
     /// Per triangle: its number in the source file after triangulation.
     pub source_ids: Vec<u32>,
@@ -49,14 +49,15 @@ pub struct Mesh {
     pub part_of: Vec<u16>,
     /// Names of parts, groups or materials.
     pub parts: Vec<String>,
-    /// Duplicates left out, as (source id dropped, source id kept), ascending.
+    /// Duplicates that were dropped, as (source id dropped, source id kept), ascending.
     pub dropped: Vec<(u32, u32)>,
-    /// How many triangles have zero area. They are kept: they are the segment or point they are.
+    /// Number of triangles with zero area. They are kept, and treated as the segment or point they
+    /// are.
     pub degenerate: u32,
 }
 
 impl Mesh {
-    /// The box of all triangles; empty if there are none.
+    /// The bounding box of all triangles; empty if there are none.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.corners.iter().fold(Aabb::EMPTY, |sum, corners| sum.union(&Aabb::of(corners)))
@@ -70,7 +71,7 @@ impl Mesh {
     }
 }
 
-/// Whether a triangle has no area: two edges are parallel or zero.
+/// Whether a triangle has zero area: two edges are parallel or zero.
 ///
 /// Exact where the coordinates of a triangle differ in magnitude by less than 2^28, as differences
 /// and products of f32 are then exact in f64.
@@ -84,14 +85,14 @@ pub fn is_degenerate(corners: &Corners) -> bool {
     })
 }
 
-/// A body with its tree: owned. All arrays below are in leaf order.
+/// A body with its tree, owned. All arrays are in leaf order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// What is known of it beside its triangles.
+    /// The metadata.
     pub meta: Meta,
     /// The tree, preorder; the root is node 0.
     pub nodes: Vec<Node>,
-    /// The same tree, eight boxes at a time.
+    /// The same tree as wide nodes of eight boxes.
     pub wide: Wide,
     /// Triangles in leaf order.
     pub corners: Vec<Corners>,
@@ -101,20 +102,20 @@ pub struct Body {
     pub part_of: Vec<u16>,
     /// Per triangle: zones.
     pub zones: Vec<Zones>,
-    /// Duplicates left out on import, as (source id dropped, source id kept).
+    /// Duplicates dropped on import, as (source id dropped, source id kept).
     pub dropped: Vec<[u32; 2]>,
 }
 
-/// A body as it lies in a model file or in the sealed model store: borrowed, nothing copied.
+/// A body in a model file or in the sealed model store: borrowed, nothing copied.
 ///
-/// Where there are triangles and nothing else, `part_of` and `dropped` are empty, and all zones 0.
+/// For plain triangles, `part_of` and `dropped` are empty, and all zones are 0.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyView<'a> {
     /// The tree, preorder; the root is node 0.
     pub nodes: &'a [Node],
-    /// The same tree, eight boxes at a time; the first stands for the root.
+    /// The same tree as wide nodes of eight boxes; the first corresponds to the root.
     pub wide: &'a [WideNode],
-    /// Per node of the tree: the wide node in which it is ([`Wide::of`]).
+    /// Per node of the tree: the wide node that contains it ([`Wide::of`]).
     pub wide_of: &'a [u32],
     /// Triangles in leaf order.
     pub corners: &'a [Corners],
@@ -124,12 +125,12 @@ pub struct BodyView<'a> {
     pub part_of: &'a [u16],
     /// Per triangle: zones.
     pub zones: &'a [Zones],
-    /// Duplicates left out on import, as (source id dropped, source id kept).
+    /// Duplicates dropped on import, as (source id dropped, source id kept).
     pub dropped: &'a [[u32; 2]],
 }
 
 impl Body {
-    /// The same body, borrowed.
+    /// Borrows the body.
     #[must_use]
     pub fn view(&self) -> BodyView<'_> {
         BodyView {
@@ -152,7 +153,7 @@ impl<'a> From<&'a Body> for BodyView<'a> {
 }
 
 impl BodyView<'_> {
-    /// The box of the whole body, body frame.
+    /// The bounding box of the whole body, body frame.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds)
@@ -161,13 +162,14 @@ impl BodyView<'_> {
 
 #[cfg(test)]
 mod tests {
-    //! What has no area is found exactly.
+    //! Zero area is detected exactly.
 
     use super::*;
     use proptest::prelude::*;
 
     proptest! {
-        /// Three points on a line with whole steps have no area; move one off it and they have.
+        /// Three points on a line with integer steps have zero area; with one moved off it, they do
+        /// not.
         #[test]
         fn area_is_zero_exactly_on_a_line(
             start in prop::array::uniform3(-1000_i32..1000),
@@ -175,10 +177,11 @@ mod tests {
             (m, n) in (-50_i32..50, -50_i32..50),
             axis in 0_usize..3,
         ) {
-            let at = |times: i32| [0, 1, 2].map(|i| (start[i] + times * step[i]) as f32 / 64.0);
-            let mut corners = [at(0), at(m), at(n)];
+            let point_at =
+                |times: i32| [0, 1, 2].map(|i| (start[i] + times * step[i]) as f32 / 64.0);
+            let mut corners = [point_at(0), point_at(m), point_at(n)];
             prop_assert!(is_degenerate(&corners));
-            // Next to zero is so near to it that the test is not exact any more.
+            // The neighbour of zero is so close to it that the test is no longer exact.
             prop_assume!(corners[2][axis] != 0.0);
             corners[2][axis] = f32::from_bits(corners[2][axis].to_bits() + 1);
             let along = step[(axis + 1) % 3] == 0 && step[(axis + 2) % 3] == 0;

@@ -1,14 +1,14 @@
-//! The binary form of headers and records. The only place that names bincode.
+//! The binary encoding of headers and records. The only place that uses bincode.
 //!
-//! The form is fixed-width and little-endian, and [`ENCODED_MAX`] bounds both directions. bincode
-//! is unmaintained; the way out is another crate in these two function bodies and a new version
-//! number in [`crate::file`]. `codec/tests.rs` pins the bytes, so that no update changes them
-//! unseen. Bulk arrays never pass through here: they are plain data, cast by bytemuck.
+//! The encoding is fixed-width and little-endian, and [`ENCODED_MAX`] bounds both directions.
+//! bincode is unmaintained; it can be replaced by changing these two function bodies and the
+//! version number in [`crate::file`]. `codec/tests.rs` pins the bytes, so that no update changes
+//! them unnoticed. Bulk arrays never pass through here: they are plain data, cast by bytemuck.
 
 use bincode::config::{Configuration, Fixint, Limit, LittleEndian};
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Greatest length of an encoded value, in bytes: room for the names of 65,536 parts.
+/// Maximum length of an encoded value, in bytes: enough for the names of 65,536 parts.
 pub const ENCODED_MAX: usize = 8 << 20;
 
 const FORM: Configuration<LittleEndian, Fixint, Limit<ENCODED_MAX>> =
@@ -17,10 +17,10 @@ const FORM: Configuration<LittleEndian, Fixint, Limit<ENCODED_MAX>> =
 /// A value could not be encoded, or bytes are not the encoding of one.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CodecError {
-    /// The value is too large: shorten its names.
+    /// The value is too long: shorten its names.
     #[error("encoded length {0} is above {ENCODED_MAX} bytes")]
     TooLong(usize),
-    /// The value cannot be written in this form.
+    /// The value cannot be encoded.
     #[error("value cannot be encoded: {0}")]
     Encode(String),
     /// The bytes are damaged or of another version.
@@ -29,9 +29,9 @@ pub enum CodecError {
     /// The bytes hold more than one value: damaged or of another version.
     #[error("decoding used {used} of {given} bytes")]
     Trailing {
-        /// Bytes that the value took.
+        /// Number of bytes used by the value.
         used: usize,
-        /// Bytes that were given.
+        /// Number of bytes given.
         given: usize,
     },
 }
@@ -40,11 +40,11 @@ pub enum CodecError {
 ///
 /// # Errors
 ///
-/// If the encoding is longer than [`ENCODED_MAX`] or the type cannot be encoded.
+/// The encoding is longer than [`ENCODED_MAX`], or the type cannot be encoded.
 pub fn encode<T: Serialize>(value: &T) -> Result<Vec<u8>, CodecError> {
     let bytes = bincode::serde::encode_to_vec(value, FORM)
         .map_err(|fault| CodecError::Encode(fault.to_string()))?;
-    // The limit of the form guards decoding only.
+    // The configured limit applies to decoding only.
     if bytes.len() > ENCODED_MAX { Err(CodecError::TooLong(bytes.len())) } else { Ok(bytes) }
 }
 
@@ -52,7 +52,7 @@ pub fn encode<T: Serialize>(value: &T) -> Result<Vec<u8>, CodecError> {
 ///
 /// # Errors
 ///
-/// If the bytes are no such value, too many, too few, or claim more than [`ENCODED_MAX`].
+/// The bytes are not such a value, too many, too few, or claim more than [`ENCODED_MAX`].
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
     let (value, used) = bincode::serde::decode_from_slice(bytes, FORM)
         .map_err(|fault| CodecError::Decode(fault.to_string()))?;

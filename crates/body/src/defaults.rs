@@ -1,9 +1,10 @@
-//! Mass, centre of mass and yaw gyration of a body that nobody stated, each with its source.
+//! Default mass, centre of mass and yaw gyration of a body, each with its source.
 //!
 //! Sources: the mass of cars is the regression that the ethical trajectory planner of the Technical
 //! University of Munich uses, −1333.5 + 526.9 (L W)^0.8 kg over length times width, which it states
 //! for 5 to 14 m²; its table gives the other road users. Yaw gyration 0.28 L: three cars with known
-//! inertia have 0.261, 0.283 and 0.284. The height of the centre of mass is our assumption.
+//! inertia have 0.261, 0.283 and 0.284. The height of the centre of mass is an assumption of this
+//! project.
 
 use crate::{BodyKind, Mesh, Meta};
 use geometry::Aabb;
@@ -11,15 +12,15 @@ use geometry::Aabb;
 /// Yaw radius of gyration over the greatest horizontal extent.
 pub const GYRATION_RATIO: f64 = 0.28;
 
-/// Footprints for which the mass of cars is known `[m²]`.
+/// Range of footprints covered by the mass formula for cars `[m²]`.
 const FOOTPRINT_M2: [f64; 2] = [5.0, 14.0];
 
-/// Who a body is and where its triangles come from.
+/// The identity of a body and the origin of its triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin<'a> {
     /// Name of the body.
     pub name: &'a str,
-    /// What it is.
+    /// Its kind.
     pub kind: BodyKind,
     /// File, unit and axes, or the generator's call.
     pub origin: &'a str,
@@ -27,7 +28,7 @@ pub struct Origin<'a> {
     pub hash: &'a str,
 }
 
-/// Mass, centre and gyration, and where each comes from.
+/// Mass, centre and gyration, with their source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inertia {
     /// Mass `[kg]`; `None` for an object fixed to the ground.
@@ -40,7 +41,7 @@ pub struct Inertia {
     pub mass_source: String,
 }
 
-/// Usual inertia of a body of this kind with this box. The box must not be empty.
+/// Default inertia of a body of this kind with this box. The box must not be empty.
 #[must_use]
 pub fn inertia(kind: BodyKind, bounds: &Aabb) -> Inertia {
     let [length, width, height] =
@@ -51,14 +52,14 @@ pub fn inertia(kind: BodyKind, bounds: &Aabb) -> Inertia {
     Inertia {
         mass_kg,
         centre_m: [middle(0), middle(1), centre_height],
-        // A body without horizontal extent still turns: a millimetre keeps the division finite.
+        // A body without horizontal extent can still turn: a millimetre keeps the division finite.
         gyration_m: (GYRATION_RATIO * length.max(width)).max(0.001),
         mass_source,
     }
 }
 
-/// Height of the centre of mass over the height of the body `[A]`: engines and floors are low, a
-/// standing person's centre is at the navel, a rider sits above the wheels.
+/// Height of the centre of mass relative to the height of the body `[A]`: engines and floors are
+/// low, a standing person's centre is at the navel, a rider sits above the wheels.
 fn centre_height_ratio(kind: BodyKind) -> f64 {
     match kind {
         BodyKind::Sedan | BodyKind::Suv | BodyKind::Truck | BodyKind::Bus => 0.4,
@@ -93,8 +94,7 @@ fn mass(kind: BodyKind, footprint_m2: f64) -> (Option<f64>, String) {
     }
 }
 
-/// Everything that is usually so of a body beside its triangles. Depth, leaf size and build are the
-/// tree's to fill in.
+/// The default metadata of a body. Depth, leaf size and build must be filled in from the tree.
 #[must_use]
 pub fn assemble(origin: Origin<'_>, mesh: &Mesh) -> Meta {
     let usual = inertia(origin.kind, &mesh.bounds());

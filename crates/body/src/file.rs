@@ -1,4 +1,4 @@
-//! The model file: one body with its tree, opened in place.
+//! The model file: one body with its tree, read in place.
 //!
 //! ```text
 //! offset  0  magic      8   "TROLLEY" and a line feed
@@ -13,10 +13,10 @@
 //!                       dropped, each 64-aligned
 //! ```
 //!
-//! All numbers are little-endian. [`view`] checks everything that a later walk relies on, so that a
-//! damaged file can neither panic nor mislead: the hash first, then every link, box and range.
-//! [`quick_view`] skips hash and content for memory that was verified once and is sealed since.
-//! This module opens nothing: the caller maps or reads the file.
+//! All numbers are little-endian. [`view`] checks everything that a later traversal relies on, so
+//! that a damaged file can neither cause a panic nor give wrong results: the hash first, then every
+//! link, box and range. [`quick_view`] skips hash and content for memory that was verified once and
+//! is sealed since. This module does no I/O: the caller maps or reads the file.
 
 mod check;
 
@@ -28,10 +28,10 @@ use std::ops::Range;
 
 pub use check::{COORDINATE_MAX_M, check_body};
 
-/// First eight bytes of every model file.
+/// The first eight bytes of every model file.
 pub const MAGIC: [u8; 8] = *b"TROLLEY\n";
 
-/// Version of the layout and of [`Meta`]. Another version is refused, never guessed at.
+/// Version of the layout and of [`Meta`]. Other versions are rejected.
 pub const VERSION: u32 = 4;
 
 /// Alignment of the arrays and of the file itself, in bytes: one cache line.
@@ -69,11 +69,11 @@ const _: () = {
     assert!(size_of::<Head>() == 64);
     assert!(size_of::<Section>() == 32);
     assert!(META_AT.is_multiple_of(ALIGN));
-    // Arrays are stored as they lie in memory.
+    // Arrays are stored in their memory layout.
     assert!(cfg!(target_endian = "little"));
 };
 
-/// Bytes are not a model file that can be trusted.
+/// The bytes are not a trustworthy model file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FileError {
     /// Not a model file.
@@ -82,15 +82,15 @@ pub enum FileError {
     /// Written by another version.
     #[error("model file of version {0}, this program reads version {VERSION}")]
     Version(u32),
-    /// Shorter or longer than it says.
+    /// The length differs from the stated one.
     #[error("file has {found} bytes, its header says {stated}")]
     Length {
-        /// Bytes that the header states; for a cut header, the least that there must be.
+        /// The stated length in bytes; for a truncated header, the minimum.
         stated: u64,
-        /// Bytes that there are.
+        /// The actual length in bytes.
         found: u64,
     },
-    /// The bytes do not lie at a multiple of [`ALIGN`] in memory.
+    /// The bytes are not aligned to [`ALIGN`].
     #[error("bytes do not lie at a multiple of {ALIGN} in memory")]
     Unaligned,
     /// The content hash does not match.
@@ -99,9 +99,9 @@ pub enum FileError {
     /// The table or the metadata is malformed.
     #[error("{place}: {what}")]
     Malformed {
-        /// Which section or field.
+        /// The section or field.
         place: &'static str,
-        /// What is wrong with it.
+        /// The problem.
         what: String,
     },
 }
@@ -128,16 +128,16 @@ fn malformed(place: &'static str, what: impl Into<String>) -> FileError {
     FileError::Malformed { place, what: what.into() }
 }
 
-/// Bytes in memory that lie at a multiple of [`ALIGN`], for files that are read and not mapped.
+/// A buffer aligned to [`ALIGN`], for files that are read instead of mapped.
 #[derive(Debug, Default)]
 pub struct Aligned {
     room: Vec<u8>,
-    /// Where in `room`, which does not move.
+    /// The range within `room`, whose memory does not move.
     place: Range<usize>,
 }
 
 impl Aligned {
-    /// So many zeros, to be overwritten. Those of a large file are no memory yet: it comes as they
+    /// Creates a buffer of `length` zeros, to be overwritten. Memory is allocated lazily as pages
     /// are written.
     #[must_use]
     pub fn zeroed(len: usize) -> Self {
@@ -146,7 +146,7 @@ impl Aligned {
         Self { room, place: start..start + len }
     }
 
-    /// Copies bytes to where they can be viewed.
+    /// Copies bytes to an aligned buffer.
     #[must_use]
     pub fn copy_of(bytes: &[u8]) -> Self {
         let mut copy = Self::zeroed(bytes.len());
@@ -154,23 +154,23 @@ impl Aligned {
         copy
     }
 
-    /// The bytes, at a multiple of [`ALIGN`].
+    /// The bytes, aligned to [`ALIGN`].
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.room[self.place.clone()]
     }
 
-    /// The same, to be overwritten.
+    /// The bytes, to be overwritten.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         &mut self.room[self.place.clone()]
     }
 }
 
-/// Writes a body as a model file.
+/// Encodes a body as a model file.
 ///
 /// # Errors
 ///
-/// If the body breaks an invariant that [`view`] holds, or its metadata is above
+/// The body violates an invariant that [`view`] checks, or its metadata exceeds
 /// [`codec::ENCODED_MAX`]: such a file could never be read again.
 pub fn encode(body: &Body) -> Result<Vec<u8>, FileError> {
     check_body(&body.meta, &body.view())?;
@@ -219,13 +219,13 @@ pub fn encode(body: &Body) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// Opens a model file in place and checks all of it: time in proportion to its length.
+/// Opens a model file in place and checks all of it, in time proportional to its length.
 ///
-/// `bytes` must lie at a multiple of [`ALIGN`], as mapped files do; see [`Aligned`].
+/// `bytes` must be aligned to [`ALIGN`], as mapped files are; see [`Aligned`].
 ///
 /// # Errors
 ///
-/// If anything is not as [`encode`] writes it.
+/// Anything differs from what [`encode`] writes.
 pub fn view(bytes: &[u8]) -> Result<(Meta, BodyView<'_>), FileError> {
     let head = head(bytes)?;
     if hash_of(&head, bytes) != head.hash {
@@ -236,13 +236,13 @@ pub fn view(bytes: &[u8]) -> Result<(Meta, BodyView<'_>), FileError> {
     Ok((meta, body))
 }
 
-/// Opens a model file in place and checks that its arrays lie inside it, not what they hold.
+/// Opens a model file in place and checks that its arrays lie inside it, but not their content.
 ///
-/// For memory that [`view`] accepted once and that nobody can have written to since.
+/// For memory that [`view`] accepted once and that cannot have been written to since.
 ///
 /// # Errors
 ///
-/// If the header, the table or the metadata is malformed.
+/// The header, the table or the metadata is malformed.
 pub fn quick_view(bytes: &[u8]) -> Result<(Meta, BodyView<'_>), FileError> {
     if !bytes.as_ptr().addr().is_multiple_of(ALIGN) {
         return Err(FileError::Unaligned);
@@ -282,11 +282,11 @@ pub fn quick_view(bytes: &[u8]) -> Result<(Meta, BodyView<'_>), FileError> {
     Ok((meta, body))
 }
 
-/// The content hash that a model file states, hexadecimal: its identity in records.
+/// The content hash stated in a model file, hexadecimal: its identity in records.
 ///
 /// # Errors
 ///
-/// If the header is malformed. The hash itself is checked by [`view`] alone.
+/// The header is malformed. The hash itself is only checked by [`view`].
 pub fn content_hash(bytes: &[u8]) -> Result<String, FileError> {
     Ok(blake3::Hash::from_bytes(head(bytes)?.hash).to_hex().to_string())
 }
@@ -295,7 +295,7 @@ fn head(bytes: &[u8]) -> Result<Head, FileError> {
     let found = bytes.len() as u64;
     let cut = FileError::Length { stated: META_AT as u64, found };
     if !bytes.starts_with(&MAGIC) {
-        // A cut file is told apart from a foreign one, but no bytes at all are foreign.
+        // A truncated file is distinguished from a foreign one, but an empty one is foreign.
         return Err(if !bytes.is_empty() && MAGIC.starts_with(bytes) {
             cut
         } else {
@@ -324,7 +324,7 @@ impl Section {
         let stated = (self.tag as usize, self.element as usize, self.offset, self.spare);
         let length = usize::try_from(self.count).ok()?.checked_mul(ELEMENT_BYTES[tag])?;
         let end = at.checked_add(length)?;
-        // Room to align the end, so that the next place cannot overflow.
+        // Leave space to align the end, so that the next position cannot overflow.
         end.checked_add(ALIGN)?;
         (stated == (tag, ELEMENT_BYTES[tag], at as u64, 0)).then_some((at, end))
     }

@@ -1,15 +1,16 @@
-//! A body stretched to a stated size, its middle on the origin, its lowest point on the ground.
+//! Stretches a body to a given size, with its middle on the origin and its lowest point on the
+//! ground.
 //!
-//! What is known of a road user in traffic is often its length and width alone. A body of its kind
-//! is stretched to them; its height stays unless it is stated. Everything that follows from the
-//! size (mass, gyration, zones) is for the caller to work out again.
+//! Often only the length and width of a road user are known. A body of its kind is stretched to
+//! them; its height is kept unless it is given. The caller recomputes everything that depends on
+//! the size (mass, gyration, zones).
 
 use crate::{BodyView, Mesh, Meta, is_degenerate};
 
-/// A size to be stretched to (m).
+/// The target size of stretching (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fit {
-    /// The longer side in plan; the other in proportion, the height kept.
+    /// The longer horizontal side; the other in proportion, the height kept.
     Longest(f64),
     /// Length and width; the height kept.
     Plan([f64; 2]),
@@ -17,7 +18,7 @@ pub enum Fit {
     Whole([f64; 3]),
 }
 
-/// The mesh that a body was made from, in source order.
+/// Returns the mesh from which a body was made, in source order.
 #[must_use]
 pub fn mesh_of(meta: &Meta, view: &BodyView<'_>) -> Mesh {
     let mut order: Vec<usize> = (0..view.corners.len()).collect();
@@ -33,7 +34,7 @@ pub fn mesh_of(meta: &Meta, view: &BodyView<'_>) -> Mesh {
 }
 
 impl Fit {
-    /// The factors for a box (m), axis by axis. A box without extent along an axis keeps it.
+    /// The factors for a box (m), per axis. A box without extent along an axis keeps it.
     fn factors(self, size: [f64; 3]) -> [f64; 3] {
         let factor = |wanted: f64, is: f64| if is > 0.0 { wanted / is } else { 1.0 };
         match self {

@@ -1,13 +1,13 @@
-//! What a triangulated body is: its triangles, its tree's nodes, its mass and seats, and the file
-//! and the store that hold all of it.
+//! The data of a triangulated body: its triangles, tree nodes, mass and seats, and the file and the
+//! store that hold them.
 //!
 //! ```text
 //! Mesh --(bvh builds a tree)--> Body --file::encode--> model file --store::fill--> model store
 //!                               BodyView <-------------- file::view, store::open
 //! ```
 //!
-//! Nothing is imported or generated here (`mesh` and `shapes` do), and no tree is built or walked
-//! (`bvh` does). Lengths are metres, x forward, y left, z up.
+//! Importing and generating are in `mesh` and `shapes`, building and traversing trees in `bvh`.
+//! Lengths are metres, x forward, y left, z up.
 
 mod body;
 pub mod codec;

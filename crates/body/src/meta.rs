@@ -1,9 +1,8 @@
-//! What is known of a body beside its triangles: kind, mass, seats, origin, and how its tree was
-//! made.
+//! The metadata of a body: kind, mass, seats, origin, and how its tree was built.
 
 use serde::{Deserialize, Serialize};
 
-/// What kind of road user or object a body is. It chooses defaults and injury curves.
+/// The kind of road user or object. It determines defaults and injury curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BodyKind {
@@ -29,7 +28,7 @@ pub enum BodyKind {
     Building,
 }
 
-/// Where a person sits, and which zone bit stands for it.
+/// The seat of a person, which has a zone bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Seat {
@@ -54,17 +53,17 @@ pub enum Build {
     /// The split of Wiseman and Grinberg with k in [n/8, 7n/8].
     #[default]
     Paper,
-    /// The same split by the letter: peels slivers, depth up to thousands.
+    /// The paper's split without a balance rule: peels slivers, depth up to thousands.
     Literal,
     /// Binned surface-area heuristic.
     Sah,
 }
 
 impl Build {
-    /// All of them, the default first.
+    /// All builds, the default first.
     pub const ALL: [Self; 3] = [Self::Paper, Self::Literal, Self::Sah];
 
-    /// Its name, as files and the command line have it.
+    /// The name, as used in files and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -72,6 +71,13 @@ impl Build {
             Self::Literal => "literal",
             Self::Sah => "sah",
         }
+    }
+
+    /// The build with this name. Files from before 0.1.0 call [`Build::Paper`] "seed".
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        let name = if name == "seed" { Self::Paper.name() } else { name };
+        Self::ALL.into_iter().find(|build| build.name() == name)
     }
 }
 
@@ -83,13 +89,13 @@ pub struct Occupant {
     pub seat: Option<Seat>,
 }
 
-/// Everything known of a body beside its triangles.
+/// The metadata of a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Meta {
     /// Name, from the file or the generator.
     pub name: String,
-    /// Kind.
+    /// The kind.
     pub kind: BodyKind,
     /// Mass `[kg]`; `None` for an object fixed to the ground.
     pub mass_kg: Option<f64>,
@@ -97,33 +103,33 @@ pub struct Meta {
     pub centre_m: [f64; 3],
     /// Yaw radius of gyration k `[m]`; yaw inertia = m k².
     pub gyration_m: f64,
-    /// Where mass, centre and gyration come from: a file, or the default's source.
+    /// Source of mass, centre and gyration: a file, or the source of the default.
     pub mass_source: String,
-    /// Persons aboard if a scenario does not say otherwise; `None` if nothing was stated.
+    /// Persons aboard unless a scenario says otherwise; `None` if not stated.
     pub occupants: Option<Vec<Occupant>>,
-    /// Names of parts; `part_of` counts into it.
+    /// Names of parts, indexed by `part_of`.
     pub parts: Vec<String>,
     /// Where the triangles come from: file name, unit, axes, or the generator's call.
     pub origin: String,
-    /// BLAKE3 of the source bytes, hexadecimal; of the call for generated bodies.
+    /// BLAKE3 of the source bytes, hexadecimal; for generated bodies, of the call.
     pub origin_hash: String,
     /// Triangles with zero area, kept.
     pub degenerate: u32,
     /// How the tree was built.
     pub build: Build,
-    /// Greatest number of triangles in a leaf, at most [`LEAF_SIZE_MAX`].
+    /// Maximum number of triangles in a leaf, at most [`LEAF_SIZE_MAX`].
     pub leaf_size: u32,
-    /// Depth of the tree: nodes on the longest way from the root, 1 for a single leaf.
+    /// Depth of the tree: number of nodes on the longest path from the root, 1 for a single leaf.
     pub depth: u32,
 }
 
-/// Most triangles that a leaf of the binary tree may hold.
+/// Maximum number of triangles that a leaf of the binary tree may hold.
 pub const LEAF_SIZE_MAX: u32 = 64;
 
-/// Greatest mass of a body that moves, in kilograms.
+/// Maximum mass of a body that moves, in kilograms.
 pub const MASS_MAX_KG: f64 = 1.0e6;
 
-/// Greatest yaw radius of gyration, and distance of the centre of mass from the origin, in metres.
+/// Maximum yaw radius of gyration, and distance of the centre of mass from the origin, in metres.
 pub const LENGTH_MAX_M: f64 = 1.0e6;
 
 impl BodyKind {
@@ -141,7 +147,7 @@ impl BodyKind {
         Self::Building,
     ];
 
-    /// The name as it stands in files and on the command line.
+    /// The name, as used in files and on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -158,7 +164,7 @@ impl BodyKind {
         }
     }
 
-    /// Whether the body is fixed to the ground: it has no mass, and nobody in it.
+    /// Whether the body is fixed to the ground: it has no mass and no occupants.
     #[must_use]
     pub fn is_fixed(self) -> bool {
         matches!(self, Self::Wall | Self::Pole | Self::Building)
@@ -188,7 +194,7 @@ impl core::fmt::Display for BodyKind {
     }
 }
 
-/// A name that is no [`BodyKind`].
+/// The text is not the name of a [`BodyKind`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{0}\" is no kind: one of sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, \
@@ -206,7 +212,7 @@ impl core::str::FromStr for BodyKind {
 }
 
 impl Seat {
-    /// All of them.
+    /// All seats.
     pub const ALL: [Self; 6] = [
         Self::FrontLeft,
         Self::FrontRight,
@@ -216,13 +222,13 @@ impl Seat {
         Self::Rider,
     ];
 
-    /// The bit of [`crate::Zones`] that stands for "beside this seat".
+    /// The bit of [`crate::Zones`] for "beside this seat".
     #[must_use]
     pub fn zone_bit(self) -> u16 {
         1 << (8 + self as u16)
     }
 
-    /// The name as it stands in files.
+    /// The name, as used in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -237,11 +243,11 @@ impl Seat {
 }
 
 impl Meta {
-    /// Checks what every consumer divides by or indexes with.
+    /// Checks every value that consumers divide by or index with.
     ///
     /// # Errors
     ///
-    /// Says in words which figure is not finite, out of range or contradicts the kind.
+    /// A description of the value that is not finite, out of range or contradicts the kind.
     pub fn check(&self) -> Result<(), String> {
         match self.mass_kg {
             Some(_) if self.kind.is_fixed() => {

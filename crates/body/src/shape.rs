@@ -43,7 +43,7 @@ impl Shape {
         Self::Pole,
     ];
 
-    /// The name on the command line and in scenario files.
+    /// The name, as used on the command line and in scenario files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -61,9 +61,9 @@ impl Shape {
 
     /// Nominal length, width and height in metres.
     ///
-    /// Outer mirrors stand out beyond the width by up to 0.22 m a side, as in registration papers.
-    /// A shape with a rider and a pedestrian are scaled to their height alone, so their length and
-    /// width are about this.
+    /// Outer mirrors protrude beyond the width by up to 0.22 m a side, as in registration papers.
+    /// Shapes with a rider and the pedestrian are scaled only to their height, so their length and
+    /// width are approximate.
     #[must_use]
     pub fn size_m(self) -> [f64; 3] {
         match self {
@@ -79,7 +79,7 @@ impl Shape {
         }
     }
 
-    /// Whether length and width are fitted on their own; else they follow the height.
+    /// Whether length and width are fitted independently; otherwise they follow the height.
     #[must_use]
     pub fn is_stretched(self) -> bool {
         !matches!(self, Self::Motorcycle | Self::Cyclist | Self::Pedestrian)
@@ -108,11 +108,11 @@ impl fmt::Display for Shape {
     }
 }
 
-/// No shape has this name.
+/// There is no shape with this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no generated shape is called '{name}'; there are: {}", names())]
 pub struct UnknownShape {
-    /// The name that was asked for.
+    /// The requested name.
     pub name: String,
 }
 

@@ -1,11 +1,11 @@
-//! The model store: the files of all bodies of an instance, one behind the other.
+//! The model store: the model files of all bodies of an instance, concatenated.
 //!
 //! ```text
 //! words:  [magic] [bodies] [offset, length]...   then each model file at a multiple of 64 bytes
 //! ```
 //!
-//! It is written once, sealed by the kernel, and mapped read-only by every process; so the files in
-//! it are checked where it is filled, and only their layout is read again here.
+//! It is written once, sealed by the kernel, and mapped read-only by every process; so its files
+//! are verified when it is filled, and later only their layout is checked.
 
 use crate::file::{self, ALIGN, FileError};
 use crate::{BodyView, Meta};
@@ -26,7 +26,7 @@ fn offsets(files: &[&[u8]]) -> (Vec<usize>, usize) {
     (starts.collect(), at)
 }
 
-/// Bytes that a store of these model files takes.
+/// The size in bytes of a store with these model files.
 #[must_use]
 pub fn length(files: &[&[u8]]) -> usize {
     offsets(files).1
@@ -36,7 +36,7 @@ pub fn length(files: &[&[u8]]) -> usize {
 ///
 /// # Panics
 ///
-/// If `bytes` is shorter than [`length`].
+/// `bytes` is shorter than [`length`].
 pub fn fill(bytes: &mut [u8], files: &[&[u8]]) {
     let word = |value: usize| (value as u64).to_le_bytes();
     bytes[..8].copy_from_slice(&MAGIC.to_le_bytes());
@@ -49,11 +49,11 @@ pub fn fill(bytes: &mut [u8], files: &[&[u8]]) {
     }
 }
 
-/// The bodies of a store, in order.
+/// Returns the bodies of a store, in order.
 ///
 /// # Errors
 ///
-/// If this is not a store, or a body's layout is not that of a model file.
+/// This is not a store, or the layout of a body is not that of a model file.
 pub fn open(bytes: &[u8]) -> Result<Vec<(Meta, BodyView<'_>)>, FileError> {
     let word = |at: usize| -> Result<usize, FileError> {
         let word = bytes.get(at..at + 8).and_then(|word| word.try_into().ok());

@@ -1,10 +1,10 @@
-//! Bodies for tests: a tree built the dumbest way that is a tree.
+//! Bodies for tests, with the simplest possible tree.
 
 use crate::meta::{BodyKind, Build, Meta};
 use crate::{Body, Mesh, Node, Wide, Zones};
 use geometry::{Aabb, Corners};
 
-/// A body whose tree halves the triangles in source order, leaves of one or two.
+/// A body whose tree halves the triangles in source order, with leaves of one or two.
 #[must_use]
 pub fn body_of(mesh: &Mesh) -> Body {
     let mut nodes = Vec::new();
@@ -52,7 +52,7 @@ fn grow(corners: &[Corners], first: usize, end: usize, nodes: &mut Vec<Node>) ->
     1 + left.max(right)
 }
 
-/// A mesh of given triangles: one part, ids in order.
+/// A mesh of the given triangles: one part, ids in order.
 #[must_use]
 pub fn mesh_of(corners: Vec<Corners>) -> Mesh {
     let count = corners.len();
@@ -66,7 +66,7 @@ pub fn mesh_of(corners: Vec<Corners>) -> Mesh {
     }
 }
 
-/// `count` small triangles along a line, no two alike.
+/// `count` small triangles along a line, all different.
 #[must_use]
 pub fn strip(count: usize) -> Vec<Corners> {
     let step = |i: usize| i as f32 * 0.125;

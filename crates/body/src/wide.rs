@@ -1,20 +1,20 @@
-//! The wide tree: the binary tree with several levels at a time, for tests of eight boxes at once.
+//! The wide tree: several levels of the binary tree per node, for tests of eight boxes at once.
 //!
-//! Every wide node stands for one node of the binary tree, its *root*. Where that holds more
-//! triangles than a wide leaf and is no leaf, it is opened, then the largest of what came out,
-//! until there are eight: these are the lanes. Anything smaller is a wide leaf, a node or several,
-//! one behind the other, in which each triangle has a lane. So nearly all lanes are in use, however
-//! the binary tree was split. (I. Wald, C. Benthin, S. Boulos, *Getting Rid of Packets*, IEEE
-//! Symposium on Interactive Ray Tracing 2008, collapse binary trees so.)
+//! Every wide node corresponds to one node of the binary tree, its *root*. If the root holds more
+//! triangles than a wide leaf and is not a leaf, it is opened, then repeatedly the largest of the
+//! resulting nodes, until there are eight: these are the lanes. Anything smaller becomes a wide
+//! leaf, one or several consecutive nodes, in which each triangle has a lane. So nearly all lanes
+//! are in use, however the binary tree was split. (I. Wald, C. Benthin, S. Boulos, *Getting Rid of
+//! Packets*, IEEE Symposium on Interactive Ray Tracing 2008, collapse binary trees in this way.)
 //!
-//! Boxes of triangles are known as cells of a [`Grid`] over the leaf: a byte per
-//! side, so that one instruction compares 32 of them and a leaf takes an eighth of the memory.
+//! Boxes of triangles are stored as cells of a [`Grid`] over the leaf: a byte per side, so that one
+//! instruction compares 32 of them and a leaf takes an eighth of the memory.
 //!
-//! The triangles of a leaf are a patch of a surface, often a flat one, which a box hardly fits
-//! where it lies askew. So a leaf has a [`Slab`] besides: the space between two parallel planes.
+//! The triangles of a leaf are a patch of a surface, often a flat one, which a box fits poorly
+//! where it is oblique. So a leaf also has a [`Slab`]: the space between two parallel planes.
 //!
-//! It follows from nodes and triangles alone, so [`crate::file`] checks it by making it anew. It is
-//! stored all the same: a mapped file is ready to be walked.
+//! The wide tree follows from nodes and triangles alone, so [`crate::file`] checks it by
+//! recomputing it. It is stored nevertheless, so that a mapped file is ready for traversal.
 
 use crate::Node;
 use bytemuck::{Pod, Zeroable};
@@ -23,15 +23,15 @@ use geometry::{Aabb, Corners};
 /// Lanes of a wide node.
 pub const LANES: usize = 8;
 
-/// Most triangles of a wide leaf, unless a leaf of the binary tree has more.
+/// Maximum number of triangles of a wide leaf, unless a leaf of the binary tree has more.
 ///
-/// Where two leaves meet costs much and another triangle little, so large leaves are quick. Deep
-/// car crashes of 10k, 100k and 1M triangles took 1.20, 1.33 and 1.16 times as long with 32, and
-/// 1.05, 1.00 and 1.04 times with 128; those would also be tested for longer before a job hears of
-/// its deadline.
+/// Each pair of leaves has a high fixed cost, and another triangle costs little, so large leaves
+/// are fast. Deep car crashes of 10k, 100k and 1M triangles took 1.20, 1.33 and 1.16 times as long
+/// with 32, and 1.05, 1.00 and 1.04 times with 128; larger leaves also increase the time until a
+/// job notices its deadline.
 pub const LEAF_TRIANGLES: usize = 96;
 
-/// Eight boxes side by side, 256 bytes; or a [`WideLeaf`].
+/// Eight boxes in column layout, 256 bytes; or a [`WideLeaf`].
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct WideNode {
@@ -39,20 +39,20 @@ pub struct WideNode {
     pub min: [[f32; LANES]; 3],
     /// Greatest x, y, z of each lane (m).
     pub max: [[f32; LANES]; 3],
-    /// The lane's wide node; 0 where it is empty.
+    /// The wide node of each lane; 0 if the lane is empty.
     child: [u32; LANES],
-    /// The box of all lanes.
+    /// The bounding box of all lanes.
     pub bounds: Aabb,
-    /// The node of the binary tree that this one stands for.
+    /// The corresponding node of the binary tree.
     pub root: u32,
-    /// 0; in a [`WideLeaf`] it is not.
+    /// 0; nonzero in a [`WideLeaf`].
     count: u32,
 }
 
 const _: () = assert!(size_of::<WideNode>() == 256 && size_of::<WideLeaf>() == 256);
 
 impl WideNode {
-    /// No lane is in use.
+    /// A node without used lanes.
     pub const EMPTY: Self = Self {
         min: [[f32::INFINITY; LANES]; 3],
         max: [[f32::NEG_INFINITY; LANES]; 3],
@@ -62,26 +62,26 @@ impl WideNode {
         count: 0,
     };
 
-    /// It as a leaf, if it is one: its lanes are triangles.
+    /// The node as a leaf, if it is one: its lanes are triangles.
     #[must_use]
     #[inline]
     pub fn leaf(&self) -> Option<&WideLeaf> {
         (self.count > 0).then(|| bytemuck::cast_ref(self))
     }
 
-    /// It as a leaf, if it is one.
+    /// The node as a mutable leaf, if it is one.
     pub fn leaf_mut(&mut self) -> Option<&mut WideLeaf> {
         (self.count > 0).then(|| bytemuck::cast_mut(self))
     }
 
-    /// How many nodes it is, with those that follow of the same leaf; an interior node is alone.
+    /// The number of consecutive nodes of the same leaf, from this one on; 1 for an interior node.
     #[must_use]
     #[inline]
     pub fn run(&self) -> u32 {
         self.count.div_ceil(LEAF_LANES as u32).max(1)
     }
 
-    /// The wide node of a lane, if this is no leaf.
+    /// The wide node of a lane, if this is not a leaf.
     #[must_use]
     #[inline]
     pub fn child(&self, lane: usize) -> u32 {
@@ -95,19 +95,19 @@ impl WideNode {
         }
     }
 
-    /// Makes a lane empty, if this is no leaf.
+    /// Empties a lane, if this is not a leaf.
     pub fn clear(&mut self, lane: usize) {
         self.set_box(lane, &Aabb::EMPTY);
     }
 
-    /// Whether nothing is in the lane, if this is no leaf.
+    /// Whether the lane is empty, if this is not a leaf.
     #[must_use]
     pub fn is_empty(&self, lane: usize) -> bool {
         self.min[0][lane] > self.max[0][lane]
     }
 }
 
-/// The bits are compared: those of a leaf may be NaN as numbers of a node.
+/// Compares bits: a leaf's may be NaN when read as numbers of a node.
 impl PartialEq for WideNode {
     fn eq(&self, other: &Self) -> bool {
         bytemuck::bytes_of(self) == bytemuck::bytes_of(other)
@@ -117,21 +117,21 @@ impl PartialEq for WideNode {
 /// The wide nodes of a binary tree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wide {
-    /// The wide nodes. The first one stands for the root of the whole tree.
+    /// The wide nodes. The first one corresponds to the root of the whole tree.
     pub nodes: Vec<WideNode>,
-    /// Per node of the binary tree: the wide node in which it is. That is its own if it is the
-    /// root of one, else that of which it is an opened node or below whose leaf it lies.
+    /// Per node of the binary tree, the wide node that contains it: its own if it is the root of
+    /// one, else the one in which it was opened or in whose leaf it lies.
     pub of: Vec<u32>,
 }
 
 impl Wide {
-    /// Collapses the binary tree over `corners`, both as a body has them.
+    /// Collapses the binary tree over `corners`, both in the layout of a body.
     ///
     /// Time is linear in the number of nodes and triangles.
     ///
     /// # Panics
     ///
-    /// If the nodes are not a tree over these triangles, as [`crate::file::check_body`] holds.
+    /// The nodes are not a tree over these triangles, as checked by [`crate::file::check_body`].
     #[must_use]
     pub fn of(nodes: &[Node], corners: &[Corners]) -> Self {
         Laid::out(nodes).filled(corners, 1, |shares| shares.into_iter().for_each(LeafRun::fill))
@@ -149,11 +149,11 @@ pub struct Laid<'n> {
 }
 
 impl<'n> Laid<'n> {
-    /// Lays out the wide nodes of a binary tree. Where its triangles lie does not matter yet.
+    /// Lays out the wide nodes of a binary tree, without using the positions of triangles.
     ///
     /// # Panics
     ///
-    /// If the nodes are not a tree, as [`crate::file::check_body`] holds.
+    /// The nodes are not a tree, as checked by [`crate::file::check_body`].
     #[must_use]
     pub fn out(nodes: &'n [Node]) -> Self {
         let below = below(nodes);
@@ -164,7 +164,7 @@ impl<'n> Laid<'n> {
         laid
     }
 
-    /// How many wide nodes stand for a node of the binary tree.
+    /// The number of wide nodes for a node of the binary tree.
     fn blocks(&self, root: usize) -> usize {
         let is_leaf = is_wide_leaf(self.nodes, &self.below, root);
         let whole = if is_leaf { self.below[root].triangles } else { 1 };
@@ -200,12 +200,12 @@ impl<'n> Laid<'n> {
         self.wide = Wide { nodes: wide, of };
     }
 
-    /// Fills the leaves: `run` has every one of so many shares of them filled, in any order and by
+    /// Fills the leaves in `shares` shares: `run` must fill every one of them, in any order and on
     /// any thread.
     ///
     /// # Panics
     ///
-    /// If `corners` are not the triangles of the tree, in leaf order.
+    /// `corners` are not the triangles of the tree, in leaf order.
     #[must_use]
     pub fn filled(
         self,
@@ -220,13 +220,13 @@ impl<'n> Laid<'n> {
     }
 }
 
-/// Some leaves of a wide tree that wait to be filled, and the wide nodes among which they lie.
+/// Unfilled leaves of a wide tree, and the range of wide nodes that contains them.
 #[derive(Debug)]
 pub struct LeafRun<'s> {
     wide: &'s mut [WideNode],
     /// Number of the first of these.
     start: usize,
-    /// The wide node at which each begins, and its root.
+    /// The wide node at which each leaf begins, and its root.
     leaves: &'s [(usize, usize)],
     nodes: &'s [Node],
     below: &'s [Below],
@@ -234,12 +234,12 @@ pub struct LeafRun<'s> {
 }
 
 impl<'s> LeafRun<'s> {
-    /// Cuts the leaves, in order, into so many shares of neighbours.
+    /// Splits the leaves, in order, into `shares` shares of neighbours.
     fn cut(self, shares: usize) -> Vec<LeafRun<'s>> {
         let share = self.leaves.len().div_ceil(shares.max(1)).max(1);
         let mut cut = Vec::new();
         let mut rest = self.wide;
-        // From behind: each share has the nodes from its first leaf on.
+        // From the end: each share takes the nodes from its first leaf on.
         for leaves in self.leaves.chunks(share).rev() {
             let start = leaves[0].0;
             let (before, wide) = rest.split_at_mut(start);
@@ -260,7 +260,7 @@ impl<'s> LeafRun<'s> {
     }
 }
 
-/// What lies below a node of the binary tree, itself included.
+/// Totals below a node of the binary tree, including the node.
 #[derive(Clone, Copy, Debug, Default)]
 struct Below {
     first: u32,
@@ -270,7 +270,7 @@ struct Below {
 
 fn below(nodes: &[Node]) -> Vec<Below> {
     let mut below = vec![Below::default(); nodes.len()];
-    // Children stand behind their parents.
+    // Children are stored after their parents.
     for (at, node) in nodes.iter().enumerate().rev() {
         below[at] = if node.is_leaf() {
             Below { first: node.link, triangles: node.count, nodes: 1 }
@@ -301,7 +301,7 @@ impl Lanes {
         &self.nodes[..self.count]
     }
 
-    /// Puts two nodes where one was, the others in order as they are.
+    /// Replaces one node by two, keeping the order of the others.
     fn replace(&mut self, at: usize, [left, right]: [usize; 2]) {
         self.nodes.copy_within(at + 1..self.count, at + 2);
         self.nodes[at] = left;

@@ -1,8 +1,8 @@
-//! Which zones of its body a triangle belongs to, from its centroid alone.
+//! The zones of a body to which a triangle belongs, determined by its centroid.
 //!
-//! The body's box is cut into thirds along x and halves along y and z; seats take ranges of it
-//! that are our assumption `[A]`, stated in [`seat_range`]. The centroid decides, so a triangle
-//! that spans several zones belongs to one of each cut. Bits are those of [`Zones`].
+//! The body's box is cut into thirds along x and halves along y and z; seats cover ranges of it, an
+//! assumption `[A]` stated in [`seat_range`]. The centroid decides, so a triangle that spans
+//! several zones belongs to one of each cut. Bits are those of [`Zones`].
 
 use crate::{BodyKind, Mesh, Seat, Zones};
 use geometry::{Aabb, Corners};
@@ -15,11 +15,11 @@ pub const MIDDLE: u16 = 1 << 1;
 pub const REAR: u16 = 1 << 2;
 /// The left half.
 pub const LEFT: u16 = 1 << 3;
-/// The right half, with the middle plane.
+/// The right half, including the middle plane.
 pub const RIGHT: u16 = 1 << 4;
 /// The upper half.
 pub const UPPER: u16 = 1 << 5;
-/// The lower half, with the middle plane.
+/// The lower half, including the middle plane.
 pub const LOWER: u16 = 1 << 6;
 
 /// Names of the bits 0 to 6.
@@ -53,20 +53,20 @@ pub fn of_triangle(corners: &Corners, bounds: &Aabb, kind: BodyKind) -> Zones {
     Zones(seats.fold(third | side | level, |bits, seat| bits | seat.zone_bit()))
 }
 
-/// Where the centroid lies between the box's sides: 0 at the least, 1 at the greatest coordinate. A
-/// box without extent gives 0.5.
+/// The position of the centroid within the box: 0 at the least, 1 at the greatest coordinate. A box
+/// without extent gives 0.5.
 fn share(corners: &Corners, bounds: &Aabb, axis: usize) -> f64 {
     let [a, b, c] = corners.map(|corner| f64::from(corner[axis]));
     let (min, max) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
     if max > min { ((a + b + c) / 3.0 - min) / (max - min) } else { 0.5 }
 }
 
-/// The part of the body beside a seat, as shares of its box along x (0 rear, 1 front), y (0 right,
-/// 1 left) and z (0 bottom, 1 top) `[A]`.
+/// The part of the body beside a seat, as fractions of its box along x (0 rear, 1 front), y (0
+/// right, 1 left) and z (0 bottom, 1 top) `[A]`.
 ///
-/// Cars: the doors of the row and the roof above it, without the sill; the middle rear seat reaches
-/// the body only behind and above. Trucks and buses: the cabin. Riders: all above the wheels' axles
-/// between them.
+/// Cars: the doors of the row and the roof above it, without the sill; the middle rear seat adjoins
+/// the body only behind and above. Trucks and buses: the cabin. Riders: everything between the
+/// wheels and above their axles.
 #[must_use]
 pub fn seat_range(kind: BodyKind, seat: Seat) -> [[f64; 2]; 3] {
     let height = [0.2, 1.0];

@@ -1,5 +1,5 @@
-//! Workloads whose instructions `cargo x count` counts: without arguments their names, one per
-//! line; with a name that one, once to warm up and once inside of [`measured`].
+//! Workloads whose instructions `cargo x count` counts: without arguments, prints their names, one
+//! per line; with a name, runs that one, once to warm up and once inside [`measured`].
 
 mod posed;
 mod scene;
@@ -15,10 +15,10 @@ use posed::Posed;
 use scene::Scene;
 use std::hint::black_box;
 
-/// Large enough to leave the beginnings behind, small enough for an emulated processor.
+/// Large enough to amortise start-up, small enough for an emulated processor.
 const SCENE: &str = "cars-10k-deep";
 
-/// What makes a workload ready.
+/// Prepares a workload.
 type Prepare = fn() -> Box<dyn FnMut() -> u64>;
 
 const WORKLOADS: &[(&str, Prepare)] = &[
@@ -88,7 +88,7 @@ fn measured(work: &mut dyn FnMut() -> u64) -> u64 {
 
 #[expect(clippy::print_stdout, reason = "the names are what it is asked for")]
 fn main() {
-    // `cargo bench` adds options for harnesses; a workload is no option.
+    // `cargo bench` adds options for harnesses; a workload is not an option.
     let Some(name) = std::env::args().skip(1).find(|word| !word.starts_with('-')) else {
         WORKLOADS.iter().for_each(|(name, _)| println!("{name}"));
         return;

@@ -1,12 +1,12 @@
-//! Building a tree: options, errors, and the way from triangles to a tree, and to a body.
+//! Building a tree: options, errors, and the steps from triangles to a tree, and to a body.
 //!
 //! ```text
 //! triangles --hierarchy--> Hierarchy --assemble--> Tree --with all else of a mesh--> Body
 //! ```
 //!
-//! The tree depends on the triangles, the build and the leaf size alone. `grow` cuts ranges and
-//! lays nodes out; `paper` and `sah` decide where to cut. Neither knows the other. `thread_pool` shares
-//! work out among threads.
+//! The tree depends only on the triangles, the build and the leaf size. `grow` cuts ranges and lays
+//! nodes out; `paper` and `sah` choose the cuts, independently of each other. `thread_pool`
+//! distributes work among threads.
 
 mod assemble;
 mod error;
@@ -26,55 +26,56 @@ use thread_pool::BuildPool;
 
 pub use body::{Build, LEAF_SIZE_MAX};
 
-/// Most triangles that [`Build::Literal`] accepts: its tree may be as deep as there are triangles,
-/// so its time is quadratic.
+/// Maximum number of triangles for [`Build::Literal`]: its tree may be as deep as there are
+/// triangles, so its time is quadratic.
 pub const LITERAL_MAX: usize = 50_000;
 
-/// Most triangles of a tree: a hit has 31 bits for its number.
+/// Maximum number of triangles of a tree: a hit has 31 bits for its number.
 pub const TRIANGLES_MAX: usize = 1 << 31;
 
 /// How to build a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// Which split.
+    /// The split rule.
     pub build: Build,
-    /// Most triangles in a leaf, 1 to [`LEAF_SIZE_MAX`]. The paper's is 1.
+    /// Maximum number of triangles in a leaf, 1 to [`LEAF_SIZE_MAX`]. The paper uses 1.
     pub leaf_size: u32,
-    /// Threads to build with; 0 is 1. The tree does not depend on it. If they are several and the
-    /// caller is a thread of a rayon pool, they are those of the pool: whoever has a moment before
-    /// there is something to build can start them then.
+    /// Threads to build with; 0 counts as 1. The tree does not depend on it. With several threads,
+    /// a caller inside a rayon pool builds with the threads of that pool, which can thus be started
+    /// before there is something to build.
     pub threads: usize,
 }
 
 impl Default for BuildOptions {
-    /// The paper's split, four triangles to a leaf, one thread.
+    /// The paper's split, four triangles per leaf, one thread.
     fn default() -> Self {
         Self { build: Build::Paper, leaf_size: 4, threads: 1 }
     }
 }
 
-/// The nodes of a tree and the order of triangles that it asks for; the triangles are elsewhere.
+/// The nodes of a tree and the resulting order of triangles, without the triangles themselves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hierarchy {
     /// Nodes in preorder: the left child of `i` is `i + 1`, the right one its `link`.
     pub nodes: Vec<Node>,
-    /// Per place in leaf order: the number of the triangle that belongs there. Ascending in a leaf.
+    /// For each place in leaf order, the number of its triangle. Ascending in a leaf.
     pub order: Vec<u32>,
-    /// Nodes on the longest way from the root: 1 for a single leaf.
+    /// Number of nodes on the longest path from the root: 1 for a single leaf.
     pub depth: u32,
 }
 
-/// Builds the nodes of a tree over `corners`; [`crate::Tree::build`] gives all of a tree.
+/// Builds the nodes of a tree over `corners`; [`crate::Tree::build`] builds a whole tree.
 ///
 /// `progress` is called with the number of triangles placed *since the last call*, from any of the
 /// threads, every few thousand triangles; the sum is the number of triangles.
 ///
-/// Time is O(n log n) for `Paper` and `Sah`, O(n · depth) for `Literal`; memory beside the result is
-/// at most 96 bytes per triangle.
+/// Time is O(n log n) for `Paper` and `Sah`, O(n · depth) for `Literal`; memory in addition to the
+/// result is at most 96 bytes per triangle.
 ///
 /// # Errors
 ///
-/// See [`BuildError`]: no triangles, too many, a leaf size out of range, a coordinate not finite.
+/// See [`BuildError`]: no triangles, too many, a leaf size out of range, or a coordinate that is
+/// not finite.
 pub fn build(
     corners: &[Corners],
     options: &BuildOptions,
@@ -84,7 +85,7 @@ pub fn build(
     BuildPool::with(threads, |pool| hierarchy(corners, options, pool, progress))
 }
 
-/// [`build`], by these threads.
+/// Runs [`build`] on this pool.
 fn hierarchy(
     corners: &[Corners],
     options: &BuildOptions,

@@ -4,7 +4,7 @@ use crate::{Counters, NodePair, Placement, Side};
 use body::{BodyView, Node};
 use geometry::RelativePose;
 
-/// Two trees and how they lie.
+/// Two trees and their relative pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Descent<'a> {
     pub(crate) nodes_a: &'a [Node],
@@ -30,9 +30,9 @@ impl<'a> Descent<'a> {
         self.placement.apart(&self.placement.box_a(&a.bounds), &self.placement.box_b(&b.bounds))
     }
 
-    /// Opens the node of `pair` on `side`, which is no leaf: tells `keep` the right pair below,
-    /// then the left one, where their boxes overlap; so on a stack the left one comes to lie on
-    /// top. Two tests, for which the box of the other side is made ready once.
+    /// Opens the node of `pair` on `side`, which must not be a leaf: calls `keep` with the right
+    /// pair below, then the left one, if their boxes overlap; so on a stack the left one ends up on
+    /// top. Takes two tests; the box of the other side is prepared once.
     #[inline]
     pub(crate) fn open(
         &self,
@@ -67,7 +67,7 @@ impl<'a> Descent<'a> {
     }
 }
 
-/// Which of two nodes to open: the larger one, unless it ends here. `None` if both do.
+/// Which of two nodes to open: the larger one, unless it is a leaf. `None` if both are.
 #[inline]
 pub(crate) fn side_to_open(a: &Node, ends_a: bool, b: &Node, ends_b: bool) -> Option<Side> {
     match (ends_a, ends_b) {

@@ -64,7 +64,7 @@ impl Random {
     }
 }
 
-/// `count` small triangles, thrown about a cube of 2 m.
+/// `count` small triangles, scattered over a cube of 2 m.
 pub(crate) fn soup(count: usize, size: f32, seed: u64) -> Vec<Corners> {
     let mut random = Random::new(seed << 32);
     (0..count)
@@ -98,7 +98,7 @@ pub(crate) fn torus(u: u32, v: u32, tube: f64) -> Vec<Corners> {
         .collect()
 }
 
-/// Triangles on a coarse lattice: touching, coplanar, degenerate and equal ones abound.
+/// Triangles on a coarse lattice, with many touching, coplanar, degenerate and equal ones.
 pub(crate) fn lattice(most: usize) -> impl Strategy<Value = Vec<Corners>> {
     let coordinate = (-4_i8..=4).prop_map(|x| f32::from(x) * 0.5);
     let point = prop::array::uniform3(coordinate);
@@ -138,11 +138,11 @@ pub(crate) fn directions() -> Directions {
     Directions::around(DVec3::new(0.6, 0.8, 0.0), DVec3::Z)
 }
 
-/// What is found, in terms of source ids: it must not depend on the trees.
+/// What is found, by source ids: it must not depend on the trees.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Found {
     pub(crate) hits: BTreeSet<(Side, u32)>,
-    /// Ascending; a pair that was listed twice is here twice.
+    /// Ascending; a pair that was listed twice occurs twice.
     pub(crate) listed: Vec<(u32, u32)>,
     pub(crate) pairs: u64,
     pub(crate) hash: u64,
@@ -176,7 +176,7 @@ pub(crate) fn brute_force(a: &BodyView<'_>, b: &BodyView<'_>, pose: &RelativePos
     found.finish()
 }
 
-/// The merge of jobs, as a coordinator does it.
+/// The merge of jobs, as done by a coordinator.
 pub(crate) struct Gathered {
     pub(crate) hits: BTreeSet<(Side, u32)>,
     pub(crate) listed: Vec<(u32, u32)>,
@@ -205,14 +205,14 @@ impl Gathered {
         self.counters.add(&outcome.counters);
     }
 
-    /// Includes what a listener heard in a job that ended so.
+    /// Adds what a listener received in a job with this outcome.
     pub(crate) fn add_heard(&mut self, task: &Task<'_>, outcome: &Outcome, heard: &Listener) {
         self.hits.append(&mut named(task, &heard.heard));
         if task.question != Question::Pairs {
-            assert_eq!(heard.listed, [], "told of pairs that nobody asked for");
+            assert_eq!(heard.listed, [], "pairs were reported without a request");
             return;
         }
-        // What was told after these is open again.
+        // Pairs reported after these are open again.
         for &(a, b) in &heard.listed[..outcome.pairs as usize] {
             self.listed.push((task.a.source_ids[a as usize], task.b.source_ids[b as usize]));
         }
@@ -226,11 +226,11 @@ impl Gathered {
     }
 }
 
-/// Hears of hits; says stop at a given one or at a given beat.
+/// Receives hits; stops at a given one or at a given beat.
 pub(crate) struct Listener {
-    /// In the order heard, leaf-order numbers.
+    /// In the order received, leaf-order numbers.
     pub(crate) heard: Vec<(Side, u32)>,
-    /// Pairs, likewise.
+    /// Pairs, in the order received.
     pub(crate) listed: Vec<(u32, u32)>,
     pub(crate) beats: Vec<u64>,
     pub(crate) hits_max: usize,
@@ -283,7 +283,7 @@ pub(crate) fn kernel_for(a: &Body, b: &Body) -> Kernel {
     Kernel::with_room(a.meta.depth, b.meta.depth, a.corners.len(), b.corners.len())
 }
 
-/// How a kernel works: the answer must not depend on it.
+/// The configuration of a kernel: the answer must not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
     walk: Walk,
@@ -291,7 +291,7 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// The wide walk with all kinds of vectors that this processor has, and the plain one.
+    /// The wide walk with all vector levels of this processor, and the plain one.
     pub(crate) fn all() -> Vec<Self> {
         let wide = simd::levels().map(|level| Self { walk: Walk::Wide, level });
         wide.chain([Self { walk: Walk::Plain, level: Level::new() }]).collect()
@@ -316,10 +316,10 @@ pub(crate) fn any_way() -> impl Strategy<Value = Way> {
     prop::sample::select(Way::all())
 }
 
-/// Source ids of what was heard; each triangle must be heard at most once.
+/// Source ids of what was received; each triangle at most once.
 pub(crate) fn named(task: &Task<'_>, heard: &[(Side, u32)]) -> BTreeSet<(Side, u32)> {
     let once: BTreeSet<_> = heard.iter().collect();
-    assert_eq!(once.len(), heard.len(), "a triangle was told twice");
+    assert_eq!(once.len(), heard.len(), "a triangle was reported twice");
     let id = |side, triangle: u32| match side {
         Side::A => task.a.source_ids[triangle as usize],
         Side::B => task.b.source_ids[triangle as usize],
@@ -327,7 +327,7 @@ pub(crate) fn named(task: &Task<'_>, heard: &[(Side, u32)]) -> BTreeSet<(Side, u
     heard.iter().map(|&(side, triangle)| (side, id(side, triangle))).collect()
 }
 
-/// Runs the jobs `starts` and, wherever the budget or the listener cuts, those that remain.
+/// Runs the jobs `starts` and, wherever the budget or the listener cuts them, their remainders.
 pub(crate) fn run_all(
     kernel: &mut Kernel,
     task: &Task<'_>,

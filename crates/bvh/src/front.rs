@@ -1,8 +1,8 @@
 //! The coordinator's descent: both trees down to the distribution depth.
 //!
-//! What is left are pairs of nodes whose boxes overlap, each a job of its own: expanding the pair
-//! tree first and walking below it later is due to Le Garrec, Acquaviva and Merlhiot (CEA), cutting
-//! at one depth of both trees to Wiseman and Grinberg.
+//! The result is the pairs of nodes whose boxes overlap, one job each: expanding the pair tree
+//! first and walking below it later is due to Le Garrec, Acquaviva and Merlhiot (CEA), cutting at
+//! one depth of both trees to Wiseman and Grinberg.
 
 use crate::descent::{Descent, side_to_open};
 use crate::{Counters, Side};
@@ -24,13 +24,13 @@ impl NodePair {
     pub const ROOTS: Self = Self { a: 0, b: 0 };
 }
 
-/// Most pairs that one front holds: where more would overlap, it stays shallower in places.
+/// Maximum number of pairs in a front: where more would overlap, it stays shallower in places.
 ///
-/// It bounds memory against bodies whose boxes all overlap, 4ᵈ pairs at depth d, and is as many
-/// jobs as one request has slots for.
+/// It bounds memory for bodies whose boxes all overlap, 4ᵈ pairs at depth d, and equals the number
+/// of job slots of a request.
 pub const PAIRS_MAX: usize = 1 << 16;
 
-/// A pair on the way down, with the depths that its nodes have reached; the roots' is 0.
+/// A pair during the descent, with the depths of its nodes; the roots have depth 0.
 #[derive(Clone, Copy)]
 struct Open {
     pair: NodePair,
@@ -41,14 +41,14 @@ struct Open {
 /// Appends to `out` all pairs of nodes at `depth` (or shallower leaves) whose boxes overlap under
 /// `pose`, at most [`PAIRS_MAX`] of them.
 ///
-/// Depth 0 is the pair of roots. The pairs are disjoint, and no intersecting pair of triangles lies
-/// outside of them. They come in depth-first order, A's and B's left children first, the same on
-/// every machine. The boxes of the roots are tested too, so `out` may stay empty; and it stays
-/// empty for a body without a tree.
+/// Depth 0 is the pair of roots. The pairs are disjoint and cover every intersecting pair of
+/// triangles. They come in depth-first order, A's and B's left children first, the same on every
+/// machine. The boxes of the roots are tested too, so `out` may stay unchanged; it does so for a
+/// body without a tree.
 ///
 /// # Panics
 ///
-/// If a node's number is out of range; the builder and the reader of model files rule it out.
+/// A node number is out of range; the builder and the reader of model files rule this out.
 pub fn front(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -65,7 +65,7 @@ pub fn front(
         return;
     }
     let limit = out.len() + PAIRS_MAX;
-    // One pair waits per level of both trees at most, and a tree has no more levels than nodes.
+    // At most one pair waits per level of both trees, and a tree has no more levels than nodes.
     let mut open = SmallVec::<[Open; 64]>::new();
     open.push(Open { pair: NodePair::ROOTS, depth_a: 0, depth_b: 0 });
     while let Some(Open { pair, depth_a, depth_b }) = open.pop() {

@@ -1,4 +1,5 @@
-//! Which triangles of one body were hit: a set of bits, emptied in as long as it took to fill.
+//! Which triangles of one body were hit: a bit set that is cleared in time proportional to its
+//! content.
 
 use geometry::patch::{Places, ROOM, WORDS};
 use std::array::from_fn;
@@ -6,42 +7,42 @@ use std::ops::Range;
 
 const BITS: usize = u64::BITS as usize;
 
-/// A set of triangle numbers within a range. Its room is allocated once.
+/// A set of triangle numbers within a range. Its buffer is allocated once.
 #[derive(Clone, Debug)]
 pub(crate) struct Hits {
     words: Vec<u64>,
-    /// The words that are not 0: so many of these. What follows is overwritten.
+    /// Indices of the words that are not 0; entries past the count are overwritten.
     used: Vec<u32>,
     count: usize,
-    /// Number of the first bit: before the range, where places that are put in may begin.
+    /// Number of the first bit: before the range, where inserted places may begin.
     first: usize,
 }
 
-/// Words for a range of so many triangles, for places that begin before it, and for those that end
-/// behind it.
+/// Words for a range of `triangles` triangles, for places that begin before it, and for those that
+/// end after it.
 fn words(triangles: usize) -> usize {
     (triangles + ROOM - 1).div_ceil(BITS) + WORDS
 }
 
 impl Hits {
-    /// Room for ranges of `triangles` triangles.
+    /// Creates a set with capacity for ranges of `triangles` triangles.
     pub(crate) fn with_room(triangles: usize) -> Self {
         let words = words(triangles);
         Self { words: vec![0; words], used: vec![0; words + WORDS + 1], count: 0, first: 0 }
     }
 
-    /// Makes room for ranges of `triangles` triangles, and forgets everything.
+    /// Ensures capacity for ranges of `triangles` triangles, and clears the set.
     pub(crate) fn ensure_room(&mut self, triangles: usize) {
         if words(triangles) > self.words.len() {
             *self = Self::with_room(triangles);
         }
     }
 
-    /// Empties the set and looks at `range` from now on. Takes time with what was in the set.
+    /// Clears the set and moves it to `range`. Takes time proportional to the number of used words.
     ///
     /// # Panics
     ///
-    /// If there is no room for the range.
+    /// The range exceeds the capacity.
     pub(crate) fn clear(&mut self, range: &Range<u32>) {
         for &word in &self.used[..self.count] {
             self.words[word as usize] = 0;
@@ -57,7 +58,7 @@ impl Hits {
         self.words[word] >> shift & 1 == 1
     }
 
-    /// Which triangles are in the set, counted from number `first` on.
+    /// Which triangles are in the set, counted from number `first`.
     pub(crate) fn places(&self, first: u32) -> Places {
         Places::of(from_fn(|i| {
             let (word, shift) = self.at(first as usize + i * BITS);
@@ -65,17 +66,17 @@ impl Hits {
         }))
     }
 
-    /// Puts the triangle in; whether it was not there before.
+    /// Inserts the triangle; returns whether it was absent.
     pub(crate) fn insert(&mut self, triangle: u32) -> bool {
         let (word, shift) = self.at(triangle as usize);
         self.insert_words(word, [1 << shift]) != [0]
     }
 
-    /// Puts triangles in, counted from number `first` on. Returns those that were not there.
+    /// Inserts triangles, counted from number `first`. Returns those that were absent.
     pub(crate) fn insert_places(&mut self, first: u32, places: &Places) -> Places {
         let (at, shift) = self.at(first as usize);
-        // What places begin with and what they go on with share a word. Branches here would depend
-        // on where leaves begin, and nothing predicts that.
+        // The end of one word and the start of the next share a place word. Branches here would
+        // depend on where leaves begin, which is unpredictable.
         let [low, high] = places.words();
         let split = |bits: u64| (bits << shift, bits >> 1 >> (BITS - 1 - shift));
         let ((low, middle), (more, high)) = (split(low), split(high));
@@ -84,20 +85,20 @@ impl Hits {
         Places::of([join(new[0], new[1]), join(new[1], new[2])])
     }
 
-    /// The word of a number, and the bit in it.
+    /// The word index of a number, and its bit.
     fn at(&self, number: usize) -> (usize, usize) {
         let at = number - self.first;
         (at / BITS, at % BITS)
     }
 
-    /// Puts bits into the words from `at` on; returns the new ones.
+    /// Sets bits in the words from `at` on; returns the new ones.
     #[inline(always)]
     fn insert_words<const N: usize>(&mut self, at: usize, bits: [u64; N]) -> [u64; N] {
         let words = &mut self.words[at..at + N];
         let used = &mut self.used[self.count..self.count + N];
         let mut count = 0;
         let new = from_fn(|i| {
-            // No more than the words before this one, which the compiler cannot know.
+            // Never more than the words before this one, which the compiler cannot know.
             used[count.min(i)] = (at + i) as u32;
             count += usize::from((words[i] == 0) & (bits[i] != 0));
             let new = bits[i] & !words[i];
@@ -111,7 +112,7 @@ impl Hits {
 
 #[cfg(test)]
 impl Hits {
-    /// Where the words are, and for how many there is room.
+    /// The address of the words, and the capacity.
     pub(crate) fn place(&self) -> (*const u64, usize) {
         (self.words.as_ptr(), self.words.capacity())
     }

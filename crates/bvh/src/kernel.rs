@@ -1,10 +1,9 @@
-//! One job: everything below one node of A and one node of B, to hits, sums and supports.
+//! One job: everything below one node of A and one node of B, reduced to hits, sums and supports.
 //!
-//! Two walks give the same answer: `plain` explains how, one pair of boxes at a time; `wide` takes
-//! eight boxes against eight, and eight pairs of triangles. Either is bounded three times over:
-//! by a stack whose size is argued there, by a budget of tests, and by a sink that may say stop.
-//! Whatever ends it early, the pairs that wait on the stack cover everything that was not tested,
-//! and no more.
+//! Two walks give the same answer: `plain` documents the algorithm, one pair of boxes at a time;
+//! `wide` tests eight boxes against eight, and eight pairs of triangles. Both are bounded in three
+//! ways: by a stack of proven size, by a budget of tests, and by a sink that may stop the job. If a
+//! job ends early, the pairs left on the stack cover exactly what was not tested.
 
 use crate::hits::Hits;
 use crate::{Counters, NodePair, section};
@@ -22,37 +21,37 @@ mod wide;
 
 pub use found::BEAT_TESTS;
 
-/// Most tests of one step, which nothing interrupts: all boxes of two leaves against each other,
-/// all boxes of each against the other leaf, and all triangles.
+/// Maximum number of tests in one step, which is never interrupted: all boxes of two leaves against
+/// each other, all boxes of each against the other leaf, and all triangles.
 pub const STEP_TESTS: u64 = (2 * boxes::LEAF_MAX * boxes::LEAF_MAX + 2 * boxes::LEAF_MAX) as u64;
 
-/// The budget of [`Kernel::run`] under which a job's tests never exceed `budget`, or one step where
-/// that is more: a step is looked at when it is done.
+/// The budget for [`Kernel::run`] with which a job's tests never exceed the larger of `budget` and
+/// one step: the budget is checked after each step.
 #[must_use]
 pub const fn within(budget: u64) -> u64 {
     let budget = budget.saturating_sub(STEP_TESTS);
     if budget == 0 { 1 } else { budget }
 }
 
-/// Triangles that are tested together at least, as if they were one leaf.
+/// Minimum number of triangles that are tested together, as if they were one leaf.
 pub const LEAF_TRIANGLES: usize = body::wide::LEAF_TRIANGLES;
 
-/// How a job walks its trees: the answer is the same.
+/// How a job traverses its trees; the answer is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walk {
-    /// Eight boxes against eight at once. Bodies beyond the range of f32 are walked plainly.
+    /// Eight boxes against eight at once. Bodies beyond the range of f32 use the plain walk.
     #[default]
     Wide,
     /// Two boxes at a time.
     Plain,
 }
 
-/// What is asked about a pair of bodies at one pose.
+/// What to compute for a pair of bodies at one pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// Is there any hit? The first one answers it: which one that is depends on the trees.
+    /// Is there any hit? The first one ends the job; which one that is depends on the trees.
     Touches,
-    /// Which triangles are hit? Pairs of which both are known to be hit need not be tested.
+    /// Which triangles are hit? Pairs whose triangles are both known to be hit need not be tested.
     Sets,
     /// All intersecting pairs: count and hash, the triangles hit, the supports of the contact.
     Pairs,
@@ -63,87 +62,87 @@ pub enum Question {
 pub struct Task<'a> {
     /// The body in whose frame the test takes place: the ego.
     pub a: BodyView<'a>,
-    /// The other one.
+    /// The other body.
     pub b: BodyView<'a>,
-    /// B seen from A.
+    /// The pose of B relative to A.
     pub pose: RelativePose,
-    /// What is asked.
+    /// What to compute.
     pub question: Question,
-    /// Directions in which [`Question::Pairs`] measures the contact, A's frame.
+    /// Directions, in A's frame, in which [`Question::Pairs`] measures the contact.
     pub directions: Option<&'a Directions>,
 }
 
-/// Which body.
+/// One of the two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Side {
     /// The ego.
     A,
-    /// The other one.
+    /// The other body.
     B,
 }
 
-/// Hears of hits as they are found. `Break` ends the job as [`End::Stopped`].
+/// Receives hits as they are found. `Break` ends the job as [`End::Stopped`].
 pub trait Sink {
-    /// A triangle was hit, by its number in leaf order: once per job and triangle.
+    /// Called with each hit triangle, by its number in leaf order: once per job and triangle.
     ///
-    /// A `Break` may mean that this hit was not taken: what it belongs to remains open.
-    /// So a sink must take at least the hits of two leaves, of [`LEAF_TRIANGLES`] triangles each or
-    /// as many as the tree was built with, or their job will never be done.
+    /// A `Break` may mean that this hit was not accepted: the pair of nodes it belongs to remains
+    /// open. So a sink must accept at least the hits of two leaves, of [`LEAF_TRIANGLES`] triangles
+    /// each or as many as the tree was built with, or their job will never complete.
     fn hit(&mut self, side: Side, triangle: u32) -> ControlFlow<()>;
 
-    /// Triangles of A intersect those of B in the same places, by their numbers in leaf order; told
-    /// where [`Question::Pairs`] is asked, each pair once per job.
+    /// Called with intersecting pairs: triangles of A and those of B at the same positions, by
+    /// their numbers in leaf order. Only for [`Question::Pairs`], each pair once per job.
     ///
     /// A `Break` leaves open what these pairs belong to, as with [`Sink::hit`]. Wherever a job
-    /// stops, of all pairs told in it the first [`Outcome::pairs`] count; those told after them
-    /// belong to what remains, and will be told again by whoever does that.
+    /// stops, the first [`Outcome::pairs`] of the pairs reported in it count; those reported later
+    /// belong to what remains, and are reported again by the job that does it.
     fn pairs(&mut self, _a: &[u32], _b: &[u32]) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// So many tests were done in this job up to now; called about every [`BEAT_TESTS`].
+    /// Called about every [`BEAT_TESTS`] tests with the number of tests done in this job so far.
     fn beat(&mut self, tests: u64) -> ControlFlow<()>;
 }
 
 /// How a job ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The question is answered for all that the job covers; nothing remains.
+    /// The question is answered for everything that the job covers; nothing remains.
     Complete,
-    /// The sink said stop; [`Kernel::remaining`] is open.
+    /// The sink stopped the job; [`Kernel::remaining`] is open.
     Stopped,
     /// The budget (or the stack) did not suffice; [`Kernel::remaining`] is open.
     OutOfBudget,
 }
 
-/// What a job found, beside the hits that went to the sink.
+/// The result of a job, apart from the hits that went to the sink.
 ///
-/// All but `counters` follow from the triangles tested alone, and merge by sum (`pairs`, `hash`,
-/// wrapping), or (`zones_a`, `zones_b`) and maximum (`supports`): a job and the jobs over what it
-/// left merge to the whole, wherever it was cut.
+/// All fields but `counters` depend only on the triangles tested, and merge by sum (`pairs`,
+/// `hash`, wrapping), bitwise or (`zones_a`, `zones_b`) and maximum (`supports`): a job and the
+/// jobs over its remainder merge to the whole, wherever it was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// How it ended.
     pub end: End,
     /// Work done.
     pub counters: Counters,
-    /// Intersecting pairs. `Touches`: 1 if there is one, else 0. `Sets`: 0, not all are tested.
+    /// Intersecting pairs. For `Touches`: 1 if there is one, else 0. For `Sets`: 0, since not all
+    /// are tested.
     pub pairs: u64,
-    /// Wrapping sum of [`geometry::hash::pair_term`] of source ids; 0 unless `Pairs` was asked.
+    /// Wrapping sum of [`geometry::hash::pair_term`] of source ids; 0 except for `Pairs`.
     pub hash: u64,
-    /// Zones of A's hit triangles; 0 if only `Touches` was asked.
+    /// Zones of A's hit triangles; 0 for `Touches`.
     pub zones_a: u16,
-    /// Zones of B's hit triangles; 0 if only `Touches` was asked.
+    /// Zones of B's hit triangles; 0 for `Touches`.
     pub zones_b: u16,
-    /// Supports of the contact, A's frame, in metres; empty unless `Pairs` was asked with
-    /// directions.
+    /// Supports of the contact, in A's frame, in metres; empty except for `Pairs` with directions.
     pub supports: Supports,
 }
 
 /// Scratch for jobs, allocated once.
 #[derive(Clone, Debug)]
 pub struct Kernel {
-    /// Pairs that wait; `room` of them at most.
+    /// Waiting pairs, at most `room`.
     stack: Vec<NodePair>,
     room: usize,
     hits_a: Hits,
@@ -155,7 +154,8 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Room for any job over trees of these depths with so many triangles.
+    /// Creates a kernel with capacity for any job over trees of these depths and numbers of
+    /// triangles.
     #[must_use]
     pub fn with_room(depth_a: u32, depth_b: u32, triangles_a: usize, triangles_b: usize) -> Self {
         let room = stack_room(depth_a, depth_b);
@@ -171,17 +171,17 @@ impl Kernel {
         }
     }
 
-    /// Walks otherwise from now on.
+    /// Sets the walk of later jobs.
     pub fn set_walk(&mut self, walk: Walk) {
         self.walk = walk;
     }
 
-    /// Uses these vector instructions from now on, and not the widest of this processor.
+    /// Sets the vector instructions of later jobs, instead of the widest of this processor.
     pub fn set_level(&mut self, level: Level) {
         self.level = level;
     }
 
-    /// Makes room for larger bodies, between jobs; allocates only if there was none.
+    /// Ensures capacity for larger bodies, between jobs; allocates only if there is too little.
     pub fn ensure_room(
         &mut self,
         depth_a: u32,
@@ -197,18 +197,18 @@ impl Kernel {
 
     /// Runs one job: everything below `start`, whose boxes are taken to overlap.
     ///
-    /// `budget` bounds the tests of boxes and triangles together, and what intersecting pairs cost
-    /// besides counts as tests. It is looked at between steps, and two leaves are one step, so it
-    /// may be exceeded by the tests of two leaves ([`within`]). Any budget
-    /// above 0 makes progress. Nothing is allocated.
+    /// `budget` bounds the tests of boxes and triangles together; the other costs of intersecting
+    /// pairs are counted as tests. It is checked between steps, and two leaves are one step, so it
+    /// may be exceeded by the tests of two leaves ([`within`]). Any budget above 0 makes progress.
+    /// Nothing is allocated.
     ///
-    /// Should the trees be deeper than the kernel has room for, the job ends as
-    /// [`End::OutOfBudget`], and the jobs over what remains start deeper.
+    /// If the trees are deeper than the kernel has capacity for, the job ends as
+    /// [`End::OutOfBudget`], and the jobs over the remainder start deeper.
     ///
     /// # Panics
     ///
-    /// If there is no room for the triangles below `start` ([`Kernel::ensure_room`] makes it), or
-    /// if a number in a tree is out of range: a damaged tree must not produce an answer.
+    /// There is no capacity for the triangles below `start` (see [`Kernel::ensure_room`]), or a
+    /// number in a tree is out of range: a damaged tree must not produce an answer.
     pub fn run(
         &mut self,
         task: &Task<'_>,
@@ -234,8 +234,8 @@ impl Kernel {
         found.outcome(end)
     }
 
-    /// The pairs that the last job left open, its own included: they cover all that it did not
-    /// test, each pair of triangles once. Empty after [`End::Complete`].
+    /// The pairs that the last job left open, its own included: they cover everything that it did
+    /// not test, each pair of triangles once. Empty after [`End::Complete`].
     #[must_use]
     pub fn remaining(&self) -> &[NodePair] {
         &self.stack

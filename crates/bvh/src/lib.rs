@@ -1,13 +1,12 @@
-//! Bounding volume hierarchies over anybody's triangles, and which of two bodies' intersect.
+//! Bounding volume hierarchies over triangles, and which triangles of two bodies intersect.
 //!
 //! ```text
 //! triangles --Tree::build--> Tree --query--> pairs, sets, touches
 //! ```
 //!
-//! That is all it takes: [`query`] has an example. Triangles that mean more are those of a
-//! [`body::Body`], which has such a tree beside its mass, parts and zones. A question about two can
-//! be cut into jobs, for several threads ([`parallel`]) or for processes that a coordinator tells
-//! what to do:
+//! For plain triangles this is all that is needed: see the example in [`query`]. A [`body::Body`]
+//! has such a tree together with its mass, parts and zones. A task on two bodies can be split into
+//! jobs, for several threads ([`parallel`]) or for worker processes under a coordinator:
 //!
 //! ```text
 //! Mesh --build::body--> Body        front::front: both trees down to the distribution depth
@@ -20,17 +19,17 @@
 //! (Open Transp. J. 12, 2018): hierarchies of axis-aligned boxes with a split that keeps the parts
 //! short, descended to a distribution depth, the overlapping pairs handed to several cores.
 //!
-//! This crate does no I/O, reads no clock, and knows nothing of harm or of who runs a job.
+//! This crate does no I/O, reads no clock, and does not know about harm or about who runs a job.
 //!
 //! # Invariants
 //!
-//! - A tree is a pure function of triangles, build and leaf size, whatever the number of threads:
-//!   `build/tests.rs`.
+//! - A tree is a pure function of triangles, build and leaf size, independent of the number of
+//!   threads: `build/tests.rs`.
 //! - No intersecting pair is lost by a box test: `placement/tests.rs`.
-//! - Each pair of triangles is in at most one job of a front, each intersecting one in exactly one:
-//!   `front/tests.rs`.
+//! - Each pair of triangles is in at most one job of a front, each intersecting pair in exactly
+//!   one: `front/tests.rs`.
 //! - Hit sets, pairs, their count and hash, zones and supports do not depend on tree, build, depth
-//!   or leaf size, nor on where a budget cut: `kernel/tests.rs`, `query/tests.rs`.
+//!   or leaf size, nor on where a budget cuts a job: `kernel/tests.rs`, `query/tests.rs`.
 //! - Nothing recurses, and [`kernel::Kernel::run`] allocates nothing.
 
 pub mod build;
@@ -57,20 +56,20 @@ pub use tree::Tree;
 /// Work done, in the terms of the cost model T = Nb·Cb + Np·Cp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Tests of two boxes against each other, whether of nodes or of triangles.
+    /// Tests of two boxes, whether of nodes or of triangles.
     pub nb: u64,
-    /// Tests of two triangles against each other.
+    /// Tests of two triangles.
     pub np: u64,
 }
 
 impl Counters {
-    /// Tests of both kinds: what a budget bounds.
+    /// Tests of both kinds, which a budget bounds.
     #[must_use]
     pub fn tests(&self) -> u64 {
         self.nb + self.np
     }
 
-    /// Includes the work of `other`.
+    /// Adds the work of `other`.
     pub fn add(&mut self, other: &Self) {
         self.nb += other.nb;
         self.np += other.np;

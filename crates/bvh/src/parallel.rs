@@ -1,28 +1,27 @@
 //! One task on several threads of this process.
 //!
-//! Nothing is dealt out beforehand and nothing is estimated. The thread that asks begins with all
-//! of both bodies, and whoever has nothing to do says so. The others hear it between two tests:
-//! while no pairs lie open, one of them stops its job and lays what is left of it open. So work is
-//! split where the contact is, only while somebody wants it, and a small task not at all. This is
-//! work stealing in which the victim gives: Acar, Charguéraud and Rainey, *Scheduling Parallel
-//! Programs by Work Stealing with Private Deques* (PPoPP 2013).
+//! Work is neither distributed in advance nor estimated. The calling thread starts with all of both
+//! bodies, and idle threads announce themselves. The others check for this between two tests: while
+//! no pairs are open, one of them stops its job and publishes the rest as open pairs. So work is
+//! split where the contact is, only on demand, and a small task is not split at all. This is work
+//! stealing in which the victim gives: Acar, Charguéraud and Rainey, *Scheduling Parallel Programs
+//! by Work Stealing with Private Deques* (PPoPP 2013).
 //!
 //! ```text
 //! run ── roots ──▶ job ── complete ──▶ the largest open pair; if there is none, wait
 //!                   │                              ▲
-//!                   └─ somebody waits: what remains ──▶ open pairs ──▶ job of who waits
+//!                   └─ a thread waits: what remains ──▶ open pairs ──▶ its job
 //! ```
 //!
-//! A waiting thread spins, then yields, then sleeps: the next task finds it awake if it comes soon,
-//! and idle threads cost nothing.
+//! A waiting thread spins, then yields, then sleeps: if the next task comes soon, it finds the
+//! thread awake, and idle threads cost nothing.
 //!
 //! # Invariants
 //!
-//! - The outcome of a task, but for its counters, and the triangles hit are the same for any number
+//! - The outcome of a task, except its counters, and the triangles hit are the same for any number
 //!   of threads: jobs merge by sum, union and maximum. `parallel/tests.rs`.
-//! - The work ends: a job that is stopped leaves smaller pairs, or is done again without being
-//!   disturbed.
-//! - Nobody waits for a thread that panicked: its panic goes on in the thread that asked.
+//! - The work terminates: a stopped job leaves smaller pairs, or is repeated without interruption.
+//! - No thread waits for one that panicked: the panic resumes in the calling thread.
 
 use crate::hits::Hits;
 use crate::{Counters, End, Kernel, NodePair, Outcome, Question, Side, Sink, Task};
@@ -36,81 +35,81 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Tests that a job does at least before it is stopped for others: to stop, to wake somebody and to
-/// begin again takes as long as some thousand.
+/// Minimum number of tests before a job is stopped for others: stopping, waking a thread and
+/// restarting take as long as a few thousand tests.
 const TESTS_MIN: u64 = 4 * crate::kernel::BEAT_TESTS;
 
-/// How often a waiting thread offers its core to others before it sleeps: for a fraction of a
-/// millisecond, much longer than a task's last jobs and what passes between two tasks.
+/// How often a waiting thread yields its core before it sleeps: for a fraction of a millisecond,
+/// much longer than a task's last jobs or the gap between two tasks.
 const YIELDS_MAX: u32 = 1000;
 
-/// Threads that answer questions together; [`with`] makes them.
+/// Threads that run tasks together; created by [`with`].
 #[derive(Debug)]
 pub struct Parallel<'c, 't> {
     shared: &'c Shared<'t>,
     own: Own,
-    /// Of the last task.
+    /// Results of the last task.
     found: Found,
     seen: Hits,
 }
 
-/// What the threads share.
+/// State shared by the threads.
 #[derive(Debug, Default)]
 struct Shared<'t> {
     state: Mutex<State<'t>>,
     changed: Condvar,
-    /// Counts what threads wait for: open pairs, the end of a task, the end of all. Changes under
-    /// the lock alone.
+    /// Counts the events that threads wait for: open pairs, the end of a task, shutdown. Changes
+    /// only under the lock.
     changes: CachePadded<AtomicU64>,
-    /// Threads that wait, beyond those for which a pair is open.
+    /// Number of waiting threads in excess of open pairs.
     wanting: CachePadded<AtomicUsize>,
-    /// [`Question::Touches`] has its answer.
+    /// Whether [`Question::Touches`] is answered.
     is_answered: CachePadded<AtomicBool>,
 }
 
 #[derive(Debug, Default)]
 struct State<'t> {
     task: Option<Task<'t>>,
-    /// Pairs that nobody works on; the first of a stopped job, the largest, comes last.
+    /// Pairs that no thread works on; the first of a stopped job, the largest, comes last.
     open: Vec<NodePair>,
     working: usize,
     waiting: usize,
     sleeping: usize,
-    /// Of the threads that have stopped working.
+    /// Merged results of the threads that have stopped working.
     found: Found,
     panic: Option<Box<dyn Any + Send>>,
     is_over: bool,
 }
 
-/// What jobs found.
+/// Results of jobs.
 #[derive(Debug)]
 struct Found {
     outcome: Outcome,
-    /// Of A and of B; a triangle at most once per job.
+    /// Of A and of B; each triangle at most once per job.
     hits: [Vec<u32>; 2],
     jobs: u64,
 }
 
-/// What a thread has for itself.
+/// Buffers of one thread.
 #[derive(Debug)]
 struct Own {
     kernel: Kernel,
     found: Found,
 }
 
-/// The sink of a job: it keeps hits, and hears whether somebody waits.
+/// The sink of a job: collects hits and checks whether threads are waiting.
 struct JobSink<'e, 't> {
     shared: &'e Shared<'t>,
-    /// Where hits go; nowhere if they are not asked for.
+    /// Where hits go; `None` if they are not needed.
     hits: Option<&'e mut [Vec<u32>; 2]>,
     question: Question,
-    /// Whether the job may be stopped for those who wait.
+    /// Whether the job may be stopped for waiting threads.
     shares: bool,
 }
 
-/// Lets `ask` put tasks to so many threads, its own included; 0 is 1.
+/// Calls `ask` with a pool of this many threads, including the calling one; 0 counts as 1.
 ///
-/// `kernel` makes the kernel of each thread. It must have room for the bodies of all tasks to come,
+/// `kernel` creates the kernel of each thread. It must have capacity for the bodies of all tasks,
 /// see [`Kernel::run`].
 ///
 /// # Panics
@@ -124,7 +123,7 @@ pub fn with<'t, R>(
     let shared = Shared::default();
     let own = || Own { kernel: kernel(), found: Found::default() };
     thread::scope(|scope| {
-        // When it goes, the others end: so it must go however this ends.
+        // Dropping it ends the other threads, so it must be dropped on every exit path.
         let mut parallel = Parallel {
             shared: &shared,
             own: own(),
@@ -140,12 +139,12 @@ pub fn with<'t, R>(
 }
 
 impl<'t> Parallel<'_, 't> {
-    /// Answers `task`: the merge of all jobs below the roots. Nothing is allocated but where more
-    /// pairs lie open, or more triangles are hit, than ever before.
+    /// Runs `task` and returns the merge of all jobs below the roots. Allocates only if more pairs
+    /// are open, or more triangles are hit, than ever before.
     ///
     /// # Panics
     ///
-    /// As [`Kernel::run`], in whichever thread.
+    /// As [`Kernel::run`], in any of the threads.
     pub fn run(&mut self, task: &Task<'t>) -> Outcome {
         self.found.clear();
         self.shared.begin(task);
@@ -168,13 +167,14 @@ impl<'t> Parallel<'_, 't> {
     }
 
     /// The triangles of one body that the last task hit, by number in leaf order: each once, in no
-    /// particular order. Kept for [`Question::Sets`] alone.
+    /// particular order. Recorded only for [`Question::Sets`].
     #[must_use]
     pub fn hits(&self, side: Side) -> &[u32] {
         &self.found.hits[side as usize]
     }
 
-    /// Jobs that the last task took: 1 if nobody wanted a part of it. It depends on who had time.
+    /// Number of jobs of the last task: 1 if it was not split. It depends on which threads were
+    /// idle.
     #[must_use]
     pub fn jobs(&self) -> u64 {
         self.found.jobs
@@ -191,7 +191,7 @@ impl Drop for Parallel<'_, '_> {
 }
 
 impl<'t> Shared<'t> {
-    /// The state is changed in one go wherever it is, so a panic leaves it whole.
+    /// Every update completes under one lock, so a panic leaves the state consistent.
     fn lock(&self) -> MutexGuard<'_, State<'t>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -203,10 +203,10 @@ impl<'t> Shared<'t> {
         self.is_answered.store(false, Ordering::Relaxed);
     }
 
-    /// The life of all threads but the one that asks.
+    /// The main loop of all threads except the calling one.
     fn help(&self, mut own: Own) {
         while let Some((task, pair)) = self.wait(State::job_or_end) {
-            // Scratch that a panic leaves behind is not used again: this thread ends.
+            // Scratch left behind by a panic is not used again: this thread ends.
             let worked = catch_unwind(AssertUnwindSafe(|| self.work(&mut own, &task, pair)));
             if let Err(panic) = worked {
                 let mut state = self.lock();
@@ -217,7 +217,7 @@ impl<'t> Shared<'t> {
         }
     }
 
-    /// Works on `pair`, then on whatever is open; hands in what it found when nothing is.
+    /// Works on `pair`, then on any open pairs; hands in its results when there are none.
     fn work(&self, own: &mut Own, task: &Task<'t>, mut pair: NodePair) {
         loop {
             own.run(self, task, pair);
@@ -243,7 +243,8 @@ impl<'t> Shared<'t> {
         }
     }
 
-    /// For the thread that asks: an open pair, or else, when nobody works any more, what was found.
+    /// For the calling thread: returns an open pair, or `None` with the merged results once no
+    /// thread is working.
     fn wait_for_the_rest(&self, found: &mut Found) -> Option<NodePair> {
         let next = self.wait(|state| {
             if let Some(panic) = state.panic.take() {
@@ -260,7 +261,7 @@ impl<'t> Shared<'t> {
         next.unwrap_or_else(|panic| resume_unwind(panic))
     }
 
-    /// Waits until `ready` has something, which it sees again after every change.
+    /// Waits until `ready` returns a value; it is called again after every change.
     fn wait<T>(&self, mut ready: impl FnMut(&mut State<'t>) -> Option<T>) -> T {
         let mut state = self.lock();
         state.waiting += 1;
@@ -289,7 +290,7 @@ impl<'t> Shared<'t> {
         }
     }
 
-    /// Lets all who wait look again.
+    /// Wakes all waiting threads to check again.
     fn tell(&self, state: &State<'t>) {
         self.count(state);
         self.changes.fetch_add(1, Ordering::Relaxed);
@@ -298,7 +299,8 @@ impl<'t> Shared<'t> {
         }
     }
 
-    /// Counts who waits in vain. After every change of `open` or `waiting`, under the lock.
+    /// Recounts the waiting threads without a pair. Call after every change of `open` or `waiting`,
+    /// under the lock.
     fn count(&self, state: &State<'t>) {
         let wanting = state.waiting.saturating_sub(state.open.len());
         self.wanting.store(wanting, Ordering::Relaxed);
@@ -306,23 +308,23 @@ impl<'t> Shared<'t> {
 }
 
 impl<'t> State<'t> {
-    /// The next job for a thread that waits, which works from now on.
+    /// The next job for a waiting thread, which counts as working from now on.
     fn job(&mut self) -> Option<(Task<'t>, NodePair)> {
         let job = (self.task?, self.open.pop()?);
         self.working += 1;
         Some(job)
     }
 
-    /// The same, or nothing for ever.
+    /// The next job, or `None` on shutdown.
     fn job_or_end(&mut self) -> Option<Option<(Task<'t>, NodePair)>> {
         if self.is_over { Some(None) } else { self.job().map(Some) }
     }
 }
 
 impl Own {
-    /// Runs the job below `pair`; what remains of it is not `pair` alone.
+    /// Runs the job below `pair`; what remains of it is never just `pair` itself.
     fn run(&mut self, shared: &Shared<'_>, task: &Task<'_>, pair: NodePair) {
-        // Where two large leaves meet, a job may be stopped before it got anywhere.
+        // Where two large leaves meet, a job may be stopped before it makes progress.
         for shares in [true, false] {
             let hits = (task.question == Question::Sets).then_some(&mut self.found.hits);
             let mut sink = JobSink { shared, hits, question: task.question, shares };
@@ -379,7 +381,7 @@ impl Found {
         self.jobs = 0;
     }
 
-    /// Includes what `other` found, and leaves it nothing.
+    /// Takes over the results of `other`, leaving it empty.
     fn take(&mut self, other: &mut Self) {
         self.add(&other.outcome, other.jobs);
         for (hits, more) in self.hits.iter_mut().zip(&mut other.hits) {
@@ -388,12 +390,12 @@ impl Found {
         other.clear();
     }
 
-    /// Includes the outcome of so many jobs, more than none. What they left open is others'.
+    /// Adds the outcome of `jobs` jobs, at least one. Pairs they left open belong to other jobs.
     fn add(&mut self, other: &Outcome, jobs: u64) {
         let is_first = self.jobs == 0;
         self.jobs += jobs;
         if is_first {
-            // Most tasks are one job: it need not be merged with nothing.
+            // Most tasks are one job, which needs no merging.
             self.outcome = Outcome { end: End::Complete, ..*other };
             return;
         }

@@ -1,15 +1,15 @@
-//! Whether a box of A and a box of B can meet, for one relative pose.
+//! Whether a box of A and a box of B can overlap, for one relative pose.
 //!
 //! A box of B is not axis-aligned in A's frame, nor is one of A in B's. Both frames' axes are tried
 //! as separating axes: the first six of the fifteen of Gottschalk, Lin and Manocha, *OBBTree*
-//! (1996). The nine that remain cost more than they save.
+//! (1996). The remaining nine cost more than they save.
 
 use body::BodyView;
 use geometry::{Aabb, DVec3, RelativePose};
 
-/// B's boxes among A's.
+/// Box tests between A and B.
 ///
-/// [`Placement::apart`] is only ever said of boxes whose triangles share no point: what rounding
+/// [`Placement::apart`] is true only for boxes whose triangles share no point: whatever rounding
 /// may have moved, here and in [`RelativePose::point`], is added to the reach of the boxes.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
@@ -20,15 +20,16 @@ pub struct Placement {
     rows_abs: [DVec3; 3],
     columns_abs: [DVec3; 3],
     translation: DVec3,
-    /// Added to every distance that must be exceeded along an axis of A, in metres.
+    /// Slack (m) added to every distance along an axis of A.
     slack: f64,
-    /// The same along an axis of B, where it also scales with `skew`.
+    /// Slack (m) added to every distance along an axis of B; there it also scales with `skew`.
     slack_b: f64,
-    /// How far RᵀR is from the identity: rows of a stored rotation are rounded. No unit.
+    /// The deviation of RᵀR from the identity, dimensionless: rows of a stored rotation are
+    /// rounded.
     skew: f64,
 }
 
-/// A box of A, made ready to be tested against several of B.
+/// A box of A, prepared for tests against several of B.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxA {
     centre: DVec3,
@@ -37,7 +38,7 @@ pub struct BoxA {
     reach: DVec3,
 }
 
-/// A box of B, made ready to be tested against several of A.
+/// A box of B, prepared for tests against several of A.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxB {
     /// Centre in A's frame.
@@ -49,7 +50,7 @@ pub struct BoxB {
 }
 
 impl Placement {
-    /// For bodies that lie within the boxes `a` and `b`, each in its own frame.
+    /// Creates the test for bodies that lie within the boxes `a` and `b`, each in its own frame.
     #[must_use]
     pub fn new(pose: &RelativePose, a: &Aabb, b: &Aabb) -> Self {
         let rows = pose.rotation.map(DVec3::from_array);
@@ -78,13 +79,13 @@ impl Placement {
         Self { rows, columns, rows_abs, columns_abs, translation, slack, slack_b, skew }
     }
 
-    /// The placement of two bodies under `pose`.
+    /// Creates the test for two bodies under `pose`.
     #[must_use]
     pub fn of(a: &BodyView<'_>, b: &BodyView<'_>, pose: &RelativePose) -> Self {
         Self::new(pose, &a.bounds(), &b.bounds())
     }
 
-    /// Makes a box of A ready; it is given in A's frame.
+    /// Prepares a box of A, given in A's frame.
     #[must_use]
     #[inline]
     pub fn box_a(&self, box_: &Aabb) -> BoxA {
@@ -92,7 +93,7 @@ impl Placement {
         BoxA { centre, half, reach: combine(&self.rows_abs, half) }
     }
 
-    /// Makes a box of B ready; it is given in B's frame.
+    /// Prepares a box of B, given in B's frame.
     #[must_use]
     #[inline]
     pub fn box_b(&self, box_: &Aabb) -> BoxB {
@@ -104,9 +105,9 @@ impl Placement {
         }
     }
 
-    /// Whether nothing in `a` can meet anything in `b`.
+    /// Whether nothing in `a` can intersect anything in `b`.
     ///
-    /// Boxes that are not finite, or a pose that is not, are never apart.
+    /// Always false if a box or the pose is not finite.
     #[must_use]
     #[inline]
     pub fn apart(&self, a: &BoxA, b: &BoxB) -> bool {
@@ -118,8 +119,8 @@ impl Placement {
     }
 }
 
-/// The sum of three vectors, each times one coordinate: with the columns of R it is R v, with its
-/// rows Rᵀ v. Three lanes side by side suit a processor better than three dot products.
+/// The sum of three vectors, each times one coordinate: R v with the columns of R, Rᵀ v with its
+/// rows. Three parallel lanes suit a processor better than three dot products.
 #[inline]
 fn combine(vectors: &[DVec3; 3], v: DVec3) -> DVec3 {
     vectors[0] * v.x + vectors[1] * v.y + vectors[2] * v.z

@@ -1,4 +1,4 @@
-//! Which triangles of two bodies intersect: pairs, sets, or whether any do.
+//! Which triangles of two bodies intersect: all pairs, the sets of triangles, or whether any do.
 //!
 //! ```text
 //! triangles of A --Tree::build--> tree ─┐               ┌─▶ touches: yes or no, at the first hit
@@ -6,20 +6,20 @@
 //! where B stands in A's frame ──────────┘               └─▶ pairs, for_each_pair: who hits whom
 //! ```
 //!
-//! The question is put to a [`Tree`], a [`body::Body`] or a [`BodyView`] alike. Ids are numbers of
-//! triangles in the order given to [`Tree::build`], or the source ids of a body.
+//! A query takes a [`Tree`], a [`body::Body`] or a [`BodyView`]. Ids are indices of triangles in
+//! the order given to [`Tree::build`], or the source ids of a body.
 //!
-//! # What is exact
+//! # Exactness
 //!
 //! A triangle is closed, and two intersect if they share a point: touching counts, and so does
-//! overlap in one plane; a degenerate triangle is the segment or point that it is. All is decided
-//! in A's frame. A corner of B stands there at [`RelativePose::point`], in f64: on these numbers
-//! every answer is exact, and so the same for every build, leaf size, walk and width of vectors.
-//! Turned round, with B's frame for A's, these numbers are rounded otherwise, and triangles that no
-//! more than touch may come apart.
+//! overlap in one plane; a degenerate triangle is tested as the segment or point it is. Everything
+//! is computed in A's frame. There, a corner of B is at [`RelativePose::point`], in f64: on these
+//! coordinates every answer is exact, and thus the same for every build, leaf size, walk and vector
+//! width. If A and B are swapped, these coordinates are rounded differently, and triangles that
+//! barely touch may come apart.
 //!
-//! Coordinates are in metres and poses are rigid, but nothing here depends on it: any one unit will
-//! do, and any matrix for a rotation. Only the boxes are loose then.
+//! Coordinates are in metres and poses are rigid, but nothing depends on it: any single unit works,
+//! and any matrix as a rotation; the boxes are merely looser then.
 //!
 //! # Example
 //!
@@ -38,8 +38,8 @@
 //! let (stair, pole) = (Tree::build(&stair, &options)?, Tree::build(&pole, &options)?);
 //!
 //! // Where each stands in the world; the test takes place in the frame of the stair.
-//! let at = |x| Pose::from_degrees(0.0, 0.0, 0.0, [x, 0.2, 0.0]);
-//! let pose = RelativePose::between(&Pose::IDENTITY, &at(0.3));
+//! let pole_at = |x| Pose::from_degrees(0.0, 0.0, 0.0, [x, 0.2, 0.0]);
+//! let pose = RelativePose::between(&Pose::IDENTITY, &pole_at(0.3));
 //!
 //! let mut workspace = Workspace::new();
 //! assert!(touches(&stair, &pole, &pose, &mut workspace)?);
@@ -51,7 +51,7 @@
 //! let first = for_each_pair(&stair, &pole, &pose, &mut workspace, found)?;
 //! assert!(matches!(first, ControlFlow::Break((0 | 1, 0))));
 //!
-//! let beside = RelativePose::between(&Pose::IDENTITY, &at(1.5));
+//! let beside = RelativePose::between(&Pose::IDENTITY, &pole_at(1.5));
 //! assert!(!touches(&stair, &pole, &beside, &mut workspace)?);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -64,22 +64,22 @@ use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
 
-// All names that a query takes: who asks one needs no other crate.
+// All names that a query takes: callers need no other crate.
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
 pub use geometry::simd::Level;
 pub use geometry::{Corners, Pose, RelativePose};
 
-/// Greatest number in a pose: beyond, points of B might have no finite coordinates.
+/// Greatest magnitude of a number in a pose: beyond it, points of B might not have finite
+/// coordinates.
 pub const POSE_MAX: f64 = 1e100;
 
-/// Levels of a tree that a workspace has room for from the start: those of a million triangles, and
-/// some. It grows where that is too little. The kernel makes use of so many at most; what it then
-/// leaves open becomes jobs of their own.
+/// Levels of a tree for which a workspace initially has capacity: those of a million triangles,
+/// with some to spare. It grows on demand. The kernel uses at most this many; what it leaves open
+/// then becomes separate jobs.
 const LEVELS: u32 = 32;
 
-/// Memory for queries, used again by each: of any bodies, one after the other. It grows to what the
-/// largest needed, some 60 kB and two bits per triangle, and then nothing is allocated but what
-/// is returned.
+/// Buffers for queries, reusable for any sequence of bodies. They grow to the size of the largest
+/// query, about 60 kB plus two bits per triangle; after that only results are allocated.
 ///
 /// Each thread has its own; trees are shared.
 #[derive(Clone, Debug)]
@@ -87,28 +87,29 @@ pub struct Workspace {
     kernel: Kernel,
     /// Jobs to do, the next one last.
     open: Vec<NodePair>,
-    /// For which the kernel has room, of either tree.
+    /// The tree depth for which the kernel has capacity, in either tree.
     levels: u32,
 }
 
 impl Workspace {
-    /// Memory to begin with. The walk is the wide one, with the widest vectors of this processor.
+    /// Creates an initial workspace. The walk is the wide one, with the widest vectors of this
+    /// processor.
     #[must_use]
     pub fn new() -> Self {
         Self { kernel: Kernel::with_room(LEVELS, LEVELS, 0, 0), open: Vec::new(), levels: LEVELS }
     }
 
-    /// Walks otherwise from now on: the answers are the same.
+    /// Sets the walk of later queries; the answers do not change.
     pub fn set_walk(&mut self, walk: Walk) {
         self.kernel.set_walk(walk);
     }
 
-    /// Uses these vector instructions from now on: the answers are the same.
+    /// Sets the vector instructions of later queries; the answers do not change.
     pub fn set_level(&mut self, level: Level) {
         self.kernel.set_level(level);
     }
 
-    /// Runs jobs until all of both bodies is done or `sink` says stop.
+    /// Runs jobs until all of both bodies is done or `sink` stops it.
     fn run(&mut self, task: &Task<'_>, sink: &mut dyn Sink) -> Result<End, PoseError> {
         let numbers = task.pose.rotation.as_flattened().iter().chain(&task.pose.translation);
         if !numbers.copied().all(|x| x.abs() <= POSE_MAX) {
@@ -124,7 +125,7 @@ impl Workspace {
         while let Some(start) = self.open.pop() {
             let outcome = self.kernel.run(task, start, u64::MAX, sink);
             match outcome.end {
-                // Other jobs are open where there was no room for one over all.
+                // Other jobs remain open if the stack had no capacity for one job over everything.
                 End::Complete if task.question == Question::Touches && outcome.pairs > 0 => break,
                 End::Complete => {}
                 End::Stopped => return Ok(End::Stopped),
@@ -149,12 +150,12 @@ impl Default for Workspace {
     }
 }
 
-/// Triangles that are hit, by id, ascending.
+/// Ids of the triangles that are hit, ascending.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HitSets {
-    /// Those of A that intersect any triangle of B.
+    /// Triangles of A that intersect any triangle of B.
     pub of_a: Vec<u32>,
-    /// Those of B that intersect any triangle of A.
+    /// Triangles of B that intersect any triangle of A.
     pub of_b: Vec<u32>,
 }
 
@@ -172,7 +173,7 @@ impl Diagnostic for PoseError {
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
-        Some("look at what the pose was computed from".into())
+        Some("check the values from which the pose is computed".into())
     }
 }
 
@@ -184,17 +185,17 @@ impl fmt::Display for PoseError {
 
 impl std::error::Error for PoseError {}
 
-/// Whether any triangle of `a` intersects any of `b`, which stands at `pose` in A's frame: the
-/// first pair that is found answers it.
+/// Whether any triangle of `a` intersects any of `b`, whose pose in A's frame is `pose`. Stops at
+/// the first pair found.
 ///
 /// # Errors
 ///
-/// If the pose is not finite.
+/// The pose is not finite, or exceeds [`POSE_MAX`].
 ///
 /// # Panics
 ///
-/// As all queries, if a view is of a damaged tree; what [`Tree::build`] or a verified model file
-/// gives is none.
+/// Like all queries, if a view is of a damaged tree; [`Tree::build`] and verified model files never
+/// produce one.
 pub fn touches<'t>(
     a: impl Into<BodyView<'t>>,
     b: impl Into<BodyView<'t>>,
@@ -207,12 +208,12 @@ pub fn touches<'t>(
     Ok(first.0)
 }
 
-/// Which triangles of `a` and of `b`, which stands at `pose` in A's frame, intersect any of the
-/// other. Quicker than [`pairs`] where many intersect: not all pairs need to be tested.
+/// Returns which triangles of `a` and of `b`, whose pose in A's frame is `pose`, intersect any of
+/// the other body. Faster than [`pairs`] where many intersect: not all pairs need to be tested.
 ///
 /// # Errors
 ///
-/// If the pose is not finite.
+/// The pose is not finite, or exceeds [`POSE_MAX`].
 pub fn sets<'t>(
     a: impl Into<BodyView<'t>>,
     b: impl Into<BodyView<'t>>,
@@ -225,20 +226,20 @@ pub fn sets<'t>(
     let mut hits = gathered.hits;
     for ids in [&mut hits.of_a, &mut hits.of_b] {
         ids.sort_unstable();
-        // Several jobs may have hit the same.
+        // Several jobs may have hit the same triangle.
         ids.dedup();
     }
     Ok(hits)
 }
 
-/// All pairs of a triangle of `a` and one of `b`, which stands at `pose` in A's frame, that
-/// intersect: ids of A and of B, each pair once, ascending.
+/// Returns all intersecting pairs of a triangle of `a` and one of `b`, whose pose in A's frame is
+/// `pose`: ids of A and of B, each pair once, ascending.
 ///
-/// The order is for those who compare; [`for_each_pair`] does without, and without the memory.
+/// Sorting makes results comparable; [`for_each_pair`] needs neither the order nor the memory.
 ///
 /// # Errors
 ///
-/// If the pose is not finite.
+/// The pose is not finite, or exceeds [`POSE_MAX`].
 pub fn pairs<'t>(
     a: impl Into<BodyView<'t>>,
     b: impl Into<BodyView<'t>>,
@@ -255,13 +256,13 @@ pub fn pairs<'t>(
     Ok(pairs)
 }
 
-/// Calls `each` with the ids of every pair of a triangle of `a` and one of `b`, which stands at
-/// `pose` in A's frame, that intersect: each pair once, in no particular order, until it says
-/// `Break`. What it breaks with is returned; it is not called again.
+/// Calls `each` with the ids of every intersecting pair of a triangle of `a` and one of `b`, whose
+/// pose in A's frame is `pose`: each pair once, in no particular order, until it returns `Break`.
+/// That value is returned; `each` is not called again.
 ///
 /// # Errors
 ///
-/// If the pose is not finite.
+/// The pose is not finite, or exceeds [`POSE_MAX`].
 pub fn for_each_pair<'t, B>(
     a: impl Into<BodyView<'t>>,
     b: impl Into<BodyView<'t>>,
@@ -279,7 +280,7 @@ fn task<'t>(a: BodyView<'t>, b: BodyView<'t>, pose: &RelativePose, question: Que
     Task { a, b, pose: *pose, question, directions: None }
 }
 
-/// Whether there was a hit: then nothing else is to be looked at.
+/// Whether there was a hit, which ends the query.
 struct First(bool);
 
 impl Sink for First {
@@ -314,7 +315,7 @@ impl Sink for Gathered<'_> {
     }
 }
 
-/// Tells of pairs by their ids.
+/// Reports pairs by their ids.
 struct Listed<'l, F, B> {
     ids: [&'l [u32]; 2],
     each: F,

@@ -1,19 +1,19 @@
-//! What contact below a pair of nodes can reach at most: the bound of a job that is not done.
+//! What contact below a pair of nodes can reach at most: the bound for an unfinished job.
 //!
-//! Two triangles meet where both are, so all points of their contact lie in both nodes' boxes.
+//! Contact points of two triangles lie in both, and so in both nodes' boxes.
 
 use crate::NodePair;
 use body::BodyView;
 use geometry::{Directions, RelativePose, Supports};
 
-/// Adds to `supports` those of everything that contact below `pair` can reach, in A's frame.
+/// Adds to `supports` everything that contact below `pair` can reach, in A's frame.
 ///
-/// Both boxes are larger by `margin` (m) all round, for what rounding does to points of contact. If
-/// they still share nothing, nothing is added.
+/// Both boxes are enlarged by `margin` (m) on all sides, to cover the rounding of contact points.
+/// If they are still disjoint, nothing is added.
 ///
 /// # Panics
 ///
-/// If a node's number is out of range.
+/// A node number is out of range.
 pub fn reach(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     pose: &RelativePose,

@@ -1,8 +1,8 @@
-//! Sections: what lies below a node, and what it weighs.
+//! Sections: what lies below a node, and its size in bytes.
 //!
 //! Nodes are stored in preorder and triangles in leaf order, so everything below a node is one
 //! range of nodes and one range of triangles. A section is such a pair of ranges, named by its
-//! node; it is what the match schemes count and what the transfer ledger weighs.
+//! node; match schemes count sections, and transfer volume is measured in them.
 
 use body::Node;
 use std::ops::Range;
@@ -10,11 +10,11 @@ use std::ops::Range;
 /// Bytes of a triangle in a section: nine f32.
 pub const TRIANGLE_BYTES: u64 = 36;
 
-/// Bytes of a node in a section: the six f32 of its box. What links nodes follows from preorder.
+/// Bytes of a node in a section: the six f32 of its box. Links follow from preorder.
 pub const NODE_BYTES: u64 = 24;
 
-/// The triangles below `node`, in leaf order. Takes as many steps as the tree is deep; empty where
-/// there is no such node.
+/// The triangles below `node`, in leaf order. Takes time proportional to the tree depth; empty if
+/// the node does not exist.
 #[must_use]
 pub fn triangles(nodes: &[Node], node: u32) -> Range<u32> {
     let first = nodes[(node as usize).min(nodes.len())..].iter().find(|n| n.is_leaf());
@@ -24,8 +24,8 @@ pub fn triangles(nodes: &[Node], node: u32) -> Range<u32> {
     }
 }
 
-/// The nodes of the subtree whose root is `node`, itself included. Takes as many steps as the tree
-/// is deep; empty where there is no such node.
+/// The nodes of the subtree whose root is `node`, including the root. Takes time proportional to
+/// the tree depth; empty if the node does not exist.
 #[must_use]
 pub fn nodes_of(nodes: &[Node], node: u32) -> Range<u32> {
     last_leaf(nodes, node).map_or(0..0, |(last, _)| node..last + 1)
@@ -38,7 +38,7 @@ pub fn bytes(nodes: &[Node], node: u32) -> u64 {
         + NODE_BYTES * nodes_of(nodes, node).len() as u64
 }
 
-/// The leaf that stands last below `node`, and its number.
+/// The last leaf below `node`, with its number.
 fn last_leaf(nodes: &[Node], node: u32) -> Option<(u32, &Node)> {
     let mut at = node;
     loop {
@@ -46,7 +46,7 @@ fn last_leaf(nodes: &[Node], node: u32) -> Option<(u32, &Node)> {
         if node.is_leaf() {
             return Some((at, node));
         }
-        // A child stands behind its parent: a damaged tree ends here instead of going round.
+        // A child is stored after its parent: with a damaged tree this ends instead of looping.
         if node.link <= at {
             return None;
         }

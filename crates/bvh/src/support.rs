@@ -1,8 +1,8 @@
-//! How far a body reaches in a direction: the support of all its corners.
+//! The support of a body in a direction: the maximum over all its corners.
 //!
-//! Branch and bound over the tree. A box is never left out wrongly: its bound is the same sum of
-//! three products, taken at the corner of the box that lies farthest, and products and sums of
-//! floats are monotone even when rounded. So the result is the brute-force maximum, bit for bit.
+//! Branch and bound over the tree. A box is never pruned wrongly: its bound is the same sum of
+//! three products, taken at the farthest corner of the box, and products and sums of floats are
+//! monotone even when rounded. So the result is the brute-force maximum, bit for bit.
 
 use body::BodyView;
 use geometry::{Aabb, DVec3};
@@ -23,19 +23,19 @@ pub fn support(view: &BodyView<'_>, direction: DVec3) -> f64 {
     greatest + 0.0
 }
 
-/// A corner for which `x·d` is the greatest; the origin for a body without a tree.
+/// A corner with the greatest `x·d`; the origin for a body without a tree.
 fn farthest(view: &BodyView<'_>, direction: DVec3) -> [f32; 3] {
     let mut farthest = [0.0; 3];
     for_each_rising(view, direction, |corner, _| farthest = corner);
     farthest
 }
 
-/// Tells of every corner met that lies farther than all before, and how far; the last is the
-/// farthest.
+/// Calls `take` with every corner that lies farther than all before, and its distance; the last is
+/// the farthest.
 fn for_each_rising(view: &BodyView<'_>, direction: DVec3, mut take: impl FnMut([f32; 3], f64)) {
     let bound = |node: u32| reach(&view.nodes[node as usize].bounds, direction);
     let mut greatest = f64::NEG_INFINITY;
-    // One node waits per level of the tree at most.
+    // At most one node waits per level of the tree.
     let mut open = SmallVec::<[(u32, f64); 64]>::new();
     if !view.nodes.is_empty() {
         open.push((0, bound(0)));
@@ -56,7 +56,7 @@ fn for_each_rising(view: &BodyView<'_>, direction: DVec3, mut take: impl FnMut([
             }
         } else {
             let (left, right) = ((at + 1, bound(at + 1)), (node.link, bound(node.link)));
-            // The farther child first: it raises the bar for the other.
+            // The farther child first: it raises the bound for the other.
             open.extend(if left.1 > right.1 { [right, left] } else { [left, right] });
         }
     }
@@ -73,7 +73,7 @@ fn along(point: [f32; 3], d: DVec3) -> f64 {
     (x * d.x + y * d.y) + z * d.z
 }
 
-/// [`along`] at the corner of the box that lies farthest in direction `d`.
+/// [`along`] at the farthest corner of the box in direction `d`.
 fn reach(box_: &Aabb, d: DVec3) -> f64 {
     let farthest = |i: usize| if d[i] < 0.0 { box_.min[i] } else { box_.max[i] };
     along([farthest(0), farthest(1), farthest(2)], d)

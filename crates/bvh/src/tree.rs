@@ -1,4 +1,4 @@
-//! A tree over anybody's triangles: all that is needed to intersect them, and nothing else.
+//! A tree over plain triangles: what is needed to intersect them, and nothing else.
 
 use crate::build::{self, BuildError, BuildOptions};
 use body::{BodyView, Node, Wide, Zones};
@@ -7,30 +7,31 @@ use geometry::{Aabb, Corners};
 /// Triangles in a bounding volume hierarchy, ready to be intersected with others: see
 /// [`crate::query`].
 ///
-/// It knows of no mass, part or file. The id of a triangle is its number in the slice that the tree
-/// was built over, from 0.
+/// It has no mass, parts or file. The id of a triangle is its index in the slice from which the
+/// tree was built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     /// Preorder; the root is node 0.
     pub(crate) nodes: Vec<Node>,
-    /// The same tree, eight boxes at a time.
+    /// The same tree as wide nodes of eight boxes.
     pub(crate) wide: Wide,
-    /// In leaf order, as `ids`.
+    /// In leaf order, like `ids`.
     pub(crate) corners: Vec<Corners>,
     pub(crate) ids: Vec<u32>,
-    /// All 0. The kernel reads those of triangles that are hit; that there may be none would cost
-    /// the bodies that have them more than these cost here.
+    /// All 0. The kernel reads the zones of hit triangles; making them optional would cost bodies
+    /// with zones more than these zeros cost here.
     pub(crate) zones: Vec<Zones>,
     pub(crate) depth: u32,
 }
 
 impl Tree {
-    /// Builds a tree over triangles: three corners of x, y, z each, in metres (or any one unit),
-    /// in a frame of the body's own.
+    /// Builds a tree over triangles: three corners of x, y, z each, in metres (or any one unit), in
+    /// the body's own frame.
     ///
-    /// Any triangles will do: they need not be closed, connected or facing one way. A degenerate
-    /// one is the segment or point that it is, and of equal ones each counts. They are copied: with
-    /// its boxes a tree takes some 80 bytes per triangle, 125 where each has a leaf of its own.
+    /// Any triangles are accepted: they need not be closed, connected or consistently oriented. A
+    /// degenerate triangle is treated as the segment or point it is, and duplicates count
+    /// separately. The triangles are copied: with its boxes a tree takes about 80 bytes per
+    /// triangle, or 125 with one triangle per leaf.
     ///
     /// ```
     /// use bvh::{BuildError, BuildOptions, Tree};
@@ -44,13 +45,13 @@ impl Tree {
     ///
     /// # Errors
     ///
-    /// No triangles, more than [`build::TRIANGLES_MAX`] (of [`body::Build::Literal`]:
-    /// [`build::LITERAL_MAX`]), a coordinate that is NaN or infinite, a leaf size out of range.
+    /// There are no triangles or more than [`build::TRIANGLES_MAX`] (for [`body::Build::Literal`]:
+    /// [`build::LITERAL_MAX`]), a coordinate is NaN or infinite, or the leaf size is out of range.
     pub fn build(corners: &[Corners], options: &BuildOptions) -> Result<Self, BuildError> {
         build::assembled(corners, options)
     }
 
-    /// The same tree, as the kernel walks it: without parts, in no zone.
+    /// Returns the tree as a kernel input: without parts, in no zone.
     #[must_use]
     pub fn view(&self) -> BodyView<'_> {
         BodyView {
@@ -65,7 +66,7 @@ impl Tree {
         }
     }
 
-    /// The box of all triangles.
+    /// The bounding box of all triangles.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.view().bounds()
@@ -77,13 +78,13 @@ impl Tree {
         &self.corners
     }
 
-    /// The id of each of [`Tree::corners`].
+    /// The ids of the triangles, parallel to [`Tree::corners`].
     #[must_use]
     pub fn ids(&self) -> &[u32] {
         &self.ids
     }
 
-    /// Nodes on the longest way from the root: 1 for a single leaf.
+    /// Number of nodes on the longest path from the root: 1 for a single leaf.
     #[must_use]
     pub fn depth(&self) -> u32 {
         self.depth

@@ -1,30 +1,30 @@
-//! What is wanted of an answer, and how far and by when it is worked on, as a person asks for it.
+//! Flags for the contents of an answer, and for when to stop.
 
 use clap::Args;
 use std::path::PathBuf;
 use trolley::{Failure, Limits, Until};
 
-/// What is done with an answer, and what may be assumed for it.
+/// What to do with an answer, and what to assume for it.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct AnswerArgs {
     /// Print the chain from contact to rank, with every source, and what would flip the winner.
     #[arg(long)]
     pub(crate) explain: bool,
-    /// Take parties of unknown kind as fixed to the ground, with nobody in them; the answer says
-    /// so. Without it a scenario that has any is refused.
+    /// Treat parties of unknown kind as unoccupied and fixed to the ground; the answer says so.
+    /// Without this option, a scenario with such parties is refused.
     #[arg(long, value_name = "unknown=fixed")]
     pub(crate) assume: Option<Assume>,
-    /// Add a decision record to this folder: what was asked, decided, and by what.
+    /// Add a decision record to this folder: the request, the answer, and what produced it.
     #[arg(long, value_name = "DIR", conflicts_with = "budget")]
     pub(crate) record: Option<PathBuf>,
     #[command(flatten)]
     limits: LimitArgs,
 }
 
-/// What may be assumed of what nobody knows.
+/// What to assume about the unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Assume {
-    /// Unknown things are fixed to the ground.
+    /// Parties of unknown kind are fixed to the ground.
     #[value(name = "unknown=fixed")]
     UnknownFixed,
 }
@@ -35,12 +35,12 @@ pub(crate) struct LimitArgs {
     /// Stop when all work is done, when the order is certain, or when the winner is.
     #[arg(long, value_name = "WHEN", default_value = "complete")]
     until: UntilName,
-    /// Answer after so many milliseconds at the latest, with bounds on what is not done; overrides
-    /// the scenario's `deadline_ms`. The clock starts when bodies are sealed and workers ready.
+    /// Answer within N milliseconds, with bounds on the work not done; overrides the scenario's
+    /// `deadline_ms`. The clock starts when the bodies are sealed and the workers are ready.
     #[arg(long, value_name = "N")]
     deadline_ms: Option<f64>,
-    /// Most tests of boxes and triangles that one job may take; what it leaves becomes new jobs
-    /// [default: no limit, or 262144 under a deadline].
+    /// Maximum number of box and triangle tests per job; the remainder becomes new jobs [default:
+    /// no limit, or 262144 with a deadline].
     #[arg(long, value_name = "TESTS")]
     budget: Option<u64>,
 }
@@ -58,7 +58,7 @@ enum UntilName {
 }
 
 impl LimitArgs {
-    /// The limits, with nothing kept beside the answer.
+    /// The limits, without a record or an explanation.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
         let mut limits = Limits::default().until(match self.until {
             UntilName::Complete => Until::Complete,
@@ -76,7 +76,7 @@ impl LimitArgs {
 }
 
 impl AnswerArgs {
-    /// The limits, and what is kept beside the answer.
+    /// The limits, and whether a record or an explanation is kept.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
         let limits = self.limits.limits()?;
         Ok(match (&self.record, self.explain) {

@@ -1,5 +1,4 @@
-//! `trolley doctor`: what this machine has of what the service needs, and what to do about the
-//! rest.
+//! `trolley doctor`: what this machine lacks for the service, and the remedy.
 
 use crate::output::Output;
 use crate::print;

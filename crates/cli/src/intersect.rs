@@ -1,4 +1,4 @@
-//! `trolley intersect`: the exact kernel alone, on two bodies at one pose, with its times;
+//! `trolley intersect`: the exact kernel alone, on two bodies at one pose, timed.
 //! [`trolley::intersect`] does the work.
 
 use crate::model::{BuildName, LimitArgs, reading, shown, thousands};
@@ -17,7 +17,7 @@ Examples:
   trolley intersect a.stl b.stl --poses pose.txt --question sets --threads 2 --repeat 9 --json
 
 POSES holds the world poses of A and of B, each as three lines of four numbers, R | t in metres.
-The long help (--help) says what the fields of --json mean.";
+The long help (--help) explains the fields of --json.";
 
 pub(crate) const HELP: &str = "\
 Examples:
@@ -25,28 +25,28 @@ Examples:
   trolley intersect a.stl b.stl --poses pose.txt --question sets --threads 2 --repeat 9 --json
 
 POSES holds the world poses of A and of B, each as three lines of four numbers, R | t in metres; a #
-begins a remark. All happens in A's frame: R = RaᵀRb and t = Raᵀ(tb − ta) in f64, sums left to
-right, and a vertex of B is ((R₀x + R₁y) + R₂z) + t, never fused, never rounded again. On these
-triangles the answer is exact: closed triangles, touching counts, a degenerate one is the segment
-or point that it is.
+begins a comment. Everything is computed in A's frame: R = RaᵀRb and t = Raᵀ(tb − ta) in f64, sums
+left to right, and a vertex of B is ((R₀x + R₁y) + R₂z) + t, never fused, never rounded again. On
+these triangles the answer is exact: triangles are closed, touching counts, and a degenerate
+triangle is the segment or point that it is.
 
-A mesh (STL, OBJ, PLY, glTF, GLB) is taken as it stands: its coordinates are metres, nothing is
-dropped or merged, and ids are numbers of triangles in file order, from 0. In a model file
-(.trolley) ids are those of the mesh that it was imported from.
+A mesh (STL, OBJ, PLY, glTF, GLB) is used as it is: its coordinates are metres, nothing is dropped
+or merged, and ids number the triangles in file order, from 0. In a model file (.trolley) ids are
+those of the mesh that it was imported from.
 
 With --json, one line:
   peer, schema       \"trolley\", 1
   case               name of the folder of A
   question, build, leaf_size, simd, walk, threads, cold, moving
-                     as asked for, or what was chosen
+                     as requested, or as chosen
   triangles_a, triangles_b
                      triangles of the bodies
-  build_ms           time to build both trees; 0 where a model file has the tree already
-  pose_ms            what a new pose costs before the query, median
-  query_ms           median over the repeats, after one more that warms up; several threads are
-                     warmed up for 60 ms, until each has a core of its own. With --moving B stands
-                     up to 4 mm before or behind its pose along x each time: a processor learns the
-                     branches of a query that is only repeated. What is found is of its pose
+  build_ms           time to build both trees; 0 where a model file already has the tree
+  pose_ms            setup of a new pose before the query, median
+  query_ms           median over the repeats, after one warm-up; several threads warm up for 60 ms,
+                     until each has a core of its own. With --moving, B is shifted by up to 4 mm
+                     along x each time, because a processor learns the branches of a query that is
+                     only repeated; the results are those of the unshifted pose
   nb, np             tests of boxes and of triangles in one query
   jobs               parts of the last query: 1 unless several threads share the work
 and according to the question:
@@ -65,34 +65,34 @@ pub(crate) struct IntersectArgs {
     /// World poses of A and B: six lines of four numbers, R | t (m).
     #[arg(long)]
     poses: PathBuf,
-    /// What is asked for.
+    /// What to find.
     #[arg(long, default_value = "pairs")]
     question: QuestionName,
-    /// How the trees are built [default: as in the first model file named, else sah].
+    /// How trees are built [default: as in the first model file, else sah].
     #[arg(long)]
     build: Option<BuildName>,
-    /// Triangles in a leaf at most [default: as in the first model file named, else 4].
+    /// Maximum number of triangles in a leaf [default: as in the first model file, else 4].
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(LEAF_SIZE_MAX)))]
     leaf_size: Option<u32>,
-    /// How often the query is timed.
+    /// Number of timed queries.
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     repeat: u32,
-    /// Empty the caches before each timed query: the first crash of the day meets them so.
+    /// Empty the caches before each timed query, as before a first request.
     #[arg(long)]
     cold: bool,
-    /// Put B some millimetres elsewhere for each timed query, as a moving body is.
+    /// Shift B by a few millimetres for each timed query, like a moving body.
     #[arg(long)]
     moving: bool,
-    /// Threads that build and query.
+    /// Number of threads that build and query.
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=256))]
     threads: u16,
     /// Vector instructions of the kernel: auto, avx512, avx2, sse4, sse2 or neon.
     #[arg(long, default_value_t)]
     simd: Simd,
-    /// How the trees are walked.
+    /// How the trees are traversed.
     #[arg(long, default_value = "wide")]
     walk: WalkName,
     #[command(flatten)]
@@ -101,7 +101,7 @@ pub(crate) struct IntersectArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum WalkName {
-    /// Eight boxes against eight at once.
+    /// Eight boxes against eight at a time.
     Wide,
     /// Two boxes at a time, without vectors: the reference.
     Plain,
@@ -118,9 +118,9 @@ impl From<WalkName> for Walk {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum QuestionName {
-    /// All pairs of triangles that intersect: how many, and a hash of which.
+    /// All pairs of triangles that intersect: their number, and a hash.
     Pairs,
-    /// All triangles that are hit.
+    /// All triangles that intersect any other.
     Sets,
     /// Whether any pair intersects.
     Touches,
@@ -155,7 +155,7 @@ pub(crate) fn run(args: &IntersectArgs, output: &Output) -> Result<ExitCode, Fai
     print::out(&if output.json { print::line(&intersected)? } else { text(&intersected) })
 }
 
-/// A verdict, and how it was come by.
+/// The result, and how it was computed.
 fn text(of: &Intersected) -> String {
     let Found { pairs, hash, hits, hashes } = of.asked.found;
     let pairs = usize::try_from(pairs).unwrap_or(usize::MAX);
@@ -169,7 +169,7 @@ fn text(of: &Intersected) -> String {
         Question::Sets => {
             let [a, b] = hits.map(thousands);
             let [hash_a, hash_b] = hashes.map(hex);
-            (format!("Hit are {a} triangles of A and {b} of B."), format!("{hash_a} {hash_b}"))
+            (format!("{a} triangles of A and {b} of B are hit."), format!("{hash_a} {hash_b}"))
         }
         Question::Touches if pairs == 0 => ("They do not touch.".to_owned(), "–".to_owned()),
         Question::Touches => ("They touch.".to_owned(), "–".to_owned()),

@@ -1,4 +1,4 @@
-//! The commands of the laboratory: flags, one call of the crate `lab`, print.
+//! The laboratory's commands: parse flags, call the crate `lab` once, print.
 
 pub(crate) mod calibrate;
 pub(crate) mod certify;

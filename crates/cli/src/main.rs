@@ -1,4 +1,4 @@
-//! `trolley`: which of several unavoidable collisions does least harm, and how sure that is.
+//! `trolley`: ranks unavoidable collisions by harm, and says how certain the ranking is.
 //!
 //! One binary plays every role: the command line for people, the coordinator of a request, and, as
 //! `trolley worker`, each of its workers. Results go to stdout; logs, progress and errors to
@@ -30,7 +30,7 @@ use clap::{CommandFactory as _, Parser as _};
 use std::process::ExitCode;
 use trolley::Failure;
 
-/// Counts what a request allocates; it costs an increment.
+/// Counts the allocations of a request, at the cost of one increment each.
 #[global_allocator]
 static HEAP: trolley::CountingAllocator = trolley::CountingAllocator;
 
@@ -92,7 +92,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
 fn start_logging(args: &Args) {
     let level = match (args.quiet, args.verbose) {
         (true, _) => tracing::Level::ERROR,
-        // Thousands of faults are to be told by the ledger alone.
+        // Thousands of injected faults: only the report lists them.
         #[cfg(feature = "lab")]
         (false, 0) if matches!(args.command, Command::Inject(_)) => tracing::Level::ERROR,
         (false, 0) => tracing::Level::WARN,

@@ -46,39 +46,38 @@ Examples:
   trolley model export car.trolley --format stl -o car.stl
   trolley model export car.trolley -o car.obj
 
-Triangles stand in the order of their source ids, with their exact coordinates, in metres,
-x forward, y left, z up: importing the file with --up z --forward x gives the same triangles
-again.";
+Triangles are in the order of their source ids, with their exact coordinates, in metres,
+x forward, y left, z up: importing the file with --up z --forward x gives the same triangles.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Make a model file from a mesh: OBJ, STL, PLY, glTF, GLB, COLLADA or LS-DYNA.
     #[command(after_help = IMPORT)]
     Import(ImportArgs),
-    /// Say what a model file holds (size, mass, parts, tree, origin), or how a mesh might be meant.
+    /// Describe a model file (size, mass, parts, tree, origin), or suggest unit and axes of a mesh.
     #[command(
         after_help = "Examples:\n  trolley model info car.trolley --json | jq .body.size_m\n  \
         trolley model info hatchback.obj"
     )]
     Info {
-        /// Model file, or mesh: then unit and axes are offered.
+        /// Model file, or a mesh to suggest unit and axes for.
         file: PathBuf,
         #[command(flatten)]
         limits: LimitArgs,
     },
-    /// Verify model files, and try whether meshes could be imported; writes nothing.
+    /// Verify model files, and check whether meshes can be imported; writes nothing.
     #[command(after_help = CHECK)]
     Check(CheckArgs),
-    /// Make a model file of a shape that the program generates itself.
+    /// Make a model file of a generated shape.
     #[command(after_help = GENERATE)]
     Generate(GenerateArgs),
     /// Write the triangles of a model file as a mesh for other programs.
     #[command(after_help = EXPORT)]
     Export(ExportArgs),
-    /// The process that reads a mesh: started by import and check, not by hand.
+    /// Run as the process that reads a mesh; started by import and check, not by hand.
     #[command(hide = true)]
     ImportChild {
-        /// What to read, JSON.
+        /// The read request, JSON.
         request: String,
     },
 }
@@ -89,7 +88,7 @@ pub(crate) struct ImportArgs {
     file: PathBuf,
     #[command(flatten)]
     mesh: MeshArgs,
-    /// Name of the body [default: the side file's, else the file's].
+    /// Name of the body [default: from the side file, else the file name].
     #[arg(long, value_parser = NonEmptyStringValueParser::new())]
     name: Option<String>,
     #[command(flatten)]
@@ -114,14 +113,14 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct GenerateArgs {
-    /// What to generate.
+    /// Shape to generate.
     shape: Shape,
-    /// How finely; an odd number gives one triangle less.
+    /// Number of triangles; an odd number gives one less.
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32)
               .range(i64::from(TRIANGLES_MIN)..=i64::from(TRIANGLES_MAX)))]
     triangles: u32,
-    /// Varies size and proportions by a few per cent; 0 is the nominal body.
+    /// Varies size and proportions by a few percent; 0 is the nominal body.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
@@ -135,7 +134,7 @@ pub(crate) struct GenerateArgs {
 pub(crate) struct ExportArgs {
     /// Model file.
     file: PathBuf,
-    /// stl, ply or obj [default: what the output's name ends in].
+    /// stl, ply or obj [default: from the output's extension].
     #[arg(long)]
     format: Option<ExportFormat>,
     /// Mesh file to write.
@@ -143,14 +142,14 @@ pub(crate) struct ExportArgs {
     out: PathBuf,
 }
 
-/// How a mesh file is to be understood.
+/// How to read a mesh file.
 #[derive(Clone, Debug, ClapArgs)]
 struct MeshArgs {
-    /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres [default: what a COLLADA
-    /// file states, else m; an LS-DYNA deck needs one].
+    /// Unit of the coordinates: m, dm, cm, mm, inch, or a factor to metres [default: as a COLLADA
+    /// file states, else m; required for LS-DYNA].
     #[arg(long, value_name = "UNIT")]
     unit: Option<LengthUnit>,
-    /// Axis of the file that points up [default: +y for glTF and GLB, what a COLLADA file states,
+    /// Axis of the file that points up [default: +y for glTF and GLB, as a COLLADA file states,
     /// else +z].
     #[arg(long, allow_hyphen_values = true, value_name = "AXIS")]
     up: Option<Axis>,
@@ -161,12 +160,12 @@ struct MeshArgs {
     #[arg(long, value_name = "GROUP")]
     only: Vec<String>,
     /// What the body is: sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, pole or
-    /// building. A TOML file beside the mesh may say it, too.
+    /// building. A TOML file beside the mesh may state it instead.
     #[arg(long)]
     kind: Option<BodyKind>,
 }
 
-/// What the process that reads a mesh may use.
+/// Limits of the process that reads a mesh.
 #[derive(Clone, Copy, Debug, ClapArgs)]
 pub(crate) struct LimitArgs {
     /// Memory for reading one mesh, in MB [default: 64 times the file, 2048 to 8192].
@@ -181,10 +180,11 @@ pub(crate) struct LimitArgs {
 /// How the tree is built.
 #[derive(Clone, Copy, Debug, ClapArgs)]
 struct TreeArgs {
-    /// The split: the paper's with a balance rule, the paper's to the letter, or surface area.
+    /// How nodes are split: as in the paper with a balance rule, exactly as in the paper, or by
+    /// surface area (SAH).
     #[arg(long, default_value = "paper")]
     build: BuildName,
-    /// Triangles in a leaf at most.
+    /// Maximum number of triangles in a leaf.
     #[arg(long, value_name = "N", default_value_t = BuildOptions::default().leaf_size,
           value_parser = clap::value_parser!(u32).range(1..=i64::from(model::LEAF_SIZE_MAX)))]
     leaf_size: u32,
@@ -247,7 +247,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Does what may take a while, because a mesh is read and a tree built, and shows its progress.
+/// Reads a mesh or builds a tree, and shows the progress.
 pub(crate) fn reading<T>(
     output: &Output,
     work: impl FnOnce(&(dyn Fn(u64, u64) + Sync)) -> Result<T, Failure>,
@@ -308,7 +308,7 @@ fn export(args: &ExportArgs, output: &Output) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Prints what was done: as JSON, or for people, unless they want to hear nothing of it.
+/// Prints the result as JSON, or as text unless `--quiet` is given.
 fn result(
     output: &Output,
     document: &impl serde::Serialize,

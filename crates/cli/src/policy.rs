@@ -1,4 +1,4 @@
-//! `trolley policy check`: would these policies and curves be accepted, and what do they say?
+//! `trolley policy check`: checks policies and curves, and prints what they say.
 
 use crate::output::Output;
 use crate::print;
@@ -16,18 +16,18 @@ Examples:
   trolley policy check board.toml --curves my-curves.toml
 
 Refused are: unknown keys (age, sex and condition of persons by name), curves without unit or
-source, numbers that are none, a severer injury likelier than a milder one, weights that are
+source, non-numbers, a severer injury likelier than a milder one, weights that are
 negative or do not sum to 1, ties left open, and a policy whose outcome a kind of person lacks.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Check policies and sets of curves, and say in words what they hold.
+    /// Check policies and sets of curves, and describe them in words.
     #[command(after_help = EXAMPLES)]
     Check {
-        /// Policies and sets of curves, TOML; which of the two a file is, its tables say.
+        /// Policies and sets of curves, TOML; the tables of a file tell which it is.
         #[arg(required = true)]
         files: Vec<PathBuf>,
-        /// Curves that the policies must find their outcome in [default: the program's].
+        /// Curves in which the policies must find their outcome [default: the built-in ones].
         #[arg(long, value_name = "FILE")]
         curves: Option<PathBuf>,
     },

@@ -10,17 +10,17 @@ pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {
     out_bytes(format!("{}\n", text.trim_end()).as_bytes())
 }
 
-/// A document as JSON, for people to read, too.
+/// A document as readable JSON.
 pub(crate) fn json(document: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(document).map_err(|error| Failure::internal(error.to_string()))
 }
 
-/// A document as JSON on one line, for programs and for records.
+/// A document as JSON on one line, for programs.
 pub(crate) fn line(document: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string(document).map_err(|error| Failure::internal(error.to_string()))
 }
 
-/// Prints a result as it is. A reader that has gone away is no error.
+/// Prints a result as it is. A closed pipe is no error.
 pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
@@ -30,18 +30,18 @@ pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Stdout could not be written.
+/// The failure to write to stdout.
 pub(crate) fn failed(error: std::io::Error) -> Failure {
     Failure::new(FailureKind::System, format!("cannot write the output: {error}"))
 }
 
 /// Prints a line for the person at the terminal.
 pub(crate) fn err(text: &str) {
-    // Nowhere is left to complain to.
+    // If stderr is gone, there is nowhere to report it.
     let _gone = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// Whether stderr takes colours: a terminal, and NO_COLOR is not set.
+/// Whether stderr supports colours: it is a terminal, and NO_COLOR is not set.
 pub(crate) fn is_colourful() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
 }

@@ -6,12 +6,12 @@ use std::io::IsTerminal as _;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Nothing is shown before work has taken this long.
+/// Delay before anything is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Where there is no terminal, one line in this time.
+/// Interval between lines where there is no terminal.
 const LINE: Duration = Duration::from_secs(60);
 
-/// Long work, and how it is shown.
+/// Long work, and the display of its progress.
 pub(crate) struct Progress {
     bar: ProgressBar,
     what: &'static str,
@@ -21,7 +21,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Nothing done yet of things that are called `what`.
+    /// Starts at 0; the things counted are called `what`.
     #[expect(clippy::disallowed_methods, reason = "for a person to read; nothing is decided by it")]
     pub(crate) fn new(what: &'static str, is_shown: bool) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
@@ -34,7 +34,7 @@ impl Progress {
         Self { bar, what, is_shown, begun: now, said: Mutex::new(now) }
     }
 
-    /// So many of so many are done.
+    /// Sets the progress to `done` of `total`.
     pub(crate) fn set(&self, done: u64, total: u64) {
         if !self.is_shown || self.begun.elapsed() < PATIENCE {
             return;
@@ -56,9 +56,9 @@ impl Progress {
     }
 }
 
-/// The rate without the four digits after the point that are indicatif's habit.
+/// The rate, without indicatif's four decimal places.
 fn whole_rate(state: &ProgressState, text: &mut dyn std::fmt::Write) {
-    // Where the bar cannot be written, there is nobody to tell.
+    // If the bar cannot be written, there is nowhere to report it.
     let _written = write!(text, "{}", HumanCount(state.per_sec() as u64));
 }
 

@@ -1,4 +1,4 @@
-//! `trolley query`: a scenario file, asked of a running service.
+//! `trolley query`: sends a scenario file to a running service.
 
 use crate::answer_args::Assume;
 use crate::output::Output;
@@ -14,11 +14,11 @@ use std::process::ExitCode;
 use std::time::Duration;
 use trolley::{Failure, FailureKind, OpenDeployment};
 
-/// What the laboratory adds to the examples.
+/// The example of the laboratory.
 #[cfg(feature = "lab")]
 macro_rules! repeated {
     () => {
-        "  trolley query D.toml S.toml --repeat 100000    latencies, beside those of this process\n"
+        "  trolley query D.toml S.toml --repeat 100000    latencies, compared with in-process\n"
     };
 }
 #[cfg(not(feature = "lab"))]
@@ -38,24 +38,23 @@ pub(crate) const EXAMPLES: &str = concat!(
 Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not running."
 );
 
-/// What to ask, and whom.
+/// The scenario, and the service to query.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct QueryArgs {
-    /// The deployment that the service was started with: it says where it is, and which models it
-    /// has.
+    /// Deployment that the service was started with: names the service and its models.
     deployment: PathBuf,
-    /// Scenario, TOML: see `trolley schema`. Its engine, policy and curves are the service's.
+    /// Scenario, TOML: see `trolley schema`. The service's engine, policy and curves apply.
     scenario: PathBuf,
-    /// Name of the instance instead of the file's.
+    /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
     /// How long to wait for the answer (ms).
     #[arg(long, value_name = "MS", default_value_t = 1000.0)]
     deadline_ms: f64,
-    /// Take parties of unknown kind as fixed to the ground, with nobody in them.
+    /// Treat parties of unknown kind as unoccupied and fixed to the ground.
     #[arg(long, value_name = "unknown=fixed")]
     assume: Option<Assume>,
-    /// Ask so often, and print latencies beside those of the same work done in this process.
+    /// Send the request N times, and compare the latencies with those of in-process execution.
     #[cfg(feature = "lab")]
     #[arg(long, value_name = "N")]
     repeat: Option<u32>,
@@ -74,7 +73,7 @@ struct Document<'a> {
     ranking: Vec<Row<'a>>,
 }
 
-/// One candidate in its place.
+/// One candidate of the ranking.
 #[derive(Serialize)]
 struct Row<'a> {
     name: &'a str,
@@ -97,8 +96,8 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let unknown_is_fixed = options.assume == Some(Assume::UnknownFixed);
     let ask = opened.ask(&options.scenario, &scenario, unknown_is_fixed)?;
     if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
-        let fault = format!("--deadline-ms {}: no such time", options.deadline_ms);
-        return Err(Failure::setting(fault).with_remedy("up to 3600000 ms"));
+        let fault = format!("--deadline-ms {}: out of range", options.deadline_ms);
+        return Err(Failure::setting(fault).with_remedy("use up to 3600000 ms"));
     }
     let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
     let deployment = &opened.deployment;
@@ -171,7 +170,7 @@ fn document<'a>(scenario: &'a Scenario, answer: &'a WireAnswer) -> Document<'a> 
     }
 }
 
-/// The ranking for people.
+/// The ranking as text.
 fn ranking(scenario: &Scenario, answer: &WireAnswer) -> String {
     let mut table = Table::new();
     table.load_style(comfy_table::presets::NOTHING);

@@ -13,7 +13,7 @@ use trolley::{
     Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, Run, Scenario,
 };
 
-/// What `rank` is asked.
+/// The arguments of `rank`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RankArgs {
     /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
@@ -60,19 +60,22 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
     }
 }
 
-/// Nobody is met: a complete answer without a candidate.
+/// No conflict: a complete answer without a candidate.
 fn nothing(
     path: &Path,
     imported: &trolley::traffic::ImportedTraffic,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     if !output.json {
-        return print::out("No manoeuvre meets anybody: there is nothing to rank. COMPLETE.");
+        return print::out(
+            "No manoeuvre leads to a collision: there is nothing to rank. COMPLETE.",
+        );
     }
     let none: [&str; 0] = [];
     let document = serde_json::json!({
         "schema": "trolley.rank/1",
-        "answer": {"state": AnswerState::Complete, "ranking": none, "tie_class": none, "missing": none},
+        "answer": {"state": AnswerState::Complete, "ranking": none, "tie_class": none,
+                   "missing": none},
         "traffic": imported.document(path),
     });
     print::out(&print::line(&document)?)
@@ -95,14 +98,14 @@ fn answer(
     let told = |done, total| progress.set(done, total);
     let mut ranking = engine.rank_telling(&scenario, &limits, &told)?;
     drop(progress);
-    // Whoever waits for an answer does not wait for the workers' end.
+    // The answer does not wait for the workers to end.
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();
     }
     let recorded = asked.record.as_deref().map(|folder| Record::write(folder, &ranking));
     show(&scenario, &ranking, asked.explain, output)?;
     drop(engine);
-    // An answer that could not be recorded is shown, and then the failure.
+    // If recording fails, the answer is shown before the failure.
     if let Some(path) = recorded.transpose()? {
         output.say(&format!("recorded as {}", path.display()));
     }
@@ -113,7 +116,7 @@ fn answer(
     })
 }
 
-/// The engine as the command line says.
+/// The engine configured by the command line.
 fn engine(options: &EngineArgs) -> Result<Engine, Failure> {
     let mut builder = Engine::builder().overrides(options.overrides()?);
     if let Some(instance) = &options.instance {

@@ -19,29 +19,29 @@ Examples:
   trolley record replay decisions/000000.record --models bodies
 
 A record complements the recorders of UN R157 (DSSAD) and R160 (EDR); it does not claim to comply
-with them. Removing the last records of a chain cannot be seen in what is left: keep the hash that
+with them. Removing the last records of a chain cannot be detected from the rest: keep the hash that
 verify prints elsewhere.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Say what a record holds.
+    /// Show what a record holds.
     #[command(after_help = EXAMPLES)]
     Show {
-        /// A record.
+        /// A decision record.
         file: PathBuf,
     },
-    /// Check every byte of records, and that each follows on the one before it.
+    /// Check every byte of records, and that each continues the one before it.
     #[command(after_help = EXAMPLES)]
     Verify {
-        /// A folder that --record wrote into, or one record.
+        /// A folder of records, or one record.
         path: PathBuf,
     },
-    /// Make the recorded answer again and compare it, byte for byte.
+    /// Compute the recorded answer again and compare it, byte for byte.
     #[command(after_help = EXAMPLES)]
     Replay {
-        /// A record.
+        /// A decision record.
         file: PathBuf,
-        /// Folder with the model files that the record names; they are found by their hash.
+        /// Folder with the record's model files, which are found by their hash.
         #[arg(long, value_name = "DIR")]
         models: Option<PathBuf>,
     },
@@ -71,7 +71,7 @@ fn verify(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
     match last {
         None => print::out(&format!("{}: no records", path.display())),
         Some(hash) => print::out(&format!(
-            "{}: {records} records are as they were written\nhash of the last: {hash}",
+            "{}: {records} records are intact\nhash of the last: {hash}",
             path.display()
         )),
     }
@@ -115,7 +115,7 @@ fn replay(path: &Path, models: Option<&Path>, output: &Output) -> Result<ExitCod
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where two answers part.
+/// Where two answers differ.
 fn another(path: &Path, is: &str, was: &str, same_build: bool) -> Failure {
     let at = is.bytes().zip(was.bytes()).take_while(|(a, b)| a == b).count();
     let around = |text: &str| {
@@ -123,7 +123,7 @@ fn another(path: &Path, is: &str, was: &str, same_build: bool) -> Failure {
         text[from..].chars().take(60).collect::<String>()
     };
     let what = format!(
-        "another answer than the recorded one, from byte {at} on: {:?} instead of {:?}",
+        "the answer differs from the recorded one from byte {at} on: {:?} instead of {:?}",
         around(is),
         around(was)
     );

@@ -16,29 +16,29 @@ Examples:
   trolley report decisions/000000.record --models bodies --out crash.html --glb meshes --png stills
   trolley report tools/results/measure --out measure.html
 
-The page is one file: it opens from disk without a network.";
+The page is a single file and needs no network.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
     /// A decision record, or a folder that `trolley measure --out` wrote.
     source: PathBuf,
-    /// Page to write.
+    /// HTML page to write.
     #[arg(short, long, value_name = "FILE.html")]
     out: Option<PathBuf>,
-    /// Folder with the model files that the record names; they are found by their hash.
+    /// Folder with the record's model files, which are found by their hash.
     #[arg(long, value_name = "DIR")]
     models: Option<PathBuf>,
-    /// Write each candidate into this folder as .glb, damage as vertex colours.
+    /// Write each candidate into this folder as .glb, with damage as vertex colours.
     #[arg(long, value_name = "DIR")]
     glb: Option<PathBuf>,
-    /// Write two stills of each candidate into this folder: from a corner, and from above.
+    /// Write two stills of each candidate into this folder: from a corner and from above.
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
     /// Write the candidates into this file as MCAP, for Foxglove and Lichtblick.
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "FILE.mcap")]
     mcap: Option<PathBuf>,
-    /// Only this candidate's .glb and stills; may stand several times.
+    /// Write .glb and stills of this candidate only; may be repeated.
     #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     candidate: Vec<String>,
 }

@@ -10,25 +10,26 @@ pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley serve config/deployments/minimal.toml            in one terminal, and in another:
   trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
-  trolley serve /etc/trolley/deployment.toml --require-rt  what the systemd unit does
+  trolley serve /etc/trolley/deployment.toml --require-rt  as the systemd unit does
 
 SIGTERM and SIGINT end it; nothing is left in /dev/shm, unless a client still uses it.";
 
-/// How to serve.
+/// The arguments of `serve`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ServeArgs {
     /// Deployment, TOML: see config/deployments.
     deployment: PathBuf,
-    /// Name of the instance instead of the file's.
+    /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
-    /// What it does while nothing is asked, instead of the file's: park (sleep), or spin.
+    /// What to do while idle, overriding the file's: park (sleep) or spin.
     #[arg(long, value_name = "HOW", value_parser = idle)]
     idle: Option<Idle>,
-    /// Refuse to start without locked memory and fixed priorities.
+    /// Refuse to start without locked memory and real-time priorities.
     #[arg(long)]
     require_rt: bool,
-    /// Do all work in this process, without workers: a body that crashes the kernel crashes it.
+    /// Do all work in this process, without workers: a body that crashes the kernel crashes the
+    /// service.
     #[arg(long)]
     in_process: bool,
 }
@@ -58,7 +59,7 @@ fn greet(greeting: &Greeting<'_>, output: &Output) {
     }
     let Greeting { instance, models, triangles, workers, .. } = greeting;
     let workers = match workers {
-        0 => "no workers: all work is done in this process".to_owned(),
+        0 => "no workers, all work in-process".to_owned(),
         workers => format!("{workers} workers"),
     };
     output.say(&format!(

@@ -1,4 +1,4 @@
-//! The first screen: what was asked, what came out, how sure, and why.
+//! The table of a ranking: the request, the result, how certain it is, and why.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use report::text::{COLUMNS, wrap};
@@ -6,7 +6,7 @@ use scenario::Scenario;
 use trolley::run::{Certain, Kept};
 use trolley::{Answer, AnswerState, PersonRow, Row, Run, Touch};
 
-/// The ranking for people: at most 100 columns, whole sentences around a table.
+/// The ranking as text: a table between sentences, at most 100 columns wide.
 pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -123,7 +123,7 @@ fn harm(row: &Row) -> String {
     format!("{}–{}", percent(lo), percent(hi))
 }
 
-/// A share in per cent, without the sign; a true zero has no decimals.
+/// A share in percent, without the sign; an exact zero has no decimals.
 pub(crate) fn percent(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{:.2}", 100.0 * value) }
 }
@@ -155,7 +155,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
             .map(String::as_str)
             .collect();
         lines.push(format!(
-            "Within the range of the model it cannot be told from: {}.",
+            "Within the range of the model it is indistinguishable from: {}.",
             others.join(", ")
         ));
     }

@@ -1,4 +1,4 @@
-//! `trolley top`: how a running service is, each second: rate, answers, latencies, workers,
+//! `trolley top`: the state of a running service, each second: rate, answers, latencies, workers,
 //! transfer.
 
 use crate::output::Output;
@@ -19,22 +19,22 @@ Examples:
   trolley top config/deployments/minimal.toml               until Ctrl-C
   trolley top config/deployments/minimal.toml --times 1 --json
 
-The first figures come within a second. Without a terminal one page follows the other.";
+The first figures appear within a second. Without a terminal, pages are printed one after another.";
 
 /// What to watch, and for how long.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct TopArgs {
     /// The deployment that the service was started with.
     deployment: PathBuf,
-    /// Name of the instance instead of the file's.
+    /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
-    /// End after so many pages.
+    /// Stop after N pages.
     #[arg(long, value_name = "N")]
     times: Option<u64>,
 }
 
-/// How long to wait for the service to say something: it does each second.
+/// How long to wait for a message of the service, which sends one each second.
 const SILENCE: Duration = Duration::from_secs(5);
 
 /// What `--json` prints, a line each time.
@@ -45,7 +45,7 @@ struct Document {
     pid: u32,
     up_s: f64,
     requests_per_s: f64,
-    /// Answers by verdict since it started.
+    /// Answers by verdict since the start.
     answers: [(&'static str, u64); 5],
     waiting: [u32; 2],
     clients: u32,
@@ -69,9 +69,9 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
     let mut shown = 0;
     while options.times.is_none_or(|times| shown < times) {
         let Some(health) = listener.health(SILENCE) else {
-            let fault = format!("instance \"{}\" says nothing", deployment.instance);
+            let fault = format!("instance \"{}\" is silent", deployment.instance);
             return Err(Failure::new(FailureKind::TryAgain, fault)
-                .with_remedy("it was killed, or stands still: systemctl status trolley"));
+                .with_remedy("it was killed or hangs: run systemctl status trolley"));
         };
         let rate = rate(before.as_ref(), &health);
         if output.json {

@@ -14,12 +14,12 @@ Examples:
   trolley scenario import crossing.xml --at 2.5 --brakes 0,8 --laterals=-4,0,4
   trolley scenario import cut-in.xosc --catalog VehicleCatalog.xosc
 
-Read are CommonRoad 2018b and 2020a, and OpenSCENARIO 1.x where it states world positions. Without
--o the scenario is printed.";
+Reads CommonRoad 2018b and 2020a, and OpenSCENARIO 1.x where it states world positions. Without -o,
+prints the scenario.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Make a scenario from recorded or written traffic: CommonRoad or OpenSCENARIO.
+    /// Make a scenario from a CommonRoad or OpenSCENARIO file.
     #[command(after_help = EXAMPLES)]
     Import(ImportArgs),
 }
@@ -35,20 +35,20 @@ pub(crate) struct ImportArgs {
     out: Option<PathBuf>,
 }
 
-/// How a traffic file is to be understood, and which manoeuvres are tried.
+/// How to read a traffic file, and which manoeuvres to try.
 #[derive(Clone, Debug, Default, ClapArgs)]
 #[command(next_help_heading = "Traffic files (CommonRoad, OpenSCENARIO)")]
 pub(crate) struct TrafficArgs {
-    /// Which obstacle, planning problem or entity is the ego, where the file leaves that open.
+    /// The obstacle, planning problem or entity that is the ego, if the file leaves it open.
     #[arg(long, value_name = "ID")]
     ego: Option<String>,
-    /// Leave this obstacle out; may stand several times.
+    /// Leave this obstacle out; may be repeated.
     #[arg(long, value_name = "ID")]
     without: Vec<String>,
-    /// When manoeuvres begin, after the ego's start (s); until then it goes as recorded.
+    /// When manoeuvres begin, after the ego's start (s); until then it moves as recorded.
     #[arg(long, value_name = "S", value_parser = within::<0, 3600>)]
     at: Option<f64>,
-    /// How far ahead is looked (s; default: 3).
+    /// How far ahead to look (s; default: 3).
     #[arg(long, value_name = "S", value_parser = within::<0, 60>)]
     horizon: Option<f64>,
     /// Decelerations to try (m/s²; default: 0,4,8).
@@ -58,13 +58,13 @@ pub(crate) struct TrafficArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = within::<-20, 20>,
         allow_hyphen_values = true)]
     laterals: Option<Vec<f64>>,
-    /// What the tyres give in all (m/s²; default: 9).
+    /// Total acceleration that the tyres allow (m/s²; default: 9).
     #[arg(long, value_name = "A", value_parser = within::<1, 20>)]
     grip: Option<f64>,
     /// Library of bodies by type (default: generated ones, config/bodies/default.toml).
     #[arg(long, value_name = "FILE")]
     bodies: Option<PathBuf>,
-    /// Catalogue of OpenSCENARIO; may stand several times.
+    /// OpenSCENARIO catalogue; may be repeated.
     #[arg(long, value_name = "FILE")]
     catalog: Vec<PathBuf>,
 }
@@ -78,7 +78,7 @@ fn within<const LEAST: i32, const MOST: i32>(text: &str) -> Result<f64, String> 
     }
 }
 
-/// Reads a traffic file, sweeps, and writes the scenario.
+/// Reads a traffic file, sweeps the manoeuvres, and makes the scenario's text.
 pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<ImportedTraffic, Failure> {
     let args = args.clone();
     let options = TrafficOptions {

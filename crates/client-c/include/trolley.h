@@ -1,4 +1,4 @@
-/* Trolley: which of several unavoidable collisions does least harm? For C11 and C++11.
+/* Trolley: ranks unavoidable collisions by harm. For C11 and C++11.
  *
  * Link with -ltrolley_client. The structs are those that travel through shared memory: fixed size,
  * no pointers, no hidden padding. Lengths in metres, angles in degrees, speeds in m/s, times in
@@ -42,8 +42,8 @@ extern "C" {
 #define TROLLEY_REASON_NO_WORKERS 9u
 #define TROLLEY_REASON_STOPPING 10u
 #define TROLLEY_REASON_INTERNAL 11u
-#define TROLLEY_REASON_SILENCE 12u    /* said by this library: no answer came in time */
-#define TROLLEY_REASON_NO_SERVICE 13u /* said by this library: there is no service */
+#define TROLLEY_REASON_SILENCE 12u    /* from this library: no answer arrived in time */
+#define TROLLEY_REASON_NO_SERVICE 13u /* from this library: there is no service */
 
 /* trolley_ask.flags */
 #define TROLLEY_UNKNOWN_IS_FIXED 1u
@@ -65,8 +65,8 @@ extern "C" {
 
 /* trolley_place.flags */
 #define TROLLEY_TOUCHES 1u
-#define TROLLEY_CERTAIN 2u     /* the model is sure that it comes before the next */
-#define TROLLEY_TIED 4u        /* the model cannot tell it from the first */
+#define TROLLEY_CERTAIN 2u     /* it certainly comes before the next */
+#define TROLLEY_TIED 4u        /* the model cannot distinguish it from the first */
 #define TROLLEY_UNEVALUABLE 8u /* no figures */
 #define TROLLEY_MISSING 16u    /* the contact is not fully known */
 #define TROLLEY_NEAR_MISS 32u
@@ -116,12 +116,12 @@ typedef struct trolley_request {
   trolley_candidate candidates[TROLLEY_CANDIDATES_MAX];
 } trolley_request;
 
-/* One candidate in its place. Pairs are the ends of an interval. */
+/* One candidate of the ranking. Pairs are the ends of an interval. */
 typedef struct trolley_place {
   uint32_t candidate; /* its number in the request */
   uint32_t flags;
   double work[2];  /* the policy's leading measure, as far as the work is done */
-  double range[2]; /* the same over what the model does not know */
+  double range[2]; /* the measure over the uncertainty of the model */
   double depth_m[2];
   double ego_delta_v_m_s[2];
   double other_delta_v_m_s[2];
@@ -158,13 +158,13 @@ TROLLEY_ASSERT(offsetof(trolley_answer, places) == 224);
 typedef struct trolley_client trolley_client;
 
 /* Connects to the service of this instance in this folder ("/dev/shm" if its deployment file says
- * nothing else). nap_ns: how long to sleep between two looks for an answer; 0: look all the time.
+ * nothing else). nap_ns: how long to sleep between two polls for an answer; 0: poll continuously.
  * Returns NULL on failure, and then writes why into error, which may be NULL. */
 trolley_client *trolley_connect(const char *folder, const char *instance, uint64_t nap_ns,
                                 char *error, size_t error_length);
 
-/* Asks, and waits for the answer at most patience_ns. There is always an answer: without one from
- * the service, a refusal that this library makes. One thread at a time. */
+/* Sends a request, and waits at most patience_ns for the answer. There is always an answer: if the
+ * service gives none, a refusal made by this library. One thread at a time. */
 void trolley_ask(trolley_client *client, const trolley_request *request, uint64_t patience_ns,
                  trolley_answer *answer);
 

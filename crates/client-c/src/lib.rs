@@ -1,4 +1,4 @@
-//! The client for C and C++: `include/trolley.h` says what each function does.
+//! The client for C and C++: `include/trolley.h` documents each function.
 //!
 //! ```text
 //! trolley_connect --> handle --trolley_ask, as often as wanted--> answers --> trolley_disconnect
@@ -6,7 +6,7 @@
 //!
 //! # Invariants
 //!
-//! - No panic leaves this library: it would end the caller's process. It becomes a refusal.
+//! - No panic leaves this library, which would end the caller's process: it becomes a refusal.
 //! - The structs are those of `protocol::public`; the header states the same sizes and offsets, and
 //!   `tests/processes/clients.rs` at the top level compiles it with a C++ compiler and compares the
 //!   answers.
@@ -27,7 +27,8 @@ pub struct Handle(Client);
 ///
 /// # Safety
 ///
-/// `folder` and `instance` are C strings; `error` has room for `error_length` bytes, or is null.
+/// `folder` and `instance` are C strings; `error` points to `error_length` writable bytes, or is
+/// null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trolley_connect(
     folder: *const c_char,
@@ -38,7 +39,7 @@ pub unsafe extern "C" fn trolley_connect(
 ) -> *mut Handle {
     let text = |pointer: *const c_char| {
         if pointer.is_null() {
-            return Err("a null pointer is no name".to_owned());
+            return Err("a name is a null pointer".to_owned());
         }
         // SAFETY: the caller hands over C strings.
         let text = unsafe { CStr::from_ptr(pointer) };
@@ -53,7 +54,7 @@ pub unsafe extern "C" fn trolley_connect(
         client.map_err(|error| error.to_string())
     };
     let done = catch_unwind(AssertUnwindSafe(connect));
-    match done.unwrap_or_else(|_| Err("a mistake of this library".to_owned())) {
+    match done.unwrap_or_else(|_| Err("internal error: a panic in this library".to_owned())) {
         Ok(client) => Box::into_raw(Box::new(Handle(client))),
         Err(why) => {
             // SAFETY: the caller vouches for both.
@@ -63,14 +64,14 @@ pub unsafe extern "C" fn trolley_connect(
     }
 }
 
-/// Writes a text, cut to fit, and a zero behind it.
+/// Writes a text, truncated to fit, with a terminating zero.
 ///
 /// # Safety
 ///
-/// `out` has room for `length` bytes, or is null.
+/// `out` points to `length` writable bytes, or is null.
 unsafe fn say(text: &str, out: *mut c_char, length: usize) {
-    let Some(room) = length.checked_sub(1).filter(|_| !out.is_null()) else { return };
-    let end = text.floor_char_boundary(room);
+    let Some(capacity) = length.checked_sub(1).filter(|_| !out.is_null()) else { return };
+    let end = text.floor_char_boundary(capacity);
     // SAFETY: `end` is less than `length`, which the caller vouches for.
     unsafe { core::ptr::copy_nonoverlapping(text.as_ptr().cast(), out, end) };
     // SAFETY: as above.
@@ -79,7 +80,7 @@ unsafe fn say(text: &str, out: *mut c_char, length: usize) {
     unsafe { last.write(0) };
 }
 
-/// Asks, and waits for the answer at most `patience_ns`. There is always one.
+/// Sends a request, and waits at most `patience_ns` for the answer. There is always one.
 ///
 /// # Safety
 ///
@@ -98,7 +99,7 @@ pub unsafe extern "C" fn trolley_ask(
     let refused =
         |text: &str| WireAnswer::without_ranking(0, WireState::Refused, Reason::Malformed, text);
     let given = if client.is_null() || ask.is_null() {
-        refused("a null pointer was handed over")
+        refused("null pointer")
     } else {
         // SAFETY: not null, made by `trolley_connect`, and nobody else uses it now.
         let handle = unsafe { &mut *client };
@@ -106,13 +107,13 @@ pub unsafe extern "C" fn trolley_ask(
         let ask = unsafe { ask.read() };
         let exchange = || handle.0.ask(&ask, Duration::from_nanos(patience_ns));
         catch_unwind(AssertUnwindSafe(exchange))
-            .unwrap_or_else(|_| refused("a mistake of this library"))
+            .unwrap_or_else(|_| refused("internal error: a panic in this library"))
     };
     // SAFETY: not null, and the caller vouches for it.
     unsafe { answer.write(given) };
 }
 
-/// Ends a client. Null is nothing.
+/// Ends a client. Null is ignored.
 ///
 /// # Safety
 ///
@@ -127,7 +128,7 @@ pub unsafe extern "C" fn trolley_disconnect(client: *mut Handle) {
     let _panicked = catch_unwind(AssertUnwindSafe(|| drop(handle)));
 }
 
-/// The name of a verdict: a C string that lives for ever.
+/// The name of a verdict: a static C string.
 #[unsafe(no_mangle)]
 pub extern "C" fn trolley_verdict_name(verdict: u32) -> *const c_char {
     let name = match WireState::from_number(verdict) {

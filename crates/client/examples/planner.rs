@@ -1,5 +1,5 @@
-//! A planner in Rust: asks what `config/scenarios/minimal.toml` asks, each 100 ms, and prints the
-//! ranking. Words: how often (default 1), the instance, the folder.
+//! A planner in Rust: sends the request of `config/scenarios/minimal.toml` every 100 ms, and prints
+//! the ranking. Arguments: number of requests (default 1), instance, folder.
 //!
 //! ```text
 //! trolley serve config/deployments/minimal.toml
@@ -19,9 +19,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let instance = words.next().unwrap_or_else(|| "minimal".to_owned());
     let folder = words.next().unwrap_or_else(|| "/dev/shm".to_owned());
     let mut client = Client::connect(&folder, &instance, Waiting::Spin)?;
-    let ask = what_is_left().ok_or("a request has no room for this")?;
+    let ask = what_is_left().ok_or("the request has too many parties or candidates")?;
     for turn in 0..turns {
-        // A planner asks again with each picture of the world; here nothing moves.
+        // A real planner asks again with each new view of the world; here nothing moves.
         let answer = client.ask(&ask, Duration::from_millis(100));
         eprintln!("{} {}", answer.verdict().name(), answer.text());
         if turn + 1 == turns {
@@ -42,12 +42,12 @@ fn what_is_left() -> Option<Ask> {
     let pole = ask.add_party(WireParty::of_model(3))?;
     let wall = ask.add_party(WireParty::of_model(2))?;
     let ego = Motion { velocity_m_s: [10.0, 0.0], ..Motion::default() };
-    let at = |x: f64, y: f64, yaw: f64| Motion {
+    let motion = |x: f64, y: f64, yaw: f64| Motion {
         position_m: [x, y, 0.0],
         angles_deg: [yaw, 0.0, 0.0],
         ..Motion::default()
     };
-    for (party, other) in [(wall, at(2.55, 0.0, 90.0)), (pole, at(2.4, 0.3, 0.0))] {
+    for (party, other) in [(wall, motion(2.55, 0.0, 90.0)), (pole, motion(2.4, 0.3, 0.0))] {
         ask.add_candidate(WireCandidate { party, spare: 0, probability: 1.0, ego, other })?;
     }
     Some(ask)

@@ -1,4 +1,4 @@
-//! For planners: connect to a service, ask with a deadline, get an answer or a refusal.
+//! The planner's client: connects to a service, asks with a deadline, gets an answer or a refusal.
 //!
 //! ```no_run
 //! use client::{Client, Waiting};
@@ -7,16 +7,16 @@
 //!
 //! let mut client = Client::connect("/dev/shm", "trolley", Waiting::Spin)?;
 //! let mut ask = Ask::new(0);
-//! let ego = ask.add_party(WireParty::of_model(1)).ok_or("no room")?;
-//! let wall = ask.add_party(WireParty::of_model(2)).ok_or("no room")?;
-//! let at = |x: f64, v: f64| Motion {
+//! let ego = ask.add_party(WireParty::of_model(1)).ok_or("too many parties")?;
+//! let wall = ask.add_party(WireParty::of_model(2)).ok_or("too many parties")?;
+//! let motion = |x: f64, v: f64| Motion {
 //!     position_m: [x, 0.0, 0.0],
 //!     velocity_m_s: [v, 0.0],
 //!     ..Motion::default()
 //! };
 //! ask.ego = ego;
 //! ask.add_candidate(WireCandidate {
-//!     party: wall, spare: 0, probability: 1.0, ego: at(0.0, 10.0), other: at(2.5, 0.0),
+//!     party: wall, spare: 0, probability: 1.0, ego: motion(0.0, 10.0), other: motion(2.5, 0.0),
 //! });
 //! let answer = client.ask(&ask, Duration::from_millis(50));
 //! for place in answer.ranking() {
@@ -27,15 +27,15 @@
 //!
 //! # Invariants
 //!
-//! - [`Client::ask`] returns by its deadline, whatever has become of the service: an answer that
-//!   did not come is a refusal made here, [`Reason::Silence`] or [`Reason::NoService`].
-//! - An answer is to what was asked: it carries a number that no other client chooses.
-//! - A service that was restarted is found again without help: `tests/processes/serve.rs` at the
-//!   top level.
+//! - [`Client::ask`] returns by its deadline, whatever happens to the service: a missing answer is
+//!   replaced by a refusal, [`Reason::Silence`] or [`Reason::NoService`].
+//! - An answer belongs to its request: it carries a number that no other client chooses.
+//! - The client reconnects to a restarted service by itself: `tests/processes/serve.rs` at the top
+//!   level.
 //!
-//! Whoever only watches uses a [`Listener`].
+//! To monitor a service without asking, use a [`Listener`].
 //!
-//! It knows the public structs and the transport, and nothing of bodies, harm or policies.
+//! The crate knows the public structs and the transport, but nothing of bodies, harm or policies.
 
 use core::fmt;
 use core::hash::{BuildHasher as _, Hasher as _};
@@ -51,22 +51,22 @@ pub use transport::OpenError;
 /// How a client waits for its answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Waiting {
-    /// It looks all the time, and lets others go first: an answer is seen at once.
+    /// Poll continuously, yielding to other threads: an answer is seen at once.
     Spin,
-    /// It looks, sleeps a little, looks again: an answer is seen up to so much later (with the
+    /// Poll, and sleep this long in between: an answer is seen up to that much later (plus the
     /// kernel's timer slack of 50 µs), and the core is free meanwhile.
     Nap(Duration),
 }
 
-/// So many refusals without a server, and everything is opened anew: a sweep may have taken the
-/// files that we still have open.
+/// Number of consecutive refusals without a server before everything is reopened: a cleanup may
+/// have removed the files that are still open here.
 const REFUSALS_MAX: u32 = 3;
 
 /// A client of a service. It belongs to one thread.
 pub struct Client {
     address: Address,
     waiting: Waiting,
-    /// `None` after a failed attempt to open anew.
+    /// `None` after a failed attempt to reopen.
     port: Option<Port>,
     sequence: u64,
     unserved: u32,
@@ -83,16 +83,16 @@ impl Client {
     pub fn connect(folder: &str, instance: &str, waiting: Waiting) -> Result<Self, OpenError> {
         let address = Address::new(folder, instance)?;
         let port = Some(Port::open(&address)?);
-        // Random, so that no two clients number their requests alike: an answer to one that was
-        // killed is then not taken for an answer to the one that got its place.
+        // Random, so that no two clients use the same numbers: an answer to a killed client is then
+        // not taken for one to its successor.
         let sequence = RandomState::new().build_hasher().finish();
         Ok(Self { address, waiting, port, sequence, unserved: 0 })
     }
 
-    /// Asks, and waits for the answer, at most for so long. The client numbers its requests: what
-    /// stands in `ask.sequence` and `ask.answer_by_ns` does not count.
+    /// Sends a request, and waits for the answer, at most for `patience`. The client sets the
+    /// sequence number and the deadline: `ask.sequence` and `ask.answer_by_ns` are ignored.
     ///
-    /// There is always an answer; without a ranking its verdict is *refused* or *busy*.
+    /// Always returns an answer; without a ranking its verdict is *refused* or *busy*.
     #[must_use]
     pub fn ask(&mut self, ask: &Ask, patience: Duration) -> WireAnswer {
         let end_ns = now_ns().saturating_add(nanoseconds(patience));
@@ -105,7 +105,7 @@ impl Client {
         };
         if self.unserved >= REFUSALS_MAX {
             self.unserved = 0;
-            // The old one goes first: its place may be the only one left.
+            // The old port is dropped first: its slot may be the only free one.
             self.port = None;
         }
         answer
@@ -128,7 +128,7 @@ impl Client {
         let pending = match port.ask(ask) {
             Ok(pending) => pending,
             Err(UseError::Full) => {
-                let text = "the service takes no more requests at the moment";
+                let text = "the service accepts no more requests at the moment";
                 return WireAnswer::without_ranking(
                     ask.sequence,
                     WireState::Busy,
@@ -148,10 +148,10 @@ impl Client {
             }
             let now_ns = now_ns();
             if now_ns >= end_ns {
-                return refused(Reason::Silence, "no answer came in time");
+                return refused(Reason::Silence, "no answer arrived in time");
             }
             if !pending.is_served() {
-                return refused(Reason::NoService, "the service ended while it was asked");
+                return refused(Reason::NoService, "the service ended during the request");
             }
             self.wait(end_ns - now_ns);
         }
@@ -171,11 +171,11 @@ impl fmt::Debug for Client {
     }
 }
 
-/// Hears how a service is, which says so each second; it asks nothing of it.
+/// Receives the health that a service publishes each second; sends no requests.
 #[derive(Debug)]
 pub struct Listener(transport::TopicSubscriber);
 
-/// How often a listener looks.
+/// Polling interval of a listener.
 const LOOK: Duration = Duration::from_millis(50);
 
 impl Listener {
@@ -189,8 +189,7 @@ impl Listener {
         Ok(Self(transport::TopicSubscriber::open(&Address::new(folder, instance)?)?))
     }
 
-    /// Waits for what the service says next of its health, at most for so long; `None` if it says
-    /// nothing.
+    /// Waits for the next health message, at most for this long; `None` if there is none.
     #[must_use]
     pub fn health(&self, patience: Duration) -> Option<Health> {
         let end_ns = now_ns().saturating_add(nanoseconds(patience));
@@ -204,7 +203,7 @@ impl Listener {
     }
 }
 
-/// Sleeps, or less if a signal comes.
+/// Sleeps; a signal ends the sleep early.
 fn nap(duration: Duration) {
     let ns = nanoseconds(duration);
     let nap =

@@ -1,7 +1,7 @@
-//! The answer: order-free values only, so that equal input gives equal bytes whoever did the work.
+//! The answer: order-free values only, so that equal input gives equal bytes whatever the backend.
 //!
 //! Hashes are wrapping sums of splitmix64 over source triangle ids, as 16 hexadecimal digits; that
-//! of the pairs is over (id in A) << 32 | (id in B). Zeros are +0.
+//! of the pairs is taken over (id in A) << 32 | (id in B). Zeros are +0.
 
 use crate::candidate_state::{CandidateState, SearchStage};
 use crate::request::{Candidate, Request};
@@ -14,10 +14,10 @@ use geometry::DVec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// What was asked, answered.
+/// The answer to a request.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
-    /// How finished it is.
+    /// How complete it is.
     pub state: AnswerState,
     /// The policy's name.
     pub policy: String,
@@ -25,13 +25,13 @@ pub struct Answer {
     pub ranking: Vec<Row>,
     /// Names of the candidates that the model cannot tell from the first, itself included.
     pub tie_class: Vec<String>,
-    /// What must be said besides.
+    /// Further remarks on the ranking.
     pub notes: Vec<Note>,
-    /// What was assumed because nobody knows it, in sentences.
+    /// What was assumed for lack of data, in sentences.
     pub assumptions: Vec<String>,
-    /// So many of the first places no open work can change.
+    /// Number of leading places that no open work can change.
     pub settled_places: usize,
-    /// What is missing, a sentence per candidate whose contact is not fully known.
+    /// What is missing: one sentence per candidate whose contact is not fully known.
     pub missing: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ pub struct Row {
     pub other: String,
     /// The policy's leading measure, over the work interval: [lo, hi].
     pub work: Interval,
-    /// The same over the model range: [low, high].
+    /// The policy's leading measure, over the model range: [low, high].
     pub range: Range,
     /// Whether the model is sure that it comes before the next.
     pub certain: bool,
@@ -56,14 +56,14 @@ pub struct Row {
     pub is_other_fixed: bool,
     /// What the contact is like.
     pub contact: Contact,
-    /// How many triangles are hit from first contact to e: of the ego, of the other.
+    /// Number of triangles hit from first contact to e: of the ego, of the other.
     pub hits: [u64; 2],
-    /// Hashes of these sets.
+    /// Hashes of the sets of hit triangles.
     pub hashes: [String; 2],
     /// Names of the parts hit from first contact to e, in the bodies' order: of the ego, of the
     /// other.
     pub parts: [Vec<String>; 2],
-    /// Crush by stiffness beside the depth, where somebody configured it.
+    /// Crush by stiffness beside the depth, where a stiffness is configured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crush: Option<damage::Crush>,
     /// Closing speed (m/s).
@@ -72,11 +72,11 @@ pub struct Row {
     pub delta_v_m_s: [DeltaV; 2],
     /// Kinetic energy lost (J).
     pub energy_j: Interval,
-    /// Everybody in this collision.
+    /// Everyone in this collision.
     pub persons: Vec<PersonRow>,
-    /// Set if there are no figures.
+    /// Why there are no figures, if there are none.
     pub unevaluable: Option<Unevaluable>,
-    /// The limit on poses made the path coarse.
+    /// Whether the limit on poses made the path coarse.
     pub coarse_path: bool,
     /// Poses from first contact on; empty without contact.
     pub poses: Vec<PoseRow>,
@@ -87,19 +87,19 @@ pub struct Row {
 pub struct PersonRow {
     /// The party that the person belongs to.
     pub party: String,
-    /// The seat; none on foot.
+    /// The seat; `None` on foot.
     pub seat: Option<&'static str>,
-    /// As whom the curve takes the person.
+    /// The kind of victim that the curve takes the person for.
     pub victim: &'static str,
     /// The curve.
     pub curve: String,
     /// Probability of injury at the policy's level: [lo, hi].
     pub work: Interval,
-    /// The same over the model range.
+    /// Probability of injury over the model range.
     pub range: Range,
-    /// A zone beside the seat is hit.
+    /// Whether a zone beside the seat is hit.
     pub intrusion: bool,
-    /// The speed lies where the curve's sample ends.
+    /// Whether the speed lies outside the range of the curve's sample.
     pub extrapolated: bool,
 }
 
@@ -112,11 +112,11 @@ pub struct PoseRow {
     pub hits_a: u64,
     /// Triangles of the other that are hit.
     pub hits_b: u64,
-    /// Hash of the ego's.
+    /// Hash of the ego's hit triangles.
     pub hash_a: String,
-    /// Hash of the other's.
+    /// Hash of the other's hit triangles.
     pub hash_b: String,
-    /// Intersecting pairs, at the poses that form the patch.
+    /// Number of intersecting pairs, at the poses that form the patch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pairs: Option<u64>,
     /// Hash of the pairs.
@@ -125,7 +125,7 @@ pub struct PoseRow {
 }
 
 impl Answer {
-    /// The candidate of least harm; none if nothing was asked about, or no bound can be given.
+    /// The candidate of least harm; `None` if there are no candidates or no bound can be given.
     #[must_use]
     pub fn best(&self) -> Option<&Row> {
         if self.state == AnswerState::Refused { None } else { self.ranking.first() }
@@ -164,17 +164,17 @@ impl Answer {
 /// What is not known of a candidate.
 fn open(state: &CandidateState) -> String {
     match &state.stage {
-        SearchStage::Settled => "the bodies overlap before they meet".to_owned(),
+        SearchStage::Settled => "the bodies overlap at the start of the path".to_owned(),
         SearchStage::Searching { search, .. } => {
             let (from, to) = search.bracket();
             // Not "-0.000".
             let [from, to] = [from, to].map(|m| (m * 1e3).round() / 1e3 + 0.0);
             let touch = if search.has_touched() { "begins" } else { "would begin" };
-            format!("where contact {touch}, between {from:.3} m and {to:.3} m of travel")
+            format!("where contact {touch}: between {from:.3} m and {to:.3} m of travel")
         }
         SearchStage::Surveying { stops, .. } => {
             let open = stops.iter().filter(|(_, surveyed)| surveyed.is_none()).count();
-            format!("{open} of {} poses from first contact on", stops.len())
+            format!("{open} of {} poses from first contact onwards", stops.len())
         }
     }
 }
@@ -184,7 +184,9 @@ pub(crate) fn assumptions(request: &Request) -> Vec<String> {
     let unknown = request.candidates.iter().filter(|candidate| candidate.is_assumed_fixed);
     let names: BTreeSet<&str> = unknown.map(|candidate| candidate.other_name.as_str()).collect();
     let sentence = |name: &str| {
-        format!("\"{name}\" is of unknown kind: taken as fixed to the ground, with nobody in it")
+        format!(
+            "\"{name}\" is of unknown kind: assumed to be fixed to the ground, with nobody in it"
+        )
     };
     names.into_iter().map(sentence).collect()
 }
@@ -235,7 +237,7 @@ fn row(
     }
 }
 
-/// The sides that the nominal normal points through; ∥ where the bodies mostly slide past.
+/// The sides that the nominal normal passes through; ∥ where the bodies mostly slide past.
 fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let Some(patch) = &harm.contact.patch else { return String::new() };
     let normal = DVec3::from_array(patch.normal);

@@ -1,23 +1,23 @@
-//! The answer as a program takes it: the figures where they were made, and nothing put into words.
+//! The answer for programs: a view of the figures in place, with no text made from them.
 //!
-//! [`crate::Answer`] is for people and files: it copies names, writes hashes out and says why. Who
-//! lays an answer out in a message needs none of that, and asks on every request.
+//! [`crate::Answer`] is for people and files: it copies names, formats hashes and gives reasons.
+//! Code that lays an answer out in a message needs none of that, and runs on every request.
 
 use crate::answer::assumptions;
 use crate::request::Request;
 use damage::{AnswerState, CandidateHarm, PersonHarm, Place, RankedCandidates, Scratch};
 
-/// Harm of every candidate and their order, and the room that they were made in.
+/// Harm of every candidate and their order, with the buffers that they are computed in.
 #[derive(Debug, Default)]
 pub(crate) struct Judged {
     pub(crate) harms: Vec<CandidateHarm>,
     pub(crate) ranking: RankedCandidates,
     pub(crate) scratch: Scratch,
-    /// Lists of persons that are not needed now.
+    /// Spare lists of persons.
     pub(crate) persons: Vec<Vec<PersonHarm>>,
 }
 
-/// What was asked, answered.
+/// The answer to a request.
 #[derive(Clone, Copy, Debug)]
 pub struct AnswerView<'w> {
     request: &'w Request,
@@ -33,7 +33,7 @@ pub struct AnswerRow<'w> {
     pub place: &'w Place,
     /// Its figures.
     pub harm: &'w CandidateHarm,
-    /// The model cannot tell it from the first, or it is the first.
+    /// Whether it is the first, or the model cannot tell it from the first.
     pub is_tied: bool,
 }
 
@@ -42,7 +42,7 @@ impl<'w> AnswerView<'w> {
         Self { request, judged }
     }
 
-    /// How finished it is.
+    /// How complete it is.
     #[must_use]
     pub fn state(&self) -> AnswerState {
         self.judged.ranking.state
@@ -65,7 +65,7 @@ impl<'w> AnswerView<'w> {
         &self.request.persons[person.id.0].party
     }
 
-    /// What was assumed because nobody knows it, in a sentence; the first of several.
+    /// What was assumed for lack of data, in a sentence; the first of several.
     #[must_use]
     pub fn assumption(&self) -> Option<String> {
         assumptions(self.request).into_iter().next()

@@ -1,9 +1,9 @@
-//! What the open jobs of one pose may still find: the outer bound of a task that is not done.
+//! What the open jobs of one pose may still find: the outer bound of an unfinished task.
 //!
-//! Where jobs of the pose have been done, what they found is the inner bound, and the boxes of
-//! those that are open the outer one. Where none has, or too many are open to be looked at one by
-//! one, it is the hulls, which hold every contact that there can be. All of it follows from which
-//! jobs are done, never from when: a replay of the same jobs makes the same bounds.
+//! Where jobs of the pose are done, what they found is the inner bound, and the boxes of the open
+//! ones are the outer bound. Where none is done, or too many are open to be examined one by one,
+//! the hulls are the outer bound: they hold every possible contact. Bounds depend on which jobs are
+//! done, never on when: a replay of the same jobs makes the same bounds.
 
 use crate::gather::Gathered;
 use crate::request::Candidate;
@@ -13,18 +13,18 @@ use damage::approach::ROUNDING_M;
 use damage::{Seen, Stop};
 use geometry::{RelativePose, Supports};
 
-/// Most open jobs of a pose whose boxes are looked at one by one.
+/// Maximum number of open jobs of a pose whose boxes are examined one by one.
 const BOXES_MAX: usize = 512;
 
 /// A pose that is not done.
 pub(crate) struct Open {
     /// What its done jobs have found.
     pub(crate) found: Seen,
-    /// What its open ones may still find.
+    /// What its open jobs may still find.
     pub(crate) reach: Seen,
 }
 
-/// The zones that any triangle of a body belongs to.
+/// All zones that triangles of a body belong to.
 pub(crate) fn zones(body: &BodyView<'_>) -> u16 {
     body.zones.iter().fold(0, |all, Zones(bits)| all | bits)
 }
@@ -35,7 +35,7 @@ pub(crate) fn hulls(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Seen
 }
 
 impl Open {
-    /// Nothing found, and nothing to come: not a bound.
+    /// Nothing found and nothing to be found: not a bound.
     #[cfg(any(test, feature = "faults"))]
     pub(crate) fn nothing() -> Self {
         Self { found: Seen::NOTHING, reach: Seen::NOTHING }
@@ -65,7 +65,7 @@ impl Open {
     }
 }
 
-/// Supports of what is below open pairs, in A's frame; without bound where there are too many.
+/// Supports of what is below open pairs, in A's frame; unbounded where there are too many.
 pub(crate) fn boxes(
     candidate: &Candidate,
     bodies: (&BodyView<'_>, &BodyView<'_>),

@@ -1,7 +1,7 @@
-//! The way of one candidate: find first contact, then survey the crush path from there.
+//! The state of one candidate: find first contact, then survey the crush path from there.
 //!
 //! Which tasks follow depends on what earlier ones found, never on the order in which they were
-//! answered: [`damage::Search`] sees to that.
+//! answered: [`damage::Search`] ensures that.
 
 use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
@@ -20,7 +20,7 @@ pub(crate) enum Purpose {
     Survey { stop: usize },
 }
 
-/// A pose of the survey, done.
+/// A finished pose of the survey.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surveyed {
     pub(crate) sets: SetSummary,
@@ -29,26 +29,26 @@ pub(crate) struct Surveyed {
     pub(crate) seen: Seen,
 }
 
-/// How far a candidate is.
+/// How far the search of a candidate has come.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a box would come from the heap on every request")]
 pub(crate) enum SearchStage {
-    /// Nothing to find out: the hulls never meet, or always did.
+    /// Nothing to search: the hulls never meet, or overlap from the start.
     Settled,
     /// First contact is sought; `asked` are the travels that have a task.
     Searching { search: Search, asked: Travels },
-    /// First contact is known, or known not to be. `task` is the number of the first stop's task;
-    /// the others follow.
+    /// First contact is known, or known not to exist. `task` is the number of the first stop's
+    /// task; the others follow.
     Surveying { search: Search, stops: Vec<(Stop, Option<Surveyed>)>, task: u32 },
 }
 
-/// One candidate at work.
+/// One candidate while its request is worked on.
 #[derive(Clone, Debug)]
 pub(crate) struct CandidateState {
     pub(crate) stage: SearchStage,
     /// Triangles hit from first contact to e.
     pub(crate) hit: Union,
-    /// The list of stops of an earlier request, for those of this one.
+    /// The list of stops of an earlier request, reused for this one.
     spare: Vec<(Stop, Option<Surveyed>)>,
 }
 
@@ -57,7 +57,7 @@ impl CandidateState {
         Self::with_buffers(candidate, Union::default(), Vec::new())
     }
 
-    /// Another candidate, in the room of this one.
+    /// The state of another candidate, in the buffers of this one.
     pub(crate) fn anew(self, candidate: &Candidate) -> Self {
         let Self { stage, mut hit, mut spare } = self;
         hit.clear();
@@ -82,8 +82,8 @@ impl CandidateState {
         Self { stage, hit, spare }
     }
 
-    /// The tasks that have to be done now and were not asked for before; they get the numbers from
-    /// `task` on.
+    /// The tasks that are needed now and were not asked for before; they are numbered from `task`
+    /// on.
     pub(crate) fn advance(
         &mut self,
         candidate: &Candidate,
@@ -159,8 +159,8 @@ impl CandidateState {
             if stops.iter().all(|(_, surveyed)| surveyed.is_some()))
     }
 
-    /// What is known of the contact by now. `open` says what is known of a stop's task that is not
-    /// done, and what it may still find.
+    /// What is known of the contact so far. `open` gives, for a stop whose task is not done, what
+    /// it has found and what it may still find.
     pub(crate) fn evidence(&self, mut open: impl FnMut(u32, &Stop) -> Open) -> Evidence {
         let (search, stops, task) = match &self.stage {
             SearchStage::Settled => return Evidence::none((0.0, 0.0)),

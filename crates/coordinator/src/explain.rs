@@ -1,11 +1,11 @@
-//! The explanation of an answer: every figure from contact to rank with what it was made from.
+//! The explanation of an answer: every figure from contact to rank, and what it is made from.
 //!
 //! A reader can check each step with a pocket calculator: speeds and lever arms give impulses,
 //! impulses give changes of velocity, a curve with its source gives a probability, a rule of the
-//! policy gives the term that ranks. Values are the ones that decided, copied, never computed anew;
+//! policy gives the term that ranks. Values are copies of those that decided, never recomputed;
 //! where work is still open they are the upper ends, as in the order itself.
 //!
-//! It depends on nothing but what the answer depends on.
+//! It depends only on what the answer depends on.
 
 use crate::candidate_state::{CandidateState, SearchStage};
 use crate::request::{Candidate, Request};
@@ -19,9 +19,9 @@ use serde::Serialize;
 /// Everything that the order was made from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explanation {
-    /// The policy, and who answers for it.
+    /// The policy's name.
     pub policy: String,
-    /// Its board.
+    /// The board that answers for it.
     pub board: String,
     /// The severity that counts.
     pub outcome: &'static str,
@@ -35,7 +35,7 @@ pub struct Explanation {
     pub curves: Vec<Curve>,
     /// Candidates, least harm first.
     pub chains: Vec<Derivation>,
-    /// What would have to change for another one to win.
+    /// What would have to change for another candidate to win.
     pub stability: Stability,
     /// Names of the candidates in the order of the request: the numbers of `stability`.
     pub names: Vec<String>,
@@ -73,11 +73,11 @@ pub struct Derivation {
     pub force_degrees: [f64; 2],
     /// Probability of the collision, as the planner states it.
     pub probability: f64,
-    /// Everybody in it.
+    /// Everyone in it.
     pub persons: Vec<PersonChain>,
     /// Travel and intersecting pairs of triangles at each pose that forms the contact patch.
     pub poses: Vec<(f64, u64)>,
-    /// Length of that patch across the normal, along it and upwards, and the depth (m).
+    /// Lengths of the patch across the normal, along it and upwards, and the depth (m).
     pub patch_m: [f64; 4],
     /// The policy's steps for this candidate.
     pub steps: Vec<PolicyStep>,
@@ -109,7 +109,7 @@ pub struct PersonChain {
     pub party: String,
     /// Seat; none on foot.
     pub seat: Option<&'static str>,
-    /// As whom the curve takes the person.
+    /// The kind of victim that the curve takes the person for.
     pub victim: &'static str,
     /// The curve's id.
     pub curve: String,
@@ -123,7 +123,7 @@ pub struct PersonChain {
     pub unit: CurveUnit,
     /// P(x) = 1/(1+exp(-(a+b x))), as published.
     pub published: f64,
-    /// P(0), which the anchoring takes away.
+    /// P(0), which anchoring removes.
     pub at_rest: f64,
     /// H = (P(x) - P(0))/(1 - P(0)), over open work.
     pub harm: Interval,
@@ -198,7 +198,7 @@ fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
     of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }
 
-/// All of a chain but its place in the order.
+/// The whole chain except its place in the order.
 fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Derivation {
     let parties = [&candidate.a, &candidate.b];
     let patch = harm.contact.patch.as_ref();
@@ -228,7 +228,7 @@ fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Deri
     }
 }
 
-/// Who decided between two candidates, if persons did.
+/// The person who decided between two candidates, if a rule on persons did.
 fn separation(
     request: &Request,
     ground: &Ground,

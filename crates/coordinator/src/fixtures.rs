@@ -1,5 +1,5 @@
-//! A small request for the tests of several modules: three crashes, and one that passes by. Where
-//! the hulls of the person and the car first meet, none of their boxes do: such a pose has no job.
+//! A small request shared by tests: three crashes and one candidate that passes by. Where the hulls
+//! of the person and the car first meet, none of their boxes do: such a pose has no jobs.
 
 use crate::request::Request;
 use body::Shape;
@@ -43,12 +43,12 @@ fn body(shape: Shape, triangles: u32) -> Body {
     bvh::body(mesh, meta, zones, &BuildOptions::default(), &|_| {}).expect("a tree")
 }
 
-/// The request, and something to do with it.
+/// Passes the request and its bodies to `of`.
 pub(crate) fn with<T>(of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T) -> T {
     with_policy(Policy::shipped().expect("sound"), of)
 }
 
-/// The same under another policy.
+/// [`with`] under another policy.
 pub(crate) fn with_policy<T>(
     policy: Policy,
     of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T,

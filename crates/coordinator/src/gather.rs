@@ -17,7 +17,7 @@ impl Hits {
         Self(vec![0; triangles.div_ceil(64)])
     }
 
-    /// `false` if there is no such triangle: then the message lied.
+    /// `false` if there is no such triangle: then the message is invalid.
     fn insert(&mut self, triangle: u32) -> bool {
         let word = self.0.get_mut(triangle as usize / 64);
         word.map(|word| *word |= 1 << (triangle % 64)).is_some()
@@ -47,14 +47,14 @@ pub(crate) struct Part<'p> {
 /// What a job left open: pairs of nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Rest<'p> {
-    /// All of them, of a job that was done in this process.
+    /// All pairs, of a job that ran in this process.
     Pairs(&'p [NodePair]),
-    /// Those in one message, as they travel.
+    /// The pairs in one message, as encoded.
     Words(&'p [u64]),
 }
 
 impl Rest<'_> {
-    /// Nothing, or in another part.
+    /// Nothing left open, or listed in another part.
     pub(crate) const NONE: Self = Self::Pairs(&[]);
 }
 
@@ -94,7 +94,7 @@ impl Gathered {
         }
     }
 
-    /// Nothing found again, between other bodies.
+    /// Resets to nothing found, between other bodies.
     pub(crate) fn anew(self, triangles_a: usize, triangles_b: usize) -> Self {
         let Self { mut hits_a, mut hits_b, .. } = self;
         for (hits, triangles) in [(&mut hits_a, triangles_a), (&mut hits_b, triangles_b)] {
@@ -140,7 +140,7 @@ impl Gathered {
 pub(crate) struct Union([Hits; 2]);
 
 impl Union {
-    /// Nothing hit again.
+    /// Resets to nothing hit.
     pub(crate) fn clear(&mut self) {
         self.0.iter_mut().for_each(|hits| hits.0.clear());
     }
@@ -158,17 +158,17 @@ impl Union {
         summary([&self.0[0], &self.0[1]], a, b)
     }
 
-    /// Their numbers, ascending.
+    /// Numbers of the triangles hit, ascending.
     pub(crate) fn triangles(&self) -> [Vec<u32>; 2] {
         [0, 1].map(|side| self.0[side].iter().map(|triangle| triangle as u32).collect())
     }
 
     /// Numbers of the parts that they belong to, ascending.
     pub(crate) fn parts(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> [BTreeSet<u16>; 2] {
-        let of = |hits: &Hits, body: &BodyView<'_>| {
+        let parts_of = |hits: &Hits, body: &BodyView<'_>| {
             hits.iter().filter_map(|triangle| body.part_of.get(triangle).copied()).collect()
         };
-        [of(&self.0[0], a), of(&self.0[1], b)]
+        [parts_of(&self.0[0], a), parts_of(&self.0[1], b)]
     }
 }
 

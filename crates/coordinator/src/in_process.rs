@@ -1,4 +1,4 @@
-//! All jobs in this process, one after the other: no workers, no channels.
+//! Runs all jobs in this process, one after the other: no workers, no channels.
 
 use crate::gather::{Part, Rest};
 use crate::work::{PartOf, TaskSource};
@@ -11,7 +11,7 @@ use protocol::Summary;
 use protocol::result::Last;
 use runtime::clock;
 
-/// Hits of a job, which ends when the answer is due.
+/// Hits of a job, which stops when the answer is due.
 #[derive(Debug)]
 struct Hits<'h> {
     hits: &'h mut Vec<u32>,
@@ -32,8 +32,8 @@ impl Sink for Hits<'_> {
     }
 }
 
-/// Does jobs in this process. It holds scratch alone, so it can be kept from request to request,
-/// whatever their bodies; once it has room for these it takes nothing from the heap.
+/// Runs jobs in this process. It holds scratch memory only, so it can be kept across requests,
+/// whatever their bodies; once its buffers are large enough it does not allocate.
 #[derive(Debug)]
 pub struct InProcessExecutor {
     executor: Executor,
@@ -41,13 +41,13 @@ pub struct InProcessExecutor {
     jobs: Vec<Job>,
 }
 
-/// Runs a request to its end in this process, or as far as it is wanted. Returns how many jobs
-/// there were.
+/// Runs a request in this process, to its end or as far as its limits ask. Returns the number of
+/// jobs.
 pub fn run_in_process<W: TaskSource>(work: &mut W, bodies: &[(Meta, BodyView<'_>)]) -> u64 {
     run_watched(work, bodies, |_, _| {})
 }
 
-/// The same, and tells `watch` what each job said of itself before it is folded.
+/// [`run_in_process`], calling `watch` with each job's own counts before it is folded.
 pub fn run_watched<W: TaskSource>(
     work: &mut W,
     bodies: &[(Meta, BodyView<'_>)],
@@ -57,19 +57,19 @@ pub fn run_watched<W: TaskSource>(
 }
 
 impl InProcessExecutor {
-    /// Room for jobs of these bodies.
+    /// An executor with buffers for jobs of these bodies.
     #[must_use]
     pub fn with_room_for(bodies: &[(Meta, BodyView<'_>)]) -> Self {
         let executor = Executor::with_room_for(bodies);
         Self { executor, hits: Vec::new(), jobs: Vec::new() }
     }
 
-    /// Makes room for jobs of other bodies; allocates only if these are larger.
+    /// Sizes the buffers for jobs of other bodies; allocates only if these are larger.
     pub fn make_room_for(&mut self, bodies: &[(Meta, BodyView<'_>)]) {
         self.executor.make_room_for(bodies);
     }
 
-    /// Runs a request to its end, or as far as it is wanted. Returns how many jobs there were.
+    /// Runs a request to its end, or as far as its limits ask. Returns the number of jobs.
     pub fn work_off<W: TaskSource>(&mut self, work: &mut W) -> u64 {
         self.work_off_watched(work, |_, _| {})
     }
@@ -104,7 +104,7 @@ impl InProcessExecutor {
         count
     }
 
-    /// Does one job, unless the answer is due before it is done: then it stays open.
+    /// Runs one job, unless the answer is due before it ends: then it stays open.
     pub(crate) fn run<W: TaskSource>(
         &mut self,
         work: &mut W,
@@ -120,7 +120,7 @@ impl InProcessExecutor {
         let done = match self.executor.execute(task, |model| work.body(model), asked, &mut sink) {
             Ok(done) => done,
             Err(NotDone::Stopped) => return,
-            // Nobody could do it, so nothing will be known of it.
+            // It cannot be run, so its result stays unknown.
             Err(NotDone::Unknown) => return work.close(job, Closed::Abandoned),
         };
         let summary = done.summary(self.hits.len() as u32, clock::now_ns() - begun_ns);

@@ -1,7 +1,7 @@
-//! The job history of a request: what was asked, which jobs ended how, and what was known when.
+//! The job history of a request: what was asked, how each job ended, and what was known when.
 //!
-//! Questions are named by candidate and travel, never by the number that they happened to get: that
-//! depends on the order in which answers came in. So a job history can be replayed in any order.
+//! Questions are identified by candidate and travel, never by task number, which depends on the
+//! order in which answers arrived. So a job history can be replayed in any order.
 
 use crate::candidate_state::Purpose;
 use crate::work::TaskState;
@@ -11,10 +11,11 @@ use record::{PoseQuestion, RecordedEnd, RecordedJob, RecordedMoment};
 use runtime::clock;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What was kept of one request.
+/// What was recorded of one request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobHistory {
-    /// Questions that were asked, in that order. A question without a job was answered by asking.
+    /// Questions, in the order in which they were asked. One without jobs was answered by its
+    /// traversal alone.
     pub places: Vec<PoseQuestion>,
     /// Jobs, in the order in which they were closed.
     pub jobs: Vec<RecordedJob>,
@@ -36,7 +37,7 @@ impl JobHistory {
         }
     }
 
-    /// A question is asked: from now on there are its jobs, which may be none.
+    /// Notes that a question was asked: its jobs, if any, exist from now on.
     pub(crate) fn ask(&mut self, task: TaskId, state: &TaskState) {
         let task = task.0 as usize;
         self.of_task.resize(self.of_task.len().max(task + 1), None);
@@ -44,7 +45,7 @@ impl JobHistory {
         self.places.push(state.place());
     }
 
-    /// A job of a question that was asked has ended.
+    /// Notes that a job of a question that was asked has ended.
     pub(crate) fn close(&mut self, job: &Job, how: Closed) {
         let Some(place) = self.of_task.get(job.task.0 as usize).copied().flatten() else { return };
         let end = match how {
@@ -62,7 +63,7 @@ impl JobHistory {
 }
 
 impl TaskState {
-    /// What this state asks, without its number.
+    /// The question of this state, without its task number.
     fn place(&self) -> PoseQuestion {
         let is_survey = matches!(self.purpose, Purpose::Survey { .. });
         PoseQuestion { candidate: self.candidate as u32, is_survey, travel_m: self.travel_m }
@@ -73,14 +74,15 @@ impl TaskState {
     }
 }
 
-/// A question, comparable: candidate, whether a survey asked, bits of the travel.
+/// A comparable key of a question: candidate, whether a survey asked, bits of the travel.
 type Key = (u32, bool, u64);
 
 fn key(place: &PoseQuestion) -> Key {
     (place.candidate, place.is_survey, place.travel_m.to_bits())
 }
 
-/// The questions of a recorded job history. Whatever else a replay would ask was not asked in time.
+/// The questions of a recorded job history. Anything else that a replay would ask was not asked in
+/// time.
 #[derive(Clone, Debug)]
 pub(crate) struct Asked(BTreeSet<Key>);
 
@@ -95,17 +97,17 @@ impl Asked {
     }
 }
 
-/// The ends of a recorded job history, by what was asked.
+/// How the jobs of a recorded job history ended, by question.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends(BTreeMap<(Key, (u32, u32)), RecordedEnd>);
 
 impl Ends {
     pub(crate) fn of(places: &[PoseQuestion], jobs: &[RecordedJob]) -> Self {
-        let one = |job: &RecordedJob| {
+        let keyed_end = |job: &RecordedJob| {
             let asked = key(places.get(job.place as usize)?);
             Some(((asked, (job.a, job.b)), job.end))
         };
-        Self(jobs.iter().filter_map(one).collect())
+        Self(jobs.iter().filter_map(keyed_end).collect())
     }
 
     /// How a job ended; `None` if it never did.

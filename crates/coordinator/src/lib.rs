@@ -1,24 +1,24 @@
 //! The coordinator: descends trees, hands out jobs, folds results into an answer.
 //!
 //! ```text
-//! Scenario + bodies --Request::new--> Request --Work::new--> tasks --front--> jobs
-//!                                                  ^                           |  WorkerPool::run: four
-//!                                                  |  follow-up tasks          |  worker processes
-//!                                                  +---------- fold <--hits----+  run_in_process:
-//!                                                                                 here, one by one
-//! RankingRun::finish --> damage::assess, damage::rank --> Answer
+//! Scenario + bodies --Request::new--> Request
+//! Request --RankingRun::new--> tasks --front--> jobs
+//!                                ^               |  WorkerPool::run: worker processes
+//!                                |  follow-up    |  run_in_process: this process, one by one
+//!                                |  tasks        v
+//!                                +---- fold <-- hits
+//! RankingRun::answer --> damage::assess, damage::rank --> Answer
 //! ```
 //!
 //! # Invariants
 //!
 //! - A complete [`Answer`] is a pure function of bodies, scenario, policy and curves: it holds
-//!   order-free values only, and both ways of running fill it from the same fold:
+//!   order-free values only, and both backends fill it from the same fold:
 //!   `tests/answers/identical.rs` at the top level.
-//! - It never runs a triangle test itself, except in [`run_in_process`], and that is said in the
-//!   report.
-//! - Whatever ends a run, no process and no shared memory is left: `tests/processes/kill.rs`.
+//! - It never runs a triangle test itself, except in [`run_in_process`], and the report says so.
+//! - However a run ends, no process and no shared memory is left: `tests/processes/kill.rs`.
 //!
-//! It does not know formats of files, nor how harm is computed.
+//! It does not know file formats, nor how harm is computed.
 
 mod answer;
 mod answer_view;

@@ -1,7 +1,7 @@
-//! A pair of bodies at given poses: one task per pose, none of which waits for another.
+//! A pair of bodies at given poses: one independent task per pose.
 //!
-//! It is what measurements run: no search, no harm, all pairs of triangles at every pose. It times
-//! its own descents and folds, so that a measurement can say where the time went.
+//! Measurements run this: no search, no harm, all pairs of triangles at every pose. It times its
+//! own traversals and folds, so that a measurement can report where the time went.
 
 use crate::gather::{Gathered, SetSummary};
 use crate::work::{PartOf, TaskSource};
@@ -17,24 +17,24 @@ use runtime::clock;
 pub struct PoseFound {
     /// Intersecting pairs.
     pub pairs: u64,
-    /// Order-free hash of them.
+    /// Order-free hash of these pairs.
     pub hash: u64,
     /// Triangles of A and of B that are hit.
     pub hits: [u64; 2],
-    /// Order-free hashes of these.
+    /// Order-free hashes of these triangles.
     pub hashes: [u64; 2],
 }
 
-/// Where the coordinator's time went, as far as the work itself knows.
+/// Where the coordinator's time went, as far as the work itself measures it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
-    /// Descents (ns).
+    /// Traversals to the distribution depth (ns).
     pub descent_ns: u64,
     /// Folding results, and closing poses (ns).
     pub fold_ns: u64,
 }
 
-/// One pose at work.
+/// One pose while it is worked on.
 #[derive(Debug, Default)]
 struct Pose {
     wire: Option<WireTask>,
@@ -95,7 +95,7 @@ impl<'w> PairWork<'w> {
         self.poses.iter().map(|pose| pose.found).collect()
     }
 
-    /// Tests of boxes of the descent at each pose.
+    /// Box tests of the traversal at each pose.
     #[must_use]
     pub fn descents(&self) -> Vec<u64> {
         self.poses.iter().map(|pose| pose.descent_nb).collect()

@@ -1,4 +1,4 @@
-//! Making the evidence of a recorded request again, in this process.
+//! Recomputes the evidence of a recorded request, in this process.
 
 use crate::in_process::InProcessExecutor;
 use crate::job_history::{Asked, Ends};
@@ -7,11 +7,10 @@ use body::{BodyView, Meta};
 use dispatch::{Closed, JobSource as _};
 use record::{PoseQuestion, RecordedEnd, RecordedJob};
 
-/// Asks what a job history says was asked, does the jobs that were done, gives up those that were given
-/// up, and leaves open what never ended. Returns how many jobs were done.
+/// Asks the questions of a job history, runs the jobs that were done, abandons those that were
+/// abandoned, and leaves open those that never ended. Returns the number of jobs run.
 ///
-/// Evidence is made from unions and maxima, so the order in which the jobs once ended is of no
-/// account.
+/// Evidence is made from unions and maxima, so the order in which the jobs ended does not matter.
 pub fn replay(
     work: &mut RankingRun<'_>,
     bodies: &[(Meta, BodyView<'_>)],

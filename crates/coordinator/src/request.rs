@@ -1,4 +1,4 @@
-//! A request as the engine takes it: every candidate in the ego's frame, and who is at stake.
+//! A request as the engine takes it: every candidate in the ego's frame, and the persons at stake.
 
 use body::{BodyKind, BodyView, Meta, Seat};
 use bvh::support::{Extremes, support};
@@ -31,7 +31,7 @@ pub(crate) struct Candidate {
     pub(crate) a: CollisionParty,
     pub(crate) b: CollisionParty,
     pub(crate) probability: f64,
-    /// Nobody knows what B is: it is taken as fixed to the ground.
+    /// B is of unknown kind: it is taken as fixed to the ground.
     pub(crate) is_assumed_fixed: bool,
 }
 
@@ -56,20 +56,20 @@ pub(crate) struct Person {
     pub(crate) stake: Stake,
 }
 
-/// The one fixed list of persons; as many as a planner may name take nothing from the heap.
+/// The fixed list of persons; as many as a planner may name need no allocation.
 pub(crate) type Persons = SmallVec<[Person; damage::party::IN_PLACE]>;
 
 /// Which persons of the list are with each party.
 type Aboards = SmallVec<[Range<usize>; PARTIES]>;
 
-/// Parties for which there is room in place.
+/// Number of parties stored in place.
 const PARTIES: usize = 17;
 
-/// Room for the candidates of a request, kept from an earlier one.
+/// Buffers for the candidates of a request, kept from an earlier one.
 #[derive(Debug, Default)]
 pub struct Candidates(Vec<Candidate>);
 
-/// Everything that is asked, and by what it will be judged.
+/// Everything that is asked, and the policy and curves that judge it.
 #[derive(Clone, Debug)]
 pub struct Request {
     pub(crate) candidates: Vec<Candidate>,
@@ -119,7 +119,7 @@ impl Request {
     /// # Errors
     ///
     /// If a candidate's approach is unusable. A party of unknown kind is taken as fixed to the
-    /// ground: whoever does not want that refuses the scenario before.
+    /// ground: a caller who does not want that must refuse the scenario first.
     ///
     /// # Panics
     ///
@@ -135,9 +135,9 @@ impl Request {
         Self::with_models(scenario, bodies, (&models, None), rules, Candidates::default())
     }
 
-    /// The same for parties that share bodies that many requests are asked about: party i has body
-    /// `models[i]`, and `extremes` are those of the bodies, if they were found. The room is that of
-    /// an earlier request.
+    /// [`Request::new`] for bodies that many requests share: party i has body `models[i]`, and
+    /// `extremes` are those of the bodies, if known. The list of candidates is that of an earlier
+    /// request, reused.
     ///
     /// # Errors
     ///
@@ -196,7 +196,7 @@ impl Request {
         Ok(Self { candidates, persons, policy, curves, parameters: Parameters::default() })
     }
 
-    /// The room, for the next request.
+    /// The buffers, for the next request.
     #[must_use]
     pub fn into_buffers(self) -> Candidates {
         Candidates(self.candidates)
@@ -209,7 +209,7 @@ impl Request {
     }
 }
 
-/// The one fixed list of persons, and who of them is with each party.
+/// The fixed list of persons, and which of them are with each party.
 fn persons<'b>(
     scenario: &Scenario,
     body: &impl Fn(usize) -> &'b (Meta, BodyView<'b>),
@@ -254,7 +254,7 @@ fn party(
             (DVec3::new(row(0), row(1), row(2)), DVec3::new(r[0][0], r[1][0], r[2][0]))
         }
     };
-    // Of what nobody knows, only the shape counts: the rest is assumed to be that of a wall.
+    // Of an unknown body only the shape counts: all else is assumed to be that of a wall.
     let kind = if stated.is_unknown { BodyKind::Wall } else { meta.kind };
     CollisionParty {
         kind,

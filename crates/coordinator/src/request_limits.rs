@@ -1,4 +1,5 @@
-//! On what limits a request is worked on: how far, by when, in which order, in how large pieces.
+//! The limits of a request: how far it is worked on, by when, in which order, in pieces of what
+//! size.
 
 use crate::strategy::SearchOrder;
 use core::time::Duration;
@@ -18,14 +19,14 @@ pub enum Until {
 /// The limits. None changes a complete answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequestLimits {
-    /// How much must be certain.
+    /// What must be certain before work stops.
     pub until: Until,
-    /// When the answer is due whatever is known by then: so long after the request was accepted
-    /// (ns); `None`: never.
+    /// Time after acceptance at which the answer is due, whatever is known by then (ns); `None`:
+    /// never.
     pub deadline_ns: Option<u64>,
-    /// Whose job goes out next.
+    /// Which candidate's job goes out next.
     pub search_order: SearchOrder,
-    /// Most tests of boxes and triangles that one job may take.
+    /// Maximum number of box and triangle tests per job.
     pub budget: u64,
 }
 
@@ -41,20 +42,19 @@ impl Default for RequestLimits {
 }
 
 impl RequestLimits {
-    /// Most tests of a job where there is a deadline and nothing else was said: a millisecond or
-    /// two.
+    /// Default budget of a job where there is a deadline: a millisecond or two.
     pub const BUDGET: u64 = 1 << 18;
-    /// The answer is put together for so long at most before its deadline.
+    /// Time reserved before the deadline for putting the answer together.
     pub const GUARD: Duration = Duration::from_millis(3);
 
-    /// How long work may last (ns) so that an answer made of it is in time.
+    /// How long work may last (ns) so that its answer is in time.
     #[must_use]
     pub fn guarded(deadline: Duration) -> u64 {
         let work = deadline - Self::GUARD.min(deadline / 10);
         u64::try_from(work.as_nanos()).unwrap_or(u64::MAX)
     }
 
-    /// The limits within which an answer that is due after so long is usually made.
+    /// The default limits of an answer with this deadline.
     #[must_use]
     pub fn due_in(deadline: Duration) -> Self {
         Self {

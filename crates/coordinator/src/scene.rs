@@ -1,4 +1,4 @@
-//! What is to be seen of each candidate once the work is done: how bodies lie, what is hit.
+//! What a picture of each candidate shows once the work is done: where bodies lie, what is hit.
 
 use crate::candidate_state::SearchStage;
 use crate::work::RankingRun;
@@ -11,8 +11,8 @@ pub struct Scene {
     pub name: String,
     /// Numbers of the ego's and of the other's body.
     pub models: [usize; 2],
-    /// The other seen from the ego, at the pose that is shown: where the contact patch is complete,
-    /// or without contact the given one.
+    /// The other seen from the ego, at the pose shown: where the contact patch is complete, or,
+    /// without contact, the given one.
     pub pose: RelativePose,
     /// Travel of that pose from the given one along the relative path (m).
     pub travel_m: f64,

@@ -1,10 +1,10 @@
 //! Which candidate's job goes out next: replaceable, because it decides how early the winner is
 //! certain.
 //!
-//! A strategy sees, per candidate, what the policy compares over open work. It changes no answer:
-//! only when which part of it is known. Incumbent and challenger are those of LUCB
+//! A strategy sees, per candidate, what the policy compares over open work. It does not change an
+//! answer, only when each part of it is known. Incumbent and challenger are those of LUCB
 //! (Kalyanakrishnan, Tewari, Auer and Stone, *PAC Subset Selection in Stochastic Multi-armed
-//! Bandits*, ICML 2012), with proven intervals in the place of confidence.
+//! Bandits*, ICML 2012), with proven intervals in place of confidence intervals.
 
 use core::fmt::Debug;
 use damage::Interval;
@@ -13,36 +13,36 @@ use damage::evidence::Touch;
 /// One candidate, as a strategy sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prospect {
-    /// There are jobs to hand out that can change a figure that ranks.
+    /// Whether there are jobs to hand out that can change a figure that ranks.
     pub has_work: bool,
-    /// It can still win.
+    /// Whether it can still win.
     pub is_possible: bool,
     /// Whether its bodies touch.
     pub touch: Touch,
-    /// What the policy compares first that is undecided.
+    /// What the first undecided step of the policy compares.
     pub compared: Interval,
     /// Jobs handed out so far.
     pub jobs: u64,
 }
 
-/// A way to choose.
+/// A rule that chooses the candidate whose job goes out next.
 pub trait Strategy: Debug {
-    /// The candidate whose job goes out next, among those that have work; `None`: whichever was
-    /// asked for first.
+    /// The candidate whose job goes out next, among those that have work; `None`: the one asked for
+    /// first.
     fn choose(&mut self, prospects: &[Prospect], incumbent: usize) -> Option<usize>;
 
-    /// Whether it looks at bounds: then they are made after every result.
+    /// Whether it needs bounds: then they are computed after every result.
     fn needs_bounds(&self) -> bool {
         false
     }
 
-    /// Jobs handed out before it is asked again.
+    /// Number of jobs handed out before it is asked again.
     fn stride(&self) -> usize {
         4
     }
 
-    /// Whether a candidate's own tasks are taken in the order that narrows most, and not as they
-    /// were asked for.
+    /// Whether a candidate's tasks are taken in the order that narrows most, rather than as asked
+    /// for.
     fn is_eager(&self) -> bool {
         false
     }
@@ -51,7 +51,7 @@ pub trait Strategy: Debug {
 /// The strategies by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SearchOrder {
-    /// As they were asked, whole poses together: the quickest way to the end of all work.
+    /// In the order asked, whole poses together: the quickest way to finish all work.
     #[default]
     AsAsked,
     /// One candidate after the other.
@@ -60,16 +60,16 @@ pub enum SearchOrder {
     RoundRobin,
     /// Incumbent and challenger in turn.
     Alternating,
-    /// One hit per candidate first, then whichever of incumbent and challenger is less known.
+    /// One hit per candidate first, then the less known of incumbent and challenger.
     Deciding,
 }
 
 impl SearchOrder {
-    /// All of them.
+    /// All search orders.
     pub const ALL: [Self; 5] =
         [Self::AsAsked, Self::Sequential, Self::RoundRobin, Self::Alternating, Self::Deciding];
 
-    /// The name as people write it.
+    /// The name in files and on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -81,7 +81,7 @@ impl SearchOrder {
         }
     }
 
-    /// The strategy, at its start.
+    /// A new strategy of this order.
     #[must_use]
     pub fn strategy(self) -> Box<dyn Strategy> {
         match self {
@@ -94,8 +94,8 @@ impl SearchOrder {
     }
 }
 
-/// Questions in the order in which they were asked, all candidates' first ones first: the quickest
-/// way to the end of all work, because whole poses stay together.
+/// Questions in the order asked, the first ones of all candidates first: the quickest way to finish
+/// all work, because whole poses stay together.
 #[derive(Clone, Copy, Debug)]
 struct AsAsked;
 
@@ -134,8 +134,8 @@ impl Strategy for RoundRobin {
     }
 }
 
-/// The incumbent, who would win by the upper ends, and the challenger, who has the lowest lower end
-/// of the others: in turn.
+/// In turn, the incumbent, which would win by the upper ends, and the challenger, which has the
+/// lowest lower end of the others.
 #[derive(Clone, Copy, Debug, Default)]
 struct Alternating {
     is_challengers: bool,
@@ -156,8 +156,8 @@ impl Strategy for Alternating {
     }
 }
 
-/// First one hit per candidate that may touch, because contact itself parts candidates most and
-/// costs least; then whichever of incumbent and challenger has more left to lose.
+/// First one hit per candidate that may touch, because contact itself separates candidates most and
+/// costs least; then the one of incumbent and challenger that has more left to lose.
 #[derive(Clone, Copy, Debug, Default)]
 struct Deciding;
 
@@ -167,7 +167,7 @@ impl Strategy for Deciding {
             let prospect = &prospects[*k];
             prospect.has_work && prospect.is_possible && prospect.touch == Touch::Unknown
         };
-        // A candidate that passes by is asked at every pose: the others' turn comes between.
+        // A candidate that passes by is asked at every pose: the others take turns with it.
         let by_jobs = |k: &usize| prospects[*k].jobs;
         if let Some(k) = (0..prospects.len()).filter(untouched).min_by_key(by_jobs) {
             return Some(k);
@@ -194,7 +194,8 @@ impl Strategy for Deciding {
     }
 }
 
-/// Of the possible winners but the incumbent that have work, the one with the lowest lower end.
+/// The candidate with the lowest lower end among possible winners with work, the incumbent
+/// excepted.
 fn challenger(prospects: &[Prospect], incumbent: usize) -> Option<usize> {
     let others = prospects
         .iter()

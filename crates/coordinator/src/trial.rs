@@ -1,12 +1,12 @@
-//! Trials of the bounds: a request is worked on in random order, looked at wherever rng will
-//! have it, and every interval seen is held against the finished run.
+//! Trials of the bounds: a request is worked on in random order, its answer is inspected at random
+//! moments, and every interval seen is checked against the finished run.
 //!
-//! What must hold at every look: the final value lies in each interval; no interval is wider than
-//! the one before; and places that were said to be settled are those of the finished run. Jobs are
-//! done in any order, cut by any budget, and now and then lost for good.
+//! What must hold at every inspection: the final value lies in each interval; no interval is wider
+//! than the one before; and places reported as settled are those of the finished run. Jobs run in
+//! any order, are cut by any budget, and are sometimes lost permanently.
 //!
-//! [`BoundFlaw`] makes bounds wrong on purpose: a trial that does not notice is worth nothing. All of it
-//! is behind the feature `faults`, and in the tests of this crate.
+//! [`BoundFlaw`] makes bounds wrong on purpose: a trial must notice it. All of this is compiled
+//! only with the feature `faults` and in the tests of this crate.
 
 use crate::bound::Open;
 use crate::in_process::InProcessExecutor;
@@ -23,25 +23,25 @@ use damage::{bounds, needs_high};
 use dispatch::{Closed, JobSource as _};
 use geometry::rng::Rng;
 
-/// A bound that is wrong on purpose.
+/// A deliberate flaw in the bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundFlaw {
-    /// Poses that are not done are taken to add nothing.
+    /// Unfinished poses are taken to add nothing.
     ForgetsOpenPoses,
-    /// The upper end is taken to be half way up.
+    /// Upper ends are placed half way up.
     HalvesWidths,
 }
 
 /// What a trial found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TrialResult {
-    /// Looks at the answer.
+    /// Number of inspections.
     pub stops: u64,
-    /// Looks at which the winner was certain and work was open.
+    /// Inspections at which the winner was certain and work was open.
     pub certified: u64,
-    /// Intervals held against the finished run.
+    /// Intervals checked against the finished run.
     pub intervals: u64,
-    /// Intervals that were wider than nothing.
+    /// Intervals of nonzero width.
     pub open_intervals: u64,
     /// What did not hold, in words.
     pub violations: Vec<String>,
@@ -73,7 +73,7 @@ impl Figures {
         Self(all)
     }
 
-    /// Those of the patch, which come and go with it.
+    /// The figures of the patch, which come and go with it.
     fn of_patch(harm: &CandidateHarm) -> Self {
         let Some(patch) = &harm.contact.patch else { return Self(Vec::new()) };
         let named = [
@@ -88,14 +88,14 @@ impl Figures {
     }
 }
 
-/// The finished run, and what was seen last on the way to it.
+/// The finished run, and what was last seen before it.
 struct Trial {
     last: (Vec<CandidateHarm>, RankedCandidates),
     before: Option<(Vec<CandidateHarm>, RankedCandidates)>,
     verdict: TrialResult,
 }
 
-/// Works on a request as rng will have it, and looks at it about `stops` times.
+/// Works on a request in random order, and inspects it about `stops` times.
 ///
 /// # Errors
 ///
@@ -145,7 +145,7 @@ pub fn trial(
 }
 
 impl Trial {
-    /// Looks at the answer as it would be now.
+    /// Inspects the answer as it would be now.
     fn look(&mut self, work: &RankingRun<'_>, flaw: Option<BoundFlaw>) -> Result<(), RequestError> {
         let now = match flaw {
             None => work.judge()?,
@@ -175,7 +175,7 @@ impl Trial {
                 for ((name, seen), (_, end)) in all[figures].0.iter().zip(&ends[figures].0) {
                     self.verdict.intervals += 1;
                     self.verdict.open_intervals += u64::from(!seen.is_settled());
-                    // Of a candidate that overlaps from the start there is no final value.
+                    // A candidate that overlaps from the start has no final value.
                     let value = end.hi();
                     let is_point = end.is_settled();
                     if is_point && !(seen.lo() - rounding <= value && value <= seen.hi() + rounding)
@@ -223,7 +223,7 @@ impl Trial {
         }
     }
 
-    /// What is kept while jobs finish says nothing that the answer does not say.
+    /// Checks that what is kept while jobs finish agrees with the answer.
     fn hold_standing(
         &mut self,
         work: &RankingRun<'_>,
@@ -247,7 +247,7 @@ impl Trial {
     }
 }
 
-/// The bounds of a candidate, made from all that is known now.
+/// The bounds of a candidate, from all that is known now.
 fn bounds_of(work: &RankingRun<'_>, k: usize) -> Result<CandidateBounds, AssessError> {
     let request = work.request();
     let high = needs_high(&request.policy);

@@ -27,41 +27,42 @@ pub use outlook::Certainty;
 pub use task::PartOf;
 pub(crate) use task::TaskState;
 
-/// Work that workers can do: its tasks travel, and its results come as parts of messages.
+/// Work that workers can do: its tasks are sent as messages, and its results arrive in parts.
 pub trait TaskSource: for<'p> dispatch::JobSource<Part<'p> = PartOf<'p>> {
-    /// The task as it travels; `None` if there is no such task.
+    /// The task as encoded for workers; `None` if there is no such task.
     fn task(&self, task: TaskId) -> Option<&WireTask>;
-    /// The body of this number.
+    /// The body with this number.
     fn body(&self, model: u32) -> Option<BodyView<'_>>;
 
-    /// The workers are ready, and the clock of a deadline starts (ns, monotonic).
+    /// Called when the workers are ready: the deadline counts from `_now_ns` (ns, monotonic).
     fn accept(&mut self, _now_ns: u64) {}
     /// When the answer is due, if ever (ns, monotonic).
     fn deadline_ns(&self) -> Option<u64> {
         None
     }
-    /// Whether what is still open is not waited for any longer.
+    /// Whether open work is no longer waited for.
     fn is_over(&self, _now_ns: u64) -> bool {
         false
     }
-    /// Most tests of boxes and triangles that a job may take.
+    /// Maximum number of box and triangle tests per job.
     fn budget(&self) -> u64 {
         u64::MAX
     }
 }
 
-/// What it took, in the terms of the cost model and beyond.
+/// The effort of a request, as the cost model counts it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Tasks: questions about poses.
     pub tasks: u64,
-    /// Tests of the descents to the distribution depth.
+    /// Tests of the traversals to the distribution depth.
     pub descent: Counters,
     /// Tests of the jobs.
     pub jobs: Counters,
 }
 
-/// A request at work. Whoever runs the jobs drives it through [`dispatch::JobSource`].
+/// The work of one request. The backend that runs its jobs drives it through
+/// [`dispatch::JobSource`].
 #[derive(Debug)]
 pub struct RankingRun<'w> {
     request: &'w Request,
@@ -75,7 +76,7 @@ pub struct RankingRun<'w> {
     waiting: VecDeque<u32>,
     pairs: Vec<NodePair>,
     purposes: Vec<(Purpose, f64, WireQuestion)>,
-    /// Jobs there are, those included that were never handed out.
+    /// Number of jobs, including those that were never handed out.
     slots: usize,
     effort: Effort,
     limits: RequestLimits,
@@ -89,14 +90,14 @@ pub struct RankingRun<'w> {
 }
 
 impl<'w> RankingRun<'w> {
-    /// Nothing done yet. `bodies` are those of the scenario's parties, in their order.
+    /// A run with nothing done yet. `bodies` are those of the scenario's parties, in their order.
     #[must_use]
     pub fn new(request: &'w Request, bodies: &'w [(Meta, BodyView<'w>)], depth: u32) -> Self {
         Self::with_buffers(request, bodies, depth, RunBuffers::default())
     }
 
-    /// The same in the room of an earlier request of the same bodies at the same depth: then none
-    /// is taken from the heap.
+    /// [`RankingRun::new`] in the buffers of an earlier request of the same bodies at the same
+    /// depth: then nothing is allocated.
     #[must_use]
     pub fn with_buffers(
         request: &'w Request,
@@ -133,7 +134,7 @@ impl<'w> RankingRun<'w> {
         work
     }
 
-    /// The room, for the next request.
+    /// The buffers, for the next request.
     #[must_use]
     pub fn into_buffers(self) -> RunBuffers {
         let Self {
@@ -142,7 +143,7 @@ impl<'w> RankingRun<'w> {
         RunBuffers { zones, candidate_states, tasks, waiting, pairs, purposes, outlook, spare }
     }
 
-    /// The same within other limits.
+    /// This run with other limits.
     #[must_use]
     pub fn with_limits(self, limits: RequestLimits) -> Self {
         Self { limits, strategy: limits.search_order.strategy(), ..self }
@@ -156,13 +157,13 @@ impl<'w> RankingRun<'w> {
         &self.candidate_states
     }
 
-    /// What it took so far.
+    /// The effort so far.
     #[must_use]
     pub fn effort(&self) -> Effort {
         self.effort
     }
 
-    /// Asks for whatever a candidate needs next.
+    /// Asks for what a candidate needs next.
     fn advance(&mut self, k: usize) {
         let candidate = &self.request.candidates[k];
         let task = self.tasks.len() as u32;
@@ -197,7 +198,7 @@ impl<'w> RankingRun<'w> {
         (&self.bodies[task.model_a as usize].1, &self.bodies[task.model_b as usize].1)
     }
 
-    /// Descends for one task: its jobs are there to be handed out, which may be none.
+    /// Traverses for one task: afterwards its jobs, if any, can be handed out.
     fn descend(&mut self, number: u32) {
         let wire = self.tasks[number as usize].wire;
         let (a, b) = self.views(&wire);
@@ -215,7 +216,7 @@ impl<'w> RankingRun<'w> {
         state.todo.extend(self.pairs.iter().rev());
     }
 
-    /// Hands out jobs of a task, as many as the strategy gives away at once.
+    /// Hands out jobs of a task, as many as the strategy allows at once.
     fn hand_out(&mut self, number: u32, jobs: &mut Vec<Job>) {
         if !self.tasks[number as usize].is_descended {
             self.descend(number);
@@ -239,7 +240,7 @@ impl<'w> RankingRun<'w> {
         }
     }
 
-    /// Jobs of a task that cannot matter and were never handed out.
+    /// Drops jobs of a task that cannot matter and were never handed out.
     fn drop_obsolete(&mut self, number: u32) {
         let state = &mut self.tasks[number as usize];
         let mut dropped = std::mem::take(&mut state.todo);
@@ -256,7 +257,7 @@ impl<'w> RankingRun<'w> {
         self.finish_if_closed(number);
     }
 
-    /// If all jobs of a task are closed: draws the conclusion, and asks for what follows.
+    /// If all jobs of a task are closed, draws the conclusion and asks for what follows.
     fn finish_if_closed(&mut self, number: u32) {
         let state = &mut self.tasks[number as usize];
         if !state.todo.is_empty() || !state.out.is_empty() || !state.is_descended {
@@ -269,7 +270,8 @@ impl<'w> RankingRun<'w> {
             return;
         }
         if !state.lost.is_empty() {
-            // It stays as wide as it is: of a probe nothing is known, of a stop what was found.
+            // Its bound stays as wide as it is: nothing is known of a probe; of a stop, what was
+            // found.
             return;
         }
         let Some(found) = state.found.take() else { return };
@@ -304,7 +306,7 @@ impl<'w> RankingRun<'w> {
         }
     }
 
-    /// Notes a job as lost: nothing will be known of it.
+    /// Notes a job as lost: its result stays unknown.
     fn lose(&mut self, number: u32, pair: NodePair) {
         let state = &mut self.tasks[number as usize];
         if !state.lost.contains(&pair) {
@@ -312,7 +314,7 @@ impl<'w> RankingRun<'w> {
         }
     }
 
-    /// What a job left open becomes jobs of the same task, which go out first.
+    /// Turns what a job left open into jobs of the same task, which go out first.
     fn divide(&mut self, number: u32, rest: &[NodePair]) {
         let state = &mut self.tasks[number as usize];
         if self.slots + rest.len() > SLOTS_MAX {
@@ -327,7 +329,7 @@ impl<'w> RankingRun<'w> {
     }
 }
 
-/// Jobs that a request may have in all: what would be more stays open.
+/// Maximum number of jobs of a request: what exceeds it stays open.
 const SLOTS_MAX: usize = 4 * bvh::front::PAIRS_MAX;
 
 fn pose_of(wire: &WireTask) -> RelativePose {
@@ -381,7 +383,7 @@ impl dispatch::JobSource for RankingRun<'_> {
         let pair = NodePair { a: job.a.node, b: job.b.node };
         let sound = found.fold(part.0, &mut self.effort.jobs);
         let touched = found.touched;
-        state.keep_rest(pair, &part.0, &mut self.spare.rests);
+        state.store_rest(pair, &part.0, &mut self.spare.rests);
         if !sound || !state.is_whole(pair, &part.0) {
             self.lose(job.task.0, pair);
         }
@@ -390,7 +392,7 @@ impl dispatch::JobSource for RankingRun<'_> {
             && touched
             && !state.is_obsolete
         {
-            // One hit answers it: the rest of the task is obsolete.
+            // One hit answers the probe: the rest of the task is obsolete.
             let k = state.candidate;
             state.is_obsolete = true;
             self.waiting.retain(|waiting| *waiting != job.task.0);
@@ -402,7 +404,7 @@ impl dispatch::JobSource for RankingRun<'_> {
     fn close(&mut self, job: &Job, how: Closed) {
         let Some(state) = self.tasks.get_mut(job.task.0 as usize) else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
-        // Jobs end about in the order in which they went out.
+        // Jobs end roughly in the order in which they went out.
         if let Some(at) = state.out.iter().position(|out| *out == pair) {
             state.out.remove(at);
         }
@@ -431,7 +433,7 @@ impl dispatch::JobSource for RankingRun<'_> {
         body.map_or(0, |(_, body)| section::bytes(body.nodes, section.node))
     }
 
-    /// Bodies, pose and nodes: what the kernel is asked, whatever the request.
+    /// A key of bodies, pose and nodes: the input of the kernel, whatever the request.
     fn key(&self, job: &Job) -> Option<u64> {
         let WireTask { model_a, model_b, question, rotation, translation, .. } =
             self.tasks.get(job.task.0 as usize)?.wire;

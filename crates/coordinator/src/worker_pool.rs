@@ -5,14 +5,14 @@
 //!       a worker's end (pidfd) or silence --> drain its results --> its jobs go to the others
 //! ```
 //!
-//! `inbox` has what comes from the workers, `outbox` what goes to them, `supervise` whether they
-//! are well, `worker` one of them.
+//! `inbox` handles what comes from the workers, `outbox` what goes to them, `supervise` their
+//! health, `worker_handle` a single worker.
 //!
-//! A request that loses a worker goes on with the others. [`WorkerPool::mend`] starts a successor once
-//! the request is answered; it takes jobs as soon as it has greeted, in whatever request that is.
+//! A request that loses a worker goes on with the others. [`WorkerPool::mend`] starts a successor
+//! once the request is answered; it takes jobs as soon as it has greeted, whatever the request.
 //!
 //! Order at start: preflight, seal store, status page, services, processes, greetings. Order at
-//! stop: stop flags, a moment to end, SIGKILL, channels, domain. Every wait has a bound.
+//! stop: stop flags, a grace period, SIGKILL, channels, domain. Every wait has a bound.
 
 mod chunk;
 mod error;
@@ -50,11 +50,11 @@ use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
 use transport::{Domain, UseError};
 use worker_handle::WorkerHandle;
 
-/// How long workers may take to greet (ns): a process start, and a few opened files.
+/// How long workers may take to greet (ns): time to start a process and open a few files.
 const GREETING_NS: u64 = 20_000_000_000;
-/// How long the coordinator sleeps at most before it looks at the workers' pulse (ns).
+/// Longest sleep of the coordinator before it checks the workers' heartbeats (ns).
 const NAP_NS: u64 = 20_000_000;
-/// How long a worker may take to end by itself (ns).
+/// How long a worker may take to end by itself (ms).
 const FAREWELL_MS: u64 = 200;
 
 /// Puts model files into sealed memory, where every process reads them in place.
@@ -80,22 +80,22 @@ pub struct WorkerPool {
     request: u64,
     options: Options,
     restarts: Restarts,
-    /// What was seen since the start of the request.
+    /// Incidents since the start of the request.
     incidents: Vec<Incident>,
-    /// There is no core without a worker: to spin would take a worker's time.
+    /// No core is free of workers: spinning would take a worker's time.
     shares_core: bool,
-    /// Per worker; `None` if nothing is copied.
+    /// Queue per worker; `None` if nothing is copied.
     outgoing: Option<Vec<Outgoing>>,
     rejected: u64,
     duty: Duty,
-    /// Workers whose end was told and who are not buried yet: it is told once.
+    /// Workers whose end was reported and which are not yet reaped: an end is reported once.
     ended: Vec<usize>,
-    /// When all pulses were felt last (ns): short requests follow on each other, too.
+    /// When all heartbeats were last checked (ns): kept across requests, which may be short.
     looked_ns: u64,
     scratch: Vec<u64>,
     effects: Vec<Effect>,
     batch: BatchWriter,
-    /// Whoever has to be heard while a request is worked on.
+    /// Called while a request is worked on.
     idle_hook: Option<IdleHook>,
 }
 
@@ -104,7 +104,7 @@ impl WorkerPool {
     ///
     /// # Errors
     ///
-    /// If shared memory, a process or a core is not to be had, or a worker does not greet.
+    /// If shared memory, a process or a core is unavailable, or a worker does not greet.
     pub fn start(store: &SealedMemory, options: &Options) -> Result<Self, WorkerPoolError> {
         let workers = options.cores.len();
         if let Some(missing) = preflight(options).into_iter().find(|missing| missing.is_fatal) {
@@ -113,7 +113,7 @@ impl WorkerPool {
         let boot = Boot(clock::random_u64()?);
         let swept = transport::sweep_leftovers();
         if swept > 0 {
-            tracing::info!(swept, "removed what killed runs had left");
+            tracing::info!(swept, "removed leftovers of killed runs");
         }
         let status = StatusMemory::create()?;
         let mut poller = Poller::new()?;
@@ -160,18 +160,18 @@ impl WorkerPool {
         self.workers.iter().map(|worker| worker.report.pid).collect()
     }
 
-    /// Tells the workers that nobody waits for this request any more.
+    /// Tells the workers that the request is cancelled.
     fn cancel(&self) {
         for line in &self.status.page().coordinator {
             line.cancelled.store(self.request, Ordering::SeqCst);
         }
     }
 
-    /// Works a request off, or as far as it is wanted.
+    /// Runs a request to its end, or as far as its limits ask.
     ///
     /// # Errors
     ///
-    /// If no worker is left and no deadline says when to answer all the same, or a signal came.
+    /// If no worker is left and there is no deadline at which to answer anyway, or a signal came.
     pub fn run<W: TaskSource>(
         &mut self,
         work: &mut W,
@@ -180,7 +180,7 @@ impl WorkerPool {
         Ok(self.report())
     }
 
-    /// The same without a report, which costs copies: see [`WorkerPool::shares`].
+    /// [`WorkerPool::run`] without a report, which costs copies: see [`WorkerPool::shares`].
     ///
     /// # Errors
     ///
@@ -206,7 +206,7 @@ impl WorkerPool {
         let begun_ns = clock::now_ns();
         work.accept(begun_ns);
         self.begin();
-        // Whoever died since the last request was not seen dying.
+        // A worker that died since the last request has not been noticed yet.
         self.sleep(0)?;
         let mut progress = self.step(Event::Poll, work, effects);
         let backoff = Backoff::new();
@@ -217,7 +217,7 @@ impl WorkerPool {
             let now = clock::now_ns();
             if now - self.looked_ns > NAP_NS {
                 self.looked_ns = now;
-                // While results keep coming nobody sleeps, and an end would go unnoticed.
+                // While results keep coming the loop never sleeps, and an end would go unnoticed.
                 self.sleep(0)?;
                 progress = self.look_after(now, work, effects, progress)?;
             }
@@ -256,7 +256,7 @@ impl WorkerPool {
         Ok(())
     }
 
-    /// A new request: nothing is counted yet, and whoever is ready may have jobs.
+    /// Begins a request: counts start from zero, and every ready worker may have jobs.
     fn begin(&mut self) {
         self.request += 1;
         self.rejected = 0;
@@ -286,7 +286,7 @@ impl WorkerPool {
         }
     }
 
-    /// Whether there is something to wait for: jobs, or somebody who is about to greet.
+    /// Whether there is something to wait for: jobs, or a worker that is about to greet.
     fn is_working(&self, progress: Progress) -> bool {
         match progress {
             Progress::Working => true,
@@ -295,13 +295,13 @@ impl WorkerPool {
         }
     }
 
-    /// Who got which job in the last request, if that is written down.
+    /// Which worker got which job in the last request, if logged.
     #[must_use]
     pub fn log(&self) -> &[LogEntry] {
         self.dispatcher.log()
     }
 
-    /// What the last request took.
+    /// The report of the last request.
     #[must_use]
     pub fn report(&self) -> WorkerPoolReport {
         WorkerPoolReport {
@@ -313,7 +313,7 @@ impl WorkerPool {
         }
     }
 
-    /// One event, and everything that follows from it.
+    /// Handles one event and everything that follows from it.
     fn step<W: TaskSource>(
         &mut self,
         event: Event<PartOf<'_>>,
@@ -324,8 +324,8 @@ impl WorkerPool {
         let mut progress = self.dispatcher.step(begun_ns, event, work, effects);
         let mut stepped_ns = clock::now_ns();
         self.duty.step_ns += stepped_ns - begun_ns;
-        // In order: a batch may need sections that went with the one before it. And whose queue
-        // refused one gets none that were made before that was known.
+        // In order: a batch may need sections that went with the one before it. A worker whose
+        // queue refused a batch gets none that were made before the refusal was known.
         let mut refused = 0_u32;
         while !effects.is_empty() {
             let (to, batch, jobs, fetch) = match effects.remove(0) {
@@ -354,7 +354,7 @@ impl WorkerPool {
                     refused |= 1 << to.worker;
                     Event::Unsent { to, batch }
                 }
-                // The channel is broken, or its worker was buried since.
+                // The channel is broken, or its worker was reaped since.
                 Err(error) => {
                     let (who, started) = self.give_up(usize::from(to.worker), error);
                     Event::Lost { who, started }
@@ -365,7 +365,7 @@ impl WorkerPool {
         progress
     }
 
-    /// Sleeps until a worker rings or ends, at most so long.
+    /// Sleeps until a worker rings or ends, at most `timeout_ns`.
     fn sleep(&mut self, timeout_ns: u64) -> Result<(), WorkerPoolError> {
         let flag = |value| {
             for line in &self.status.page().coordinator {
@@ -373,7 +373,7 @@ impl WorkerPool {
             }
         };
         flag(1);
-        // A result sent before the flag was up rang nobody.
+        // A result sent before the flag was set woke no one.
         let waiting = self.workers.iter().any(|worker| worker.has_mail(&self.status));
         let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
         flag(0);

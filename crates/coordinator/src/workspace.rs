@@ -1,4 +1,4 @@
-//! The way of one request from a scenario to its evidence, whoever asks and whoever does the jobs.
+//! The path of one request from a scenario to its evidence, whatever the caller and the backend.
 //!
 //! ```text
 //! Scenario --plan--> Request --> Work --Backend: workers, or this process--> evidence --> read
@@ -21,12 +21,12 @@ use scenario::Scenario;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The sealed bodies that requests are about, and how deep their trees are cut.
+/// The sealed bodies that requests refer to, and the depth at which their trees are cut.
 #[derive(Clone, Copy, Debug)]
 pub struct BodySet<'b> {
-    /// The bodies, as they lie in the store.
+    /// The bodies, as stored.
     pub bodies: &'b [(Meta, BodyView<'b>)],
-    /// What can lie farthest of each body; `None`: its tree is asked, which is quicker for a single
+    /// The extremes of each body; `None`: they come from its tree, which is quicker for a single
     /// request.
     pub extremes: Option<&'b [Extremes]>,
     /// Distribution depth.
@@ -40,13 +40,13 @@ pub struct RankingRequest<'a> {
     pub scenario: &'a Scenario,
     /// The body of each party: its number in the store.
     pub models: &'a [usize],
-    /// By what candidates are judged.
+    /// Policy and curves that judge the candidates.
     pub rules: (Arc<Policy>, Arc<Curves>),
     /// Whether a job history of questions and jobs is kept.
     pub job_history: bool,
 }
 
-/// Who does the jobs.
+/// What runs the jobs.
 #[derive(Debug)]
 pub enum Backend {
     /// Worker processes.
@@ -60,19 +60,19 @@ pub enum Backend {
 pub struct RunTimes {
     /// Paths and hulls are known.
     pub planned_ns: u64,
-    /// No job is waited for any more.
+    /// All jobs are closed, or no longer waited for.
     pub worked_ns: u64,
-    /// Jobs that this process did itself.
+    /// Number of jobs that this process ran itself.
     pub jobs_in_process: u64,
 }
 
-/// A request that could not be worked on to its end.
+/// A request that could not be completed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// It cannot be worked on at all.
+    /// The request itself is unusable.
     #[error(transparent)]
     Request(#[from] RequestError),
-    /// Its jobs could not be done.
+    /// Its jobs could not be run.
     #[error(transparent)]
     WorkerPool(#[from] WorkerPoolError),
 }
@@ -100,9 +100,9 @@ impl Diagnostic for RunError {
     }
 }
 
-/// What is kept from one request to the next, so that the next takes nothing from the heap.
+/// Buffers kept from one request to the next, so that the next does not allocate.
 ///
-/// It must not be kept for other bodies, or another depth: it holds the zones of its bodies.
+/// They must not be used with other bodies or another depth: they hold the zones of their bodies.
 #[derive(Debug, Default)]
 pub struct RankingWorkspace {
     candidates: Candidates,
@@ -110,7 +110,8 @@ pub struct RankingWorkspace {
 }
 
 impl Backend {
-    /// Works tasks off, or as far as they are wanted. Says how many jobs this process did itself.
+    /// Runs tasks to their end, or as far as limits ask. Returns how many jobs this process ran
+    /// itself.
     ///
     /// # Errors
     ///
@@ -139,7 +140,7 @@ impl Backend {
         }
     }
 
-    /// What the last request took, if there are workers.
+    /// The report of the last request, if there are workers.
     #[must_use]
     pub fn report(&self) -> Option<WorkerPoolReport> {
         self.worker_pool().map(WorkerPool::report)
@@ -152,12 +153,12 @@ impl Backend {
 }
 
 impl RankingWorkspace {
-    /// Works a request off, and gives what is known then to `read`. `limits` says within which limits,
-    /// once the request is planned: what is left of a deadline is known then.
+    /// Runs a request, and passes what is known at its end to `read`. `limits` gives the limits
+    /// once the request is planned, when the time left before a deadline is known.
     ///
     /// # Errors
     ///
-    /// If the request cannot be worked on, or nobody is left to do its jobs.
+    /// If the request is unusable, or no worker is left to run its jobs.
     ///
     /// # Panics
     ///

@@ -3,15 +3,15 @@
 //! Everything is in A's frame, in metres. B moves at constant relative velocity, without turning:
 //! at travel s it stands `u·s` before its given place, so s grows with time and with depth, and s =
 //! 0 is the given pose. The hulls are known by their supports along the 72 directions of
-//! [`geometry::Directions`], which is all that this needs: it depends on no mesh, and on no job.
+//! [`geometry::Directions`], which is all that is needed here: nothing depends on a mesh or a job.
 //!
-//! What is said here to be apart is apart: the 72 directions enclose the hulls. The converse does
-//! not hold, and hulls may overlap where bodies do not.
+//! Hulls reported as apart are apart: the 72 directions enclose them. The converse does not hold,
+//! and hulls may overlap where bodies do not.
 
 use geometry::{DVec3, Directions, Supports};
 use std::sync::LazyLock;
 
-/// How many of the directions are horizontal; direction `i` stands `5°·i` from u.
+/// Number of horizontal directions; direction `i` stands `5°·i` from u.
 pub const HORIZONTAL: usize = 72;
 /// Quarter of a turn, in directions.
 pub const QUARTER: usize = HORIZONTAL / 4;
@@ -74,7 +74,7 @@ pub fn turn(i: usize) -> usize {
 /// at the quarters.
 #[must_use]
 pub fn cosine(i: usize) -> f64 {
-    /// By [`turn`]: bounds ask for all of them after every result.
+    /// Indexed by [`turn`]: bounds need all of them after every result.
     static COSINES: LazyLock<[f64; HORIZONTAL / 2 + 1]> = LazyLock::new(|| {
         core::array::from_fn(|t| match t {
             QUARTER => 0.0,
@@ -162,7 +162,7 @@ impl Approach {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The travel (m) from which some direction behind u separates the hulls for good.
+    /// The travel (m) from which on some direction behind u always separates the hulls.
     pub(crate) fn exit(&self) -> f64 {
         (0..HORIZONTAL)
             .filter(|&i| turn(i) > QUARTER)

@@ -4,7 +4,7 @@
 //! may find; the model range takes parameters, normals, sides and curves at their worst ends
 //! besides. Every input is monotone ([`crate::dynamics`]), so end points suffice.
 //!
-//! Nothing here compares candidates, and a policy reaches it only as the severity level asked for.
+//! Nothing here compares candidates; of a policy, only the severity level matters here.
 
 use crate::approach::Approach;
 use crate::contact::{Contact, Normals, PerNormal, Places};
@@ -41,7 +41,7 @@ pub struct Encounter<'a> {
     pub probability: f64,
 }
 
-/// By what harm is computed.
+/// The curves, severity level and parameters that harm is computed with.
 #[derive(Clone, Copy, Debug)]
 pub struct Basis<'a> {
     /// Injury curves.
@@ -70,14 +70,14 @@ pub enum AssessError {
     /// A parameter is unusable.
     #[error(transparent)]
     Parameters(#[from] ParameterError),
-    /// Somebody has no curve.
+    /// A person has no curve.
     #[error(transparent)]
     Curve(#[from] MissingCurve),
 }
 
 /// Computes the harm of one candidate from what is known of its contact.
 ///
-/// If `meeting` says that the bodies never meet, `evidence` is of no account.
+/// If `meeting` says that the bodies never meet, `evidence` is ignored.
 ///
 /// # Errors
 ///
@@ -91,7 +91,7 @@ pub fn assess(
     assess_in(encounter, evidence, basis, Vec::new())
 }
 
-/// [`assess()`] with a list of persons that was used before, which spares the heap.
+/// [`assess()`] that reuses a list of persons, to avoid allocation.
 ///
 /// # Errors
 ///
@@ -111,7 +111,7 @@ pub fn assess_in(
     let parameters = basis.parameters;
     let gap = approach.nearest().gap_m;
     let near_miss = touch == Touch::No && gap < parameters.pose_error_m;
-    // Who may yet turn out to pass without contact may pass that near.
+    // Bodies that may yet pass without contact may pass that near.
     let missed = (touch == Touch::Unknown && gap < parameters.pose_error_m).then(|| crash.missed());
     let mut harm = CandidateHarm {
         probability,
@@ -159,7 +159,8 @@ pub fn assess_in(
     Ok(harm)
 }
 
-/// Everything that the figures are made from. `nothing` is the evidence of bodies that stay apart.
+/// Everything that the figures are computed from. `nothing` is the evidence of bodies that stay
+/// apart.
 fn crash<'a>(
     encounter: &Encounter<'a>,
     evidence: &'a Evidence,

@@ -1,5 +1,5 @@
-//! What the contact of two bodies is like: normal, place, size, depth. Made from supports, so it
-//! does not depend on the mesh.
+//! The contact of two bodies: normal, place, size, depth. Computed from supports, so it does not
+//! depend on the mesh.
 //!
 //! The normal comes from the hulls, not from the patch: at a flat wall or round a pole the patch is
 //! a planar ring whose thinnest direction misleads. N is the set of directions along which the
@@ -23,8 +23,8 @@ const NEARLY_LEAST: f64 = 1.5;
 /// ... or up to this overlap (m).
 const SHALLOW_M: f64 = 0.02;
 
-/// Something per direction that may be a normal. It is made after every result, so it has room for
-/// all of them and takes none from the heap.
+/// A value per direction that may be a normal. It is computed after every result, so it stores all
+/// of them in place and does not allocate.
 pub type PerNormal<T> = SmallVec<[T; HORIZONTAL]>;
 
 /// The directions that may be the normal of a contact.
@@ -38,7 +38,7 @@ pub(crate) struct Normals {
     pub(crate) sure: PerNormal<usize>,
 }
 
-/// Where things happen along the path (m), as far as the first contact is known.
+/// Travels of the patch's landmarks (m), as far as the first contact is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Places {
     pub(crate) first: Interval,
@@ -110,8 +110,8 @@ impl Normals {
     /// N at a pose between two travels, with hulls that overlap `raise_m` more than they do.
     pub(crate) fn between(approach: &Approach, from_m: f64, to_m: f64, raise_m: f64) -> Self {
         let overlap = |i: usize| {
-            let at = |s: f64| approach.penetration(i, s) + raise_m;
-            Interval::new(at(from_m), at(to_m))
+            let penetration_at = |s: f64| approach.penetration(i, s) + raise_m;
+            Interval::new(penetration_at(from_m), penetration_at(to_m))
         };
         // Overlaps are linear in travel, so their least value at any travel lies between these.
         let (least, most) = (0..HORIZONTAL)

@@ -3,15 +3,15 @@
 //! A body's front yields at a force per width of A + B·C, C being the permanent crush (m); with the
 //! elastic part a crush absorbs w (A C + B C²/2 + A²/(2B)) (J) over a width w (m) (the form of the
 //! CRASH3 program, after Campbell). Both bodies press with equal force, which gives both crushes in
-//! closed form. Stiffness is data that somebody must configure: none is built in.
+//! closed form. Stiffness must be configured: none is built in.
 //!
 //! It is shown beside the depth and never ranks: depth comes from a given pose and speed, not from
-//! how far bodies really yield, so a mismatch says that pose and speed do not go together.
+//! how far bodies really yield, so a mismatch means that pose and speed are inconsistent.
 
 use crate::interval::Interval;
 use serde::Serialize;
 
-/// Crush and depth further apart than this do not go together (m); our assumption.
+/// Crush and depth further apart than this are inconsistent (m); our assumption.
 const MISMATCH_M: f64 = 0.2;
 
 /// Stiffness of one body.

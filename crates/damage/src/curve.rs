@@ -1,11 +1,11 @@
 //! One injury risk curve: a logistic function of speed, anchored at zero.
 //!
-//! P(x) = 1/(1+exp(−(a+b x))) as published has P(0) > 0: it would injure people who are not hit at
-//! all. So harm is H = (P(x) − P(0)) / (1 − P(0)), here in the form
-//! (1 − exp(−b x)) / (1 + exp(−(a+b x))), which is the same and is exactly 0 at 0.
+//! P(x) = 1/(1+exp(−(a+b x))) as published has P(0) > 0: it assigns a risk to people who are not
+//! hit at all. So harm is H = (P(x) − P(0)) / (1 − P(0)), here in the form (1 − exp(−b x)) / (1 +
+//! exp(−(a+b x))), which is the same and is exactly 0 at 0.
 //!
 //! Speeds come in m/s and are turned into the curve's own unit: forgetting that is the commonest
-//! fault in public code. A curve knows its source; it does not know whose it is (see
+//! fault in public code. A curve knows its source, but not whose risk it describes (see
 //! [`crate::injury`]).
 
 use serde::{Deserialize, Serialize};

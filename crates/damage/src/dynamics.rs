@@ -19,7 +19,7 @@ pub struct ImpactBody {
     pub gyration_m: f64,
     /// Distance of the centre of mass from the contact point across the normal, h (m).
     pub across_m: f64,
-    /// The same along the normal, q (m).
+    /// Distance of the centre of mass from the contact point along the normal, q (m).
     pub along_m: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Impact {
     pub sides: [ImpactBody; 2],
 }
 
-/// What the impact does.
+/// The response of both bodies to an impact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Response {
     /// Normal impulse (N s).
@@ -87,7 +87,7 @@ pub(crate) enum Pick {
     High,
 }
 
-/// A parameter that cannot be.
+/// A parameter out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0} is out of its range: 0 ≤ low ≤ nominal ≤ high, restitution at most 1, shares below 1")]
 pub struct ParameterError(&'static str);
@@ -151,17 +151,17 @@ pub(crate) fn factor(share: f64, pick: Pick) -> f64 {
 }
 
 impl Impact {
-    /// What this impact does. All zeros if neither body closes in on the other.
+    /// The response to this impact. All zeros if the bodies do not approach each other.
     #[must_use]
     pub fn respond(&self) -> Response {
         let (e, mu) = (self.restitution, self.friction);
         let (v_n, v_t) = (self.normal_m_s, self.tangential_m_s);
         let compliance = |lever: fn(&ImpactBody) -> f64| -> f64 {
-            let of = |s: &ImpactBody| {
+            let body_compliance = |s: &ImpactBody| {
                 let turn = lever(s) / s.gyration_m;
                 (1.0 + turn * turn) * s.inverse_mass
             };
-            of(&self.sides[0]) + of(&self.sides[1])
+            body_compliance(&self.sides[0]) + body_compliance(&self.sides[1])
         };
         let (w_n, w_t) = (compliance(|s| s.across_m), compliance(|s| s.along_m));
         if v_n <= 0.0 || w_n <= 0.0 || w_t <= 0.0 {

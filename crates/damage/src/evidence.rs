@@ -8,7 +8,7 @@
 //! and B: at travel s, A's frame is moved by `½·u·s` in it. In A's own frame the same patch would
 //! have another length than in B's, and swapping the parties would change the answer.
 //!
-//! It does not know where the hulls are: [`crate::contact`] joins the two.
+//! It does not know where the hulls are: [`crate::contact`] combines the two.
 
 use crate::approach::{HORIZONTAL, cosine};
 use crate::interval::Interval;
@@ -98,7 +98,7 @@ impl Evidence {
         self.has_touched = true;
     }
 
-    /// Adds hits at a pose, in A's frame at that pose. Only of poses that count whatever the first
+    /// Adds hits at a pose, in A's frame at that pose. Only for poses that count wherever the first
     /// contact turns out to be.
     pub fn add_hits(&mut self, travel_m: f64, hits: &Seen) {
         let hits = hits.half_way(travel_m);
@@ -180,7 +180,7 @@ impl Evidence {
 
     /// The middle of the patch between two opposed directions (m), half-way frame.
     ///
-    /// `reach` bounds the patch whatever the jobs say ([`crate::Approach::reach`]).
+    /// `reach` bounds the patch independently of the jobs ([`crate::Approach::reach`]).
     pub(crate) fn middle(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
         let ([in_plus, in_minus], [out_plus, out_minus]) =
             self.ends(|seen| &seen.patch, plus, minus, reach);
@@ -231,7 +231,7 @@ impl Evidence {
         }
         let outer = [plus, minus].map(|i| {
             let (open, hits) = (of(&self.outer).0[i], of(&self.inner).0[i]);
-            // A patch without a point says nothing: then the hulls alone bound it.
+            // A patch without points gives no bound: then the hulls alone bound it.
             let open = if open.is_finite() { open.min(reach.0[i]) } else { reach.0[i] };
             open.max(hits)
         });

@@ -38,7 +38,7 @@ impl Diagnostic for DataFileError {
     }
 }
 
-/// A text being read, and the name to blame.
+/// A text being read, and the file name for errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Source<'a> {
     pub(crate) file: &'a str,
@@ -60,7 +60,7 @@ impl Source<'_> {
         DataFileError { file, line, column, what: what.into(), remedy: remedy.into() }
     }
 
-    /// A fault that the TOML reader found. `keys` says what belongs into such a file.
+    /// A fault that the TOML reader found. `keys` lists what belongs in such a file.
     pub(crate) fn malformed(&self, error: &toml::de::Error, keys: &str) -> DataFileError {
         const TRAITS: [&str; 6] = ["age", "sex", "gender", "condition", "race", "disability"];
         let message = error.message();

@@ -1,8 +1,8 @@
 //! The harm of one candidate: what its collision does to every person in it, with both intervals.
 //!
-//! Without contact everything is exactly 0, whatever boxes or hulls say. A candidate that cannot be
-//! evaluated is worth `[0, 1]` for everybody in it, and says why; it is never dropped. These are
-//! values: [`crate::assess()`] makes them, [`crate::rank()`] compares them, nobody changes them.
+//! Without contact everything is exactly 0, whatever boxes or hulls suggest. A candidate that
+//! cannot be evaluated counts as `[0, 1]` for everyone in it, with the reason; it is never dropped.
+//! These are immutable values: [`crate::assess()`] makes them, [`crate::rank()`] compares them.
 
 use crate::contact::Contact;
 use crate::crush::Crush;
@@ -24,7 +24,8 @@ pub struct PersonHarm {
     pub party: usize,
     /// Where; `None` on foot.
     pub seat: Option<Seat>,
-    /// As whom the nominal curve takes this person; the side struck is that of the nominal normal.
+    /// The kind of victim that the nominal curve takes this person for; the side struck is that of
+    /// the nominal normal.
     pub victim: Victim,
     /// The nominal curve.
     pub curve: Arc<str>,
@@ -34,13 +35,13 @@ pub struct PersonHarm {
     pub x_m_s: Interval,
     /// Probability of injury at the policy's level, given the collision.
     pub work: Interval,
-    /// The same, over the model range.
+    /// That probability, over the model range.
     pub range: Range,
     /// The least that the upper end of `range` can come down to when all work is done.
     pub high_at_least: f64,
     /// A zone beside this seat is hit: `range` reaches up to the worst side.
     pub intrusion: bool,
-    /// x lies where the curve's sample no longer supports it.
+    /// x lies outside the range that the curve's sample supports.
     pub extrapolated: bool,
 }
 
@@ -86,7 +87,7 @@ pub struct CandidateHarm {
     pub force_degrees: [f64; 2],
     /// Kinetic energy lost (J): the measure of property damage.
     pub energy_j: Interval,
-    /// Everybody in either party; all other persons of the request are untouched.
+    /// Everyone in either party; all other persons of the request are untouched.
     pub persons: Vec<PersonHarm>,
     /// The limit on poses made the path coarse.
     pub coarse_path: bool,

@@ -65,7 +65,7 @@ pub struct Speeds {
 pub struct RangeEnd {
     /// Numbers of curves within the set; at least one.
     pub curves: Vec<usize>,
-    /// Of what they are taken.
+    /// The quantity that they are evaluated at.
     pub x: Quantity,
     /// Factor on x, above 0.
     pub times: f64,
@@ -172,7 +172,7 @@ impl Speeds {
 }
 
 impl Curves {
-    /// Whose risk follows what.
+    /// The rung of a person at a level.
     ///
     /// # Errors
     ///
@@ -182,7 +182,7 @@ impl Curves {
         self.rungs.iter().find(find).ok_or(MissingCurve { victim, level })
     }
 
-    /// That every kind of person has a curve at this level: a policy may then speak of it.
+    /// Checks that every kind of person has a curve at this level, so that a policy may use it.
     ///
     /// # Errors
     ///

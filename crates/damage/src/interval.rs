@@ -1,9 +1,9 @@
-//! The two kinds of interval that every figure carries, as two types, so that nobody mixes them.
+//! The two kinds of interval that every figure carries, as two types, so that they cannot be mixed.
 //!
-//! [`Interval`] is a proven bound: nominal parameters, and whatever the unfinished jobs may still find.
-//! Its width is 0 when all jobs are done; it alone decides the order and how finished an answer is.
-//! [`Range`] is what experts think of the model: parameters and curves at the worst end of the open
-//! work. It proves nothing; it alone decides whether a difference is certain or a tie.
+//! [`Interval`] is a proven bound: nominal parameters, and whatever the unfinished jobs may still
+//! find. Its width is 0 when all jobs are done; it alone decides the order and how finished an
+//! answer is. [`Range`] is an expert judgement of the model: parameters and curves at the worst end
+//! of the open work. It proves nothing; it alone decides whether a difference is certain or a tie.
 //!
 //! Both are closed, ordered and free of NaN and of −0.0. Neither knows its unit: the field does.
 
@@ -91,7 +91,7 @@ impl Interval {
         Self::new(rising(self.lo), rising(self.hi))
     }
 
-    /// The same as a probability: nothing above 1.
+    /// This interval as a probability: capped at 1.
     #[must_use]
     pub fn below_one(self) -> Self {
         self.map(|x| x.min(1.0))

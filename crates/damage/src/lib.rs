@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Approach --plan--> Path --Search, survey--> poses to intersect         (before and between jobs)
-//! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates        (at any time)
+//! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates   (at any time)
 //! Curves::parse, Policy::parse: texts of config/curves and config/policies
 //! ```
 //!
@@ -14,7 +14,7 @@
 //! use damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, CollisionParty, Policy};
 //! use damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
 //! use geometry::{DVec3, Directions, Supports};
-//! use body::{Kind, Seat};
+//! use body::{BodyKind, Seat};
 //!
 //! // A box of a car drives at 15 m/s into a wall.
 //! let points = |x: [f64; 2], y: f64| {
@@ -53,10 +53,8 @@
 //! let meeting = plan(&approach)?;
 //! let Meeting::Path(path) = &meeting else { return Err("they meet".into()) };
 //!
-//! // Say that the search found contact at the first pose, and workers these two points of it.
-//! let f = path.first_m();
-//! let mut hits = Seen::NOTHING;
-//! for y in [-0.9, 0.9] {
+//! // Suppose that the search found contact at the first pose, and workers these two points of it.
+//! let f = path.first_m(); let mut hits = Seen::NOTHING; for y in [-0.9, 0.9] {
 //!     hits.patch.add(&directions, DVec3::new(2.25, y, 0.5));
 //! }
 //! let mut evidence = Evidence::none((f, f));
@@ -82,16 +80,16 @@
 //!
 //! # Invariants
 //!
-//! - A [`Interval`] interval is proven and only nests; a [`Range`] is an expert range around it. They
-//!   never mix: `assess/tests.rs`.
+//! - An [`Interval`] is proven and only ever narrows; a [`Range`] is an expert range around it.
+//!   They never mix: `assess/tests.rs`.
 //! - Merging evidence twice, or in another order, changes nothing: `evidence/tests.rs`.
-//! - No contact is exactly 0 for everybody, and ranks like any other candidate: `assess/tests.rs`.
+//! - No contact is exactly 0 for everyone, and ranks like any other candidate: `assess/tests.rs`.
 //! - Harm never falls when speed or the partner's mass rises: `assess/tests.rs`.
 //! - A policy changes the order, never a figure: `rank/tests.rs`.
 //! - Candidates that can still win are never left out: `rank/tests.rs`.
 //!
 //! Not modelled: rollover, second impacts, falls, fire, ejection. Risks are statistics of
-//! populations, not anybody's fate.
+//! populations, not predictions for individuals.
 
 pub mod approach;
 pub mod assess;

@@ -24,7 +24,7 @@ pub struct Aboard {
     pub seat: Option<Seat>,
 }
 
-/// Persons of a party for whom lists have room in place: for more it comes from the heap.
+/// Number of persons of a party that lists store in place; more are allocated on the heap.
 pub const IN_PLACE: usize = 64;
 
 /// Who is with a body, by their seats; `None` on foot.
@@ -37,13 +37,13 @@ pub struct CollisionParty {
     pub kind: BodyKind,
     /// Mass (kg); `None` if fixed to the ground.
     pub mass_kg: Option<f64>,
-    /// Yaw radius of gyration k (m); of no account if fixed.
+    /// Yaw radius of gyration k (m); ignored if fixed.
     pub gyration_m: f64,
     /// Centre of mass (m).
     pub centre_m: DVec3,
     /// Where the body's x axis (forward) points; unit vector.
     pub forward: DVec3,
-    /// Stiffness, if somebody configured it; of no account if fixed.
+    /// Stiffness, if configured; ignored if fixed.
     pub stiffness: Option<Stiffness>,
     /// Whether the body is concave in plan, so that its hull says nothing about the normal.
     pub concave: bool,
@@ -63,7 +63,7 @@ pub enum Struck {
     Rear,
 }
 
-/// A party that cannot be computed with.
+/// An invalid party.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PartyError {
     /// Zero, negative or not finite.
@@ -75,11 +75,11 @@ pub enum PartyError {
     /// Not finite, or no direction.
     #[error("centre or forward direction is not finite: check the pose")]
     Place,
-    /// Somebody sits in a wall.
+    /// Persons in a fixed object.
     #[error("a fixed object cannot have persons: remove them, or choose another kind")]
     PersonsInFixed,
     /// One person in two seats.
-    #[error("person {} occurs twice in one collision: give everybody a number", .0.0)]
+    #[error("person {} occurs twice in one collision: give each person a number", .0.0)]
     Twice(PersonId),
 }
 
@@ -113,7 +113,7 @@ impl CollisionParty {
     ///
     /// # Errors
     ///
-    /// The first thing that cannot be: see [`PartyError`].
+    /// The first invalid value: see [`PartyError`].
     pub fn check(&self) -> Result<(), PartyError> {
         let is_positive = |x: f64| x > 0.0 && x.is_finite();
         if let Some(mass) = self.mass_kg {
@@ -176,8 +176,8 @@ pub fn is_concave(kind: BodyKind) -> bool {
     matches!(kind, BodyKind::Building)
 }
 
-/// Who is with a body: as stated, or, where nobody said, one driver or rider if it moves (our
-/// assumption), and the person itself on foot.
+/// Who is with a body: as stated, or, where not stated, one driver or rider if it moves (our
+/// assumption), and for a person on foot that person.
 #[must_use]
 pub fn occupants(kind: BodyKind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Seats {
     if let Some(stated) = stated {

@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 pub const POSES_MAX: usize = 16;
 /// Finest and coarsest step (m) before the limit on poses coarsens it.
 const STEP_M: [f64; 2] = [0.02, 0.10];
-/// The path goes on for so long after the hulls meet (m).
+/// How far the path continues after the hulls meet (m).
 const PAST_M: f64 = 0.6;
 /// The contact patch covers this much travel after first contact (m).
 pub(crate) const PATCH_M: f64 = 0.2;

@@ -1,9 +1,9 @@
-//! A policy: how a board of experts wants collisions compared. Data, never code.
+//! A policy: how a board of experts wants collisions compared. It is data, never code.
 //!
-//! Every composition comes down to steps that are taken in turn ([`Policy::steps`]): keep those
-//! whose measure is least, within a tolerance, or keep those that are acceptable for everybody.
-//! Property damage is only ever the last step, and before it all steps on persons are taken again
-//! without tolerance; so it can never outweigh a person.
+//! Every composition reduces to steps that are taken in turn ([`Policy::steps`]): keep those whose
+//! measure is least, within a tolerance, or keep those that are acceptable for everyone. Property
+//! damage is only ever the last step, and before it all steps on persons are taken again without
+//! tolerance; so it can never outweigh a person.
 //!
 //! A policy changes the order, never a figure. Age, sex and condition of persons are not known
 //! here: files that name them are refused (`policy/load.rs`).
@@ -31,7 +31,8 @@ pub enum Step {
         /// How far from the least still counts as least.
         tolerance: f64,
     },
-    /// Keep those where nobody's upper model range passes this risk; if there is none, keep all.
+    /// Keep those where no upper end of a model range exceeds this risk; if there is none, keep
+    /// all.
     Accept {
         /// R_acc.
         at_most: f64,
@@ -42,7 +43,7 @@ pub enum Step {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Composition {
-    /// The levels are all.
+    /// The levels alone decide.
     Lexicographic,
     /// Then the least weighted sum.
     Weighted {
@@ -91,11 +92,11 @@ pub struct Policy {
     pub outcome: Level,
     /// What comes first, in turn.
     pub levels: Vec<Step>,
-    /// What comes then.
+    /// How rules are combined after the levels.
     pub composition: Composition,
     /// Property damage.
     pub property: Property,
-    /// What decides at last; ends with [`TieBreak::Request`].
+    /// What decides last; ends with [`TieBreak::Request`].
     pub tie_break: Vec<TieBreak>,
 }
 
@@ -108,7 +109,7 @@ impl Policy {
         steps
     }
 
-    /// [`Policy::steps`] into a list that was used before.
+    /// [`Policy::steps`] into a reused list.
     pub(crate) fn write_steps(&self, n: usize, steps: &mut Vec<Step>) {
         steps.clone_from(&self.levels);
         match &self.composition {
@@ -131,7 +132,7 @@ impl Policy {
         }
     }
 
-    /// Whether some rule looks at the ego vehicle's occupants alone: the answer must say so.
+    /// Whether some rule considers the ego vehicle's occupants only: the answer must say so.
     #[must_use]
     pub fn is_ego_only(&self) -> bool {
         let in_levels = self
@@ -148,7 +149,7 @@ impl Policy {
     }
 }
 
-/// As one would say it in a list: "least bayes", "least maximin, within 0.01".
+/// For lists: "least bayes", "least maximin, within 0.01".
 impl core::fmt::Display for Step {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
@@ -162,7 +163,7 @@ impl core::fmt::Display for Step {
 }
 
 impl Step {
-    /// The same step without tolerance, if it has one.
+    /// This step without its tolerance; `None` if it has none.
     fn without_tolerance(&self) -> Option<Self> {
         match self {
             Self::Least { measure, tolerance } if *tolerance > 0.0 => {

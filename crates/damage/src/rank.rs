@@ -1,15 +1,15 @@
 //! The order of candidates under a policy, and how sure it is.
 //!
-//! Two computations run beside each other. The *order* comes from the upper work ends, as points: a
+//! Two computations run side by side. The *order* comes from the upper work ends, as points: a
 //! value inside each interval, so a sure pair is never inverted. *Certainty* comes from intervals
 //! (`rank/interval.rs`): which candidates can still win, whatever open work finds. All figures are
-//! rounded to 1e-9 before, so that rounding of machines never decides.
+//! rounded to 1e-9 before, so that floating-point rounding never decides.
 //!
 //! The order is found rank by rank: all steps of the policy thin the remaining candidates out, the
 //! declared tie-break takes one of those kept, it is removed, and the next rank begins. (Comparing
 //! pairs would cycle under tolerances.)
 //!
-//! Every candidate is ranked, the unevaluable ones at `[0, 1]` for everybody in them. Nothing here
+//! Every candidate is ranked, unevaluable ones at `[0, 1]` for everyone in them. Nothing here
 //! changes a candidate's figures.
 
 use crate::harm::CandidateHarm;
@@ -30,20 +30,20 @@ mod tests;
 
 use figures::{Figures, rounded};
 
-/// Something per candidate. A request has at most sixteen: only more take memory from the heap.
+/// A value per candidate. A request has at most sixteen; more would be allocated on the heap.
 type Each<T> = SmallVec<[T; 16]>;
 
-/// Room for ranking, kept from one ranking to the next: after the first of its size no other takes
-/// memory from the heap.
+/// Buffers for ranking, kept from one ranking to the next: after the first of its size none
+/// allocates.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     figures: Vec<Figures>,
     steps: Vec<Step>,
-    /// Those of places that are not needed now.
+    /// Spare lists of places.
     spare: Vec<Vec<Interval>>,
 }
 
-/// The first so many of a list that only grows.
+/// The first `count` elements of a list that only grows.
 fn taken<T: Clone + Default>(list: &mut Vec<T>, count: usize) -> &mut [T] {
     if list.len() < count {
         list.resize(count, T::default());
@@ -51,7 +51,7 @@ fn taken<T: Clone + Default>(list: &mut Vec<T>, count: usize) -> &mut [T] {
     &mut list[..count]
 }
 
-/// How finished an answer is.
+/// How complete an answer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AnswerState {
@@ -79,7 +79,7 @@ impl AnswerState {
     }
 }
 
-/// What the answer must say besides its order.
+/// A remark that an answer makes besides its order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Note {
@@ -88,7 +88,7 @@ pub enum Note {
         /// R_acc.
         at_most: f64,
     },
-    /// The policy looks at the ego vehicle's occupants alone in some rule.
+    /// Some rule of the policy considers the ego vehicle's occupants only.
     EgoOnly,
 }
 
@@ -100,20 +100,20 @@ pub enum Ground {
     Least {
         /// Number of the step, from 0.
         step: usize,
-        /// Of what the first has less.
+        /// The measure that is lower for the first.
         measure: Measure,
         /// Its value for the first.
         first: f64,
         /// Its value for the second.
         second: f64,
-        /// How far from the least still counted as least.
+        /// The tolerance: how far from the least still counts as least.
         tolerance: f64,
         /// In a weighted sum: the rule that separates them most.
         rule: Option<Rule>,
         /// The person whose risks differ most between the two; `None` for property damage.
         person: Option<PersonId>,
     },
-    /// Somebody's upper model range passes the accepted risk in the second.
+    /// In the second, the upper end of someone's model range exceeds the accepted risk.
     Accept {
         /// Number of the step, from 0.
         step: usize,
@@ -156,17 +156,17 @@ pub struct Place {
 /// The answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RankedCandidates {
-    /// How finished it is.
+    /// How complete it is.
     pub state: AnswerState,
     /// All candidates, least harm first.
     pub places: Vec<Place>,
     /// Candidates that can still win, in the order of the request.
     pub possible: Vec<usize>,
-    /// So many of the first places no open work can change.
+    /// Number of leading places that no open work can change.
     pub settled: usize,
     /// Candidates that the model cannot tell from the winner, itself included.
     pub tie_class: Vec<usize>,
-    /// What must be said besides.
+    /// Further remarks.
     pub notes: Vec<Note>,
 }
 
@@ -176,7 +176,7 @@ pub enum RankError {
     /// Nothing to rank.
     #[error("no candidates: a request needs at least one")]
     NoCandidates,
-    /// A candidate speaks of somebody else.
+    /// A candidate names a person who is not in the request.
     #[error("candidate {candidate} names person {}, beyond the request's list", .person.0)]
     UnknownPerson {
         /// Number of the candidate.
@@ -184,10 +184,10 @@ pub enum RankError {
         /// Who.
         person: PersonId,
     },
-    /// ρ is no share.
+    /// ρ is not in [0, 1].
     #[error("responsibility of person {} is not in [0, 1]", .0.0)]
     Responsibility(PersonId),
-    /// A figure is no probability or no energy.
+    /// A figure is not a valid probability or energy.
     #[error("candidate {0} has a figure that is not a number in its range")]
     Figure(usize),
 }
@@ -209,8 +209,8 @@ pub fn rank(
     Ok(ranking)
 }
 
-/// [`rank()`] in room that was used before, which spares the heap. What `ranking` held is replaced,
-/// unless there is an error.
+/// [`rank()`] in reused buffers, to avoid allocation. The contents of `ranking` are replaced unless
+/// there is an error.
 ///
 /// # Errors
 ///
@@ -237,7 +237,7 @@ fn figures_of(stakes: &[Stake], candidates: &[CandidateHarm]) -> Result<Vec<Figu
     Ok(figures)
 }
 
-/// The same as the first of a list that only grows.
+/// [`figures_of`] into the first elements of a list that only grows.
 fn write_figures(
     stakes: &[Stake],
     candidates: &[CandidateHarm],
@@ -256,7 +256,7 @@ fn write_figures(
     Ok(())
 }
 
-/// Everything that a ranking is made from.
+/// Everything that a ranking is computed from.
 struct RankOrder<'a> {
     policy: &'a Policy,
     stakes: &'a [Stake],
@@ -339,7 +339,7 @@ impl RankOrder<'_> {
         Round { winner: self.tie_winner(&kept), fell }
     }
 
-    /// The one that the declared tie-break takes.
+    /// The candidate that the declared tie-break chooses.
     fn tie_winner(&self, kept: &[usize]) -> usize {
         let before = |a: &&usize, b: &&usize| {
             let by = |t: &TieBreak| self.tie_value(*t, **a).total_cmp(&self.tie_value(*t, **b));

@@ -2,7 +2,7 @@
 //!
 //! Risks are R_i = p·H_i of one fixed set of persons, untouched ones included with 0. For the rules
 //! that rise in every R_i, an interval is the rule at both ends; equality does not, and gets its
-//! own. A rule looks at one candidate alone, so no candidate's figures depend on the others.
+//! own. A rule considers one candidate alone, so no candidate's figures depend on the others.
 
 use crate::interval::Interval;
 use serde::{Deserialize, Serialize};
@@ -50,12 +50,12 @@ pub enum Measure {
     Energy,
 }
 
-/// What the request says of a person: nothing but side and duty.
+/// What the request says of a person: only side and responsibility.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Stake {
     /// An occupant of the ego vehicle.
     pub is_ego: bool,
-    /// ρ in [0, 1]: how far this person is responsible for the danger, as the planner says.
+    /// ρ in [0, 1]: how far this person is responsible for the danger, as stated by the planner.
     pub responsibility: f64,
 }
 
@@ -82,8 +82,7 @@ impl Rule {
         self.of(risks.len(), |i| risks[i], stakes)
     }
 
-    /// [`Rule::value`] of `n` risks that stand in no list of their own: ranking asks for it several
-    /// times per result.
+    /// [`Rule::value`] of `n` risks given by a function: ranking needs it several times per result.
     fn of(self, n: usize, risk: impl Fn(usize) -> f64, stakes: &[Stake]) -> f64 {
         let mean = |sum: f64, n: f64| if n > 0.0 { sum / n } else { 0.0 };
         let risks = || (0..n).map(&risk);
@@ -114,7 +113,7 @@ fn pairs(n: usize, of: impl Fn(usize, usize) -> f64) -> f64 {
     sum / count as f64
 }
 
-/// As many persons as a request of the service may name: more take memory from the heap.
+/// Number of persons stored in place, as many as a request of the service may name.
 const PERSONS: usize = 64;
 
 /// The k-th greatest of some risks, from 0; 0 beyond the last.
@@ -143,7 +142,7 @@ impl Measure {
         self.of(risks.len(), |i| risks[i], energy_j, stakes)
     }
 
-    /// [`Measure::value`] of `n` risks that stand in no list of their own.
+    /// [`Measure::value`] of `n` risks given by a function.
     pub(crate) fn of(
         &self,
         n: usize,

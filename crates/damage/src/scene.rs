@@ -1,4 +1,4 @@
-//! Bodies for tests: upright prisms over convex outlines, whose hits are worked out by hand.
+//! Bodies for tests: upright prisms over convex outlines, whose hits are computed by hand.
 //!
 //! Two prisms' surfaces cross where their outlines cross, over the height that they share. That is
 //! the oracle: it knows nothing of triangles, trees or the code under test.
@@ -53,8 +53,8 @@ impl Prism {
     }
 
     pub(crate) fn points(&self) -> Vec<DVec3> {
-        let at = |p: &[f64; 2]| self.height.map(|z| DVec3::new(p[0], p[1], z));
-        self.outline.iter().flat_map(at).collect()
+        let vertical_edge = |p: &[f64; 2]| self.height.map(|z| DVec3::new(p[0], p[1], z));
+        self.outline.iter().flat_map(vertical_edge).collect()
     }
 
     pub(crate) fn supports(&self, directions: &Directions) -> Supports {
@@ -125,7 +125,7 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
     }
 }
 
-/// Somebody on foot.
+/// A person on foot.
 pub(crate) fn walker(person: usize, centre: [f64; 2]) -> CollisionParty {
     CollisionParty {
         kind: BodyKind::Pedestrian,
@@ -249,7 +249,7 @@ impl Scene {
         assess(&encounter, evidence, &basis)
     }
 
-    /// The same candidate seen from the other party, in its frame.
+    /// This candidate seen from the other party, in its frame.
     pub(crate) fn swapped(&self) -> Self {
         Self {
             a: self.b.clone(),
@@ -260,7 +260,7 @@ impl Scene {
         }
     }
 
-    /// The same candidate, turned and moved as a whole.
+    /// This candidate, turned and moved as a whole.
     pub(crate) fn displaced(&self, degrees: f64, by: [f64; 2]) -> Self {
         let (sin, cos) = libm::sincos(degrees.to_radians());
         let turn = |p: [f64; 2]| [p[0] * cos - p[1] * sin, p[0] * sin + p[1] * cos];

@@ -1,4 +1,4 @@
-//! Finding the first contact on a path: a state machine that asks and is told.
+//! Finds the first contact on a path: a state machine of questions and answers.
 //!
 //! It asks whether the bodies touch at a travel: first on the whole grid, then by halving between
 //! the last pose without contact and the first with it, down to 1 mm, so that a triangle that
@@ -15,7 +15,7 @@ use smallvec::{SmallVec, smallvec};
 /// First contact is known to this travel (m).
 pub const FIRST_CONTACT_M: f64 = 0.001;
 
-/// Answers that a search asks for at most: the grid's, and 14 halvings.
+/// Maximum number of answers that a search asks for: the grid's, and 14 halvings.
 const KNOWN: usize = POSES_MAX + 2 + 14;
 
 /// The first contact on a path.
@@ -72,8 +72,8 @@ impl Search {
         self.wanted().iter().any(|s| s.to_bits() == travel_m.to_bits())
     }
 
-    /// Takes an answer, in any order and as often as it comes. One hit at a travel is enough: it
-    /// outlives any answer that saw none.
+    /// Takes an answer, in any order and any number of times. One hit at a travel is enough: it
+    /// overrides answers without one.
     pub fn learn(&mut self, travel_m: f64, touches: bool) {
         match self.known.binary_search_by(|(s, _)| s.total_cmp(&travel_m)) {
             Ok(at) => self.known[at].1 |= touches,

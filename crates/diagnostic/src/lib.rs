@@ -1,40 +1,40 @@
-//! What every error says: what went wrong, where, how to mend it, and of which kind it is.
+//! What every error reports: what went wrong, where, how to fix it, and its kind.
 //!
 //! ```text
 //! a crate's own error --impl Diagnostic--> Failure --> a person: "place: what\n  help: remedy"
 //!                                                  --> the shell: FailureKind::exit_code
 //! ```
 //!
-//! A library crate keeps its own error type, which programs can match, and says here what a person
-//! is told of it. [`Failure`] is the one type that holds any of them.
+//! A library crate keeps its own error type, which programs can match, and implements
+//! [`Diagnostic`] to describe it to a person. [`Failure`] is the one type that holds any of them.
 
 use core::error::Error;
 use core::fmt;
 use std::borrow::Cow;
 
-/// What kind of failure it is, and so what a shell is told; after sysexits.
+/// The kind of a failure, which determines the exit code; after sysexits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum FailureKind {
-    /// A check that was asked for has failed.
+    /// A requested check has failed.
     CheckFailed = 1,
-    /// The answer is degraded: bounds, not figures.
+    /// The answer is degraded: bounds instead of exact figures.
     Degraded = 3,
-    /// No answer can be given to this request.
+    /// This request cannot be answered.
     Refused = 4,
     /// A mesh, model, scenario, policy or curve file is at fault.
     Input = 65,
     /// Memory, shared memory, descriptors or workers ran out.
     Resources = 69,
-    /// A mistake of ours.
+    /// An internal error (a bug).
     Internal = 70,
-    /// The operating system refused.
+    /// An operating system call failed.
     System = 71,
-    /// Somebody else is in the way: try again.
+    /// Another process is in the way: try again.
     TryAgain = 75,
-    /// Two versions of this program met.
+    /// Two versions of this program are in use.
     Skew = 76,
-    /// Real time was required, and is not to be had.
+    /// Real-time operation was required but is not available.
     NoRealtime = 77,
     /// A setting is at fault.
     Configuration = 78,
@@ -43,7 +43,7 @@ pub enum FailureKind {
 }
 
 impl FailureKind {
-    /// The exit code of a program that ends with it.
+    /// The exit code of a program that ends with this kind of failure.
     #[must_use]
     pub const fn exit_code(self) -> u8 {
         self as u8
@@ -56,9 +56,9 @@ impl From<FailureKind> for std::process::ExitCode {
     }
 }
 
-/// An error that a person can do something about.
+/// An error with advice for the user.
 pub trait Diagnostic: Error {
-    /// What kind of failure it is.
+    /// The kind of failure.
     fn kind(&self) -> FailureKind;
 
     /// File, line and column, as far as they are known and not part of [`Self::what`].
@@ -80,7 +80,7 @@ pub trait Diagnostic: Error {
     }
 }
 
-/// Any failure, for the person at the terminal and for the shell.
+/// Any failure, for the user at the terminal and for the shell.
 ///
 /// ```
 /// use diagnostic::{Failure, FailureKind};
@@ -95,7 +95,7 @@ pub trait Diagnostic: Error {
 /// assert_eq!(failure.kind().exit_code(), 65);
 /// ```
 ///
-/// `Debug` says what `Display` says, so that `main` may return it.
+/// `Debug` prints what `Display` prints, so that `main` may return it.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Failure {
     kind: FailureKind,
@@ -104,49 +104,49 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// A failure without a place and a remedy.
+    /// Creates a failure without a place and a remedy.
     #[must_use]
     pub fn new(kind: FailureKind, what: impl Into<String>) -> Self {
         Self { kind, what: what.into(), remedy: None }
     }
 
-    /// A file that a person gave is at fault.
+    /// Creates a failure of an input file.
     #[must_use]
     pub fn input(what: impl Into<String>) -> Self {
         Self::new(FailureKind::Input, what)
     }
 
-    /// A setting is at fault.
+    /// Creates a failure of a setting.
     #[must_use]
     pub fn setting(what: impl Into<String>) -> Self {
         Self::new(FailureKind::Configuration, what)
     }
 
-    /// A mistake of ours.
+    /// Creates a failure for an internal error.
     #[must_use]
     pub fn internal(what: impl Into<String>) -> Self {
         Self::new(FailureKind::Internal, what)
     }
 
-    /// The same, with what to do about it.
+    /// Sets the remedy.
     #[must_use]
     pub fn with_remedy(self, remedy: impl Into<String>) -> Self {
         Self { remedy: Some(remedy.into()), ..self }
     }
 
-    /// The same, found at this place: a file, a line of it, or the name of a part.
+    /// Sets the place: a file, a line of it, or the name of a part.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
         Self { what: format!("{place}: {}", self.what), ..self }
     }
 
-    /// The same, of another kind: whose fault it is may depend on who asked.
+    /// Changes the kind, which may depend on the caller.
     #[must_use]
     pub fn of_kind(self, kind: FailureKind) -> Self {
         Self { kind, ..self }
     }
 
-    /// What kind of failure it is.
+    /// The kind of failure.
     #[must_use]
     pub fn kind(&self) -> FailureKind {
         self.kind
@@ -158,7 +158,7 @@ impl Failure {
         &self.what
     }
 
-    /// What to do about it.
+    /// The remedy.
     #[must_use]
     pub fn remedy(&self) -> Option<&str> {
         self.remedy.as_deref()
@@ -196,7 +196,8 @@ impl<E: Diagnostic> From<E> for Failure {
     }
 }
 
-/// An error with all its causes on one line. What an error has said of its cause is not repeated.
+/// Returns an error with all its causes on one line. A cause already included in an error's text is
+/// not repeated.
 #[must_use]
 pub fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();

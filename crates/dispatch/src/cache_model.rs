@@ -1,27 +1,27 @@
-//! The ledger of logical section transfer: bytes of sections that a job needed and its core did not
-//! hold yet.
+//! The ledger of logical section transfer: the bytes of sections that a job needed and its core did
+//! not hold yet.
 //!
-//! Residency changes when a job is assigned, starts empty, lives across tasks and candidates, and
-//! is lost with the worker. How much a core may hold, and what happens beyond, is its [`Cache`].
+//! Residency changes when a job is assigned, starts empty, persists across tasks and candidates,
+//! and is lost with the worker. A core's [`Cache`] sets its capacity and what happens beyond it.
 //!
 //! # Invariants
 //!
-//! - A core never holds more than its capacity, and the sums equal their recomputation from the log
-//!   of what was booked: `ledger/tests.rs`.
+//! - A core never holds more than its capacity, and the sums equal their recomputation from the
+//!   log: `cache_model/tests.rs`.
 
 use protocol::Section;
 use std::collections::BTreeMap;
 
-/// How much of the bodies a core may hold.
+/// The capacity of a core for sections of bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cache {
     /// Everything.
     #[default]
     Unlimited,
-    /// So many bytes; the least recently needed sections make room. A section that is larger than
-    /// all of it is transferred whenever it is needed.
+    /// This many bytes, evicting the least recently needed sections. A section larger than the
+    /// capacity is transferred whenever it is needed.
     Recent(u64),
-    /// So many bytes, and nothing is ever evicted: the first section that does not fit is the end
+    /// This many bytes without eviction: the first section that does not fit ends the run
     /// ([`Thrash`]), as in the paper's system.
     Fixed(u64),
 }
@@ -33,37 +33,37 @@ pub struct Thrash {
     pub core: usize,
     /// The section.
     pub section: Section,
-    /// What the section weighs (bytes).
+    /// Size of the section (bytes).
     pub bytes: u64,
-    /// What the core held (bytes).
+    /// Bytes that the core held.
     pub held: u64,
-    /// What it may hold (bytes).
+    /// Capacity of the core (bytes).
     pub budget: u64,
 }
 
-/// What was transferred, by definition of the ledger, and what would have been without residency.
+/// What was transferred, as defined by the ledger, and what would have been without residency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Transfer {
     /// Bytes of sections that were not resident when their job was assigned.
     pub section_bytes: u64,
-    /// Bytes if every section travelled with every job.
+    /// Bytes if every section were sent with every job.
     pub unshared_bytes: u64,
-    /// Sections that were resident already.
+    /// Sections that were already resident.
     pub found: u64,
-    /// Sections that were not.
+    /// Sections that were not resident.
     pub missed: u64,
-    /// Sections that made room for others.
+    /// Sections that were evicted.
     pub evicted: u64,
 }
 
-/// What one core holds.
+/// The sections of one core.
 #[derive(Clone, Debug, Default)]
 struct Shelf {
-    /// Per body: one bit per node. Grown as nodes are named. All that is ever asked while a job is
-    /// placed, once per core.
+    /// Per body: one bit per node, grown on demand. The only data read while a job is placed, once
+    /// per core.
     bits: Vec<Vec<u64>>,
     bytes: u64,
-    /// Only where something may be evicted: when a section was needed last, and the reverse.
+    /// Only with eviction: the turn in which each section was last needed, and the reverse map.
     turns: BTreeMap<Section, u64>,
     order: BTreeMap<u64, (Section, u64)>,
 }
@@ -73,20 +73,20 @@ struct Shelf {
 pub struct CacheModel {
     cache: Cache,
     shelves: Vec<Shelf>,
-    /// Counts what was booked: the order of needs.
+    /// Counts the entries, which orders the uses.
     turn: u64,
     transfer: Transfer,
     thrash: Option<Thrash>,
 }
 
 impl CacheModel {
-    /// An empty ledger.
+    /// Creates an empty ledger.
     #[must_use]
     pub fn new(cores: usize, cache: Cache) -> Self {
         Self { cache, shelves: vec![Shelf::default(); cores], ..Self::default() }
     }
 
-    /// Empties it again, in its own room.
+    /// Clears the ledger, keeping its buffers.
     pub fn begin(&mut self) {
         for shelf in &mut self.shelves {
             shelf.bits.iter_mut().for_each(|words| words.fill(0));
@@ -103,18 +103,18 @@ impl CacheModel {
         self.shelves.get(core).is_some_and(|shelf| shelf.holds(section))
     }
 
-    /// Bytes that `core` holds.
+    /// Bytes held by `core`.
     #[must_use]
     pub fn held_bytes(&self, core: usize) -> u64 {
         self.shelves.get(core).map_or(0, |shelf| shelf.bytes)
     }
 
-    /// Books that a job on `core` needs `section`, which weighs `bytes`. Says whether it has to be
+    /// Records that a job on `core` needs `section` of `bytes` bytes. Returns whether it has to be
     /// transferred.
     ///
     /// # Panics
     ///
-    /// If there is no such core.
+    /// There is no such core.
     pub fn need(&mut self, core: usize, section: Section, bytes: u64) -> bool {
         self.turn += 1;
         self.transfer.unshared_bytes += bytes;
@@ -152,7 +152,7 @@ impl CacheModel {
         true
     }
 
-    /// Books that `core` lost all it held.
+    /// Records that `core` lost everything it held.
     pub fn lose(&mut self, core: usize) {
         if let Some(shelf) = self.shelves.get_mut(core) {
             *shelf = Shelf::default();
@@ -192,7 +192,7 @@ impl Shelf {
         words[word] = if held { words[word] | bit } else { words[word] & !bit };
     }
 
-    /// Makes a section the most recent one.
+    /// Marks a section as the most recently used.
     fn touch(&mut self, section: Section, bytes: u64, turn: u64) {
         if let Some(before) = self.turns.insert(section, turn) {
             self.order.remove(&before);
@@ -200,7 +200,7 @@ impl Shelf {
         self.order.insert(turn, (section, bytes));
     }
 
-    /// Drops the least recent section; `false` if there is none.
+    /// Evicts the least recently used section; `false` if there is none.
     fn evict(&mut self) -> bool {
         let Some((_, (section, bytes))) = self.order.pop_first() else { return false };
         self.turns.remove(&section);

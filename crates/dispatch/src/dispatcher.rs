@@ -1,4 +1,4 @@
-//! The job table of one request, and who holds which lease.
+//! The job table of one request, and its leases.
 //!
 //! ```text
 //!           assign (eligible core)             last part, in order, lease fits
@@ -11,14 +11,14 @@
 //! DONE, CUT, LATE, ABANDONED are final
 //! ```
 //!
-//! The fence: a part is taken only if it belongs to this request, and its job is leased to exactly
-//! that incarnation and attempt. Parts are folded as they come, which is safe because folding is
-//! idempotent; a job whose parts were not all seen in order is run again.
+//! The fence: a part is accepted only if it belongs to this request, and its job is leased to
+//! exactly that incarnation and attempt. Parts are folded as they arrive, which is safe because
+//! folding is idempotent; a job whose parts did not all arrive in order is run again.
 //!
-//! Nothing stays leased for ever. A lease ends with its result, with its worker, with a batch that
-//! was not handed over, or when the worker says that it has answered the batch (`lease.rs`): then
-//! what did not come will not come. How often a life of a worker may lose something is bounded, and
-//! so is how often a core gets a new one (`restart.rs`); so every request comes to an end.
+//! No lease is permanent. A lease ends with its result, with its worker, with a batch that was not
+//! handed over, or when the worker reports that it has answered the batch (`lease.rs`): results
+//! that have not arrived by then never will. The number of losses per incarnation is bounded, and
+//! so are the restarts of a core (`restart.rs`); so every request terminates.
 
 mod counts;
 mod event;
@@ -44,11 +44,11 @@ use std::collections::VecDeque;
 /// Sizes of queues and batches: the three settings that the paper calls "buffer".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Queues {
-    /// Most jobs a core may hold.
+    /// Maximum number of jobs that a core may hold.
     pub capacity: u32,
-    /// Jobs sent at once; at most `capacity`.
+    /// Number of jobs per batch; at most `capacity`.
     pub batch: u32,
-    /// How long a batch that is not full waits for more jobs (ns); 0: it is sent at once.
+    /// How long a batch that is not full waits for more jobs (ns); 0 sends it at once.
     pub linger_ns: u64,
 }
 
@@ -59,12 +59,12 @@ enum State {
     Closed,
 }
 
-/// What became of a part.
+/// The outcome of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Taken {
-    /// It was folded, or was not wanted.
+    /// It was folded, or was not needed.
     Well,
-    /// The result has ended, and a part of it is missing.
+    /// The result ended with a part missing.
     Broken,
 }
 
@@ -75,11 +75,11 @@ struct Slot {
     attempt: u8,
     blame: u8,
     parts: u16,
-    /// The batch that it travelled in: with the incarnation, one lease.
+    /// The batch in which it was sent: together with the incarnation, one lease.
     batch: u32,
 }
 
-/// Lists of batches that are not needed now, so that the next ones need no heap.
+/// Spare job lists, reused by later batches to avoid heap allocation.
 #[derive(Clone, Debug, Default)]
 struct BatchPool {
     outboxes: Vec<Vec<(JobId, u8)>>,
@@ -87,7 +87,7 @@ struct BatchPool {
     jobs: Vec<Vec<JobId>>,
 }
 
-/// The dispatcher of one instance: the workers outlive a request, the job table does not.
+/// The dispatcher of one instance: workers outlive a request, the job table does not.
 #[derive(Clone, Debug)]
 pub struct Dispatcher<S> {
     scheme: S,
@@ -95,11 +95,11 @@ pub struct Dispatcher<S> {
     cores: Vec<Core>,
     slots: Vec<Slot>,
     pending: VecDeque<JobId>,
-    /// Jobs that took a worker down, or failed: each waits for a core of its own.
+    /// Jobs that killed a worker, or failed: each waits for a core of its own.
     suspects: VecDeque<JobId>,
     quarantine: Quarantine,
     request: RequestId,
-    /// The time is up: no more jobs are asked for.
+    /// The time is up: no more jobs are requested.
     is_over: bool,
     open: u64,
     ledger: CacheModel,
@@ -113,7 +113,7 @@ pub struct Dispatcher<S> {
 }
 
 impl<S: MatchScheme> Dispatcher<S> {
-    /// A dispatcher for so many cores, none of them ready yet.
+    /// Creates a dispatcher for this many cores, none of them ready yet.
     #[must_use]
     pub fn new(scheme: S, queues: Queues, cache: Cache, cores: usize) -> Self {
         let capacity = queues.capacity.max(1);
@@ -139,8 +139,8 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Starts a request: an empty job table, all counts at zero. Cores stay ready, and what an
-    /// earlier request has left in their queues goes on taking its room there.
+    /// Starts a request: an empty job table, all counts at zero. Cores stay ready, and jobs of an
+    /// earlier request still in their queues continue to occupy slots there.
     pub fn begin(&mut self, request: RequestId) {
         self.request = request;
         self.is_over = false;
@@ -156,8 +156,8 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Takes back the lists of an [`Effect::Send`] that was seen to, for the next ones. Whoever
-    /// keeps them makes later batches take room from the heap, and nothing else.
+    /// Takes back the lists of a processed [`Effect::Send`] for reuse. Keeping them has no effect
+    /// other than heap allocations for later batches.
     pub fn reuse(&mut self, mut jobs: Vec<(JobId, u8)>, mut fetch: Vec<Section>) {
         jobs.clear();
         fetch.clear();
@@ -165,17 +165,17 @@ impl<S: MatchScheme> Dispatcher<S> {
         self.spare.fetches.push(fetch);
     }
 
-    /// A worker takes jobs from now on. None is placed before the next step, so that all who are
-    /// there at the start get their share.
+    /// Registers a worker as ready for jobs. None is placed before the next step, so that all
+    /// workers present at the start get their share.
     pub fn admit(&mut self, who: Incarnation) {
         let core = self.cores.get_mut(usize::from(who.worker));
-        // Who was ready before this request has jobs already.
+        // A worker that was ready before this request already has jobs.
         if let Some(core) = core.filter(|core| core.who != Some(who)) {
             *core = Core::of(who);
         }
     }
 
-    /// A worker is gone, and no request is open that it could hold jobs of: it gets none any more.
+    /// Removes a worker that is gone while no open request can have jobs leased to it.
     pub fn dismiss(&mut self, who: Incarnation) {
         let core = self.cores.get_mut(usize::from(who.worker));
         if let Some(core) = core.filter(|core| core.who == Some(who)) {
@@ -183,19 +183,19 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// From now on writes down who got which job: what [`Dispatcher::transfer`] follows from.
+    /// Enables the log of assignments, from which [`Dispatcher::transfer`] can be recomputed.
     pub fn keep_log(&mut self) {
         self.log.get_or_insert_default();
     }
 
-    /// What was written down since [`Dispatcher::begin`], in order.
+    /// The log since [`Dispatcher::begin`], in order.
     #[must_use]
     pub fn log(&self) -> &[LogEntry] {
         self.log.as_deref().unwrap_or_default()
     }
 
-    /// When the next batch has lingered long enough, or a core whose queue was full may be tried
-    /// again (ns): [`Event::Poll`] does so then.
+    /// When the next batch has lingered long enough, or a core whose queue was full may be retried
+    /// (ns): [`Event::Poll`] is due then.
     #[must_use]
     pub fn due_ns(&self) -> Option<u64> {
         let waiting = self.cores.iter().filter(|core| !core.outbox.is_empty());
@@ -211,20 +211,20 @@ impl<S: MatchScheme> Dispatcher<S> {
         self.slots.get(job.0 as usize).map(|slot| &slot.spec)
     }
 
-    /// Whether a worker holds jobs it has not answered.
+    /// Whether a worker holds unanswered jobs.
     #[must_use]
     pub fn is_busy(&self, worker: u8) -> bool {
         self.cores.get(usize::from(worker)).is_some_and(|core| core.queued > 0)
     }
 
-    /// What was counted since [`Dispatcher::begin`].
+    /// The counts since [`Dispatcher::begin`].
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// All that decides what happens next, for those who compare and hash states. The ledger, the
-    /// log and the counts are not in it, so this holds for schemes that look at loads alone.
+    /// The state that determines future behaviour, for comparing and hashing. It excludes the
+    /// ledger, the log and the counts, so it is valid only for schemes that use loads alone.
     pub fn essence(&self) -> impl Hash + PartialEq + '_ {
         let Self { slots, pending, suspects, quarantine, cores, request, is_over, .. } = self;
         (slots, pending, suspects, quarantine, cores, request, is_over)
@@ -236,13 +236,14 @@ impl<S: MatchScheme> Dispatcher<S> {
         self.ledger.transfer()
     }
 
-    /// The first section that did not fit: then the run is over.
+    /// The first section that did not fit, which ends the run.
     #[must_use]
     pub fn thrash(&self) -> Option<Thrash> {
         self.ledger.thrash()
     }
 
-    /// Takes one event at `now_ns` [ns, monotonic], asks `work` for jobs, and says what to do.
+    /// Processes one event at `now_ns` [ns, monotonic], requests jobs from `work`, and returns the
+    /// effects.
     pub fn step<W: JobSource>(
         &mut self,
         now_ns: u64,
@@ -271,7 +272,7 @@ impl<S: MatchScheme> Dispatcher<S> {
                     self.counts.fence.not_leased += 1;
                 }
             }
-            Event::Lost { who, started } => self.bury(now_ns, who, started, work),
+            Event::Lost { who, started } => self.reap(now_ns, who, started, work),
             Event::Unsent { to, batch } => self.unsent(now_ns, to, batch, effects),
             Event::Answered { who, batches } => self.answered(who, batches, effects),
             Event::Garbled { from } => self.distrust(from, Why::Garbled, effects),
@@ -299,7 +300,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         slot.is_some_and(|slot| slot.state == State::Leased(from) && slot.attempt == attempt)
     }
 
-    /// The fence, and what lies behind it.
+    /// Applies the fence, then folds the part.
     fn take<W: JobSource>(
         &mut self,
         from: Incarnation,
@@ -356,7 +357,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         work.close(&spec, how);
     }
 
-    /// Keeps about as many jobs pending as all queues hold: descents are made when needed.
+    /// Keeps about as many jobs pending as all queues hold: descents are made on demand.
     fn refill<W: JobSource>(&mut self, now_ns: u64, work: &mut W) {
         let enough = self.queues.capacity as usize * self.cores.len();
         while self.pending.len() < enough && !self.is_over {
@@ -396,7 +397,7 @@ impl<S: MatchScheme> Dispatcher<S> {
             if work.is_obsolete(spec.task) {
                 self.pending.pop_front();
                 self.close(job, Closed::Cut, work);
-                // Closing a job may have brought the next ones.
+                // Closing a job may have made more available.
                 self.refill(now_ns, work);
                 continue;
             }

@@ -1,17 +1,17 @@
-//! Jobs that took two workers down: later requests leave them alone for a while.
+//! Jobs that killed two workers: later requests skip them for a while.
 //!
-//! A job is known by a key that the caller makes of what is asked (bodies, pose, sections), since
-//! its number means something in one request alone. What is left alone is abandoned, which the
-//! answer says; after [`REST_NS`] it is tried again.
+//! A job is identified by a key derived from its inputs (bodies, pose, sections), since its number
+//! is only meaningful within one request. A skipped job is abandoned, which the answer reports;
+//! after [`REST_NS`] it is tried again.
 
 use std::collections::BTreeMap;
 
-/// How long a job is left alone (ns).
+/// How long a job is skipped (ns).
 const REST_NS: u64 = 60_000_000_000;
-/// How many are remembered; beyond it, the one whose time is over first is forgotten.
+/// Maximum number of keys; beyond it, the one that expires first is dropped.
 const MOST: usize = 1024;
 
-/// Keys of jobs, each with the time until which it is left alone.
+/// Keys of jobs, each with its expiry time.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Quarantine(BTreeMap<u64, u64>);
 
@@ -38,7 +38,7 @@ impl Quarantine {
 
 #[cfg(test)]
 mod tests {
-    //! It forgets after its time, and never grows beyond its bound.
+    //! Keys expire, and their number is bounded.
     use super::*;
 
     #[test]

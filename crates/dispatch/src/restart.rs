@@ -1,21 +1,21 @@
-//! How often a core gets a new worker: a crash loop must not take the machine.
+//! How often a core gets a new worker: a crash loop must not use up the machine.
 //!
 //! The intensity of a supervisor (Armstrong, *Making reliable distributed systems in the presence
-//! of software errors*, 2003): so many deaths in a window, and it stops. A core, or all of them,
-//! gets a worker again when enough of its deaths lie outside the window.
+//! of software errors*, 2003): after too many deaths in a window, restarts stop. A core, or all of
+//! them, gets a worker again once enough of its deaths lie outside the window.
 
 use std::collections::VecDeque;
 
-/// Most deaths in a window of time.
+/// Maximum number of deaths in a time window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Intensity {
-    /// Of one core: so many.
+    /// Deaths of one core.
     pub core_deaths: usize,
-    /// In so long (ns).
+    /// Window for one core (ns).
     pub core_ns: u64,
-    /// Of all cores: so many.
+    /// Deaths of all cores.
     pub all_deaths: usize,
-    /// In so long (ns).
+    /// Window for all cores (ns).
     pub all_ns: u64,
 }
 
@@ -27,7 +27,7 @@ impl Default for Intensity {
 }
 
 impl Intensity {
-    /// No limit: for those who kill workers on purpose.
+    /// No limit: for tests that kill workers on purpose.
     pub const UNLIMITED: Self =
         Self { core_deaths: usize::MAX, core_ns: 0, all_deaths: usize::MAX, all_ns: 0 };
 }
@@ -51,13 +51,13 @@ pub struct Restarts {
 }
 
 impl Restarts {
-    /// Nobody has died yet.
+    /// Creates a record without deaths.
     #[must_use]
     pub fn new(intensity: Intensity) -> Self {
         Self { intensity, deaths: VecDeque::new() }
     }
 
-    /// A worker of this core died.
+    /// Records the death of a worker of this core.
     pub fn note(&mut self, core: u8, now_ns: u64) {
         let longest = self.intensity.core_ns.max(self.intensity.all_ns);
         while self.deaths.front().is_some_and(|(at, _)| now_ns.saturating_sub(*at) >= longest) {
@@ -86,7 +86,7 @@ impl Restarts {
 
 #[cfg(test)]
 mod tests {
-    //! A crash loop is stopped, a rare crash is not, and time heals.
+    //! A crash loop is stopped, a rare crash is not, and deaths expire.
     use super::*;
 
     const S: u64 = 1_000_000_000;

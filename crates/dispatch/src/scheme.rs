@@ -1,17 +1,17 @@
 //! Match schemes: which core gets the next job (Wiseman and Grinberg 2018, section "Best Match").
 //!
 //! match(c, (a, b)) = [a resident on c] + [b resident on c]; load = queued / capacity. Only
-//! eligible cores are looked at: in a contact nearly everything is connected, and without that rule
-//! Best Match would send every job to one core.
+//! eligible cores are considered: in a contact nearly everything is connected, and without that
+//! rule Best Match would send every job to one core.
 
 use core::fmt::Debug;
 
-/// What a scheme sees of one core when it places one job.
+/// The view of one core for the placement of one job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CoreView {
-    /// Whether it lives and has a free queue slot.
+    /// Whether it is alive and has a free queue slot.
     pub eligible: bool,
-    /// Jobs it holds and has not answered.
+    /// Unanswered jobs it holds.
     pub queued: u32,
     /// Whether the job's section of body A is resident there.
     pub has_a: bool,
@@ -20,7 +20,7 @@ pub struct CoreView {
 }
 
 impl CoreView {
-    /// How many of the job's two sections are resident here.
+    /// Number of the job's two sections that are resident here.
     #[must_use]
     pub fn matched(&self) -> u8 {
         u8::from(self.has_a) + u8::from(self.has_b)
@@ -29,7 +29,7 @@ impl CoreView {
 
 /// A match scheme.
 pub trait MatchScheme: Debug {
-    /// The core for the next job, among the eligible ones; `None` if there is none, and then the
+    /// Chooses the core for the next job among the eligible ones; `None` if there is none, and the
     /// job waits. `capacity` is the queue size of a core, in jobs.
     fn choose(&mut self, cores: &[CoreView], capacity: u32) -> Option<usize>;
 }
@@ -56,7 +56,7 @@ pub enum Matching {
 }
 
 impl Matching {
-    /// The scheme, at its start.
+    /// Creates the scheme in its initial state.
     #[must_use]
     pub fn scheme(self) -> Box<dyn MatchScheme> {
         match self {
@@ -96,10 +96,10 @@ impl MatchScheme for LowestMatch {
     }
 }
 
-/// Random Match: any eligible core, all equally likely; equal seeds draw equally.
+/// Random Match: any eligible core with equal probability; equal seeds give equal choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RandomMatch {
-    /// State of the generator; at the start, the seed.
+    /// State of the generator; initially the seed.
     pub state: u64,
 }
 
@@ -120,7 +120,7 @@ impl MatchScheme for RandomMatch {
     }
 }
 
-/// The next eligible core after the last one chosen, around: looks at nothing.
+/// The next eligible core after the last one chosen, cyclically; ignores residency and load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RoundRobin {
     next: usize,

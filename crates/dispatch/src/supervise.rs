@@ -1,17 +1,17 @@
-//! Silence: telling a hung worker from one that merely waits for its core.
+//! Silence: distinguishing a hung worker from one that merely waits for its core.
 //!
-//! Wall time lies on a busy machine: healthy workers that share cores stand still for 20 to 50 ms.
-//! So a beat that does not move is held against the process's own CPU time and run state, and only
-//! as a last resort against the clock on the wall.
+//! Wall time is unreliable on a busy machine: healthy workers that share cores stand still for 20
+//! to 50 ms. So a beat that does not move is compared with the process's own CPU time and run
+//! state, and only as a last resort with wall time.
 
-/// What is seen of a worker at one moment.
+/// The observed state of a worker at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pulse {
     /// Its beat.
     pub beat: u64,
     /// CPU time that the process has used (ns).
     pub cpu_ns: u64,
-    /// Whether the system says that it is stopped (state T).
+    /// Whether the system reports it as stopped (state T).
     pub stopped: bool,
     /// Whether it holds jobs.
     pub busy: bool,
@@ -24,33 +24,33 @@ pub struct Patience {
     pub stopped_ns: u64,
     /// Running, by its own CPU time (ns).
     pub hung_cpu_ns: u64,
-    /// By the wall clock, whatever else is seen (ns).
+    /// By wall time, whatever else is observed (ns).
     pub silent_ns: u64,
 }
 
 impl Default for Patience {
-    /// 100 ms stopped, 500 ms of own CPU time, 2 s on the wall (4 × the longest gap of a healthy
-    /// worker seen on a machine with twice as many busy workers as cores was 0.2 s).
+    /// 100 ms stopped, 500 ms of own CPU time, 2 s of wall time (the longest gap of a healthy
+    /// worker observed on a machine with twice as many busy workers as cores was 0.2 s).
     fn default() -> Self {
         Self { stopped_ns: 100_000_000, hung_cpu_ns: 500_000_000, silent_ns: 2_000_000_000 }
     }
 }
 
-/// What follows from a pulse.
+/// The conclusion from a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Liveness {
-    /// It works, or has nothing to do, or waits for its core.
+    /// It works, has nothing to do, or waits for its core.
     Alive,
     /// It was stopped and has jobs: kill it.
     Stopped,
-    /// It burns CPU time without moving on: kill it.
+    /// It uses CPU time without progress: kill it.
     Hung,
     /// It has not moved for too long: kill it.
     Silent,
 }
 
 impl Liveness {
-    /// One word for it, as records and reports have it.
+    /// The name used in records and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -62,14 +62,14 @@ impl Liveness {
     }
 }
 
-/// The memory of one watched worker.
+/// The state of one watched worker.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch {
     seen: Option<(Pulse, u64)>,
 }
 
 impl Watch {
-    /// Judges a pulse at `now` [ns, monotonic].
+    /// Evaluates a pulse at `now` [ns, monotonic].
     pub fn look(&mut self, pulse: Pulse, now: u64, patience: &Patience) -> Liveness {
         let Some((last, since)) = self.seen else {
             self.seen = Some((pulse, now));

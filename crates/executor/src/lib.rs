@@ -1,4 +1,4 @@
-//! One job of a task, done: the same in a worker and in the coordinator's own process.
+//! Executes one job of a task: the same code in a worker and in the coordinator's own process.
 //!
 //! ```text
 //! protocol::WireTask + bodies by number --> bvh::Task --Kernel::run--> hits: to the caller's sink
@@ -7,12 +7,12 @@
 //!
 //! # Invariants
 //!
-//! - A task or job that names a body, a node or a question that does not exist is refused before
+//! - A task or job that names a body, a node or a question that does not exist is rejected before
 //!   anything is tested: `tests.rs`.
-//! - What a job finds depends on the task, the bodies and the job alone, not on the jobs before it:
+//! - What a job finds depends only on the task, the bodies and the job, not on earlier jobs:
 //!   `tests.rs`.
 //!
-//! It does not know where hits go, who asked, or what time it is.
+//! It does not know where hits go, who made the request, or what time it is.
 
 use body::{BodyView, Meta};
 use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
@@ -20,21 +20,21 @@ use geometry::{Directions, RelativePose};
 use protocol::result::{SUPPORTS, WireEnd};
 use protocol::{Summary, WireSide, WireTask};
 
-/// Scratch for jobs, and what was made ready for the task at hand. Kept from job to job and from
-/// request to request, it takes nothing from the heap while bodies are no larger.
+/// Scratch for jobs, and values prepared for the current task. Kept across jobs and requests; it
+/// allocates nothing while bodies are no larger than before.
 #[derive(Debug)]
 pub struct Executor {
     kernel: Kernel,
-    /// Triangles of a body that there is room for.
+    /// Number of triangles of a body for which there is capacity.
     triangles: usize,
     prepared: Option<Prepared>,
 }
 
-/// The directions of a task, which jobs of one task share.
+/// The directions of a task, shared by its jobs.
 #[derive(Debug)]
 struct Prepared {
-    /// Bits of the two vectors that they were made of. Not the number of the task: tasks of
-    /// different requests have the same numbers.
+    /// The bits of the two vectors from which they were computed. Task numbers would not do:
+    /// different requests use the same ones.
     of: [[u64; 3]; 2],
     directions: Directions,
 }
@@ -44,11 +44,11 @@ struct Prepared {
 pub struct JobInput {
     /// Where it starts.
     pub start: NodePair,
-    /// Most tests of boxes and triangles that it may take.
+    /// Maximum number of box and triangle tests.
     pub budget: u64,
 }
 
-/// What a job found, beside the hits that went to the sink.
+/// The result of a job, apart from the hits that went to the sink.
 #[derive(Clone, Copy, Debug)]
 pub struct Done {
     outcome: Outcome,
@@ -56,16 +56,16 @@ pub struct Done {
     has_supports: bool,
 }
 
-/// Why there is nothing to say of a job.
+/// Why a job has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotDone {
     /// It names a body, a node or a question that does not exist.
     Unknown,
-    /// The sink said stop.
+    /// The sink stopped the job.
     Stopped,
 }
 
-/// A hit as it travels.
+/// Encodes a hit for the wire.
 #[must_use]
 pub const fn hit(side: bvh::Side, triangle: u32) -> u32 {
     let side = match side {
@@ -76,7 +76,7 @@ pub const fn hit(side: bvh::Side, triangle: u32) -> u32 {
 }
 
 impl Executor {
-    /// Room for jobs of these bodies.
+    /// Creates an executor with capacity for jobs of these bodies.
     #[must_use]
     pub fn with_room_for(bodies: &[(Meta, BodyView<'_>)]) -> Self {
         let (depth, triangles) = extent(bodies);
@@ -84,18 +84,18 @@ impl Executor {
         Self { kernel, triangles, prepared: None }
     }
 
-    /// Makes room for jobs of other bodies; allocates only if these are larger.
+    /// Ensures capacity for jobs of other bodies; allocates only if these are larger.
     pub fn make_room_for(&mut self, bodies: &[(Meta, BodyView<'_>)]) {
         let (depth, triangles) = extent(bodies);
         self.triangles = self.triangles.max(triangles);
         self.kernel.ensure_room(depth, depth, self.triangles, self.triangles);
     }
 
-    /// Does a job; `body` gives the bodies that its task names.
+    /// Executes a job; `body` looks up the bodies that its task names.
     ///
     /// # Errors
     ///
-    /// If the job names what does not exist, or the sink said stop.
+    /// The job names something that does not exist, or the sink stopped it.
     pub fn execute<'b>(
         &mut self,
         task: &WireTask,
@@ -133,8 +133,7 @@ impl Executor {
         Ok(Done { outcome, rest: self.rest().len(), has_supports })
     }
 
-    /// The pairs of nodes that the last job that was done left open: none, unless it ran out of
-    /// budget.
+    /// The pairs of nodes that the last completed job left open: none unless it ran out of budget.
     #[must_use]
     pub fn rest(&self) -> &[NodePair] {
         self.kernel.remaining()
@@ -147,7 +146,7 @@ fn extent(bodies: &[(Meta, BodyView<'_>)]) -> (u32, usize) {
     (depth, bodies.iter().map(|(_, body)| body.corners.len()).max().unwrap_or(0))
 }
 
-/// The directions of a task: made once for all jobs of it that follow each other.
+/// The directions of a task: computed once for consecutive jobs of it.
 fn directions<'p>(prepared: &'p mut Option<Prepared>, task: &WireTask) -> Option<&'p Directions> {
     let of = [task.u, task.z].map(|vector| vector.map(f64::to_bits));
     if prepared.as_ref().is_none_or(|made| made.of != of) {
@@ -158,8 +157,7 @@ fn directions<'p>(prepared: &'p mut Option<Prepared>, task: &WireTask) -> Option
 }
 
 impl Done {
-    /// What the job says of itself; the sink knows how many hits it took, the caller how long it
-    /// was.
+    /// The summary of the job; the sink knows how many hits it took, the caller how long it ran.
     #[must_use]
     pub fn summary(&self, hits: u32, wall_ns: u64) -> Summary {
         let outcome = &self.outcome;
@@ -182,7 +180,7 @@ impl Done {
         }
     }
 
-    /// Supports of the contact, if pairs were asked for.
+    /// Supports of the contact, for a question about pairs.
     #[must_use]
     pub fn supports(&self) -> Option<&[f64; SUPPORTS]> {
         self.has_supports.then_some(&self.outcome.supports.0)

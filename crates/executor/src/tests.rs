@@ -1,11 +1,11 @@
-//! What does not exist is refused, and no job sees those before it.
+//! What does not exist is rejected, and jobs are independent of earlier ones.
 
 use super::*;
 use body::Body;
 use body::testing::{body_of, mesh_of, strip};
 use core::ops::ControlFlow;
 
-/// Keeps hits, and says stop at once if told to.
+/// Collects hits, and stops at once if told to.
 #[derive(Default)]
 struct Ear {
     hits: Vec<u32>,
@@ -42,7 +42,7 @@ fn task(question: protocol::WireQuestion, u: [f64; 3]) -> WireTask {
     }
 }
 
-/// A job's summary without its time, its supports, its hits and what it left open.
+/// A job's summary without its time, its supports, its hits and its remainder.
 type Found = (Summary, Option<[f64; SUPPORTS]>, Vec<u32>, Vec<NodePair>);
 
 fn run(executor: &mut Executor, bodies: &[Body; 2], task: &WireTask, job: JobInput) -> Found {
@@ -82,7 +82,7 @@ fn what_does_not_exist_is_refused() {
 #[test]
 fn a_job_finds_the_same_whatever_was_done_before_it() {
     let bodies = bodies();
-    // One executor for all, in turns, against one for each, with room for nothing.
+    // One executor for all, in turn, against one for each, with no initial capacity.
     let mut kept = Executor::with_room_for(&[]);
     for budget in [u64::MAX, 1] {
         for u in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {

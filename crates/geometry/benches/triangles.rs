@@ -1,6 +1,6 @@
-//! The triangle test by what a pair turns out to be: one by one, and in patches at every level.
+//! The triangle test by kind of pair: one at a time, and in patches at every level.
 //!
-//! All pairs have boxes that overlap, as those that a walk leaves over.
+//! All pairs have overlapping boxes, like those that a traversal leaves over.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
@@ -8,17 +8,17 @@ use geometry::patch::{LANES, Patches, meet_all};
 use geometry::{Aabb, Corners, DVec3, Pose, Posed, RelativePose, Triangle, hash, simd, triangle};
 use std::hint::black_box;
 
-/// Pairs of each kind: more than a branch predictor learns by heart.
+/// Pairs of each kind: more than a branch predictor memorises.
 const PAIRS: usize = 4096;
 
-/// What a pair turns out to be.
+/// The kind of a pair.
 #[derive(Clone, Copy)]
 enum Kind {
     /// One triangle on one side of the other's plane.
     Apart,
-    /// Each across the other's plane, but they do not meet.
+    /// Each crosses the other's plane, but they do not meet.
     Miss,
-    /// Each across the other's plane, and they meet.
+    /// Each crosses the other's plane, and they meet.
     Hit,
     /// A corner in common.
     Corner,
@@ -48,7 +48,7 @@ fn main() {
             let meet = |pair: &&[Triangle; 2]| triangle::intersect(&pair[0], &pair[1]);
             bencher.iter(|| black_box(&wide).iter().filter(meet).count());
         });
-        // Eight of A against eight of B: most pairs are not of the kind, as in a walk.
+        // Eight of A against eight of B: most pairs are of another kind, as in a traversal.
         for level in simd::levels() {
             group.bench_function(BenchmarkId::new("patches", simd::name(level)), |bencher| {
                 let mut patches = Patches::default();
@@ -69,7 +69,7 @@ fn main() {
     criterion.final_summary();
 }
 
-/// Random pairs of a kind, those of other kinds thrown away.
+/// Random pairs of a kind; those of other kinds are discarded.
 fn pairs(kind: Kind) -> (Vec<Corners>, Vec<Corners>) {
     let mut random = Random(kind as u64);
     let (mut all_a, mut all_b) = (Vec::new(), Vec::new());

@@ -1,12 +1,12 @@
-//! Axis-aligned boxes: [`Aabb`] as stored with a tree (f32), [`Bounds`] as walked with (f64).
+//! Axis-aligned boxes: [`Aabb`] as stored with a tree (f32), [`Bounds`] as used in traversal (f64).
 
 use crate::{Corners, DVec3};
 use bytemuck::{Pod, Zeroable};
 
 /// A closed axis-aligned box in a body's own frame, in metres.
 ///
-/// It is the exact minima and maxima of stored f32 coordinates, so nothing was rounded. The empty
-/// box is inverted and infinite: it overlaps nothing.
+/// Holds the exact minima and maxima of stored f32 coordinates; nothing is rounded. The empty box
+/// is inverted and infinite: it overlaps nothing.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Aabb {
@@ -17,7 +17,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box of nothing: the neutral element of [`Aabb::union`].
+    /// The empty box: the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// The box of one triangle.
@@ -34,10 +34,10 @@ impl Aabb {
         *self = self.union(&Self { min: point, max: point });
     }
 
-    /// The least box that holds both.
+    /// Returns the smallest box that contains both.
     ///
-    /// Of two zeros that of `self` stays, on every machine, so equal input gives equal bits;
-    /// `f32::min` leaves that to the processor.
+    /// Of two zeros, that of `self` is kept, on every machine, so equal input gives equal bits;
+    /// `f32::min` leaves the choice to the processor.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         let least = |x: f32, y: f32| if y < x { y } else { x };
@@ -48,7 +48,7 @@ impl Aabb {
         }
     }
 
-    /// What lies in both: [empty](Aabb::is_empty) where they do not overlap.
+    /// Returns the intersection: [empty](Aabb::is_empty) where they do not overlap.
     #[must_use]
     #[inline]
     pub fn intersection(&self, other: &Self) -> Self {
@@ -57,7 +57,7 @@ impl Aabb {
         Self { min: [a.max(g), b.max(h), c.max(i)], max: [d.min(j), e.min(k), f.min(l)] }
     }
 
-    /// Larger by `margin` (m) on all sides, but for rounding.
+    /// Enlarges the box by `margin` (m) on all sides, up to rounding.
     #[must_use]
     #[inline]
     pub fn enlarged(&self, margin: f32) -> Self {
@@ -68,7 +68,7 @@ impl Aabb {
         }
     }
 
-    /// Whether no point is in it.
+    /// Whether the box contains no point.
     #[must_use]
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -89,7 +89,7 @@ impl Aabb {
         if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
     }
 
-    /// The same box in f64.
+    /// Converts the box to f64.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         Bounds {
@@ -99,8 +99,8 @@ impl Aabb {
     }
 }
 
-/// A closed axis-aligned box in f64, in the frame of the walk, in metres; rounded outward where it
-/// was computed.
+/// A closed axis-aligned box in f64, in the frame of the traversal, in metres; rounded outward
+/// where it was computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Least x, y, z.

@@ -1,8 +1,8 @@
 //! Order-free hashes of sets of triangle pairs.
 //!
 //! The hash of a set of pairs is the wrapping sum (`u64::wrapping_add`) of [`pair_term`] over its
-//! members, 0 for the empty set. A sum does not know in which order, or in which parts, its terms
-//! were found; but each pair must be counted once.
+//! members, 0 for the empty set. The sum does not depend on the order or the grouping in which
+//! terms are added, but each pair must be counted exactly once.
 
 /// The finaliser of SplitMix64, including its increment: a bijection that spreads every bit.
 ///
@@ -16,7 +16,8 @@ pub const fn splitmix64(x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// What the pair of A's triangle `a` and B's triangle `b` (source ids) adds to the hash of a set.
+/// The term that the pair of A's triangle `a` and B's triangle `b` (source ids) adds to a set's
+/// hash.
 #[must_use]
 pub const fn pair_term(a: u32, b: u32) -> u64 {
     splitmix64((a as u64) << 32 | b as u64)

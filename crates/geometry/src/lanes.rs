@@ -1,14 +1,14 @@
-//! Points and directions of many triangles, a lane each: three vectors of coordinates.
+//! Points and directions of many triangles, one per lane: three vectors of coordinates.
 //!
-//! Products are fused with sums where the processor does that, so the last bits of a lane differ
-//! from machine to machine. Nothing here is an answer: it filters, with bounds of all errors, and a
-//! fused product has one rounding less.
+//! Products are fused with sums where the processor supports it, so the last bits of a lane differ
+//! from machine to machine. Nothing here decides a result: it only filters, with bounds on all
+//! errors, and a fused product has one rounding less.
 
 use crate::Corners;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8};
 
-/// Coordinates (m) in single precision, a lane each.
+/// Coordinates (m) in single precision, one per lane.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
 
 impl<S: Simd, V: SimdFloat<S, Element = f32>> Lanes<S> for V {}
@@ -80,11 +80,11 @@ fn along<S: Simd, V: Lanes<S>>(simd: S, [p, q, r]: &[f32; 3], [x, y, z]: [V; 3],
     z.mul_add(r, y.mul_add(q, x.mul_add(p, last)))
 }
 
-/// The corners of eight triangles, those of these numbers.
+/// The corners of the eight triangles with these numbers.
 ///
 /// # Panics
 ///
-/// There is no triangle of such a number, or there are not eight numbers.
+/// A number is out of range, or there are not eight numbers.
 #[inline(always)]
 pub fn gather<S: Simd>(simd: S, triangles: &[Corners], numbers: &[u32]) -> [[f32x8<S>; 3]; 3] {
     let row = |i: usize| triangles[numbers[i] as usize].as_flattened();
@@ -95,7 +95,7 @@ pub fn gather<S: Simd>(simd: S, triangles: &[Corners], numbers: &[u32]) -> [[f32
     [[ax, ay, az], [bx, by, bz], [cx, cy, cz]]
 }
 
-/// Four columns from `at` on, of eight rows.
+/// Loads four columns, from `at` on, of eight rows.
 #[inline(always)]
 fn columns<S: Simd>(simd: S, rows: &[&[f32]; 8], at: usize) -> [f32x8<S>; 4] {
     let four = |i: usize| f32x4::from_slice(simd, &rows[i][at..at + 4]);
@@ -106,9 +106,9 @@ fn columns<S: Simd>(simd: S, rows: &[&[f32]; 8], at: usize) -> [f32x8<S>; 4] {
     [a, b, c, d]
 }
 
-/// The elements of both in turn: of the first halves of each half, and of the second halves.
+/// Interleaves the elements of both: of the first halves of each half, and of the second halves.
 ///
-/// That is one instruction where a vector of eight is one register, but only there.
+/// This is a single instruction where a vector of eight is one register, but only there.
 #[inline(always)]
 fn zip<S: Simd>(simd: S, p: f32x8<S>, q: f32x8<S>) -> [f32x8<S>; 2] {
     #[cfg(target_arch = "x86_64")]

@@ -8,10 +8,10 @@
 //! - A vertex of B in A's frame is `((R₀x + R₁y) + R₂z) + t` in f64 from the stored f32, sums left
 //!   to right, never fused, never rounded again ([`RelativePose::point`]). That defines the input.
 //! - On that input [`triangle::intersect`] is exact: closed triangles, touching counts, coplanar
-//!   overlap counts, a degenerate triangle is the segment or point that it is.
-//! - [`patch::Pairs`] says the same of eight pairs at once, and [`Supports::add_all`] gives the
-//!   same bits as point by point, with any vector instructions ([`simd`]).
-//! - Boxes only ever grow when rounded: no intersecting pair lies outside of them.
+//!   overlap counts, a degenerate triangle is tested as the segment or point it is.
+//! - [`patch::Pairs`] gives the same result for eight pairs at once, and [`Supports::add_all`]
+//!   gives the same bits as adding point by point, with any vector instructions ([`simd`]).
+//! - Rounding only ever enlarges boxes: no intersecting pair lies outside them.
 
 pub mod aabb;
 

@@ -1,39 +1,39 @@
-//! The exact triangle test of eight pairs at once: small patches of two bodies, in a frame close to
-//! both, and those pairs of their triangles whose boxes meet there ([`Pairs`]).
+//! The exact triangle test for eight pairs at once: small patches of two bodies, in a frame close
+//! to both, and those pairs of their triangles whose boxes overlap there ([`Pairs`]).
 //!
-//! A pair per lane in f32 with a bound of all errors: of a car crash that decides all but one in a
-//! hundred. Those, and every pair that touches, shares a corner or lies in one plane, are for
-//! [`crate::triangle::intersect`]. So the answer is the exact one, at every width of the vectors.
+//! Each lane tests one pair in f32 with a bound on all errors: in a car crash this decides all but
+//! one pair in a hundred. The rest, and every pair that touches, shares a corner or lies in one
+//! plane, go to [`crate::triangle::intersect`]. So the result is exact at every vector width.
 //!
 //! # Errors
 //!
-//! Places are counted in A's frame from the middle of a box around A's patch; B's patch is turned
-//! about the middle of its own. Let u = 2⁻²⁴, M bound what is computed on the way in f64 (ρ|b| +
-//! |t| with ρ the greatest sum of magnitudes of a row of R), and L bound all places, ρ times half
-//! the extents of B's box, and 2⁻²³ M.
+//! Positions are measured in A's frame from the middle of a box around A's patch; B's patch is
+//! rotated about the middle of its own box. Let u = 2⁻²⁴, M bound the intermediate values in f64
+//! (ρ|b| + |t| with ρ the greatest sum of magnitudes of a row of R), and L bound all positions, ρ
+//! times half the extents of B's box, and 2⁻²³ M.
 //!
-//! - A place of A is off by uL: one rounded difference of stored numbers.
+//! - A position of A is off by uL: one rounded difference of stored numbers.
 //! - A first corner of B is off by 8uL: the difference to the middle, R rounded, the product, two
-//!   sums, the middle's own place, the last sum, and 2⁻⁵⁰ M, since [`RelativePose::point`] rounds
-//!   too. The others are that and an edge: 20 uL.
+//!   sums, the middle's own position, the last sum, and 2⁻⁵⁰ M, since [`RelativePose::point`]
+//!   rounds too. The other corners add an edge to that: 20 uL.
 //!
-//! The lanes know edges of A e = aᵢ − a₀, edges of B f = R(bᵢ − b₀) and d = b₀ − a₀. Let La, Lb, Ld
+//! The lanes hold edges of A e = aᵢ − a₀, edges of B f = R(bᵢ − b₀) and d = b₀ − a₀. Let La, Lb, Ld
 //! bound the magnitudes of their coordinates.
 //!
 //! - e is off by u·La: one rounded difference of stored numbers.
 //! - f is off by 5¼ u·Lb: difference, R rounded, product, two sums; and ¼ u·Lb because the corners
 //!   are defined by sums in f64, each off by 2⁻⁵¹ M. Lb is ρ times the greatest coordinate of B's
-//!   edges and 2⁻²⁴ M; M has a bit added, so that all sizes are beyond denormals and relative
-//!   errors are what they say.
-//! - d is off by 9½ uL: both places, of which ρ times half an extent and the middle's place are no
-//!   more than L together, and their difference.
+//!   edges and 2⁻²⁴ M; M is slightly enlarged, so that all sizes are above the denormal range and
+//!   the relative error bounds hold.
+//! - d is off by 9½ uL: both positions, of which ρ times half an extent and the middle's position
+//!   are no more than L together, and their difference.
 //! - A side of A's plane, (e₁ × e₂)·(d + f), is off by at most 80 u·La²(Lb + Ld) and 57 u·La²L; one
 //!   of B's plane by 103 u·Lb²(La + Ld) and 57 u·Lb²L; 128 u are allowed, with L/2 added to Ld.
 //! - The edge determinant (p × w)·q, with p between corners of A, q between corners of B, each as
 //!   seen from its own first corner, and w from A to B, is off by 484 u·La·Lb(La + Lb + Ld) and
 //!   228 u·La·Lb·L; 512 u are allowed, with L/2 added to Ld.
-//! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond,
-//!   all is in doubt.
+//! - Underflow adds less than 2⁻¹⁰⁰ while La + Lb + Ld ≤ 2⁴⁰, and nothing overflows there; beyond
+//!   that, every pair is undecided.
 
 mod boxes;
 mod one;
@@ -54,22 +54,22 @@ pub use one::{OneBox, side_by_side};
 pub use pairs::Pairs;
 pub use places::{Places, WORDS};
 
-/// Triangles side by side.
+/// Triangles per vector.
 pub const LANES: usize = 8;
 
-/// The most triangles of a patch.
+/// The maximum number of triangles of a patch.
 pub const ROOM: usize = 128;
 
-/// By how much boxes of B are enlarged, and slabs: 32 u = 2⁻¹⁹ times L.
+/// The amount by which boxes of B, and slabs, are enlarged: 32 u = 2⁻¹⁹ times L.
 const PLACE_ERROR: f32 = f32::from_bits((127 - 19) << 23);
 
-/// The share of magnitudes in f64 that sizes in f32 are enlarged by: 2⁻²⁴.
+/// The share of f64 magnitudes by which f32 sizes are enlarged: 2⁻²⁴.
 const DOUBLE: f32 = f32::from_bits((127 - 24) << 23);
 
 /// A point, edge or normal per lane.
 pub type Vector<S> = [f32x8<S>; 3];
 
-/// The stored triangles of two bodies, and where B stands.
+/// The stored triangles of two bodies, and the pose of B.
 #[derive(Clone, Copy, Debug)]
 pub struct Posed<'a> {
     pose: &'a RelativePose,
@@ -77,13 +77,13 @@ pub struct Posed<'a> {
     b: &'a [Corners],
     /// The rotation, rounded.
     rotation: [[f32; 3]; 3],
-    /// ρ and |t| (m): see the module.
+    /// ρ and |t| (m): see the module documentation.
     rotation_max: f32,
     translation_max: f32,
 }
 
 impl<'a> Posed<'a> {
-    /// The triangles of A and of B, each in its own frame; B stands at `pose`.
+    /// The triangles of A and of B, each in its own frame; `pose` is that of B.
     #[must_use]
     pub fn new(pose: &'a RelativePose, a: &'a [Corners], b: &'a [Corners]) -> Self {
         let up = |x: f64| (x * (1.0 + 1e-6)) as f32;
@@ -99,13 +99,13 @@ impl<'a> Posed<'a> {
         }
     }
 
-    /// The triangles of a pair as the exact test takes them, both in A's frame.
+    /// The triangles of a pair as input to the exact test, both in A's frame.
     #[must_use]
     pub fn triangles(&self, [a, b]: [u32; 2]) -> [Triangle; 2] {
         [Triangle::stored(&self.a[a as usize]), self.pose.triangle(&self.b[b as usize])]
     }
 
-    /// The frame close to a patch in a box of A's frame and one in a box of B's.
+    /// The frame close to two patches: one in a box of A's frame and one in a box of B's.
     #[must_use]
     #[inline(always)]
     pub fn close(&self, a: &Aabb, b: &Aabb) -> Close {
@@ -115,13 +115,13 @@ impl<'a> Posed<'a> {
         let most = |[x, y, z]: [f32; 3]| greater(greater(x.abs(), y.abs()), z.abs());
         let magnitude = (most(middle) + most(half_b)) * self.rotation_max + self.translation_max;
         let size_b = most(moved) + most(half_b) * self.rotation_max;
-        // The last factor is for the rounding of all this.
+        // The last factor covers the rounding of this computation.
         let size = greater(greater(most(half_a), size_b), 2.0 * DOUBLE * magnitude) * 1.01;
         Close { origin, middle, moved, size, floor: magnitude * DOUBLE * 1.01 }
     }
 }
 
-/// The greater of two numbers. That of the standard library asks besides whether either is NaN.
+/// The greater of two numbers. The standard library's `max` also checks for NaN.
 #[inline(always)]
 fn greater(x: f32, y: f32) -> f32 {
     if x > y { x } else { y }
@@ -136,12 +136,12 @@ fn middle(box_: &Aabb) -> ([f32; 3], [f32; 3]) {
     ([x, y, z], [p, q, r])
 }
 
-/// A frame close to two patches: A's, but with its origin in the middle of A's patch.
+/// A frame close to two patches: A's axes, with the origin in the middle of A's patch.
 #[derive(Clone, Copy, Debug)]
 pub struct Close {
-    /// Its origin in A's frame (m).
+    /// The origin in A's frame (m).
     origin: [f32; 3],
-    /// The middle of B's patch in B's frame, and here (m).
+    /// The middle of B's patch in B's frame, and in this frame (m).
     middle: [f32; 3],
     moved: [f32; 3],
     /// L (m).
@@ -151,20 +151,21 @@ pub struct Close {
 }
 
 impl Close {
-    /// Its origin in A's frame (m).
+    /// The origin in A's frame (m).
     #[must_use]
     #[inline]
     pub fn origin(&self) -> [f32; 3] {
         self.origin
     }
 
-    /// How far (m) rounding moves a place here, that of boxes included.
+    /// The distance (m) by which rounding moves a position in this frame, including that of boxes.
     #[must_use]
     pub fn error(&self) -> f32 {
         self.size * PLACE_ERROR
     }
 
-    /// Triangles of B here, by their first corners and the edges from there, in B's frame.
+    /// Triangles of B in this frame, from their first corners and the edges from there in B's
+    /// frame.
     #[inline(always)]
     fn placed<S: Simd>(
         &self,
@@ -188,22 +189,21 @@ impl Close {
     }
 }
 
-/// Which triangles to take into a patch.
+/// Selects the triangles that are added to a patch.
 pub trait Choice<S: Simd> {
-    /// Of eight triangles with these corners in boxes, those to take.
+    /// Returns which of eight triangles, with these corners and boxes, to add.
     fn of(&self, corners: &[Vector<S>; 3], boxes: &Boxes<S>) -> mask32x8<S>;
 }
 
-/// Triangles of one body: their boxes in the close frame, side by side.
+/// Triangles of one body, with their boxes in the close frame in column layout.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// Those behind the last triangle are empty.
+    /// Entries after the last triangle are empty.
     min: [Column; 3],
     max: [Column; 3],
     triangles: [u32; PLACES],
     count: usize,
-    /// Triangles that will be looked at; behind the last one, up to eight, stands some number that
-    /// is there.
+    /// Triangles to be examined; the up to eight entries after the last one hold some valid number.
     wanted: [u32; PLACES],
     wanted_count: usize,
 }
@@ -211,13 +211,13 @@ pub struct Patch {
 /// A coordinate of every triangle.
 type Column = [f32; PLACES];
 
-/// Eight are stored at once.
+/// Eight are stored at a time.
 const PLACES: usize = ROOM + LANES;
 
 /// Eight triangles of B in the close frame.
 struct Placed<S: Simd> {
     corner: Vector<S>,
-    /// From there to the other two.
+    /// Edges from there to the other two corners.
     edges: [Vector<S>; 2],
 }
 
@@ -243,21 +243,21 @@ impl Patch {
         &self.triangles[..self.count]
     }
 
-    /// Wants triangles of A, counted from number `first` on. They are on their way from now on:
-    /// between here and [`Patch::take_a`] is time for them to come from memory.
+    /// Requests triangles of A, numbered from `first`, and prefetches them: the time between this
+    /// call and [`Patch::take_a`] hides the memory latency.
     #[inline(always)]
     pub fn want_a<S: Simd>(&mut self, simd: S, posed: &Posed<'_>, first: u32, places: &Places) {
         self.want(simd, posed.a, first, places);
     }
 
-    /// Wants triangles of B, likewise.
+    /// Requests triangles of B; see [`Patch::want_a`].
     #[inline(always)]
     pub fn want_b<S: Simd>(&mut self, simd: S, posed: &Posed<'_>, first: u32, places: &Places) {
         self.want(simd, posed.b, first, places);
     }
 
-    /// Eight at a time, since nothing predicts how many there are: the triangle where a word begins
-    /// is there if any of the word is.
+    /// Eight at a time, since their number is unpredictable: the triangle where a word begins is
+    /// prefetched if any of the word is.
     #[inline(always)]
     fn want<S: Simd>(&mut self, simd: S, triangles: &[Corners], first: u32, places: &Places) {
         let mut count = 0;
@@ -278,12 +278,12 @@ impl Patch {
         self.wanted_count = count;
     }
 
-    /// Takes triangles of A: of those that are wanted, the ones of that choice. Returns their
-    /// boxes, spread over eight.
+    /// Adds those requested triangles of A that `choice` selects. Returns the union of their boxes,
+    /// spread over eight lanes.
     ///
     /// # Panics
     ///
-    /// There is no triangle of such a number.
+    /// A triangle number is out of range.
     #[inline(always)]
     pub fn take_a<S: Simd>(
         &mut self,
@@ -308,11 +308,11 @@ impl Patch {
         all
     }
 
-    /// Takes triangles of B, likewise.
+    /// Adds those requested triangles of B that `choice` selects; see [`Patch::take_a`].
     ///
     /// # Panics
     ///
-    /// There is no triangle of such a number.
+    /// A triangle number is out of range.
     #[inline(always)]
     pub fn take_b<S: Simd>(
         &mut self,
@@ -339,7 +339,7 @@ impl Patch {
         all
     }
 
-    /// Puts those of the eight wanted triangles that are chosen behind the others.
+    /// Appends those of the eight requested triangles that are selected.
     #[inline(always)]
     fn put<S: Simd>(&mut self, simd: S, eight: usize, chosen: mask32x8<S>, boxes: &Boxes<S>) {
         let at = self.count..self.count + LANES;
@@ -353,7 +353,7 @@ impl Patch {
         self.count += chosen.to_bitmask().count_ones() as usize;
     }
 
-    /// Makes what follows the last triangle meet nothing.
+    /// Makes the entries after the last triangle overlap nothing.
     #[inline(always)]
     fn close<S: Simd>(&mut self, simd: S) {
         let (nothing, at) = (Boxes::nothing(simd), self.count..self.count + LANES);
@@ -363,14 +363,14 @@ impl Patch {
         }
     }
 
-    /// The box of the triangle in a place, eight times.
+    /// The box of the triangle at a place, repeated eight times.
     #[inline(always)]
     pub fn one_box<S: Simd>(&self, simd: S, place: usize) -> Boxes<S> {
         Boxes { min: one(simd, &self.min, place), max: one(simd, &self.max, place) }
     }
 }
 
-/// Room for two patches and their pairs.
+/// Buffers for two patches and their pairs.
 #[derive(Clone, Debug, Default)]
 pub struct Patches {
     /// Triangles of A.
@@ -381,14 +381,14 @@ pub struct Patches {
     pub pairs: Pairs,
 }
 
-/// Tells all intersecting pairs of some triangles of A and some of B, at most [`ROOM`] each, all
-/// of them with all.
+/// Reports all intersecting pairs between some triangles of A and some of B, at most [`ROOM`] of
+/// each, testing every combination.
 ///
-/// To be called from a function that is specialised for `S` already.
+/// Call it from a function that is already specialised for `S`.
 ///
 /// # Panics
 ///
-/// There is no triangle of such a number, or there are too many.
+/// A triangle number is out of range, or there are too many triangles.
 #[inline(always)]
 pub fn meet_all<S: Simd>(
     simd: S,
@@ -421,7 +421,7 @@ pub fn meet_all<S: Simd>(
     }
 }
 
-/// Takes every triangle.
+/// Selects every triangle.
 struct All<S: Simd>(S);
 
 impl<S: Simd> Choice<S> for All<S> {
@@ -431,13 +431,13 @@ impl<S: Simd> Choice<S> for All<S> {
     }
 }
 
-/// The first so many of eight lanes.
+/// A mask of the first `count` of eight lanes.
 #[inline(always)]
 fn given<S: Simd>(simd: S, count: usize) -> mask32x8<S> {
     mask32x8::from_bitmask(simd, 0xff >> (LANES - count.min(LANES)))
 }
 
-/// Three coordinates of the same point eight times.
+/// Three coordinates of one point, repeated eight times.
 #[inline(always)]
 pub fn same<S: Simd>(simd: S, [x, y, z]: &[f32; 3]) -> Vector<S> {
     [f32x8::splat(simd, *x), f32x8::splat(simd, *y), f32x8::splat(simd, *z)]

@@ -11,7 +11,7 @@ pub struct Pose {
     pub translation: [f64; 3],
 }
 
-/// Where B stands in A's frame: x_A = R x_B + t.
+/// The pose of B in A's frame: x_A = R x_B + t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativePose {
     /// Rotation matrix R, row-major.
@@ -21,7 +21,7 @@ pub struct RelativePose {
 }
 
 impl Pose {
-    /// The world frame itself.
+    /// The identity: the body frame is the world frame.
     pub const IDENTITY: Self = Self {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
@@ -29,7 +29,7 @@ impl Pose {
 
     /// A pose from yaw, pitch, roll in degrees, applied in the order Z·Y·X, and a position (m).
     ///
-    /// Sines and cosines are those of `libm`, the same on every machine.
+    /// Sines and cosines come from `libm`, so they are the same on every machine.
     #[must_use]
     pub fn from_degrees(yaw: f64, pitch: f64, roll: f64, translation: [f64; 3]) -> Self {
         let [(sy, cy), (sp, cp), (sr, cr)] =
@@ -44,7 +44,7 @@ impl Pose {
         }
     }
 
-    /// Turns a world direction into this body's frame: Rᵀ d.
+    /// Rotates a world direction into this body's frame: Rᵀ d.
     #[must_use]
     pub fn direction_to_body(&self, d: DVec3) -> DVec3 {
         let r = &self.rotation;
@@ -54,7 +54,7 @@ impl Pose {
 }
 
 impl RelativePose {
-    /// B seen from A: R = RaᵀRb, t = Raᵀ(tb − ta), sums left to right.
+    /// The pose of B relative to A: R = RaᵀRb, t = Raᵀ(tb − ta), sums left to right.
     #[must_use]
     pub fn between(a: &Pose, b: &Pose) -> Self {
         let (ra, rb) = (&a.rotation, &b.rotation);
@@ -99,17 +99,17 @@ impl RelativePose {
         Triangle([self.point(a), self.point(b), self.point(c)])
     }
 
-    /// Turns a direction of A's frame into B's: Rᵀ d.
+    /// Rotates a direction from A's frame into B's: Rᵀ d.
     #[must_use]
     pub fn direction_to_b(&self, d: DVec3) -> DVec3 {
         Pose { rotation: self.rotation, translation: self.translation }.direction_to_body(d)
     }
 
-    /// A box in A's frame that holds every [`RelativePose::point`] of B's `box_`.
+    /// A box in A's frame that contains every [`RelativePose::point`] of B's `box_`.
     ///
     /// Rounded outward: with c the centre and h the half extents of the box, each side is moved out
     /// by more than the error of both this computation and that of `point`. Holds for every finite
-    /// box and translations up to 1e300 m; the box of nothing becomes one that overlaps nothing.
+    /// box and translations up to 1e300 m; the empty box becomes one that overlaps nothing.
     #[must_use]
     pub fn bounds(&self, box_: &Aabb) -> Bounds {
         let b = box_.bounds();
@@ -122,8 +122,9 @@ impl RelativePose {
             let reach = r.abs().dot(h);
             // In units of u = ε/2 times the sum S of magnitudes: `point` is off by at most 4 (a
             // product and three sums), `mid` by 5 (one more for c), `reach` by 4, each side by 2
-            // more when it is moved. That is 15 of the 32 allowed; S itself is off by parts of u.
-            // Products below the normal range are off by less than the least normal number.
+            // more when it is moved. That is 15 of the 32 allowed; S itself has a relative error of
+            // a few u. Products below the normal range are off by less than the least normal
+            // number.
             let magnitude = r.abs().dot(c.abs()) + reach + t.abs();
             let slack = 16.0 * f64::EPSILON * magnitude + f64::MIN_POSITIVE;
             *side = (mid - reach - slack, mid + reach + slack);

@@ -1,4 +1,4 @@
-//! The random generator of this workspace: seeded, small, the same on every machine.
+//! The random number generator of this workspace: seeded, small, the same on every machine.
 //!
 //! SplitMix64 (G. Steele, D. Lea, C. Flood, *Fast Splittable Pseudorandom Number Generators*,
 //! OOPSLA 2014). For tests, campaigns and random requests; nothing here is secret.
@@ -19,25 +19,25 @@ pub struct Rng {
 }
 
 impl Rng {
-    /// The stream of a seed.
+    /// Creates the stream of a seed.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self { state: splitmix64(seed) }
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub const fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         splitmix64(self.state)
     }
 
-    /// A number below `end`, which is above 0. The product takes the top bits: no number is more
-    /// likely than another by more than `end` / 2⁶⁴.
+    /// Returns a number below `end`, which must be above 0. The product takes the top bits: no
+    /// number is more likely than another by more than `end` / 2⁶⁴.
     pub fn below(&mut self, end: u64) -> u64 {
         ((u128::from(self.bits()) * u128::from(end)) >> 64) as u64
     }
 
-    /// A number in `[from, to)`.
+    /// Returns a number in `[from, to)`.
     pub fn between(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * (self.below(1 << 53) as f64 / (1_u64 << 53) as f64)
     }
@@ -45,7 +45,7 @@ impl Rng {
 
 #[cfg(test)]
 mod tests {
-    //! Ranges are kept, and every value of a small one comes up.
+    //! Results stay in range, and every value of a small range occurs.
     use super::Rng;
 
     #[test]

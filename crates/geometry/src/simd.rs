@@ -1,13 +1,14 @@
-//! Which vector instructions the kernels use: the user's choice, and what this processor has.
+//! Which vector instructions the kernels use: the user's choice, limited to what this processor
+//! has.
 //!
-//! The choice changes how fast an answer comes and never the answer: a kernel does the same
-//! operations on each lane at every width, none fused, so all levels give the same bits. Kernels
-//! are generic over `fearless_simd::Simd`; a [`Level`] is the proof that the processor has the
-//! instructions, and [`fearless_simd::dispatch!`] turns it into that generic argument.
+//! The choice affects speed and never the answer: a kernel does the same operations on each lane at
+//! every width, none fused, so all levels give the same bits. Kernels are generic over
+//! `fearless_simd::Simd`; a [`Level`] is the proof that the processor has the instructions, and
+//! [`fearless_simd::dispatch!`] turns it into that generic argument.
 //!
 //! `avx512` means the AVX-512 of Intel's Ice Lake (2019) and AMD's Zen 4, or later. The processors
 //! before them (Skylake-X, Cascade Lake) lack some of its instructions and lower their clock for
-//! the rest: they count as `avx2`.
+//! the rest: they are treated as `avx2`.
 
 use core::fmt;
 use core::str::FromStr;
@@ -18,12 +19,12 @@ pub use fearless_simd::Level;
 /// The user's choice of vector instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Simd {
-    /// The widest that this processor has.
+    /// The widest available on this processor.
     #[default]
     Auto,
     /// AVX-512 as of Ice Lake: 8 lanes of f64.
     Avx512,
-    /// AVX2 and what came with it (x86-64-v3): 4 lanes of f64.
+    /// AVX2 and its companions (x86-64-v3): 4 lanes of f64.
     Avx2,
     /// SSE4.2 (x86-64-v2): 2 lanes of f64.
     Sse4,
@@ -33,19 +34,19 @@ pub enum Simd {
     Neon,
 }
 
-/// The instructions asked for are not those of this processor.
+/// The requested instructions are not available on this processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unavailable {
     asked: Simd,
     widest: &'static str,
 }
 
-/// The text names no [`Simd`].
+/// The text is not the name of a [`Simd`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown(String);
 
 impl Simd {
-    /// All choices, [`Simd::Auto`] first, then from the widest down.
+    /// All choices: [`Simd::Auto`] first, then from the widest down.
     pub const ALL: [Self; 6] =
         [Self::Auto, Self::Avx512, Self::Avx2, Self::Sse4, Self::Sse2, Self::Neon];
 
@@ -53,13 +54,13 @@ impl Simd {
     ///
     /// # Errors
     ///
-    /// This processor does not have these instructions.
+    /// This processor does not have the instructions.
     pub fn level(self) -> Result<Level, Unavailable> {
         let widest = Level::new();
         narrowed(widest, self).ok_or(Unavailable { asked: self, widest: name(widest) })
     }
 
-    /// Its name, as the command line has it.
+    /// The name, as used on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -73,14 +74,14 @@ impl Simd {
     }
 }
 
-/// All levels of this processor, the widest first, each once; never empty.
+/// All levels of this processor, widest first, without repetition; never empty.
 pub fn levels() -> impl Iterator<Item = Level> {
     let named = Simd::ALL.into_iter().skip(1).filter_map(|simd| simd.level().ok());
     let scalar = Some(Level::new()).filter(|widest| widest.is_fallback());
     named.chain(scalar)
 }
 
-/// The name of a level: that of the [`Simd`] that gives it, or `scalar` where there is none.
+/// The name of a level: that of the matching [`Simd`], or `scalar` if there is none.
 #[must_use]
 pub fn name(level: Level) -> &'static str {
     let named = |simd: &Simd| narrowed(level, *simd).is_some();
@@ -111,8 +112,8 @@ fn narrowed(level: Level, to: Simd) -> Option<Level> {
     }
 }
 
-/// Tells the processor that this element will be read soon, where it can be told. Nothing else
-/// changes, even if there is no such element.
+/// Prefetches this element where the processor supports it. There is no other effect, even if the
+/// element does not exist.
 #[inline(always)]
 pub fn prefetch<S: fearless_simd::Simd, T>(simd: S, of: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]
@@ -157,7 +158,10 @@ impl FromStr for Simd {
 impl fmt::Display for Unavailable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { asked, widest } = self;
-        write!(f, "this processor has no {asked} (its widest is {widest}): use --simd auto")
+        write!(
+            f,
+            "this processor does not support {asked} (widest available: {widest}): use --simd auto"
+        )
     }
 }
 

@@ -1,15 +1,15 @@
 //! Support values along the fixed set of directions in which contact is measured.
 //!
 //! D = 72 horizontal directions, every 5° from u (the direction of the relative velocity), and ±z
-//! ([`Directions`]). A support is the greatest `x·d` over a set of points; the merge is the
-//! maximum, so it does not matter in which order, or how often, points are added: not even for the
-//! sign of a zero, which is always `+0.0`.
+//! ([`Directions`]). A support is the greatest `x·d` over a set of points; merging takes the
+//! maximum, so neither the order nor the number of times that points are added matters, not even
+//! for the sign of a zero, which is always `+0.0`.
 
 use crate::DVec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
 
-/// How many directions there are: 72 horizontal ones and ±z.
+/// The number of directions: 72 horizontal ones and ±z.
 pub const DIRECTIONS: usize = 74;
 
 /// Half a turn, in steps of 5°.
@@ -25,20 +25,20 @@ const UP: usize = 2 * HALF;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Directions {
-    /// Unit vectors, A's frame. To be read: [`Directions::around`] alone makes them.
+    /// Unit vectors in A's frame. Read-only: only [`Directions::around`] creates them.
     pub d: [DVec3; DIRECTIONS],
-    /// The coordinates of the first half of the horizontal ones, for vectors.
+    /// The coordinates of the first half of the horizontal directions, for vector code.
     half: [[f64; HALF]; 3],
 }
 
-/// The greatest `x·d` (m) seen so far in each direction; negative infinity where nothing was.
+/// The greatest `x·d` (m) seen so far in each direction; negative infinity if there was none.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Supports(pub [f64; DIRECTIONS]);
 
 impl Directions {
     /// The directions around the horizontal unit vector `u` and the upward unit vector `z`, both in
-    /// A's frame. Sines and cosines are those of `libm`.
+    /// A's frame. Sines and cosines come from `libm`.
     #[must_use]
     pub fn around(u: DVec3, z: DVec3) -> Self {
         let t = z.cross(u);
@@ -55,14 +55,14 @@ impl Directions {
 }
 
 impl Supports {
-    /// Of no points.
+    /// The supports of no points.
     pub const EMPTY: Self = Self([f64::NEG_INFINITY; DIRECTIONS]);
 
-    /// Includes one point (m), A's frame. A point that is not a number changes nothing.
+    /// Includes one point (m) in A's frame. A point with a NaN coordinate changes nothing.
     pub fn add(&mut self, directions: &Directions, point: DVec3) {
         let (ahead, rest) = self.0.split_at_mut(HALF);
         let (behind, vertical) = rest.split_at_mut(HALF);
-        // `x·(−d)` is `−(x·d)` to the last bit, so half of the products serve both.
+        // `x·(−d)` is `−(x·d)` to the last bit, so half of the products serve both directions.
         for ((ahead, behind), d) in ahead.iter_mut().zip(behind).zip(&directions.d) {
             let x = point.dot(*d);
             raise(ahead, x);
@@ -73,8 +73,8 @@ impl Supports {
         raise(&mut vertical[1], -x);
     }
 
-    /// [`Supports::add`] of some points, to the same bits at every width of the vectors. To be
-    /// called from a function that is specialised for `S` already.
+    /// Includes several points, with the same bits as [`Supports::add`] at every vector width. Call
+    /// it from a function that is already specialised for `S`.
     #[inline(always)]
     pub fn add_all<S: Simd>(&mut self, simd: S, directions: &Directions, points: &[DVec3]) {
         let (ahead, rest) = self.0.split_at_mut(HALF);
@@ -102,7 +102,7 @@ impl Supports {
         }
     }
 
-    /// Includes all that `other` has seen.
+    /// Includes everything that `other` includes.
     pub fn merge(&mut self, other: &Self) {
         for (support, more) in self.0.iter_mut().zip(&other.0) {
             raise(support, *more);
@@ -110,13 +110,14 @@ impl Supports {
     }
 }
 
-/// The maximum, with −0 as +0: which of two zeros `f64::max` returns depends on the machine.
+/// Raises a support to `x`, with −0 as +0: which of two zeros `f64::max` returns depends on the
+/// machine.
 fn raise(support: &mut f64, x: f64) {
     let x = x + 0.0;
     *support = if x > *support { x } else { *support };
 }
 
-/// [`raise`] in lanes.
+/// Applies [`raise`] in each lane.
 #[inline(always)]
 fn raised<S: Simd>(support: f64x4<S>, x: f64x4<S>) -> f64x4<S> {
     let x = x + 0.0;

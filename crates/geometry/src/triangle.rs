@@ -1,9 +1,10 @@
 //! The exact closed triangle–triangle test and the contact points of a hit.
 //!
 //! Two triangles lie in two planes. Where the planes cross, each triangle cuts the common line in
-//! an interval, and the triangles meet if the intervals do; which end comes first is the sign of
-//! one 3×3 determinant (P. Guigue, O. Devillers, *Fast and Robust Triangle-Triangle Overlap Test
-//! Using Orientation Predicates*, Journal of Graphics Tools 8(1), 2003). So all of it is signs:
+//! an interval, and the triangles meet if the intervals do; which end comes first is given by the
+//! sign of one 3×3 determinant (P. Guigue, O. Devillers, *Fast and Robust Triangle-Triangle Overlap
+//! Test Using Orientation Predicates*, Journal of Graphics Tools 8(1), 2003). So the whole test
+//! reduces to signs:
 //!
 //! ```text
 //! boxes --> sides of the two planes --> two edge signs            (crossing: nearly always)
@@ -17,11 +18,11 @@
 //! - [`intersect`] is exact for all finite coordinates, denormal and huge ones too: no sign is
 //!   decided by a rounded value within its error bound. `tests/oracle` compares with rational
 //!   arithmetic.
-//! - A degenerate triangle is the segment or point that it is.
-//! - [`contact()`] has at least one point for every pair that intersects, and none outside of the
+//! - A degenerate triangle is tested as the segment or point it is.
+//! - [`contact()`] has at least one point for every pair that intersects, and none outside the
 //!   intersection of the two triangles' boxes.
 //!
-//! This module knows nothing of trees and SIMD; it is the reference that [`crate::patch`] equals.
+//! This module does not depend on trees or SIMD; it is the reference for [`crate::patch`].
 
 mod contact;
 mod crossing;
@@ -57,7 +58,7 @@ type Sign = i8;
 pub struct Triangle(pub [DVec3; 3]);
 
 impl Triangle {
-    /// A stored triangle of A: it is in A's frame already, and f64 holds f32 exactly.
+    /// A stored triangle of A, which is already in A's frame; f64 holds f32 exactly.
     #[must_use]
     #[inline]
     pub fn stored(corners: &Corners) -> Self {
@@ -66,7 +67,7 @@ impl Triangle {
         Self([point(a), point(b), point(c)])
     }
 
-    /// Its box: exact.
+    /// The exact bounding box.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let [a, b, c] = self.0;
@@ -76,8 +77,8 @@ impl Triangle {
 
 /// Whether two closed triangles share a point: touching counts, coplanar overlap counts.
 ///
-/// Exact on the f64 coordinates given, whatever finite numbers they are. Symmetric, and the same
-/// for any order of corners. With a NaN or an infinity among them the answer means nothing.
+/// Exact for any finite f64 coordinates. Symmetric, and independent of the order of corners. If a
+/// coordinate is NaN or infinite, the result is unspecified.
 #[must_use]
 pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
     let (box_a, box_b) = (a.bounds(), b.bounds());
@@ -86,7 +87,7 @@ pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
     }
     let orient = Orient::of([a, b], [&box_a, &box_b]);
     let clear = match Sides::certain(&orient) {
-        // Neighbours on one surface, or equal bodies at one place: the common case of doubt.
+        // Neighbours on one surface, or equal bodies in one position: the common case of doubt.
         Err(_) if orient.share_a_corner() => return true,
         Err(doubtful) => doubtful.resolved(&orient),
         Ok(position) => position,
@@ -103,7 +104,7 @@ pub fn intersect(a: &Triangle, b: &Triangle) -> bool {
 ///
 /// The points are the end points of the common segment, the corners of the overlap polygon of
 /// coplanar triangles, or the point of touch. Which edges they lie on is decided exactly; their
-/// coordinates are rounded: the error is a few parts in 10¹⁰ of the edge's length, also where the
+/// coordinates are rounded: the error is a few parts in 10¹⁰ of the edge's length, even where the
 /// planes are nearly parallel, and a few ulps of the coordinates. Every point lies in the
 /// intersection of the two triangles' boxes. The bits depend on the input alone.
 #[must_use]
@@ -125,26 +126,26 @@ pub fn contact(a: &Triangle, b: &Triangle) -> ContactPoints {
     contact
 }
 
-/// How two triangles lie to each other: what is left to decide.
+/// The position of two triangles relative to each other: what remains to be decided.
 enum Position {
     /// One lies strictly on one side of the other's plane.
     Apart,
-    /// Two true triangles in planes that cross in a line; each reaches that line.
+    /// Two proper triangles in planes that cross in a line; each reaches that line.
     Crossing(Crossing),
-    /// A true triangle, and a segment whose ends are not both in its plane nor on one side of it.
+    /// A proper triangle, and a segment whose ends are not both in its plane nor on one side of it.
     Piercing(Piercing),
-    /// All in one plane, on one line, or one point.
+    /// Everything in one plane, on one line, or in one point.
     Flat(Flat),
 }
 
-/// On which side of the other's plane the corners lie, as far as f64 can tell: 0 is in doubt.
+/// On which side of the other's plane the corners lie, as far as f64 can tell: 0 means undecided.
 struct Sides {
     of_a: [Sign; 3],
     of_b: [Sign; 3],
 }
 
 impl Sides {
-    /// The position, where no rounding hides it.
+    /// The position, if f64 decides it.
     #[inline]
     fn certain(orient: &Orient<'_>) -> Result<Position, Self> {
         let of_a = orient.certain_sides(B, A);
@@ -161,7 +162,7 @@ impl Sides {
         Ok(Position::Crossing(Crossing::new(of_a, of_b)))
     }
 
-    /// The position, with the doubtful sides taken exactly.
+    /// The position, with undecided sides computed exactly.
     #[cold]
     fn resolved(&self, orient: &Orient<'_>) -> Position {
         let exact = |certain: [Sign; 3], plane: [Corner; 3], points: [Corner; 3]| {
@@ -171,7 +172,7 @@ impl Sides {
         if one_side(of_a) {
             return Position::Apart;
         }
-        // All in B's plane, or B has none: it is degenerate.
+        // All in B's plane, or B is degenerate and has no plane.
         if of_a == [0; 3] {
             return planar::position(orient);
         }

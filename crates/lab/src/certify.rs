@@ -1,7 +1,6 @@
-//! What bounds, deadlines and budgets are worth, measured on requests of chance.
+//! Checks bounds, deadlines and budgets on random requests.
 //!
-//! What must hold is checked on the way: a violation of a bound is counted and told, any other is
-//! an error.
+//! Violations of a bound are counted and reported; any other violation is an error.
 
 mod bounds;
 mod budget;
@@ -16,5 +15,5 @@ pub use coordinator::BoundFlaw;
 pub use deadline::{DeadlineOptions, DeadlineReport, deadline};
 pub use share::{ShareOptions, ShareReport, share};
 
-/// Most tests of a job, where nothing else is said.
+/// Default maximum number of tests per job.
 pub const BUDGET: u64 = coordinator::RequestLimits::BUDGET;

@@ -1,13 +1,14 @@
-//! Requests to real workers while faults are injected, and a ledger of what came of each.
+//! Injects faults into real workers during requests, and reports the outcome of each.
 //!
 //! ```text
 //! plan ──▶ faults in a seeded order ──▶ a request with some of them ──▶ answer: same as without?
-//!          signals, orders, messages       worker pool of real processes  ──▶ seen when? whole when?
+//!          signals, orders, messages       pool of real processes     ──▶ seen when? whole when?
 //!          whole runs of their own         children that rank ──▶ right, refused, left behind?
 //! ```
 //!
-//! The reference is the answer of this process without workers. A complete answer must be the same
-//! bytes; the intervals of a degraded one must hold its; everything else is an error that was told.
+//! The reference is the answer of this process without workers. A complete answer must equal it
+//! byte for byte; the intervals of a degraded one must hold its values; anything else must be a
+//! reported error.
 
 mod child;
 mod kind;
@@ -28,25 +29,25 @@ use trolley::{Failure, Limits, Scenario, files};
 
 pub use report::Injected;
 
-/// Which faults, and who ranks.
+/// Which faults, and which program ranks.
 #[derive(Clone, Debug)]
 pub struct InjectOptions {
     /// Plan, TOML: which faults, how often, against which scenario.
     pub plan: PathBuf,
-    /// Order and places of the faults; equal seeds give equal plans, not equal times.
+    /// Seed of the order and places of the faults; equal seeds give equal plans, not equal times.
     pub seed: u64,
-    /// Where the ledger is written as JUnit: a test case for each kind of fault.
+    /// Where to write the report as JUnit XML, with a test case for each kind of fault.
     pub junit: Option<PathBuf>,
-    /// The program whose whole runs are disturbed: `PROGRAM -q rank FILE --json ...`.
+    /// The program for faults that take a whole run: `PROGRAM -q rank FILE --json ...`.
     pub program: PathBuf,
 }
 
-/// Carries a plan out. `told` hears of faults.
+/// Executes a plan. `told` is called with the faults done.
 ///
 /// # Errors
 ///
-/// If the plan or its scenario cannot be read, or the machine refuses what workers need. What the
-/// faults did is no error: see [`Injected::is_survived`].
+/// If the plan or its scenario cannot be read, or the machine refuses what workers need. The
+/// effects of faults are no error: see [`Injected::is_survived`].
 pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injected, Failure> {
     let plan = Plan::read(&options.plan)?;
     let scenario = Scenario::open(&plan.scenario)?;

@@ -1,7 +1,7 @@
-//! How long a service's answers take, beside the same work done in this process, in turns.
+//! Latency of a service's answers, compared with the same work done in this process in turns.
 //!
-//! Every answer is compared with that of this process: complete ones place by place and bit by bit,
-//! others by their intervals.
+//! Every answer is compared with that of this process: complete ones bit by bit, others by their
+//! intervals.
 
 use client::Client;
 use hdrhistogram::Histogram;
@@ -13,27 +13,27 @@ use std::time::Duration;
 use trolley::bodies::Bodies;
 use trolley::{Failure, OpenDeployment};
 
-/// Requests before the first that counts.
+/// Warm-up requests, which are not counted.
 const WARM: u32 = 200;
-/// Every so many requests the same work is done in this process, too.
+/// After how many requests the work is repeated in this process.
 const HERE: u32 = 8;
-/// The longest time that is told apart (ns).
+/// The longest time that a histogram resolves (ns).
 const LONGEST_NS: u64 = 60_000_000_000;
 
-/// What was asked and answered, and how long it took.
+/// The answers to the requests, and their latencies.
 #[derive(Clone, Debug, Serialize)]
 pub struct Latency {
     schema: &'static str,
     requests: u32,
     /// Answers by verdict: complete, certified, degraded, refused, busy.
     answers: [u64; 5],
-    /// Rankings that contradict that of this process.
+    /// Number of rankings that contradict that of this process.
     wrong: u64,
-    /// From asking to the answer (µs).
+    /// From the request to the answer (µs).
     service_us: Figures,
-    /// The same request worked off in this process (µs).
+    /// The same request executed in this process (µs).
     kernel_us: Figures,
-    /// What the service itself says of its work: without ways there and back (µs).
+    /// Execution as the service reports it, without the transport (µs).
     worked_us: Figures,
     overhead_p50_us: f64,
 }
@@ -48,11 +48,16 @@ struct Figures {
 }
 
 fn figures(times: &Histogram<u64>) -> Figures {
-    let at = |share| times.value_at_quantile(share) as f64 / 1e3;
-    Figures { p50: at(0.5), p99: at(0.99), p999: at(0.999), max: times.max() as f64 / 1e3 }
+    let quantile_us = |share| times.value_at_quantile(share) as f64 / 1e3;
+    Figures {
+        p50: quantile_us(0.5),
+        p99: quantile_us(0.99),
+        p999: quantile_us(0.999),
+        max: times.max() as f64 / 1e3,
+    }
 }
 
-/// Asks a service so often, and works the same off in this process every few times.
+/// Sends a request to a service repeatedly, and sometimes executes it in this process too.
 ///
 /// # Errors
 ///
@@ -122,15 +127,15 @@ impl Latency {
         self.wrong == 0
     }
 
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         page(self)
     }
 }
 
-/// Whether an answer agrees with one to which nothing is missing: in every bit if it is complete;
-/// else its intervals hold what is known, and who certainly wins does.
+/// Whether an answer agrees with the complete one: in every bit if it is complete itself; otherwise
+/// its intervals hold the known values, and its certain winner wins.
 fn is_right(answer: &WireAnswer, complete: &WireAnswer) -> bool {
     let is_whole = answer.place_count == complete.place_count;
     let places = &answer.places[..(answer.place_count as usize).min(answer.places.len())];
@@ -167,9 +172,9 @@ fn page(latency: &Latency) -> String {
         "p99",
         "p99.9",
         "max",
-        row("asked, until answered", &latency.service_us),
-        row("the service's own work", &latency.worked_us),
-        row("the same in this process", &latency.kernel_us),
+        row("request to answer", &latency.service_us),
+        row("execution in the service", &latency.worked_us),
+        row("execution in this process", &latency.kernel_us),
         latency.requests,
         latency.wrong,
         latency.overhead_p50_us,

@@ -1,17 +1,15 @@
-//! The laboratory: everything that measures, tries, breaks and simulates the engine, and is no part
-//! of it.
+//! The laboratory: measures, stress-tests and simulates the engine, without being part of it.
 //!
-//! | module | what it asks |
+//! | module | question |
 //! |---|---|
-//! | [`measure`] | what schemes, depths, buffers and transfer are worth, and what steps cost |
-//! | [`latency`] | how long a service takes, beside the same work in this process |
-//! | [`certify`] | whether bounds, deadlines and budgets hold, on requests of chance |
-//! | [`inject`] | what becomes of answers while faults are injected into real processes |
-//! | [`simulate`] | the same of simulated ones, in virtual time |
+//! | [`measure`] | how schemes, depths, buffers and transfer perform, and what steps cost |
+//! | [`latency`] | how long a service takes, compared with the same work in this process |
+//! | [`certify`] | whether bounds, deadlines and budgets hold, on random requests |
+//! | [`inject`] | how answers change when faults are injected into real processes |
+//! | [`simulate`] | whether the dispatcher survives simulated faults, in virtual time |
 //!
-//! Each takes plain options and returns a report: a document for programs, and text for people.
-//! Bodies are loaded and sealed by [`trolley::bodies`] alone. Long work tells how far it is:
-//! [`SyncProgress`].
+//! Each takes plain options and returns a report, as a document and as text. Bodies are loaded and
+//! sealed by [`trolley::bodies`] alone. Long work reports its progress: [`SyncProgress`].
 //!
 //! It prints nothing and parses no command line.
 

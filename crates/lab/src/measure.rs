@@ -5,7 +5,7 @@
 //!            └── traces ─────────────────────────────┴▶ simulate ──▶ rows ──▶ claims, page
 //! ```
 //!
-//! Every run, in this process or by workers, must find the same triangles, or nothing is written.
+//! All runs, in-process or by workers, must find the same triangles, or nothing is written.
 
 mod bench;
 mod calibrate;
@@ -34,19 +34,19 @@ use swept::Swept;
 use trolley::dispatch_options::{DispatchOptions, TransferMode, log_csv};
 use trolley::{Failure, FailureKind, files};
 
-/// What is measured where nothing is named.
+/// Default pairs.
 pub const PAIRS: [&str; 2] = ["sedan:100000,suv:100000,deep", "sedan:100000,suv:100000,scratch"];
-/// Weight of the match against the load where none is named.
+/// Default weight of the match against the load.
 pub const ALPHA: f64 = 0.5;
 
-/// What is swept, and where it is written to.
+/// What to sweep, and where to write the results.
 #[derive(Clone, Debug)]
 pub struct SweepOptions {
-    /// Fewer depths, buffers and repeats: a minute, and wider margins.
+    /// Use fewer depths, buffers and repeats: takes a minute, with wider margins.
     pub quick: bool,
     /// Bodies and poses; none: [`PAIRS`].
     pub pairs: Vec<PairName>,
-    /// Folder for tables, figures and the page; made if it is not there.
+    /// Folder for tables, figures and the page; created if missing.
     pub out: PathBuf,
     /// Schemes; none: all.
     pub schemes: Vec<Scheme>,
@@ -54,26 +54,26 @@ pub struct SweepOptions {
     pub seed: u64,
     /// Weight of the match against the load in best-match-load, 0 to 1.
     pub alpha: f64,
-    /// How workers of measured runs come by the bodies; `None`: in place, and by copies besides.
+    /// How workers of measured runs get the bodies; `None`: measure both zero-copy and copying.
     pub transfer: Option<TransferMode>,
-    /// How jobs reach the workers of measured runs; what it says of transfer does not count.
+    /// How jobs reach the workers of measured runs; its transfer mode is ignored.
     pub dispatch_options: DispatchOptions,
-    /// Where it is written down who got which job of the last measured run.
+    /// Where to write the job log of the last measured run.
     pub job_log: Option<PathBuf>,
 }
 
-/// What is calibrated.
+/// What to calibrate.
 #[derive(Clone, Debug)]
 pub struct CalibrateOptions {
     /// Bodies and poses.
     pub pair: PairName,
-    /// How often each run is repeated.
+    /// Number of repeats of each run.
     pub repeat: u16,
-    /// Where it is written to besides.
+    /// File to write the document to as well.
     pub out: Option<PathBuf>,
 }
 
-/// What was measured: as a document, and as text for people.
+/// The measurements, as a document and as text.
 #[derive(Debug, Serialize)]
 pub struct Measurement {
     schema: &'static str,
@@ -85,13 +85,13 @@ pub struct Measurement {
     out: PathBuf,
 }
 
-/// Finds what each step costs on this machine (ns).
+/// Measures what each step costs on this machine (ns).
 ///
 /// # Errors
 ///
 /// If a body or its poses cannot be used, workers cannot be started, or the file cannot be written.
 pub fn calibrate(options: &CalibrateOptions) -> Result<Costs, Failure> {
-    // Nobody wants to hear after the measurement that its file cannot be written.
+    // Fail before the measurement, not after it, if its file cannot be written.
     options.out.as_deref().map(|path| files::check(path, None)).transpose()?;
     let pair = options.pair.load()?;
     let bench = Bench::new(&pair, usize::from(options.repeat), false)?;
@@ -102,7 +102,7 @@ pub fn calibrate(options: &CalibrateOptions) -> Result<Costs, Failure> {
     Ok(costs)
 }
 
-/// Sweeps all pairs, and writes tables, figures and a page. `told` hears of steps.
+/// Sweeps all pairs, and writes tables, figures and a page. `told` is called with the steps done.
 ///
 /// # Errors
 ///
@@ -114,7 +114,7 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
         return Err(Failure::setting(fault).with_remedy("--alpha may be 0 to 1"));
     }
     options.dispatch_options.queues(&EngineSettings::DEFAULT)?;
-    // Nobody wants to hear after minutes that the folder cannot be written.
+    // Fail now, not after minutes, if the folder cannot be written.
     std::fs::create_dir_all(&options.out).map_err(|error| {
         Failure::new(FailureKind::System, format!("{}: {error}", options.out.display()))
             .with_remedy("name a folder that you may write to")
@@ -142,7 +142,7 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
         let bench = Bench::new(&pair, repeats, options.job_log.is_some())?;
         measured.pairs.push(sweep::sweep(&bench, &plan, &bar)?);
         measured.claims = claims(&measured.pairs);
-        // Whoever stops it here keeps what is finished.
+        // An interrupted sweep keeps its finished pairs.
         measured.write()?;
         if let (Some(path), Some(swept)) = (&options.job_log, measured.pairs.last()) {
             files::replace(path, log_csv(&swept.log).as_bytes())?;
@@ -151,7 +151,7 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
     Ok(measured)
 }
 
-/// A document as JSON, for people to read, too.
+/// A document as readable JSON.
 fn json(document: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(document).map_err(|error| Failure::internal(error.to_string()))
 }
@@ -182,7 +182,7 @@ fn plan(options: &SweepOptions) -> Plan {
     }
 }
 
-/// The command as it can be given again, without the machine's paths.
+/// The command that repeats the sweep, without the machine's paths.
 fn command(options: &SweepOptions) -> String {
     let pairs = options.pairs.iter().map(|pair| format!(" --pair {pair}")).collect::<String>();
     let quick = if options.quick { " --quick" } else { "" };
@@ -248,14 +248,14 @@ impl Measurement {
         Ok(())
     }
 
-    /// What the person at the terminal reads.
+    /// The summary for the terminal.
     #[must_use]
     pub fn text(&self) -> String {
         summary(&self.out, &self.pairs, &self.claims)
     }
 }
 
-/// Speed-up when copying, speed-up without, and transfer.
+/// Figures of the speed-up with and without copying, and of the transfer.
 fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
     let line = |scheme: Scheme, transfer: TransferMode, value: fn(&Row) -> Option<f64>| {
         let points = curve(pair, scheme, transfer, value);
@@ -316,7 +316,7 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
 fn summary(out: &Path, swept: &[Swept], claims: &[Claim]) -> String {
     let mut lines = Vec::new();
     for pair in swept {
-        let of = |mode, workers| {
+        let best_speed_up = |mode, workers| {
             page::best(pair, mode, workers).map_or(String::from("–"), |(value, depth)| {
                 format!("{value:.2} at depth {depth}")
             })
@@ -328,9 +328,9 @@ fn summary(out: &Path, swept: &[Swept], claims: &[Claim]) -> String {
             "{}: alone {:.2} ms; 1 worker {}, 2 workers {}; 4 virtual cores {}{predicted}",
             pair.pair,
             pair.alone_ms,
-            of(Mode::Measured, 1),
-            of(Mode::Measured, 2),
-            of(Mode::SimulatedOwnCore, sweep::CORES),
+            best_speed_up(Mode::Measured, 1),
+            best_speed_up(Mode::Measured, 2),
+            best_speed_up(Mode::SimulatedOwnCore, sweep::CORES),
         ));
     }
     lines.push(String::new());

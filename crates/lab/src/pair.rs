@@ -1,7 +1,7 @@
 //! Two bodies and the poses at which they are measured.
 //!
 //! A body is a model file, or `shape:triangles` for a generated one. Poses come from a file, or are
-//! found: sixteen directions around A from which B comes until it touches, then so much deeper.
+//! found: B approaches A from sixteen directions until it touches, then moves in further.
 
 use body::{BodyView, Meta, Shape};
 use bvh::{Kernel, NodePair, Question, Task};
@@ -12,17 +12,17 @@ use std::path::Path;
 use trolley::bodies::{Bodies, ModelFile, build_options};
 use trolley::{Failure, poses};
 
-/// Directions from which B comes.
+/// Number of directions from which B approaches.
 const DIRECTIONS: u32 = 16;
-/// How far B comes at once before it touches (m).
+/// Step of the approach (m).
 const STEP_M: f64 = 0.05;
 /// How deep a substantial contact is (m).
 const DEEP_M: f64 = 0.5;
 /// How deep a scratch is (m).
 const SCRATCH_M: f64 = 0.01;
 
-/// What a person wrote: A,B,POSES. Bodies are model files, or `shape:triangles`; poses are a file
-/// of them, `deep` or `scratch`.
+/// A pair as written: A,B,POSES. Bodies are model files, or `shape:triangles`; poses are a file of
+/// them, `deep` or `scratch`.
 #[derive(Clone, Debug)]
 pub struct PairName {
     a: String,
@@ -74,7 +74,7 @@ impl PairName {
         Ok(Pair { name: self.name(), bodies, poses })
     }
 
-    /// A name that a file can have.
+    /// A valid file name.
     fn name(&self) -> String {
         let short = |text: &str| {
             let stem = Path::new(text).file_stem().unwrap_or_default().to_string_lossy();
@@ -103,7 +103,7 @@ fn written(path: &Path) -> Result<Vec<RelativePose>, Failure> {
     Ok(vec![RelativePose::between(&a, &b)])
 }
 
-/// Hears of hits and wants no more.
+/// Stops at the first hit.
 struct Enough;
 
 impl bvh::Sink for Enough {
@@ -116,11 +116,11 @@ impl bvh::Sink for Enough {
     }
 }
 
-/// B comes from every direction, turned a little differently each time, until it is `depth_m` into
-/// A. Directions from which the bodies never touch are left out.
+/// Moves B in from every direction, turned a little differently each time, until it is `depth_m`
+/// inside A. Directions from which the bodies never touch are left out.
 fn found(bodies: &[(Meta, BodyView<'_>)], depth_m: f64) -> Result<Vec<RelativePose>, Failure> {
     let [(meta_a, a), (meta_b, b)] = bodies else {
-        return Err(Failure::internal("a pair is two bodies"));
+        return Err(Failure::internal("a pair must have two bodies"));
     };
     let rooms = (a.corners.len(), b.corners.len());
     let mut kernel = Kernel::with_room(meta_a.depth, meta_b.depth, rooms.0, rooms.1);
@@ -140,22 +140,22 @@ fn found(bodies: &[(Meta, BodyView<'_>)], depth_m: f64) -> Result<Vec<RelativePo
         let turned = Pose::from_degrees(degrees, 0.0, 0.0, [0.0; 3]).rotation;
         let (x, y) = (turned[0][0], turned[1][0]);
         let yaw = 180.0 + degrees + 25.0 * f64::from(number % 4);
-        let at = |r: f64| {
+        let pose_at = |r: f64| {
             let placed = Pose::from_degrees(yaw % 360.0, 0.0, 0.0, [r * x, r * y, 0.0]);
             RelativePose::between(&Pose::IDENTITY, &placed)
         };
         let steps = (far_m / STEP_M) as u32;
         let first = (0..steps).map(|step| far_m - STEP_M * f64::from(step));
-        let Some(mut inside) = first.into_iter().find(|r| touches(&at(*r))) else { continue };
+        let Some(mut inside) = first.into_iter().find(|r| touches(&pose_at(*r))) else { continue };
         let mut outside = inside + STEP_M;
         while outside - inside > 0.001 {
             let middle = f64::midpoint(inside, outside);
-            if touches(&at(middle)) { inside = middle } else { outside = middle }
+            if touches(&pose_at(middle)) { inside = middle } else { outside = middle }
         }
-        poses.push(at(inside - depth_m));
+        poses.push(pose_at(inside - depth_m));
     }
     if poses.is_empty() {
-        return Err(Failure::input("the bodies touch from no direction")
+        return Err(Failure::input("the bodies do not touch from any direction")
             .with_remedy("name a file of poses instead of deep or scratch"));
     }
     Ok(poses)

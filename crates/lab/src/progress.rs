@@ -1,11 +1,11 @@
-//! How far long work is: counted here, told to whoever asked for the work.
+//! Progress of long work: counted here, reported to the caller.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Told how much of how much is done, from any thread.
+/// Called with the work done and the total, from any thread.
 pub type SyncProgress<'p> = &'p (dyn Fn(u64, u64) + Sync);
 
-/// Counts what is done.
+/// Counts the work done.
 pub(crate) struct Progress<'p> {
     total: u64,
     done: AtomicU64,
@@ -13,12 +13,12 @@ pub(crate) struct Progress<'p> {
 }
 
 impl<'p> Progress<'p> {
-    /// Nothing done yet of `total` things.
+    /// Starts at 0 of `total`.
     pub(crate) fn new(total: u64, told: SyncProgress<'p>) -> Self {
         Self { total, done: AtomicU64::new(0), told }
     }
 
-    /// `more` things are done.
+    /// Adds `more` to the work done.
     pub(crate) fn add(&self, more: u64) {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         (self.told)(done, self.total);

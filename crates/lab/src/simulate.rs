@@ -1,4 +1,4 @@
-//! Seeded worlds in which everything goes wrong, in virtual time.
+//! Seeded simulations, in virtual time, of everything that can fail.
 
 use crate::progress::{Progress, SyncProgress};
 use serde::Serialize;
@@ -9,30 +9,30 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use simulate::faults::SimulatedFault;
 
-/// Which worlds.
+/// Which worlds to simulate.
 #[derive(Clone, Debug)]
 pub struct FaultOptions {
-    /// This world alone.
+    /// Only the world of this seed.
     pub seed: Option<u64>,
-    /// How many worlds.
+    /// Number of worlds.
     pub worlds: u64,
-    /// The first one.
+    /// Seed of the first world.
     pub from: u64,
-    /// Requests in each.
+    /// Requests per world.
     pub requests: u64,
-    /// Threads; `None`: one for each core.
+    /// Number of threads; `None`: one per core.
     pub threads: Option<usize>,
-    /// These kinds of faults alone; none: all.
+    /// Only these kinds of faults; empty: all.
     pub only: Vec<SimulatedFault>,
-    /// Not these.
+    /// All kinds of faults but these.
     pub without: Vec<SimulatedFault>,
-    /// So many faults in a world at most: the first ones.
+    /// Maximum number of faults per world: only the first N happen.
     pub most: Option<u64>,
-    /// Whether to tell all that happens, if there is one world.
+    /// Whether to log all events, if there is only one world.
     pub log: bool,
 }
 
-/// What became of all worlds.
+/// The outcome of all worlds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Simulated {
     schema: &'static str,
@@ -56,8 +56,8 @@ pub struct Simulated {
     log: Vec<String>,
 }
 
-/// Goes through worlds of the dispatcher among workers that crash, hang and lie, on channels that
-/// lose and garble. `told` hears of worlds.
+/// Simulates the dispatcher with workers that crash, hang and lie, over channels that lose and
+/// corrupt. `told` is called with the worlds done.
 #[must_use]
 pub fn faults(options: &FaultOptions, told: SyncProgress<'_>) -> Simulated {
     let mut kinds = options.only.iter().fold(Faults::NONE, |all, fault| all.with(*fault));
@@ -70,7 +70,7 @@ pub fn faults(options: &FaultOptions, told: SyncProgress<'_>) -> Simulated {
     let (from, worlds) = options.seed.map_or((options.from, options.worlds), |seed| (seed, 1));
     let mut log = Vec::new();
     if options.log && options.seed.is_some() {
-        // How it ends is told below, of the same world.
+        // The outcome of the same world is reported below.
         let _end = run(from, &limits, Some(&mut log));
     }
     let begun_ns = runtime::clock::now_ns();
@@ -121,26 +121,26 @@ pub fn faults(options: &FaultOptions, told: SyncProgress<'_>) -> Simulated {
 }
 
 impl Simulated {
-    /// Whether all laws hold.
+    /// Whether all invariants hold.
     #[must_use]
     pub fn is_right(&self) -> bool {
         self.violations.is_empty()
     }
 
-    /// All that happened in the one world, if it was asked for.
+    /// The events of the single world, if requested.
     #[must_use]
     pub fn log(&self) -> &[String] {
         &self.log
     }
 
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         page(self)
     }
 }
 
-/// All worlds, on several threads; the failure with the lowest seed, if there is one.
+/// Runs all worlds on several threads; returns the failure with the lowest seed, if any.
 fn all(
     from: u64,
     worlds: u64,
@@ -170,7 +170,7 @@ fn all(
             }
             progress.add(end - piece);
         }
-        // Nobody panics while holding it.
+        // No thread panics while it holds the lock.
         if let Ok(mut sum) = sum.lock() {
             sum.0.add(&own);
             let first = sum.1.take().into_iter().chain(failed).min_by_key(|v| v.seed);

@@ -1,8 +1,8 @@
 //! A body as a mesh file for other programs: STL, PLY or OBJ.
 //!
-//! Triangles stand in the order of their source ids, so that importing the file again gives the
-//! same triangles in the same order, bit for bit, numbered from 0. Lengths are metres, x forward,
-//! y left, z up: import with no option.
+//! Triangles are in the order of their source ids, so that importing the file again gives the same
+//! triangles in the same order, bit for bit, numbered from 0. Lengths are metres, x forward, y
+//! left, z up: import without options.
 
 use body::{BodyView, Meta};
 use geometry::Corners;
@@ -23,7 +23,7 @@ impl ExportFormat {
     /// Every format.
     pub const ALL: [Self; 3] = [Self::Stl, Self::Ply, Self::Obj];
 
-    /// Extension and name.
+    /// The extension, which is also the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -34,7 +34,7 @@ impl ExportFormat {
     }
 }
 
-/// A text that is no [`ExportFormat`].
+/// The text is not the name of an [`ExportFormat`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" cannot be written: one of stl, ply, obj")]
 pub struct UnknownExportFormat(pub String);
@@ -48,7 +48,7 @@ impl core::str::FromStr for ExportFormat {
     }
 }
 
-/// The bytes of a mesh file with all triangles of a body.
+/// Encodes a mesh file with all triangles of a body.
 #[must_use]
 pub fn write(format: ExportFormat, meta: &Meta, body: &BodyView<'_>) -> Vec<u8> {
     let order = source_order(body);
@@ -59,7 +59,7 @@ pub fn write(format: ExportFormat, meta: &Meta, body: &BodyView<'_>) -> Vec<u8> 
     }
 }
 
-/// Numbers of triangles, ascending by source id.
+/// Indices of triangles, ascending by source id.
 fn source_order(body: &BodyView<'_>) -> Vec<usize> {
     let mut order: Vec<usize> = (0..body.corners.len()).collect();
     order.sort_unstable_by_key(|at| body.source_ids[*at]);
@@ -75,7 +75,7 @@ fn stl(order: &[usize], body: &BodyView<'_>) -> Vec<u8> {
         })
         .collect();
     let mut bytes = Vec::with_capacity(84 + 50 * facets.len());
-    // A vector takes every byte: there is no way to fail.
+    // Writing to a vector cannot fail.
     let written = stl_io::write_stl(&mut bytes, facets.iter());
     debug_assert!(written.is_ok());
     bytes
@@ -93,8 +93,8 @@ fn normal(corners: &Corners) -> [f32; 3] {
     if length > 0.0 { n.map(|x| (x / length) as f32) } else { [0.0; 3] }
 }
 
-/// Positions, each once, in the order of first use, and three numbers per triangle. Positions are
-/// one if their bits are: −0 stays −0.
+/// Positions without repetition, in the order of first use, and three indices per triangle.
+/// Positions are equal if their bits are: −0 stays −0.
 fn indexed(order: &[usize], body: &BodyView<'_>) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let all: Vec<[f32; 3]> = order.iter().flat_map(|at| body.corners[*at]).collect();
     let mut sorted: Vec<u32> = (0..all.len() as u32).collect();
@@ -113,7 +113,7 @@ fn indexed(order: &[usize], body: &BodyView<'_>) -> (Vec<[f32; 3]>, Vec<[u32; 3]
             number[at] = points.len() as u32;
             points.push(all[at]);
         } else {
-            // The first of its kind comes earlier, so it has its number.
+            // The first occurrence comes earlier, so it has its number.
             number[at] = number[*first as usize];
         }
     }
@@ -162,10 +162,10 @@ fn obj(order: &[usize], meta: &Meta, body: &BodyView<'_>) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A name that cannot end its line.
+/// A name without line breaks.
 fn one_line(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    // A backslash at the end would join the next line on.
+    // A backslash at the end would join the next line.
     plain.trim_end_matches(['\\', ' ']).to_owned()
 }
 

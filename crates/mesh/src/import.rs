@@ -5,11 +5,10 @@
 //!         --> select (--only) --> drop duplicates --> count zero area --> plausible size --> Mesh
 //! ```
 //!
-//! Source ids are given in file order after triangulation, before anything is left out. The
-//! readers are other people's crates; each module says what its crate leaves undone. No file is
-//! opened here: side files come from a resolver. What such a crate may still do with hostile
-//! bytes (panic, loop, ask for memory) is the caller's to contain, in a child process with
-//! limits.
+//! Source ids are assigned in file order after triangulation, before anything is dropped. The
+//! parsers are third-party crates; each module documents what its crate does not check. No file is
+//! opened here: side files come from a resolver. What such a crate may still do with hostile bytes
+//! (panic, loop, exhaust memory) must be contained by the caller, in a child process with limits.
 
 mod check;
 mod collada;
@@ -36,42 +35,41 @@ pub use suggest::{Reading, readings};
 use body::{BodyKind, Mesh, is_degenerate};
 use collect::Collector;
 
-/// Greatest length of a mesh file or side file, in bytes.
+/// Maximum length of a mesh file or side file, in bytes.
 pub const BYTES_MAX: usize = 1 << 30;
 
-/// Gives the content of a side file by the name written in the mesh file, or says why not.
+/// Returns the content of a side file by the name written in the mesh file, or the reason of the
+/// failure.
 ///
-/// Names that are absolute or lead upwards are refused before they come here.
+/// Absolute names and names that lead upwards are rejected before.
 pub type Resolver<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
-/// How a file is to be read.
+/// Options for reading a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportOptions {
     /// Name of the file, for messages.
     pub file: String,
-    /// Unit of its coordinates; `None`: the file's where it states one, else a metre.
+    /// Unit of its coordinates; `None` for the file's own unit if stated, else a metre.
     pub unit: Option<LengthUnit>,
-    /// Its up axis; `None`: the file's where it states one, else the format's.
+    /// Its up axis; `None` for the file's own if stated, else the format's.
     pub up: Option<Axis>,
     /// Its forward axis; `None` for the format's.
     pub forward: Option<Axis>,
     /// Names of parts, groups, objects, materials or nodes to keep; empty for all.
     pub only: Vec<String>,
-    /// What the body is, for the check of its size.
+    /// The kind of body, for the size check.
     pub kind: Option<BodyKind>,
-    /// Whether a body may have any size: for a look at a file of which nothing is known yet.
+    /// Whether any size is accepted: for a preview of a file of which nothing is known yet.
     pub any_size: bool,
-    /// Whether triangles with the positions of an earlier one are kept, for whom ids are all there
-    /// is.
+    /// Whether triangles with the positions of an earlier one are kept, so that ids match the file.
     pub keep_duplicates: bool,
-    /// Name of the body; `None` for the file's name without folder and extension.
+    /// Name of the body; `None` for the file name without folder and extension.
     pub name: Option<String>,
 }
 
 impl ImportOptions {
-    /// Every triangle as it stands in the file, whose coordinates are taken for metres of the
-    /// body's own frame: ids count from 0 in file order, nothing is left out, and the size may be
-    /// any.
+    /// Options to take every triangle as stored, with coordinates in metres of the body's own
+    /// frame: ids count from 0 in file order, nothing is dropped, and any size is accepted.
     #[must_use]
     pub fn as_it_stands() -> Self {
         Self {
@@ -85,16 +83,16 @@ impl ImportOptions {
     }
 }
 
-/// A mesh and what was found out about it.
+/// A mesh and the report of its import.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportedMesh {
     /// The triangles.
     pub mesh: Mesh,
-    /// What the file held and what was done with it.
+    /// The content of the file and how it was processed.
     pub report: ImportReport,
 }
 
-/// What a file held and what was done with it.
+/// The content of a file and how it was processed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportReport {
     /// Name of the body.
@@ -115,7 +113,7 @@ pub struct ImportReport {
     pub degenerate: u32,
     /// Parts kept, with their triangles.
     pub parts: Vec<(String, usize)>,
-    /// What else was seen and left out, in whole sentences.
+    /// What else was noticed and skipped, in whole sentences.
     pub notes: Vec<String>,
     /// What the body looks like.
     pub guess: Guess,
@@ -129,8 +127,8 @@ pub struct ImportReport {
 ///
 /// # Errors
 ///
-/// If the file is malformed, holds no triangle, names a part that does not exist, or is no
-/// plausible body of its kind; see [`MeshDefect`].
+/// The file is malformed, holds no triangle, lacks a selected part, or is not a plausible body of
+/// its kind; see [`MeshDefect`].
 pub fn read(
     format: Format,
     bytes: &[u8],
@@ -215,7 +213,7 @@ pub fn read(
     Ok(ImportedMesh { mesh, report })
 }
 
-/// The last part of a path without its extension.
+/// The last component of a path without its extension.
 fn stem(file: &str) -> String {
     let name = base(file);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
@@ -225,7 +223,7 @@ fn base(file: &str) -> &str {
     file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
 
-/// The folder is left out: the same file gives the same model wherever it lies.
+/// The folder is omitted: the same file gives the same model wherever it is stored.
 fn origin(file: &str, frame: &Frame, only: &[String]) -> String {
     let only = if only.is_empty() { String::new() } else { format!(", only {}", only.join(", ")) };
     format!("{}, {frame}{only}", base(file))

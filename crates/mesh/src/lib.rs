@@ -1,4 +1,4 @@
-//! Readers and writers of others' files: meshes in, glTF out.
+//! Readers and writers of mesh files: meshes in, meshes out.
 //!
 //! ```text
 //! bytes of a mesh file --import--> Mesh, with guesses of unit and axes
@@ -6,8 +6,8 @@
 //! a mesh file --reader--> a model file, made in a child process with limits
 //! ```
 //!
-//! Importers take bytes and a resolver for side files. Lengths that leave this crate are metres, x
-//! forward, y left, z up. All but [`reader`] is pure.
+//! Importers take bytes and a resolver for side files. Lengths returned by this crate are metres, x
+//! forward, y left, z up. Everything except [`reader`] is pure.
 
 pub mod export;
 pub mod import;

@@ -1,15 +1,15 @@
-//! Reading a stranger's mesh in a process of its own, as its parent sees it.
+//! Reads an untrusted mesh in a separate process; this is the parent's side.
 //!
 //! ```text
 //! parent ── ReadRequest (argument) ──▶ child: limits itself, then reads, builds, encodes
 //!        ◀── Word per line: Progress*, then Refused, or Read and the model file's bytes ──
 //! ```
 //!
-//! This module alone touches files and processes; the parsers in [`import`](crate::import) are
-//! pure. Parsers are others' code, and hostile bytes may make them panic, abort, loop, overflow the
-//! stack or ask for all memory. The kernel ends such a child; here its end becomes a sentence. The
-//! child opens files for reading only, so nothing is left behind whatever ends it, and it dies with
-//! its parent.
+//! Only this module accesses files and processes; the parsers in [`import`](crate::import) are
+//! pure. Parsers are third-party code, and hostile bytes may make them panic, abort, loop, overflow
+//! the stack or exhaust memory. The kernel ends such a child; here its end becomes an error
+//! message. The child opens files for reading only, so it leaves nothing behind however it ends,
+//! and it dies with its parent.
 
 mod child;
 pub mod open;
@@ -26,60 +26,61 @@ use std::path::Path;
 
 pub use child::play;
 
-/// How a child is started, from the program that the parent is: `PROGRAM model import-child
-/// REQUEST`. Whoever is started with these two words gives the third to [`play()`].
+/// How the parent starts its own program as a child: `PROGRAM model import-child REQUEST`. A
+/// program started with these two words passes the third to [`play()`].
 pub const ROLE: [&str; 2] = ["model", "import-child"];
 
-/// Told how many triangles of how many are in the tree.
+/// Called with the number of triangles in the tree so far and their total.
 pub type OnProgress<'p> = &'p dyn Fn(u64, u64);
 
-/// How the operating system says ENOMEM.
+/// How the operating system reports ENOMEM.
 const NO_MEMORY: &str = "(os error 12)";
 /// A megabyte of `--memory-mb`.
 const MB: u64 = 1 << 20;
-/// Memory that reading takes at most, if nothing was said `[MB]`: room for millions of triangles,
-/// and not all of a small computer.
+/// Default limits of memory for reading `[MB]`: enough for millions of triangles, but not all of a
+/// small computer.
 const MEMORY_MB: [u64; 2] = [2048, 8192];
-/// Memory for each byte of the file: a million triangles as OBJ, PLY or STL took at most 11.
+/// Memory per byte of the file: a million triangles as OBJ, PLY or STL took at most 11.
 const MEMORY_RATIO: u64 = 64;
-/// Heap in large pages for each byte of the file: all that is needed.
+/// Heap in large pages per byte of the file: all that is needed.
 const HEAP_RATIO: u64 = 12;
-/// Bytes of a file for each triangle, at least: binary PLY takes 19, STL 50.
+/// Minimum number of bytes of a file per triangle: binary PLY takes 19, STL 50.
 const TRIANGLE_BYTES: u64 = 16;
-/// Longest line that a child may send: reports hold no list longer than the notes of a file.
+/// Maximum length of a line from a child: the longest list in a report is the notes of a file.
 const LINE_MAX: u64 = 16 << 20;
-/// How much of a child's last words on stderr is kept.
+/// How much of a child's output on stderr is kept.
 const STDERR_MAX: u64 = 64 << 10;
-/// A child that has closed its pipe ends within this time, even while the kernel dumps it `[ms]`.
+/// A child that has closed its pipe ends within this time, even while the kernel writes a core dump
+/// `[ms]`.
 const END_MS: u64 = 10_000;
 
-/// How a mesh file is to be understood.
+/// How to interpret a mesh file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshOptions {
-    /// Unit of the coordinates; none: what a COLLADA file states, else metres. An LS-DYNA deck
-    /// needs one.
+    /// Unit of the coordinates; `None`: that of a COLLADA file, else metres. An LS-DYNA deck
+    /// requires one.
     pub unit: Option<LengthUnit>,
-    /// Axis of the file that points up; none: +y for glTF, what a COLLADA file states, else +z.
+    /// Axis of the file that points up; `None`: +y for glTF, that of a COLLADA file, else +z.
     pub up: Option<Axis>,
-    /// Axis of the file that points forward; none: +z for glTF, else +x.
+    /// Axis of the file that points forward; `None`: +z for glTF, else +x.
     pub forward: Option<Axis>,
-    /// Parts, groups, objects, materials or nodes that alone are kept; empty: all.
+    /// Parts, groups, objects, materials or nodes to keep; empty for all.
     pub only: Vec<String>,
-    /// What the body is; none: what the TOML file beside the mesh says.
+    /// The kind of body; `None`: that of the TOML file beside the mesh.
     pub kind: Option<BodyKind>,
 }
 
-/// What the process that reads a mesh may use.
+/// Limits of the process that reads a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadLimits {
-    /// Memory (MB); none: 64 times the file, 2048 to 8192.
+    /// Memory (MB); `None`: 64 times the file, 2048 to 8192.
     pub memory_mb: Option<u64>,
     /// CPU time (s).
     pub cpu_s: u64,
 }
 
 impl ReadLimits {
-    /// CPU time, if nothing was said (s).
+    /// Default CPU time (s).
     pub const CPU_S: u64 = 120;
 }
 
@@ -89,11 +90,11 @@ impl Default for ReadLimits {
     }
 }
 
-/// What to read, and what for.
+/// What to read, and for which purpose.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ReadRequest {
     file: String,
-    /// Whether every triangle is taken as it stands: no side file, nothing dropped, any size.
+    /// Whether every triangle is taken as stored: no side file, nothing dropped, any size.
     as_it_stands: bool,
     unit_m: Option<f64>,
     up: Option<String>,
@@ -103,10 +104,10 @@ pub struct ReadRequest {
     name: Option<String>,
     /// The tree to build; without one, this is a trial and no model file is made.
     tree: Option<(Build, u32)>,
-    /// Threads that build it: no more than a file of this length is worth.
+    /// Threads for building the tree: no more than a file of this length is worth.
     threads: usize,
     memory_bytes: u64,
-    /// Heap to have in large pages. What is not used of it takes addresses, and no memory.
+    /// Heap to reserve in large pages. The unused part takes address space, but no memory.
     heap_bytes: usize,
     cpu_s: u64,
 }
@@ -116,41 +117,41 @@ pub struct ReadRequest {
 enum ChildMessage {
     /// Triangles in the tree so far.
     Progress { done: u64, total: u64 },
-    /// The file is at fault.
+    /// The file is invalid.
     Refused { what: String, remedy: Option<String> },
-    /// The file was read; so many bytes of a model file follow.
+    /// The file was read; a model file of this many bytes follows.
     Read { report: Box<Report>, build_ns: u64, model_bytes: u64 },
 }
 
-/// What a child made of a mesh file.
+/// The result of reading a mesh file.
 #[derive(Debug)]
 pub struct ReadMesh {
-    /// What was found.
+    /// The report.
     pub report: Report,
-    /// The model file; empty for a trial. What a damaged child sent need not be sound.
+    /// The model file; empty for a trial. A corrupted child may send an invalid one.
     pub bytes: file::Aligned,
     /// Time that building the tree took (ns).
     pub build_ns: u64,
 }
 
-/// What was found in a mesh file.
+/// The report on a mesh file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Report {
     /// Name of the format.
     pub format: String,
-    /// The unit that was used (m).
+    /// The unit used (m).
     pub unit_m: f64,
-    /// The axis of the file that was taken to point up.
+    /// The axis of the file used as up.
     pub up: String,
-    /// The axis of the file that was taken to point forward.
+    /// The axis of the file used as forward.
     pub forward: String,
-    /// Triangles before any choice.
+    /// Triangles before any selection.
     pub triangles_in_file: usize,
-    /// Triangles of the parts that were asked for.
+    /// Triangles of the selected parts.
     pub triangles_selected: usize,
     /// Triangles of the body.
     pub triangles: usize,
-    /// Triangles left out, because another has the same corners.
+    /// Triangles dropped because another one has the same corners.
     pub duplicates_dropped: usize,
     /// Triangles of zero area, which are kept.
     pub degenerate_kept: u32,
@@ -158,21 +159,21 @@ pub struct Report {
     pub size_m: [f64; 3],
     /// Size and guess in words.
     pub sentence: String,
-    /// What speaks against unit and axes.
+    /// Doubts about unit and axes.
     pub doubts: Vec<String>,
-    /// What was noticed in the file.
+    /// Observations about the file.
     pub notes: Vec<String>,
-    /// The side file that was used.
+    /// The side file used.
     pub side_file: Option<String>,
 }
 
 impl ReadRequest {
-    /// To read `file`, and make a model file of it that is called `name`, with such a tree; without
-    /// a tree to try whether it could be read.
+    /// Creates a request to read `file` and make a model file called `name` with this tree; without
+    /// a tree, only to check that it can be read.
     ///
     /// # Errors
     ///
-    /// If the file's name is not UTF-8.
+    /// The file's name is not UTF-8.
     pub fn new(
         file: &Path,
         mesh: &MeshOptions,
@@ -184,7 +185,7 @@ impl ReadRequest {
             let fault = format!("{}: its name is not UTF-8", file.display());
             return Err(Failure::input(fault).with_remedy("rename the file"));
         };
-        // A missing file is the child's to report.
+        // A missing file is reported by the child.
         let length = std::fs::metadata(file).map_or(0, |about| about.len());
         let usual = (length.saturating_mul(MEMORY_RATIO) / MB).clamp(MEMORY_MB[0], MEMORY_MB[1]);
         let memory_bytes = limits.memory_mb.unwrap_or(usual) * MB;
@@ -207,13 +208,13 @@ impl ReadRequest {
         })
     }
 
-    /// To take every triangle of a mesh as it stands: the coordinates of the file are metres of
-    /// the body's own frame, ids count from 0 in file order, nothing is left out, and the size
-    /// may be any.
+    /// Creates a request to take every triangle of a mesh as stored: coordinates are metres in the
+    /// body's own frame, ids count from 0 in file order, nothing is dropped, and any size is
+    /// accepted.
     ///
     /// # Errors
     ///
-    /// If the file's name is not UTF-8.
+    /// The file's name is not UTF-8.
     pub fn as_it_stands(
         file: &Path,
         tree: &BuildOptions,
@@ -235,7 +236,7 @@ impl ReadRequest {
     ///
     /// # Errors
     ///
-    /// If the file is at fault, reading it took more than it was allowed, or no child can be had.
+    /// The file is invalid, reading exceeded a limit, or the child could not be started.
     pub fn run(&self, progress: OnProgress<'_>) -> Result<ReadMesh, Failure> {
         let (mut child, words, stderr) = self.start()?;
         let heard = hear(words, self.memory_bytes, progress);
@@ -246,7 +247,7 @@ impl ReadRequest {
             Some((ChildMessage::Read { report, build_ns, .. }, bytes)) => {
                 Ok(ReadMesh { report: *report, bytes, build_ns })
             }
-            // The limit may strike while the file is read, which is an error and no abort.
+            // The limit may be reached while the file is read, which is an error and not an abort.
             Some((ChildMessage::Refused { what, .. }, _)) if what.contains(NO_MEMORY) => {
                 Err(self.took_too_much())
             }
@@ -275,7 +276,7 @@ impl ReadRequest {
         Ok((child, words, std::thread::spawn(move || start_of(complaints))))
     }
 
-    /// The limit on memory struck.
+    /// The error for reaching the memory limit.
     fn took_too_much(&self) -> Failure {
         let megabytes = self.memory_bytes / MB;
         let fault = format!("reading it needed more than {megabytes} MB of memory");
@@ -285,7 +286,7 @@ impl ReadRequest {
         ))
     }
 
-    /// Why a child ended without a report; `exit` is none if it did not end at all.
+    /// Why a child ended without a report; `exit` is `None` if it did not end at all.
     fn ended(&self, exit: Option<Exit>, last_words: &str) -> Failure {
         let refuse = |fault: &str, help: String| {
             Failure::input(format!("{}: {fault}", self.file)).with_remedy(help)
@@ -327,8 +328,8 @@ impl ReadRequest {
     }
 }
 
-/// Follows a child's words to the last one, and takes the model file behind it, of at most
-/// `bytes_max`. None if the child ended in mid-sentence, or says that it has more.
+/// Reads a child's messages up to the last one, and the model file after it, of at most
+/// `bytes_max`. `None` if the child ended in mid-message, or claims a longer file.
 fn hear(
     words: PipeReader,
     bytes_max: u64,
@@ -341,7 +342,7 @@ fn hear(
         match serde_json::from_slice(&line).ok()? {
             ChildMessage::Progress { done, total } => progress(done, total),
             ChildMessage::Read { report, build_ns, model_bytes } => {
-                // It cannot have more than it was allowed: whoever says so speaks nonsense.
+                // A longer file than allowed cannot be valid.
                 let len = usize::try_from(model_bytes).ok().filter(|_| model_bytes <= bytes_max)?;
                 let mut bytes = open::room(len);
                 words.read_exact(bytes.bytes_mut()).ok()?;
@@ -352,10 +353,10 @@ fn hear(
     }
 }
 
-/// The start of what a child says on stderr; the rest is read, so that it never waits, and lost.
+/// The start of a child's stderr; the rest is read, so that the child never blocks, and discarded.
 fn start_of(mut complaints: PipeReader) -> String {
     let mut start = Vec::new();
-    // A pipe that breaks says no more.
+    // A broken pipe ends the output.
     let _end = complaints.by_ref().take(STDERR_MAX).read_to_end(&mut start);
     let _rest = io::copy(&mut complaints, &mut io::sink());
     String::from_utf8_lossy(&start).into_owned()

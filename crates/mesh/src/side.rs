@@ -1,4 +1,4 @@
-//! The TOML file beside a mesh: what its maker knows of mass, centre of mass, inertia and seats.
+//! The TOML file beside a mesh: its mass, centre of mass, inertia and seats as known to its maker.
 //!
 //! ```toml
 //! name = "sedan"
@@ -10,7 +10,7 @@
 //! source = "maker's data sheet, 2024"
 //! ```
 //!
-//! Every key may be left out; unknown keys are refused. Errors name file, line and column.
+//! Every key is optional; unknown keys are rejected. Errors give file, line and column.
 
 use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
 use body::{BodyKind, Meta};
@@ -21,7 +21,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use toml::Spanned;
 
-/// A side file, read and checked as far as it can be without the mesh.
+/// A side file, parsed and checked as far as possible without the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideFile {
     file: String,
@@ -42,7 +42,7 @@ struct Keys {
     source: Option<String>,
 }
 
-/// A side file was refused: `file:line:column: what`.
+/// A side file was rejected: `file:line:column: what`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {what}")]
 pub struct SideError {
@@ -52,9 +52,9 @@ pub struct SideError {
     pub line: usize,
     /// Column, from 1, in characters.
     pub column: usize,
-    /// What is wrong.
+    /// The problem.
     pub what: String,
-    /// What to do about it.
+    /// The remedy.
     pub remedy: &'static str,
 }
 
@@ -80,11 +80,11 @@ const KEYS: &str = "the keys are name, kind, mass_kg, centre_m, yaw_inertia_kg_m
                     occupants, source";
 
 impl SideFile {
-    /// Reads a side file.
+    /// Parses a side file.
     ///
     /// # Errors
     ///
-    /// If it is no TOML, has an unknown key, or a figure is not finite or out of range.
+    /// It is not valid TOML, has an unknown key, or a value is not finite or out of range.
     pub fn parse(file: &str, text: &str) -> Result<Self, SideError> {
         let keys: Keys = toml::from_str(text).map_err(|fault| {
             error(file, text, fault.span(), fault.message().trim().to_owned(), KEYS)
@@ -94,13 +94,13 @@ impl SideFile {
         Ok(side)
     }
 
-    /// The kind that the file states.
+    /// The kind stated in the file.
     #[must_use]
     pub fn kind(&self) -> Option<BodyKind> {
         self.keys.kind
     }
 
-    /// The name that the file states.
+    /// The name stated in the file.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         self.keys.name.as_ref().map(|name| name.as_ref().as_str())
@@ -143,11 +143,11 @@ impl SideFile {
         }
     }
 
-    /// Puts what the file says in the place of defaults. `bounds` is the body's box.
+    /// Replaces defaults with the values of the file. `bounds` is the body's box.
     ///
     /// # Errors
     ///
-    /// If the file contradicts the kind, or puts the centre of mass far outside of the body.
+    /// The file contradicts the kind, or puts the centre of mass far outside the body.
     pub fn apply(&self, meta: &mut Meta, bounds: &Aabb) -> Result<(), SideError> {
         let keys = &self.keys;
         if let Some(name) = self.name() {
@@ -194,8 +194,8 @@ impl SideFile {
         meta.check().or_else(|fault| self.fail(place, fault, "correct the side file or --kind"))
     }
 
-    /// The centre must lie in the body's box, grown by half its size: a frame of another origin or
-    /// another unit is caught, a chassis without its wheels is not.
+    /// The centre must lie in the body's box, grown by half its size: this catches a frame with
+    /// another origin or unit, but accepts a chassis without its wheels.
     fn check_centre(&self, centre: &Spanned<[f64; 3]>, bounds: &Aabb) -> Result<(), SideError> {
         let outside = (0..3).any(|axis| {
             let (min, max) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));

@@ -1,13 +1,13 @@
-//! Pieces of bodies on their way to a worker that copies: the payload of [`crate::MessageKind::Section`].
+//! Chunks of bodies sent to a worker that copies: the payload of [`crate::MessageKind::Section`].
 //!
-//! A piece is a run of elements of one array of one body, named by where they belong: so a worker
-//! puts them where they lie in the store, and numbers of nodes and triangles stay the same.
+//! A piece is a run of elements of one array of one body, with its position: a worker stores it at
+//! the same place as in the store, so numbers of nodes and triangles stay the same.
 //!
 //! ```text
 //! words of a piece:  [model | array << 32] [first | count << 32] [bytes, filled up with zeros]
 //! ```
 
-/// Which array of a body.
+/// An array of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Array {
@@ -29,7 +29,7 @@ impl Array {
     const ALL: [Self; 6] =
         [Self::Nodes, Self::Wide, Self::WideOf, Self::Corners, Self::SourceIds, Self::Zones];
 
-    /// Bytes of an element.
+    /// Bytes per element.
     #[must_use]
     pub const fn bytes(self) -> usize {
         match self {
@@ -47,7 +47,7 @@ impl Array {
 pub struct Piece<'p> {
     /// Number of the body in the model store.
     pub model: u32,
-    /// Which array.
+    /// The array.
     pub array: Array,
     /// Number of the first element.
     pub first: u32,
@@ -58,11 +58,11 @@ pub struct Piece<'p> {
 /// Words before the bytes of a piece.
 const HEAD: usize = 2;
 
-/// Appends as much of a piece as there is room for; says how many elements that was.
+/// Appends as much of a piece as fits; returns the number of elements appended.
 ///
 /// # Panics
 ///
-/// If the bytes are not whole elements.
+/// The bytes are not whole elements.
 pub fn write_piece(words: &mut Vec<u64>, room: usize, piece: &Piece<'_>) -> usize {
     let size = piece.array.bytes();
     assert!(piece.bytes.len().is_multiple_of(size), "elements are whole");
@@ -81,7 +81,7 @@ pub fn write_piece(words: &mut Vec<u64>, room: usize, piece: &Piece<'_>) -> usiz
     count
 }
 
-/// Takes the first piece off a message; `None` if what it says does not fit the words.
+/// Splits the first piece off a message; `None` if its header does not match the words.
 #[must_use]
 pub fn read_piece(words: &[u64]) -> Option<(Piece<'_>, &[u64])> {
     let (head, rest) = words.split_at_checked(HEAD)?;
@@ -96,7 +96,7 @@ pub fn read_piece(words: &[u64]) -> Option<(Piece<'_>, &[u64])> {
 
 #[cfg(test)]
 mod tests {
-    //! What is written comes back, in as many messages as it takes; nonsense is refused.
+    //! Pieces survive a round trip, in any number of messages; malformed ones are rejected.
     use super::*;
     use proptest::prelude::*;
 

@@ -1,14 +1,14 @@
-//! Orders to misbehave: how faults are injected into a worker from within.
+//! Fault commands: how faults are injected into a worker from within.
 //!
-//! The coordinator writes an command into the worker's line of the status page; the worker obeys it
-//! once, when it starts a job, and only if it was started with [`crate::Launch::obeys`]. All of it
-//! is behind the feature `faults`: a build without it can neither give nor read an command.
+//! The coordinator writes a command into the worker's line of the status page; the worker executes
+//! it once, when it starts a job, and only if it was started with [`crate::Launch::obeys`]. All of
+//! this is behind the feature `faults`: a build without it can neither send nor read a command.
 //!
 //! ```text
 //! word: sequence (16 bits) | fault (8) | jobs to do before (8) | argument (32)
 //! ```
 
-/// What a worker is to do.
+/// The fault to inject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum InjectedFault {
@@ -18,27 +18,27 @@ pub enum InjectedFault {
     Segfault = 2,
     /// Overflow the stack.
     Overflow = 3,
-    /// Allocate until there is no memory left for it.
+    /// Allocate until no memory is left.
     Exhaust = 4,
-    /// Panic in the job, and live.
+    /// Panic in the job, and survive.
     Panic = 5,
-    /// Burn CPU time for ever.
+    /// Use CPU time without end.
     Hang = 6,
-    /// Stand still for ever, without CPU time.
+    /// Block without end, using no CPU time.
     Stall = 7,
-    /// Flip the bit of this number (modulo its length) in the next result, after it was sealed.
+    /// Flip the bit of this number (modulo the length) in the next result, after sealing.
     Garble = 8,
-    /// State a wrong length in the next result, after it was sealed.
+    /// State a wrong length in the next result, after sealing.
     Lie = 9,
-    /// Say in the next result, soundly sealed, to be another worker.
+    /// Claim in the next result, correctly sealed, to be another worker.
     Masquerade = 10,
     /// Send the next last part of a result twice.
     Repeat = 11,
     /// Never send the next last part of a result.
     Withhold = 12,
-    /// Keep a message open, so that there is none left.
+    /// Keep a message loaned, so that none is left.
     HoldLoan = 13,
-    /// Abort whenever the job of this number is started.
+    /// Abort whenever the job with this number is started.
     Poison = 14,
     /// End with exit code 1.
     Quit = 15,
@@ -65,21 +65,21 @@ impl InjectedFault {
     ];
 }
 
-/// An command.
+/// A fault command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaultCommand {
-    /// Tells it from the one before it; not 0.
+    /// Distinguishes it from the previous one; not 0.
     pub sequence: u16,
-    /// What to do.
+    /// The fault to inject.
     pub fault: InjectedFault,
-    /// How many jobs to do properly before.
+    /// Number of jobs to complete normally first.
     pub after: u8,
-    /// A bit or a job, where the fault needs one.
+    /// A bit or a job number, if the fault needs one.
     pub argument: u32,
 }
 
 impl FaultCommand {
-    /// As it stands on the status page.
+    /// Encodes the command for the status page.
     #[must_use]
     pub fn to_word(self) -> u64 {
         u64::from(self.sequence) << 48
@@ -88,7 +88,7 @@ impl FaultCommand {
             | u64::from(self.argument)
     }
 
-    /// Reads the word; `None` if it is no command.
+    /// Decodes the word; `None` if it is not a command.
     #[must_use]
     pub fn from_word(word: u64) -> Option<Self> {
         let number = (word >> 40 & 0xff) as u8;
@@ -104,7 +104,7 @@ impl FaultCommand {
 
 #[cfg(test)]
 mod tests {
-    //! The word is read as it was written.
+    //! A word decodes to what was encoded.
     use super::*;
 
     #[test]

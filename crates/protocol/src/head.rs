@@ -16,7 +16,7 @@ use bytemuck::{Pod, Zeroable};
 /// "TRLY", little endian.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"TRLY");
 
-/// What stands before every message: one cache line.
+/// The header of every message: one cache line.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Head {
@@ -24,7 +24,7 @@ pub struct Head {
     pub magic: u32,
     /// [`crate::LAYOUT`].
     pub layout: u32,
-    /// Start of the coordinator.
+    /// The start of the coordinator.
     pub boot: u64,
     /// Request.
     pub request: u64,
@@ -62,13 +62,13 @@ const _: () = {
     assert!(core::mem::offset_of!(Head, crc) == 56);
 };
 
-/// What a message is.
+/// The kind of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum MessageKind {
     /// Jobs for a worker.
     Batch = 1,
-    /// One part of what one job found.
+    /// One part of the result of one job.
     Result = 2,
     /// A worker's first message: its results channel works.
     Hello = 3,
@@ -76,7 +76,7 @@ pub enum MessageKind {
     Nack = 4,
     /// Pieces of bodies for a worker that copies.
     Section = 5,
-    /// One part of what one job left open: a part of its result like another, never the last.
+    /// One part of what a job left open: sent like a part of its result, never the last.
     Rest = 6,
 }
 
@@ -90,7 +90,7 @@ impl MessageKind {
     }
 }
 
-/// Why a message was turned away.
+/// Why a message was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
 pub enum Reject {
     /// Another program, or another version of this one.
@@ -99,19 +99,19 @@ pub enum Reject {
     /// From an earlier run, or of an unknown kind.
     #[error("from another run")]
     Stale,
-    /// The stated length does not fit what arrived.
+    /// The stated length does not match what arrived.
     #[error("stated length does not fit")]
     Length,
-    /// Sender and channel disagree about who is speaking.
+    /// The stated sender does not own the channel.
     #[error("sender is not the owner of the channel")]
     NotOwner,
-    /// The checksum does not fit.
+    /// The checksum does not match.
     #[error("checksum does not fit")]
     Corrupt,
 }
 
 impl Head {
-    /// A header with everything at zero but magic, layout, run, request, peer and kind.
+    /// Creates a header with everything zero except magic, layout, run, request, peer and kind.
     #[must_use]
     pub fn new(boot: Boot, request: RequestId, peer: Incarnation, kind: MessageKind) -> Self {
         Self {
@@ -126,7 +126,7 @@ impl Head {
         }
     }
 
-    /// Who is at the worker's end of the channel, by the sender's own account.
+    /// The worker at its end of the channel, as stated by the sender.
     #[must_use]
     pub fn peer(&self) -> Incarnation {
         Incarnation { worker: self.worker, inc: self.inc }
@@ -138,13 +138,13 @@ impl Head {
         self.count == 1
     }
 
-    /// Checks all that can be known without the payload; `words` is what arrived.
+    /// Checks everything that does not need the payload; `words` is what arrived.
     ///
-    /// Call it on a copy: what was checked must be what is used.
+    /// Call it on a copy: the value checked must be the value used.
     ///
     /// # Errors
     ///
-    /// Says which check failed.
+    /// The check that failed.
     pub fn accept(
         &self,
         boot: Boot,
@@ -174,14 +174,14 @@ fn checksum(head: &Head, payload: &[u64]) -> u64 {
     digest.finalize()
 }
 
-/// Writes length and checksum into the header. The last thing that a sender does.
+/// Writes length and checksum into the header. This must be the sender's last step.
 #[must_use]
 pub fn seal(head: Head, payload: &[u64]) -> Head {
     let head = Head { len: u32::try_from(payload.len()).unwrap_or(u32::MAX), ..head };
     Head { crc: checksum(&head, payload), ..head }
 }
 
-/// Checks the checksum of a private copy.
+/// Verifies the checksum of a private copy.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Names of processes, requests and work that cannot be mixed up.
+//! Distinct types for the ids of processes, requests and work.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident($inner:ty)) => {
@@ -9,7 +9,7 @@ macro_rules! id {
 }
 
 id! {
-    /// One start of one coordinator: random, so that mail of an earlier run is recognised.
+    /// One start of one coordinator: random, so that messages of an earlier run are recognised.
     Boot(u64)
 }
 id! {
@@ -27,7 +27,8 @@ id! {
 
 /// One life of one worker: which core it serves, and how often it was started there.
 ///
-/// A dead worker's last words carry the old number, so nobody takes them for its successor's.
+/// The last messages of a dead worker carry the old number, so they are not mistaken for its
+/// successor's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Incarnation {
     /// Worker number, below [`crate::WORKERS_MAX`].
@@ -36,7 +37,8 @@ pub struct Incarnation {
     pub inc: u32,
 }
 
-/// A section: the subtree of a body below one node. What match schemes count and ledgers weigh.
+/// A section: the subtree of a body below one node. The unit of match schemes and of the transfer
+/// ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Section {
     /// Number of the body in the model store.

@@ -1,4 +1,4 @@
-//! What a worker is asked: a batch of jobs, with the tasks that they belong to.
+//! The work sent to a worker: a batch of jobs, with the tasks they belong to.
 //!
 //! A *task* is one question about one pose of one pair of bodies; a *job* is one pair of nodes of
 //! it. A batch carries every task that its jobs name, so a worker keeps no state between batches,
@@ -10,7 +10,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// What is asked about a pair of bodies at one pose.
+/// What to compute for a pair of bodies at one pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum WireQuestion {
@@ -30,7 +30,7 @@ impl WireQuestion {
     }
 }
 
-/// A task as it travels: 160 bytes.
+/// A task in wire format: 160 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct WireTask {
@@ -52,7 +52,7 @@ pub struct WireTask {
     pub z: [f64; 3],
 }
 
-/// A job as it travels: 32 bytes.
+/// A job in wire format: 32 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct WireJob {
@@ -64,7 +64,7 @@ pub struct WireJob {
     pub node_a: u32,
     /// Node of body B's tree.
     pub node_b: u32,
-    /// Most box and triangle tests it may take.
+    /// Maximum number of box and triangle tests.
     pub budget: u64,
     /// Attempt, from 0.
     pub attempt: u32,
@@ -76,13 +76,13 @@ const TASK_WORDS: usize = size_of::<WireTask>() / 8;
 const JOB_WORDS: usize = size_of::<WireJob>() / 8;
 const _: () = assert!(size_of::<WireTask>() == 160 && size_of::<WireJob>() == 32);
 
-/// Words that a batch of so many tasks and jobs takes.
+/// The number of words of a batch of this many tasks and jobs.
 #[must_use]
 pub const fn batch_words(tasks: usize, jobs: usize) -> usize {
     1 + tasks * TASK_WORDS + jobs * JOB_WORDS
 }
 
-/// Lays a batch out in `words`, which is cleared first.
+/// Writes a batch to `words`, which is cleared first.
 pub fn write_batch(words: &mut Vec<u64>, tasks: &[WireTask], jobs: &[WireJob]) {
     words.clear();
     words.push(tasks.len() as u64 | (jobs.len() as u64) << 32);
@@ -90,8 +90,8 @@ pub fn write_batch(words: &mut Vec<u64>, tasks: &[WireTask], jobs: &[WireJob]) {
     words.extend_from_slice(bytemuck::cast_slice(jobs));
 }
 
-/// Reads a batch; `None` if the counts do not fit the words, or a job names a task that is not
-/// here.
+/// Reads a batch; `None` if the counts do not match the words, or a job names a task that is not in
+/// the batch.
 #[must_use]
 pub fn read_batch(words: &[u64]) -> Option<(&[WireTask], &[WireJob])> {
     let (counts, rest) = words.split_first()?;

@@ -1,4 +1,4 @@
-//! What a coordinator tells a worker on its command line: one word, written and read here.
+//! What a coordinator passes to a worker on its command line: one word, encoded and decoded here.
 
 use crate::id::{Boot, Incarnation};
 
@@ -11,10 +11,10 @@ pub const EVENT_FD: i32 = 12;
 
 /// Flag: it works on copies.
 const COPIES: u8 = 1;
-/// Flag: it obeys orders. Reserved without the feature `faults`.
+/// Flag: it executes fault commands. Reserved without the feature `faults`.
 #[cfg(feature = "faults")]
 const OBEYS: u8 = 2;
-/// The flags that this build can follow.
+/// The flags that this build supports.
 #[cfg(feature = "faults")]
 const KNOWN: u8 = COPIES | OBEYS;
 #[cfg(not(feature = "faults"))]
@@ -25,23 +25,23 @@ const KNOWN: u8 = COPIES;
 pub struct Launch {
     /// Which worker this is.
     pub who: Incarnation,
-    /// Whose worker it is.
+    /// The coordinator that starts it.
     pub boot: Boot,
-    /// Most jobs in a batch.
+    /// Maximum number of jobs in a batch.
     pub batch: u32,
-    /// Most jobs that it holds.
+    /// Maximum number of jobs that it holds.
     pub queue: u32,
-    /// Whether it works on copies of sections that are sent to it, not on the store in place.
+    /// Whether it works on copies of sections sent to it, instead of on the store in place.
     pub copies: bool,
-    /// Whether it obeys an [`crate::FaultCommand`]: only where faults are injected.
+    /// Whether it executes [`crate::FaultCommand`]s: only for fault injection.
     #[cfg(feature = "faults")]
     pub obeys: bool,
-    /// Where its channels are: text made and read by the transport.
+    /// The location of its channels: text written and read by the transport.
     pub domain: String,
 }
 
 impl Launch {
-    /// The word.
+    /// Encodes the word.
     #[must_use]
     pub fn to_word(&self) -> String {
         let Self { who, boot, batch, queue, copies, domain, .. } = self;
@@ -51,8 +51,9 @@ impl Launch {
         format!("{}.{}:{:x}:{batch}:{queue}:{flags}:{domain}", who.worker, who.inc, boot.0)
     }
 
-    /// Reads the word; `None` if it was not written by [`Launch::to_word`], or asks for what this
-    /// build cannot do: one without the feature `faults` does not start as a worker that obeys.
+    /// Decodes the word; `None` if it was not written by [`Launch::to_word`], or requires something
+    /// that this build does not support: one without the feature `faults` never starts as a worker
+    /// that obeys.
     #[must_use]
     pub fn from_word(word: &str) -> Option<Self> {
         let mut fields = word.splitn(6, ':');
@@ -76,15 +77,15 @@ impl Launch {
         })
     }
 
-    /// Words that a message to the worker must have room for: every job may bring a task of its
-    /// own, and sections are sent in large chunks.
+    /// Capacity (words) of a message to the worker: every job may bring a task of its own, and
+    /// sections are sent in large chunks.
     #[must_use]
     pub fn batch_words(&self) -> usize {
         let batch = crate::job::batch_words(self.batch as usize, self.batch as usize);
         if self.copies { batch.max(CHUNK_WORDS) } else { batch }
     }
 
-    /// Batches that may lie in a job channel at once: one per job in the worst case.
+    /// Maximum number of batches in a job channel: one per job in the worst case.
     #[must_use]
     pub fn batches(&self) -> usize {
         self.queue as usize
@@ -94,15 +95,15 @@ impl Launch {
 /// Words of a chunk of sections: 64 KiB.
 pub const CHUNK_WORDS: usize = 8192;
 
-/// Words of a result message: 16 KiB, room for about 3,900 hits; more go in further parts.
+/// Words of a result message: 16 KiB, for about 3,900 hits; more go in further parts.
 pub const RESULT_WORDS: usize = 2048;
 
-/// Results that may lie in a result channel at once: a worker's credits.
+/// Maximum number of results in a result channel: a worker's credits.
 pub const RESULTS: usize = 32;
 
 #[cfg(test)]
 mod tests {
-    //! The word is read as it was written.
+    //! A word decodes to what was encoded.
     use super::*;
 
     #[test]

@@ -1,18 +1,18 @@
-//! Plain-data messages between the processes, and the names of things in them.
+//! Plain-data messages between the processes, and the ids used in them.
 //!
-//! Every message is a slice of 64-bit words behind a 64-byte [`Head`]; what the words mean is said
-//! by [`job`] and [`chunk`] (coordinator to worker) and [`result`] (worker to coordinator). The
-//! [`status`] page is the one thing that both sides may look at while it changes. What clients of
-//! the service exchange with it stands in [`public`].
+//! Every message is a slice of 64-bit words after a 64-byte [`Head`]; the words are defined by
+//! [`job`] and [`chunk`] (coordinator to worker) and [`result`] (worker to coordinator). The
+//! [`status`] page is the only data that both sides may read while it changes. [`public`] defines
+//! what clients exchange with the service.
 //!
 //! # Invariants
 //!
-//! - Every bit pattern of a message is a value: no padding, no `bool`, no `enum`, no pointer. What
-//!   a peer scribbled is a wrong value at worst, and [`Head::accept`] turns it away.
+//! - Every bit pattern of a message is a value: no padding, no `bool`, no `enum`, no pointer. A
+//!   misbehaving peer can at worst send a wrong value, and [`Head::accept`] rejects it.
 //! - Layouts are pinned by assertions beside the types; [`LAYOUT`] names them all.
-//! - Layouts are the same with and without the feature `faults`: the words of orders are there, and
-//!   nobody reads them.
-//! - This crate does no I/O and reads no clock. It does not know what a triangle is.
+//! - Layouts are the same with and without the feature `faults`: without it, the words of fault
+//!   commands exist but are not read.
+//! - This crate does no I/O and reads no clock. It does not know about triangles.
 
 pub mod chunk;
 #[cfg(feature = "faults")]
@@ -38,5 +38,5 @@ pub use status::{CoordinatorLine, StatusPage, WorkerLine, WorkerState};
 /// Version of all layouts of this crate: part of every header and of every service's attributes.
 pub const LAYOUT: u32 = 2;
 
-/// How many workers the status page has room for.
+/// Maximum number of workers on the status page.
 pub const WORKERS_MAX: usize = 16;

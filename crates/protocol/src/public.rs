@@ -1,4 +1,4 @@
-//! What clients of the service send and get: plain structs of fixed size, the same in every
+//! What clients of the service send and receive: plain structs of fixed size, the same in every
 //! language.
 //!
 //! | struct | bytes | service | who writes |
@@ -9,7 +9,7 @@
 //!
 //! Numbers are little-endian as on the machine, lengths in metres, angles in degrees, speeds in
 //! m/s, times in nanoseconds on CLOCK_MONOTONIC. No byte is padding, every bit pattern is a value;
-//! what it means is checked where it is used. A change of a layout is a new name: `v2`.
+//! values are validated where they are used. A changed layout gets a new name: `v2`.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -21,22 +21,22 @@ mod health;
 
 /// Version of these layouts: the first word of each.
 pub const VERSION: u32 = 1;
-/// Most candidates of a request.
+/// Maximum number of candidates in a request.
 pub const CANDIDATES_MAX: usize = 16;
-/// Most parties of a request: the ego, and another one for each candidate.
+/// Maximum number of parties in a request: the ego, and another one for each candidate.
 pub const PARTIES_MAX: usize = 17;
-/// Most persons that a request names.
+/// Maximum number of persons in a request.
 pub const PERSONS_MAX: usize = 64;
-/// Most clients of a service at the same time.
+/// Maximum number of simultaneous clients of a service.
 pub const CLIENTS_MAX: usize = 16;
 
 /// The request–response service.
 pub const RANK: &str = "trolley/rank/v1";
-/// The event service that a client notifies after sending: it wakes a service that sleeps.
+/// The event service that a client notifies after sending, to wake a sleeping service.
 pub const WAKE: &str = "trolley/wake/v1";
-/// Every answer, for whoever listens.
+/// Every answer, for any listener.
 pub const RANKING: &str = "trolley/ranking/v1";
-/// How the service is, for whoever listens.
+/// The state of the service, for any listener.
 pub const HEALTH: &str = "trolley/health/v1";
 
 /// A request: which of these collisions does least harm?
@@ -51,16 +51,17 @@ pub struct Ask {
     pub party_count: u32,
     /// Persons that are filled in, 0 to 64.
     pub person_count: u32,
-    /// The client's own number; the answer carries it. A client begins at random: iceoryx2 may
-    /// hand it the answer to one that was killed in its place, which it knows by this alone.
+    /// The client's own number, returned in the answer. A client starts at a random number:
+    /// iceoryx2 may hand it the answer to a client that was killed and had its slot before, which
+    /// only this number reveals.
     pub sequence: u64,
-    /// When the answer is of no more use, on CLOCK_MONOTONIC (ns); 0: never.
+    /// The time after which the answer is useless, on CLOCK_MONOTONIC (ns); 0: never.
     pub answer_by_ns: u64,
     /// [`Ask::UNKNOWN_IS_FIXED`], or 0.
     pub flags: u32,
     /// Number of the party that is the automated vehicle.
     pub ego: u32,
-    /// Whoever may be hit, and the ego.
+    /// Parties that may be hit, and the ego.
     pub parties: [WireParty; PARTIES_MAX],
     /// Persons of the parties that [`WireParty::PERSONS`] marks.
     pub persons: [Person; PERSONS_MAX],
@@ -68,20 +69,20 @@ pub struct Ask {
     pub candidates: [WireCandidate; CANDIDATES_MAX],
 }
 
-/// A physical body that may be hit. It exists once, however many candidates name it.
+/// A physical body that may be hit. It is listed once, however many candidates name it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct WireParty {
     /// Id of its model in the deployment file.
     pub model: u32,
-    /// Which of the fields below count: [`WireParty::PERSONS`], [`WireParty::MASS`], [`WireParty::UNKNOWN`],
-    /// [`WireParty::CRUSH`].
+    /// Which of the fields below are used: [`WireParty::PERSONS`], [`WireParty::MASS`],
+    /// [`WireParty::UNKNOWN`], [`WireParty::CRUSH`].
     pub flags: u32,
-    /// Mass instead of the model's (kg).
+    /// Mass (kg), overriding the model's.
     pub mass_kg: f64,
     /// Share of responsibility of its persons, 0 to 1.
     pub responsibility: f64,
-    /// Stiffness A (N/m) and B (N/m²) for the check of depth.
+    /// Stiffness A (N/m) and B (N/m²) for the depth check.
     pub crush: [f64; 2],
 }
 
@@ -111,7 +112,7 @@ pub struct WireCandidate {
     pub other: Motion,
 }
 
-/// Where a body is and how it moves.
+/// The pose and velocity of a body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Motion {
@@ -124,30 +125,32 @@ pub struct Motion {
 }
 
 impl Ask {
-    /// Flag: parties of unknown kind may be taken as fixed to the ground, with nobody in them.
+    /// Flag: parties of unknown kind may be assumed to be fixed to the ground, with no persons in
+    /// them.
     pub const UNKNOWN_IS_FIXED: u32 = 1;
 
-    /// Nothing asked yet.
+    /// An empty request.
     #[must_use]
     pub fn new(sequence: u64) -> Self {
         Self { version: VERSION, sequence, ..Self::zeroed() }
     }
 
-    /// Adds a party; its number. `None` if there is no room.
+    /// Adds a party and returns its number. `None` if there is no capacity.
     pub fn add_party(&mut self, party: WireParty) -> Option<u32> {
         *self.parties.get_mut(self.party_count as usize)? = party;
         self.party_count += 1;
         Some(self.party_count - 1)
     }
 
-    /// Adds a person; `None` if there is no room. Mark the party with [`WireParty::PERSONS`], too.
+    /// Adds a person; `None` if there is no capacity. Also mark the party with
+    /// [`WireParty::PERSONS`].
     pub fn add_person(&mut self, person: Person) -> Option<()> {
         *self.persons.get_mut(self.person_count as usize)? = person;
         self.person_count += 1;
         Some(())
     }
 
-    /// Adds a candidate; its number. `None` if there is no room.
+    /// Adds a candidate and returns its number. `None` if there is no capacity.
     pub fn add_candidate(&mut self, candidate: WireCandidate) -> Option<u32> {
         *self.candidates.get_mut(self.candidate_count as usize)? = candidate;
         self.candidate_count += 1;
@@ -156,16 +159,16 @@ impl Ask {
 }
 
 impl WireParty {
-    /// Flag: its persons are those that are listed, which may be nobody; else the model's.
+    /// Flag: its persons are exactly those listed, possibly none; otherwise the model's.
     pub const PERSONS: u32 = 1;
-    /// Flag: `mass_kg` counts.
+    /// Flag: `mass_kg` is used.
     pub const MASS: u32 = 2;
-    /// Flag: nobody knows what it is: its body is its shape alone.
+    /// Flag: its kind is unknown; only the shape of its body is known.
     pub const UNKNOWN: u32 = 4;
-    /// Flag: `crush` counts.
+    /// Flag: `crush` is used.
     pub const CRUSH: u32 = 8;
 
-    /// A party that is as its model says.
+    /// A party with the values of its model.
     #[must_use]
     pub fn of_model(model: u32) -> Self {
         Self { model, ..Self::zeroed() }

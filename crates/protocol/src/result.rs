@@ -1,9 +1,9 @@
-//! What a worker answers: the hits of one job, in one or several parts.
+//! What a worker returns: the hits of one job, in one or several parts.
 //!
-//! A part is hits alone; the last part ends with the job's [`Summary`] and, if pairs were asked
-//! for, its supports: a worker writes hits straight into shared memory before it knows which part
-//! will be the last. A hit is a triangle in leaf order with its body in the top bit, each at most
-//! once per job; two of them share a word.
+//! A part contains only hits; the last part ends with the job's [`Summary`] and, for a question
+//! about pairs, its supports: a worker writes hits straight into shared memory before it knows
+//! which part will be the last. A hit is a triangle in leaf order with its body in the top bit,
+//! each at most once per job; two of them share a word.
 //!
 //! ```text
 //! words of a part:      [hit | hit << 32]...
@@ -11,20 +11,21 @@
 //! words of a rest:      [number of the first pair] [node of A | node of B << 32]...
 //! ```
 //!
-//! A job whose budget is spent says what it left open, as pairs of nodes, before its last part.
+//! A job that exhausts its budget reports what it left open, as pairs of nodes, before its last
+//! part.
 
 use bytemuck::{Pod, Zeroable};
 
-/// How many supports a job on pairs returns: one per direction of measurement.
+/// Number of supports that a job on pairs returns: one per direction of measurement.
 pub const SUPPORTS: usize = 74;
 
 /// Words of a [`Summary`].
 pub const SUMMARY_WORDS: usize = size_of::<Summary>() / 8;
 
-/// Words that must be left free behind the hits of a part, so that it can become the last.
+/// Words that must stay free after the hits of a part, so that it can become the last.
 pub const TAIL_WORDS: usize = SUMMARY_WORDS + SUPPORTS;
 
-/// Which body a hit triangle belongs to.
+/// The body of a hit triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireSide {
     /// The ego.
@@ -33,7 +34,7 @@ pub enum WireSide {
     B,
 }
 
-/// What a finished job says of itself: 64 bytes.
+/// Statistics of a finished job: 64 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Summary {
@@ -41,7 +42,7 @@ pub struct Summary {
     pub nb: u64,
     /// Triangle-pair tests.
     pub np: u64,
-    /// Intersecting pairs (one at most if only contact was asked for).
+    /// Intersecting pairs (at most one for [`crate::WireQuestion::Touches`]).
     pub pairs: u64,
     /// Wrapping sum of splitmix64(source id in A << 32 | source id in B) over them.
     pub hash: u64,
@@ -57,7 +58,7 @@ pub struct Summary {
     pub supports: u32,
     /// Hits in all parts together.
     pub hits: u32,
-    /// Pairs of nodes that it left open, in all parts together; 0 unless it ran out of budget.
+    /// Pairs of nodes left open, in all parts together; 0 unless it ran out of budget.
     pub rest: u64,
 }
 
@@ -67,7 +68,7 @@ const _: () = assert!(size_of::<Summary>() == 64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum WireEnd {
-    /// All was tested that the question asks for.
+    /// Everything that the question requires was tested.
     Complete = 1,
     /// The budget was spent; what is left is open.
     OutOfBudget = 2,
@@ -81,7 +82,7 @@ impl WireEnd {
     }
 }
 
-/// A hit triangle as it travels. `triangle` is below 2³¹.
+/// Encodes a hit triangle for the wire. `triangle` must be below 2³¹.
 #[must_use]
 pub const fn hit(side: WireSide, triangle: u32) -> u32 {
     match side {
@@ -90,24 +91,24 @@ pub const fn hit(side: WireSide, triangle: u32) -> u32 {
     }
 }
 
-/// The triangle that a hit names.
+/// Decodes the triangle of a hit.
 #[must_use]
 pub const fn read_hit(hit: u32) -> (WireSide, u32) {
     (if hit >> 31 == 0 { WireSide::A } else { WireSide::B }, hit & 0x7fff_ffff)
 }
 
-/// The last part of a result, taken apart.
+/// The decoded last part of a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Last<'a> {
-    /// What the job says of itself.
+    /// Statistics of the job.
     pub summary: Summary,
-    /// Supports, if pairs were asked for.
+    /// Supports, for a question about pairs.
     pub supports: Option<&'a [f64; SUPPORTS]>,
     /// Hits of this part.
     pub hits: &'a [u32],
 }
 
-/// Takes the last part of a result apart; `None` if counts and words do not fit.
+/// Decodes the last part of a result; `None` if counts and words do not match.
 #[must_use]
 pub fn read_last(words: &[u64], hits: u32) -> Option<Last<'_>> {
     let (hit_words, rest) = words.split_at_checked((hits as usize).div_ceil(2))?;
@@ -125,7 +126,7 @@ pub fn read_last(words: &[u64], hits: u32) -> Option<Last<'_>> {
     Some(Last { summary, supports, hits: read_hits(hit_words, hits)? })
 }
 
-/// The hits of a part; `None` if they would take another number of words.
+/// The hits of a part; `None` if they do not match the number of words.
 #[must_use]
 pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
     let halves: &[u32] = bytemuck::try_cast_slice(words).ok()?;
@@ -133,8 +134,8 @@ pub fn read_hits(words: &[u64], hits: u32) -> Option<&[u32]> {
     (words.len() == hits.div_ceil(2)).then(|| halves.get(..hits)).flatten()
 }
 
-/// Lays pairs of nodes out as a rest, from number `first` on, as many as there is room for. Says
-/// how many those are; they take one word each, and one more.
+/// Writes pairs of nodes as a rest, from number `first` on, as many as fit. Returns their number;
+/// they take one word each, plus one.
 pub fn write_rest(
     words: &mut [u64],
     first: usize,
@@ -150,8 +151,8 @@ pub fn write_rest(
     count
 }
 
-/// The number of the first pair of a rest, and its pairs of nodes; `None` if there would be another
-/// number of them.
+/// Decodes the number of the first pair of a rest, and its pairs of nodes; `None` if their number
+/// does not match.
 #[must_use]
 pub fn read_rest(
     words: &[u64],
@@ -162,10 +163,9 @@ pub fn read_rest(
     (pairs.len() == count as usize).then(|| (*first, pairs.iter().map(read)))
 }
 
-/// Writes the hit number `at` of a part, counted from 0; hits are written in order.
+/// Writes hit number `at` of a part, counted from 0; hits are written in order.
 ///
-/// `false` if there is no room for it with [`TAIL_WORDS`] left behind, and then nothing was
-/// written.
+/// Returns `false`, writing nothing, if it does not fit with [`TAIL_WORDS`] left free.
 pub fn write_hit(words: &mut [u64], at: usize, hit: u32) -> bool {
     if at / 2 + 1 + TAIL_WORDS > words.len() {
         return false;
@@ -178,11 +178,11 @@ pub fn write_hit(words: &mut [u64], at: usize, hit: u32) -> bool {
     true
 }
 
-/// Turns a part of `hits` hits into the last one; says how many words it takes in all.
+/// Turns a part of `hits` hits into the last one; returns its total number of words.
 ///
 /// # Panics
 ///
-/// If [`TAIL_WORDS`] were not left free: [`write_hit`] sees to it.
+/// [`TAIL_WORDS`] were not left free: [`write_hit`] ensures it.
 pub fn write_last(
     words: &mut [u64],
     hits: usize,

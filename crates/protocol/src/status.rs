@@ -1,9 +1,9 @@
-//! The status page: what liveness and flow control need, in one memory page shared by all.
+//! The status page: data for liveness and flow control, in one memory page shared by all.
 //!
-//! Each worker has one line that it alone writes, and one that the coordinator alone writes for it;
-//! 128 bytes each, so that two cores never fight for a line (adjacent-line prefetch included).
-//! Everything is an atomic: a reader sees a value or the next one, never half of one. All zeros is
-//! a valid page.
+//! Each worker has one line written only by itself, and one written only by the coordinator; each
+//! has 128 bytes, so that two cores never contend for a line (adjacent-line prefetch included).
+//! Everything is atomic: a read returns the old or the new value, never a mixture. All zeros is a
+//! valid page.
 
 use crate::WORKERS_MAX;
 use crate::id::{Incarnation, JobId, RequestId};
@@ -13,17 +13,17 @@ use core::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 #[repr(C, align(128))]
 #[derive(Debug, Default)]
 pub struct StatusPage {
-    /// Written by the worker of that number.
+    /// Written by the worker with that number.
     pub workers: [WorkerLine; WORKERS_MAX],
-    /// Written by the coordinator for the worker of that number.
+    /// Written by the coordinator for the worker with that number.
     pub coordinator: [CoordinatorLine; WORKERS_MAX],
 }
 
-/// What a worker says of itself.
+/// The line of a worker.
 #[repr(C, align(128))]
 #[derive(Debug, Default)]
 pub struct WorkerLine {
-    /// Moves at least every thousand tests while it works, and at every wake-up.
+    /// Advances at least every thousand tests while it works, and at every wake-up.
     pub beat: AtomicU64,
     /// The job it is working on, see [`started`]; 0: none.
     pub started: AtomicU64,
@@ -35,38 +35,37 @@ pub struct WorkerLine {
     pub tests: AtomicU64,
     /// Jobs finished.
     pub jobs: AtomicU64,
-    /// Number of the first batch that it may still be working on: all below it are worked off or
-    /// were turned away, and what was to be sent for them was sent before this was written.
+    /// Number of the first batch that it may still be working on: all below it are processed or
+    /// rejected, and everything to be sent for them was sent before this was written.
     pub answered: AtomicU64,
-    /// When it last did what it was ordered to (ns, monotonic); 0: never. Reserved without the
+    /// When it last executed a fault command (ns, monotonic); 0: never. Reserved without the
     /// feature `faults`.
     pub obeyed_ns: AtomicU64,
     /// A [`WorkerState`].
     pub state: AtomicU32,
     /// 1 while it sleeps on [`CoordinatorLine::wake`].
     pub sleeping: AtomicU32,
-    /// The CPU it last ran on, plus one; 0: not said.
+    /// The CPU it last ran on, plus one; 0: not reported.
     pub cpu: AtomicU32,
     /// Its incarnation.
     pub inc: AtomicU32,
 }
 
-/// What the coordinator says to one worker.
+/// The coordinator's line for one worker.
 #[repr(C, align(128))]
 #[derive(Debug, Default)]
 pub struct CoordinatorLine {
-    /// Result messages taken from this incarnation.
+    /// Result messages received from this incarnation.
     pub consumed: AtomicU64,
-    /// The last request whose jobs nobody wants any more.
+    /// The last request whose jobs are obsolete.
     pub cancelled: AtomicU64,
     /// Futex word: changes when there may be something to do.
     pub wake: AtomicU32,
-    /// 1: finish the job at hand, then end.
+    /// 1: finish the current job, then exit.
     pub stop: AtomicU32,
-    /// 1 while the coordinator sleeps, so that a worker has to ring its eventfd.
+    /// 1 while the coordinator sleeps, so that a worker must signal its eventfd.
     pub sleeping: AtomicU32,
-    /// What it is ordered to do where faults are injected; 0: nothing. Reserved without the feature
-    /// `faults`.
+    /// The current fault command; 0: none. Reserved without the feature `faults`.
     pub fault_command: AtomicU64,
 }
 
@@ -75,15 +74,15 @@ const _: () = {
     assert!(size_of::<StatusPage>() == 256 * WORKERS_MAX);
 };
 
-/// How far a worker has come: it only ever counts up.
+/// The progress of a worker: it only ever increases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum WorkerState {
-    /// Nothing was heard yet.
+    /// Nothing was received yet.
     Silent = 0,
-    /// Its channels are open and its greeting is sent.
+    /// Its channels are open and its hello is sent.
     Hello = 1,
-    /// It takes jobs.
+    /// It accepts jobs.
     Ready = 2,
     /// It has said goodbye.
     Bye = 3,
@@ -99,8 +98,8 @@ impl WorkerState {
     }
 }
 
-/// Packs who works on what into one word, so that a reader never sees half of it: a flag, the low
-/// 15 bits of the incarnation, the low 8 of the request, the attempt, the job.
+/// Packs the current job into one word, so that reads are never torn: a flag, the low 15 bits of
+/// the incarnation, the low 8 of the request, the attempt, the job.
 #[must_use]
 pub fn started(from: Incarnation, request: RequestId, job: JobId, attempt: u8) -> u64 {
     let whose = u64::from(from.inc & 0x7fff) << 8 | (request.0 & 0xff);
@@ -108,7 +107,7 @@ pub fn started(from: Incarnation, request: RequestId, job: JobId, attempt: u8) -
 }
 
 /// The job and attempt of this request that a worker of this incarnation has started; `None` if
-/// none: a job of an earlier request has the number of another one's.
+/// there is none: job numbers are reused across requests.
 #[must_use]
 pub fn read_started(word: u64, from: Incarnation, request: RequestId) -> Option<(JobId, u8)> {
     let (job, attempt) = (JobId((word & 0xffff_ffff) as u32), (word >> 32 & 0xff) as u8);
@@ -122,7 +121,7 @@ impl WorkerLine {
         WorkerState::from_number(self.state.load(Ordering::Acquire))
     }
 
-    /// Blanks the line for the next incarnation. Only while no process writes it.
+    /// Clears the line for the next incarnation. Only while no process writes it.
     pub fn reset(&self) {
         let Self { beat, started, sent, bytes, tests, jobs, answered, obeyed_ns, .. } = self;
         for word in [beat, started, sent, bytes, tests, jobs, answered, obeyed_ns] {
@@ -135,7 +134,7 @@ impl WorkerLine {
 }
 
 impl CoordinatorLine {
-    /// Blanks the line for the next incarnation. Only while no worker reads it.
+    /// Clears the line for the next incarnation. Only while no worker reads it.
     pub fn reset(&self) {
         for word in [&self.consumed, &self.fault_command] {
             word.store(0, Ordering::Release);

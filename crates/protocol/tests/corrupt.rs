@@ -1,5 +1,5 @@
-//! Corrupted messages: bits flipped, bytes overwritten, words exchanged, pieces cut, repeated,
-//! taken from other messages, lengths that lie. None is accepted.
+//! Corrupted messages: bits flipped, bytes overwritten, words exchanged, pieces cut, repeated or
+//! taken from other messages, wrong lengths. None is accepted.
 
 use geometry::rng::Rng;
 use protocol::{Boot, Head, Incarnation, MessageKind, RequestId, seal, verify};
@@ -19,7 +19,7 @@ impl RandomWords {
     }
 }
 
-/// Header and payload as they lie in memory, with room behind for lengths that lie.
+/// Header and payload in memory, with space after them for wrong lengths.
 fn message(random: &mut RandomWords) -> Vec<u64> {
     let kind = if random.below(2) == 0 { MessageKind::Result } else { MessageKind::Batch };
     let payload: Vec<u64> = (0..random.below(64)).map(|_| random.word()).collect();
@@ -30,7 +30,7 @@ fn message(random: &mut RandomWords) -> Vec<u64> {
     words
 }
 
-/// As a receiver does it: length, then checksum, then all that the header says.
+/// Checks like a receiver: length, then checksum, then the header's content.
 fn is_accepted(words: &[u64]) -> bool {
     let (front, room) = words.split_at(8);
     let head: Head = bytemuck::pod_read_unaligned(bytemuck::cast_slice(front));
@@ -67,7 +67,7 @@ fn corrupt(random: &mut RandomWords, words: &[u64], other: &[u64]) -> Vec<u64> {
             bad[from..from + count].copy_from_slice(&other[from..from + count]);
         }
         _ => {
-            // The header's length, and words behind for it.
+            // The header's length, and the words for it.
             let len = random.below(80) as u64;
             bad[4] = bad[4] & 0xffff_ffff | len << 32;
             bad.resize(words.len().max(8 + len as usize), 0);
@@ -85,7 +85,7 @@ fn none_of(count: u64, seed: u64) -> (u64, u64) {
         assert!(is_accepted(&words), "what was sealed is accepted");
         for _ in 0..16 {
             let bad = corrupt(&mut random, &words, &other);
-            // The same words, or another whole message that was sealed: nothing is corrupt.
+            // Unchanged words, or another whole sealed message: nothing is corrupt.
             let used =
                 |words: &[u64]| words[..(8 + (words[4] >> 32) as usize).min(words.len())].to_vec();
             if used(&bad) == used(&words) || used(&bad) == used(&other) {
@@ -105,7 +105,7 @@ fn no_corrupted_message_is_accepted() {
     assert_eq!(accepted, 0, "of {tried}");
 }
 
-/// Prints how many: `cargo x corrupt`.
+/// Prints the counts: `cargo x corrupt`.
 #[test]
 #[ignore = "a minute: cargo x corrupt"]
 fn of_ten_million_corrupted_messages_none_is_accepted() {

@@ -10,7 +10,7 @@ pub struct Chain {
     last: Option<(String, Link)>,
 }
 
-/// A record that is not what should come next.
+/// A record that is not the next one of its chain.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ChainError {
     /// The record itself.
@@ -26,12 +26,12 @@ pub enum ChainError {
     Number {
         /// Its file.
         name: String,
-        /// What it says.
+        /// The number that it states.
         found: u64,
-        /// What comes next.
+        /// The number that should come next.
         expected: u64,
     },
-    /// The one before it is another one than it was written after.
+    /// The record before it is not the one that it was written after.
     #[error("{name}: it was written after another record than {before}")]
     Previous {
         /// Its file.

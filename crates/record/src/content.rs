@@ -1,4 +1,5 @@
-//! What a record holds. Plain values: their meaning is that of the crates which they come from.
+//! The content of a record. Plain values, whose meaning is defined by the crates that they come
+//! from.
 
 use crate::named;
 use body::Build;
@@ -41,7 +42,7 @@ pub struct RecordedBody {
     pub hash: String,
 }
 
-/// Who does the jobs.
+/// What runs the jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
@@ -65,10 +66,11 @@ impl Mode {
     }
 }
 
-/// How the work was cut. Workers and channels are named for the reader: no answer depends on them.
+/// How the work was divided. Workers and channels are listed for the reader: no answer depends on
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Who did the jobs.
+    /// What ran the jobs.
     #[serde(with = "named")]
     pub mode: Mode,
     /// Worker processes.
@@ -87,7 +89,7 @@ pub struct Settings {
     pub alpha: f64,
     /// Jobs per message.
     pub batch: u32,
-    /// Jobs on their way to one worker.
+    /// Maximum number of jobs in flight to one worker.
     pub queue: u32,
     /// Seed of every choice that is called random.
     pub seed: u64,
@@ -111,7 +113,7 @@ pub struct PoseQuestion {
 pub enum RecordedEnd {
     /// Its result was folded in.
     Done,
-    /// Its question was answered before: nobody needs it.
+    /// Its question was already answered: it was not needed.
     Cut,
     /// Given up: what it would have found is not known.
     Abandoned,
@@ -154,7 +156,7 @@ pub struct RecordedSpan {
     pub to_ns: u64,
 }
 
-/// What went from one process to another.
+/// Messages from one process to another.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
     /// Who sent.
@@ -163,7 +165,7 @@ pub struct Edge {
     pub to: String,
     /// Messages.
     pub messages: u64,
-    /// Bytes of these, headers included.
+    /// Bytes of these messages, headers included.
     pub bytes: u64,
 }
 
@@ -191,8 +193,8 @@ pub struct RecordContent {
     pub settings: Settings,
     /// Bodies, in the order of the scenario's parties.
     pub bodies: Vec<RecordedBody>,
-    /// Questions that were asked by the time of the answer, in that order. One without a job was
-    /// answered by asking: nothing was near enough.
+    /// Questions that were asked by the time of the answer, in that order. One without jobs was
+    /// answered by its traversal: nothing was near enough.
     pub places: Vec<PoseQuestion>,
     /// The job history, in the order in which jobs were closed.
     pub jobs: Vec<RecordedJob>,
@@ -204,7 +206,7 @@ pub struct RecordContent {
     pub edges: Vec<Edge>,
     /// Stages and their times.
     pub stages: Vec<RecordedStage>,
-    /// Workers lost, and what else was not as it should be.
+    /// Lost workers and other faults.
     pub faults: Vec<String>,
     /// The answer, JSON as it was decided.
     pub answer: String,

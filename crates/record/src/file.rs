@@ -54,7 +54,7 @@ pub struct Link {
     pub hash: [u8; 32],
 }
 
-/// Bytes are no record that can be trusted.
+/// Bytes that are not a trustworthy record.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecordError {
     /// Not a record.
@@ -63,12 +63,12 @@ pub enum RecordError {
     /// Written by another version.
     #[error("decision record of version {0}, this program reads version {VERSION}")]
     Version(u32),
-    /// Cut, or something was added.
+    /// Truncated or extended.
     #[error("the record states {stated} bytes and has {found}: it was cut or added to")]
     Length {
-        /// What the head says.
+        /// The length that the head states.
         stated: u64,
-        /// What there is.
+        /// The actual length.
         found: u64,
     },
     /// Changed since it was written.

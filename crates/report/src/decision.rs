@@ -1,5 +1,5 @@
-//! A decision record and its answer, made again, as plain values: what a page says of it, and what
-//! is to be seen of each candidate.
+//! A decision record and its replayed answer as plain values: the contents of a page, and a shot of
+//! each candidate.
 
 use crate::explain;
 use crate::html::{CandidateRow, DecisionPage, TimelineMoment, TimelineSpan, Worker};
@@ -87,7 +87,7 @@ fn candidate(row: &Row) -> CandidateRow {
     }
 }
 
-/// What a page says of a record whose answer was made again.
+/// The contents of the page of a replayed record.
 pub(crate) fn decision(made: &Replay, record: &Record) -> DecisionPage {
     let Record { content: record, link } = record;
     let Replay { answer, explanation, .. } = made;

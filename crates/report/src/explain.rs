@@ -67,11 +67,11 @@ pub fn text(explanation: &Explanation) -> String {
 
 /// A figure, or "–" for a body that is fixed to the ground.
 fn pair(of: [f64; 2], masses: [Option<f64>; 2], decimals: usize) -> String {
-    let one = |i: usize| match masses[i] {
+    let figure = |i: usize| match masses[i] {
         Some(_) => format!("{:.decimals$}", of[i]),
         None => "–".to_owned(),
     };
-    format!("{} / {}", one(0), one(1))
+    format!("{} / {}", figure(0), figure(1))
 }
 
 fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
@@ -217,7 +217,7 @@ fn knob(knob: &Knob) -> String {
     }
 }
 
-/// How far a number moved, in the terms of its kind.
+/// How far a value moved, in the unit of its kind.
 fn moved(reserve: &Reserve, at: f64) -> String {
     match &reserve.knob {
         Knob::Intercept { .. } => format!("odds × {}", short((at - reserve.value).exp())),

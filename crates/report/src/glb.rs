@@ -4,7 +4,7 @@
 use crate::shot::{Shot, ShotBody};
 use serde_json::{Value, json};
 
-/// Colours (RGBA): the ego, the other, what is hit, the patch.
+/// Colours (RGBA): the ego, the other, hit triangles, the patch.
 pub(crate) const COLOURS: [[u8; 4]; 4] =
     [[126, 152, 190, 255], [190, 178, 150, 255], [214, 40, 40, 255], [255, 200, 0, 255]];
 

@@ -1,5 +1,5 @@
-//! The page: what a judge would ask first, then the view, then everything an engineer asks, then
-//! the record's hashes. One file, nothing fetched: its policy forbids even trying.
+//! The page of a decision: the verdict, the 3D view, the engineering details, and the record's
+//! hashes. A single file; its content security policy forbids fetching anything.
 
 use crate::measurement::MeasurementPage;
 use crate::pack;
@@ -16,26 +16,26 @@ const THREE_LICENCE: &str = include_str!("../vendor/three.LICENSE");
 const STYLE: &str = include_str!("../page/style.css");
 const SCRIPT: &str = include_str!("../page/view.js");
 
-/// Everything a page about a decision says.
+/// The contents of a page about a decision.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DecisionPage {
-    /// What the scenario is called.
+    /// Name of the scenario.
     pub scenario: String,
     /// State of the answer: complete, certified, degraded, refused.
     pub state: String,
     /// Candidates, least harm first.
     pub candidates: Vec<CandidateRow>,
-    /// Names of the candidates that the model cannot tell from the first, itself included.
+    /// Names of the candidates that the model cannot distinguish from the first, which is included.
     pub ties: Vec<String>,
-    /// The policy, and who answers for it.
+    /// The policy.
     pub policy: String,
     /// Its board.
     pub board: String,
     /// The severity that counts: "MAIS3+".
     pub outcome: String,
-    /// How many persons are at stake.
+    /// Number of persons at stake.
     pub persons: usize,
-    /// What was assumed, what is missing, what else must be said; whole sentences.
+    /// Assumptions, missing evidence and other remarks, as sentences.
     pub remarks: Vec<String>,
     /// The chain from contact to rank, as text.
     pub explanation: String,
@@ -43,9 +43,9 @@ pub struct DecisionPage {
     pub stages: Vec<(String, f64)>,
     /// Jobs done, not needed, given up.
     pub jobs: [u64; 3],
-    /// Questions by candidate of the request: its name, jobs done for it, not needed.
+    /// Jobs by candidate of the request: its name, jobs done, jobs not needed.
     pub jobs_of: Vec<(String, u64, u64)>,
-    /// What each worker did; empty if the record does not know.
+    /// What each worker did; empty if the record does not say.
     pub workers: Vec<Worker>,
     /// What was known over time.
     pub moments: Vec<TimelineMoment>,
@@ -64,7 +64,7 @@ pub struct CandidateRow {
     pub name: String,
     /// The other party.
     pub other: String,
-    /// What meets what: "front ↔ rear", or why nothing does.
+    /// The sides that meet: "front ↔ rear", or why none do.
     pub contact: String,
     /// Whether they touch.
     pub touches: bool,
@@ -91,19 +91,19 @@ pub struct Worker {
     pub spans: Vec<TimelineSpan>,
 }
 
-/// One job on a worker (ms, from the beginning of the first).
+/// One job on a worker (ms, from the start of the first).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimelineSpan {
     /// When it began.
     pub from_ms: f64,
-    /// When its result was taken.
+    /// When its result was received.
     pub to_ms: f64,
 }
 
 /// What was known at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimelineMoment {
-    /// Since the work began (ms).
+    /// Time since the start of the work (ms).
     pub at_ms: f64,
     /// Jobs closed by then.
     pub jobs: u64,
@@ -128,7 +128,7 @@ pub(crate) fn escape(text: &str) -> String {
     escaped
 }
 
-/// A share as per cent, as many digits as tell.
+/// A share in percent, with as many digits as are significant.
 pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0".to_owned(),
@@ -168,7 +168,7 @@ pub fn measurement(measurement: &MeasurementPage) -> String {
 
 /// The frame of every page. `data` is JSON for the view.
 fn page(title: &str, body: &str, data: Option<&str>) -> String {
-    // In JSON the letter stands in strings alone; escaped, it cannot end the script element.
+    // In JSON `<` occurs in strings only; escaped, it cannot end the script element.
     let data = data.map(|data| data.replace('<', "\\u003c"));
     let scripts = data.map_or(String::new(), |data| {
         format!(
@@ -270,25 +270,21 @@ fn first_screen(decision: &DecisionPage, title: &str, body: &mut String) {
     ranking(decision, body);
 }
 
-/// The state, and whether the range of the model leaves another winner.
+/// The state, and whether another candidate could win within the range of the model.
 fn sureness(decision: &DecisionPage) -> String {
     let [done, cut, lost] = decision.jobs;
     let state = match decision.state.as_str() {
         "complete" => format!(
             "<b>Complete.</b> All work is done: {} jobs{}.",
             done,
-            if cut > 0 {
-                format!(", {cut} more turned out not to be needed")
-            } else {
-                String::new()
-            }
+            if cut > 0 { format!(", {cut} more were not needed") } else { String::new() }
         ),
-        "certified" => "<b>Certified.</b> Not all work is done, but none that is left can change \
-                        the winner."
+        "certified" => "<b>Certified.</b> Not all work is done, but none of the rest can change \
+             the winner."
             .to_owned(),
-        "degraded" => format!(
-            "<b>Degraded.</b> Work that is missing ({lost} jobs given up) could change the winner."
-        ),
+        "degraded" => {
+            format!("<b>Degraded.</b> Missing work ({lost} jobs given up) could change the winner.")
+        }
         other => format!("<b>{}.</b>", escape(other)),
     };
     let first = decision.candidates.first().map_or("", |first| first.name.as_str());
@@ -345,7 +341,7 @@ fn ranking(decision: &DecisionPage, body: &mut String) {
     );
 }
 
-/// The 3D view; without script its sentences remain.
+/// The 3D view; its text remains without JavaScript.
 fn view(decision: &DecisionPage, shots: &[Shot], body: &mut String) {
     if shots.is_empty() {
         return;
@@ -356,7 +352,7 @@ fn view(decision: &DecisionPage, shots: &[Shot], body: &mut String) {
          <p id=\"caption\"></p><p class=\"key\"><span class=\"ego\"></span> ego \
          <span class=\"other\"></span> the other <span class=\"hit\"></span> triangles that \
          intersect anywhere from first contact on <span class=\"patch\"></span> the contact patch. \
-         Drag to turn, wheel to come nearer, right button to move.</p></section>",
+         Drag to rotate, wheel to zoom, right button to pan.</p></section>",
     );
     let _names = &decision.names;
 }
@@ -381,8 +377,8 @@ fn persons(decision: &DecisionPage, body: &mut String) {
         }
     }
     body.push_str(
-        "</tbody></table></div><p class=\"key\">Risks are statistics of populations, not anybody's \
-         fate.</p></section>",
+        "</tbody></table></div><p class=\"key\">Risks are statistics of populations, not \
+         predictions for individuals.</p></section>",
     );
 }
 
@@ -405,8 +401,8 @@ fn work(decision: &DecisionPage, body: &mut String) {
         body.push_str(&chart::moments(&decision.moments, &decision.names));
     } else {
         body.push_str(
-            "<p class=\"absent\">This record holds the end alone, not what was known on the \
-             way.</p>",
+            "<p class=\"absent\">This record holds only the final intervals, not their \
+             history.</p>",
         );
     }
     body.push_str("<h3>Transfer by edge</h3>");

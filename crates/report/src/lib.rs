@@ -1,4 +1,4 @@
-//! Results, shown: one HTML file that opens from disk without a network, glTF with damage as vertex
+//! Reports of results: a single HTML file that needs no network, glTF with damage as vertex
 //! colours, and stills that need no browser.
 //!
 //! ```text
@@ -11,14 +11,14 @@
 //!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
 //! ```
 //!
-//! Files are read and written by `write` alone: everywhere else plain values come in and bytes go
-//! out. Nothing is assessed here: every figure is one that decided. All shots are in the ego's
+//! Only `write` reads and writes files: everything else takes plain values and returns bytes.
+//! Nothing is assessed here: every figure is one behind the decision. All shots are in the ego's
 //! frame, in metres, x forward, z up.
 //!
 //! # Invariants
 //!
-//! - A page asks for nothing from outside: its own policy forbids it, and `html/tests.rs` looks for
-//!   addresses. No text of a stranger's becomes markup: the same.
+//! - A page fetches nothing: its content security policy forbids it, and `html/tests.rs` looks for
+//!   addresses. Foreign text never becomes markup: `html/tests.rs`.
 //! - A still shows a triangle where it is, the nearer one before the farther: `still/tests.rs`.
 //! - A .glb is well-formed, and holds each triangle with its colour: `glb/tests.rs`.
 

@@ -1,5 +1,5 @@
 //! Candidates as an MCAP file for Foxglove and Lichtblick (mcap.dev; Foxglove schema
-//! `foxglove.SceneUpdate` in JSON): one candidate each second, each in the place of the one before.
+//! `foxglove.SceneUpdate` in JSON): one candidate each second, each replacing the one before.
 
 use crate::glb::COLOURS;
 use crate::shot::{Shot, ShotBody};
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-/// The file could not be laid out.
+/// The file cannot be encoded.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write MCAP: {0}")]
 pub struct McapError(#[from] mcap::McapError);
@@ -44,7 +44,7 @@ pub fn mcap(shots: &[&Shot], bodies: &[ShotBody]) -> Result<Vec<u8>, McapError> 
     Ok(file.into_inner())
 }
 
-/// Everything there was goes, then both bodies come, with what is hit in red.
+/// Deletes everything, then adds both bodies, with hit triangles in red.
 fn scene(shot: &Shot, bodies: &[ShotBody], number: usize) -> Value {
     let time = json!({"sec": number, "nsec": 0});
     let mut triangles = Vec::new();
@@ -102,7 +102,7 @@ fn list(points: Vec<Value>, colour: [u8; 4]) -> Value {
 
 #[cfg(test)]
 mod tests {
-    //! What is written is read again by the format's own reader, triangle by triangle.
+    //! The format's own reader reads the file back, triangle by triangle.
     use super::*;
     use crate::shot::ShotPatch;
 

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 /// What `trolley measure` wrote into a folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeasurementPage {
-    /// What it is about.
+    /// Its title.
     pub title: String,
     /// Its page, Markdown: headings, paragraphs, tables.
     pub text: String,
@@ -18,9 +18,9 @@ pub struct MeasurementPage {
 /// A figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// The file's name, as the text has it.
+    /// The file name in the text.
     pub name: String,
-    /// PNG.
+    /// The PNG data.
     pub png: Vec<u8>,
 }
 
@@ -62,7 +62,7 @@ impl MeasurementPage {
         out
     }
 
-    /// `![caption](file.png)`, with the picture inside of the page.
+    /// `![caption](file.png)`, with the picture embedded.
     fn figure(&self, line: &str) -> String {
         let parts = line.trim_start_matches("![").split_once("](");
         let Some((caption, file)) = parts else { return String::new() };
@@ -104,7 +104,7 @@ fn inline(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    //! Tables, figures and bold come out; a stranger's markup does not.
+    //! Tables, figures and bold are rendered; foreign markup is escaped.
 
     use super::*;
 

@@ -1,25 +1,25 @@
-//! Bodies made small for a page: 16-bit coordinates, base64, thinned where there is too much.
+//! Bodies compressed for a page: 16-bit coordinates, base64, thinned if too large.
 
 use crate::shot::{Shot, ShotBody};
 use serde::Serialize;
 
-/// Triangles of one body that a page holds, besides those that are hit.
+/// Maximum number of a body's triangles on a page, besides those that are hit.
 pub(crate) const TRIANGLES_MAX: usize = 120_000;
 
-/// A body as the page's script takes it.
+/// A body for the page's script.
 #[derive(Debug, Serialize)]
 pub(crate) struct Packed {
     name: String,
     triangles: usize,
     /// Triangles in the body itself.
     of: usize,
-    /// Metres of one unit.
+    /// Metres per unit.
     scale: f64,
-    /// Nine i16 per triangle, little end first, base64.
+    /// Nine little-endian i16 per triangle, base64.
     data: String,
 }
 
-/// A shot as the page's script takes it.
+/// A shot for the page's script.
 #[derive(Debug, Serialize)]
 pub(crate) struct PackedShot {
     name: String,

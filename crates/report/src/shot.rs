@@ -1,4 +1,4 @@
-//! What is to be seen of one candidate: two bodies as they lie, what is hit, and the patch.
+//! A shot of one candidate: two posed bodies, the hit triangles, and the patch.
 
 use geometry::{Corners, DVec3};
 
@@ -37,12 +37,12 @@ pub struct Shot {
     pub hits: [Vec<u32>; 2],
     /// The patch; `None` without contact.
     pub patch: Option<ShotPatch>,
-    /// What the picture shows, in a sentence.
+    /// Caption of the picture, a sentence.
     pub caption: String,
 }
 
 impl Shot {
-    /// A point of a body as it lies in this shot (m); `other`: of the other one.
+    /// A point of a body as posed in this shot (m); `other`: of the other body.
     #[must_use]
     pub fn place(&self, point: [f32; 3], other: bool) -> [f64; 3] {
         let p = point.map(f64::from);

@@ -1,13 +1,13 @@
 //! A shot as a PNG, drawn here: triangles with a depth buffer, flat shading, perspective.
 //!
-//! Four samples a pixel. What is hit is red and shines through what hides it, since bodies lie in
-//! each other there; the patch is a yellow frame in front of all.
+//! Four samples a pixel. Hit triangles are red and shine through what hides them, since the bodies
+//! overlap there; the patch is a yellow frame in front of everything.
 
 use crate::glb::COLOURS;
 use crate::shot::{Shot, ShotBody};
 use geometry::DVec3;
 
-/// From where a shot is seen.
+/// The viewpoint of a shot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Camera {
     /// From ahead and left, above.
@@ -21,7 +21,7 @@ const FINE: usize = 2;
 /// The background.
 const SKY: [f64; 3] = [250.0, 250.0, 248.0];
 
-/// The picture could not be written as PNG.
+/// The picture cannot be encoded as PNG.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot encode the picture: {0}")]
 pub struct StillError(String);
@@ -66,7 +66,7 @@ pub fn still(
     Ok(file)
 }
 
-/// Where things are on the picture.
+/// The projection onto the picture.
 struct View {
     eye: DVec3,
     right: DVec3,
@@ -90,7 +90,7 @@ impl View {
         let ahead = -from;
         let right = ahead.cross(top).normalize();
         let up = right.cross(ahead);
-        // The box of all there is to see fills the picture, whichever side is the longer one.
+        // The bounding box of the scene fills the picture, whichever side is longer.
         let mut slopes = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for corner in 0..8_u8 {
             let end = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -110,7 +110,7 @@ impl View {
         Self { eye, right, up, ahead, focal, middle }
     }
 
-    /// Pixel and distance of a point; `None` behind the eye.
+    /// Pixel and distance of a point; `None` if it is behind the eye.
     fn pixel(&self, point: DVec3) -> Option<[f64; 3]> {
         let to = point - self.eye;
         let depth = to.dot(self.ahead);
@@ -196,7 +196,7 @@ fn fill([a, b, c]: [[f64; 3]; 3], [width, height]: [usize; 2], mut put: impl FnM
             if u < 0.0 || v < 0.0 || w < 0.0 {
                 continue;
             }
-            // Distances are straight on the picture as their inverses.
+            // Inverse distances are linear on the picture.
             let depth = 1.0 / (u / a[2] + v / b[2] + w / c[2]);
             put(y * width + x, depth);
         }

@@ -1,9 +1,9 @@
-//! Text for people: lines that fit a terminal.
+//! Text that fits a terminal.
 
-/// Columns of a terminal that everything fits.
+/// Width that all text fits.
 pub const COLUMNS: u16 = 100;
 
-/// Breaks a line at spaces so that it fits; what follows stands two columns further in.
+/// Breaks a line at spaces so that it fits; continuation lines are indented by two columns.
 #[must_use]
 pub fn wrap(line: &str) -> String {
     let words = line.trim_start();

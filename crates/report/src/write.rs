@@ -1,7 +1,7 @@
 //! From a decision record or a measurement to files: a page, meshes, stills.
 //!
-//! A record holds no hit sets, so the request is made again from it, as `trolley record replay`
-//! does; if the answer is not the recorded one, nothing is written.
+//! A record holds no hit sets, so its request is replayed, as by `trolley record replay`; if the
+//! answer is not the recorded one, nothing is written.
 
 use crate::decision::{bodies, decision, shots};
 use crate::shot::{Shot, ShotBody};
@@ -16,7 +16,7 @@ const STILL: [usize; 2] = [1200, 800];
 /// Longest file of a measurement that goes into a page (bytes).
 const FILE_MAX: u64 = 16 << 20;
 
-/// What is to be written.
+/// What to write.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
     /// The page.
@@ -28,7 +28,7 @@ pub struct Wanted {
     /// All candidates as one MCAP file.
     #[cfg(feature = "mcap")]
     pub mcap: Option<PathBuf>,
-    /// Candidates that pictures are wanted of, by name; none: of all.
+    /// Names of the candidates to write pictures of; empty: all.
     pub candidates: Vec<String>,
 }
 
@@ -38,7 +38,7 @@ impl Wanted {
         self.candidates.is_empty() || self.candidates.contains(&shot.name)
     }
 
-    /// The MCAP file to write, of builds that can.
+    /// The MCAP file to write, in builds with the feature `mcap`.
     fn mcap(&self) -> Option<&Path> {
         #[cfg(feature = "mcap")]
         return self.mcap.as_deref();
@@ -52,14 +52,13 @@ impl Wanted {
     }
 }
 
-/// Shows a decision record, or a folder that `trolley measure --out` wrote; returns what was
-/// written. `models` is the folder of the model files that a record names, which are found by their
-/// hash.
+/// Renders a decision record, or a folder that `trolley measure --out` wrote; returns the files
+/// written. `models` is the folder of the record's model files, which are found by their hash.
 ///
 /// # Errors
 ///
-/// If nothing is wanted, the source cannot be read, the answer cannot be made again or is another
-/// one, there is no such candidate, or a file cannot be written.
+/// If nothing is to be written, the source cannot be read, the replay fails or gives another
+/// answer, a candidate does not exist, or a file cannot be written.
 pub fn write(
     source: &Path,
     models: Option<&Path>,
@@ -87,7 +86,7 @@ fn of_record(
     let record = Record::read(path)?;
     let made = record.replay(path, models, progress)?;
     if made.json != record.content.answer {
-        let fault = "made again, the answer is another";
+        let fault = "the replayed answer differs from the recorded one";
         return Err(Failure::new(FailureKind::Skew, fault)
             .at(path.display())
             .with_remedy("make the report with the build that recorded it; see record replay"));
@@ -119,7 +118,7 @@ fn of_record(
     Ok(written)
 }
 
-/// Writes the model and the stills of one candidate, as far as they are asked for.
+/// Writes the model and the stills of one candidate, as requested.
 fn picture(
     wanted: &Wanted,
     stem: &str,
@@ -151,7 +150,7 @@ fn folder(path: Option<&Path>) -> Result<Option<&Path>, Failure> {
     Ok(Some(path))
 }
 
-/// A name as part of a file's.
+/// A name as part of a file name.
 fn plain(name: &str) -> String {
     let word = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let dashed: String = name.chars().map(word).collect();

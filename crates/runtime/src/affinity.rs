@@ -1,6 +1,7 @@
 //! Which cores this process may use, and staying on one of them.
 //!
-//! Cores have the kernel's numbers. What is not allowed (a container's cpuset) does not exist here.
+//! Cores have the kernel's numbers. Cores that are not allowed (a container's cpuset) are treated
+//! as absent.
 
 use crate::error::{OsError, Result};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
@@ -12,7 +13,7 @@ pub fn allowed_cores() -> Vec<usize> {
     (0..CpuSet::MAX_CPU).filter(|core| set.is_set(*core)).collect()
 }
 
-/// Cores for so many workers: dealt in turn, and from the first on again where there are no more.
+/// Cores for a number of workers: assigned in turn, starting over at the first when they run out.
 /// `None`, wherever the system puts it, if no core is known.
 #[must_use]
 pub fn in_turn(cores: &[usize], workers: usize) -> Vec<Option<usize>> {

@@ -43,12 +43,12 @@ pub fn cpu_ns_of(pid: u32) -> Option<u64> {
     Some(nanoseconds(Timespec { tv_sec: time.tv_sec, tv_nsec: time.tv_nsec }))
 }
 
-/// Sleeps for so long, or until a signal comes: for threads that nobody waits for.
+/// Sleeps for `ns`, or until a signal comes: for threads that nothing waits for.
 pub fn nap_ns(length_ns: u64) {
     let _early = rustix::thread::nanosleep(&timespec(length_ns));
 }
 
-/// A number that nobody can guess: for the name of a run.
+/// An unpredictable number: for the name of a run.
 ///
 /// # Errors
 ///
@@ -67,7 +67,7 @@ fn nanoseconds(time: Timespec) -> u64 {
     seconds.saturating_mul(1_000_000_000).saturating_add(rest)
 }
 
-/// The same time as the kernel wants it.
+/// This time in the kernel's form.
 pub(crate) fn timespec(ns: u64) -> Timespec {
     Timespec {
         tv_sec: i64::try_from(ns / 1_000_000_000).unwrap_or(i64::MAX),

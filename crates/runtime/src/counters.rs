@@ -1,19 +1,20 @@
 //! Hardware counters of a process, where the kernel and the machine have any.
 //!
 //! They count from outside: the process knows nothing of it. Virtual machines often have none, and
-//! `/proc/sys/kernel/perf_event_paranoid` above 2 forbids them: each is an error that says so.
+//! `/proc/sys/kernel/perf_event_paranoid` above 2 forbids them: each case is an error with that
+//! reason.
 
 use crate::error::{OsError, Result};
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::os::fd::{FromRawFd as _, OwnedFd};
 
-/// What a process did since its counters were opened, in user mode.
+/// Counts of a process since its counters were opened, in user mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HardwareCounts {
     /// Instructions retired.
     pub instructions: u64,
-    /// Misses of the last level of cache, as far as the processor's own event says that.
+    /// Last-level cache misses, as the processor's own event defines them.
     pub cache_misses: u64,
 }
 
@@ -106,7 +107,7 @@ fn open(pid: u32, (kind, config): Event) -> io::Result<File> {
         libc::syscall(libc::SYS_perf_event_open, attributes, pid, any, any, CLOSE_ON_EXEC)
     };
     let fd = i32::try_from(fd).ok().filter(|fd| *fd >= 0).ok_or_else(io::Error::last_os_error)?;
-    // SAFETY: the kernel has just made this descriptor, and nobody else knows of it.
+    // SAFETY: the kernel has just made this descriptor, and nothing else owns it.
     Ok(File::from(unsafe { OwnedFd::from_raw_fd(fd) }))
 }
 

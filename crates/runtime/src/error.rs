@@ -1,4 +1,4 @@
-//! What the operating system refused, in words for the person at the terminal.
+//! A failed system call, in words for the person at the terminal.
 
 use diagnostic::{Diagnostic, FailureKind};
 use std::io;

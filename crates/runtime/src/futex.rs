@@ -8,10 +8,10 @@ use core::sync::atomic::AtomicU32;
 use rustix::io::Errno;
 use rustix::thread::futex::{self, Flags};
 
-/// Why a wait ended. In every case the caller looks at its words again: none is a promise.
+/// Why a wait ended. In every case the caller must check its words again: none is a guarantee.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Waited {
-    /// Somebody woke us, or a signal came.
+    /// Woken, or interrupted by a signal.
     Woken,
     /// The word was not what was expected: there was nothing to wait for.
     Changed,
@@ -19,7 +19,7 @@ pub enum Waited {
     TimedOut,
 }
 
-/// Sleeps while `word` holds `expected`, until woken, at most `timeout_ns`; `None`: for ever.
+/// Sleeps while `word` holds `expected`, until woken, at most `timeout_ns`; `None`: forever.
 ///
 /// Between the comparison and the sleep no wake-up can be lost: the kernel compares.
 #[must_use]
@@ -28,12 +28,12 @@ pub fn wait(word: &AtomicU32, expected: u32, timeout_ns: Option<u64>) -> Waited 
     match futex::wait(word, Flags::empty(), expected, timeout.as_ref()) {
         Err(Errno::AGAIN) => Waited::Changed,
         Err(Errno::TIMEDOUT) => Waited::TimedOut,
-        // Anything else is a reason to look again, which costs the caller one turn.
+        // Anything else is a reason to check again, which costs the caller one iteration.
         Ok(()) | Err(_) => Waited::Woken,
     }
 }
 
-/// Wakes everybody who sleeps on `word`; says how many. Change the word first.
+/// Wakes all threads that sleep on `word`; returns how many. Change the word first.
 pub fn wake(word: &AtomicU32) -> usize {
     futex::wake(word, Flags::empty(), i32::MAX.unsigned_abs()).unwrap_or(0)
 }

@@ -16,7 +16,7 @@
 //! # Invariants
 //!
 //! - Time is CLOCK_MONOTONIC: the wall clock may jump, nothing here sees it.
-//! - What is sealed cannot be changed by anybody: `memory/tests.rs`.
+//! - No process can change what is sealed: `memory/tests.rs`.
 //! - A [`process::Child`] is dead and reaped once it was dropped, and dies when the thread that
 //!   spawned it ends, whatever ended it: `process/tests.rs`.
 //! - No call on the way of a request blocks without a bound that the caller named.

@@ -3,7 +3,7 @@
 use crate::error::{OsError, Result};
 use rustix::process::{Resource, getrlimit};
 
-/// Most file descriptors that this process may have open; `None`: as many as it likes.
+/// Maximum number of file descriptors that this process may have open; `None`: unlimited.
 #[must_use]
 pub fn files_max() -> Option<u64> {
     getrlimit(Resource::Nofile).current

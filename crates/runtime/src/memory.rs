@@ -1,6 +1,6 @@
 //! Memory that processes share, and files as memory.
 //!
-//! - [`SealedMemory`]: written once, then read-only for everybody; the kernel refuses the rest.
+//! - [`SealedMemory`]: written once, then read-only for every process; the kernel enforces it.
 //! - [`StatusMemory`]: the one page that all may write, a [`StatusPage`] of atomics.
 //! - [`FileMap`]: a private copy of a file.
 //!

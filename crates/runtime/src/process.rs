@@ -1,4 +1,5 @@
-//! Processes: children that cannot outlive their parent, and what the kernel says of any process.
+//! Processes: children that cannot outlive their parent, and what the kernel reports of any
+//! process.
 //!
 //! A child is held by a pidfd, so a signal can never reach a stranger that got its number. It dies
 //! with the *thread* that spawned it (PR_SET_PDEATHSIG is per thread): spawn from a thread that
@@ -108,11 +109,12 @@ impl Child {
         }
     }
 
-    /// How it ended; `None` while it lives. Does not wait. Says the same thing ever after.
+    /// How it ended; `None` while it is alive. Does not wait. Once it has ended, every call returns
+    /// the same.
     ///
     /// # Errors
     ///
-    /// If somebody else has reaped it.
+    /// If it was reaped elsewhere.
     pub fn try_wait(&mut self) -> Result<Option<Exit>> {
         self.reap(WaitOptions::NOHANG)
     }
@@ -121,7 +123,7 @@ impl Child {
     ///
     /// # Errors
     ///
-    /// If somebody else has reaped it.
+    /// If it was reaped elsewhere.
     pub fn wait_ms(&mut self, timeout_ms: u64) -> Result<Option<Exit>> {
         let end = clock::now_ns().saturating_add(timeout_ms.saturating_mul(1_000_000));
         loop {
@@ -193,7 +195,7 @@ pub fn inherited(number: RawFd) -> Result<OwnedFd> {
         let error = std::io::Error::last_os_error();
         return Err(OsError::new("inherit file descriptor", number.to_string(), error));
     }
-    // SAFETY: the kernel has just made this descriptor, and nobody else knows of it.
+    // SAFETY: the kernel has just made this descriptor, and nothing else owns it.
     Ok(unsafe { OwnedFd::from_raw_fd(copy) })
 }
 
@@ -217,7 +219,7 @@ pub fn die_of(number: i32) {
     }
 }
 
-/// A process that somebody else started, held so that its number cannot become a stranger's.
+/// A process started elsewhere, held so that its id cannot be reused by another.
 #[derive(Debug)]
 pub struct Held(OwnedFd);
 
@@ -259,7 +261,7 @@ impl Held {
     }
 }
 
-/// Bounds this process for good: address space in bytes, and CPU time in seconds.
+/// Bounds this process permanently: address space in bytes, and CPU time in seconds.
 ///
 /// Beyond the first, allocations fail; beyond the second it gets SIGXCPU, and SIGKILL a second
 /// later. For a child that reads what a stranger wrote.

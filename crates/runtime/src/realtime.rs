@@ -80,7 +80,7 @@ pub fn unshare_after_fork() -> Result<()> {
     Ok(())
 }
 
-/// Makes so many bytes from this page on present and writable, as far as they are mapped.
+/// Makes `len` bytes from this page on present and writable, as far as they are mapped.
 fn populate(start: usize, bytes: usize) {
     let pages = core::ptr::with_exposed_provenance_mut(start);
     let advice = rustix::mm::Advice::LinuxPopulateWrite;

@@ -2,7 +2,7 @@
 //!
 //! | source | wakes when | reported |
 //! |---|---|---|
-//! | eventfd ([`Poller::add_event`]) | somebody rang it | again after each ring; emptied here |
+//! | eventfd ([`Poller::add_event`]) | a peer rang it | again after each ring; emptied here |
 //! | descriptor ([`Poller::add_fd`]) | it can be read | until its owner has read it empty |
 //! | child ([`Poller::add_process`]) | it ended | once |
 //! | timer ([`Poller::arm_ns`]) | its time came | once per arming |
@@ -36,7 +36,7 @@ pub const WAKES_MAX: usize = 64;
 pub enum Wake {
     /// The eventfd with this key was rung, once or more often.
     Event(u32),
-    /// The descriptor with this key can be read; whoever owns it empties it.
+    /// The descriptor with this key is readable; its owner must drain it.
     Ready(u32),
     /// The process with this key has ended and waits to be reaped.
     Process(u32),
@@ -46,7 +46,7 @@ pub enum Wake {
     Signal(i32),
 }
 
-/// What one wait brought.
+/// The result of one wait.
 #[derive(Clone, Debug)]
 pub struct Wakes {
     list: [Wake; WAKES_MAX],
@@ -168,7 +168,7 @@ impl Poller {
     ///
     /// If file descriptors ran out.
     pub fn add_process(&mut self, child: &Child, key: u32) -> Result<()> {
-        // One shot: else it would wake for ever until the child is reaped and removed.
+        // One shot: otherwise it would wake continually until the child is reaped and removed.
         self.add(child.pidfd(), Source::Process(key), EventFlags::IN | EventFlags::ONESHOT)
     }
 
@@ -227,13 +227,13 @@ impl Poller {
         Ok(())
     }
 
-    /// Waits until something happens, at most `timeout_ns` (`None`: for ever, 0: not at all).
+    /// Waits until something happens, at most `timeout_ns` (`None`: forever, 0: not at all).
     ///
     /// An interruption ends the wait early, with nothing in it.
     ///
     /// # Errors
     ///
-    /// If the kernel refuses; that would be a mistake here.
+    /// If the kernel refuses, which would be a bug here.
     pub fn wait(&mut self, timeout_ns: Option<u64>) -> Result<Wakes> {
         let zero = clock::timespec(0);
         let mut timeout = None;

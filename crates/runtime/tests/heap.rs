@@ -1,4 +1,4 @@
-//! Memory that was placed in advance costs no page fault. In a process of its own: nobody else
+//! Memory that was placed in advance costs no page fault. In a process of its own: nothing else
 //! takes from the heap meanwhile.
 
 #![cfg(target_env = "gnu")]
@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 const BYTES: usize = 16 << 20;
 
-/// Page faults of writing so many bytes of the heap.
+/// Page faults of writing `bytes` bytes of the heap.
 fn faults(bytes: usize) -> u64 {
     let (before, _) = page_faults();
     drop(black_box(vec![black_box(1_u8); bytes]));
@@ -26,6 +26,6 @@ fn what_the_heap_takes_soon_is_there_when_it_is_taken() {
     let again = faults(BYTES - 4096);
     assert!(rest > 0 && again == 0, "{rest} for the rest, {again} when it was used before");
     assert_eq!(placed, 0);
-    // More than there is harms nobody.
+    // More than available does no harm.
     soon.place(usize::MAX);
 }

@@ -24,7 +24,7 @@ struct Fault {
     misfit: Misfit,
 }
 
-/// Says where a misfit stands.
+/// Adds the position of a misfit.
 trait At<T> {
     fn at(self, path: &Path) -> Result<T, Fault>;
 }
@@ -51,7 +51,7 @@ pub(crate) fn scenario(file: &str, text: &str) -> Result<Scenario, ScenarioError
     Checker { document: &document }.scenario(raw).map_err(broken)
 }
 
-/// Whether the text says that it has the form known here.
+/// Whether the text declares the known schema version.
 fn version(document: &Document<'_>) -> Result<(), Fault> {
     let path = Path::default().key("schema");
     let fault = match document.value(&path).map(DeValue::as_str) {

@@ -1,4 +1,4 @@
-//! The text of a scenario as a tree that knows where everything stands.
+//! The text of a scenario as a tree that knows the position of everything.
 //!
 //! Places are looked up only when something is wrong or names a file, by the path of keys and
 //! numbers that leads to it; so the values themselves stay plain. It does not know what any key
@@ -84,10 +84,10 @@ impl fmt::Display for Path {
     }
 }
 
-/// What the TOML reader objects to.
+/// What the TOML reader rejects.
 pub(crate) struct Objection {
     pub(crate) place: TextPosition,
-    /// The way to what it objects to; `None` if the text is not TOML at all.
+    /// The path to what it rejects; `None` if the text is not TOML at all.
     pub(crate) path: Option<Path>,
     pub(crate) message: String,
 }
@@ -111,7 +111,7 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// What stands at the end of a path.
+    /// The value at the end of a path.
     pub(crate) fn value(&self, path: &Path) -> Option<&DeValue<'t>> {
         let mut steps = path.0.iter();
         let mut value = At::Table(self.root.get_ref()).step(steps.next()?)?;
@@ -134,7 +134,7 @@ impl<'t> Document<'t> {
         })
     }
 
-    /// Where the value at the end of a path stands, or as much of the way as there is.
+    /// The position of the value at the end of a path, or of the longest existing prefix.
     pub(crate) fn place(&self, path: &Path) -> TextPosition {
         let mut start = 0;
         let mut at = At::Table(self.root.get_ref());

@@ -1,8 +1,8 @@
 //! Settings of the engine: how the work is cut, handed out and pinned.
 //!
 //! None of them changes a complete answer; they change how long it takes and what travels. Every
-//! default stands in [`EngineSettings::DEFAULT`], with its reason. A scenario's `[engine]` table and the
-//! command line are both [`Overrides`], so both obey the same rules.
+//! default is in [`EngineSettings::DEFAULT`], with its reason. A scenario's `[engine]` table and
+//! the command line are both [`Overrides`], so both obey the same rules.
 
 use crate::error::Misfit;
 use crate::limit::{self, Limit};
@@ -63,7 +63,8 @@ pub enum Cores {
     Listed(Vec<u16>),
 }
 
-/// How the engine works. Always valid: made by [`EngineSettings::apply`] from [`EngineSettings::DEFAULT`].
+/// Settings of the engine. Always valid: made by [`EngineSettings::apply`] from
+/// [`EngineSettings::DEFAULT`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngineSettings {
     /// Worker processes, 1 to 16.
@@ -143,8 +144,6 @@ impl EngineSettings {
             new.scheme = names::meaning("scheme", word)?;
         }
         if let Some(word) = &changes.build {
-            // Files written before the paper's split was named after it say "seed".
-            let word = if word == "seed" { Build::Paper.name() } else { word };
             new.build = names::meaning("build", word)?;
         }
         match (&changes.cores, &mut new.cores) {
@@ -185,8 +184,8 @@ impl Default for EngineSettings {
     }
 }
 
-/// Settings as somebody wrote them, unchecked: the `[engine]` table of a scenario, or the command
-/// line. What is `None` stays as it is.
+/// Settings as written, unchecked: the `[engine]` table of a scenario, or the command line. What is
+/// `None` stays as it is.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[schemars(rename = "Engine", description = "How the engine works. No setting here changes a \
@@ -219,7 +218,7 @@ pub struct Overrides {
     /// Jobs on their way to one worker at most; at least batch. Default 16.
     #[schemars(range(min = limit::QUEUE.least, max = limit::QUEUE.most))]
     pub queue: Option<i64>,
-    /// How trees are built. Default seed: the split of Wiseman and Grinberg with a balance rule.
+    /// How trees are built. Default paper: the split of Wiseman and Grinberg with a balance rule.
     #[schemars(extend("enum" = names::all::<Build>()))]
     pub build: Option<String>,
     /// Triangles per leaf at most. Default 4.

@@ -25,7 +25,7 @@ use std::borrow::Cow;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}:{place}: {what}")]
 pub struct ScenarioError {
-    /// The file as it was named by whoever opened it.
+    /// The file, as named by the caller.
     pub file: String,
     /// Where in it.
     pub place: TextPosition,
@@ -36,7 +36,7 @@ pub struct ScenarioError {
 }
 
 impl ScenarioError {
-    /// An error found later, by somebody who opened what the scenario names.
+    /// An error found later, when a file that the scenario names is opened.
     #[must_use]
     pub fn new(
         file: impl Into<String>,

@@ -1,4 +1,4 @@
-//! What the TOML reader objects to, said in the scenario's own words.
+//! Errors of the TOML reader in the scenario's own terms.
 //!
 //! The reader's messages are for programmers ("unknown field `suvv`, expected one of `a`, `b`").
 //! Their first words and the names between backticks are used; a message that is not understood is
@@ -66,7 +66,7 @@ pub(crate) fn explain(objection: &Objection) -> (String, String) {
 
 const SEE_SCHEMA: &str = "`trolley schema` prints every key with its type, unit and range";
 
-/// A key that is not known where it stands.
+/// A key that is unknown at its place.
 fn unknown_key(path: &Path, message: &str) -> (String, String) {
     let key = path.last_key().unwrap_or_default();
     if path.passes("persons") || TRAITS.contains(&key) {

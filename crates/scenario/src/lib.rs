@@ -3,12 +3,13 @@
 //! ```text
 //! text (TOML) --Document--> raw tables with places --check--> Scenario: plain values, SI units
 //!                                                    |
-//! command line --Overrides---------------------------+--> EngineSettings::apply: one set of rules for both
+//! command line --Overrides---------------------------+--> EngineSettings::apply: the same rules
 //! ```
 //!
 //! Text goes in, values come out. This crate opens no file: the paths that a scenario names are
-//! returned with their [`TextPosition`], so that whoever opens them can say where the name was written. It
-//! names a policy and does not read it; it knows no mesh, no contact and no harm.
+//! returned with their [`TextPosition`], so that the caller who opens them can report where the
+//! name was written. It names a policy and does not read it; it knows no mesh, no contact and no
+//! harm.
 //!
 //! # Invariants
 //!

@@ -17,7 +17,7 @@ const fn limit<T: Copy>(least: T, most: T, unit: &'static str) -> Limit<T> {
     Limit { least, most, unit }
 }
 
-/// A microsecond to an hour: below, no message crosses; above, nobody waits.
+/// A microsecond to an hour: no message is faster, and no caller waits longer.
 pub(crate) const DEADLINE_MS: Limit<f64> = limit(0.001, 3_600_000.0, " ms");
 /// A f32 mesh 1,000 km from the origin still fits an f64 pose to a nanometre; beyond lies a wrong
 /// unit.

@@ -1,7 +1,7 @@
-//! Values that nobody wrote in a file: the same rules, without a place.
+//! Values that do not come from a file: the same rules, without a position.
 //!
-//! A request of the service carries what a scenario carries. Whoever reads it asks here whether a
-//! value may stand in a scenario.
+//! A request of the service carries what a scenario carries. Its reader checks here whether a value
+//! may stand in a scenario.
 
 use crate::error::Misfit;
 use crate::limit;

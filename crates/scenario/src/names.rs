@@ -6,11 +6,16 @@ use body::{Build, Seat, Shape};
 
 /// A thing that a scenario calls by a word.
 pub(crate) trait Named: Copy + Sized + 'static {
-    /// All of them, in the order in which people are told of them.
+    /// All values, in the order in which messages list them.
     const ALL: &'static [Self];
 
     /// The word.
     fn word(self) -> &'static str;
+
+    /// What a word means.
+    fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|thing| thing.word() == word)
+    }
 }
 
 impl Named for Shape {
@@ -35,6 +40,10 @@ impl Named for Build {
     fn word(self) -> &'static str {
         self.name()
     }
+
+    fn from_word(word: &str) -> Option<Self> {
+        Self::from_name(word)
+    }
 }
 
 impl Named for Scheme {
@@ -50,9 +59,9 @@ pub(crate) fn all<T: Named>() -> Vec<&'static str> {
     T::ALL.iter().map(|thing| thing.word()).collect()
 }
 
-/// What a word means, or which words there are.
+/// The value of a word, or an error that lists all words.
 pub(crate) fn meaning<T: Named>(setting: &'static str, word: &str) -> Result<T, Misfit> {
-    T::ALL.iter().copied().find(|thing| thing.word() == word).ok_or_else(|| {
+    T::from_word(word).ok_or_else(|| {
         let known = all::<T>();
         let list = format!("known here: {}", known.join(", "));
         let fault = format!("{setting} {} is not known", quoted(word));
@@ -70,7 +79,7 @@ pub(crate) fn quoted(name: &str) -> String {
     format!("{:?}", head + "…")
 }
 
-/// What there is, and which of it was probably meant.
+/// The known words, and the one that was probably meant.
 pub(crate) fn choices(list: &str, known: &[&str], written: &str) -> String {
     match nearest(known, written) {
         Some(name) => format!("{list}.  Did you mean {name:?}?"),
@@ -89,7 +98,7 @@ fn nearest<'k>(known: &[&'k str], written: &str) -> Option<&'k str> {
 /// How many letters must be inserted, dropped, changed or swapped with a neighbour, case ignored:
 /// optimal string alignment (Boytsov, ACM J. Exp. Algorithmics 16, 2011, section 2).
 fn distance(a: &str, b: &str) -> usize {
-    // Names are at most 60 characters long; comparing more of a wrong one helps nobody.
+    // Names are at most 60 characters long; comparing more of a wrong one is useless.
     let letters = |s: &str| -> Vec<char> {
         s.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect()
     };

@@ -1,4 +1,4 @@
-//! What fits whom: rules about the kind of a body.
+//! Rules about what fits the kind of a body.
 //!
 //! The kind of a generated body is known when the scenario is read, that of a model file only when
 //! it is opened. So the same rules are applied twice: [`crate::Scenario::parse`],

@@ -1,7 +1,7 @@
 //! A scenario as values: checked, in SI units, in world coordinates.
 //!
-//! What stands here is in range and consistent if [`Scenario::parse`] made it. Paths are as
-//! written, relative to the scenario's own file.
+//! Values made by [`Scenario::parse`] are in range and consistent. Paths are as written, relative
+//! to the scenario's own file.
 
 use crate::check;
 use crate::document::TextPosition;
@@ -55,7 +55,7 @@ pub struct PartyIndex(pub usize);
 pub struct FileRef {
     /// The path, relative to the scenario's file unless it is absolute.
     pub path: String,
-    /// Where it was written, for the error of whoever cannot open it.
+    /// Where it was written, for the error if it cannot be opened.
     pub place: TextPosition,
 }
 
@@ -65,7 +65,7 @@ pub struct FileRef {
 pub struct Party {
     /// Its name, unique in the scenario.
     pub name: Name,
-    /// Where its table stands.
+    /// The position of its table.
     pub place: TextPosition,
     /// Where its triangles come from.
     pub source: Source,
@@ -77,7 +77,7 @@ pub struct Party {
     pub persons: Option<Occupants>,
     /// Share of responsibility of its persons, 0 to 1.
     pub responsibility: f64,
-    /// Nobody knows what it is: its body is its shape alone.
+    /// Its kind is unknown: its body is its shape alone.
     pub is_unknown: bool,
     /// Stiffness A (N/m) and B (N/m²) for the check of depth.
     pub crush: Option<[f64; 2]>,
@@ -104,7 +104,7 @@ pub enum Source {
 pub struct Candidate {
     /// What people call it.
     pub name: Name,
-    /// Where it stands in the file.
+    /// Its position in the file.
     pub place: TextPosition,
     /// Probability that the collision happens if this candidate is chosen, 0 to 1.
     pub probability: f64,
@@ -170,20 +170,20 @@ impl Scenario {
     /// Whether the bodies that were opened can play their parts; `kinds[i]` is that of
     /// `parties[i]`.
     ///
-    /// The kind of a model file is known only when it is open, so whoever opens it asks here: the
-    /// ego must be a vehicle, persons must have seats that there are, and a fixed object has
-    /// neither mass nor persons nor speed. For generated bodies [`Scenario::parse`] has checked
+    /// The kind of a model file is known only when it is open, so the caller who opens it checks
+    /// here: the ego must be a vehicle, persons must have seats that there are, and a fixed object
+    /// has neither mass nor persons nor speed. For generated bodies [`Scenario::parse`] has checked
     /// all this.
     ///
     /// # Errors
     ///
     /// The first body that does not fit, at its party or at the candidate that moves it.
     pub fn check_kinds(&self, file: &str, kinds: &[BodyKind]) -> Result<(), ScenarioError> {
-        let at = |place: TextPosition| {
+        let error_at = |place: TextPosition| {
             move |misfit: Misfit| ScenarioError::new(file, place, misfit.what, misfit.remedy)
         };
         for (index, (party, kind)) in self.parties.iter().zip(kinds).enumerate() {
-            let broken = at(party.place);
+            let broken = error_at(party.place);
             if PartyIndex(index) == self.ego {
                 rules::ego_fits(*kind).map_err(&broken)?;
             }
@@ -196,7 +196,7 @@ impl Scenario {
         for candidate in &self.candidates {
             if let Some(kind) = kinds.get(candidate.other.party.0) {
                 rules::stands_still(*kind, candidate.other.state.velocity_m_s)
-                    .map_err(at(candidate.place))?;
+                    .map_err(error_at(candidate.place))?;
             }
         }
         Ok(())

@@ -1,11 +1,11 @@
-//! From the engine's answer to the one on the wire. The only place where states are mapped.
+//! Encodes the engine's answer for the wire. The only place where states are mapped.
 
 use crate::ask::seat_number;
 use coordinator::{AnswerRow, AnswerView};
 use damage::AnswerState;
 use protocol::public::{Reason, VERSION, WireAnswer, WirePlace, WireState, flag};
 
-/// The verdict that a state is.
+/// The verdict of a state.
 fn verdict(state: AnswerState) -> WireState {
     match state {
         AnswerState::Complete => WireState::Complete,
@@ -15,7 +15,7 @@ fn verdict(state: AnswerState) -> WireState {
     }
 }
 
-/// Lays an answer out. Names of candidates and parties are their numbers: see `ask.rs`.
+/// Encodes an answer. Candidates and parties are named by their numbers: see `ask.rs`.
 pub(crate) fn lay_out(sequence: u64, answer: &AnswerView<'_>) -> WireAnswer {
     let verdict = verdict(answer.state());
     let reason = if verdict == WireState::Refused { Reason::Unassessable } else { Reason::None };

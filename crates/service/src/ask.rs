@@ -1,7 +1,7 @@
-//! From a request as it came to one that the engine takes: every value is checked here, once.
+//! Turns a received request into one for the engine: every value is checked here, once.
 //!
-//! Candidates and parties have numbers on the wire; the engine calls them by names, which are these
-//! numbers written out. Nothing here depends on when a request came or on what was asked before.
+//! Candidates and parties have numbers on the wire; their names in the engine are these numbers in
+//! decimal. Nothing here depends on when a request arrives or on earlier requests.
 
 use crate::deployment::Deployment;
 use body::{BodyKind, BodyView, Meta, Seat, meta::Occupant};
@@ -14,7 +14,7 @@ use scenario::{
 use smallvec::SmallVec;
 use smol_str::format_smolstr;
 
-/// Why a request is refused, for the program and for people.
+/// Why a request is refused, as a code and as text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Refusal {
     pub(crate) reason: Reason,
@@ -25,17 +25,17 @@ fn refuse<T>(reason: Reason, text: impl Into<String>) -> Result<T, Refusal> {
     Err(Refusal { reason, text: text.into() })
 }
 
-/// A request that was checked.
+/// A checked request.
 #[derive(Clone, Debug)]
 pub(crate) struct Checked {
     pub(crate) scenario: Scenario,
     /// The body of each party in the store.
     pub(crate) models: SmallVec<[usize; PARTIES_MAX]>,
-    /// What was assumed because nobody knows it.
+    /// Assumptions about parties of unknown kind.
     pub(crate) has_unknown: bool,
 }
 
-/// Room for what a request lists.
+/// Buffers for the lists of a request.
 #[derive(Debug, Default)]
 pub(crate) struct Lists {
     parties: Vec<scenario::Party>,
@@ -43,7 +43,7 @@ pub(crate) struct Lists {
 }
 
 impl Checked {
-    /// The room, for the next request.
+    /// Returns the buffers for the next request.
     pub(crate) fn into_room(self) -> Lists {
         let Scenario { mut parties, mut candidates, .. } = self.scenario;
         parties.clear();
@@ -69,16 +69,17 @@ pub fn seat_number(seat: Option<Seat>) -> u32 {
     SEATS.iter().position(|known| *known == seat).unwrap_or(0) as u32
 }
 
-/// Checks a request against the deployment and its bodies. The room is that of an earlier request.
+/// Checks a request against the deployment and its bodies. `buffers` are those of an earlier
+/// request.
 pub(crate) fn check(
     ask: &Ask,
     deployment: &Deployment,
     bodies: &[(Meta, BodyView<'_>)],
-    room: Lists,
+    buffers: Lists,
 ) -> Result<Checked, Refusal> {
     counts(ask)?;
     let parties = &ask.parties[..ask.party_count as usize];
-    let Lists { parties: mut checked, candidates } = room;
+    let Lists { parties: mut checked, candidates } = buffers;
     let mut models = SmallVec::<[usize; PARTIES_MAX]>::new();
     for (number, party) in parties.iter().enumerate() {
         let Some(model) = deployment.model(party.model) else {
@@ -120,7 +121,7 @@ pub(crate) fn check(
     Ok(Checked { scenario, models, has_unknown })
 }
 
-/// Places in errors of `scenario`: a party's number, and a candidate's behind them.
+/// Places in errors of `scenario`: the party numbers, then the candidate numbers.
 fn place(number: usize) -> TextPosition {
     TextPosition { line: number, column: 0 }
 }
@@ -132,7 +133,7 @@ fn whose(number: usize) -> String {
     }
 }
 
-/// Version, counts, flags: whatever would make the rest mean something else.
+/// Checks version, counts and flags, which decide what the rest means.
 fn counts(ask: &Ask) -> Result<(), Refusal> {
     if ask.version != VERSION {
         let text = format!("layout {} is not known, this is {VERSION}", ask.version);
@@ -148,15 +149,16 @@ fn counts(ask: &Ask) -> Result<(), Refusal> {
         }
     }
     if ask.ego >= ask.party_count {
-        return refuse(Reason::Malformed, format!("the ego is party {}: there is none", ask.ego));
+        let text = format!("the ego is party {}, which does not exist", ask.ego);
+        return refuse(Reason::Malformed, text);
     }
     if ask.flags & !Ask::UNKNOWN_IS_FIXED != 0 {
-        return refuse(Reason::Malformed, format!("flags {:#x} mean nothing", ask.flags));
+        return refuse(Reason::Malformed, format!("unknown flags {:#x}", ask.flags));
     }
     let persons = &ask.persons[..ask.person_count as usize];
     for (number, person) in persons.iter().enumerate() {
         if person.party >= ask.party_count {
-            let text = format!("person {number}: there is no party {}", person.party);
+            let text = format!("person {number}: party {} does not exist", person.party);
             return refuse(Reason::Malformed, text);
         }
         if ask.parties[person.party as usize].flags & WireParty::PERSONS == 0 {
@@ -164,7 +166,7 @@ fn counts(ask: &Ask) -> Result<(), Refusal> {
             return refuse(Reason::Malformed, text);
         }
         if person.seat as usize >= SEATS.len() {
-            let text = format!("person {number}: there is no seat {}", person.seat);
+            let text = format!("person {number}: seat {} does not exist", person.seat);
             return refuse(Reason::Malformed, text);
         }
     }
@@ -182,14 +184,14 @@ fn party_of(ask: &Ask, number: usize, party: &WireParty) -> Result<scenario::Par
     const KNOWN: u32 = WireParty::PERSONS | WireParty::MASS | WireParty::UNKNOWN | WireParty::CRUSH;
     let beyond = beyond(number);
     if party.flags & !KNOWN != 0 {
-        let text = format!("party {number}: flags {:#x} mean nothing", party.flags);
+        let text = format!("party {number}: unknown flags {:#x}", party.flags);
         return refuse(Reason::Malformed, text);
     }
     let has = |flag: u32| party.flags & flag != 0;
     if has(WireParty::UNKNOWN)
         && (has(WireParty::PERSONS) || has(WireParty::MASS) || has(WireParty::CRUSH))
     {
-        let text = format!("party {number}: of an unknown kind only the shape is known");
+        let text = format!("party {number}: a party of unknown kind has a shape only");
         return refuse(Reason::Misfit, text);
     }
     let persons = has(WireParty::PERSONS).then(|| {
@@ -200,7 +202,7 @@ fn party_of(ask: &Ask, number: usize, party: &WireParty) -> Result<scenario::Par
     Ok(scenario::Party {
         name: format_smolstr!("{number}"),
         place: place(number),
-        // Bodies are in the store already: nobody looks for this one.
+        // Bodies are in the store already: this path is never read.
         source: scenario::Source::File(scenario::FileRef {
             path: String::new(),
             place: place(number),
@@ -224,7 +226,7 @@ fn listed(ask: &Ask, mut candidates: Vec<Candidate>) -> Result<Vec<Candidate>, R
     for (number, asked) in ask.candidates[..ask.candidate_count as usize].iter().enumerate() {
         let at = PARTIES_MAX + number;
         if asked.party >= ask.party_count || asked.party == ask.ego {
-            let text = format!("candidate {number}: party {} is none to hit", asked.party);
+            let text = format!("candidate {number}: party {} cannot be hit", asked.party);
             return refuse(Reason::Malformed, text);
         }
         let beyond = beyond(at);
@@ -246,11 +248,11 @@ fn listed(ask: &Ask, mut candidates: Vec<Candidate>) -> Result<Vec<Candidate>, R
     Ok(candidates)
 }
 
-/// The request that asks what a scenario asks. `model` gives the id of each party's model.
+/// The request of a scenario. `model` gives the id of each party's model.
 ///
 /// # Errors
 ///
-/// What does not fit: more persons than a request names.
+/// If the scenario does not fit: it has too many persons, parties or candidates.
 pub fn of_scenario(
     scenario: &Scenario,
     models: &[u32],

@@ -1,5 +1,5 @@
-//! Who does the work: a worker pool of worker processes, in which whoever is lost has a successor, or, for
-//! comparison and for machines with a single core, this process itself.
+//! What executes requests: a worker pool that replaces lost workers, or, for comparison and for
+//! machines with a single core, this process itself.
 
 use body::{BodyView, Meta};
 use coordinator::{
@@ -8,23 +8,23 @@ use coordinator::{
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
 
-/// What wakes this process while it has no worker pool.
+/// Wakes this process while it has no worker pool.
 const WAKE_KEY: u32 = 0;
 
-/// The workers, or what stands in their place.
+/// The workers, or the in-process substitute.
 pub(crate) struct ServiceBackend<'s> {
-    /// Where this process sleeps while it has no worker pool.
+    /// The epoll that this process sleeps on while it has no worker pool.
     guard: Poller,
     pub(crate) backend: Backend,
     store: &'s SealedMemory,
 }
 
-/// A signal came.
+/// A signal arrived.
 #[derive(Debug)]
 pub(crate) struct Interrupted;
 
 impl<'s> ServiceBackend<'s> {
-    /// Starts the workers; `None` for options: all work is done here.
+    /// Starts the workers; without options, all work is done in this process.
     pub(crate) fn start(
         (store, bodies): (&'s SealedMemory, &'s [(Meta, BodyView<'s>)]),
         options: Option<&Options>,
@@ -45,7 +45,7 @@ impl<'s> ServiceBackend<'s> {
         Ok(Self { guard, backend, store })
     }
 
-    /// Gives successors to those who were lost, and does not wait for them.
+    /// Starts replacements for lost workers, without waiting for them.
     pub(crate) fn mend(&mut self) -> Result<Mended, WorkerPoolError> {
         let store = self.store;
         self.backend
@@ -58,12 +58,12 @@ impl<'s> ServiceBackend<'s> {
         self.backend.worker_pool().map(WorkerPool::pids).unwrap_or_default()
     }
 
-    /// Workers that there should be.
+    /// Configured number of workers.
     pub(crate) fn size(&self) -> usize {
         self.backend.worker_pool().map_or(0, WorkerPool::size)
     }
 
-    /// Workers that are gone.
+    /// Number of lost workers.
     pub(crate) fn missing(&self) -> usize {
         self.backend.worker_pool().map_or(0, WorkerPool::missing)
     }
@@ -73,7 +73,7 @@ impl<'s> ServiceBackend<'s> {
         self.backend.shares()
     }
 
-    /// Sleeps until somebody rings, a worker ends or a signal comes, at most so long; 0: looks.
+    /// Sleeps until a client rings, a worker ends, a signal arrives or the timeout passes; 0 polls.
     pub(crate) fn idle(&mut self, timeout_ns: u64) -> Result<Option<Interrupted>, OsError> {
         if let Some(worker_pool) = self.backend.worker_pool_mut() {
             return match worker_pool.idle(timeout_ns) {

@@ -1,13 +1,13 @@
-//! What was asked and what was answered, kept in files that are bounded and chained.
+//! Requests and their answers, kept in bounded and chained files.
 //!
 //! ```text
 //! decisions-00000007.bin: [magic 8] [number of the file 8] [hash before 32]  then per decision
 //!                         [Ask 3536] [Answer 2016] [hash 32]
 //! ```
 //!
-//! A hash is BLAKE3 over the hash before it and the two structs; the first of a file follows on the
-//! last of the file before. When a file is full the next begins; the oldest goes. Removing whole
-//! files from either end cannot be seen in what is left.
+//! A hash is BLAKE3 over the hash before it and the two structs; the first of a file continues the
+//! last of the file before. When a file is full, the next begins, and the oldest is deleted.
+//! Removing whole files from either end cannot be detected from the rest.
 
 use crate::deployment::Decisions;
 use bytemuck::Zeroable as _;
@@ -22,12 +22,12 @@ const MAGIC: [u8; 8] = *b"TROLDEC\n";
 const HEAD: usize = 8 + 8 + 32;
 const ENTRY: usize = size_of::<Ask>() + size_of::<WireAnswer>() + 32;
 
-/// A decision as it was kept.
+/// A stored decision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// What was asked.
+    /// The request.
     pub ask: Ask,
-    /// What was answered.
+    /// The answer.
     pub answer: WireAnswer,
 }
 
@@ -37,10 +37,10 @@ pub enum DecisionError {
     /// It cannot be read.
     #[error("cannot read it: {0}")]
     Io(#[from] io::Error),
-    /// It is no such file.
-    #[error("it does not begin as a file of decisions does")]
+    /// It is not a file of decisions.
+    #[error("this is not a file of decisions")]
     Foreign,
-    /// It was changed since it was written.
+    /// It has been changed since it was written.
     #[error("decision {0} was changed since it was written: its hash does not match")]
     Changed(usize),
 }
@@ -53,18 +53,18 @@ impl Diagnostic for DecisionError {
     fn remedy(&self) -> Option<Cow<'_, str>> {
         match self {
             Self::Io(_) => None,
-            Self::Foreign => Some("name a file that a service kept".into()),
-            Self::Changed(_) => Some("take the copy of another keeper, and compare".into()),
+            Self::Foreign => Some("name a file that a service wrote".into()),
+            Self::Changed(_) => Some("compare with a copy kept elsewhere".into()),
         }
     }
 }
 
-/// Reads a file of decisions and checks its chain. One that was cut in the middle of an entry gives
-/// those before it.
+/// Reads a file of decisions and checks its chain. A file cut in the middle of an entry yields the
+/// entries before it.
 ///
 /// # Errors
 ///
-/// If it cannot be read, is no such file, or was changed.
+/// If the file cannot be read, is not a file of decisions, or was changed.
 pub fn read_decisions(path: &Path) -> Result<Vec<Decision>, DecisionError> {
     let bytes = fs::read(path)?;
     let (head, body) = bytes.split_at_checked(HEAD).ok_or(DecisionError::Foreign)?;
@@ -106,7 +106,7 @@ pub(crate) struct Book {
 }
 
 impl Book {
-    /// Goes on behind what is in the folder, in a file of its own.
+    /// Continues the chain of the files in the folder, in a new file.
     pub(crate) fn open(settings: &Decisions) -> io::Result<Self> {
         fs::create_dir_all(&settings.folder)?;
         let files = numbers(&settings.folder)?;
@@ -185,7 +185,7 @@ fn numbers(folder: &Path) -> io::Result<Vec<u64>> {
 
 #[cfg(test)]
 mod tests {
-    //! What is kept is what was asked and answered; every changed byte is found; files are bounded.
+    //! Requests and answers are kept unchanged; every changed byte is found; files are bounded.
 
     use super::*;
     use protocol::public::{Reason, WireState};
@@ -207,7 +207,7 @@ mod tests {
         let entries = read_decisions(&name(&settings.folder, 2)).unwrap();
         assert_eq!(entries.len(), 2);
         assert_eq!((entries[0].ask, entries[0].answer), (Ask::new(6), answer(6)));
-        // The next run goes on in the chain.
+        // The next run continues the chain.
         Book::open(&settings).unwrap().add(&Ask::new(8), &answer(8)).unwrap();
         assert_eq!(numbers(&settings.folder).unwrap(), [2, 3]);
         let path = name(&settings.folder, 3);

@@ -1,7 +1,7 @@
-//! The deployment file: which models, how many workers, where, and what the service may take.
+//! The deployment file: models, workers, folders, and the resources that the service may use.
 //!
-//! Every value that is not written has its default here, with its reason; keys that are not known
-//! are refused, with their line. It opens no file: paths are returned as they were written.
+//! Every missing value has its default here, with its reason; unknown keys are refused, with their
+//! line. No file is opened: paths are returned as written.
 
 use body::Shape;
 use diagnostic::{Diagnostic, FailureKind};
@@ -10,17 +10,17 @@ use serde::Deserialize;
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-/// Name and version of the form, the value of the key `schema`.
+/// Name and version of the format, the value of the key `schema`.
 pub const SCHEMA: &str = "trolley.deployment/1";
 
 /// Longer texts are refused unread: 64 models need 10 kB.
 pub const TEXT_BYTES_MAX: usize = 1 << 20;
-/// Most models of a deployment.
+/// Maximum number of models in a deployment.
 const MODELS_MAX: usize = 64;
-/// Most requests that wait: one of each client.
+/// Maximum number of waiting requests: one per client.
 const QUEUE_MAX: usize = protocol::public::CLIENTS_MAX;
 
-/// How a service is set up. Always valid: made by [`Deployment::parse`].
+/// The settings of a service. Always valid: made by [`Deployment::parse`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deployment {
     /// Name of the instance: part of every shared name.
@@ -29,19 +29,19 @@ pub struct Deployment {
     pub folder: String,
     /// Bodies that requests may name, in the file's order.
     pub models: Vec<Model>,
-    /// Policy file; `None`: the one that comes with the program.
+    /// Policy file; `None`: the built-in one.
     pub policy: Option<PathBuf>,
-    /// Injury risk curves; `None`: those of the program.
+    /// Injury risk curves; `None`: the built-in ones.
     pub curves: Option<PathBuf>,
     /// Workers, cores, depth, batches.
     pub engine: EngineSettings,
     /// Requests that may wait; more are answered *busy*.
     pub queue: usize,
-    /// What the service does while nothing is asked.
+    /// What the service does while it is idle.
     pub idle: Idle,
     /// Priorities and memory.
     pub realtime: Realtime,
-    /// How often lost workers have successors.
+    /// How often lost workers are replaced.
     pub restarts: RestartLimits,
     /// Where a Prometheus text file is written, and how often (s).
     pub metrics: Option<Metrics>,
@@ -54,7 +54,7 @@ pub struct Deployment {
 pub struct Model {
     /// Its number in requests.
     pub id: u32,
-    /// What people call it.
+    /// Its name in messages.
     pub name: String,
     /// Where its triangles come from.
     pub source: ModelSource,
@@ -67,7 +67,7 @@ pub enum ModelSource {
     File(PathBuf),
     /// The built-in generator.
     Generate {
-        /// What it is.
+        /// Its shape.
         shape: Shape,
         /// How many triangles.
         triangles: u32,
@@ -76,14 +76,14 @@ pub enum ModelSource {
     },
 }
 
-/// What the service does while nothing is asked.
+/// What the service does while it is idle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Idle {
-    /// It sleeps until a client rings: a few microseconds more, and no core is taken.
+    /// Sleep until a client rings: costs a few microseconds, but occupies no core.
     #[default]
     Park,
-    /// It looks all the time: it needs a core of its own.
+    /// Poll continuously: needs a core of its own.
     Spin,
 }
 
@@ -99,19 +99,20 @@ pub struct Realtime {
     pub priority: i32,
     /// SCHED_FIFO priority of the workers; 0: none. Below the coordinator's, which shares a core.
     pub worker_priority: i32,
-    /// Heap that is touched in advance (MiB).
+    /// Heap to touch in advance (MiB).
     pub heap_mib: usize,
 }
 
 impl Default for Realtime {
     fn default() -> Self {
-        // Interrupt threads have 50: workers stand below, the coordinator above. A request of 16
+        // Interrupt threads have 50: workers are below, the coordinator above. A request of 16
         // candidates with bodies of a million triangles takes less than 64 MiB.
         Self { require: false, lock_memory: true, priority: 60, worker_priority: 40, heap_mib: 64 }
     }
 }
 
-/// How many deaths of workers there may be before one has no successor until some are longer ago.
+/// Maximum numbers of worker deaths within a time; beyond them a lost worker is not replaced until
+/// some of the deaths are older.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RestartLimits {
@@ -131,7 +132,7 @@ impl Default for RestartLimits {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Metrics {
-    /// Where it is written; the folder must be there.
+    /// Its path; the folder must exist.
     pub file: PathBuf,
     /// How often (s), 1 to 3600.
     #[serde(default = "one")]
@@ -151,7 +152,7 @@ pub struct Decisions {
     /// Requests per file.
     #[serde(default = "ten_thousand")]
     pub per_file: u32,
-    /// Files that are kept; the oldest goes.
+    /// Number of files to keep; the oldest is deleted.
     #[serde(default = "sixteen")]
     pub files: u32,
 }
@@ -164,7 +165,7 @@ fn sixteen() -> u32 {
     16
 }
 
-/// A deployment that cannot be used: file, place and fault, in that order; the remedy beside.
+/// An invalid deployment: file, place and fault, in that order, and separately the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{place}: {what}")]
 pub struct DeploymentError {
@@ -238,7 +239,7 @@ impl Deployment {
     ///
     /// # Errors
     ///
-    /// The first fault found, with its place and what to do about it.
+    /// The first fault found, with its place and remedy.
     pub fn parse(file: &str, text: &str) -> Result<Self, DeploymentError> {
         let broken = |place: String, what: String, remedy: &str| DeploymentError {
             file: file.to_owned(),
@@ -312,7 +313,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     let RestartLimits { core_in_10_s, all_in_60_s } = raw.restarts;
     if core_in_10_s == 0 || all_in_60_s == 0 {
         let help = "one restart at least: core_in_10_s = 5, all_in_60_s = 10 are the defaults";
-        return wrong("restarts", "no worker would ever have a successor".to_owned(), help);
+        return wrong("restarts", "no worker would ever be replaced".to_owned(), help);
     }
     if raw.metrics.as_ref().is_some_and(|metrics| !(1..=3600).contains(&metrics.every_s)) {
         return wrong("every_s", "every_s is out of range".to_owned(), "every_s may be 1 to 3600");

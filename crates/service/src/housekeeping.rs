@@ -1,7 +1,7 @@
-//! The thread beside the service: it cleans up behind dead clients, and writes files.
+//! The housekeeping thread: cleans up after dead clients, and writes files.
 //!
-//! What it is handed goes through a queue of fixed length: the service never waits for a disk. A
-//! decision that finds the queue full is lost, and that is said.
+//! The service hands it work through a queue of fixed length, and so never waits for a disk. A
+//! decision that finds the queue full is lost, with a warning.
 
 use crate::decisions::Book;
 use crate::deployment::Deployment;
@@ -16,24 +16,24 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use transport::service::Housekeeper;
 
-/// Decisions that may wait to be written.
+/// Capacity of the queue of decisions to write.
 const WAITING: usize = 1024;
-/// How often dead clients are cleaned up behind (ns): as often as a client may be replaced by hand.
+/// Interval between cleanups after dead clients (ns): as often as a client may be replaced by hand.
 const CLEAN_NS: u64 = 500_000_000;
-/// How often files are written (ns).
+/// Interval between writes of files (ns).
 const NAP_NS: u64 = 50_000_000;
 
 #[derive(Debug)]
 struct Shared {
     decisions: ArrayQueue<Box<(Ask, WireAnswer)>>,
-    /// The boxes come back, so that keeping a decision allocates nothing.
+    /// Boxes are returned for reuse, so that keeping a decision allocates nothing.
     empty: ArrayQueue<Box<(Ask, WireAnswer)>>,
     health: ArrayQueue<Health>,
     lost: AtomicU64,
     stop: AtomicBool,
 }
 
-/// The service's end of it.
+/// The service's end of the queue.
 #[derive(Debug)]
 pub(crate) struct Housekeeping {
     shared: Arc<Shared>,
@@ -65,12 +65,12 @@ impl Housekeeping {
         let (theirs, deployment) = (shared.clone(), deployment.clone());
         let thread = std::thread::Builder::new()
             .name("trolley-house".to_owned())
-            .spawn(move || keep_house(&theirs, &deployment, book, &housekeeper))?;
+            .spawn(move || housekeeping(&theirs, &deployment, book, &housekeeper))?;
         Ok(Self { shared, keeps_decisions, thread: Some(thread) })
     }
 
-    /// Keeps a decision, if decisions are kept.
-    pub(crate) fn keep(&self, ask: &Ask, answer: &WireAnswer) {
+    /// Queues a decision for writing, if decisions are kept.
+    pub(crate) fn record(&self, ask: &Ask, answer: &WireAnswer) {
         if !self.keeps_decisions {
             return;
         }
@@ -82,14 +82,14 @@ impl Housekeeping {
         let _never_full = self.shared.decisions.push(entry);
     }
 
-    /// Says how the service is.
+    /// Hands over the health of the service.
     pub(crate) fn tell(&self, health: &Health) {
         self.shared.health.force_push(*health);
     }
 }
 
 impl Drop for Housekeeping {
-    /// Writes what was handed over before.
+    /// Writes what is queued, then stops.
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
@@ -98,7 +98,7 @@ impl Drop for Housekeeping {
     }
 }
 
-fn keep_house(
+fn housekeeping(
     shared: &Shared,
     deployment: &Deployment,
     mut book: Option<Book>,
@@ -146,7 +146,7 @@ fn keep_house(
     }
 }
 
-/// Writes a file aside and gives it its name: nobody ever reads half of it.
+/// Writes a temporary file and renames it, so that no reader sees half of it.
 fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;

@@ -1,7 +1,7 @@
-//! One request without a service: checked, worked off and laid out in the caller's process.
+//! One request without a service: checked, executed and encoded in the caller's process.
 //!
-//! It is what the service does between taking a request and answering it, so it says what an answer
-//! must be, and what the service itself costs.
+//! It does what the service does between receiving a request and answering it, so it shows what an
+//! answer must be, and what the service itself costs.
 
 use crate::ask::Refusal;
 use crate::deployment::Deployment;
@@ -12,7 +12,7 @@ use damage::{Curves, Policy};
 use protocol::public::{Ask, Reason, WireAnswer, WireState};
 use std::sync::Arc;
 
-/// Where requests are answered in this process, as a service with these settings would.
+/// Answers requests in this process, as a service with these settings would.
 #[derive(Debug)]
 pub struct InProcess<'b> {
     ranker: Ranker<'b>,
@@ -20,7 +20,7 @@ pub struct InProcess<'b> {
 }
 
 impl<'b> InProcess<'b> {
-    /// Made once, as a service is.
+    /// Sets up everything once, like a service.
     #[must_use]
     pub fn new(
         deployment: &'b Deployment,

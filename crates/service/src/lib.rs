@@ -1,21 +1,21 @@
-//! The service: planners ask, it answers, in turn, for months.
+//! The service: answers the requests of planners, one at a time, for months.
 //!
 //! ```text
-//! requests --Desk: taken at once, checked, queued, or answered busy--> one at a time:
-//!     ranker.rs: checked values --coordinator::RankingWorkspace, by workers or in this process--> WireAnswer
-//!     --> answer.rs --> the client; then whoever listens; then the decision file
-//! beside it: a thread that cleans up behind dead clients and writes files
+//! requests --RequestQueue: received at once, queued, or answered busy--> one at a time:
+//!     ranker.rs: checked values --coordinator::RankingWorkspace, by workers or in-process-->
+//!     answer.rs: WireAnswer --> the client; then listeners; then the decision file
+//! beside it: a thread that cleans up after dead clients and writes files
 //! ```
 //!
 //! # Invariants
 //!
 //! - Whatever a client sends, it gets an answer or a refusal with a reason, and the next request is
-//!   worked on as if nothing had been: `ask/tests.rs`, `tests/processes/serve.rs` at the top level.
+//!   unaffected: `ask/tests.rs`, `tests/processes/serve.rs` at the top level.
 //! - The ranking is that of `trolley rank` in every bit: `tests/processes/serve.rs`.
 //! - The queue, the pools and the files are bounded: nothing grows with the number of requests.
-//! - On the way of a request no file is written and nothing waits but for workers.
+//! - While a request is executed, no file is written and nothing is waited for but workers.
 //!
-//! It does not read files: whoever starts it hands over checked settings and sealed bodies.
+//! It reads no files: its caller hands over checked settings and sealed bodies.
 
 mod answer;
 mod ask;

@@ -24,11 +24,11 @@ pub(crate) fn text(health: &Health, instance: &str) -> String {
     family(
         "ready",
         "gauge",
-        "1 if it answers with all of its workers.",
+        "1 if the service answers with all of its workers.",
         &plain(f64::from(u8::from(ready))),
     );
     let up = health.at_ns.saturating_sub(health.since_ns);
-    family("up_seconds", "gauge", "How long it answers.", &plain(seconds(up)));
+    family("up_seconds", "gauge", "Time since the service started.", &plain(seconds(up)));
     let answers: Vec<_> = WireState::ALL
         .iter()
         .zip(health.answers)
@@ -36,14 +36,14 @@ pub(crate) fn text(health: &Health, instance: &str) -> String {
         .collect();
     family("answers_total", "counter", "Answers by verdict.", &answers);
     for (name, kind, help, value) in [
-        ("withdrawn_total", "counter", "Requests whose client had gone.", health.withdrawn),
+        ("withdrawn_total", "counter", "Requests whose client was gone.", health.withdrawn),
         ("workers_lost_total", "counter", "Workers lost.", health.lost),
         ("page_faults_total", "counter", "Page faults within requests.", health.faults),
         ("messages_total", "counter", "Messages to and from workers.", health.messages),
-        ("message_bytes_total", "counter", "Bytes of these.", health.message_bytes),
+        ("message_bytes_total", "counter", "Bytes of these messages.", health.message_bytes),
         ("allocations", "gauge", "Heap allocations of the last request.", health.allocations),
         ("workers", "gauge", "Workers alive.", u64::from(health.alive)),
-        ("waiting", "gauge", "Requests that wait.", u64::from(health.waiting)),
+        ("waiting", "gauge", "Waiting requests.", u64::from(health.waiting)),
         ("clients", "gauge", "Clients connected.", u64::from(health.clients)),
     ] {
         family(name, kind, help, &plain(value as f64));
@@ -55,23 +55,23 @@ pub(crate) fn text(health: &Health, instance: &str) -> String {
             latency.push((labels, seconds(ns)));
         }
     }
-    family("latency_seconds", "gauge", "Time per stage since it started.", &latency);
-    let each = |value: fn(&protocol::public::WorkerHealth) -> f64| -> Vec<(String, f64)> {
+    family("latency_seconds", "gauge", "Time per stage since the start.", &latency);
+    let per_worker = |value: fn(&protocol::public::WorkerHealth) -> f64| -> Vec<(String, f64)> {
         let rows = health.each.iter().enumerate().filter(|(_, row)| row.pid != 0);
         rows.map(|(number, row)| (format!("worker=\"{number}\""), value(row))).collect()
     };
-    family("worker_jobs_total", "counter", "Jobs done.", &each(|row| row.jobs as f64));
+    family("worker_jobs_total", "counter", "Jobs done.", &per_worker(|row| row.jobs as f64));
     family(
         "worker_busy_seconds_total",
         "counter",
-        "Time of these.",
-        &each(|row| row.busy_ns as f64 / 1e9),
+        "Time spent on these jobs.",
+        &per_worker(|row| row.busy_ns as f64 / 1e9),
     );
     family(
         "worker_replaced_total",
         "counter",
         "Processes replaced.",
-        &each(|row| row.replaced as f64),
+        &per_worker(|row| row.replaced as f64),
     );
     text
 }

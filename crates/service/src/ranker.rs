@@ -1,6 +1,6 @@
-//! One request from what a client sent to what it is answered: checked, ranked, laid out.
+//! One request, from the bytes of a client to its answer: checked, ranked, encoded.
 //!
-//! The service and its twin in the caller's process both go this way.
+//! The service and its in-process counterpart share this path.
 
 use crate::answer::lay_out;
 use crate::ask::{self, Checked, Lists, Refusal};
@@ -16,13 +16,13 @@ use protocol::public::{Ask, Reason, WireAnswer};
 use runtime::clock;
 use std::sync::Arc;
 
-/// What ranks requests about the bodies of a deployment. Kept from one request to the next, it
-/// takes nothing from the heap once it is warm.
+/// Ranks requests about the bodies of a deployment. It is reused between requests, and allocates
+/// nothing once it is warm.
 #[derive(Debug)]
 pub(crate) struct Ranker<'s> {
     deployment: &'s Deployment,
     bodies: &'s [(Meta, BodyView<'s>)],
-    /// What can lie farthest of each body.
+    /// Extreme points of each body.
     extremes: Vec<Extremes>,
     rules: (Arc<Policy>, Arc<Curves>),
     depth: u32,
@@ -30,7 +30,7 @@ pub(crate) struct Ranker<'s> {
     workspace: RankingWorkspace,
 }
 
-/// A request that was answered, and when its stages ended (ns).
+/// An answered request, and when its stages ended (ns).
 pub(crate) struct Ranked {
     pub(crate) answer: WireAnswer,
     pub(crate) planned_ns: u64,
@@ -62,7 +62,7 @@ impl<'s> Ranker<'s> {
         ask::check(ask, self.deployment, self.bodies, lists)
     }
 
-    /// Ranks a request that was checked; `limits` says within which limits, once it is planned.
+    /// Ranks a checked request; `limits` gives its limits once it is planned.
     pub(crate) fn rank(
         &mut self,
         sequence: u64,

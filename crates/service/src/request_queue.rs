@@ -1,8 +1,8 @@
-//! Where requests are taken: all there are, each turn, so that nobody waits unheard.
+//! The queue of requests: each turn receives all pending ones, so that every client gets a reply.
 //!
-//! Whoever asks gets the answer to what it asked, or none: what is held for a client that said
-//! that it goes is let go before the next one is looked for. A client that was killed does not say;
-//! one in its place is safe because no two clients choose the same sequence numbers.
+//! A client gets the answer to its own request, or none: requests of a client that disconnects are
+//! released before the next one is received. A killed client does not disconnect; its successor is
+//! safe because no two clients choose the same sequence numbers.
 
 use crate::stats::Stats;
 use protocol::public::{Ask, Reason, WireAnswer, WireState};
@@ -10,20 +10,20 @@ use runtime::clock;
 use std::collections::VecDeque;
 use transport::{Server, TakenRequest, UseError};
 
-/// A request that is to be worked off.
+/// A request to execute.
 pub(crate) struct Taken {
     pub(crate) ask: Ask,
-    /// When it was taken (ns).
+    /// When it was received (ns).
     pub(crate) taken_ns: u64,
 }
 
-/// The server's port, who waits before it, and who is being attended to.
+/// The server's port, the waiting requests, and the one being executed.
 pub(crate) struct RequestQueue {
     pub(crate) server: Server,
     pub(crate) stats: Stats,
-    /// With the time of taking (ns).
+    /// Each with the time of receipt (ns).
     waiting: VecDeque<(TakenRequest, u64)>,
-    /// What [`RequestQueue::next`] gave out; `None` also if its client has gone since.
+    /// The request that [`RequestQueue::next`] returned; `None` also if its client is gone since.
     at_work: Option<TakenRequest>,
     capacity: usize,
 }
@@ -34,21 +34,21 @@ impl RequestQueue {
         Self { server, stats, waiting, at_work: None, capacity }
     }
 
-    /// Takes every request there is; those that find the queue full are answered *busy* at once.
+    /// Receives every pending request; those that find the queue full are answered *busy* at once.
     pub(crate) fn drain(&mut self) {
         loop {
-            // Before iceoryx2 looks who is there: it knows a client by its place in a table and a
-            // request by a number that every client begins anew, so that the request of one that
-            // has gone would pass for the request of one that came in its place.
+            // Before iceoryx2 updates its connections: it identifies a client by its slot in a
+            // table and a request by a number that every client starts at 0, so a request of a
+            // client that is gone would pass for one of its successor.
             self.forget_unwanted();
             let asked = match self.server.take() {
                 Ok(Some(asked)) => asked,
                 Ok(None) => return,
-                // Its client gave others up, just now.
+                // Its client has just withdrawn others.
                 Err(UseError::Full) if self.forget_unwanted() > 0 => continue,
-                // A broken channel is cleaned up.
+                // The housekeeping thread cleans up a broken channel.
                 Err(error) => {
-                    tracing::debug!(%error, "a request could not be taken");
+                    tracing::debug!(%error, "a request could not be received");
                     return;
                 }
             };
@@ -64,7 +64,7 @@ impl RequestQueue {
         }
     }
 
-    /// Lets go of requests that nobody wants any more; says how many.
+    /// Releases requests whose clients no longer wait; returns how many.
     fn forget_unwanted(&mut self) -> usize {
         let held = |queue: &Self| queue.waiting.len() + usize::from(queue.at_work.is_some());
         let before = held(self);
@@ -75,7 +75,7 @@ impl RequestQueue {
         forgotten
     }
 
-    /// The next one whose client still waits: to be [answered](Self::answer) before the next.
+    /// The next request whose client still waits. [Answer](Self::answer) it before the next call.
     pub(crate) fn next(&mut self) -> Option<Taken> {
         self.forget_unwanted();
         let (asked, taken_ns) = self.waiting.pop_front()?;
@@ -84,7 +84,7 @@ impl RequestQueue {
         Some(Taken { ask, taken_ns })
     }
 
-    /// Answers what [`RequestQueue::next`] gave out, if its client is still there.
+    /// Answers the request that [`RequestQueue::next`] returned, if its client is still there.
     pub(crate) fn answer(&mut self, answer: &WireAnswer) {
         if let Some(asked) = self.at_work.take() {
             self.hand_over(asked, answer);
@@ -94,7 +94,7 @@ impl RequestQueue {
     fn hand_over(&mut self, asked: TakenRequest, answer: &WireAnswer) {
         match asked.answer(answer) {
             Ok(()) => self.stats.answered(answer.verdict()),
-            // The client has gone: nobody is left to tell.
+            // The client is gone.
             Err(_) => self.stats.withdrawn += 1,
         }
     }

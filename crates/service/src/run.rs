@@ -1,4 +1,4 @@
-//! The service's life: open, tell systemd, answer one request after the other, end on a signal.
+//! The main loop: open, notify systemd, answer one request after the other, end on a signal.
 
 use crate::ask::Refusal;
 use crate::backend::ServiceBackend;
@@ -20,20 +20,20 @@ use std::rc::Rc;
 use std::sync::Arc;
 use transport::{Address, OpenError, Server};
 
-/// How long it sleeps at most (ns): a client that cannot ring is heard then.
+/// Longest sleep (ns), after which a client that cannot ring is noticed.
 const NAP_NS: u64 = 10_000_000;
-/// How often it says how it is (ns).
+/// Interval between health messages (ns).
 const HEALTH_NS: u64 = 1_000_000_000;
-/// How long to wait before a successor is tried again where none could be started (ns).
+/// Delay before another attempt to replace a worker, after one failed (ns).
 const RETRY_NS: u64 = 1_000_000_000;
-/// So many times what requests usually take is plenty.
+/// Time, as a multiple of that of recent requests, in which a request surely completes.
 const PLENTY: u64 = 4;
-/// How often pulses are felt between requests (ns).
+/// Interval between checks of the workers' heartbeats between requests (ns).
 const MEND_NS: u64 = 20_000_000;
-/// With `spin`: how often a sleeper's duties are looked after (ns).
+/// With `spin`: interval between the checks that a sleeping service makes on waking (ns).
 const LOOK_NS: u64 = 1_000_000;
 
-/// All that a service needs, made and checked by whoever starts it.
+/// Everything that a service needs, made and checked by its caller.
 #[derive(Debug)]
 pub struct ServiceConfig<'s> {
     /// Settings.
@@ -46,13 +46,13 @@ pub struct ServiceConfig<'s> {
     pub bodies: &'s [(Meta, BodyView<'s>)],
     /// The store.
     pub store: &'s SealedMemory,
-    /// How workers are started; `None`: all work is done in this process.
+    /// How to start workers; `None`: all work is done in this process.
     pub options: Option<&'s Options>,
     /// Distribution depth.
     pub depth: u32,
 }
 
-/// Something that real time needs and that was refused.
+/// A real-time setting that the operating system refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingRealtime {
     /// What.
@@ -61,7 +61,7 @@ pub struct MissingRealtime {
     pub why: String,
 }
 
-/// The service could not start or go on.
+/// The service cannot start or continue.
 #[derive(Debug, thiserror::Error)]
 pub enum ServiceError {
     /// Its channels cannot be opened.
@@ -81,11 +81,12 @@ pub enum ServiceError {
         /// Why.
         source: std::io::Error,
     },
-    /// Real time was required, and is not to be had.
-    #[error("no real time: {}", .0.iter().map(|missing| format!("{} ({})", missing.what, missing.why))
+    /// Real time is required, but not available.
+    #[error("no real time: {}", .0.iter()
+        .map(|missing| format!("{} ({})", missing.what, missing.why))
         .collect::<Vec<_>>().join("; "))]
     NoRealtime(Vec<MissingRealtime>),
-    /// There is no memory for counting.
+    /// Memory for the histograms ran out.
     #[error("no memory is left for histograms")]
     Memory,
 }
@@ -119,11 +120,11 @@ impl Diagnostic for ServiceError {
 }
 
 /// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered,
-/// with what real time missing list.
+/// with the real-time settings that were refused.
 ///
 /// # Errors
 ///
-/// If it cannot start, or the operating system refuses to go on.
+/// If the service cannot start, or the operating system reports an error.
 pub fn serve(
     config: &ServiceConfig<'_>,
     ready: impl FnOnce(&[MissingRealtime]),
@@ -139,9 +140,9 @@ pub fn serve(
         let (queue, watchdog) = (queue.clone(), watchdog.clone());
         IdleHook::new(move || {
             watchdog.kick();
-            // Borrowed only while it is answered from: never at the same time as here.
+            // Borrowed only while a request is answered: never at the same time as here.
             if let Ok(mut queue) = queue.try_borrow_mut() {
-                // A wake fd that goes on ringing would let the coordinator sleep no more.
+                // A wake fd that stays readable would keep the coordinator awake.
                 queue.server.drain();
                 queue.drain();
             }
@@ -156,7 +157,7 @@ pub fn serve(
         wake_fd.as_fd(),
         idle_hook,
     )?;
-    // From here on signals are caught: the thread inherits that.
+    // From here on signals are caught: the thread inherits the mask.
     let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
         ServiceError::Files { folder: folder.unwrap_or_default(), source }
@@ -192,18 +193,18 @@ pub fn serve(
     notify(&[sd_notify::NotifyState::Ready]);
     let done = service.turn_until_told();
     notify(&[sd_notify::NotifyState::Stopping]);
-    service.part();
+    service.refuse_waiting();
     done
 }
 
 fn notify(states: &[sd_notify::NotifyState<'_>]) {
-    // Without systemd there is nobody to tell.
+    // Without systemd there is no one to notify.
     if let Err(error) = sd_notify::notify(states) {
-        tracing::debug!(%error, "systemd cannot be told");
+        tracing::debug!(%error, "systemd cannot be notified");
     }
 }
 
-/// Systemd's watchdog, if it watches.
+/// Systemd's watchdog, if it is enabled.
 struct Watchdog {
     every_ns: Option<u64>,
     kicked_ns: core::cell::Cell<u64>,
@@ -227,8 +228,8 @@ impl Watchdog {
     }
 }
 
-/// The limits of a request that is due then (ns; 0: whenever all is done), where requests of late
-/// took so long (ns; 0: it is not known).
+/// The limits of a request with this deadline (ns; 0: none), given the time that recent requests
+/// took (ns; 0: unknown).
 fn limits(answer_by_ns: u64, usual_ns: u64) -> RequestLimits {
     if answer_by_ns == 0 {
         return RequestLimits::default();
@@ -236,7 +237,7 @@ fn limits(answer_by_ns: u64, usual_ns: u64) -> RequestLimits {
     let left_ns = answer_by_ns.saturating_sub(clock::now_ns());
     let mut limits = RequestLimits::due_in(Duration::from_nanos(left_ns));
     if usual_ns > 0 && left_ns / PLENTY > usual_ns {
-        // All will be done in time, and soonest if nobody looks for who is certain first.
+        // All work will be done in time, and soonest without looking for an early winner.
         limits.search_order = SearchOrder::AsAsked;
     }
     limits
@@ -253,17 +254,17 @@ struct Service<'s> {
     missing: Vec<MissingRealtime>,
     request: u64,
     told_ns: u64,
-    /// What requests of late have taken at most until all was done (ns); 0: none was yet.
+    /// The longest time of recent requests to completion (ns); 0: none yet.
     usual_ns: u64,
-    /// When it was looked who is missing (ns).
+    /// When lost workers were last looked for (ns).
     mended_ns: u64,
-    /// Somebody is missing who cannot be replaced now.
+    /// A worker is missing and cannot be replaced now.
     is_short: bool,
     is_stopping: bool,
 }
 
 impl Service<'_> {
-    /// Asks for all that real time needs, and notes what was refused.
+    /// Requests all real-time settings, and notes those refused.
     fn apply_realtime(&mut self) {
         let settings = &self.config.deployment.realtime;
         let mut missing = Vec::new();
@@ -294,13 +295,13 @@ impl Service<'_> {
         self.missing = missing;
     }
 
-    /// Until a signal comes.
+    /// Serves until a signal arrives.
     fn turn_until_told(&mut self) -> Result<(), ServiceError> {
         let mut looked_ns = 0;
         while !self.is_stopping {
             let taken = {
                 let mut queue = self.queue.borrow_mut();
-                // First the rings, then the requests: one that comes in between rings again.
+                // First the rings, then the requests: one that arrives in between rings again.
                 if self.config.deployment.idle == Idle::Park {
                     queue.server.drain();
                 }
@@ -342,8 +343,7 @@ impl Service<'_> {
         if self.backend.missing() > 0 { Condition::Short } else { Condition::Ready }
     }
 
-    /// Gives successors to workers that were lost, and looks whether one stands still at what an
-    /// earlier request left it.
+    /// Replaces lost workers, and checks whether one is stuck at jobs of an earlier request.
     fn mend(&mut self) -> Result<(), ServiceError> {
         let now_ns = clock::now_ns();
         let missing = self.backend.missing();
@@ -376,9 +376,9 @@ impl Service<'_> {
         let priority = self.config.deployment.realtime.worker_priority;
         for who in mended.started {
             let pid = pids.get(usize::from(who.worker)).copied().unwrap_or_default();
-            tracing::warn!(worker = who.worker, pid, "a worker was lost, and has a successor");
+            tracing::warn!(worker = who.worker, pid, "a worker was lost and is replaced");
             if priority > 0 && self.missing.is_empty() && pid > 0 {
-                // One that has ended already needs none.
+                // One that has already ended needs none.
                 let _refused = realtime::fifo(pid, priority);
             }
         }
@@ -389,7 +389,7 @@ impl Service<'_> {
         Ok(())
     }
 
-    /// Works one request off, and answers it.
+    /// Executes one request, and answers it.
     fn answer(&mut self, taken: Taken) {
         let Taken { ask, taken_ns } = taken;
         let (faults, allocations) = (realtime::page_faults(), heap::allocations());
@@ -416,7 +416,7 @@ impl Service<'_> {
         }
         // The client has its answer: whoever listens may wait.
         queue.server.publish_ranking(&answer);
-        self.house.keep(&ask, &answer);
+        self.house.record(&ask, &answer);
     }
 
     fn work_off(
@@ -427,7 +427,7 @@ impl Service<'_> {
     ) -> Result<WireAnswer, Refusal> {
         let refuse = |reason: Reason, text: String| Refusal { reason, text };
         if ask.answer_by_ns != 0 && ask.answer_by_ns <= begun_ns {
-            let text = "the time was up before its turn came".to_owned();
+            let text = "the deadline passed before its turn".to_owned();
             return Err(refuse(Reason::TooLate, text));
         }
         let checked = self.ranker.check(ask)?;
@@ -442,7 +442,7 @@ impl Service<'_> {
                 refuse(Reason::Stopping, "the service is stopping".to_owned())
             }
             Unranked::WorkerPool(error) => {
-                tracing::error!(%error, "a request could not be worked off");
+                tracing::error!(%error, "a request could not be executed");
                 match error {
                     WorkerPoolError::NobodyLeft { .. } => {
                         refuse(Reason::NoWorkers, "all workers were lost".to_owned())
@@ -462,7 +462,7 @@ impl Service<'_> {
         Ok(ranked.answer)
     }
 
-    /// Says how it is to whoever listens.
+    /// Publishes the health of the service.
     fn tell(&mut self, condition: Condition) {
         let queue = self.queue.borrow();
         let mut health = queue.stats.health();
@@ -477,8 +477,8 @@ impl Service<'_> {
         self.told_ns = health.at_ns;
     }
 
-    /// Nobody waits for an answer that will not come.
-    fn part(&mut self) {
+    /// Refuses all waiting requests, so that no client waits in vain.
+    fn refuse_waiting(&mut self) {
         let mut queue = self.queue.borrow_mut();
         queue.drain();
         while let Some(Taken { ask, .. }) = queue.next() {

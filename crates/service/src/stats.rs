@@ -1,15 +1,15 @@
-//! What is counted: answers, times per stage, faults, allocations, messages. Of fixed size.
+//! Counts of answers, times per stage, page faults, allocations and messages. Of fixed size.
 
 use coordinator::WorkerShare;
 use hdrhistogram::Histogram;
 use protocol::public::{Health, LatencyStage, VERSION, WireState, WorkerHealth};
 use runtime::clock;
 
-/// The longest time that a histogram tells apart (ns): a minute.
+/// The longest time that a histogram resolves (ns): a minute.
 const LONGEST_NS: u64 = 60_000_000_000;
-/// Decimal digits of a time.
+/// Significant decimal digits of a time.
 const DIGITS: u8 = 3;
-/// Requests before page faults are counted: the first ones meet memory that nobody touched.
+/// Requests before page faults are counted: the first ones touch fresh memory.
 const WARM: u64 = 100;
 
 /// Counts since the service started.
@@ -33,7 +33,7 @@ pub(crate) struct Stats {
 pub(crate) struct Times(pub(crate) [u64; 5]);
 
 impl Stats {
-    /// Nothing counted. `None` if there is no memory for it.
+    /// Empty counts. `None` if memory runs out.
     pub(crate) fn new() -> Option<Self> {
         let empty = || Histogram::new_with_max(LONGEST_NS, DIGITS).ok();
         Some(Self {
@@ -55,7 +55,7 @@ impl Stats {
         self.answers[verdict as usize - 1] += 1;
     }
 
-    /// A request that was worked on.
+    /// Counts an executed request.
     pub(crate) fn worked(&mut self, times: Times, faults: u64, allocations: u64) {
         for (histogram, time) in self.times.iter_mut().zip(times.0) {
             histogram.saturating_record(time);
@@ -67,7 +67,7 @@ impl Stats {
         self.allocations = allocations;
     }
 
-    /// What the workers did for one request.
+    /// Counts what the workers did for one request.
     pub(crate) fn shared(&mut self, shares: impl Iterator<Item = WorkerShare>) {
         for worker in shares {
             self.messages += worker.messages;
@@ -80,7 +80,7 @@ impl Stats {
         }
     }
 
-    /// New processes in the places of these workers.
+    /// Counts these workers as replaced.
     pub(crate) fn replaced(&mut self, pids: &[u32], first: bool) {
         for (row, pid) in self.each.iter_mut().zip(pids) {
             row.replaced += u64::from(!first && row.pid != *pid);
@@ -92,8 +92,8 @@ impl Stats {
         let zero: Health = bytemuck::Zeroable::zeroed();
         let mut latency_ns = [[0; 4]; 5];
         for (row, histogram) in latency_ns.iter_mut().zip(&self.times) {
-            let at = |share| histogram.value_at_quantile(share);
-            *row = [at(0.5), at(0.99), at(0.999), histogram.max()];
+            let quantile = |share| histogram.value_at_quantile(share);
+            *row = [quantile(0.5), quantile(0.99), quantile(0.999), histogram.max()];
         }
         Health {
             version: VERSION,

@@ -1,4 +1,4 @@
-//! Fixed things: a Jersey barrier and a pole.
+//! Fixed objects: a Jersey barrier and a pole.
 
 use super::blueprint::Blueprint;
 use super::solids::{Rail, at, hull, hull_surface, turned};

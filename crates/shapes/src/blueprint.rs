@@ -1,10 +1,10 @@
-//! What a shape is made of, before it is cut into triangles: components with names, and a size.
+//! The composition of a shape before it is triangulated: components with names, and a size.
 
 use super::net::Net;
 use super::surface::{Cells, Pad, Surface};
 use geometry::DVec3;
 
-/// How far a pad stands out of its surface (m): enough to be seen where the mesh is coarse.
+/// How far a pad protrudes from its surface (m): enough to be visible where the mesh is coarse.
 const PAD_OUT: f64 = 0.012;
 /// How far a pad reaches into its surface (m).
 const PAD_IN: f64 = 0.02;
@@ -16,20 +16,20 @@ pub(super) struct Component {
     pub(super) part: String,
     /// Its surface.
     pub(super) surface: Surface,
-    /// Fewest cells in each direction.
+    /// Minimum number of cells in each direction.
     pub(super) least: Cells,
-    /// How it follows when the shape is fitted to its size.
+    /// How it behaves when the shape is fitted to its size.
     pub(super) fit: Fit,
 }
 
-/// How a component follows when the shape is stretched to its size.
+/// How a component behaves when the shape is stretched to its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fit {
-    /// Stretched with the whole, and part of what is measured.
+    /// Stretched with the whole, and included in the measured size.
     Stretched,
-    /// Moved with the whole, but scaled alike in all directions: a wheel stays round.
+    /// Moved with the whole, but scaled uniformly: a wheel stays round.
     Round,
-    /// Stretched with the whole, but not part of what is measured: a mirror.
+    /// Stretched with the whole, but not included in the measured size: a mirror.
     Beside,
 }
 

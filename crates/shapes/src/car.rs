@@ -1,4 +1,4 @@
-//! What all vehicles are made of: the rails of a hull with wheel arches, wheels, mirrors.
+//! Parts common to all vehicles: the rails of a hull with wheel arches, wheels, mirrors.
 
 use super::blueprint::{Blueprint, Fit};
 use super::net::Net;
@@ -50,8 +50,8 @@ pub(super) fn arch(first: f64, x: f64, z: f64, r: f64, foot: f64, y: f64) -> Vec
     points.map(|(k, (dx, z))| (first + k as f64, at(x + dx, y, *z))).collect()
 }
 
-/// Where the arches of a car are: first station and x of each axle, radius of the arch, height of
-/// the axle, half width of the wheel house's inner wall.
+/// The wheel arches of a car: first station and x of each axle, radius of the arch, height of the
+/// axle, half width of the wheel house's inner wall.
 #[derive(Clone, Debug)]
 pub(super) struct Arches {
     /// (first station, x of the axle).

@@ -6,7 +6,7 @@ use super::surface::{Cells, Surface};
 use super::variation::Variation;
 use geometry::DVec3;
 
-/// Where the joints of one side are.
+/// The joints of one side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     /// Shoulder, elbow, wrist, middle of the fist.
@@ -17,7 +17,7 @@ pub(super) struct Side {
     pub(super) foot: [DVec3; 2],
 }
 
-/// A pose: where the joints are (m), for a person 1.75 m tall.
+/// A pose: the positions of the joints (m), for a person 1.75 m tall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     /// Crotch, waist, and base of the neck.
@@ -32,7 +32,7 @@ pub(super) struct Pose {
     pub(super) right: Side,
     /// Girth, 1 is usual.
     pub(super) girth: f64,
-    /// Whether the person wears a helmet.
+    /// What the person wears on the head.
     pub(super) cover: Cover,
 }
 
@@ -47,9 +47,9 @@ pub(super) enum Cover {
     Full,
 }
 
-/// Fewest cells of a limb.
+/// Minimum number of cells of a limb.
 const LIMB: Cells = [2, 1, 1];
-/// Fewest cells of a hand or shoe.
+/// Minimum number of cells of a hand or shoe.
 const TIP: Cells = [1, 1, 1];
 
 /// Adds the person.
@@ -187,13 +187,13 @@ fn add_head(blueprint: &mut Blueprint, pose: &Pose) {
     }
 }
 
-/// A point between two.
+/// A point between two points.
 fn between(a: DVec3, b: DVec3, share: f64) -> DVec3 {
     a + (b - a) * share
 }
 
-/// The middle joint of a limb: `upper` from `from` and `lower` from `to` (m), on the side of
-/// `towards`. If the limb is too short it is stretched.
+/// The middle joint of a limb: at distance `upper` from `from` and `lower` from `to` (m), on the
+/// side of `towards`. A limb that is too short is stretched.
 pub(super) fn joint(from: DVec3, to: DVec3, upper: f64, lower: f64, towards: DVec3) -> DVec3 {
     let reach = to - from;
     let distance = reach.length();

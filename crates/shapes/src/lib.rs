@@ -1,19 +1,19 @@
-//! Generated bodies: closed, car-shaped, the same bits on every machine.
+//! Generated bodies: closed, vehicle-shaped or person-shaped, with the same bits on every machine.
 //!
 //! ```text
 //! Shape, seed --draft--> Blueprint (components: tubes, tori, pads over control nets)
 //! Blueprint --fit--> nominal size --plan(triangles)--> cells per component --sample--> Mesh
 //! ```
 //!
-//! A shape is a set of smooth surfaces; the triangle count only says how finely they are sampled,
-//! so meshes of 25,000 and 100,000 triangles are the same body.
+//! A shape is a set of smooth surfaces; the triangle count only sets how finely they are sampled,
+//! so meshes of 25,000 and 100,000 triangles represent the same body.
 //!
 //! # Invariants (`tests.rs`)
 //!
 //! - Each component is closed: every edge is shared by exactly two of its triangles, in opposite
 //!   directions, counter-clockwise seen from outside. Components overlap where a wheel meets a
 //!   body; they are not united.
-//! - The count is the one asked for if it is even, else one less: a closed triangle mesh has an
+//! - The count is the requested one if it is even, else one less: a closed triangle mesh has an
 //!   even number of triangles.
 //! - No triangle has zero area, none occurs twice, the lowest point has z = 0.
 //! - Equal arguments give equal bits: f64 sums, products and square roots, sines from `libm`, one
@@ -48,23 +48,23 @@ use std::fmt;
 use surface::{Cells, Rulers};
 use variation::Variation;
 
-/// Fewest triangles a body can be generated with.
+/// Minimum number of triangles of a generated body.
 pub const TRIANGLES_MIN: u32 = 500;
-/// Most triangles a body can be generated with.
+/// Maximum number of triangles of a generated body.
 pub const TRIANGLES_MAX: u32 = 1_000_000;
-/// At this count a shape is measured before it is fitted to its size.
+/// The triangle count at which a shape is measured before it is fitted to its size.
 const REFERENCE: u32 = 20_000;
-/// How far the size of a seeded body may be off the nominal one, as a fraction.
+/// Maximum relative deviation of the size of a seeded body from the nominal one.
 const SPREAD: f64 = 0.03;
 
-/// A body could not be generated. As text: what is wrong, and behind a colon the remedy.
+/// The error of generating a body. As text: the problem and, after a colon, the remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GenerateError {
     /// The count is out of range.
     Count {
-        /// The shape asked for.
+        /// The requested shape.
         shape: Shape,
-        /// The count asked for.
+        /// The requested count.
         triangles: u32,
     },
 }
@@ -93,18 +93,18 @@ impl fmt::Display for GenerateError {
 
 impl std::error::Error for GenerateError {}
 
-/// The call that makes a body, as text: what `Meta::origin` holds for a generated body.
+/// The call that generates a body, as text: the value of `Meta::origin` for a generated body.
 #[must_use]
 pub fn call(shape: Shape, triangles: u32, seed: u64) -> String {
     format!("generate {shape} triangles={triangles} seed={seed}")
 }
 
-/// Generates a body: metres, x forward, y left, z up, origin on the ground in the middle of the
-/// plan.
+/// Generates a body in metres, x forward, y left, z up, with the origin on the ground in the middle
+/// of the plan.
 ///
 /// `triangles` lies in [`TRIANGLES_MIN`]..=[`TRIANGLES_MAX`]; an odd count gives one triangle less.
-/// Seed 0 is the nominal body of [`Shape::size_m`]; another one varies size and proportions by a
-/// few per cent. Parts are named.
+/// Seed 0 is the nominal body of [`Shape::size_m`]; other seeds vary size and proportions by a few
+/// per cent. Parts are named.
 ///
 /// # Errors
 ///
@@ -171,7 +171,7 @@ fn fitted(shape: Shape, seed: u64) -> Blueprint {
     blueprint
 }
 
-/// How finely each component is cut.
+/// The sampling density of each component.
 struct Plan {
     rulers: Vec<Rulers>,
     cells: Vec<Cells>,
@@ -185,7 +185,7 @@ struct End {
 }
 
 impl Plan {
-    /// The finest cells that need at most `triangles`; what is left is spread over split quads.
+    /// Creates the finest plan with at most `triangles`; the remainder is spread over split quads.
     fn new(blueprint: &Blueprint, triangles: u32) -> Self {
         let quads_max = u64::from(triangles / 2);
         let parts = &blueprint.components;
@@ -197,7 +197,8 @@ impl Plan {
         let quads = |cells: &[Cells]| -> u64 {
             rulers.iter().zip(cells).map(|(ruler, cells)| ruler.quads(*cells)).sum()
         };
-        // Cells only grow with fineness, so halving the range 48 times finds the finest that fit.
+        // Cells only grow with fineness, so halving the range 48 times finds the finest plan that
+        // fits.
         let (mut low, mut high) = (0.0, 10_000.0);
         for _ in 0..48 {
             let middle = 0.5 * (low + high);
@@ -208,7 +209,7 @@ impl Plan {
         Self { rulers, cells, splits: Splits::new(quads, quads_max.saturating_sub(quads)) }
     }
 
-    /// All components, and where each ends.
+    /// Samples all components; returns where each ends.
     fn sample(&self, blueprint: &Blueprint) -> (Soup, Vec<End>) {
         let mut soup = Soup::new(self.splits);
         let parts = blueprint.components.iter().zip(&self.rulers).zip(&self.cells);
@@ -222,7 +223,7 @@ impl Plan {
     }
 }
 
-/// Rounds to f32 and puts the lowest point on the ground.
+/// Rounds to f32 and moves the lowest point to the ground.
 fn mesh(blueprint: &Blueprint, soup: &Soup, ends: &[End]) -> Mesh {
     let ground = soup.vertices.iter().fold(f64::INFINITY, |low, p| low.min(p.z));
     let rounded: Vec<[f32; 3]> =

@@ -6,22 +6,24 @@
 //! limit curve: G. Chaikin, An algorithm for high speed curve generation, 1974), 0 leaves corner
 //! `i` sharp. The surface is the tensor product of both.
 //!
-//! What always holds: weights are never negative and sum to one, so the surface stays inside the
-//! convex hull of its points; nothing but sums, products and square roots is used.
+//! Invariants: weights are never negative and sum to one, so the surface stays inside the convex
+//! hull of its points; only sums, products and square roots are used.
 
 use geometry::DVec3;
 
 #[cfg(test)]
 mod tests;
 
-/// One direction of a net: how many control points, how round each is, and whether it closes.
+/// One direction of a net: the number of control points, the roundness of each, and whether it
+/// closes.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     round: Vec<f64>,
     closed: bool,
 }
 
-/// Where on an axis a parameter lies: three control points, their weights and the weights' slopes.
+/// The location of a parameter on an axis: three control points, their weights and the weights'
+/// slopes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
     at: [usize; 3],
@@ -75,7 +77,7 @@ impl Axis {
     }
 }
 
-/// A grid of control points and the surface they stand for.
+/// A grid of control points and the surface it defines.
 #[derive(Clone, Debug)]
 pub(super) struct Net {
     /// The slow axis.
@@ -124,7 +126,7 @@ impl Net {
         (self.point(&s, &t), across.cross(along).normalize_or_zero())
     }
 
-    /// The same net with every control point moved.
+    /// Returns the net with every control point moved.
     pub(super) fn map(&self, move_to: impl Fn(DVec3) -> DVec3) -> Self {
         let points = self.points.iter().map(|p| move_to(*p)).collect();
         Self { rows: self.rows.clone(), cols: self.cols.clone(), points }

@@ -1,7 +1,8 @@
-//! Where mesh lines go: close together where the surface is long or bends, apart where it is flat.
+//! Placement of mesh lines: close together where the surface is long or bends, apart where it is
+//! flat.
 //!
-//! Sharp edges get a mesh line of their own as soon as there are cells to spare, for a block whose
-//! edges are missed is a smaller block.
+//! Sharp edges get a mesh line of their own as soon as there are enough cells, since a block whose
+//! edges are missed becomes smaller.
 //!
 //! The cost of a stretch of an axis is its length plus √(length × angle it turns by), as the
 //! quadratic mean over several lines across. A chord over a stretch of length h that turns by θ
@@ -18,23 +19,23 @@ mod tests;
 
 /// Fine steps per control point.
 const STEPS: usize = 12;
-/// How dear turning is beside length [√m]. At 3, flat faces keep enough triangles to be told apart,
-/// and the worst support error of 25,000 triangles is a third of what it is at 1.
+/// The cost of turning relative to length [√m]. At 3, flat faces keep enough triangles to be
+/// distinguishable, and the worst support error of 25,000 triangles is a third of that at 1.
 const BEND: f64 = 3.0;
 
-/// From this angle on [rad] a corner of the net is an edge that a mesh line must follow.
+/// From this angle `[rad]`, a corner of the net is an edge that a mesh line must follow.
 const EDGE: f64 = 0.5;
 
 /// The running cost along a range of an axis.
 #[derive(Clone, Debug)]
 pub(super) struct Ruler {
-    /// Parameter and cost up to there.
+    /// Parameter and cumulative cost.
     marks: Vec<(f64, f64)>,
     /// Marks of edges inside the range, sharpest first.
     edges: Vec<usize>,
 }
 
-/// Cost of a stretch of this length (m) that turns by this angle [rad].
+/// Cost of a stretch of this length (m) that turns by this angle `[rad]`.
 pub(super) fn stretch(length: f64, turned: f64) -> f64 {
     length + BEND * (length * turned).sqrt()
 }
@@ -125,7 +126,7 @@ impl Ruler {
         stops.sort_unstable();
         let spans: Vec<_> =
             stops.windows(2).map(|pair| (self.marks[pair[0]], self.marks[pair[1]])).collect();
-        // One cell each, and every further one to the span whose cells cost most.
+        // One cell each, and every further one for the span whose cells cost most.
         let mut shares = vec![1_usize; spans.len()];
         for _ in spans.len()..cells {
             let cost = |k: usize| (spans[k].1.1 - spans[k].0.1) / shares[k] as f64;

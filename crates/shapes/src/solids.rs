@@ -1,10 +1,10 @@
-//! The solids that shapes are put together from: hulls, tubes, turned solids, blocks, tyres.
+//! The solids of which shapes are composed: hulls, tubes, solids of revolution, blocks, tyres.
 
 use super::net::{Axis, Net};
 use super::surface::Surface;
 use geometry::DVec3;
 
-/// Shorthand for a point (m).
+/// Short for a point (m).
 pub(super) fn at(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }

@@ -1,8 +1,8 @@
-//! Vertices and triangles while a mesh grows, and the splitting that makes its count exact.
+//! Vertices and triangles of a growing mesh, and the splitting that makes its count exact.
 //!
-//! A surface is handed over as quads. A quad becomes two triangles, or four around a vertex in its
-//! middle that lies on the surface. Which quads are split is spread evenly, so the count is met to
-//! the triangle and the mesh stays closed: a split quad keeps its four edges.
+//! A surface is added as quads. A quad becomes two triangles, or four around a vertex in its middle
+//! that lies on the surface. The split quads are spread evenly, so the count is exact and the mesh
+//! stays closed: a split quad keeps its four edges.
 
 use geometry::DVec3;
 
@@ -38,7 +38,7 @@ pub(super) struct Soup {
     splits: Splits,
 }
 
-/// How well a triangle is shaped: 1 if equilateral, towards 0 for slivers. No unit.
+/// The quality of a triangle: 1 if equilateral, towards 0 for slivers; dimensionless.
 fn shape(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     let edges = ab.length_squared() + bc.length_squared() + ca.length_squared();
@@ -46,12 +46,12 @@ fn shape(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 impl Soup {
-    /// Nothing yet.
+    /// Creates an empty soup.
     pub(super) fn new(splits: Splits) -> Self {
         Self { vertices: Vec::new(), triangles: Vec::new(), splits }
     }
 
-    /// Adds a vertex and gives its number.
+    /// Adds a vertex and returns its number.
     pub(super) fn vertex(&mut self, point: DVec3) -> u32 {
         self.vertices.push(point);
         self.vertices.len() as u32 - 1
@@ -73,8 +73,8 @@ impl Soup {
             self.triangles.extend([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]);
             return;
         }
-        // The diagonal that leaves the better worst triangle: at the corner of a round cap only one
-        // of the two avoids a sliver. The first wins ties, so flat quads are cut alike.
+        // The diagonal whose worse triangle is better: at the corner of a round cap only one of the
+        // two avoids a sliver. The first wins ties, so flat quads are cut alike.
         let first = shape(pa, pb, pc).min(shape(pa, pc, pd));
         let second = shape(pb, pc, pd).min(shape(pb, pd, pa));
         if second > first + 1e-9 {
@@ -84,7 +84,7 @@ impl Soup {
         }
     }
 
-    /// Turns the triangles from number `first` on inside out if they enclose a negative volume.
+    /// Flips the triangles from number `first` on if they enclose a negative volume.
     pub(super) fn turn_outward(&mut self, first: usize) {
         let Some(origin) = self.triangles.get(first).map(|t| self.at(t[0])) else { return };
         let volume: f64 = self.triangles[first..]

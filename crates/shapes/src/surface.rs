@@ -1,8 +1,8 @@
 //! Closed components: a tube with two caps, a torus, or a pad that lies on another surface.
 //!
-//! None has a pole: a cap is a grid whose rim is the tube's last ring, so no vertex gathers
-//! slivers, at any fineness. What always holds: every edge of a component is shared by exactly two
-//! of its triangles, which run along it in opposite directions.
+//! None has a pole: a cap is a grid whose rim is the tube's last ring, so no vertex collects
+//! slivers, at any fineness. Invariant: every edge of a component is shared by exactly two of its
+//! triangles, in opposite directions.
 
 use super::net::Net;
 use super::ruler::{Along, Ruler, stretch};
@@ -30,7 +30,7 @@ pub(super) struct Pad {
     pub(super) corners: [(f64, f64); 4],
     /// How far the corners are rounded: 0 square, 1 elliptic.
     pub(super) round: f64,
-    /// How far it stands out of the surface, and how far it reaches in (m).
+    /// How far it protrudes from the surface, and how far it reaches in (m).
     pub(super) height: [f64; 2],
 }
 
@@ -49,7 +49,7 @@ impl Pad {
     }
 }
 
-/// The rulers of a surface: what it costs in each direction.
+/// The rulers of a surface: its cost in each direction.
 #[derive(Clone, Debug)]
 pub(super) enum Rulers {
     /// Along the tube, and around it from corner to corner.
@@ -60,8 +60,8 @@ pub(super) enum Rulers {
     Pad { width: f64, height: f64 },
 }
 
-/// How many cells a surface has in each direction: along and two sides of a cap; both ways around
-/// a torus; across a pad. Unused ones are 1.
+/// The number of cells of a surface in each direction: along and two sides of a cap; both ways
+/// around a torus; across a pad. Unused ones are 1.
 pub(super) type Cells = [usize; 3];
 
 impl Surface {
@@ -99,7 +99,7 @@ impl Surface {
         }
     }
 
-    /// The same surface with its control points moved.
+    /// Returns the surface with its control points moved.
     pub(super) fn map(&self, move_to: impl Fn(DVec3) -> DVec3) -> Self {
         match self {
             Self::Tube { net, corners } => Self::Tube { net: net.map(move_to), corners: *corners },
@@ -152,7 +152,7 @@ impl Rulers {
         }
     }
 
-    /// How many quads that makes.
+    /// The resulting number of quads.
     pub(super) fn quads(&self, cells: Cells) -> u64 {
         let [m, n, k] = cells.map(|cells| cells as u64);
         match self {
@@ -218,10 +218,15 @@ impl Grid {
     fn quads(&self, net: &Net, soup: &mut Soup) {
         let (s, t) = (middles(&self.stations), middles(&self.ring));
         let rows = self.rows();
-        let at = |i: usize, j: usize| self.vertices[i % rows * self.cols + j % self.cols];
+        let vertex_at = |i: usize, j: usize| self.vertices[i % rows * self.cols + j % self.cols];
         for (i, s) in s.iter().enumerate() {
             for (j, t) in t.iter().enumerate() {
-                let corners = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+                let corners = [
+                    vertex_at(i, j),
+                    vertex_at(i, j + 1),
+                    vertex_at(i + 1, j + 1),
+                    vertex_at(i + 1, j),
+                ];
                 soup.quad(corners, || Some(net.at(*s, *t)));
             }
         }
@@ -237,10 +242,10 @@ fn cap(ring: &[u32], wide: usize, high: usize, outward: bool, soup: &mut Soup) {
     // Shares of length along each side, for the rim's vertices are not evenly spaced: with even
     // parameters the patch of a narrow profile folds over its own rim.
     let shares = |vertex: &dyn Fn(usize) -> u32, count: usize| -> Vec<f64> {
-        let at = |k: usize| soup.vertices[vertex(k) as usize];
+        let position = |k: usize| soup.vertices[vertex(k) as usize];
         let mut sum = 0.0;
         let run = (0..count).map(|k| {
-            sum += at(k).distance(at(k + 1));
+            sum += position(k).distance(position(k + 1));
             sum
         });
         let run: Vec<f64> = core::iter::once(0.0).chain(run).collect();
@@ -259,23 +264,29 @@ fn cap(ring: &[u32], wide: usize, high: usize, outward: bool, soup: &mut Soup) {
                 _ => None,
             };
             vertices.push(known.unwrap_or_else(|| {
-                let at = |vertex: u32| soup.vertices[vertex as usize];
+                let position = |vertex: u32| soup.vertices[vertex as usize];
                 let y = 0.5 * (left_at[b] + right_at[b]);
                 let x = (1.0 - y) * bottom_at[a] + y * top_at[a];
-                let sides = at(bottom(a)) * (1.0 - y)
-                    + at(top(a)) * y
-                    + at(left(b)) * (1.0 - x)
-                    + at(right(b)) * x;
-                let corners = (at(bottom(0)) * (1.0 - x) + at(bottom(wide)) * x) * (1.0 - y)
-                    + (at(top(0)) * (1.0 - x) + at(top(wide)) * x) * y;
+                let sides = position(bottom(a)) * (1.0 - y)
+                    + position(top(a)) * y
+                    + position(left(b)) * (1.0 - x)
+                    + position(right(b)) * x;
+                let corners = (position(bottom(0)) * (1.0 - x) + position(bottom(wide)) * x)
+                    * (1.0 - y)
+                    + (position(top(0)) * (1.0 - x) + position(top(wide)) * x) * y;
                 soup.vertex(sides - corners)
             }));
         }
     }
     for b in 0..high {
         for a in 0..wide {
-            let at = |a: usize, b: usize| vertices[b * (wide + 1) + a];
-            let quad = [at(a, b), at(a + 1, b), at(a + 1, b + 1), at(a, b + 1)];
+            let vertex_at = |a: usize, b: usize| vertices[b * (wide + 1) + a];
+            let quad = [
+                vertex_at(a, b),
+                vertex_at(a + 1, b),
+                vertex_at(a + 1, b + 1),
+                vertex_at(a, b + 1),
+            ];
             let [p, q, r, s] = quad;
             soup.quad(if outward { quad } else { [s, r, q, p] }, || None);
         }
@@ -294,10 +305,10 @@ fn sample_pad(pad: &Pad, cells: Cells, soup: &mut Soup) {
             .collect()
     };
     let [above, below] = [sheet(pad.height[0]), sheet(-pad.height[1])];
-    let at = |a: usize, b: usize| b * (wide + 1) + a;
+    let index = |a: usize, b: usize| b * (wide + 1) + a;
     for b in 0..high {
         for a in 0..wide {
-            let quad = [at(a, b), at(a + 1, b), at(a + 1, b + 1), at(a, b + 1)];
+            let quad = [index(a, b), index(a + 1, b), index(a + 1, b + 1), index(a, b + 1)];
             let (x, y) = ((a as f64 + 0.5) / wide as f64, (b as f64 + 0.5) / high as f64);
             soup.quad(quad.map(|k| above[k]), || Some(pad.point(x, y, pad.height[0])));
             let [p, q, r, s] = quad.map(|k| below[k]);
@@ -305,10 +316,10 @@ fn sample_pad(pad: &Pad, cells: Cells, soup: &mut Soup) {
         }
     }
     let rim = (0..wide)
-        .map(|a| at(a, 0))
-        .chain((0..high).map(|b| at(wide, b)))
-        .chain((0..wide).map(|a| at(wide - a, high)))
-        .chain((0..high).map(|b| at(0, high - b)));
+        .map(|a| index(a, 0))
+        .chain((0..high).map(|b| index(wide, b)))
+        .chain((0..wide).map(|a| index(wide - a, high)))
+        .chain((0..high).map(|b| index(0, high - b)));
     let rim: Vec<usize> = rim.collect();
     for (k, p) in rim.iter().enumerate() {
         let q = rim[(k + 1) % rim.len()];

@@ -1,4 +1,4 @@
-//! What holds for every generated body, whatever its shape, count and seed.
+//! Invariants of every generated body, for any shape, count and seed.
 
 use super::{GenerateError, TRIANGLES_MAX, TRIANGLES_MIN, call, generate};
 use body::{Mesh, Shape, UnknownShape};

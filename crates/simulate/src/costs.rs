@@ -1,14 +1,14 @@
 //! What each step costs, and how the kernel's costs follow from timed jobs.
 //!
-//! The kernel's part is the paper's model T = Nb·Cb + Np·Cp, with a start of the job and a price per
-//! hit besides: a vectorised walk has a fixed cost that the paper's did not.
+//! The kernel's part is the paper's model T = Nb·Cb + Np·Cp, plus a cost per job and per hit: a
+//! vectorised traversal has a fixed cost that the paper's does not have.
 
 use serde::Serialize;
 
 /// Costs in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Costs {
-    /// Worker: per job, whatever is in it.
+    /// Worker: per job, whatever its contents.
     pub job_ns: f64,
     /// Worker: per test of two boxes (the paper's Cb).
     pub box_ns: f64,
@@ -16,7 +16,7 @@ pub struct Costs {
     pub triangle_ns: f64,
     /// Worker: per hit.
     pub hit_ns: f64,
-    /// Worker: per pair of leaves whose boxes overlap, all tests and hits of a job in one.
+    /// Worker: per pair of leaves whose boxes overlap, all tests and hits of a job taken together.
     pub leaves_ns: f64,
     /// Worker: per result message.
     pub send_ns: f64,
@@ -24,9 +24,9 @@ pub struct Costs {
     pub section_byte_ns: f64,
     /// Coordinator whose workers copy: per logical byte of a section that it ships.
     pub ship_byte_ns: f64,
-    /// Coordinator: per task, before its descent.
+    /// Coordinator: per task, before its traversal.
     pub task_ns: f64,
-    /// Coordinator: per test of two boxes of a descent.
+    /// Coordinator: per test of two boxes of a traversal.
     pub descent_ns: f64,
     /// Coordinator: per batch sent.
     pub batch_ns: f64,
@@ -41,7 +41,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// What the kernel takes for a job (ns).
+    /// The kernel's time for a job (ns).
     #[must_use]
     pub fn kernel_ns(&self, nb: u64, np: u64, hits: u64) -> f64 {
         self.job_ns
@@ -51,7 +51,7 @@ impl Costs {
     }
 }
 
-/// A job that was timed.
+/// A timed job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Tests of boxes.
@@ -60,7 +60,7 @@ pub struct Sample {
     pub np: u64,
     /// Hits.
     pub hits: u64,
-    /// What it took (ns).
+    /// Its time (ns).
     pub ns: f64,
 }
 
@@ -84,9 +84,10 @@ pub fn fit(samples: &[Sample]) -> [f64; TERMS] {
     }
 }
 
-/// Normal equations by Gauss with pivots; a term that the samples do not tell apart is 0.
+/// Normal equations by Gaussian elimination with pivoting; a term that the samples do not determine
+/// is 0.
 fn solve(samples: &[Sample], used: [bool; TERMS]) -> [f64; TERMS] {
-    // A microsecond: below, clock and caches decide, not the work.
+    // A microsecond: below it, clock and caches dominate the time, not the work.
     const FLOOR_NS: f64 = 1_000.0;
     let mut rows = [[0.0_f64; TERMS + 1]; TERMS];
     for sample in samples {

@@ -1,4 +1,4 @@
-//! A machine of virtual cores at work on a trace.
+//! A machine of virtual cores that runs a trace.
 
 use crate::costs::Costs;
 use crate::trace::{JobTrace, Replay, Trace};
@@ -14,11 +14,11 @@ use std::collections::VecDeque;
 pub enum Home {
     /// On a core of its own.
     Own,
-    /// On the core of worker 0, which stands still while the coordinator has something to do.
+    /// On the core of worker 0, which pauses while the coordinator is busy.
     Shared,
 }
 
-/// There is but one request.
+/// There is only one request.
 const REQUEST: RequestId = RequestId(1);
 
 /// What is simulated.
@@ -28,7 +28,7 @@ pub struct Setup {
     pub workers: u8,
     /// Where the coordinator runs.
     pub home: Home,
-    /// Who gets which job.
+    /// How jobs are matched to workers.
     pub matching: Matching,
     /// Sizes of queues and batches.
     pub queues: Queues,
@@ -38,20 +38,20 @@ pub struct Setup {
     pub copies: bool,
 }
 
-/// What came out.
+/// The result of a simulation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulatedRun {
     /// From the start to the last result folded (ns).
     pub time_ns: f64,
-    /// What each worker worked (ns).
+    /// Busy time of each worker (ns).
     pub busy_ns: Vec<f64>,
-    /// What the coordinator worked (ns).
+    /// Busy time of the coordinator (ns).
     pub coordinator_ns: f64,
     /// Jobs and batches.
     pub counts: Counts,
-    /// Sections that travelled.
+    /// Sections that were transferred.
     pub transfer: Transfer,
-    /// The section that did not fit: then the run ended there, and its time means nothing.
+    /// The section that did not fit: then the run ended there, and its time is meaningless.
     pub thrash: Option<Thrash>,
 }
 
@@ -137,7 +137,7 @@ impl Machine<'_> {
                 self.now_ns = self.now_ns.max(due);
                 self.step(Event::Poll)
             }
-            // Jobs are open and nobody has one: the dispatcher's own tests rule it out.
+            // Jobs are open and no worker has one: the dispatcher's own tests rule this out.
             (_, None) => Progress::Stranded,
         }
     }
@@ -149,7 +149,7 @@ impl Machine<'_> {
         let (tasks, tests) = std::mem::take(&mut self.replay.descents);
         self.work(self.costs.task_ns * tasks as f64 + self.costs.descent_ns * tests as f64);
         for effect in effects {
-            // Nothing goes wrong here, so nobody is killed.
+            // Nothing goes wrong here, so no worker is killed.
             let Effect::Send { to, jobs, fetch, .. } = effect else { continue };
             let weight = |section| dispatch::JobSource::weight(&self.replay, section) as f64;
             let fetched: f64 = fetch.into_iter().map(weight).sum();

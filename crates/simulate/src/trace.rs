@@ -1,10 +1,10 @@
-//! What a real run did: its tasks and their jobs, in the order of their descents.
+//! A trace of a real run: its tasks and their jobs, in the order of their traversals.
 
 use dispatch::{Closed, Job, JobSource};
 use protocol::{Section, TaskId};
 use std::collections::BTreeMap;
 
-/// One job as it was.
+/// One job as it ran.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JobTrace {
     /// Section of A, and its bytes.
@@ -19,12 +19,12 @@ pub struct JobTrace {
     pub hits: u64,
 }
 
-/// One task as it was.
+/// One task as it ran.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TaskTrace {
-    /// Tests of boxes of its descent.
+    /// Box tests of its traversal.
     pub descent_nb: u64,
-    /// Its jobs, in the order of the descent.
+    /// Its jobs, in the order of the traversal.
     pub jobs: Vec<JobTrace>,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Replay<'t> {
     trace: &'t Trace,
     weights: BTreeMap<Section, u64>,
     next: usize,
-    /// Descents since this was last looked at: tasks, and tests of boxes.
+    /// Traversals since the last look: tasks, and tests of boxes.
     pub(crate) descents: (u64, u64),
 }
 

@@ -3,7 +3,8 @@
 //!
 //! Read are obstacles and the first planning problem, whose initial state is the ego's; lanes,
 //! signs and goals are not: they do not change who is hit. States may be exact or intervals, of
-//! which the middle is taken and noted. Occupancy sets are refused: a set of places is no place.
+//! which the middle is taken and noted. Occupancy sets are refused: a set of positions is not a
+//! position.
 
 use crate::error::TrafficError;
 use crate::outline::{Outline, OutlinePart, Placed, corners};
@@ -94,7 +95,7 @@ pub(crate) fn read(
         return Err(root.fault(fault, listed(&seen)));
     }
     if phantoms > 0 {
-        reader.notes.push(format!("{phantoms} phantom obstacles stand for nobody: left out"));
+        reader.notes.push(format!("{phantoms} phantom obstacles represent nobody: left out"));
     }
     let ego = reader.ego(root, ego, &mut others)?;
     let name = root.attribute("benchmarkID").unwrap_or("CommonRoad").to_owned();

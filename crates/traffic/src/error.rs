@@ -13,7 +13,7 @@ use std::borrow::Cow;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {what}")]
 pub struct TrafficError {
-    /// The file as it was named by whoever opened it.
+    /// The file, as named by the caller.
     pub file: String,
     /// Line, from 1.
     pub line: u32,

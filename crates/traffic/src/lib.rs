@@ -5,10 +5,10 @@
 //! OpenSCENARIO (in part) ──┴─read─▶ Recording ─ sweep ─▶ Meetings ─ write ─▶ scenario (TOML)
 //! ```
 //!
-//! Everything lies in the ground plane, in metres, seconds and radians. A recording says where
-//! everybody is and goes; the sweep drives the ego along arcs that friction allows and says whom it
-//! meets first, as their outlines in plan overlap; triangles are the engine's business. Texts come
-//! in and go out; no file is opened here.
+//! Everything lies in the ground plane, in metres, seconds and radians. A recording states where
+//! every participant is and goes; the sweep drives the ego along arcs that friction allows and says
+//! whom it meets first, as their outlines in plan overlap; triangles are the engine's business.
+//! Texts come in and go out; no file is opened here.
 //!
 //! # Invariants
 //!

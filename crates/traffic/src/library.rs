@@ -1,4 +1,4 @@
-//! Which body stands for which type: a file of data.
+//! Which body represents which type: a data file.
 
 use body::Shape;
 use serde::Deserialize;
@@ -68,7 +68,7 @@ impl Library {
                 _ => return wrong("write shape and triangles, or file"),
             }
             if entry.unknown && entry.nobody {
-                return wrong("what is unknown has nobody in it anyway: leave nobody out");
+                return wrong("an unknown body has no occupants anyway: leave out \"nobody\"");
             }
         }
         Ok(Self { bodies: read.bodies })
@@ -83,13 +83,13 @@ impl Library {
         self.bodies.keys().map(String::as_str).collect::<Vec<_>>().join(", ")
     }
 
-    /// The model files that it names, so that whoever opens them can look first.
+    /// The model files that it names, so that the caller can check them first.
     #[must_use]
     pub fn files(&self) -> Vec<&str> {
         self.bodies.values().filter_map(|entry| entry.file.as_deref()).collect()
     }
 
-    /// The same with every file name changed.
+    /// This library with every file name mapped.
     #[must_use]
     pub fn with_files(mut self, change: impl Fn(&str) -> String) -> Self {
         for entry in self.bodies.values_mut() {

@@ -1,8 +1,8 @@
 //! OpenSCENARIO XML 1.x, as far as it says where bodies are: entities with bounding boxes (their
 //! own, or from catalogues), and the initial world position and speed of each.
 //!
-//! The story is not played: everybody keeps course and speed, and a note says so. Positions on a
-//! road, a lane or a route need a road network and are refused; so are expressions in `${…}`.
+//! The story is not executed: every entity keeps course and speed, and a note says so. Positions on
+//! a road, a lane or a route need a road network and are refused; so are expressions in `${…}`.
 
 use crate::error::TrafficError;
 use crate::outline::{Outline, OutlinePart, Placed, corners};
@@ -100,7 +100,7 @@ pub(crate) fn read(
     Ok(Recording { name: name.trim().to_owned(), ego, others, notes })
 }
 
-/// Straight on for as long as anybody looks.
+/// Straight on for the whole horizon.
 fn course(start: TimedState) -> Vec<TimedState> {
     if start.speed_m_s == 0.0 {
         return vec![start];
@@ -147,7 +147,7 @@ impl<'d> Parameters<'d> {
     }
 }
 
-/// What an entity covers, and its type.
+/// The outline of an entity, and its type.
 fn entity_body(
     entity: Element<'_>,
     parameters: &Parameters<'_>,

@@ -1,15 +1,15 @@
-//! Who is where, when: what every file is read into.
+//! Who is where, and when: the common form of all file formats.
 
 use crate::outline::{Outline, Placed};
 
 /// Traffic around an ego.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// What the file calls itself.
+    /// The name that the file gives itself.
     pub name: String,
     /// The automated vehicle.
     pub ego: Ego,
-    /// Everybody and everything else that may be hit, in the order of the file.
+    /// All other road users and objects that may be hit, in the order of the file.
     pub others: Vec<Obstacle>,
     /// What was taken for something else, in whole sentences.
     pub notes: Vec<String>,
@@ -20,20 +20,20 @@ pub struct Recording {
 pub struct Ego {
     /// Where it starts and how it moves there.
     pub start: TimedState,
-    /// What it covers; `None`: the file does not say.
+    /// Its outline; `None`: not stated in the file.
     pub outline: Option<Outline>,
     /// Where it went, if the file lists it among the obstacles; first moment first.
     pub went: Vec<TimedState>,
 }
 
-/// Somebody or something that may be hit.
+/// A road user or object that may be hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
     /// Its id or name in the file.
     pub id: String,
     /// Its type in the file: "car", "parkedVehicle".
     pub kind: String,
-    /// What it covers.
+    /// Its outline.
     pub outline: Outline,
     /// Where it is when; one moment: always there. Times rise.
     pub track: Vec<TimedState>,
@@ -76,7 +76,7 @@ impl Obstacle {
 }
 
 /// A track at a time: straight between moments, the shorter way round for angles. A single moment
-/// holds for ever.
+/// holds forever.
 pub(crate) fn at(track: &[TimedState], time_s: f64) -> Option<TimedState> {
     let after = track.partition_point(|moment| moment.time_s <= time_s + 1e-9);
     let before = track.get(after.checked_sub(1)?)?;

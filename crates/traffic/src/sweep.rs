@@ -4,9 +4,8 @@
 //! Tyres give at most `grip` in all (Kamm's circle), so a is scaled by √(1 − (b/grip)²); the yaw
 //! rate is a/v, and no curve is tighter than a car's turning circle. Speed and heading are held
 //! through a step and change at its end, as those of a planner with a clock do: a braking ego is
-//! ahead of a continuous one by at most b·t·step/2. Everybody else does what the recording says:
-//! nobody reacts. Meeting is the first step at which the outlines overlap; the step is the error in
-//! time.
+//! ahead of a continuous one by at most b·t·step/2. All others do what the recording says: nobody
+//! reacts. Meeting is the first step at which the outlines overlap; the step is the error in time.
 
 use crate::outline::{Outline, Placed, overlap};
 use crate::recording::{Ego, Obstacle, Recording, TimedState, at};
@@ -18,9 +17,9 @@ pub struct Sweep {
     pub brakes_m_s2: Vec<f64>,
     /// Lateral accelerations (m/s²); positive: to the left.
     pub laterals_m_s2: Vec<f64>,
-    /// What the tyres give in all (m/s²).
+    /// Total acceleration that the tyres allow (m/s²).
     pub grip_m_s2: f64,
-    /// How far ahead is looked (s).
+    /// The horizon (s).
     pub horizon_s: f64,
     /// Step of the sweep (s).
     pub step_s: f64,
@@ -62,7 +61,7 @@ pub enum Manoeuvre {
     },
 }
 
-/// A manoeuvre that meets somebody.
+/// A manoeuvre that meets an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conflict {
     /// What the ego does.
@@ -75,12 +74,12 @@ pub struct Conflict {
     pub other: TimedState,
 }
 
-/// What came of a sweep.
+/// The result of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swept {
-    /// Manoeuvres that meet somebody, in the order of trial.
+    /// Manoeuvres that meet an obstacle, in the order of trial.
     pub meetings: Vec<Conflict>,
-    /// Manoeuvres that meet nobody within the horizon.
+    /// Manoeuvres that meet no obstacle within the horizon.
     pub free: Vec<Manoeuvre>,
     /// Whom the ego overlaps already at the start, if anybody: then nothing was tried.
     pub overlapped: Option<usize>,
@@ -106,7 +105,7 @@ impl Manoeuvre {
 }
 
 impl Recording {
-    /// The outline of the ego: as stated, else a medium car.
+    /// The outline of the ego: as stated, otherwise a medium car.
     #[must_use]
     pub fn ego_outline(&self) -> Outline {
         self.ego.outline.clone().unwrap_or_else(|| Outline::rectangle(EGO_M[0], EGO_M[1]))
@@ -155,7 +154,7 @@ impl Recording {
         swept
     }
 
-    /// When the ego as recorded first meets somebody, counted from its start (s); `None`: never, or
+    /// When the recorded ego first meets an obstacle, counted from its start (s); `None`: never, or
     /// nothing is recorded of it.
     #[must_use]
     pub fn recorded_meeting_s(&self, step_s: f64) -> Option<f64> {
@@ -170,7 +169,7 @@ impl Recording {
     }
 }
 
-/// Where the ego is when manoeuvres begin: as recorded, else straight on.
+/// Where the ego is when manoeuvres begin: as recorded, otherwise straight on.
 fn began(ego: &Ego, time_s: f64) -> TimedState {
     if let Some(moment) = at(&ego.went, time_s) {
         return moment;

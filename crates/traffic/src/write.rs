@@ -11,7 +11,7 @@ use scenario::decimal;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// What a scenario holds at most.
+/// The capacity of a scenario.
 const CANDIDATES_MAX: usize = 16;
 /// Coordinates beyond this are moved so that the ego starts near the origin (m): maps count from a
 /// far away equator.

@@ -7,9 +7,9 @@
 //! /dev/shm/trolley.<instance>.<boot>-*         iceoryx2's memory
 //! ```
 //!
-//! Locks are flock(2): the kernel gives them back however a process ends. iceoryx2 could not clean
-//! up behind a killed coordinator without a living one that shares its names; here the names die
-//! with the run, and whoever finds a free lock may remove the lot.
+//! Locks are flock(2): the kernel gives them back however a process ends. iceoryx2 cannot clean up
+//! after a killed coordinator without a live one that shares its names; here the names end with the
+//! run, and any process that finds a free lock may remove all of it.
 
 mod place;
 mod sweep;
@@ -30,7 +30,7 @@ use place::{Place, Role};
 use protocol::Boot;
 use std::rc::Rc;
 
-/// One start of one coordinator, as seen by one process. Copies are the same one.
+/// One start of one coordinator, as seen by one process. Clones refer to the same one.
 ///
 /// It belongs to one thread. When the last copy and the last link of the creator are gone, so are
 /// all files; end the workers first.
@@ -48,7 +48,7 @@ impl Domain {
     ///
     /// # Errors
     ///
-    /// If the instance has no proper name, or /dev/shm refuses: no room, no rights, no file
+    /// If the instance has no proper name, or /dev/shm refuses: no space, no permission, no file
     /// descriptors.
     pub fn create(instance: &str, boot: Boot) -> Result<Self, OpenError> {
         Self::start(Place::create(instance, boot)?)
@@ -101,7 +101,8 @@ impl Domain {
         Cleaner { config: self.0.node.config().clone() }
     }
 
-    /// Takes all memory of the domain now: later, writing beyond what there is would be a SIGBUS.
+    /// Allocates all memory of the domain now: later, writing beyond what is available would raise
+    /// SIGBUS.
     ///
     /// # Errors
     ///
@@ -128,7 +129,7 @@ pub struct Cleaner {
 }
 
 impl Cleaner {
-    /// Removes nodes whose process is dead; says how many. Takes milliseconds for each.
+    /// Removes nodes whose process is dead; returns how many. Takes milliseconds for each.
     ///
     /// Only after the dead worker's results were taken: it removes them too. Not while another
     /// worker is starting: iceoryx2's clean-up races with creation (its issues 927 and 1578).
@@ -139,7 +140,7 @@ impl Cleaner {
             if let NodeState::Dead(node) = state {
                 match node.blocking_remove_stale_resources(Duration::from_millis(100)) {
                     Ok(()) => removed += 1,
-                    // What stays is small, and goes with the domain.
+                    // What stays is small, and is removed with the domain.
                     Err(error) => tracing::debug!(%error, "a dead node stays"),
                 }
             }

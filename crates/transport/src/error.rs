@@ -1,7 +1,7 @@
-//! Two kinds of errors for two kinds of readers.
+//! Two kinds of errors, for two kinds of readers.
 //!
-//! Opening fails to a person at a terminal: it explains. Using fails inside a request, to a
-//! program: it is small, and each variant says what to do next.
+//! [`OpenError`] is for a person at a terminal: it explains. [`UseError`] occurs inside a request
+//! and is for a program: it is small, and each variant says what to do next.
 
 use core::error::Error;
 use diagnostic::{Diagnostic, FailureKind};
@@ -21,10 +21,10 @@ pub enum OpenError {
     Taken {
         /// The instance.
         instance: String,
-        /// Who serves it, as far as it says.
+        /// Who serves it, if known.
         pid: String,
     },
-    /// Nobody serves this instance.
+    /// No service runs as this instance.
     #[error("no service is running as instance '{instance}' in {folder}")]
     NoService {
         /// The instance.
@@ -37,7 +37,7 @@ pub enum OpenError {
     RootTooLong {
         /// The root.
         root: String,
-        /// How many it may have.
+        /// Maximum number of bytes.
         most: usize,
     },
     /// The text does not name a domain.
@@ -53,23 +53,23 @@ pub enum OpenError {
         channel: String,
         /// Build of this program.
         ours: String,
-        /// Build of the program that created the service, as far as it says.
+        /// Build of the program that created the service, if known.
         theirs: String,
     },
-    /// The system or iceoryx2 refused.
+    /// A call of the system or of iceoryx2 failed.
     #[error("cannot {step} '{what}'")]
     Failed {
         /// What was to be done.
         step: &'static str,
         /// The file or service that it was to be done to.
         what: String,
-        /// What it said.
+        /// The error that it returned.
         source: Box<dyn Error + Send + Sync>,
     },
 }
 
 impl OpenError {
-    /// Whether the two ends are different programs, so that trying again is of no use.
+    /// Whether the two ends are different programs, so that retrying is useless.
     #[must_use]
     pub fn is_skew(&self) -> bool {
         matches!(self, Self::Skew { .. })
@@ -110,14 +110,14 @@ impl Diagnostic for OpenError {
     }
 }
 
-/// An open channel could not do as asked.
+/// An operation on an open channel failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UseError {
-    /// Not handed over: the peer is slow, dead, or not connected yet, or another message is still
-    /// open. The work goes back to pending.
+    /// Not sent: the peer is slow, dead, or not connected yet, or another message is still open.
+    /// The work goes back to pending.
     #[error("no free slot")]
     Full,
-    /// More words than a message has room for. Split it.
+    /// More words than a message can hold. Split it.
     #[error("message is longer than the channel's messages")]
     TooLong,
     /// The channel is gone. Carry on without the peer until it is replaced.

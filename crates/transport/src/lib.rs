@@ -3,7 +3,7 @@
 //! A [`Domain`] is one start of one coordinator: a name that no other run shares, so that two
 //! instances, or a hundred tests, never meet. Within it each incarnation of a worker has a link: a
 //! job channel and a result channel, created and held by the coordinator ([`CoordinatorLink`]) and
-//! opened by the worker ([`WorkerLink`]). What planners use stands apart from it: [`service`].
+//! opened by the worker ([`WorkerLink`]). What planners use is separate: [`service`].
 //!
 //! ```text
 //! Sender   --loan--> OpenMessage --words (in place), send(head, used)--> (gone)
@@ -22,8 +22,8 @@
 //!   configuration files are never read.
 //! - Once connected there is one heap allocation per loan, made by iceoryx2 0.10.
 //!
-//! This crate does not know what jobs and results are, nor when a peer is dead: that is told by its
-//! pidfd and the status page.
+//! This crate does not know what jobs and results are, nor when a peer is dead: its pidfd and the
+//! status page show that.
 
 #![expect(unsafe_code, reason = "memory loaned by iceoryx2 has no safe interface for this")]
 
@@ -49,8 +49,8 @@ pub struct Traffic {
     pub messages: u64,
     /// Bytes of their headers and of the payload that they use.
     pub bytes: u64,
-    /// Cache lines of 64 bytes that these lie in, each message by itself. What the queue's own
-    /// indices take is not in it: two to four lines a message, by belief.
+    /// Cache lines of 64 bytes that these occupy, each message by itself. The queue's own indices
+    /// are not included: an estimated two to four lines per message.
     pub lines: u64,
 }
 

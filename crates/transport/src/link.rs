@@ -1,8 +1,8 @@
 //! The two channels between the coordinator and one incarnation of one worker.
 //!
 //! The coordinator creates and holds both services before it starts the worker; the worker only
-//! opens them. So a worker that is killed in its start-up breaks nothing, and the successor gets
-//! services with new names and no mail of the dead.
+//! opens them. So a worker that is killed during start-up breaks nothing, and its successor gets
+//! services with new names and no messages of the dead worker.
 
 use crate::domain::Domain;
 use crate::error::OpenError;
@@ -21,13 +21,13 @@ use protocol::Incarnation;
 /// How much a link can hold; both ends must be given the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sizes {
-    /// Most words of a job message.
+    /// Maximum number of words of a job message.
     pub job_words: usize,
-    /// Most job messages that wait.
+    /// Maximum number of waiting job messages.
     pub job_queue: usize,
-    /// Most words of a result message.
+    /// Maximum number of words of a result message.
     pub result_words: usize,
-    /// Most result messages that wait.
+    /// Maximum number of waiting result messages.
     pub result_queue: usize,
 }
 
@@ -88,11 +88,11 @@ impl CoordinatorLink {
     }
 
     /// Connects to the ports that the worker has opened, and commits their memory, so that neither
-    /// happens inside a request. Call it once the worker has said hello.
+    /// happens inside a request. Call it once the worker has greeted.
     ///
     /// # Errors
     ///
-    /// If shared memory ran out, or the worker's ports are not what they should be.
+    /// If shared memory ran out, or the worker's ports are invalid.
     pub fn connect(&self) -> Result<(), OpenError> {
         let [job, result] = &self.names;
         self.jobs.connect(job)?;
@@ -149,7 +149,8 @@ fn names(peer: Incarnation) -> [String; 2] {
 const BUILD: &str = "build";
 const LAYOUT: &str = "layout";
 
-/// Every quality of service, written out: the defaults overwrite old messages and block senders.
+/// Creates or opens a service with every quality of service set explicitly: the defaults overwrite
+/// old messages and block senders.
 fn service(
     domain: &Domain,
     name: &str,
@@ -212,7 +213,7 @@ fn attributes_of(
     Ok([pair(BUILD, build)?, pair(LAYOUT, &protocol::LAYOUT.to_string())?])
 }
 
-/// What the creator of a service said of its build.
+/// The build id that the creator of a service stored with it.
 fn build_of(domain: &Domain, name: &str) -> Option<String> {
     let name = ServiceName::new(name).ok()?;
     let pattern = MessagingPattern::PublishSubscribe;

@@ -36,13 +36,13 @@ impl Receiver {
     /// Takes the oldest message, if there is one. Does not wait.
     ///
     /// Its payload replaces the contents of `scratch`, which grows only if it never held as much
-    /// before. A message that is turned away is gone, and leaves `scratch` empty: that is the inner
-    /// error. A checksum that does not fit is reported before anything else that the header says,
-    /// because then the header may say anything.
+    /// before. A rejected message is gone, and leaves `scratch` empty: that is the inner error. A
+    /// checksum mismatch is reported before anything else in the header, because then the header
+    /// cannot be trusted.
     ///
     /// # Errors
     ///
-    /// [`UseError::Broken`] if the channel's memory is not what it should be.
+    /// [`UseError::Broken`] if the channel's memory is corrupt.
     pub fn take(&self, scratch: &mut Vec<u64>) -> Result<Option<Result<Head, Reject>>, UseError> {
         scratch.clear();
         let sample = match self.port.receive() {
@@ -80,7 +80,7 @@ impl Receiver {
         head.accept(self.boot, self.peer, room).map(|_kind| ())
     }
 
-    /// What was taken.
+    /// Messages taken so far.
     #[must_use]
     pub fn traffic(&self) -> Traffic {
         let (messages, bytes) = (self.messages.get(), self.bytes.get());

@@ -48,13 +48,13 @@ impl Sender {
         Ok(OpenMessage { sample, sender: self })
     }
 
-    /// Most words of a message.
+    /// Maximum number of words of a message.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.words
     }
 
-    /// What was handed over.
+    /// Messages sent so far.
     #[must_use]
     pub fn traffic(&self) -> Traffic {
         let (messages, bytes) = (self.messages.get(), self.bytes.get());
@@ -71,9 +71,9 @@ impl fmt::Debug for Sender {
     }
 }
 
-/// A message that is being written. Dropped unsent, it was never there.
+/// A message that is being written. If it is dropped unsent, the receiver never sees it.
 ///
-/// It borrows its sender: if the sender went first, sending would fail only when it is tried.
+/// It borrows its sender, so that the sender cannot be dropped first.
 #[must_use = "a message that is not sent is dropped"]
 pub struct OpenMessage<'s> {
     sample: SampleMut<ipc::Service, [u64], Wire>,
@@ -81,26 +81,25 @@ pub struct OpenMessage<'s> {
 }
 
 impl OpenMessage<'_> {
-    /// All the room there is. It holds what an earlier message left.
+    /// The whole payload buffer. It holds leftovers of an earlier message.
     pub fn words(&mut self) -> &mut [u64] {
         self.sample.payload_mut()
     }
 
-    /// Hands over the first `used` words behind `head`, whose length, sequence number and checksum
-    /// are written here.
+    /// Sends the first `used` words after `head`, whose length, sequence number and checksum are
+    /// written here.
     ///
     /// # Errors
     ///
-    /// In each case nothing was handed over, and what was written is lost: the work has to be done
-    /// again. [`UseError::Full`]: the queue has no room (credits prevent that) or nobody is
-    /// connected. [`UseError::TooLong`]: `used` is beyond the room. [`UseError::Broken`]: the
-    /// channel is gone.
+    /// In each case nothing is sent, and what was written is lost: the work has to be done again.
+    /// [`UseError::Full`]: the queue is full (credits prevent that) or no receiver is connected.
+    /// [`UseError::TooLong`]: `used` exceeds the buffer. [`UseError::Broken`]: the channel is gone.
     pub fn send(self, head: Head, used: usize) -> Result<(), UseError> {
         self.send_changed(head, used, |_, _| {})
     }
 
-    /// The same, but `corrupt` may change header and payload after they were sealed: for fault
-    /// injection.
+    /// [`OpenMessage::send`], except that `corrupt` may change header and payload after they are
+    /// sealed: for fault injection.
     ///
     /// # Errors
     ///
@@ -115,7 +114,7 @@ impl OpenMessage<'_> {
         self.send_changed(head, used, corrupt)
     }
 
-    /// Seals a message, and sends it with whatever is changed about it then.
+    /// Seals a message, applies `corrupt`, and sends it.
     fn send_changed(
         mut self,
         head: Head,

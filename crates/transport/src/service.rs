@@ -1,4 +1,4 @@
-//! The public service: planners ask, one server answers, anybody may listen.
+//! The public service: planners ask, one server answers, anyone may listen.
 //!
 //! ```text
 //! Client  --ask--> Pending --receive--> WireAnswer      Server  --take--> Asked --answer--> (gone)
@@ -38,13 +38,13 @@ use iceoryx2::prelude::{
     CallbackProgression, LogLevel, NodeName, SignalHandlingMode, ipc, set_log_level,
 };
 
-/// Where the folders of services are unless somebody says otherwise.
+/// The default folder of services.
 pub const FOLDER: &str = domain::SHM;
 /// Longest root that iceoryx2 takes (bytes).
 const ROOT_MAX: usize = 49;
-/// Nodes of a service: its server, its clients, and whoever listens.
+/// Maximum number of nodes of a service: its server, its clients and listeners.
 const NODES_MAX: usize = 64;
-/// Listeners of a topic.
+/// Maximum number of listeners of a topic.
 const LISTENERS_MAX: usize = 16;
 
 /// Where a service is: the name of its instance, and the folder of its root.
@@ -83,8 +83,8 @@ impl Address {
         &self.root
     }
 
-    /// What the names of its memory begin with. An instance's name holds no dot, so that of no
-    /// other begins alike.
+    /// What the names of its memory begin with. An instance's name holds no dot, so no two prefixes
+    /// overlap.
     #[must_use]
     pub fn prefix(&self) -> String {
         format!("trolley-{}.", self.instance)
@@ -108,7 +108,7 @@ impl Address {
             .map_err(OpenError::at(fail, &self.root))
     }
 
-    /// A node of a guest; it must not be the first, or the root would be without a lock.
+    /// A node of a guest; it must not be the first, or the root would be unlocked.
     fn guest(&self, name: &str) -> Result<Node<ipc::Service>, OpenError> {
         if !std::path::Path::new(&self.root).is_dir() {
             return Err(self.no_service());
@@ -122,7 +122,7 @@ impl Address {
     }
 }
 
-/// Removes what dead nodes left to iceoryx2; says how many nodes still live.
+/// Removes what dead nodes left to iceoryx2; returns how many nodes are still alive.
 fn clean(config: &Config) -> usize {
     let mut living = 0;
     let listed = Node::<ipc::Service>::list(config, |state| {
@@ -130,7 +130,7 @@ fn clean(config: &Config) -> usize {
             NodeState::Dead(node) => {
                 let patience = core::time::Duration::from_millis(100);
                 if let Err(error) = node.blocking_remove_stale_resources(patience) {
-                    // What stays is small, and is tried again.
+                    // What stays is small, and is retried later.
                     tracing::debug!(%error, "a dead node stays");
                 }
             }
@@ -141,7 +141,7 @@ fn clean(config: &Config) -> usize {
     });
     if let Err(error) = listed {
         tracing::debug!(%error, "cannot list nodes");
-        // Not known who lives: nothing may be removed.
+        // Which nodes are alive is unknown: nothing may be removed.
         return usize::MAX;
     }
     living

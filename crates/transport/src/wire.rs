@@ -23,8 +23,8 @@ impl Wire {
         Self { words: bytemuck::cast(head) }
     }
 
-    /// The header, read from shared memory once: what is checked is what is used, whatever the
-    /// sender still writes.
+    /// The header, read from shared memory once: what is checked is what is used, even if the
+    /// sender writes meanwhile.
     pub(crate) fn read(&self) -> Head {
         let mut words = [0; 8];
         for (word, place) in words.iter_mut().zip(&self.words) {

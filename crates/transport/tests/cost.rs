@@ -1,4 +1,4 @@
-//! What a message costs, with its checksum: printed, not judged. Run by hand, optimised:
+//! The cost of a message, with its checksum: printed, not asserted. Run by hand, optimised:
 //!
 //! `cargo test --release -p transport --test cost -- --ignored --nocapture --test-threads=1`
 

@@ -1,4 +1,4 @@
-//! A claim in the crate's header, held by a number: one heap allocation per loan, none elsewhere.
+//! Checks a claim of the crate's header: one heap allocation per loan, none elsewhere.
 #![expect(unsafe_code, reason = "an allocator that counts is an allocator")]
 
 use protocol::{Boot, Head, Incarnation, MessageKind, RequestId};
@@ -9,21 +9,21 @@ use transport::{CoordinatorLink, Domain, Sizes, WorkerLink};
 struct Counting;
 
 thread_local! {
-    /// Of this thread: the test runner's own threads are none of its business.
+    /// Per thread: the test runner's own threads do not count.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: it is the system's allocator, and counting changes nothing about it.
+// SAFETY: it is the system's allocator, and counting does not affect it.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // A thread that is ending has none any more.
+        // A thread that is ending no longer has a counter.
         let _gone = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: handed on as it came.
+        // SAFETY: forwarded unchanged.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: handed on as it came.
+        // SAFETY: forwarded unchanged.
         unsafe { System.dealloc(place, layout) }
     }
 }

@@ -1,4 +1,4 @@
-//! Real processes: the test binary plays its own worker or coordinator, and is killed.
+//! Real processes: the test binary runs as its own worker or coordinator, and is killed.
 //!
 //! A child is told what it is by a further name on its command line, which the test runner takes
 //! for a filter that matches nothing: the domain to enter, or the word `own` to make one.
@@ -74,7 +74,7 @@ impl Victim {
 
 impl Drop for Victim {
     fn drop(&mut self) {
-        // Whatever the test found, nobody is left.
+        // Whatever the test found, no process is left.
         let _dead_already = self.kill();
     }
 }
@@ -173,7 +173,7 @@ fn a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not() -> Outco
     let name = "a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not";
     let mut worker = Victim::start(name, domain.text())?;
     assert_eq!(worker.hear()?, "three sent, one open");
-    // Never connected before: what is taken here, the dead have left.
+    // Never connected before: what is taken here was left by the dead worker.
     worker.kill()?;
     let mut scratch = Vec::new();
     for request in 1..4 {
@@ -181,7 +181,7 @@ fn a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not() -> Outco
         assert_eq!((got.request, scratch.as_slice()), (request, [request, request].as_slice()));
     }
     assert!(link.results.take(&mut scratch)?.is_none(), "what was never sent must not arrive");
-    // Its jobs go nowhere, and nobody waits for it.
+    // Its jobs go nowhere, and nothing waits for it.
     let refused = (0..20).find_map(|_| {
         let sent =
             link.jobs.loan().and_then(|job| job.send(head(&domain, MessageKind::Batch, 9), 1));
@@ -189,7 +189,7 @@ fn a_killed_worker_loses_nothing_it_sent_and_sends_nothing_it_did_not() -> Outco
     });
     assert_eq!(refused, Some(UseError::Full));
 
-    // The successor has services of its own, and the dead node can be buried meanwhile.
+    // The successor has services of its own, and the dead node can be reaped meanwhile.
     drop(link);
     assert_eq!(domain.cleaner().run(), 1);
     assert_eq!(domain.cleaner().run(), 0);

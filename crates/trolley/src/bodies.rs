@@ -1,22 +1,41 @@
-//! Bodies from where they are named to where they are read: loaded or generated, given the tree
-//! that is asked for, sealed into the model store, opened.
+//! Bodies: loaded or generated, given a tree, sealed into memory that worker processes share.
 //!
 //! ```text
 //! model file --open--+
 //! Shape, count ------+--> ModelFile --Bodies::seal--> one sealed memfd --Bodies::views--> BodyView
 //! ```
 //!
-//! This is the only way from a name to a body that is worked on, whoever asks.
+//! Every body that is ranked comes this way.
+//!
+//! ```
+//! use trolley::bodies::{Bodies, ModelFile};
+//! use trolley::model::{BuildOptions, Shape};
+//!
+//! let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+//! let bodies = Bodies::seal(vec![pole])?;
+//! let views = bodies.views()?;
+//! assert_eq!(views[0].1.corners.len(), 600);
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use crate::Failure;
 use crate::deployment::OpenDeployment;
 use body::{BodyKind, BodyView, Fit, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
 use runtime::{FileMap, SealedMemory};
-use scenario::{EngineSettings, FileRef, Scenario, Source};
+use scenario::{EngineSettings, FileRef, Party, Scenario, Source};
 use std::path::{Path, PathBuf};
 
 /// A body on its way into the model store.
+///
+/// ```
+/// # use trolley::bodies::{Bodies, ModelFile};
+/// # use trolley::model::{BuildOptions, Shape};
+/// let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// println!("a {}, {} bytes", pole.kind(), pole.bytes().len());
+/// # assert_eq!(pole.kind(), trolley::model::BodyKind::Pole);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Debug)]
 pub struct ModelFile {
     kind: BodyKind,
@@ -24,13 +43,33 @@ pub struct ModelFile {
     source_hash: Option<String>,
 }
 
+/// ```
+/// use trolley::bodies::OnProgress;
+///
+/// let progress: OnProgress<'_> = &|done, total| eprintln!("{done} of {total} triangles");
+/// ```
 pub use mesh::reader::OnProgress;
 
-/// Tells nobody.
+/// Ignores progress.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let limits = trolley::Limits::default();
+/// engine.rank_telling(&scenario, &limits, trolley::bodies::SILENT)?; // as engine.rank
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 pub const SILENT: OnProgress<'static> = &|_, _| {};
 
-/// How trees are built where a scenario or a deployment has these settings: by all cores that are
-/// granted.
+/// Returns how trees are built with these settings of a scenario or deployment, on all cores that
+/// this process may use.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// let options = trolley::bodies::build_options(&scenario.parsed().engine);
+/// assert_eq!(options.leaf_size, scenario.parsed().engine.leaf_size);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[must_use]
 pub fn build_options(engine: &EngineSettings) -> BuildOptions {
     BuildOptions {
@@ -41,8 +80,23 @@ pub fn build_options(engine: &EngineSettings) -> BuildOptions {
 }
 
 impl ModelFile {
-    /// Opens a model file; its tree is built again if another one is asked for. With a size (m) the
-    /// body is stretched to it.
+    /// Opens a model file. Its tree is rebuilt if `options` ask for another one; with a `size` (m),
+    /// the body is stretched to it.
+    ///
+    /// ```
+    /// # use trolley::bodies::ModelFile;
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let folder = std::env::temp_dir().join(format!("trolley-open-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let path = folder.join("pole.trolley");
+    /// # trolley::files::replace(&path, pole.bytes())?;
+    /// let options = BuildOptions { leaf_size: 8, ..BuildOptions::default() };
+    /// let pole = ModelFile::open(&path, None, &options)?;
+    /// assert!(pole.source_hash().is_some());
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -68,7 +122,22 @@ impl ModelFile {
         Ok(Self { source_hash, ..Self::of(&body)? })
     }
 
-    /// Opens a model file with the tree that it has.
+    /// Opens a model file, and keeps its tree.
+    ///
+    /// ```
+    /// # use trolley::bodies::ModelFile;
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let folder = std::env::temp_dir();
+    /// # let folder = folder.join(format!("trolley-as-it-is-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let path = folder.join("pole.trolley");
+    /// # trolley::files::replace(&path, pole.bytes())?;
+    /// let same = ModelFile::as_it_is(&path)?;
+    /// assert_eq!(same.bytes(), pole.bytes());
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -78,7 +147,7 @@ impl ModelFile {
             Failure::input(diagnostic::chain(&error))
                 .with_remedy("name a model file that can be read")
         })?;
-        // What is looked at is the copy: a file may change while it is mapped.
+        // The copy is checked: a file may change while it is mapped.
         let bytes = file::Aligned::copy_of(map.bytes());
         let bad = |error: file::FileError| Failure::from(error).at(path.display());
         let (meta, _) = file::view(bytes.bytes()).map_err(bad)?;
@@ -86,11 +155,20 @@ impl ModelFile {
         Ok(Self { kind: meta.kind, bytes, source_hash })
     }
 
-    /// Generates a body and gives it a tree.
+    /// Generates a body and builds its tree.
+    ///
+    /// ```
+    /// # use trolley::bodies::ModelFile;
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// let suv = ModelFile::generate(Shape::Suv, 1500, 0, &BuildOptions::default())?;
+    /// let another = ModelFile::generate(Shape::Suv, 1500, 1, &BuildOptions::default())?;
+    /// assert_ne!(suv.bytes(), another.bytes());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If a body of this shape cannot have so many triangles.
+    /// If `triangles` is out of range for the shape.
     pub fn generate(
         shape: Shape,
         triangles: u32,
@@ -100,30 +178,70 @@ impl ModelFile {
         Self::of(&generate(shape, triangles, seed, options, &|_| {})?)
     }
 
-    /// A body as a model file in memory.
+    /// Encodes a body as a model file in memory.
+    ///
+    /// ```
+    /// # use trolley::bodies::ModelFile;
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// let options = BuildOptions::default();
+    /// let body = trolley::bodies::generate(Shape::Pole, 600, 0, &options, &|_| {})?;
+    /// let file = ModelFile::of(&body)?;
+    /// assert_eq!(file.kind(), body.meta.kind);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If its names are too long for one.
+    /// If its names are too long for a model file.
     pub fn of(body: &body::Body) -> Result<Self, Failure> {
         let bytes = file::encode(body)?;
         let bytes = file::Aligned::copy_of(&bytes);
         Ok(Self { kind: body.meta.kind, bytes, source_hash: None })
     }
 
-    /// What kind of body it is.
+    /// Returns the kind of the body.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// assert_eq!(pole.kind(), trolley::model::BodyKind::Pole);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn kind(&self) -> BodyKind {
         self.kind
     }
 
-    /// The model file.
+    /// Returns the bytes of the model file.
+    ///
+    /// ```
+    /// # use trolley::bodies::ModelFile;
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let folder = std::env::temp_dir().join(format!("trolley-bytes-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let path = folder.join("pole.trolley");
+    /// # trolley::files::replace(&path, pole.bytes())?;
+    /// trolley::files::replace(&path, pole.bytes())?;
+    /// assert!(trolley::model::open::is_model(&path));
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         self.bytes.bytes()
     }
 
-    /// Content hash of the file that it was opened from; none of what was generated.
+    /// Returns the content hash of the file that was opened; `None` if the body was generated.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// assert!(pole.source_hash().is_none(), "it was generated");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn source_hash(&self) -> Option<&str> {
         self.source_hash.as_deref()
@@ -131,6 +249,17 @@ impl ModelFile {
 }
 
 /// Bodies in sealed memory, which worker processes map read-only.
+///
+/// ```
+/// # use trolley::bodies::{Bodies, ModelFile};
+/// # use trolley::model::{BuildOptions, Shape};
+/// let options = BuildOptions::default();
+/// let pole = ModelFile::generate(Shape::Pole, 600, 0, &options)?;
+/// let wall = ModelFile::generate(Shape::Wall, 600, 0, &options)?;
+/// let bodies = Bodies::seal(vec![pole, wall])?;
+/// assert_eq!(bodies.hashes().len(), 2);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Debug)]
 pub struct Bodies {
     store: SealedMemory,
@@ -139,7 +268,16 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Seals bodies.
+    /// Seals bodies into shared memory.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// let bodies = Bodies::seal(vec![pole])?;
+    /// assert_eq!(bodies.views()?.len(), 1);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -156,13 +294,24 @@ impl Bodies {
         Ok(Self { store, hashes, source_hashes })
     }
 
-    /// Loads or generates the body of every party of a scenario, with the tree that the engine asks
-    /// for, and seals them in the order of the parties. `file` is the scenario's name in errors;
-    /// `find` says where the model file of a party is.
+    /// Loads or generates the body of every party of a scenario, builds its tree as `engine` says,
+    /// and seals them in the order of the parties. `file` is the scenario's name in messages;
+    /// `find` returns the path of a party's model file.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// use trolley::bodies::{Bodies, SILENT};
+    ///
+    /// let (parsed, file) = (scenario.parsed(), scenario.file());
+    /// let find = |_, reference: &_| scenario.path_of(reference);
+    /// let bodies = Bodies::of_scenario(parsed, &parsed.engine, file, &find, SILENT)?;
+    /// assert_eq!(bodies.views()?.len(), parsed.parties.len());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If a model file cannot be used, or does not fit its party.
+    /// If a model file cannot be used, or does not suit its party.
     pub fn of_scenario(
         scenario: &Scenario,
         engine: &EngineSettings,
@@ -201,7 +350,16 @@ impl Bodies {
         Self::seal(bodies)
     }
 
-    /// Opens or generates every model of a deployment, in its order.
+    /// Opens or generates every model of a deployment, and seals them in its order.
+    ///
+    /// ```
+    /// use trolley::{OpenDeployment, bodies::Bodies};
+    ///
+    /// let opened = OpenDeployment::open("../../config/deployments/minimal.toml".as_ref(), None)?;
+    /// let bodies = Bodies::of_deployment(&opened)?;
+    /// assert_eq!(bodies.views()?.len(), 3);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -218,7 +376,18 @@ impl Bodies {
         Self::seal(opened.deployment.models.iter().map(load).collect::<Result<_, _>>()?)
     }
 
-    /// The bodies, read in place.
+    /// Returns the bodies, read in place.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let bodies = Bodies::seal(vec![pole])?;
+    /// for (meta, body) in bodies.views()? {
+    ///     println!("{}: {} triangles", meta.name, body.corners.len());
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -228,7 +397,17 @@ impl Bodies {
             .map_err(|error| Failure::internal(diagnostic::chain(&error)))
     }
 
-    /// The sealed memory, as worker processes inherit it.
+    /// Returns the sealed memory that worker processes inherit.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let bodies = Bodies::seal(vec![pole])?;
+    /// println!("{} bytes", bodies.store().bytes().len());
+    /// # assert!(!bodies.store().bytes().is_empty());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn store(&self) -> &SealedMemory {
         &self.store
@@ -237,7 +416,7 @@ impl Bodies {
     /// The bodies of a scenario's parties as a record names them.
     pub(crate) fn recorded(&self, scenario: &Scenario) -> Vec<record::RecordedBody> {
         let parties = scenario.parties.iter().zip(&self.hashes).zip(&self.source_hashes);
-        let one = |((party, hash), source_hash): ((&scenario::Party, &String), &Option<String>)| {
+        let recorded = |((party, hash), source_hash): ((&Party, &String), &Option<String>)| {
             let source = match (&party.source, source_hash) {
                 (Source::File(reference), Some(hash)) => {
                     let (path, hash) = (reference.path.clone(), hash.clone());
@@ -247,24 +426,42 @@ impl Bodies {
             };
             record::RecordedBody { party: party.name.to_string(), source, hash: hash.clone() }
         };
-        parties.map(one).collect()
+        parties.map(recorded).collect()
     }
 
-    /// Content hash of each body with the tree that it has here.
+    /// Returns the content hash of each body with its tree.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let bodies = Bodies::seal(vec![pole])?;
+    /// let [pole] = bodies.hashes() else { unreachable!("one body was sealed") };
+    /// println!("{pole}");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn hashes(&self) -> &[String] {
         &self.hashes
     }
 
-    /// Content hash of the model file that each was opened from; none of those generated.
+    /// Returns the content hash of the file that each body was opened from; `None` if generated.
+    ///
+    /// ```
+    /// # use trolley::bodies::{Bodies, ModelFile};
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # let bodies = Bodies::seal(vec![pole])?;
+    /// assert_eq!(bodies.source_hashes(), [None], "the body was generated");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn source_hashes(&self) -> &[Option<String>] {
         &self.source_hashes
     }
 }
 
-/// A body stretched to a size. What follows from the size is worked out again; a mass that somebody
-/// stated stays.
+/// A body stretched to a size. What depends on the size is computed again; a stated mass stays.
 fn stretched(
     meta: &Meta,
     view: &BodyView<'_>,
@@ -287,11 +484,22 @@ fn stretched(
     with_tree(mesh, new, options, &|_| {})
 }
 
-/// Generates a body and gives it a tree; `progress` as in [`bvh::build()`].
+/// Generates a body and builds its tree. `progress` is called with the number of triangles placed
+/// since its last call, from several threads.
+///
+/// ```
+/// use trolley::bodies::generate;
+/// use trolley::model::{BuildOptions, Shape};
+///
+/// let pole = generate(Shape::Pole, 600, 0, &BuildOptions::default(), &|_| {})?;
+/// assert_eq!(pole.corners.len(), 600);
+/// assert!(generate(Shape::Pole, 1, 0, &BuildOptions::default(), &|_| {}).is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If a body of this shape cannot have so many triangles.
+/// If `triangles` is out of range for the shape.
 pub fn generate(
     shape: Shape,
     triangles: u32,
@@ -312,7 +520,19 @@ pub fn generate(
     with_tree(mesh, meta, options, progress)
 }
 
-/// Gives a mesh its zones and its tree.
+/// Makes a body of a mesh: adds zones, and builds its tree. `progress` as in [`generate`].
+///
+/// ```
+/// # use trolley::bodies::{generate, with_tree};
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let pole = generate(Shape::Pole, 600, 0, &BuildOptions::default(), &|_| {})?;
+/// # let mesh = body::fit::mesh_of(&pole.meta, &pole.view());
+/// # let meta = pole.meta.clone();
+/// let options = BuildOptions { leaf_size: 8, ..BuildOptions::default() };
+/// let body = with_tree(mesh, meta, &options, &|_| {})?;
+/// assert_eq!(body.meta.leaf_size, 8);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///

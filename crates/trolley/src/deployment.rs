@@ -1,4 +1,4 @@
-//! A deployment file, and what it names beside itself.
+//! A deployment file, and the files it names.
 
 use crate::Failure;
 use crate::scenario::read_text;
@@ -10,7 +10,15 @@ use scenario::{Party, Scenario, Source};
 use service::{Deployment, Model};
 use std::path::{Path, PathBuf};
 
-/// A deployment, and the file that its paths are relative to.
+/// A deployment file that was read; its paths are relative to it.
+///
+/// ```
+/// use trolley::OpenDeployment;
+///
+/// let opened = OpenDeployment::open("../../config/deployments/minimal.toml".as_ref(), None)?;
+/// assert_eq!(opened.deployment.models.len(), 3);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct OpenDeployment {
     /// What the file says.
@@ -19,11 +27,20 @@ pub struct OpenDeployment {
 }
 
 impl OpenDeployment {
-    /// Reads a deployment file; `instance` replaces the one that it names.
+    /// Reads a deployment file; `instance` replaces the name of the instance in it.
+    ///
+    /// ```
+    /// use trolley::OpenDeployment;
+    ///
+    /// let file = "../../config/deployments/minimal.toml";
+    /// let opened = OpenDeployment::open(file.as_ref(), Some("second"))?;
+    /// assert_eq!(opened.deployment.instance, "second");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If the file cannot be read or is not sound, or no instance can have this name.
+    /// If the file cannot be read or is not valid, or `instance` is not a valid name.
     pub fn open(path: &Path, instance: Option<&str>) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let mut deployment = Deployment::parse(&name, &read_text(path)?)?;
@@ -34,17 +51,33 @@ impl OpenDeployment {
         Ok(Self { deployment, file: path.to_owned() })
     }
 
-    /// A path that the file names.
+    /// Returns the path of a file that the deployment names.
+    ///
+    /// ```
+    /// # let file = "../../config/deployments/minimal.toml";
+    /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
+    /// let path = opened.path("car.trolley".as_ref());
+    /// assert!(path.ends_with("config/deployments/car.trolley"));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn path(&self, written: &Path) -> PathBuf {
         beside(&self.file, written)
     }
 
-    /// The policy and the curves.
+    /// Reads the policy and the curves: those of the deployment, else the built-in ones.
+    ///
+    /// ```
+    /// # let file = "../../config/deployments/minimal.toml";
+    /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
+    /// let (policy, curves) = opened.rules()?;
+    /// assert_eq!(policy.name, "default");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If a file cannot be read or is not sound, or the curves lack the policy's outcome.
+    /// If a file cannot be read or is not valid, or the curves lack the policy's outcome.
     pub fn rules(&self) -> Result<(Policy, Curves), Failure> {
         let or_shipped = |path: &Option<PathBuf>, name: &str, shipped: &str| match path {
             None => Ok((name.to_owned(), shipped.to_owned())),
@@ -62,14 +95,23 @@ impl OpenDeployment {
         Ok((policy, curves))
     }
 
-    /// The request that asks what a scenario asks, with the ids of the deployment's models. `file`
-    /// is the scenario's, which its paths are relative to; its engine, policy and curves do not
-    /// count. With `unknown_is_fixed`, parties of unknown kind are taken as fixed to the ground,
-    /// with nobody in them.
+    /// Makes the request that asks the service to rank a scenario, with the ids of the deployment's
+    /// models. `file` is the scenario's file, which its paths are relative to; its engine, policy
+    /// and curves are ignored. With `unknown_is_fixed`, parties of unknown kind are taken as fixed
+    /// to the ground, with nobody in them.
+    ///
+    /// ```
+    /// # let file = "../../config/deployments/minimal.toml";
+    /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
+    /// let scenario = trolley::Scenario::open("../../config/scenarios/minimal.toml")?;
+    /// let ask = opened.ask(scenario.file().as_ref(), scenario.parsed(), false)?;
+    /// assert_eq!(ask.candidate_count, 2);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If the deployment has no model as that of a party, or the scenario is larger than a request.
+    /// If the deployment lacks the model of a party, or the scenario is too large for a request.
     pub fn ask(
         &self,
         file: &Path,
@@ -81,7 +123,7 @@ impl OpenDeployment {
             let is_same = |model: &&Model| self.is_body_of(file, party, model);
             let Some(model) = self.deployment.models.iter().find(is_same) else {
                 let (place, name) = (party.place, &party.name);
-                let what = format!("the deployment has no model as that of party \"{name}\"");
+                let what = format!("the deployment lacks the model of party \"{name}\"");
                 let help = format!("add it to [[models]] of {}", self.file.display());
                 let place = format!("{}:{place}", file.display());
                 return Err(Failure::input(what).at(place).with_remedy(help));
@@ -91,7 +133,7 @@ impl OpenDeployment {
         service::of_scenario(scenario, &models, unknown_is_fixed).map_err(Failure::input)
     }
 
-    /// Whether a model is the body of a scenario's party: the same file, or made the same way.
+    /// Whether a model is the body of a scenario's party: the same file, or generated alike.
     fn is_body_of(&self, scenario: &Path, party: &Party, model: &Model) -> bool {
         match (&party.source, &model.source) {
             (Source::File(reference), service::ModelSource::File(path)) => {

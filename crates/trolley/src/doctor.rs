@@ -1,8 +1,17 @@
-//! What this machine has of what the service needs, and what to do about the rest.
+//! Checks of this machine: what the service needs, what is missing, and what to do about it.
 //!
-//! It changes nothing, and asks for nothing that the service would not ask for. A *problem* keeps
-//! the service from working or from keeping its promises; a *note* makes it slower or less
-//! predictable.
+//! The checks change nothing, and use nothing that the service would not use. A *problem* stops the
+//! service from working or from keeping its promises; a *note* makes it slower or less predictable.
+//!
+//! ```
+//! use trolley::doctor::{self, FindingLevel};
+//!
+//! for finding in doctor::look() {
+//!     if finding.level != FindingLevel::Ok {
+//!         println!("{}: {}; {}", finding.subject, finding.found, finding.remedy);
+//!     }
+//! }
+//! ```
 
 use crate::BUILD;
 use runtime::{affinity, realtime};
@@ -19,7 +28,14 @@ const FILES: u64 = 1024;
 /// Priority of the coordinator in the deployments that are shipped.
 const PRIORITY: u64 = 60;
 
-/// How bad it is.
+/// How serious a [`Finding`] is.
+///
+/// ```
+/// use trolley::doctor::{FindingLevel, look};
+///
+/// let is_able = look().iter().all(|finding| finding.level != FindingLevel::Problem);
+/// println!("the service can run: {is_able}");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingLevel {
@@ -27,20 +43,26 @@ pub enum FindingLevel {
     Ok,
     /// Slower or less predictable.
     Note,
-    /// The service cannot work, or not keep its promises.
+    /// The service cannot work, or cannot keep its promises.
     Problem,
 }
 
-/// One thing that was looked at.
+/// The result of one check.
+///
+/// ```
+/// let mut findings = trolley::doctor::look().into_iter();
+/// let versions = findings.find(|finding| finding.subject == "versions");
+/// assert!(versions.is_some_and(|finding| finding.found.contains(trolley::BUILD)));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What was looked at.
+    /// What was checked.
     pub subject: &'static str,
-    /// How bad it is.
+    /// How serious it is.
     pub level: FindingLevel,
     /// What was found.
     pub found: String,
-    /// What it costs, and what to do about it; nothing if nothing is to be done.
+    /// What it costs, and what to do about it; empty if nothing needs to be done.
     pub remedy: String,
 }
 
@@ -54,7 +76,12 @@ fn finding(
     Finding { subject, level, found: found.into(), remedy }
 }
 
-/// Looks at the machine that this process runs on, with the rights that it has.
+/// Checks the machine that this process runs on, with the rights that it has.
+///
+/// ```
+/// let findings = trolley::doctor::look();
+/// assert!(findings.iter().any(|finding| finding.subject == "cores"));
+/// ```
 #[must_use]
 pub fn look() -> Vec<Finding> {
     vec![
@@ -74,7 +101,7 @@ pub fn look() -> Vec<Finding> {
     ]
 }
 
-/// A file of /proc or /sys, without its line feed.
+/// The text of a file of /proc or /sys, trimmed.
 fn read(path: &str) -> Option<String> {
     fs::read_to_string(path).ok().map(|text| text.trim().to_owned())
 }

@@ -4,8 +4,8 @@
 //! Scenario --Bodies::of_scenario--> sealed store --Backend--> RankingWorkspace::rank --> Ranking
 //! ```
 //!
-//! Bodies, trees, workers and workspace are kept for as long as scenarios are about the same bodies
-//! and cut in the same way: whoever ranks many variants of a scene pays for them once.
+//! Bodies, trees, workers and workspace are kept while scenarios name the same bodies with the same
+//! settings, so ranking many variants of a scene pays for them once.
 
 use crate::bodies::{Bodies, OnProgress, SILENT};
 use crate::dispatch_options::{self, DispatchOptions};
@@ -25,7 +25,15 @@ use runtime::{FileMap, affinity, clock};
 use scenario::{Cores, EngineSettings as Settings, FileRef, Overrides, Source};
 use std::path::PathBuf;
 
-/// Says how an [`Engine`] is to work.
+/// Settings for an [`Engine`], from [`Engine::builder`].
+///
+/// ```
+/// use trolley::{Engine, kernel::Build};
+///
+/// let engine = Engine::builder().workers(2).depth(5).tree(Build::Sah).build()?;
+/// assert!(engine.worker_pids().is_empty(), "workers start with the first scenario");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct EngineBuilder {
     overrides: Overrides,
@@ -35,7 +43,17 @@ pub struct EngineBuilder {
     dispatch_options: DispatchOptions,
 }
 
-/// Ranks scenarios: see the [crate's page](crate).
+/// Ranks scenarios.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// use trolley::{Engine, Limits};
+///
+/// let mut engine = Engine::builder().in_process().build()?;
+/// let ranking = engine.rank(&scenario, &Limits::default())?;
+/// assert_eq!(ranking.answer.ranking.len(), 4);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Debug)]
 pub struct Engine {
     settings: EngineBuilder,
@@ -43,19 +61,28 @@ pub struct Engine {
 }
 
 /// A scenario, ranked.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
+/// println!("{}, after {} jobs", ranking.answer.state.name(), ranking.run.jobs);
+/// assert!(ranking.explanation.is_none(), "it was not requested");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Ranking {
-    /// What was asked, answered. Complete answers are the same bytes whoever did the work.
+    /// The answer. A complete one is the same, byte for byte, with and without workers.
     pub answer: Answer,
-    /// The chain from contact to rank, if it was asked for.
+    /// The chain from contact to rank, if it was requested.
     pub explanation: Option<Explanation>,
-    /// What it took.
+    /// How the work was done.
     pub run: Run,
-    /// What a record is made from, if one is wanted.
+    /// What a record is made from, if one was requested.
     pub(crate) recorded: Option<Recorded>,
 }
 
-/// What a record holds beside answer, explanation and run.
+/// What a record holds besides answer, explanation and run.
 #[derive(Clone, Debug)]
 pub(crate) struct Recorded {
     pub(crate) scenario: Scenario,
@@ -70,7 +97,7 @@ struct Loaded {
     settings: Settings,
     sources: Vec<BodySource>,
     bodies: Bodies,
-    /// Found when the bodies are asked about for the second time: it takes longer than one request.
+    /// Computed for the second request about the same bodies: it takes longer than one request.
     extremes: Option<Vec<Extremes>>,
     backend: Option<Backend>,
     workspace: RankingWorkspace,
@@ -95,61 +122,125 @@ enum BodySource {
 }
 
 impl EngineBuilder {
-    /// So many worker processes, 1 to 16, instead of the scenario's.
+    /// Sets the number of worker processes, 1 to 16, in place of the scenario's.
+    ///
+    /// ```
+    /// let engine = trolley::Engine::builder().workers(4).build()?;
+    /// assert!(trolley::Engine::builder().workers(17).build().is_err());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn workers(mut self, workers: usize) -> Self {
         self.overrides.workers = Some(workers as i64);
         self
     }
 
-    /// All jobs in the calling process: nothing is started and nothing stands in shared memory.
+    /// Runs all jobs in the calling process: no process is started, no shared memory is used.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+    /// assert!(run.workers.is_empty());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn in_process(self) -> Self {
         Self { in_process: true, ..self }
     }
 
-    /// Distribution depth: levels of both trees that the coordinator descends itself.
+    /// Sets the distribution depth: the levels of both trees that the coordinator descends itself.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// let mut engine = trolley::Engine::builder().in_process().depth(2).build()?;
+    /// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+    /// assert_eq!(run.depth, 2);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn depth(mut self, levels: u32) -> Self {
         self.overrides.depth = Some(i64::from(levels));
         self
     }
 
-    /// How trees are built.
+    /// Sets how trees are built.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// use trolley::kernel::Build;
+    ///
+    /// let mut engine = trolley::Engine::builder().in_process().tree(Build::Sah).build()?;
+    /// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+    /// assert_eq!(run.tree, Build::Sah);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn tree(mut self, build: Build) -> Self {
         self.overrides.build = Some(build.name().to_owned());
         self
     }
 
-    /// All settings of the engine that a scenario may state, in place of the scenario's; those that
-    /// were set before are lost.
+    /// Sets every engine setting that a scenario may state, in place of the scenario's. Settings
+    /// made earlier with [`workers`](Self::workers), [`depth`](Self::depth) and
+    /// [`tree`](Self::tree) are discarded.
+    ///
+    /// ```
+    /// # use scenario::Overrides;
+    /// let overrides = Overrides { workers: Some(2), leaf_size: Some(8), ..Overrides::default() };
+    /// let engine = trolley::Engine::builder().overrides(overrides).build()?;
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn overrides(self, overrides: Overrides) -> Self {
         Self { overrides, ..self }
     }
 
-    /// The name of this instance in shared memory, 1 to 12 of a-z, 0-9 and -; else one is made of
-    /// the process id.
+    /// Sets the name of this instance in shared memory: 1 to 12 of a-z, 0-9 and `-`. The default is
+    /// made from the process id.
+    ///
+    /// ```
+    /// let engine = trolley::Engine::builder().workers(2).instance("planner-1").build()?;
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn instance(self, name: impl Into<String>) -> Self {
         Self { instance: Some(name.into()), ..self }
     }
 
-    /// The program that plays the workers, else this program itself: see
+    /// Sets the program that plays the workers. The default is this program: see
     /// [`play_worker`](crate::play_worker). It must be of the same [build](BUILD).
+    ///
+    /// ```
+    /// let engine = trolley::Engine::builder().worker_program("/usr/bin/trolley").build()?;
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn worker_program(self, program: impl Into<PathBuf>) -> Self {
         Self { program: Some(program.into()), ..self }
     }
 
-    /// How jobs reach the workers: for measurements.
+    /// Sets how jobs reach the workers, for measurements.
+    ///
+    /// ```
+    /// use trolley::dispatch_options::DispatchOptions;
+    ///
+    /// let options = DispatchOptions { log: true, ..DispatchOptions::default() };
+    /// let engine = trolley::Engine::builder().dispatch_options(options).build()?;
+    /// assert!(engine.job_log().is_empty(), "nothing was ranked yet");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn dispatch_options(self, dispatch_options: DispatchOptions) -> Self {
         Self { dispatch_options, ..self }
     }
 
-    /// The engine. Workers are started with the first scenario, whose bodies they need.
+    /// Makes the engine. Workers are started with the first scenario, whose bodies they need.
+    ///
+    /// ```
+    /// assert!(trolley::Engine::builder().workers(2).build().is_ok());
+    /// assert!(trolley::Engine::builder().depth(1000).build().is_err());
+    /// ```
     ///
     /// # Errors
     ///
@@ -161,7 +252,12 @@ impl EngineBuilder {
 }
 
 impl Engine {
-    /// Begins to say how an engine is to work.
+    /// Returns a builder with default settings.
+    ///
+    /// ```
+    /// let engine = trolley::Engine::builder().in_process().build()?;
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn builder() -> EngineBuilder {
         EngineBuilder::default()
@@ -169,15 +265,35 @@ impl Engine {
 
     /// Ranks a scenario.
     ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// use trolley::Limits;
+    ///
+    /// let ranking = engine.rank(&scenario, &Limits::default())?;
+    /// let again = engine.rank(&scenario, &Limits::default())?; // bodies and trees are kept
+    /// assert_eq!(ranking.answer, again.answer);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// If a body cannot be had, the request cannot be worked on, or the machine refuses what
-    /// workers need. An answer that is not complete is no error: see [`Answer::state`].
+    /// If a body cannot be loaded, the scenario cannot be ranked, or the machine refuses what
+    /// workers need. An incomplete answer is not an error: see [`Answer::state`].
     pub fn rank(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Ranking, Failure> {
         self.rank_telling(scenario, limits, SILENT)
     }
 
-    /// The same, and tells how far the bodies are built.
+    /// Ranks a scenario like [`rank`](Self::rank), and reports how far the bodies are built.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let progress = |done, total| eprintln!("{done} of {total} triangles");
+    /// let ranking = engine.rank_telling(&scenario, &trolley::Limits::default(), &progress)?;
+    /// assert!(ranking.best().is_some());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -197,7 +313,7 @@ impl Engine {
         let loaded_ns = clock::now_ns();
         let mut backend = match loaded.backend.take() {
             Some(mut backend) => {
-                // Whoever was lost has a successor.
+                // Replace lost workers.
                 backend
                     .worker_pool_mut()
                     .map(|worker_pool| worker_pool.mend(loaded.bodies.store()))
@@ -267,8 +383,17 @@ impl Engine {
         Ok(Ranking { answer, explanation, run, recorded })
     }
 
-    /// Ends the workers, if there are any, and says how long that took (ms). The next ranking
-    /// starts others.
+    /// Stops the workers, if there are any, and returns how long that took (ms). The next ranking
+    /// starts new ones.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// engine.rank(&scenario, &trolley::Limits::default())?;
+    /// println!("stopped in {} ms", engine.stop_workers());
+    /// assert!(engine.worker_pids().is_empty());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     pub fn stop_workers(&mut self) -> f64 {
         let begun_ns = clock::now_ns();
         if let Some(loaded) = &mut self.loaded {
@@ -277,14 +402,33 @@ impl Engine {
         milliseconds(clock::now_ns() - begun_ns)
     }
 
-    /// Process ids of the workers, in order; none before the first ranking.
+    /// Returns the process ids of the workers, in order; empty before the first ranking.
+    ///
+    /// ```no_run
+    /// # use trolley::{Engine, Limits, Scenario};
+    /// let mut engine = Engine::builder().workers(2).build()?;
+    /// engine.rank(&Scenario::demo()?, &Limits::default())?;
+    /// assert_eq!(engine.worker_pids().len(), 2);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn worker_pids(&self) -> Vec<u32> {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
         backend.and_then(Backend::worker_pool).map(WorkerPool::pids).unwrap_or_default()
     }
 
-    /// Who got which job in the last ranking, if [`DispatchOptions::log`] is set.
+    /// Returns which worker got which job in the last ranking, if [`DispatchOptions::log`] is set.
+    ///
+    /// ```no_run
+    /// # use trolley::{Engine, Limits, Scenario};
+    /// use trolley::dispatch_options::{DispatchOptions, log_csv};
+    ///
+    /// let options = DispatchOptions { log: true, ..DispatchOptions::default() };
+    /// let mut engine = Engine::builder().workers(2).dispatch_options(options).build()?;
+    /// engine.rank(&Scenario::demo()?, &Limits::default())?;
+    /// println!("{}", log_csv(engine.job_log()));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn job_log(&self) -> &[LogEntry] {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
@@ -293,20 +437,31 @@ impl Engine {
 }
 
 impl Ranking {
-    /// The candidate of least harm.
+    /// Returns the candidate of least harm, if there is one: see [`Answer::best`].
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
+    /// if let Some(best) = ranking.best() {
+    ///     println!("least harm: {}", best.name);
+    /// }
+    /// # assert!(ranking.best().is_some());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn best(&self) -> Option<&Row> {
         self.answer.best()
     }
 }
 
-/// Settings with some replaced; what does not fit is a fault of whoever replaced it.
+/// The settings with some replaced; a replacement that does not fit is a configuration error.
 fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failure> {
     let applied = settings.apply(overrides);
     applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::FailureKind::Configuration))
 }
 
-/// The bodies of a scenario: those there are, if they are the same, or others in their place.
+/// The bodies of a scenario: the kept ones if they are the same, else newly loaded ones.
 fn loaded<'l>(
     kept: &'l mut Option<Loaded>,
     scenario: &Scenario,
@@ -319,13 +474,13 @@ fn loaded<'l>(
         .is_some_and(|kept| kept.settings == *settings && sources.as_ref() == Some(&kept.sources));
     if is_same && let Some(kept) = kept {
         let views = kept.bodies.views()?;
-        // The bodies are the same, who is what among them may not be.
+        // The bodies are the same, but they may play other parts.
         let kinds: Vec<BodyKind> = views.iter().map(|(meta, _)| meta.kind).collect();
         scenario.parsed.check_kinds(scenario.file(), &kinds)?;
-        let of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
-        kept.extremes.get_or_insert_with(of_all);
+        let extremes_of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
+        kept.extremes.get_or_insert_with(extremes_of_all);
     } else {
-        // First the old workers go: they may be as many as the machine has room for.
+        // Stop the old workers first: the machine may have no room for more.
         *kept = None;
         let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
         let file = scenario.file();
@@ -342,9 +497,9 @@ fn loaded<'l>(
     kept.as_mut().ok_or_else(|| Failure::internal("no bodies"))
 }
 
-/// Where the bodies come from; `None` if a file cannot be looked at.
+/// Where the bodies come from; `None` if a file cannot be read.
 fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
-    let of = |party: &scenario::Party| {
+    let source_of = |party: &scenario::Party| {
         let size = party.size;
         Some(match &party.source {
             Source::Generate { shape, triangles, seed } => {
@@ -357,11 +512,11 @@ fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
             }
         })
     };
-    scenario.parsed.parties.iter().map(of).collect()
+    scenario.parsed.parties.iter().map(source_of).collect()
 }
 
 impl EngineBuilder {
-    /// Whoever does the jobs, ready for them.
+    /// What runs the jobs, ready to start.
     fn backend(&self, settings: &Settings, bodies: &Bodies) -> Result<Backend, Failure> {
         if self.in_process {
             return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(
@@ -374,7 +529,7 @@ impl EngineBuilder {
         Ok(Backend::Workers(Box::new(WorkerPool::start(bodies.store(), &options)?)))
     }
 
-    /// What is not as it should be on this machine.
+    /// What could be better on this machine.
     fn remarks(&self, settings: &Settings, granted: &[usize]) -> Vec<String> {
         let processes = settings.workers + 1;
         if self.in_process {
@@ -410,7 +565,7 @@ impl EngineBuilder {
 }
 
 impl Run {
-    /// Nothing done yet.
+    /// A run with nothing done yet.
     fn new(engine: &EngineBuilder, settings: &Settings, bodies: &[(Meta, BodyView<'_>)]) -> Self {
         let cores_granted = affinity::allowed_cores();
         Self {
@@ -448,7 +603,14 @@ impl Run {
     }
 }
 
-/// Keeps this process on the core that is named for it.
+/// Pins this process to the core that the settings name for the coordinator, if they name one.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// // The scenario names no core for the coordinator, so it is not pinned.
+/// trolley::pin_coordinator(&scenario.parsed().engine)?;
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -461,7 +623,15 @@ pub fn pin_coordinator(settings: &Settings) -> Result<(), Failure> {
     })
 }
 
-/// The core of each worker; `None`: wherever the system puts it.
+/// Returns the core of each worker; `None` means not pinned. `granted` lists the allowed cores.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// let engine = &scenario.parsed().engine;
+/// let cores = trolley::worker_cores(engine, &[0, 1, 2, 3])?;
+/// assert_eq!(cores.len(), engine.workers);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///

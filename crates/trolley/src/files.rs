@@ -1,7 +1,20 @@
-//! Writing a file whole or not at all.
+//! Writing a file completely or not at all.
 //!
-//! The bytes go to a temporary file in the same folder, then take the name in one step: readers
-//! see the old file or the new one, and a failure leaves the old one as it was.
+//! The bytes are written to a temporary file in the same folder, which is then renamed. Readers see
+//! the old file or the new one, and a failure leaves the old one as it was.
+//!
+//! ```
+//! # let folder = std::env::temp_dir().join(format!("trolley-files-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! use trolley::files;
+//!
+//! let target = folder.join("answer.json");
+//! files::check(&target, None)?;
+//! files::replace(&target, b"{}")?;
+//! # assert_eq!(trolley::read_text(&target)?, "{}");
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use diagnostic::{Failure, FailureKind};
 use std::fs::Permissions;
@@ -9,13 +22,21 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
-/// Refuses a target that could not be written, before work is spent on it.
+/// Checks that a target can be written, before work is spent on it.
 ///
-/// `source` is the file that is read: it must not be replaced by what is made of it.
+/// `source` is the file that is read: the target must be another one.
+///
+/// ```
+/// use trolley::files::check;
+///
+/// let source = std::path::Path::new("../../config/scenarios/small.toml");
+/// assert!(check(source, Some(source)).is_err(), "it would replace its input");
+/// assert!(check("no-such-folder/answer.json".as_ref(), None).is_err());
+/// ```
 ///
 /// # Errors
 ///
-/// If the folder is not there, or the name is that of a folder, a device or the source.
+/// If the folder does not exist, or the target is a folder, a device or the source.
 pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
     let refuse = |fault: &str, help: &str| {
         let fault = format!("{}: {fault}", target.display());
@@ -27,7 +48,7 @@ pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
     }
     match std::fs::metadata(target) {
         Ok(about) if about.is_dir() => return refuse("this is a folder", "name a file in it"),
-        // Taking the name of /dev/null would remove it for everybody.
+        // Replacing /dev/null would remove it for everybody.
         Ok(about) if !about.is_file() => {
             return refuse("this is no regular file", "name a regular file");
         }
@@ -42,13 +63,24 @@ pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes `bytes` under the name `target`, replacing what had it.
+/// Writes `bytes` to the file `target`, replacing it if it exists.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-replace-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// let target = folder.join("note.txt");
+/// trolley::files::replace(&target, b"first")?;
+/// trolley::files::replace(&target, b"second")?;
+/// assert_eq!(trolley::read_text(&target)?, "second");
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If the folder cannot be written to or has no room.
+/// If the folder cannot be written to or is full.
 pub fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    // A link stays a link: what it points at is replaced.
+    // A link stays a link: its target is replaced.
     let place = target.canonicalize().unwrap_or_else(|_| target.to_owned());
     write(&place, bytes).map_err(|error| {
         let code = match error.kind() {
@@ -63,7 +95,7 @@ pub fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
 fn write(place: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = tempfile::Builder::new()
         .prefix(".trolley-")
-        .permissions(Permissions::from_mode(0o666)) // the umask takes away what it must
+        .permissions(Permissions::from_mode(0o666)) // less the umask
         .tempfile_in(folder(place))?;
     file.write_all(bytes)?;
     file.as_file().sync_data()?;

@@ -1,4 +1,4 @@
-//! The exact kernel alone, on two bodies at one pose, with its times.
+//! The exact kernel alone: which triangles of two files intersect at one pose, with times.
 //!
 //! ```text
 //! mesh --> mesh::reader --> model file --> view -.
@@ -6,16 +6,113 @@
 //! poses --> poses::read --> RelativePose ------'
 //! ```
 //!
-//! No scenario, no workers, no harm. A mesh is taken as it stands: no unit, no axes, nothing
-//! dropped or merged, and a triangle's id is its number in the file. So other programs can be
-//! compared with this one, in what they find and in how long they take.
+//! There is no scenario, no worker and no harm. A mesh is taken as it is: no unit, no axes, nothing
+//! dropped or merged, and a triangle's id is its number in the file. So the results and times of
+//! other programs can be compared.
+//!
+//! ```
+//! # use trolley::bodies::{ModelFile, SILENT};
+//! # use trolley::intersect::Intersect;
+//! # use trolley::model::{BuildOptions, Shape};
+//! # let folder = std::env::temp_dir().join(format!("trolley-intersect-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+//! # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+//! # trolley::files::replace(&a, pole.bytes())?;
+//! # trolley::files::replace(&b, pole.bytes())?;
+//! # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+//! # trolley::files::replace(&poses, text.as_bytes())?;
+//! let query = Intersect { repeat: 3, ..Intersect::new(&a, &b, &poses) };
+//! let result = query.run(SILENT)?;
+//! println!("{} pairs in {} ns", result.asked.found.pairs, result.asked.query_ns);
+//! # assert!(result.asked.found.pairs > 0);
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 mod answer;
 mod bodies;
 
 pub use answer::{Found, Intersected, QueryResult, hex};
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-counters-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// let asked = Intersect::new(&a, &b, &poses).run(SILENT)?.asked;
+/// println!("{} box tests, {} triangle tests", asked.counters.nb, asked.counters.np);
+/// assert_eq!(asked.counters.tests(), asked.counters.nb + asked.counters.np);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::Counters;
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-question-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// use trolley::intersect::Question;
+///
+/// let query = Intersect { question: Question::Touches, ..Intersect::new(&a, &b, &poses) };
+/// assert_eq!(query.run(SILENT)?.asked.found.pairs, 1, "they touch");
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::Question;
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-walk-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// use trolley::intersect::Walk;
+///
+/// let wide = Intersect::new(&a, &b, &poses);
+/// let plain = Intersect { walk: Walk::Plain, ..wide.clone() };
+/// assert_eq!(wide.run(SILENT)?.asked.found, plain.run(SILENT)?.asked.found);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 pub use bvh::kernel::Walk;
-pub use bvh::{Counters, Question};
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-simd-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// use trolley::intersect::Simd;
+///
+/// let query = Intersect { simd: Simd::Auto, ..Intersect::new(&a, &b, &poses) };
+/// println!("with {}", query.run(SILENT)?.simd);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 pub use geometry::simd::Simd;
 
 use crate::model::open;
@@ -32,32 +129,50 @@ use runtime::clock::now_ns;
 use std::hint::black_box;
 use std::path::PathBuf;
 
-/// What is written to push everything else out of the caches: more than a last level holds.
+/// Bytes written to empty the caches: more than a last level holds.
 const STREAMED_BYTES: usize = 64 << 20;
 
-/// How long several threads warm up. One that has just been started may share the core of the one
-/// that started it for some ticks of the scheduler, though another core is idle: without this,
-/// nine queries of 0.3 ms on two threads took as long as on one in 13 runs of 30.
+/// How long several threads warm up. A new thread may share the core of its parent for some ticks
+/// of the scheduler, though another core is idle: without this, nine queries of 0.3 ms on two
+/// threads took as long as on one in 13 runs of 30.
 const WARM_UP_NS: u64 = 60_000_000;
 
-/// Asks which triangles of two bodies intersect.
+/// A query: which triangles of two files intersect.
+///
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-struct-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// let query = Intersect { threads: 2, repeat: 9, ..Intersect::new(&a, &b, &poses) };
+/// assert!(query.run(SILENT)?.asked.found.pairs > 0);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Intersect {
-    /// A and B: meshes, whose coordinates are metres, or model files.
+    /// A and B: meshes with coordinates in metres, or model files.
     pub files: [PathBuf; 2],
     /// A file with their [poses].
     pub poses: PathBuf,
-    /// What is asked for.
+    /// What to find.
     pub question: Question,
-    /// How the trees are built; none: as in the first model file named, else by surface area.
+    /// How trees are built; `None`: as in the first model file, else by surface area.
     pub build: Option<Build>,
-    /// Triangles in a leaf at most; none: as in the first model file named, else the usual number.
+    /// Most triangles in a leaf; `None`: as in the first model file, else the default.
     pub leaf_size: Option<u32>,
-    /// How often the query is timed, at least once.
+    /// How often to time the query, at least once.
     pub repeat: u32,
-    /// Whether the caches are emptied before each timed query.
+    /// Whether to empty the caches before each timed query.
     pub cold: bool,
-    /// Whether B stands some millimetres elsewhere for each timed query, as a moving body does.
+    /// Whether to move B by some millimetres for each timed query.
     pub moving: bool,
     /// Threads that build and query.
     pub threads: usize,
@@ -65,12 +180,19 @@ pub struct Intersect {
     pub simd: Simd,
     /// How the trees are walked.
     pub walk: Walk,
-    /// What reading a mesh may take.
+    /// Limits for reading a mesh.
     pub limits: ReadLimits,
 }
 
 impl Intersect {
-    /// All pairs of triangles of A and B that intersect, asked once, by this thread alone.
+    /// Makes a query for all pairs of intersecting triangles, timed once, on one thread.
+    ///
+    /// ```
+    /// use trolley::intersect::{Intersect, Question};
+    ///
+    /// let query = Intersect::new("a.stl", "b.stl", "poses.txt");
+    /// assert_eq!((query.question, query.repeat, query.threads), (Question::Pairs, 1, 1));
+    /// ```
     #[must_use]
     pub fn new(a: impl Into<PathBuf>, b: impl Into<PathBuf>, poses: impl Into<PathBuf>) -> Self {
         Self {
@@ -89,14 +211,32 @@ impl Intersect {
         }
     }
 
-    /// Reads poses and bodies, and asks.
+    /// Reads the poses and the bodies, and runs the query.
+    ///
+    /// ```
+    /// # use trolley::bodies::{ModelFile, SILENT};
+    /// # use trolley::intersect::Intersect;
+    /// # use trolley::model::{BuildOptions, Shape};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-run-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+    /// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+    /// # trolley::files::replace(&a, pole.bytes())?;
+    /// # trolley::files::replace(&b, pole.bytes())?;
+    /// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+    /// # trolley::files::replace(&poses, text.as_bytes())?;
+    /// let result = Intersect::new(&a, &b, &poses).run(SILENT)?;
+    /// assert_eq!(result.triangles, [600, 600]);
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If this machine has no such instructions, a file is at fault, or reading a mesh took more
-    /// than it was allowed.
+    /// If this machine lacks the vector instructions, a file is not valid, or reading a mesh
+    /// exceeds its limits.
     pub fn run(&self, progress: OnProgress<'_>) -> Result<Intersected, Failure> {
-        // What is quick to refuse comes first.
+        // Cheap checks come first.
         let level = self.simd.level()?;
         let poses = poses::read(&self.poses)?;
         let files = [self.files[0].as_path(), self.files[1].as_path()];
@@ -122,7 +262,7 @@ impl Intersect {
     }
 }
 
-/// Asks to warm up, and then as often as is said, each time as if the poses were new.
+/// Runs the query to warm up, and then as often as it is timed, each time as if the poses were new.
 fn ask(
     it: &Intersect,
     level: Level,
@@ -157,7 +297,7 @@ fn ask(
         let (Some((_, last)), true) =
             (timed.last(), at_its_pose.all(|(_, asked)| asked.found == first.found))
         else {
-            let fault = "the same query found different things: this is a mistake of ours";
+            let fault = "internal error: the same query gave different results";
             return Err(Failure::internal(fault));
         };
         let median = |time: fn(&QueryResult) -> u64| {
@@ -173,14 +313,14 @@ fn ask(
     })
 }
 
-/// With `--moving`, where B stands for the last query (turn 0), the last but one, ...: so far along
-/// the world's x from its pose (m), which is where it stands at last. Elsewhere each time, far
-/// enough for other branches to be taken, near enough for as much work.
+/// With `--moving`, how far B is moved along the world's x (m) for the last query (turn 0), the
+/// last but one, ...: 0 for the last, and different each time. Far enough for other branches to be
+/// taken, near enough for as much work.
 fn place_m(turn: u32) -> f64 {
     0.001 * (f64::from((turn + 4) % 9) - 4.0)
 }
 
-/// The poses, with B so far along the world's x (m).
+/// The poses, with B moved along the world's x (m).
 fn moved([a, mut b]: [Pose; 2], metres: f64) -> [Pose; 2] {
     b.translation[0] += metres;
     [a, b]
@@ -207,7 +347,7 @@ fn query<'t>(
     }
 }
 
-/// What a query found, in limits of the ids that others know.
+/// What a query found, by source ids.
 fn found(outcome: &Outcome, parallel: &Parallel<'_, '_>, bodies: [&BodyView<'_>; 2]) -> Found {
     let hits = [Side::A, Side::B].map(|side| parallel.hits(side));
     let hash = |hits: &[u32], body: &BodyView<'_>| {

@@ -1,4 +1,4 @@
-//! The kernel for anybody's triangles: trees, and which triangles of two bodies intersect.
+//! The intersection kernel for your own triangles: which triangles of two bodies intersect.
 //!
 //! ```
 //! use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace, pairs};
@@ -12,21 +12,216 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 //!
-//! No mass, seat or file is needed. [`bvh::query`] has what is exact, and all questions.
+//! No mass, seat or file is needed. The crate `bvh` documents what is exact, in `bvh::query`.
 
 use crate::Failure;
 use mesh::import::{self, Format, ImportOptions};
 use std::path::Path;
 
-pub use body::{Body, BodyView, Build};
-pub use bvh::query::{HitSets, Level, PoseError, Workspace, for_each_pair, pairs, sets, touches};
-pub use bvh::{BuildError, BuildOptions, Tree, Walk};
-pub use geometry::{Corners, Pose, RelativePose};
-
-/// The triangles of a mesh file, in its order and its own unit: STL, OBJ, PLY, glTF and more.
+/// ```
+/// use trolley::kernel::{Body, BuildOptions};
+/// use trolley::model::Shape;
 ///
-/// The file is read in this process, without limits of memory or time: for files that you trust.
-/// Side files, such as buffers of glTF, are not looked for.
+/// let options = BuildOptions::default();
+/// let pole: Body = trolley::bodies::generate(Shape::Pole, 600, 0, &options, &|_| {})?;
+/// assert_eq!(pole.corners.len(), 600);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use body::Body;
+/// ```
+/// # use trolley::kernel::BuildOptions;
+/// # use trolley::model::Shape;
+/// # let body = trolley::bodies::generate(Shape::Pole, 600, 0, &BuildOptions::default(), &|_| {})?;
+/// use trolley::kernel::BodyView;
+///
+/// let view: BodyView<'_> = body.view();
+/// assert_eq!(view.corners.len(), view.source_ids.len());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use body::BodyView;
+/// ```
+/// use trolley::kernel::{Build, BuildOptions};
+///
+/// let options = BuildOptions { build: Build::Sah, ..BuildOptions::default() };
+/// assert_eq!(options.build.name(), "sah");
+/// ```
+pub use body::Build;
+/// ```
+/// use trolley::kernel::{BuildError, BuildOptions, Tree};
+///
+/// let nothing = Tree::build(&[], &BuildOptions::default());
+/// assert!(matches!(nothing, Err(BuildError::Empty)));
+/// ```
+pub use bvh::BuildError;
+/// ```
+/// use trolley::kernel::BuildOptions;
+///
+/// let options = BuildOptions { leaf_size: 8, threads: 2, ..BuildOptions::default() };
+/// ```
+pub use bvh::BuildOptions;
+/// ```
+/// use trolley::kernel::{BuildOptions, Tree};
+///
+/// let triangles = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// let tree = Tree::build(&triangles, &BuildOptions::default())?;
+/// assert_eq!(tree.corners(), triangles);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::Tree;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// let mut workspace = Workspace::new();
+/// workspace.set_walk(trolley::kernel::Walk::Plain); // the answers are the same
+/// assert!(trolley::kernel::touches(&floor, &blade, &pose, &mut workspace)?);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::Walk;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// let hits = trolley::kernel::sets(&floor, &blade, &pose, &mut Workspace::new())?;
+/// assert_eq!((hits.of_a, hits.of_b), (vec![0], vec![0]));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::HitSets;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// let mut workspace = Workspace::new();
+/// workspace.set_level(trolley::kernel::Level::new()); // the widest of this processor
+/// assert!(trolley::kernel::touches(&floor, &blade, &pose, &mut workspace)?);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::Level;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::{PoseError, touches};
+///
+/// let nowhere = RelativePose { translation: [f64::NAN; 3], ..pose };
+/// assert_eq!(touches(&floor, &blade, &nowhere, &mut Workspace::new()), Err(PoseError));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::PoseError;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// let mut workspace = Workspace::new(); // for any number of queries
+/// for height in [0.0, 0.5, 2.0] {
+///     let pose = RelativePose { translation: [0.0, 0.0, height], ..pose };
+///     let is_hit = trolley::kernel::touches(&floor, &blade, &pose, &mut workspace)?;
+///     assert_eq!(is_hit, height < 1.0);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::Workspace;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use std::ops::ControlFlow;
+/// use trolley::kernel::for_each_pair;
+///
+/// let found = |a, b| ControlFlow::Break((a, b)); // one pair is enough
+/// let first = for_each_pair(&floor, &blade, &pose, &mut Workspace::new(), found)?;
+/// assert_eq!(first, ControlFlow::Break((0, 0)));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::for_each_pair;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::pairs;
+///
+/// assert_eq!(pairs(&floor, &blade, &pose, &mut Workspace::new())?, [(0, 0)]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::pairs;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::sets;
+///
+/// assert_eq!(sets(&floor, &blade, &pose, &mut Workspace::new())?.of_a, [0]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::sets;
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::touches;
+///
+/// assert!(touches(&floor, &blade, &pose, &mut Workspace::new())?);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::touches;
+/// ```
+/// use trolley::kernel::Corners;
+///
+/// let triangle: Corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// ```
+pub use geometry::Corners;
+/// ```
+/// use trolley::kernel::Pose;
+///
+/// let ahead = Pose { translation: [2.5, 0.0, 0.0], ..Pose::IDENTITY };
+/// assert_eq!(ahead, Pose::from_degrees(0.0, 0.0, 0.0, [2.5, 0.0, 0.0]));
+/// ```
+pub use geometry::Pose;
+/// ```
+/// use trolley::kernel::{Pose, RelativePose};
+///
+/// let b = Pose::from_degrees(0.0, 0.0, 0.0, [2.5, 0.0, 0.0]);
+/// assert_eq!(RelativePose::between(&Pose::IDENTITY, &b).translation, [2.5, 0.0, 0.0]);
+/// ```
+pub use geometry::RelativePose;
+
+/// Reads the triangles of a mesh file, in its order and unit: STL, OBJ, PLY, glTF and more.
+///
+/// The file is read in this process without limits of memory or time, so it must be trusted.
+/// Files beside it, such as buffers of glTF, are not read.
+///
+/// ```
+/// let triangles = trolley::kernel::read_mesh("examples/data/pole.stl")?;
+/// assert_eq!(triangles.len(), 12);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -38,6 +233,6 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Vec<Corners>, Failure> {
     let file = path.display().to_string();
     let format = Format::detect(&file, &bytes)?;
     let options = ImportOptions { file, ..ImportOptions::as_it_stands() };
-    let mut nothing_beside = |name: &str| Err(format!("{name}: files beside it are not read"));
-    Ok(import::read(format, &bytes, &mut nothing_beside, &options)?.mesh.corners)
+    let mut refuse_beside = |name: &str| Err(format!("{name}: files beside it are not read"));
+    Ok(import::read(format, &bytes, &mut refuse_beside, &options)?.mesh.corners)
 }

@@ -1,31 +1,170 @@
-//! Which of several unavoidable collisions does least harm, and how sure that is: the library.
+//! Ranks the manoeuvres left to an automated vehicle by the harm that each would do.
 //!
-//! ```no_run
+//! Given several collisions of which one is unavoidable, this crate answers which of them does
+//! least harm, and how sure that is. Bodies are triangle meshes, contacts are exact, and the policy
+//! that compares the injuries is yours.
+//!
+//! # A first ranking
+//!
+//! A scenario names the parties and the candidates: the collisions to choose from. It is TOML, from
+//! a file ([`Scenario::open`]) or a text ([`Scenario::parse`]). Bodies come from model files or, as
+//! here, are generated.
+//!
+//! ```
 //! use trolley::{Engine, Limits, Scenario};
 //!
-//! # fn main() -> Result<(), trolley::Failure> {
-//! trolley::play_worker(); // workers are this program, started again
-//! let scenario = Scenario::open("crash.toml")?;
-//! let mut engine = Engine::builder().workers(4).build()?;
+//! let scenario = Scenario::parse("crash.toml", r#"
+//!     schema = "trolley.scenario/1"
+//!     name = "Pole or pedestrian"
+//!
+//!     [parties]
+//!     ego = { generate = { shape = "sedan", triangles = 1500 } }
+//!     pole = { generate = { shape = "pole", triangles = 600 } }
+//!     pedestrian = { generate = { shape = "pedestrian", triangles = 800 } }
+//!
+//!     [[candidates]]
+//!     name = "brake"
+//!     ego = { position_m = [0, 0, 0], speed_m_s = 9 }
+//!     other = { party = "pedestrian", position_m = [2.5, 0.3, 0], yaw_deg = 90, speed_m_s = 1 }
+//!
+//!     [[candidates]]
+//!     name = "swerve"
+//!     ego = { position_m = [0, 0, 0], speed_m_s = 10 }
+//!     other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
+//! "#)?;
+//!
+//! let mut engine = Engine::builder().in_process().build()?;
 //! let ranking = engine.rank(&scenario, &Limits::default())?;
-//! if let Some(best) = ranking.best() {
-//!     println!("least harm: {} ({})", best.name, ranking.answer.state.name());
+//!
+//! println!("{}", ranking.answer.state.name());
+//! for row in &ranking.answer.ranking {
+//!     let why = row.why.as_deref().unwrap_or_default();
+//!     println!("{:.3} to {:.3}  {}  {why}", row.range.low(), row.range.high(), row.name);
 //! }
-//! # Ok(())
-//! # }
+//! assert_eq!(ranking.best().map(|row| row.name.as_str()), Some("swerve"));
+//! # Ok::<(), trolley::Failure>(())
 //! ```
+//!
+//! # How sure is it?
+//!
+//! An answer has a [state](AnswerState). *Complete*: all work is done. *Certified*: work was left
+//! open, but none of it can change the winner. *Degraded*: it could. Each row has two intervals:
+//! [`work`](Row::work) holds the value that the finished work would give, and [`range`](Row::range)
+//! adds what the model itself does not know. A [deadline](Limits::with_deadline_ms) bounds the
+//! time; what is not done by then widens `work`.
+//!
+//! ```
+//! # use trolley::{AnswerState, Engine, Limits, Scenario};
+//! # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+//! # let mut engine = Engine::builder().in_process().build()?;
+//! let limits = Limits::default().with_deadline_ms(20.0)?;
+//! let answer = engine.rank(&scenario, &limits)?.answer;
+//! for row in &answer.ranking {
+//!     assert!(row.work.lo() <= row.work.hi() && row.range.low() <= row.range.high());
+//!     assert!(answer.state != AnswerState::Complete || row.work.is_settled());
+//! }
+//! # Ok::<(), trolley::Failure>(())
+//! ```
+//!
+//! # Your own policy
+//!
+//! A policy says which injuries count, and in which order they are compared. A scenario names a
+//! file (`policy = "strict.toml"`), or a program gives the three [`Texts`] itself.
+//!
+//! ```
+//! use trolley::{Scenario, SourceText, Texts, read_text};
+//!
+//! let policy = r#"
+//!     schema = 1
+//!     name = "worst-off first"
+//!     board = "example"
+//!     outcome = "mais3+"
+//!     composition = "lexicographic"
+//!     property = "last"
+//!     tie_break = ["energy", "high", "request"]
+//!
+//!     [[level]]
+//!     rule = "maximin"
+//!     tolerance = 0.0
+//! "#;
+//! # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+//! # let file = "../../config/scenarios/small.toml";
+//! # let curves = "../../config/curves/default.toml";
+//! let source = |name: &str, text: String| SourceText { name: name.to_owned(), text };
+//! let scenario = Scenario::of_texts(Texts {
+//!     scenario: source(file, read_text(file.as_ref())?),
+//!     policy: source("strict.toml", policy.to_owned()),
+//!     curves: source(curves, read_text(curves.as_ref())?),
+//! })?;
+//! assert_eq!(scenario.rules().0.name, "worst-off first");
+//! # Ok::<(), trolley::Failure>(())
+//! ```
+//!
+//! # Workers
+//!
+//! By default, the work is shared among worker processes. They are this program, started again:
+//! call [`play_worker`] first in `main`, and it plays that part when it is due.
+//!
+//! ```no_run
+//! # use trolley::{Engine, Failure, Limits, Scenario};
+//! fn main() -> Result<(), Failure> {
+//!     trolley::play_worker();
+//!     let mut engine = Engine::builder().workers(4).build()?;
+//!     let ranking = engine.rank(&Scenario::demo()?, &Limits::default())?;
+//!     println!("{} jobs", ranking.run.jobs);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Record and replay
+//!
+//! A [`Record`] keeps an answer with all that it was made from. A replay gives the same bytes.
+//!
+//! ```
+//! # use trolley::{Engine, Limits, Record, Scenario};
+//! # let folder = std::env::temp_dir().join(format!("trolley-tutorial-{}", std::process::id()));
+//! # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+//! # let mut engine = Engine::builder().in_process().build()?;
+//! Record::prepare(&folder)?;
+//! let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+//! let path = Record::write(&folder, &ranking)?;
+//!
+//! let record = Record::read(&path)?;
+//! let replay = record.replay(&path, None, trolley::bodies::SILENT)?;
+//! assert_eq!(replay.json, record.content.answer);
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
+//!
+//! # Your own triangles
+//!
+//! The module [`kernel`] finds intersecting triangles without scenario, policy or files.
+//!
+//! ```
+//! use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace, pairs};
+//!
+//! let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+//! let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+//! let options = BuildOptions::default();
+//! let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+//! let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+//! assert_eq!(pairs(&floor, &blade, &pose, &mut Workspace::new())?, [(0, 0)]);
+//! # Ok::<(), trolley::Failure>(())
+//! ```
+//!
+//! # Where next
 //!
 //! | module | what it is for |
 //! |---|---|
 //! | [`Scenario`], [`Engine`], [`Limits`], [`Ranking`] | from a file to an answer |
-//! | [`RecordContent`] | an answer kept with all that it was made from, and made again |
-//! | [`kernel`] | anybody's triangles: trees, intersecting pairs, sets, touches |
+//! | [`Record`] | an answer kept with all that it was made from, and replayed |
+//! | [`kernel`] | your own triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
 //! | [`traffic`] | recorded traffic, as scenarios |
 //! | [`bodies`] | bodies opened, generated, sealed |
 //! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
-//! | [`model`] | model files made of meshes and shapes, looked at, checked, exported |
-//! | [`policy`] | policies and curves: would they be accepted, and what do they say |
+//! | [`model`] | model files imported, generated, inspected, checked, exported |
+//! | [`policy`] | policies and curves checked |
 //! | [`doctor`] | what this machine has of what the service needs |
 //!
 //! # Invariants
@@ -34,7 +173,7 @@
 //!   the same code (`coordinator/src/workspace.rs`). `tests/answers/identical.rs`.
 //! - A complete answer is a pure function of bodies, scenario, policy and curves.
 //!
-//! It prints nothing and parses no command line.
+//! The crate prints nothing and parses no command line.
 
 pub mod bodies;
 mod deployment;
@@ -55,28 +194,317 @@ mod serve;
 pub mod traffic;
 mod worker;
 
-pub use coordinator::{Answer, Explanation, PersonRow, PoseRow, Row, Scene, SearchOrder, Until};
-pub use damage::{AnswerState, Touch};
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &trolley::Limits::default())?.answer;
+/// assert_eq!(answer.best(), answer.ranking.first());
+/// assert!(answer.missing.is_empty(), "all work is done");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Answer;
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let limits = trolley::Limits::default().with_explanation();
+/// let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// assert!(explanation.is_some_and(|it| it.chains.len() == it.names.len()));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Explanation;
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &trolley::Limits::default())?.answer;
+/// for person in answer.ranking.iter().flat_map(|row| &row.persons) {
+///     println!("{} {}: {:.3}", person.party, person.victim, person.work.hi());
+///     assert!((0.0..=1.0).contains(&person.work.hi()));
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::PersonRow;
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &trolley::Limits::default())?.answer;
+/// for pose in answer.ranking.iter().flat_map(|row| &row.poses) {
+///     println!("after {:.3} m: {} and {} hit", pose.travel_m, pose.hits_a, pose.hits_b);
+/// }
+/// assert!(answer.ranking.iter().any(|row| !row.poses.is_empty()));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::PoseRow;
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// for row in engine.rank(&scenario, &trolley::Limits::default())?.answer.ranking {
+///     println!("{} with {}: {}", row.name, row.other, row.sides);
+///     assert!(row.work.is_settled(), "all work is done");
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Row;
+/// A [replay](record::Replay) returns scenes.
+///
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-scene-{}", std::process::id()));
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # Record::prepare(&folder)?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// let replay = Record::read(&path)?.replay(&path, None, trolley::bodies::SILENT)?;
+/// for scene in &replay.scenes {
+///     println!("{}: {} triangles of the ego are hit", scene.name, scene.hits[0].len());
+/// }
+/// assert_eq!(replay.scenes.len(), 4);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Scene;
+/// ```
+/// use trolley::{Limits, SearchOrder};
+///
+/// let limits = Limits::default().with_search_order(SearchOrder::RoundRobin);
+/// assert_eq!(limits.request_limits(None).search_order.name(), "round-robin");
+/// ```
+pub use coordinator::SearchOrder;
+/// ```
+/// # use trolley::{AnswerState, Engine, Limits, Scenario, Until};
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// let limits = Limits::default().until(Until::Certified);
+/// let state = engine.rank(&scenario, &limits)?.answer.state;
+/// assert!(matches!(state, AnswerState::Complete | AnswerState::Certified));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Until;
+/// ```
+/// # use trolley::{AnswerState, Engine, Limits, Scenario};
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// match engine.rank(&scenario, &Limits::default())?.answer.state {
+///     AnswerState::Complete | AnswerState::Certified => println!("the winner is certain"),
+///     AnswerState::Degraded => println!("the winner may change"),
+///     AnswerState::Refused => println!("there is no winner"),
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::AnswerState;
+/// ```
+/// # use trolley::{Engine, Limits, Scenario, Touch};
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &Limits::default())?.answer;
+/// assert!(answer.ranking.iter().all(|row| row.contact.touch != Touch::Unknown));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Touch;
 pub use deployment::OpenDeployment;
-pub use diagnostic::{Diagnostic, Failure, FailureKind};
+/// Errors of the crates below this one implement it, so `?` turns them into a [`Failure`].
+///
+/// ```
+/// use trolley::{Diagnostic, kernel::{BuildOptions, Tree}};
+///
+/// let empty = Tree::build(&[], &BuildOptions::default());
+/// assert!(empty.is_err_and(|error| error.kind() == trolley::FailureKind::Input));
+/// ```
+pub use diagnostic::Diagnostic;
+/// ```
+/// use trolley::Scenario;
+///
+/// if let Err(failure) = Scenario::parse("crash.toml", "schema = 3") {
+///     eprintln!("{failure}"); // crash.toml:1:10: what is wrong, and what to do about it
+///     assert!(failure.what().starts_with("crash.toml:"));
+/// }
+/// ```
+pub use diagnostic::Failure;
+/// ```
+/// use trolley::{Engine, FailureKind};
+///
+/// let refused = Engine::builder().workers(100).build();
+/// let kind = refused.map(drop).map_err(|failure| failure.kind());
+/// assert_eq!(kind, Err(FailureKind::Configuration));
+/// assert_eq!(FailureKind::Configuration.exit_code(), 78);
+/// ```
+pub use diagnostic::FailureKind;
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
+/// ```
+/// use trolley::{OpenDeployment, Scenario};
+///
+/// let deployment = OpenDeployment::open("../../config/deployments/minimal.toml".as_ref(), None)?;
+/// let scenario = Scenario::open("../../config/scenarios/minimal.toml")?;
+/// let ask = deployment.ask(scenario.file().as_ref(), scenario.parsed(), false)?;
+/// assert_eq!((ask.candidate_count, ask.party_count), (2, 3));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 pub use protocol::public::Ask;
 pub use record::Record;
 pub use run::Run;
+/// A program that serves may use it, so that the service can report memory taken from the heap.
+///
+/// ```
+/// #[global_allocator]
+/// static HEAP: trolley::CountingAllocator = trolley::CountingAllocator;
+///
+/// assert_eq!(Box::new(1), 1.into());
+/// ```
 pub use runtime::heap::Counting as CountingAllocator;
 pub use scenario::{Scenario, SourceText, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
+/// ```
+/// use trolley::{Idle, ServeOptions};
+///
+/// let options = ServeOptions { idle: Some(Idle::Spin), ..ServeOptions::default() };
+/// assert_eq!(Idle::default(), Idle::Park);
+/// ```
 pub use service::Idle;
 pub use worker::{play_worker, run_reader, run_worker};
 
 /// What an [`Explanation`] is made of.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// let best: &trolley::explanation::Derivation = &explanation.chains[0];
+/// println!("{} closes in at {} m/s", best.name, best.closing_m_s);
+/// for person in &best.persons {
+///     println!("{}: risk {:.3} by curve {}", person.party, person.risk, person.curve);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 pub mod explanation {
-    pub use coordinator::{Derivation, PersonChain, PolicyStep, Separation};
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// let best = &explanation.chains[0];
+    /// println!("{} closes in at {} m/s", best.name, best.closing_m_s);
+    /// assert_eq!(best.name, explanation.names[explanation.stability.winner]);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use coordinator::Derivation;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+    ///     println!("{}: {:.1} m/s gives risk {:.3}", person.party, person.x_m_s, person.risk);
+    ///     assert!((0.0..=1.0).contains(&person.risk));
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use coordinator::PersonChain;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// for step in &explanation.chains[0].steps {
+    ///     println!("{}: {:.4}", step.step, step.value.lo());
+    /// }
+    /// assert_eq!(explanation.chains[0].steps.len(), explanation.steps.len());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use coordinator::PolicyStep;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// for chain in &explanation.chains {
+    ///     if let Some(person) = &chain.separates {
+    ///         println!("{}: {:.3}, then {:.3}", person.party, person.here, person.there);
+    ///     }
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use coordinator::Separation;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// use trolley::explanation::Knob;
+    ///
+    /// let reserves = &explanation.stability.reserves;
+    /// assert!(reserves.iter().any(|reserve| matches!(reserve.knob, Knob::Slope { .. })));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use damage::Knob;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// for margin in &explanation.stability.margins {
+    ///     let next = margin.next.map(|(_, figure)| figure);
+    ///     println!("step {}: {:.4}, the next has {next:?}", margin.step, margin.winner);
+    ///     assert!(next.is_none_or(|next| margin.winner <= next));
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use damage::Margin;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// for reserve in &explanation.stability.reserves {
+    ///     if let (Some(value), Some(winner)) = (reserve.flips_at, reserve.winner) {
+    ///         println!("{:?} at {value} makes {} win", reserve.knob, explanation.names[winner]);
+    ///     }
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use damage::Reserve;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// let stability = &explanation.stability;
+    /// let flips = stability.reserves.iter().filter(|reserve| reserve.flips_at.is_some());
+    /// println!("{} wins, unless one of {} numbers changes",
+    ///     explanation.names[stability.winner], flips.count());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    pub use damage::Stability;
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_explanation();
+    /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+    /// # let Some(explanation) = explanation else { unreachable!() };
+    /// use trolley::explanation::CurveUnit;
+    ///
+    /// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+    ///     assert!(person.unit != CurveUnit::MetresPerSecond || person.x_in_unit == person.x_m_s);
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     pub use damage::curve::CurveUnit;
-    pub use damage::{Knob, Margin, Reserve, Stability};
 }
 
-/// Name of this build, by a hash of what it was made of: both ends of every channel carry it, so
-/// that no two versions ever talk.
+/// Name of this build: its version, and a hash of its sources. Both ends of every channel carry it,
+/// so that different builds never talk to each other.
+///
+/// ```
+/// assert!(trolley::BUILD.contains('+'));
+/// ```
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("TROLLEY_BUILD"));

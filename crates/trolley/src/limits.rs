@@ -1,4 +1,4 @@
-//! How far, by when, in which order and in how large pieces a request is worked on.
+//! When a request stops, in which order its work is done, and in how large pieces.
 
 use crate::{Failure, FailureKind};
 use coordinator::{RequestLimits, SearchOrder, Until};
@@ -9,11 +9,13 @@ const BUDGET_MIN: u64 = 2 * bvh::kernel::STEP_TESTS;
 /// Longest deadline (ms), as in scenarios.
 const DEADLINE_MS: f64 = 3_600_000.0;
 
-/// When to stop, and what is kept beside the answer. None of it changes a complete answer.
+/// When to stop, and what to keep besides the answer. No limit changes a complete answer.
 ///
 /// ```
-/// let limits = trolley::Limits::default().with_deadline_ms(20.0)?;
-/// assert!(trolley::Limits::default().with_deadline_ms(f64::NAN).is_err());
+/// use trolley::{Limits, Until};
+///
+/// let limits = Limits::default().until(Until::Certified).with_deadline_ms(20.0)?;
+/// assert!(Limits::default().with_deadline_ms(f64::NAN).is_err());
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,26 +29,57 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The same, stopping as soon as so much is certain.
+    /// Stops as soon as this much is certain.
+    ///
+    /// ```
+    /// use trolley::{Limits, Until};
+    ///
+    /// let limits = Limits::default().until(Until::Certified);
+    /// assert_eq!(limits.request_limits(None).until, Until::Certified);
+    /// ```
     #[must_use]
     pub fn until(self, until: Until) -> Self {
         Self { until, ..self }
     }
 
-    /// The same, with jobs in this order, and not in the one that suits deadline and certainty.
+    /// Sets the order of the jobs, in place of the one that suits deadline and certainty.
+    ///
+    /// ```
+    /// use trolley::{Limits, SearchOrder};
+    ///
+    /// let limits = Limits::default().with_search_order(SearchOrder::Deciding);
+    /// assert_eq!(limits.request_limits(None).search_order, SearchOrder::Deciding);
+    /// ```
     #[must_use]
     pub fn with_search_order(self, search_order: SearchOrder) -> Self {
         Self { search_order: Some(search_order), ..self }
     }
 
-    /// The same, with the chain from contact to rank beside the answer, and every source.
+    /// Adds an [`Explanation`](crate::Explanation): the chain from contact to rank, with sources.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = trolley::Limits::default().with_explanation();
+    /// assert!(engine.rank(&scenario, &limits)?.explanation.is_some());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn with_explanation(self) -> Self {
         Self { explanation: true, ..self }
     }
 
-    /// The same, with all that a [`RecordContent`](crate::RecordContent) needs: an explanation, and a job history of
-    /// questions and jobs.
+    /// Adds what a [`Record`](crate::Record) needs: an explanation, and the history of questions
+    /// and jobs.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = trolley::Limits::default().with_record();
+    /// let ranking = engine.rank(&scenario, &limits)?; // for Record::write
+    /// assert!(ranking.explanation.is_some());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn with_record(self) -> Self {
         Self { explanation: true, job_history: true, ..self }
@@ -60,13 +93,21 @@ impl Limits {
         self.job_history
     }
 
-    /// The same with an answer after so many milliseconds at the latest, and bounds on what is not
-    /// done by then; in place of the scenario's deadline. The clock starts when bodies are sealed
-    /// and workers ready.
+    /// Sets a deadline (ms), in place of the scenario's: the answer then has bounds for what is not
+    /// done. The clock starts when bodies are sealed and workers ready.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = trolley::Limits::default().with_deadline_ms(50.0)?;
+    /// let run = engine.rank(&scenario, &limits)?.run;
+    /// assert!(run.deadline.is_some_and(|kept| kept.due_ms == 50.0));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If it is not 0.001 to 3,600,000 ms.
+    /// If it is not between 0.001 and 3,600,000 ms.
     pub fn with_deadline_ms(self, ms: f64) -> Result<Self, Failure> {
         if (0.001..=DEADLINE_MS).contains(&ms) {
             return Ok(Self { deadline: Some(Duration::from_secs_f64(ms / 1e3)), ..self });
@@ -75,12 +116,20 @@ impl Limits {
             .with_remedy(format!("--deadline-ms may be 0.001 to {DEADLINE_MS}")))
     }
 
-    /// The same with at most so many tests of boxes and triangles in one job; what it leaves
-    /// becomes new jobs.
+    /// Limits one job to this many tests of boxes and triangles; what it leaves becomes new jobs.
+    ///
+    /// ```
+    /// use trolley::Limits;
+    ///
+    /// let limits = Limits::default().with_budget(1 << 20)?;
+    /// assert_eq!(limits.request_limits(None).budget, 1 << 20);
+    /// assert!(Limits::default().with_budget(1).is_err());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If it is less than what one step of a job may take.
+    /// If it is less than one step of a job may take.
     pub fn with_budget(self, tests: u64) -> Result<Self, Failure> {
         if tests >= BUDGET_MIN {
             return Ok(Self { budget: Some(tests), ..self });
@@ -90,30 +139,48 @@ impl Limits {
         ))
     }
 
-    /// Refuses what cannot be together.
+    /// Refuses limits that contradict each other.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         match (self.budget, self.job_history) {
             (Some(_), true) => {
-                let what = "a record knows of no parts of jobs, so no budget can be replayed";
+                let what = "a record holds no parts of jobs, so a budget cannot be replayed";
                 Err(Failure::setting(what).with_remedy("leave the budget out, or the record"))
             }
             _ => Ok(()),
         }
     }
 
-    /// When the answer is due after the request was accepted; `scenario`: as the scenario says.
+    /// Returns when the answer is due, counted from when the request was accepted. `scenario` is
+    /// the scenario's deadline, which holds if no other was set.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    ///
+    /// let limits = trolley::Limits::default();
+    /// let [own, stated] = [20, 100].map(Duration::from_millis);
+    /// assert_eq!(limits.deadline(Some(stated)), Some(stated));
+    /// assert_eq!(limits.with_deadline_ms(20.0)?.deadline(Some(stated)), Some(own));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn deadline(&self, scenario: Option<Duration>) -> Option<Duration> {
         self.deadline.or(scenario)
     }
 
-    /// As the coordinator takes them.
+    /// Returns the limits in the form that the coordinator takes; `scenario` as in
+    /// [`deadline`](Self::deadline).
+    ///
+    /// ```
+    /// let limits = trolley::Limits::default().with_deadline_ms(20.0)?;
+    /// assert!(limits.request_limits(None).deadline_ns.is_some_and(|ns| ns < 20_000_000));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn request_limits(&self, scenario: Option<Duration>) -> RequestLimits {
         let deadline = self.deadline(scenario);
         let is_early = self.until != Until::Complete || deadline.is_some();
         let usual = if is_early { SearchOrder::Deciding } else { SearchOrder::AsAsked };
-        // A replay makes the jobs of a job history again, and knows of no parts of them.
+        // A replay repeats the jobs of a job history, and cannot split them.
         let budget = match (self.budget, deadline) {
             (Some(budget), _) => budget,
             (None, Some(_)) if !self.job_history => RequestLimits::BUDGET,

@@ -1,4 +1,4 @@
-//! Model files: made of others' meshes or of generated shapes, looked at, checked, given away.
+//! Model files: imported from meshes or generated, inspected, checked, exported.
 //!
 //! ```text
 //! Import, check --starts--> mesh::reader (limits itself, reads the mesh, builds the tree)
@@ -7,9 +7,24 @@
 //! info, Export, check --> open: a model file, verified      Generate --> bodies --> write
 //! ```
 //!
-//! Whatever a mesh file does to its reader happens in a child of this program, which the program
-//! plays in [`play_worker`](crate::play_worker). A file is replaced only by a finished and verified
-//! one, so a failure leaves nothing behind and nothing damaged.
+//! A mesh file is read in a child process, which [`play_worker`](crate::play_worker) plays, so a
+//! bad mesh cannot harm the caller. A file is replaced only by a finished and verified one, so a
+//! failure leaves nothing behind and nothing damaged.
+//!
+//! ```
+//! # let folder = std::env::temp_dir().join(format!("trolley-model-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! use trolley::model::{self, Build, Generate, Info, ReadLimits, Shape};
+//!
+//! let (tree, out) = (model::tree(Build::Paper, 4), folder.join("suv.trolley"));
+//! let suv = Generate { shape: Shape::Suv, triangles: 1500, seed: 0, tree, out: out.clone() };
+//! println!("{}", suv.run(&|_, _| {})?.body.sentence);
+//!
+//! let info = model::info(&out, ReadLimits::default(), trolley::bodies::SILENT)?;
+//! assert!(matches!(info, Info::Body(_)));
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 mod check;
 mod export;
@@ -19,7 +34,57 @@ mod import;
 mod info;
 pub mod open;
 
-pub use body::{BodyKind, Build, LEAF_SIZE_MAX, Seat, Shape};
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-kind-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// assert_eq!(generated.body.kind, model::BodyKind::Pole);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use body::BodyKind;
+/// ```
+/// use trolley::model::{self, Build};
+///
+/// let trees = Build::ALL.map(|build| model::tree(build, 4));
+/// assert_eq!(trees[0].build, Build::Paper);
+/// ```
+pub use body::Build;
+/// ```
+/// use trolley::model::{self, Build, LEAF_SIZE_MAX};
+///
+/// let shallow = model::tree(Build::Sah, LEAF_SIZE_MAX);
+/// ```
+pub use body::LEAF_SIZE_MAX;
+/// ```
+/// # let options = trolley::model::BuildOptions::default();
+/// # let shape = trolley::model::Shape::Sedan;
+/// # let car = trolley::bodies::generate(shape, 1500, 0, &options, &|_| {})?;
+/// use trolley::model::Seat;
+///
+/// let driver = Some(Seat::FrontLeft); // `None` stands for a person on foot
+/// assert!(car.meta.occupants.is_none_or(|all| all.iter().any(|person| person.seat == driver)));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use body::Seat;
+/// ```
+/// use trolley::model::Shape;
+///
+/// assert_eq!("cyclist".parse(), Ok(Shape::Cyclist));
+/// assert_eq!(Shape::ALL.len(), 9);
+/// ```
+pub use body::Shape;
+/// ```
+/// use trolley::model::{self, Build, BuildOptions};
+///
+/// let options = BuildOptions { threads: 1, ..model::tree(Build::Sah, 8) };
+/// assert_eq!(options, BuildOptions { build: Build::Sah, leaf_size: 8, threads: 1 });
+/// ```
 pub use bvh::BuildOptions;
 pub use check::{CheckReport, FileCheck, check};
 pub use export::{Export, Exported};
@@ -27,15 +92,108 @@ pub use facts::Facts;
 pub use generate::{Generate, Generated};
 pub use import::{Import, ImportedModel};
 pub use info::{BodyInfo, Info, MeshInfo, info};
+/// ```
+/// use trolley::model::ExportFormat;
+///
+/// assert!("stl".parse() == Ok(ExportFormat::Stl) && ExportFormat::Obj.name() == "obj");
+/// ```
 pub use mesh::export::ExportFormat;
-pub use mesh::import::{Axis, LengthUnit, Reading};
-pub use mesh::reader::{MeshOptions, OnProgress, ReadLimits, Report};
-pub use shapes::{TRIANGLES_MAX, TRIANGLES_MIN};
+/// ```
+/// use trolley::model::{Axis, MeshOptions};
+///
+/// let (up, forward) = (Some(Axis::Y), Some(Axis::Z));
+/// let options = MeshOptions { up, forward, ..MeshOptions::default() };
+/// assert!("-x".parse::<Axis>().is_ok());
+/// ```
+pub use mesh::import::Axis;
+/// ```
+/// use trolley::model::{LengthUnit, MeshOptions};
+///
+/// let unit = "cm".parse::<LengthUnit>()?;
+/// let options = MeshOptions { unit: Some(unit), ..MeshOptions::default() };
+/// assert_eq!(unit.metres(), 0.01);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use mesh::import::LengthUnit;
+/// ```no_run
+/// # use trolley::model::{Info, ReadLimits, info};
+/// trolley::play_worker(); // a mesh is read in a child process
+/// if let Info::Mesh(mesh) = info("car.obj".as_ref(), ReadLimits::default(), &|_, _| {})? {
+///     for reading in &mesh.readings {
+///         println!("in {}, {} up: {}", reading.unit, reading.up, reading.looks_like);
+///     }
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use mesh::import::Reading;
+/// ```
+/// use trolley::model::{Axis, BodyKind, LengthUnit, MeshOptions};
+///
+/// let options = MeshOptions {
+///     unit: Some(LengthUnit::METRE),
+///     up: Some(Axis::Z),
+///     kind: Some(BodyKind::Sedan),
+///     ..MeshOptions::default()
+/// };
+/// ```
+pub use mesh::reader::MeshOptions;
+/// ```
+/// use trolley::model::OnProgress;
+///
+/// let progress: OnProgress<'_> = &|done, total| eprintln!("{done} of {total} triangles");
+/// ```
+pub use mesh::reader::OnProgress;
+/// ```
+/// use trolley::model::ReadLimits;
+///
+/// let limits = ReadLimits { memory_mb: Some(512), ..ReadLimits::default() };
+/// assert_eq!(limits.cpu_s, ReadLimits::CPU_S);
+/// ```
+pub use mesh::reader::ReadLimits;
+/// ```no_run
+/// # use trolley::model::{Build, Import, MeshOptions, ReadLimits, tree};
+/// # let import = Import {
+/// #     mesh: "car.obj".into(),
+/// #     options: MeshOptions::default(),
+/// #     name: None,
+/// #     tree: tree(Build::Paper, 4),
+/// #     limits: ReadLimits::default(),
+/// #     out: "car.trolley".into(),
+/// # };
+/// let report = import.run(&|_, _| {})?.import;
+/// println!("{}: {} triangles", report.sentence, report.triangles);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use mesh::reader::Report;
+/// ```
+/// use trolley::model::{Shape, TRIANGLES_MAX};
+///
+/// let options = trolley::model::BuildOptions::default();
+/// let more = trolley::bodies::generate(Shape::Pole, TRIANGLES_MAX + 1, 0, &options, &|_| {});
+/// assert!(more.is_err());
+/// ```
+pub use shapes::TRIANGLES_MAX;
+/// ```
+/// use trolley::model::{Shape, TRIANGLES_MIN};
+///
+/// let options = trolley::model::BuildOptions::default();
+/// assert!(trolley::bodies::generate(Shape::Pole, TRIANGLES_MIN, 0, &options, &|_| {}).is_ok());
+/// ```
+pub use shapes::TRIANGLES_MIN;
 
-/// A tree with at most `leaf_size` triangles in a leaf, built by as many threads as pay.
+/// Returns options for a tree with at most `leaf_size` triangles in a leaf, built by as many
+/// threads as are useful.
+///
+/// ```
+/// use trolley::model::{self, Build};
+///
+/// let options = model::tree(Build::Sah, 8);
+/// assert_eq!((options.build, options.leaf_size), (Build::Sah, 8));
+/// assert!((1..=8).contains(&options.threads));
+/// ```
 #[must_use]
 pub fn tree(build: Build, leaf_size: u32) -> BuildOptions {
-    // More than eight gain nothing, but each takes address space.
+    // More than eight gain nothing, and each takes address space.
     let threads = runtime::affinity::allowed_cores().len().clamp(1, 8);
     BuildOptions { build, leaf_size, threads }
 }

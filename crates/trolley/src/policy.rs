@@ -1,4 +1,12 @@
-//! Policies and sets of curves: would they be accepted, and what do they say?
+//! Checks of policies and sets of curves: whether they are accepted, and what they say.
+//!
+//! ```
+//! for file in trolley::policy::check(&["../../config/policies/weighted.toml"], None)? {
+//!     println!("{}: {}", file.name, file.says.join("; "));
+//!     assert!(file.fault.is_none());
+//! }
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use crate::Failure;
 use crate::scenario::read_text;
@@ -8,27 +16,46 @@ use damage::{Curves, Policy};
 use serde::Serialize;
 use std::path::Path;
 
-/// One file, checked.
+/// What a check of one file found.
+///
+/// ```
+/// let files = ["../../config/policies/default.toml", "../../config/curves/default.toml"];
+/// let checked = trolley::policy::check(&files, None)?;
+/// let kinds: Vec<_> = checked.iter().map(|file| file.kind).collect();
+/// assert_eq!(kinds, ["policy", "curve set"]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CheckedFile {
     /// The file.
     pub file: String,
-    /// What it is: "policy", "curve set", or "file" where that could not be found out.
+    /// What it is: "policy", "curve set", or "file" if it could not be read.
     pub kind: &'static str,
-    /// The name that it gives itself; empty if it is not sound.
+    /// The name that it states; empty if it is not valid.
     pub name: String,
     /// What it says, in sentences.
     pub says: Vec<String>,
-    /// What is wrong with it; `None`: sound.
+    /// What is wrong with it; `None` if it is valid.
     pub fault: Option<String>,
 }
 
-/// Checks policies and sets of curves; which of the two a file is, its tables say. Policies must
-/// find their outcome in `curves`, else in the curves that come with the program.
+/// Checks policies and sets of curves; the tables in a file tell which of the two it is. The
+/// outcome of a policy must be in `curves`; `None` means the built-in curves.
+///
+/// ```
+/// let files = ["../../config/policies/default.toml", "../../config/curves/default.toml"];
+/// let checked = trolley::policy::check(&files, None)?;
+/// assert!(checked.iter().all(|file| file.fault.is_none()));
+///
+/// let missing = trolley::policy::check(&["no-such-file.toml"], None)?;
+/// assert!(missing[0].fault.is_some());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If `curves` cannot be read or is not sound. That one of `files` is not is no error: it says so.
+/// If `curves` cannot be read or is not valid. A fault in one of `files` is not an error, but
+/// [`CheckedFile::fault`].
 pub fn check<P: AsRef<Path>>(
     files: &[P],
     curves: Option<&Path>,

@@ -1,15 +1,40 @@
-//! The world poses of two bodies, as a person or a program wrote them down.
+//! The world poses of two bodies, read from a text.
 //!
-//! Six rows of four numbers, R | t: three for A, then three for B. Empty lines count for nothing,
-//! nor does what follows a `#`. What comes out is finite and rigid, so nobody behind asks again.
+//! The text has six rows of four numbers, R | t: three for A, then three for B. Empty lines and
+//! everything after a `#` are ignored. Poses that were read are finite and rigid.
+//!
+//! ```
+//! let text = "
+//!     1 0 0 0
+//!     0 1 0 0
+//!     0 0 1 0
+//!     0 -1 0 2.5    # B, turned left, 2.5 m ahead
+//!     1 0 0 0
+//!     0 0 1 0
+//! ";
+//! let [a, b] = trolley::poses::parse("poses.txt", text.as_bytes())?;
+//! assert_eq!(b.translation, [2.5, 0.0, 0.0]);
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use crate::Failure;
 use crate::model::open;
 use std::path::Path;
 
+/// ```
+/// use trolley::poses::Pose;
+///
+/// let turned = Pose::from_degrees(90.0, 0.0, 0.0, [2.5, 0.0, 0.0]);
+/// assert_eq!(turned.translation, [2.5, 0.0, 0.0]);
+/// ```
 pub use geometry::Pose;
 
-/// Longest file, in bytes: 24 numbers and remarks.
+/// Greatest length of a file, in bytes: 24 numbers and comments.
+///
+/// ```
+/// let long = " ".repeat(trolley::poses::BYTES_MAX + 1); // refused when read from a file
+/// # assert_eq!(long.len(), 65_537);
+/// ```
 pub const BYTES_MAX: usize = 64 << 10;
 
 /// How far RᵀR may be from the identity in any entry: seven decimals are good enough.
@@ -40,9 +65,21 @@ type Refusal = (Place, String);
 
 /// Reads the poses of A and B from a file.
 ///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-poses-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let path = folder.join("poses.txt");
+/// let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n".repeat(2);
+/// trolley::files::replace(&path, text.as_bytes())?;
+/// let [a, b] = trolley::poses::read(&path)?;
+/// assert_eq!(a, b);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
 /// # Errors
 ///
-/// If the file cannot be read, is too long, or as [`parse`].
+/// If the file cannot be read or is too long, or its text is not valid: see [`parse`].
 pub fn read(path: &Path) -> Result<[Pose; 2], Failure> {
     let file = open::bytes(path)?;
     let name = path.display().to_string();
@@ -53,11 +90,20 @@ pub fn read(path: &Path) -> Result<[Pose; 2], Failure> {
     parse(&name, file.bytes())
 }
 
-/// Reads the poses of A and B; `file` is what messages call the text.
+/// Reads the poses of A and B from a text; `file` is its name in messages.
+///
+/// ```
+/// let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n".repeat(2);
+/// let [a, b] = trolley::poses::parse("poses.txt", text.as_bytes())?;
+/// assert_eq!(a, trolley::poses::Pose::IDENTITY);
+///
+/// assert!(trolley::poses::parse("poses.txt", b"1 0 0").is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If this is not six rows of four finite numbers, or a rotation is not rigid.
+/// If it is not six rows of four finite numbers, or a rotation is not rigid.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
     let refuse = |(place, what): Refusal| {
         let Place { line, column } = place;

@@ -1,8 +1,22 @@
-//! Decision records: what was asked, decided, and by what, so that the answer can be made again.
+//! Decision records: an answer with everything it was made from, so that it can be replayed.
 //!
-//! Records lie in their folder as `000000.record`, `000001.record`, ...: one chain. A record is
-//! written aside and then given its name, so a folder never holds half of one, and two writers
-//! never take the same number.
+//! The records of a folder are `000000.record`, `000001.record`, ...: one chain. A record is
+//! written under a temporary name and then renamed, so a folder never holds half a record, and two
+//! writers never use the same number.
+//!
+//! ```
+//! # use trolley::{Engine, Limits, Record, Scenario};
+//! # let folder = std::env::temp_dir().join(format!("trolley-record-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+//! # let mut engine = Engine::builder().in_process().build()?;
+//! Record::prepare(&folder)?;
+//! let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+//! let path = Record::write(&folder, &ranking)?;
+//! assert!(path.ends_with("000000.record"));
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use crate::engine::{Ranking, Recorded};
 use crate::run::Run;
@@ -13,10 +27,103 @@ use std::path::{Path, PathBuf};
 
 mod replay;
 
-pub use record::{Link, RecordContent, RecordedBody, RecordedEnd, RecordedSource};
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-link-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// let next = Record::write(&folder, &ranking)?;
+/// let [first, second] = [Record::read(&path)?.link, Record::read(&next)?.link];
+/// assert_eq!((second.number, second.previous), (1, first.hash));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::Link;
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-content-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// # let record = Record::read(&path)?;
+/// assert_eq!(record.content.build, trolley::BUILD);
+/// assert!(record.content.answer.starts_with('{'), "JSON");
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::RecordContent;
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-body-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// # let record = Record::read(&path)?;
+/// for body in &record.content.bodies {
+///     println!("{}: {}", body.party, body.hash);
+/// }
+/// # assert_eq!(record.content.bodies.len(), 5);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::RecordedBody;
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-end-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// # let record = Record::read(&path)?;
+/// use trolley::record::RecordedEnd;
+///
+/// assert!(record.content.jobs.iter().any(|job| job.end == RecordedEnd::Done));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::RecordedEnd;
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-source-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// # let record = Record::read(&path)?;
+/// use trolley::record::RecordedSource;
+///
+/// let bodies = &record.content.bodies;
+/// assert!(bodies.iter().all(|body| body.source == RecordedSource::Generated));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::RecordedSource;
 pub use replay::Replay;
 
 /// A decision record, and its place in its chain.
+///
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-struct-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// let path = Record::write(&folder, &ranking)?;
+/// let record = Record::read(&path)?;
+/// assert_eq!(record.link.number, 0);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// Everything about one request.
@@ -26,27 +133,52 @@ pub struct Record {
 }
 
 impl Record {
-    /// Looks whether a folder can take a record, and makes it if it is not there: better known
-    /// before the work than after it.
+    /// Creates a folder for records if it does not exist, and checks that a record can be added:
+    /// call it before work is spent on a ranking.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join(format!("trolley-prepare-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// let records = folder.join("records");
+    /// trolley::Record::prepare(&records)?;
+    /// assert!(records.is_dir());
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If it cannot be written to, or its last record cannot be read.
+    /// If the folder cannot be written to, or its last record cannot be read.
     pub fn prepare(folder: &Path) -> Result<(), Failure> {
         std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         tempfile::tempfile_in(folder).map_err(|error| unwritable(folder, &error))?;
         end(folder).map(drop)
     }
 
-    /// Adds a ranking to a folder's records; returns the new record's path. The ranking must have
-    /// been made for it: see [`Limits::with_record`](crate::Limits::with_record).
+    /// Adds a ranking to a folder's records, and returns the path of the new one. The ranking must
+    /// have been made with [`Limits::with_record`](crate::Limits::with_record).
+    ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Record, Scenario};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-write-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = Engine::builder().in_process().build()?;
+    /// let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+    /// let path = Record::write(&folder, &ranking)?;
+    ///
+    /// let bare = engine.rank(&scenario, &Limits::default())?;
+    /// assert!(Record::write(&folder, &bare).is_err(), "nothing was recorded");
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If the folder cannot be written to.
+    /// If the ranking holds no record, or the folder cannot be written to.
     pub fn write(folder: &Path, ranking: &Ranking) -> Result<PathBuf, Failure> {
         let record = content(ranking)?;
-        // Somebody else may take the number meanwhile: then the next one is ours.
+        // Another process may take the number meanwhile: then take the next one.
         for _ in 0..100 {
             let (number, last) = end(folder)?;
             let (bytes, _) = record::encode(&record, last.as_ref())?;
@@ -61,28 +193,56 @@ impl Record {
                 Err(error) => return Err(unwritable(&path, &error.error)),
             }
         }
-        Err(Failure::new(FailureKind::Resources, "others write records here all the time")
+        Err(Failure::new(FailureKind::Resources, "other processes keep writing records here")
             .at(folder.display())
-            .with_remedy("give each of them a folder of its own"))
+            .with_remedy("give each process its own folder"))
     }
 
     /// Reads a record, and checks every byte of it.
     ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Record, Scenario};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-read-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = Engine::builder().in_process().build()?;
+    /// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+    /// # let path = Record::write(&folder, &ranking)?;
+    /// let record = Record::read(&path)?;
+    /// println!("{} by {}", record.content.scenario.name, record.content.build);
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// If it cannot be read, is none, or was changed since it was written.
+    /// If it cannot be read, is not a record, or was changed since it was written.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let read = record::decode(&bytes(path)?);
         let (content, link) = read.map_err(|error| Failure::from(error).at(path.display()))?;
         Ok(Self { content, link })
     }
 
-    /// Checks every byte of all records of a folder, and that each follows on the one before it; or
-    /// of a single record. Says how many there are, and gives the last one's link.
+    /// Checks every byte of a record, or of all records of a folder and that each follows the one
+    /// before it. Returns how many there are, and the link of the last one.
+    ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Record, Scenario};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-verify-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = Engine::builder().in_process().build()?;
+    /// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+    /// # let path = Record::write(&folder, &ranking)?;
+    /// let (count, last) = Record::verify(&folder)?;
+    /// assert_eq!((count, last.map(|link| link.number)), (1, Some(0)));
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If one was changed, exchanged or removed.
+    /// If one was changed, replaced or removed.
     pub fn verify(path: &Path) -> Result<(usize, Option<Link>), Failure> {
         if !path.is_dir() {
             return Ok((1, Some(Self::read(path)?.link)));
@@ -93,7 +253,7 @@ impl Record {
             let name = file.display().to_string();
             let link = chain.next(&name, &bytes(file)?).map_err(|error| {
                 Failure::input(diagnostic::chain(&error))
-                    .with_remedy("take the copy of another keeper, and compare")
+                    .with_remedy("compare with another copy of the records")
             })?;
             last = Some(link);
         }
@@ -108,7 +268,7 @@ impl Record {
 fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
     Failure::new(FailureKind::System, error.to_string())
         .at(path.display())
-        .with_remedy("--record needs a folder that may be written to")
+        .with_remedy("--record needs a folder that can be written to")
 }
 
 fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
@@ -171,7 +331,7 @@ fn stages(run: &Run) -> Vec<RecordedStage> {
     all.into_iter().map(|(name, ms)| RecordedStage { name: name.to_owned(), ms }).collect()
 }
 
-/// When each job ran on its worker, from the beginning of the first.
+/// When each job ran on its worker, counted from the start of the first.
 fn spans(run: &Run) -> Vec<RecordedSpan> {
     let begun = |[end, wall]: &[u64; 2]| end.saturating_sub(*wall);
     let all = || run.workers.iter().flat_map(|w| w.spans.iter().map(move |span| (w.worker, span)));
@@ -184,9 +344,9 @@ fn spans(run: &Run) -> Vec<RecordedSpan> {
     all().map(span).collect()
 }
 
-/// What went between coordinator and workers.
+/// The messages between coordinator and workers.
 fn edges(run: &Run) -> Vec<Edge> {
-    let of = |worker: &coordinator::WorkerReport| {
+    let both_ways = |worker: &coordinator::WorkerReport| {
         let name = format!("worker {}", worker.worker);
         let coordinator = || "coordinator".to_owned();
         let (messages, bytes) = (worker.batches, worker.batch_bytes);
@@ -194,14 +354,14 @@ fn edges(run: &Run) -> Vec<Edge> {
         let (messages, bytes) = (worker.results, worker.result_bytes);
         [out, Edge { from: name, to: coordinator(), messages, bytes }]
     };
-    run.workers.iter().flat_map(of).collect()
+    run.workers.iter().flat_map(both_ways).collect()
 }
 
 fn name(number: u64) -> String {
     format!("{number:06}.record")
 }
 
-/// The number that comes next in a folder, and the link of the last record.
+/// The next number in a folder, and the link of the last record.
 fn end(folder: &Path) -> Result<(u64, Option<Link>), Failure> {
     let Some(last) = records(folder)?.pop() else { return Ok((0, None)) };
     let link = Record::read(&last)?.link;
@@ -218,7 +378,7 @@ fn records(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             paths.push(path);
         }
     }
-    // By number: the millionth has one digit more.
+    // By number: from a million on, names have one more digit.
     paths.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
     Ok(paths)
 }
@@ -234,7 +394,11 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     std::fs::read(path).map_err(wrong)
 }
 
-/// A hash as people read it.
+/// Returns a hash as hexadecimal digits.
+///
+/// ```
+/// assert!(trolley::record::hex(&[10; 32]).starts_with("0a0a"));
+/// ```
 #[must_use]
 pub fn hex(hash: &[u8; 32]) -> String {
     hash.iter().map(|byte| format!("{byte:02x}")).collect()

@@ -1,4 +1,13 @@
-//! How the work was done: everything beside the answer, which does not depend on it.
+//! How the work was done. The answer does not depend on it.
+//!
+//! ```
+//! # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+//! # let mut engine = trolley::Engine::builder().in_process().build()?;
+//! let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+//! println!("{} jobs with {} triangle tests", run.jobs, run.np);
+//! assert!(run.jobs > 0);
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use body::Build;
 use coordinator::{Certainty, RankingRun, WorkerPoolReport, WorkerReport};
@@ -8,6 +17,15 @@ use scenario::Scheme;
 use serde::Serialize;
 
 /// Times of the stages, in milliseconds.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+/// println!("bodies in {} ms, work in {} ms", run.stages.load_ms, run.stages.work_ms);
+/// assert!(run.stages.load_ms > 0.0);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Stages {
     /// Reading or generating bodies, building trees, sealing the store.
@@ -24,12 +42,21 @@ pub struct Stages {
     pub stop_ms: f64,
 }
 
-/// What it took.
+/// How a scenario was ranked: times, counts, workers.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+/// assert_eq!(run.build, trolley::BUILD);
+/// assert_eq!((run.bodies, run.triangles), (5, 5900));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Run {
     /// Name of the build.
     pub build: &'static str,
-    /// Who did the jobs.
+    /// Whether workers or this process did the jobs.
     pub mode: Mode,
     /// Times of the stages.
     pub stages: Stages,
@@ -42,10 +69,10 @@ pub struct Run {
     /// How the deadline was kept, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deadline: Option<Kept>,
-    /// When no open work could change the winner any more; absent if that never was so.
+    /// When no open work could change the winner any more; `None` if that was never so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub winner_certain: Option<Certain>,
-    /// The same of the whole order, if somebody waited for it.
+    /// When no open work could change the order any more; `None` if that was not sought.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order_certain: Option<Certain>,
     /// Bodies in the store.
@@ -56,13 +83,13 @@ pub struct Run {
     pub store_bytes: usize,
     /// Cores that this process may use.
     pub cores_granted: Vec<usize>,
-    /// Plain statements on what is not as it should be.
+    /// What could be better, in sentences.
     pub remarks: Vec<String>,
     /// Questions about poses.
     pub tasks: u64,
-    /// Node pairs that the kernel was asked about.
+    /// Node pairs given to the kernel.
     pub jobs: u64,
-    /// Jobs that nobody needed any more.
+    /// Jobs that were no longer needed.
     pub jobs_cut: u64,
     /// Jobs given up.
     pub jobs_abandoned: u64,
@@ -78,13 +105,13 @@ pub struct Run {
     pub messages: u64,
     /// Bytes of these, headers included.
     pub message_bytes: u64,
-    /// Messages turned away: foreign, stale or corrupt.
+    /// Messages rejected: foreign, stale or corrupt.
     pub messages_rejected: u64,
     /// Parts of results that came too late or twice.
     pub parts_fenced: u64,
-    /// Bytes of sections that a core did not hold yet.
+    /// Bytes of the sections that cores needed and did not hold yet.
     pub section_bytes: u64,
-    /// The same if none were ever held.
+    /// Bytes of all sections that cores needed, held or not.
     pub section_bytes_unshared: u64,
     /// Sections that made room for others.
     pub sections_evicted: u64,
@@ -93,20 +120,42 @@ pub struct Run {
 }
 
 /// How a deadline was kept.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let limits = trolley::Limits::default().with_deadline_ms(50.0)?;
+/// if let Some(kept) = engine.rank(&scenario, &limits)?.run.deadline {
+///     println!("answered after {} of {} ms", kept.answered_ms, kept.due_ms);
+///     assert_eq!(kept.late_ms > 0.0, kept.answered_ms > kept.due_ms);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Kept {
     /// When the answer was due, after the request was accepted.
     pub due_ms: f64,
     /// When it was made.
     pub answered_ms: f64,
-    /// How much later than due that was; 0 if it was not.
+    /// How late that was; 0 if in time.
     pub late_ms: f64,
 }
 
 /// When something became certain.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
+/// if let Some(certain) = run.winner_certain {
+///     println!("after {} jobs, {} ms", certain.jobs, certain.ms);
+///     assert!(certain.share <= 1.0);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Certain {
-    /// Tests of boxes and triangles by then, in units of all that were done.
+    /// Tests of boxes and triangles by then, as a share of all tests.
     pub share: f64,
     /// Jobs done by then.
     pub jobs: u64,
@@ -119,7 +168,7 @@ pub(crate) fn milliseconds(ns: u64) -> f64 {
 }
 
 impl Kept {
-    /// Of an answer that took so long (ns).
+    /// How an answer that took this long (ns) kept its deadline.
     pub(crate) fn of(due: Duration, answered_ns: u64) -> Self {
         let (due_ms, answered_ms) = (due.as_secs_f64() * 1e3, milliseconds(answered_ns));
         Self { due_ms, answered_ms, late_ms: (answered_ms - due_ms).max(0.0) }
@@ -164,15 +213,30 @@ impl Run {
     }
 }
 
-/// When winner and order were certain.
+/// Returns when the winner and when the order became certain.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # use trolley::bodies::{Bodies, SILENT};
+/// # let find = |_, reference: &_| scenario.path_of(reference);
+/// # let engine = &scenario.parsed().engine;
+/// # let bodies = Bodies::of_scenario(scenario.parsed(), engine, scenario.file(), &find, SILENT)?;
+/// # let views = bodies.views()?;
+/// # let (policy, curves) = scenario.rules();
+/// # let request = coordinator::Request::new(scenario.parsed(), &views, policy, curves)?;
+/// let work = coordinator::RankingRun::new(&request, &views, 4);
+/// let [winner, order] = trolley::run::certain(&work);
+/// assert!(winner.is_none() && order.is_none(), "no work is done yet");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[must_use]
 pub fn certain(work: &RankingRun<'_>) -> [Option<Certain>; 2] {
     let effort = work.effort();
     let all = (effort.descent.tests() + effort.jobs.tests()).max(1) as f64;
-    let one = |certainty: Certainty| Certain {
+    let in_units = |certainty: Certainty| Certain {
         share: certainty.tests as f64 / all,
         jobs: certainty.jobs,
         ms: milliseconds(certainty.ns),
     };
-    work.certainties().map(|certainty| certainty.map(one))
+    work.certainties().map(|certainty| certainty.map(in_units))
 }

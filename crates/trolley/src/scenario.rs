@@ -1,7 +1,6 @@
-//! What is asked: a scenario with the policy and the curves that judge it, as texts with their
-//! names and as checked values.
+//! A scenario with the policy and the curves that judge it: as named texts and as checked values.
 //!
-//! Texts come from files, from a caller or from a decision record; all are read and checked alike.
+//! Texts come from files, from a caller or from a decision record; all are checked alike.
 
 use crate::{Failure, FailureKind};
 use damage::injury::DEFAULT_CURVES;
@@ -16,27 +15,59 @@ const DEMO: &str = include_str!("../../../config/scenarios/demo.toml");
 /// Its name.
 const DEMO_NAME: &str = "config/scenarios/demo.toml";
 
-/// A text and the name to blame.
+/// A text and its name in messages.
+///
+/// ```
+/// use trolley::{SourceText, read_text};
+///
+/// let name = "../../config/policies/default.toml";
+/// let policy = SourceText { name: name.to_owned(), text: read_text(name.as_ref())? };
+/// assert!(policy.text.contains("composition"));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SourceText {
-    /// Where it is from: a path, usually.
+    /// Where it comes from, usually a path.
     pub name: String,
     /// The text.
     pub text: String,
 }
 
 /// The three texts of a request.
+///
+/// ```
+/// use trolley::{Scenario, SourceText, Texts, read_text};
+///
+/// let read = |path: &str| {
+///     Ok::<_, trolley::Failure>(SourceText { name: path.into(), text: read_text(path.as_ref())? })
+/// };
+/// let texts = Texts {
+///     scenario: read("../../config/scenarios/small.toml")?,
+///     policy: read("../../config/policies/precaution.toml")?,
+///     curves: read("../../config/curves/default.toml")?,
+/// };
+/// assert_eq!(Scenario::of_texts(texts)?.rules().0.name, "precaution");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texts {
     /// Parties and candidates.
     pub scenario: SourceText,
-    /// By what candidates are compared.
+    /// How candidates are compared.
     pub policy: SourceText,
     /// Injury risk curves.
     pub curves: SourceText,
 }
 
-/// What is to be ranked, and by what it will be judged: read and checked.
+/// What to rank, and the policy and curves to rank it by: read and checked.
+///
+/// ```
+/// use trolley::Scenario;
+///
+/// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// assert_eq!(scenario.parsed().candidates.len(), 4);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scenario {
     pub(crate) texts: Texts,
@@ -47,27 +78,59 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// The scenario that comes with the program: seven crashes between generated bodies.
+    /// Returns the built-in scenario: seven crashes between generated bodies.
+    ///
+    /// ```
+    /// let scenario = trolley::Scenario::demo()?;
+    /// assert_eq!(scenario.parsed().candidates.len(), 7);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// Never: tests see to that.
+    /// Never: tests make sure of that.
     pub fn demo() -> Result<Self, Failure> {
         Self::parse(DEMO_NAME, DEMO)
     }
 
     /// Reads a scenario file, and the policy and curves that it names.
     ///
+    /// ```
+    /// use trolley::Scenario;
+    ///
+    /// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// assert!(Scenario::open("no-such-file.toml").is_err());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// If a file cannot be read or is not sound: file, place, fault and remedy.
+    /// If a file cannot be read or is not valid: the error has file, place, fault and remedy.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Failure> {
         let path = path.as_ref();
         Self::parse(&path.display().to_string(), &read_text(path)?)
     }
 
-    /// Reads a scenario's text. Files that it names are found from the folder of `name`; where it
-    /// names none, the policy and the curves are those that come with the program.
+    /// Reads a scenario from a text. Paths in it are relative to the folder of `name`. If it names
+    /// no policy or curves, the built-in ones are used.
+    ///
+    /// ```
+    /// use trolley::Scenario;
+    ///
+    /// let text = r#"
+    ///     schema = "trolley.scenario/1"
+    ///     name = "A wall ahead"
+    ///     [parties]
+    ///     ego = { generate = { shape = "sedan", triangles = 1500 } }
+    ///     wall = { generate = { shape = "wall", triangles = 600 } }
+    ///     [[candidates]]
+    ///     name = "frontal"
+    ///     ego = { position_m = [0, 0, 0], speed_m_s = 10 }
+    ///     other = { party = "wall", position_m = [2.55, 0, 0], yaw_deg = 90, speed_m_s = 0 }
+    /// "#;
+    /// assert_eq!(Scenario::parse("wall.toml", text)?.file(), "wall.toml");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -86,7 +149,23 @@ impl Scenario {
         Self::of_texts(texts)
     }
 
-    /// Reads and checks all three texts.
+    /// Reads a scenario, a policy and curves from their texts.
+    ///
+    /// ```
+    /// # let read = |path: &str| {
+    /// #     let text = trolley::read_text(path.as_ref())?;
+    /// #     Ok::<_, trolley::Failure>(trolley::SourceText { name: path.into(), text })
+    /// # };
+    /// use trolley::{Scenario, Texts};
+    ///
+    /// let scenario = Scenario::of_texts(Texts {
+    ///     scenario: read("../../config/scenarios/small.toml")?,
+    ///     policy: read("../../config/policies/weighted.toml")?,
+    ///     curves: read("../../config/curves/default.toml")?,
+    /// })?;
+    /// # assert_eq!(scenario.parsed().candidates.len(), 4);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -101,38 +180,85 @@ impl Scenario {
         Ok(Self { texts, parsed, policy, curves, unknown_is_fixed: false })
     }
 
-    /// The same, taking parties of unknown kind as fixed to the ground, with nobody in them; the
-    /// answer says so.
+    /// Takes parties of unknown kind as fixed to the ground, with nobody in them; the answer says
+    /// so.
+    ///
+    /// ```
+    /// # let small = trolley::read_text("../../config/scenarios/small.toml".as_ref())?;
+    /// # let unknown = "triangles = 600 }, kind = \"unknown\" }";
+    /// # let text = small.replace("triangles = 600 } }", unknown);
+    /// # let scenario = trolley::Scenario::parse("small.toml", &text)?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = trolley::Limits::default();
+    /// assert!(engine.rank(&scenario, &limits).is_err(), "the wall is of unknown kind");
+    ///
+    /// let answer = engine.rank(&scenario.assuming_unknown_is_fixed(), &limits)?.answer;
+    /// assert!(!answer.assumptions.is_empty());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn assuming_unknown_is_fixed(self) -> Self {
         Self { unknown_is_fixed: true, ..self }
     }
 
-    /// What the file says.
+    /// Returns what the text says.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// for candidate in &scenario.parsed().candidates {
+    ///     println!("{}", candidate.name);
+    /// }
+    /// # assert_eq!(scenario.parsed().parties.len(), 5);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn parsed(&self) -> &scenario::Scenario {
         &self.parsed
     }
 
-    /// The name of the file, for messages.
+    /// Returns the name of the file, for messages.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// assert_eq!(scenario.file(), "../../config/scenarios/small.toml");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn file(&self) -> &str {
         &self.texts.scenario.name
     }
 
-    /// By what candidates are compared, and the curves for it.
+    /// Returns the policy and the curves.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// let (policy, curves) = scenario.rules();
+    /// assert_eq!(policy.name, "default");
+    /// assert!(curves.covers(policy.outcome).is_ok());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn rules(&self) -> (Arc<Policy>, Arc<Curves>) {
         (self.policy.clone(), self.curves.clone())
     }
 
-    /// Where a model file that the scenario names is.
+    /// Returns the path of a file that the scenario names.
+    ///
+    /// ```
+    /// # let small = trolley::read_text("../../config/scenarios/small.toml".as_ref())?;
+    /// # let text = format!("policy = \"../policies/weighted.toml\"\n{small}");
+    /// # let scenario = trolley::Scenario::parse("../../config/scenarios/weighted.toml", &text)?;
+    /// // The scenario says: policy = "../policies/weighted.toml"
+    /// let policy = scenario.parsed().policy.as_ref().map(|reference| scenario.path_of(reference));
+    /// assert!(policy.is_some_and(|path| path.exists()));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn path_of(&self, reference: &FileRef) -> PathBuf {
         beside(Path::new(self.file()), &reference.path)
     }
 
-    /// Refuses what nobody knows, unless something may be assumed of it.
+    /// Refuses parties of unknown kind, unless they may be taken as fixed.
     pub(crate) fn check_unknown(&self) -> Result<(), Failure> {
         let Some(party) = self.parsed.parties.iter().find(|party| party.is_unknown) else {
             return Ok(());
@@ -155,11 +281,18 @@ fn beside(file: &Path, path: &str) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).join(path)
 }
 
-/// Reads a text file that a person wrote.
+/// Reads a text file written by a person.
+///
+/// ```
+/// let text = trolley::read_text("../../config/policies/default.toml".as_ref())?;
+/// assert!(text.contains("schema"));
+/// assert!(trolley::read_text("no-such-file.toml".as_ref()).is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If it cannot be read, is too long for what a person writes, or is no text.
+/// If it cannot be read, is too long, or is not text.
 pub fn read_text(path: &Path) -> Result<String, Failure> {
     let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(path.display());
     let length = std::fs::metadata(path).map_err(wrong)?.len();

@@ -8,18 +8,31 @@ use coordinator::Options;
 use dispatch::{Intensity, Queues};
 use service::{Idle, MissingRealtime, ServiceConfig};
 
-/// What is decided at the start, in place of what the deployment says.
+/// Options of [`serve`], in place of what the deployment says.
+///
+/// ```
+/// use trolley::ServeOptions;
+///
+/// let options = ServeOptions { require_realtime: true, ..ServeOptions::default() };
+/// assert!(options.idle.is_none(), "as the deployment says");
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ServeOptions {
-    /// What the service does while nothing is asked.
+    /// What the service does between requests; `None`: as the deployment says.
     pub idle: Option<Idle>,
     /// Whether to refuse to start without locked memory and fixed priorities.
     pub require_realtime: bool,
-    /// Whether all work is done in this process: a body that crashes the kernel crashes it.
+    /// Whether all work is done in this process. A body that crashes the kernel then crashes it.
     pub in_process: bool,
 }
 
-/// What a service that has just started can say of itself.
+/// What a service reports when it has started.
+///
+/// ```
+/// fn greet(greeting: &trolley::Greeting<'_>) -> String {
+///     format!("{}: {} models, {} workers", greeting.instance, greeting.models, greeting.workers)
+/// }
+/// ```
 #[derive(Clone, Debug)]
 pub struct Greeting<'s> {
     /// Name of the instance.
@@ -28,13 +41,23 @@ pub struct Greeting<'s> {
     pub models: usize,
     /// Their triangles.
     pub triangles: usize,
-    /// Worker processes; 0: all work is done in this process.
+    /// Worker processes; 0 if all work is done in this process.
     pub workers: usize,
-    /// What real time missing on this machine.
+    /// What this machine lacks for real time.
     pub missing: &'s [MissingRealtime],
 }
 
-/// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered.
+/// Runs the service until SIGTERM or SIGINT. Calls `ready` once, when it can answer requests.
+///
+/// ```no_run
+/// use trolley::{OpenDeployment, ServeOptions};
+///
+/// let deployment = OpenDeployment::open("/etc/trolley/deployment.toml".as_ref(), None)?;
+/// trolley::serve(deployment, ServeOptions::default(), |greeting| {
+///     println!("{} is ready", greeting.instance);
+/// })?;
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -1,7 +1,37 @@
-//! Recorded or written traffic as scenarios: CommonRoad 2018b and 2020a, OpenSCENARIO 1.x.
+//! Traffic files as scenarios: CommonRoad 2018b and 2020a, OpenSCENARIO 1.x.
 //!
-//! Files are opened here; `traffic` reads their text, sweeps the ego's manoeuvres and writes the
-//! scenario, which is then read as if a person had written it.
+//! The ego's possible manoeuvres are tried, and those that collide become the candidates of a
+//! scenario.
+//!
+//! ```
+//! # let folder = std::env::temp_dir().join(format!("trolley-traffic-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! # let path = folder.join("crossing.xml");
+//! # let state = |x: f64, more: &str| format!(
+//! #     "<initialState><position><point><x>{x}</x><y>0</y></point></position><orientation>\
+//! #      <exact>0</exact></orientation><time><exact>0</exact></time>{more}</initialState>"
+//! # );
+//! # let text = format!(
+//! #     "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+//! #      <staticObstacle id=\"7\"><type>parkedVehicle</type>\
+//! #      <shape><rectangle><length>4</length>\
+//! #      <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+//! #      <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+//! #     state(25.0, ""),
+//! #     state(0.0, "<velocity><exact>15</exact></velocity>"),
+//! # );
+//! # trolley::files::replace(&path, text.as_bytes())?;
+//! use trolley::{Scenario, traffic};
+//!
+//! let imported = traffic::import(&path, &traffic::TrafficOptions::default())?;
+//! println!("{}", imported.summary());
+//! if let Some(text) = &imported.text {
+//!     let scenario = Scenario::parse("crossing.toml", text)?;
+//!     assert!(!scenario.parsed().candidates.is_empty());
+//! }
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use crate::scenario::read_text;
 use crate::{Failure, FailureKind};
@@ -12,30 +42,37 @@ use traffic::{
     Catalog, Conflict, DEFAULT_LIBRARY, Library, Manoeuvre, ReadOptions, Recording, Sweep, Swept,
 };
 
-/// When a recorded ego meets somebody too late for a sweep from its start, manoeuvres begin this
-/// long before (s): a driver's reaction.
+/// If the recorded ego collides too late for manoeuvres from its start, they begin this long before
+/// (s): a driver's reaction.
 const BEFORE_S: f64 = 1.0;
 
-/// How a traffic file is to be understood, and which manoeuvres are tried.
+/// How to read a traffic file, and which manoeuvres to try.
+///
+/// ```
+/// use trolley::traffic::TrafficOptions;
+///
+/// let brakes_m_s2 = Some(vec![4.0, 8.0]);
+/// let options = TrafficOptions { at_s: Some(1.5), brakes_m_s2, ..TrafficOptions::default() };
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct TrafficOptions {
-    /// Which obstacle, planning problem or entity is the ego, where the file leaves that open.
+    /// Which obstacle, planning problem or entity is the ego, if the file leaves that open.
     pub ego: Option<String>,
     /// Obstacles to leave out.
     pub without: Vec<String>,
-    /// When manoeuvres begin, after the ego's start (s); until then it goes as recorded.
+    /// When manoeuvres begin, after the ego's start (s); until then it moves as recorded.
     pub at_s: Option<f64>,
-    /// How far ahead is looked (s).
+    /// How far to look ahead (s).
     pub horizon_s: Option<f64>,
     /// Decelerations to try (m/s²).
     pub brakes_m_s2: Option<Vec<f64>>,
     /// Lateral accelerations to try, left positive (m/s²).
     pub laterals_m_s2: Option<Vec<f64>>,
-    /// What the tyres give in all (m/s²).
+    /// Greatest acceleration that the tyres allow (m/s²).
     pub grip_m_s2: Option<f64>,
-    /// Library of bodies by type; `None`: generated ones.
+    /// Library of bodies by type; `None` means generated ones.
     pub bodies: Option<PathBuf>,
-    /// Catalogues of OpenSCENARIO.
+    /// OpenSCENARIO catalogues.
     pub catalogs: Vec<PathBuf>,
 }
 
@@ -76,17 +113,50 @@ impl TrafficOptions {
     }
 }
 
-/// A traffic file, read and swept.
+/// A traffic file with the collisions that were found in it.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-imported-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let path = folder.join("crossing.xml");
+/// # let state = |x: f64, more: &str| format!(
+/// #     "<initialState><position><point><x>{x}</x><y>0</y></point></position><orientation>\
+/// #      <exact>0</exact></orientation><time><exact>0</exact></time>{more}</initialState>"
+/// # );
+/// # let text = format!(
+/// #     "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+/// #      <staticObstacle id=\"7\"><type>parkedVehicle</type>\
+/// #      <shape><rectangle><length>4</length>\
+/// #      <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+/// #      <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+/// #     state(25.0, ""),
+/// #     state(0.0, "<velocity><exact>15</exact></velocity>"),
+/// # );
+/// # trolley::files::replace(&path, text.as_bytes())?;
+/// use trolley::traffic::{TrafficOptions, import};
+///
+/// let imported = import(&path, &TrafficOptions::default())?;
+/// assert!(imported.text.is_some(), "a parked car is in the way");
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 pub struct ImportedTraffic {
     recording: Recording,
     swept: Swept,
     horizon_s: f64,
     notes: Vec<String>,
-    /// The scenario; `None`: nobody is met.
+    /// The scenario; `None` if no manoeuvre collides.
     pub text: Option<String>,
 }
 
-/// Whether a file is traffic rather than a scenario of ours: by its name, or by its first letter.
+/// Returns whether a file is traffic rather than a scenario, by its name or its first character.
+///
+/// ```
+/// use trolley::traffic::is_traffic;
+///
+/// assert!(is_traffic("crossing.xml".as_ref()) && is_traffic("cut-in.xosc".as_ref()));
+/// assert!(!is_traffic("../../config/scenarios/small.toml".as_ref()));
+/// ```
 #[must_use]
 pub fn is_traffic(path: &Path) -> bool {
     let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
@@ -119,11 +189,39 @@ fn text(path: &Path) -> Result<String, Failure> {
     })
 }
 
-/// Reads a traffic file, sweeps, and writes the scenario.
+/// Reads a traffic file, tries the ego's manoeuvres, and makes the scenario.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-import-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let path = folder.join("crossing.xml");
+/// # let state = |x: f64, more: &str| format!(
+/// #     "<initialState><position><point><x>{x}</x><y>0</y></point></position><orientation>\
+/// #      <exact>0</exact></orientation><time><exact>0</exact></time>{more}</initialState>"
+/// # );
+/// # let text = format!(
+/// #     "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+/// #      <staticObstacle id=\"7\"><type>parkedVehicle</type>\
+/// #      <shape><rectangle><length>4</length>\
+/// #      <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+/// #      <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+/// #     state(25.0, ""),
+/// #     state(0.0, "<velocity><exact>15</exact></velocity>"),
+/// # );
+/// # trolley::files::replace(&path, text.as_bytes())?;
+/// use trolley::traffic::{TrafficOptions, import};
+///
+/// let options = TrafficOptions { horizon_s: Some(4.0), ..TrafficOptions::default() };
+/// let text = import(&path, &options)?.text;
+/// assert!(text.is_some_and(|text| text.contains("[[candidates]]")));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If a file cannot be read or is not sound, or the ego stands in somebody where manoeuvres begin.
+/// If a file cannot be read or is not valid, or the ego overlaps an obstacle where manoeuvres
+/// begin.
 pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, Failure> {
     let name = path.display().to_string();
     let mut sweep = options.sweep()?;
@@ -172,7 +270,7 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
     Ok(ImportedTraffic { recording, swept, horizon_s: sweep.horizon_s, notes, text })
 }
 
-/// A meeting as `--json` has it.
+/// A meeting in the JSON document.
 #[derive(Serialize)]
 struct MeetingRow<'a> {
     manoeuvre: String,
@@ -187,7 +285,34 @@ struct MeetingRow<'a> {
     other_speed_m_s: f64,
 }
 
-/// What `--json` has of an import.
+/// The JSON document of an import, from [`ImportedTraffic::document`].
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-document-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let path = folder.join("crossing.xml");
+/// # let state = |x: f64, more: &str| format!(
+/// #     "<initialState><position><point><x>{x}</x><y>0</y></point></position><orientation>\
+/// #      <exact>0</exact></orientation><time><exact>0</exact></time>{more}</initialState>"
+/// # );
+/// # let text = format!(
+/// #     "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+/// #      <staticObstacle id=\"7\"><type>parkedVehicle</type>\
+/// #      <shape><rectangle><length>4</length>\
+/// #      <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+/// #      <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+/// #     state(25.0, ""),
+/// #     state(0.0, "<velocity><exact>15</exact></velocity>"),
+/// # );
+/// # trolley::files::replace(&path, text.as_bytes())?;
+/// use trolley::traffic::{TrafficOptions, import};
+///
+/// let imported = import(&path, &TrafficOptions::default())?;
+/// let json = serde_json::to_string(&imported.document(&path));
+/// assert!(json.is_ok_and(|json| json.contains("trolley.scenario-import/1")));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Serialize)]
 pub struct Document<'a> {
     schema: &'static str,
@@ -195,7 +320,7 @@ pub struct Document<'a> {
     name: &'a str,
     scenario: Option<&'a str>,
     meetings: Vec<MeetingRow<'a>>,
-    /// Manoeuvres that meet nobody.
+    /// Manoeuvres that do not collide.
     free: Vec<String>,
     horizon_s: f64,
     notes: &'a [String],
@@ -218,7 +343,33 @@ impl ImportedTraffic {
         }
     }
 
-    /// The same as a document.
+    /// Returns the import as a document for JSON; `path` is the traffic file.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join(format!("trolley-to-json-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let path = folder.join("crossing.xml");
+    /// # let state = |x: f64, more: &str| format!(
+    /// #     "<initialState><position><point><x>{x}</x><y>0</y></point></position><orientation>\
+    /// #      <exact>0</exact></orientation><time><exact>0</exact></time>{more}</initialState>"
+    /// # );
+    /// # let text = format!(
+    /// #     "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+    /// #      <staticObstacle id=\"7\"><type>parkedVehicle</type>\
+    /// #      <shape><rectangle><length>4</length>\
+    /// #      <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+    /// #      <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+    /// #     state(25.0, ""),
+    /// #     state(0.0, "<velocity><exact>15</exact></velocity>"),
+    /// # );
+    /// # trolley::files::replace(&path, text.as_bytes())?;
+    /// # use trolley::traffic::{TrafficOptions, import};
+    /// let imported = import(&path, &TrafficOptions::default())?;
+    /// let json = serde_json::to_value(imported.document(&path));
+    /// assert!(json.is_ok_and(|json| json["name"] == "Test"));
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn document(&self, path: &Path) -> Document<'_> {
         Document {
@@ -233,7 +384,32 @@ impl ImportedTraffic {
         }
     }
 
-    /// What was found, for people: one line for each fact.
+    /// Returns what was found in words: one fact a line.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join(format!("trolley-summary-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let path = folder.join("crossing.xml");
+    /// # let state = |x: f64, more: &str| format!(
+    /// #     "<initialState><position><point><x>{x}</x><y>0</y></point></position><orientation>\
+    /// #      <exact>0</exact></orientation><time><exact>0</exact></time>{more}</initialState>"
+    /// # );
+    /// # let text = format!(
+    /// #     "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" benchmarkID=\"Test\">\
+    /// #      <staticObstacle id=\"7\"><type>parkedVehicle</type>\
+    /// #      <shape><rectangle><length>4</length>\
+    /// #      <width>1.8</width></rectangle></shape>{}</staticObstacle>\
+    /// #      <planningProblem id=\"1\">{}</planningProblem></commonRoad>",
+    /// #     state(25.0, ""),
+    /// #     state(0.0, "<velocity><exact>15</exact></velocity>"),
+    /// # );
+    /// # trolley::files::replace(&path, text.as_bytes())?;
+    /// # use trolley::traffic::{TrafficOptions, import};
+    /// let imported = import(&path, &TrafficOptions::default())?;
+    /// assert!(imported.summary().starts_with("Test: "));
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     pub fn summary(&self) -> String {
         let (meet, free) = (self.swept.meetings.len(), self.swept.free.len());
         let mut text = format!(

@@ -1,15 +1,23 @@
-//! How a program plays the workers of its own engine, and whoever reads a mesh for it.
+//! How a program plays the workers of its own engine, and the readers of its meshes.
 
 use crate::{BUILD, Failure};
 
 /// How a worker is started: `PROGRAM worker WORD`.
 const ROLE: &str = "worker";
 
-/// Plays a worker or the reader of a mesh, and ends the process, if this process was started as
-/// one; else does nothing.
+/// If this process was started as a worker or as the reader of a mesh, plays that part and ends the
+/// process. Otherwise does nothing.
 ///
-/// An [`Engine`](crate::Engine) starts its workers from its own program, and so does whoever
-/// [reads a mesh](crate::model). A program that does either calls this first.
+/// An [`Engine`](crate::Engine) starts its own program again for each worker, and so do the
+/// functions that [read a mesh](crate::model). A program that uses either calls this first in
+/// `main`.
+///
+/// ```
+/// fn main() {
+///     trolley::play_worker();
+///     // From here on, the program is not a worker.
+/// }
+/// ```
 pub fn play_worker() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let code = match args.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
@@ -26,19 +34,28 @@ pub fn play_worker() {
     std::process::exit(code.into());
 }
 
-/// Reads a mesh for the process that started this one, within limits that hold for all of this
-/// process from now on, and says with which exit code it is to end. `request` is what the other
-/// wrote on the command line; stdout and stderr are channels to it.
+/// Reads a mesh for the process that started this one, and returns the exit code to end with.
+///
+/// `request` is the argument from the command line; stdout and stderr are channels to the other
+/// process. The limits of the request hold for all of this process from then on.
+///
+/// ```
+/// assert_eq!(trolley::run_reader("not a request"), 78);
+/// ```
 #[must_use]
 pub fn run_reader(request: &str) -> u8 {
     mesh::reader::play(request)
 }
 
-/// Plays a worker to its end. `word` is what a coordinator wrote on the command line.
+/// Plays a worker until its coordinator ends it. `word` is the argument from the command line.
+///
+/// ```
+/// assert!(trolley::run_worker("not from a coordinator").is_err());
+/// ```
 ///
 /// # Errors
 ///
-/// If no coordinator started this process, or its channels break.
+/// If no coordinator started this process, or a channel breaks.
 pub fn run_worker(word: &str) -> Result<(), Failure> {
     runtime::process::set_name("trolley-worker");
     Ok(worker::run(word, BUILD)?)

@@ -15,7 +15,7 @@ use protocol::{WorkerLine, launch, status};
 use runtime::clock;
 use transport::{OpenMessage, Sender, UseError};
 
-/// Where results go, and what is told about it.
+/// Where results are sent, and the status line that reports them.
 pub(crate) struct Outlet<'w> {
     pub(crate) sender: &'w Sender,
     pub(crate) line: &'w WorkerLine,
@@ -23,7 +23,7 @@ pub(crate) struct Outlet<'w> {
     pub(crate) wake_event: &'w runtime::EventFd,
     pub(crate) who: Incarnation,
     pub(crate) boot: protocol::Boot,
-    /// What is to be done to the next result, where faults are injected.
+    /// Corruption of the next result, where faults are injected.
     #[cfg(feature = "faults")]
     pub(crate) corruption: Cell<Option<Corruption>>,
 }
@@ -41,14 +41,14 @@ impl<'w> Outlet<'w> {
             if self.coordinator.stop.load(Ordering::Acquire) == 1 {
                 return Ok(None);
             }
-            // A cancelled request's results are still taken, so there will be room.
+            // The coordinator still takes a cancelled request's results, so there will be credit.
             self.line.beat.fetch_add(1, Ordering::Relaxed);
             self.notify();
             backoff.snooze();
         }
     }
 
-    /// Whether somebody waits for the jobs of a request.
+    /// Whether the jobs of a request are still wanted.
     pub(crate) fn is_wanted(&self, request: RequestId) -> bool {
         self.coordinator.stop.load(Ordering::Relaxed) != 1
             && self.coordinator.cancelled.load(Ordering::Relaxed) < request.0
@@ -71,7 +71,7 @@ impl<'w> Outlet<'w> {
         #[cfg(feature = "faults")]
         fault::send(self.corruption.take(), message, head, used)?;
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
-        // The coordinator that counts this message sees all that went before it.
+        // A coordinator that counts this message sees all that preceded it.
         self.line.sent.fetch_add(1, Ordering::SeqCst);
         Ok(())
     }
@@ -85,8 +85,8 @@ impl<'w> Outlet<'w> {
         Ok(())
     }
 
-    /// Wakes the coordinator if it sleeps. Not for every result: a wake-up takes as long as some
-    /// jobs, and until the batch is done this worker has something to do.
+    /// Wakes the coordinator if it sleeps. Not called for every result: a wake-up takes as long as
+    /// some jobs, and until the batch is done this worker is busy anyway.
     pub(crate) fn notify(&self) {
         if self.coordinator.sleeping.load(Ordering::SeqCst) == 1 {
             self.wake_event.notify();
@@ -103,7 +103,7 @@ pub(crate) struct Answer<'w> {
     hits: usize,
     hits_before: u32,
     part: u16,
-    /// Tests of this job that the status line knows of.
+    /// Tests of this job already added to the status line.
     tests: u64,
     fault: Option<UseError>,
 }
@@ -134,7 +134,7 @@ impl<'w> Answer<'w> {
         }
     }
 
-    /// Sends the part at hand, full of hits.
+    /// Sends the current part, full of hits.
     fn turn_over(&mut self) -> Result<(), UseError> {
         let Some(message) = self.message.take() else { return Ok(()) };
         self.outlet.send(message, self.head(false), self.hits.div_ceil(2))?;
@@ -159,12 +159,12 @@ impl<'w> Answer<'w> {
         Ok(false)
     }
 
-    /// Gives up half-way: nothing more is sent.
+    /// Abandons the job: nothing more is sent.
     pub(crate) fn abandon(self) -> Result<(), UseError> {
         self.fault.map_or(Ok(()), Err)
     }
 
-    /// Sends what the job left open, in as many parts as it takes.
+    /// Sends what the job left open, in as many parts as needed.
     fn leave(&mut self, rest: &[NodePair]) -> Result<(), UseError> {
         let mut first = 0;
         self.turn_over()?;
@@ -191,7 +191,7 @@ impl<'w> Answer<'w> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
-        // Before anything waits for a credit: that is not the job's time.
+        // Before anything waits for a credit: waiting does not count as the job's time.
         let wall_ns = clock::now_ns() - started_ns;
         if !rest.is_empty() {
             self.leave(rest)?;
@@ -235,7 +235,7 @@ impl Sink for Answer<'_> {
     }
 }
 
-/// Marks a job as started for as long as it lives: blame needs to be exact.
+/// Marks a job as started for as long as it lives, so that a crash is blamed on the right job.
 pub(crate) struct Started<'w>(&'w WorkerLine);
 
 impl<'w> Started<'w> {

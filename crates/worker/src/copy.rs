@@ -1,14 +1,14 @@
-//! Bodies of a worker's own, into which sections are copied: for comparison with reading the store.
+//! A worker's own bodies, into which sections are copied: for comparison with reading the store.
 //!
-//! Everything lies where it lies in the store, so that numbers of nodes and triangles are the same.
-//! What was not sent is empty; no job names it, because a section is sent before its first job.
+//! Everything lies at its place in the store, so that numbers of nodes and triangles are the same.
+//! What was not sent is empty; no job refers to it, because a section is sent before its first job.
 
 use body::{BodyView, Node, WideNode, Zones};
 use geometry::{Aabb, Corners};
 use protocol::chunk::read_piece;
 use protocol::{Array, Piece};
 
-/// A body as far as it was sent.
+/// The sections of a body that were sent.
 struct Copy {
     nodes: Vec<Node>,
     wide: Vec<WideNode>,
@@ -18,11 +18,11 @@ struct Copy {
     zones: Vec<Zones>,
 }
 
-/// All bodies as far as they were sent.
+/// The sections of all bodies that were sent.
 pub(crate) struct Copies(Vec<Copy>);
 
 impl Copies {
-    /// Empty bodies with the sizes of these.
+    /// Empty copies with the sizes of these bodies.
     pub(crate) fn like<'v>(bodies: impl Iterator<Item = &'v BodyView<'v>>) -> Self {
         let empty = Node { bounds: Aabb::EMPTY, link: 0, count: 0 };
         let copy = |body: &BodyView<'_>| Copy {
@@ -36,7 +36,7 @@ impl Copies {
         Self(bodies.map(copy).collect())
     }
 
-    /// Copies all pieces of a message to their places; `false` if one has none.
+    /// Copies all pieces of a message to their places; `false` if a piece has none.
     pub(crate) fn store(&mut self, mut words: &[u64]) -> bool {
         while !words.is_empty() {
             let Some((piece, rest)) = read_piece(words) else { return false };
@@ -64,7 +64,7 @@ impl Copies {
         Some(())
     }
 
-    /// The body of this number.
+    /// The body with this number.
     pub(crate) fn body(&self, number: u32) -> Option<BodyView<'_>> {
         let body = self.0.get(number as usize)?;
         Some(BodyView {

@@ -1,7 +1,7 @@
-//! Faults that a worker commits on command, so that everybody sees what follows.
+//! Faults that a worker commits on command, so that their effects can be observed.
 //!
-//! Obeyed only if the coordinator started this worker for it: see `protocol::command`. All of it is
-//! behind the feature `faults`.
+//! Commands are obeyed only if the coordinator started this worker for it: see `protocol::command`.
+//! All of this is behind the feature `faults`.
 
 use crate::answer::Outlet;
 use core::hint::black_box;
@@ -12,7 +12,7 @@ use transport::{OpenMessage, UseError};
 
 /// SIGSEGV.
 const SEGV: i32 = 11;
-/// Address space of a worker that is to run out of it (bytes).
+/// Address space of a worker that is commanded to run out of it (bytes).
 const MEMORY_BYTES: u64 = 1 << 30;
 
 /// The fault commands that one worker has seen.
@@ -23,7 +23,8 @@ pub(crate) struct FaultCommands {
 }
 
 impl FaultCommands {
-    /// Does what is due now that this job is started. Returns only from what can be survived.
+    /// Commits the fault that is due at the start of this job. Returns only if the fault is
+    /// survivable.
     pub(crate) fn obey(&mut self, outlet: &Outlet<'_>, job: &WireJob) -> Result<(), UseError> {
         self.due(outlet, job).map_or(Ok(()), |command| commit(command, outlet))
     }
@@ -53,7 +54,7 @@ fn obey(outlet: &Outlet<'_>) {
     outlet.line.obeyed_ns.store(clock::now_ns(), Ordering::SeqCst);
 }
 
-/// What is done to the next result.
+/// A corruption of the next result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Corruption {
     Garble(u32),
@@ -64,7 +65,7 @@ pub(crate) enum Corruption {
 }
 
 impl Corruption {
-    /// What it says before it is sealed.
+    /// The head of the message before it is sealed.
     fn before(self, head: Head) -> Head {
         match self {
             Self::Masquerade => Head { worker: head.worker ^ 1, ..head },
@@ -72,7 +73,7 @@ impl Corruption {
         }
     }
 
-    /// What becomes of it after it was sealed.
+    /// Changes the message after it is sealed.
     fn after(self, head: &mut Head, words: &mut [u64]) {
         match self {
             Self::Garble(bit) => {
@@ -88,7 +89,7 @@ impl Corruption {
     }
 }
 
-/// Sends a message, corruption if it is to be.
+/// Sends a message, corrupted if so commanded.
 pub(crate) fn send(
     corruption: Option<Corruption>,
     message: OpenMessage<'_>,
@@ -103,8 +104,8 @@ pub(crate) fn send(
     })
 }
 
-/// What is to be sent of a last part that is written: nothing if it is to be withheld, and if it is
-/// to be repeated it has gone out once already.
+/// What to send of a finished last part: nothing if it is to be withheld; if it is to be repeated,
+/// it has been sent once already.
 pub(crate) fn last<'w>(
     outlet: &Outlet<'w>,
     mut message: OpenMessage<'w>,
@@ -140,8 +141,8 @@ fn commit(command: FaultCommand, outlet: &Outlet<'_>) -> Result<(), UseError> {
             black_box(dig(0));
         }
         InjectedFault::Exhaust => exhaust(),
-        // Past the hook that would print it: nobody needs to read it.
-        InjectedFault::Panic => std::panic::resume_unwind(Box::new("ordered to panic")),
+        // Bypasses the hook that would print it.
+        InjectedFault::Panic => std::panic::resume_unwind(Box::new("commanded to panic")),
         InjectedFault::Hang => loop {
             core::hint::spin_loop();
         },
@@ -158,14 +159,14 @@ fn commit(command: FaultCommand, outlet: &Outlet<'_>) -> Result<(), UseError> {
         InjectedFault::Withhold => corrupt(Corruption::Withhold),
         InjectedFault::HoldLoan => {
             let _held = outlet.sender.loan()?;
-            // There is but one, so this fails, and a worker that cannot send ends.
+            // There is only one loan, so this fails, and a worker that cannot send ends.
             outlet.sender.loan().map(drop)?;
         }
     }
     Ok(())
 }
 
-/// Recursion without end; the array makes each step large.
+/// Endless recursion; the array makes each step large.
 fn dig(depth: u64) -> u64 {
     let room = black_box([depth; 64]);
     if room[black_box(7)] == u64::MAX { depth } else { dig(depth + 1) + room[3] }

@@ -7,14 +7,14 @@
 //!
 //! # Invariants
 //!
-//! - A worker keeps nothing between batches but scratch memory, and copies of sections where it is
-//!   told to copy: a new incarnation needs no history.
+//! - A worker keeps nothing between batches but scratch memory and, where it is told to copy,
+//!   copies of sections: a new incarnation needs no history.
 //! - Hits are written straight into shared memory. A result is loaned only when the coordinator has
-//!   room for it (credits), so no send can fail for a full queue.
+//!   capacity for it (credits), so no send can fail because of a full queue.
 //! - A panic in a job costs that job, not the worker: it answers with a NACK.
-//! - A batch is answered, whatever it holds: `answered` moves past one that was turned away, too.
+//! - Every batch is answered: `answered` moves past rejected batches too.
 //!
-//! With the feature `faults` a worker that is started for it misbehaves on order.
+//! With the feature `faults`, a worker started for it obeys fault commands.
 //!
 //! It does not know candidates, requests or harm, and it never parses a mesh.
 

@@ -1,4 +1,4 @@
-//! The worker's life: inherit, greet, take batches until told to stop.
+//! The main loop of a worker: inherit, greet, take batches until told to stop.
 
 use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
@@ -20,10 +20,10 @@ use transport::{Domain, Sizes, UseError, WorkerLink};
 /// A worker cannot start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum WorkerError {
-    /// The word on the command line was not written by a coordinator.
+    /// The argument on the command line does not come from a coordinator.
     #[error("a worker is started by a coordinator, not by hand")]
     Launch,
-    /// The operating system refused.
+    /// A system call failed.
     #[error(transparent)]
     System(#[from] runtime::OsError),
     /// The channels cannot be opened.
@@ -32,8 +32,8 @@ pub enum WorkerError {
     /// The channels broke.
     #[error("the channel to the coordinator broke: {0}")]
     Use(#[from] UseError),
-    /// A batch was turned away. Ending is the way to give its jobs back.
-    #[error("a batch of jobs was turned away: {0}")]
+    /// A batch was rejected. The worker ends, which gives its jobs back.
+    #[error("a batch of jobs was rejected: {0}")]
     Batch(Reject),
     /// The model store cannot be read.
     #[error("model store: {0}")]
@@ -52,10 +52,11 @@ impl Diagnostic for WorkerError {
     }
 }
 
-/// How long an idle worker sleeps at most before it looks again (ns).
+/// Longest sleep of an idle worker before it checks again (ns).
 const NAP_NS: u64 = 50_000_000;
 
-/// Runs a worker to its end. `word` is that of [`Launch::to_word`], `build` this program's build.
+/// Runs a worker to its end. `word` is from [`Launch::to_word`], `build` is this program's build
+/// id.
 ///
 /// # Errors
 ///
@@ -113,7 +114,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     Ok(())
 }
 
-/// Where jobs are worked off.
+/// The loop that runs jobs.
 struct JobLoop<'w> {
     bodies: &'w [(Meta, BodyView<'w>)],
     outlet: &'w Outlet<'w>,
@@ -138,7 +139,8 @@ impl<'w> JobLoop<'w> {
         }
     }
 
-    /// Says that all batches below a number are answered, after the last of their results was sent.
+    /// Publishes that all batches below a number are answered, after the last of their results was
+    /// sent.
     fn answered(&self, batches: u64) {
         let known = self.outlet.line.answered.load(Ordering::Relaxed);
         self.outlet.line.answered.store(batches.max(known), Ordering::SeqCst);
@@ -170,12 +172,12 @@ impl<'w> JobLoop<'w> {
                     return Err(WorkerError::Batch(Reject::Length));
                 }
                 Some(Ok(_)) => return Err(WorkerError::Batch(Reject::Foreign)),
-                // It may have been a section, without which later jobs cannot be done.
+                // It may have been a section, without which later jobs cannot run.
                 Some(Err(reject)) if self.copies.is_some() => {
                     return Err(WorkerError::Batch(reject));
                 }
-                // Answered with nothing: the coordinator sees that, and sends its jobs again. If it
-                // was not the next batch, the number is put right by the one that follows.
+                // Answered without results: the coordinator sees that, and sends its jobs again. If
+                // it was not the next batch, the batch that follows corrects the number.
                 Some(Err(_)) => {
                     self.answered(line.answered.load(Ordering::Relaxed) + 1);
                 }
@@ -188,7 +190,7 @@ impl<'w> JobLoop<'w> {
             line.sleeping.store(1, Ordering::SeqCst);
             // A coordinator that did not see the flag has changed the word since `seen`.
             let _woken = futex::wait(&coordinator.wake, seen, Some(NAP_NS));
-            // No beat: a worker that sleeps while it should have jobs must look silent.
+            // No heartbeat: a worker that sleeps while it should have jobs must look silent.
             line.sleeping.store(0, Ordering::SeqCst);
         }
     }
@@ -230,13 +232,13 @@ impl<'w> JobLoop<'w> {
         let mut answer = Answer::new(self.outlet, request, *job);
         match self.executor.execute(task, body, part, &mut answer) {
             Ok(done) => answer.finish(&done, self.executor.rest(), started_ns),
-            // Told to stop in the middle: the job is not answered, and whoever asked is gone.
+            // Told to stop mid-job: the job is not answered, since nobody waits for it.
             Err(NotDone::Stopped) => answer.abandon(),
             Err(NotDone::Unknown) => self.refuse(request, job),
         }
     }
 
-    /// Says that a job cannot be run here.
+    /// Answers that a job cannot be run here.
     fn refuse(&self, request: RequestId, job: &WireJob) -> Result<(), UseError> {
         let head = self.outlet.head(request, MessageKind::Nack);
         self.outlet.tell(Head { job: job.job, attempt: job.attempt as u8, ..head })

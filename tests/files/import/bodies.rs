@@ -1,6 +1,6 @@
-//! Bodies in files: what they are imported with, and how large they are in truth (m).
+//! Bodies in files: their import options, and their true sizes (m).
 
-/// A body as it stands in its file, and what must be said of it.
+/// A body in its file, and its expected properties.
 pub(crate) struct Body {
     pub(crate) file: &'static str,
     pub(crate) flags: &'static [&'static str],
@@ -28,7 +28,7 @@ pub(crate) const SHIPPED: [Body; 2] = [
     },
 ];
 
-/// Of others: vehicles and persons, each as what it is.
+/// Third-party: vehicles and persons, each as its own kind.
 pub(crate) const BODIES: [Body; 10] = [
     Body {
         file: "chrono_sedan/sedan_chassis_vis.obj",
@@ -116,7 +116,7 @@ pub(crate) const BODIES: [Body; 10] = [
     },
 ];
 
-/// What does not look like what it is said to be: wheels and the like, which have files of their
+/// Bodies that do not look like their stated kind: wheels and the like, which have files of their
 /// own, and a lamp post with an arm, in inches and at the scale of 3 that another file applies. And
 /// a pick-up: COLLADA states unit and up axis. File, flags, size.
 pub(crate) const ODD: [(&str, &str, [f64; 3]); 10] = [

@@ -1,4 +1,4 @@
-//! Bodies and malformed files of others, which are no part of this project.
+//! Third-party bodies and malformed files, which are not part of this project.
 
 use super::bodies::{BODIES, ODD};
 use super::{come_in, done, goes_round, listing, model, refused, utf8};

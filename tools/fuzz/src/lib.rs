@@ -2,7 +2,7 @@
 //! bytes.
 //!
 //! `cargo x fuzz` runs them with libFuzzer on stable Rust; the tests here run each over its corpus
-//! and over bent copies of it, so that what was found stays found.
+//! and over mutated copies of it, as regression tests.
 
 use body::file::Aligned;
 use bytemuck::Zeroable as _;
@@ -111,7 +111,7 @@ fn wire(bytes: &[u8]) {
     }
     let mut left = &all[..];
     while let Some((_, rest)) = chunk::read_piece(left) {
-        assert!(rest.len() < left.len(), "it goes on for ever");
+        assert!(rest.len() < left.len(), "it does not terminate");
         left = rest;
     }
     text(bytes, |text| drop(Launch::from_word(text)));
@@ -162,7 +162,7 @@ fn ask(bytes: &[u8]) {
 
 #[cfg(test)]
 mod tests {
-    //! Every corpus, and many bent copies of it, goes through its target.
+    //! Runs every target on its corpus and on many mutated copies of it.
     use super::*;
     use std::path::Path;
 

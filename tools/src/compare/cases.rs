@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Before the triangles of a binary STL: a text that nobody reads, and their number.
+/// Header of a binary STL: an ignored text, and the number of triangles.
 const HEADER: usize = 80;
 
 /// A folder with two bodies and their poses.
@@ -27,7 +27,7 @@ pub(crate) struct Case {
     pub(crate) triangles: u64,
 }
 
-/// Makes the scenes of our benchmarks into cases below `folder`, anew each time.
+/// Makes the scenes of the benchmarks into cases below `folder`, afresh each time.
 pub(crate) fn made(folder: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Case>> {
     let names = scene::NAMES.iter().filter(|name| wanted(name));
     names.map(|name| make(folder.join(name), &Scene::named(name))).collect()
@@ -87,7 +87,7 @@ fn count(stl: &Path) -> Result<u64> {
     Ok(count.with_context(|| stl.display().to_string())?.into())
 }
 
-/// Binary STL; normals are left 0, which means that whoever wants one computes it.
+/// Binary STL; normals are 0, so readers compute them if needed.
 pub(super) fn stl(triangles: &[Corners]) -> Vec<u8> {
     let mut bytes = vec![0; HEADER];
     bytes.extend((triangles.len() as u32).to_le_bytes());

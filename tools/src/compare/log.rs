@@ -81,11 +81,12 @@ impl Log {
             .filter(|run| (run.section, &run.row) == (key.0, &key.1) && run.case == case)
             .map(|run| &run.measured)
             .collect();
-        let of = |time: fn(&Measured) -> f64| median(runs.iter().map(|run| time(run)).collect());
+        let median_of =
+            |time: fn(&Measured) -> f64| median(runs.iter().map(|run| time(run)).collect());
         Some(Measured {
-            build_ms: of(|run| run.build_ms),
-            pose_ms: of(|run| run.pose_ms),
-            query_ms: of(|run| run.query_ms),
+            build_ms: median_of(|run| run.build_ms),
+            pose_ms: median_of(|run| run.pose_ms),
+            query_ms: median_of(|run| run.query_ms),
             ..(*runs.last()?).clone()
         })
     }

@@ -1,7 +1,7 @@
 //! The drivers of other libraries: compiled here, if what they need is installed.
 //!
-//! A driver that cannot be had is no error: the reason, with its remedy, is told and the comparison
-//! goes on without it. Every driver gets the best its compiler can do, for this very machine.
+//! A missing driver is no error: the reason and its remedy are printed, and the comparison
+//! continues without it. Every driver is compiled with full optimisation for this machine.
 
 use crate::built::{self, Workspace};
 use crate::step::cargo;

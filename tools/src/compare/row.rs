@@ -16,7 +16,7 @@ const REPEAT: &str = "9";
 pub(crate) enum Section {
     /// One core, pinned, caches warm, the same query again and again.
     Warm,
-    /// One core, pinned, B posed anew for each query, as a moving body is.
+    /// One core, pinned, B posed again for each query, like a moving body.
     Moving,
     /// One core, pinned, caches flushed before each query.
     Cold,
@@ -36,7 +36,7 @@ impl Section {
     }
 }
 
-/// Who runs.
+/// The program to run.
 #[derive(Clone, Debug)]
 pub(crate) enum Program {
     /// Ours: `trolley intersect`.
@@ -151,7 +151,7 @@ fn measured(mut command: Command) -> Result<Measured> {
     let done = done.with_context(|| format!("cannot start {:?}", command.get_program()))?;
     if !done.status.success() {
         let said = String::from_utf8_lossy(&done.stderr);
-        bail!("{}: {}", done.status, said.lines().next().unwrap_or("it said nothing"));
+        bail!("{}: {}", done.status, said.lines().next().unwrap_or("no output"));
     }
     let said = String::from_utf8(done.stdout)?;
     serde_json::from_str(&said).with_context(|| format!("not a line of results: {said}"))

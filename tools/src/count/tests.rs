@@ -1,4 +1,4 @@
-//! The record comes back as it was written; the total is found among callgrind's figures.
+//! The record survives a round trip; the total is found in callgrind's output.
 
 use super::*;
 

@@ -119,7 +119,7 @@ fn pedestrian(name: String) -> Scene {
         yaw: 3.3639,
         speed: 1.6,
     };
-    let one = |name: &str, ego: Placed| Alternative {
+    let alternative = |name: &str, ego: Placed| Alternative {
         name: name.to_owned(),
         ego,
         other: walker.clone(),
@@ -127,9 +127,9 @@ fn pedestrian(name: String) -> Scene {
         kind: "pedestrian".to_owned(),
     };
     let alternatives = vec![
-        one("as recorded", ego(9.0, 0.0)),
-        one("braked to 5 m/s", ego(5.0, 0.0)),
-        one("1 m further left", ego(9.0, 1.0)),
+        alternative("as recorded", ego(9.0, 0.0)),
+        alternative("braked to 5 m/s", ego(5.0, 0.0)),
+        alternative("1 m further left", ego(9.0, 1.0)),
     ];
     Scene { name, by_hand: true, alternatives }
 }

@@ -183,11 +183,11 @@ fn check_by_hand(text: &mut String, lines: &[Line<'_>]) {
     let chain = line.chain;
     // What is fixed to the ground has none of these.
     let both = |of: &dyn Fn(usize) -> f64| {
-        let one = |i: usize| match chain["mass_kg"][i].is_null() {
+        let figure = |i: usize| match chain["mass_kg"][i].is_null() {
             true => "–".to_owned(),
             false => format!("{:.3}", of(i)),
         };
-        format!("{} / {}", one(0), one(1))
+        format!("{} / {}", figure(0), figure(1))
     };
     let pair = |value: &Value| both(&|i| number(&value[i]));
     let arms = |axis: usize| both(&|i| number(&chain["levers_m"][i][axis]));

@@ -1,4 +1,4 @@
-//! What others would say: overlapping boxes, and the harm formula of TUM.
+//! Other methods: overlapping boxes, and the harm formula of TUM.
 //!
 //! The formula is that of Geisslinger et al. (EthicalTrajectoryPlanning, `harm_parameters.json`,
 //! reduced symmetric model), from its published coefficients: ΔV = m₂/(m₁+m₂)·|v_rel|, the whole

@@ -1,4 +1,4 @@
-//! The bytes are pinned; every encoding comes back; nothing else is accepted.
+//! The bytes are pinned; every encoding survives a round trip; nothing else is accepted.
 
 use super::*;
 use crate::meta::{BodyKind, Build, Meta, Occupant, Seat};

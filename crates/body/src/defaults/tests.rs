@@ -18,7 +18,7 @@ fn assembled(kind: BodyKind, mesh: &Mesh) -> Meta {
 }
 
 proptest! {
-    /// Whatever the size, a default is a figure that can be divided by, and lies in the body.
+    /// Whatever the size, defaults are valid divisors, and the centre lies in the body.
     #[test]
     fn defaults_are_always_usable(
         size in prop::array::uniform3(0.0_f32..1.0e5),
@@ -39,15 +39,15 @@ proptest! {
     /// The larger car is the heavier one.
     #[test]
     fn mass_rises_with_the_footprint(a in 1.0_f64..20.0, b in 1.0_f64..20.0) {
-        let of = |footprint| mass(BodyKind::Sedan, footprint).0.expect("a car has a mass");
-        prop_assert!((a <= b) == (of(a) <= of(b)) || of(a) == of(b));
+        let mass_of = |footprint| mass(BodyKind::Sedan, footprint).0.expect("a car has a mass");
+        prop_assert!((a <= b) == (mass_of(a) <= mass_of(b)) || mass_of(a) == mass_of(b));
     }
 }
 
 #[test]
 fn a_sedan_has_the_mass_of_the_formula() {
     let meta = assembled(BodyKind::Sedan, &body(4.5, 1.8, 1.4));
-    // 526.9 · 8.1^0.8 − 1333.5, by another calculator.
+    // 526.9 · 8.1^0.8 − 1333.5, calculated independently.
     let mass = meta.mass_kg.expect("a car has a mass");
     assert!((mass - 1475.28).abs() < 0.5, "{mass}");
     assert!((meta.gyration_m - 1.26).abs() < 1e-6);

@@ -1,7 +1,7 @@
-//! What must hold of a body before anything walks it.
+//! The invariants of a body, checked before it is traversed.
 //!
-//! One pass in preorder with a stack of open right children; no recursion. Every later index is in
-//! range because of this check, and every box is the exact box of what it holds, so that no
+//! One pass in preorder with a stack of open right children; no recursion. This check ensures that
+//! every later index is in range and that every box is the exact box of its contents, so that no
 //! intersecting pair can hide behind a wrong one.
 
 use super::{FileError, malformed};
@@ -11,16 +11,16 @@ use geometry::Aabb;
 /// Greatest distance of a coordinate from its body's origin, in metres.
 pub const COORDINATE_MAX_M: f32 = 1.0e6;
 
-/// Checks a body against everything that its readers rely on.
+/// Checks a body against all invariants that its readers rely on.
 ///
-/// Time is n log n in the number of triangles, for the source ids; all else is linear.
+/// Takes O(n log n) time in the number of triangles, for the source ids; the rest is linear.
 ///
 /// # Errors
 ///
-/// If an array has the wrong length, a coordinate is not finite or beyond [`COORDINATE_MAX_M`], the
+/// An array has the wrong length, a coordinate is not finite or beyond [`COORDINATE_MAX_M`], the
 /// nodes are not one tree in preorder whose leaves partition the triangles, a box is not the box of
-/// what it holds, the wide tree is not the one that follows, a part or source id does not exist, or
-/// the metadata states other than what is.
+/// its contents, the wide tree does not match the binary one, a part or source id does not exist,
+/// or the metadata contradicts the content.
 pub fn check_body(meta: &Meta, body: &BodyView<'_>) -> Result<(), FileError> {
     check_lengths(body)?;
     check_corners(body)?;
@@ -68,11 +68,11 @@ fn check_corners(body: &BodyView<'_>) -> Result<(), FileError> {
     }
 }
 
-/// Walks the nodes in the order in which they are stored, which must be preorder.
+/// Traverses the nodes in storage order, which must be preorder.
 fn check_tree(body: &BodyView<'_>) -> Result<Tree, FileError> {
     let fault = |at: usize, what: &str| Err(malformed("nodes", format!("node {at} {what}")));
     let nodes = body.nodes;
-    // Right children still to come, each with its depth. The root is one.
+    // Right children still to come, each with its depth; initially the root.
     let mut open = vec![(0_usize, 1_usize)];
     let mut next_triangle = 0_usize;
     let mut tree = Tree { depth: 0, leaf_max: 0 };
@@ -112,7 +112,7 @@ fn check_tree(body: &BodyView<'_>) -> Result<Tree, FileError> {
     Ok(tree)
 }
 
-/// Links are in range here: [`check_tree`] came first.
+/// Links are in range, since [`check_tree`] ran first.
 fn check_boxes(body: &BodyView<'_>) -> Result<(), FileError> {
     for (at, node) in body.nodes.iter().enumerate() {
         let first = node.link as usize;
@@ -130,7 +130,7 @@ fn check_boxes(body: &BodyView<'_>) -> Result<(), FileError> {
     Ok(())
 }
 
-/// The binary tree is sound here, so the wide one can be made from it again.
+/// The binary tree is valid here, so the wide one can be recomputed from it.
 fn check_wide(body: &BodyView<'_>) -> Result<(), FileError> {
     let wide = Wide::of(body.nodes, body.corners);
     if body.wide != wide.nodes || body.wide_of != wide.of {

@@ -1,4 +1,4 @@
-//! What was written comes back; what was damaged, cut or bent does not.
+//! Intact files survive a round trip; damaged, truncated or altered ones are rejected.
 
 use super::*;
 use crate::Wide;
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 fn sample(count: usize) -> Body {
     let mut mesh = mesh_of(strip(count));
-    // Ids with a gap, and a duplicate that was left out.
+    // Ids with a gap, and a dropped duplicate.
     mesh.source_ids = (0..count as u32).map(|id| id * 2).rev().collect();
     mesh.dropped = vec![(1, 0)];
     body_of(&mesh)
@@ -31,7 +31,7 @@ fn opened(bytes: &[u8]) -> Result<(Meta, Body), FileError> {
     Ok((meta, body))
 }
 
-/// Writes the right hash over bytes that were bent on purpose, so that only content is judged.
+/// Writes the correct hash over deliberately altered bytes, so that only the content is checked.
 fn rehash(bytes: &mut [u8]) {
     let mut head: Head = bytemuck::pod_read_unaligned(&bytes[..TABLE_AT]);
     head.hash = hash_of(&head, bytes);
@@ -52,8 +52,8 @@ proptest! {
         prop_assert_eq!(back.source_ids, body.source_ids);
     }
 
-    /// Without the hash to help: bytes bent anywhere, hash set right, never panic, and what is
-    /// accepted can be walked.
+    /// Without the protection of the hash: altered bytes never cause a panic, and what is accepted
+    /// can be traversed.
     #[test]
     fn bent_content_is_refused_or_still_a_tree(
         flips in prop::collection::vec((any::<prop::sample::Index>(), 0_u8..8), 1..4),
@@ -75,7 +75,7 @@ fn any_corners() -> impl Strategy<Value = Corners> {
     prop::array::uniform3(prop::array::uniform3(-1.0e6_f32..1.0e6))
 }
 
-/// Triangles that a walk from the root comes to.
+/// Number of triangles reached by a traversal from the root.
 fn reached(body: &Body) -> usize {
     let mut stack = vec![0];
     let mut count = 0;

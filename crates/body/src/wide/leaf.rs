@@ -8,7 +8,7 @@ use geometry::{Aabb, Corners};
 /// Lanes of a node of a wide leaf.
 pub const LEAF_LANES: usize = 32;
 
-/// The triangles of a wide leaf, or 32 of them, 256 bytes.
+/// The triangles of a wide leaf, or 32 of them, in 256 bytes.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct WideLeaf {
@@ -17,17 +17,17 @@ pub struct WideLeaf {
     pub min: [[u8; LEAF_LANES]; 3],
     /// Greatest x, y, z of each triangle. An empty lane has 0.
     pub max: [[u8; LEAF_LANES]; 3],
-    /// The triangle of the first lane; the others follow.
+    /// The triangle of the first lane; the others are consecutive.
     pub first: u32,
-    /// Between which planes all triangles of the leaf lie.
+    /// The planes between which all triangles of the leaf lie.
     pub slab: Slab,
     unused: [u32; 2],
-    /// The box of all triangles of the leaf, body frame (m); over it is the grid.
+    /// The bounding box of all triangles of the leaf, body frame (m), which defines the grid.
     pub bounds: Aabb,
-    /// The node of the binary tree that it stands for.
+    /// The corresponding node of the binary tree.
     pub root: u32,
-    /// How many triangles there are in this node and those that follow of the same leaf, at least
-    /// 1: more than 32 mean that the leaf goes on in the next node.
+    /// Number of triangles in this node and the following ones of the same leaf, at least 1: if
+    /// more than 32, the leaf continues in the next node.
     pub count: u32,
 }
 
@@ -49,19 +49,19 @@ impl WideLeaf {
         }
     }
 
-    /// Makes a lane empty.
+    /// Empties a lane.
     pub fn clear(&mut self, lane: usize) {
         self.set_box(lane, [[u8::MAX; 3], [0; 3]]);
     }
 
-    /// Whether nothing is in the lane.
+    /// Whether the lane is empty.
     #[must_use]
     pub fn is_empty(&self, lane: usize) -> bool {
         self.min[0][lane] > self.max[0][lane]
     }
 
-    /// Fills `nodes`, as many as it takes, with `triangles`, which are all of `node`, number `root`
-    /// of the binary tree, and have the numbers from `first` on.
+    /// Fills as many of `nodes` as needed with `triangles`, which are all those of `node`, number
+    /// `root` of the binary tree, numbered from `first` on.
     pub(super) fn fill(
         nodes: &mut [WideNode],
         (node, root): (&Node, usize),
@@ -90,10 +90,10 @@ impl WideLeaf {
     }
 }
 
-/// A division of a box into 254 cells along each axis, and one more for what lies at its end.
+/// A division of a box into 254 cells along each axis, plus one for coordinates at its end.
 ///
-/// Which cell a coordinate is in never falls as the coordinate grows, rounding included. So boxes
-/// that meet also meet in cells, and those that do not, may.
+/// The cell number is monotonic in the coordinate, rounding included. So boxes that overlap also
+/// overlap in cells; boxes that do not, may.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
     low: [f32; 3],
@@ -102,7 +102,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The number of the last cell: one less than where an empty lane begins.
+    /// The number of the last cell: one less than the value of an empty lane.
     pub const LAST: f32 = (u8::MAX - 1) as f32;
 
     /// The grid over a box.
@@ -123,7 +123,7 @@ impl Grid {
     #[inline(always)]
     fn cell(&self, point: [f32; 3]) -> [u8; 3] {
         let along = |axis: usize| (point[axis] - self.low[axis]) * self.scale[axis];
-        // The conversion cuts off, so that all below the box are in its first cell.
+        // The conversion saturates, so everything below the box is in its first cell.
         let cell = |axis: usize| along(axis).min(Self::LAST) as u8;
         [cell(0), cell(1), cell(2)]
     }

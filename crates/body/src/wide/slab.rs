@@ -1,4 +1,4 @@
-//! The space between two parallel planes in which some triangles lie.
+//! The space between two parallel planes that contains some triangles.
 
 use bytemuck::{Pod, Zeroable};
 use geometry::{Corners, DVec3};
@@ -7,7 +7,7 @@ use geometry::{Corners, DVec3};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Slab {
-    /// A unit vector, but for rounding; any direction will do.
+    /// A unit vector, up to rounding; any direction is valid.
     pub normal: [f32; 3],
     /// Least distance along the normal (m), rounded down.
     pub low: f32,
@@ -16,8 +16,8 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// A thin slab around triangles: along the mean of their normals, weighted by area, each turned
-    /// to the side of the others before it, so that the two sides of a sheet do not cancel.
+    /// A thin slab around triangles: along the mean of their normals, weighted by area, each
+    /// flipped to the side of those before it, so that the two sides of a sheet do not cancel.
     #[must_use]
     pub fn around(triangles: &[Corners]) -> Self {
         let point = |p: [f32; 3]| DVec3::from_array(p.map(f64::from));
@@ -31,7 +31,8 @@ impl Slab {
         let along = point(normal);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for corner in triangles.as_flattened() {
-            // Exact but for a few parts in 2⁵³, which the rounding to f32 covers a thousand times.
+            // Exact up to a few parts in 2⁵³; the rounding to f32 covers this a thousand times
+            // over.
             let distance = along.dot(point(*corner));
             (low, high) = (low.min(distance), high.max(distance));
         }

@@ -1,4 +1,5 @@
-//! Laws of the wide tree: it holds what the binary one holds, each triangle once, in exact boxes.
+//! Invariants of the wide tree: it holds what the binary one holds, each triangle once, in exact
+//! boxes.
 
 use super::*;
 use crate::Body;
@@ -21,7 +22,7 @@ fn triangles(wide: &[WideNode], at: u32) -> Vec<u32> {
     lanes.flat_map(|lane| triangles(wide, node.child(lane))).collect()
 }
 
-/// No corner lies outside of the slab of its leaf, and the slab is no thicker than it must be.
+/// No corner lies outside the slab of its leaf, and the slab is no thicker than necessary.
 fn check_slab(slab: &Slab, body: &Body, root: usize) {
     let [x, y, z] = slab.normal.map(f64::from);
     let corners = range(body, root).into_iter().flat_map(|i| body.corners[i as usize]);
@@ -36,7 +37,7 @@ fn check_slab(slab: &Slab, body: &Body, root: usize) {
     assert!((x * x + y * y + z * z - 1.0).abs() < 1e-6);
 }
 
-/// A flat patch, and both sides of a thin sheet, lie in thin slabs however they are turned.
+/// A flat patch, and both sides of a thin sheet, lie in thin slabs in any orientation.
 #[test]
 fn slabs_of_flat_patches_are_thin() {
     let sheet = |thickness: f32| -> Vec<Corners> {
@@ -109,7 +110,7 @@ fn it_holds_what_the_binary_tree_holds() {
     }
 }
 
-/// A leaf of more triangles than lanes goes on in the nodes that follow.
+/// A leaf of more triangles than lanes continues in the following nodes.
 #[test]
 fn a_large_leaf_takes_several_nodes() {
     for count in [31, 32, 33, 64, 65] {
@@ -143,8 +144,8 @@ fn it_is_smaller_than_the_triangles() {
     assert!(bytes < 30 * body.corners.len(), "{bytes} bytes");
 }
 
-/// What a grid says of a coordinate never falls as that grows, wherever it is: so boxes that meet
-/// meet in cells. And cells are no larger than they need be.
+/// Cell numbers never fall as a coordinate grows, wherever the grid is: so boxes that overlap also
+/// overlap in cells. And cells are no larger than necessary.
 #[test]
 fn cells_do_not_fall_along_an_axis() {
     let boxes = [[-0.7, 0.1], [3.0, 3.0], [0.0, 1e-42], [-1e30, 1e30], [1e7, 1e7 + 1.0]];

@@ -22,7 +22,7 @@ proptest! {
         prop_assert_eq!((bits & (UPPER | LOWER)).count_ones(), 1);
         let seats = kind.seats().iter().fold(0, |sum, seat| sum | seat.zone_bit());
         prop_assert_eq!(bits & !0x7f & !seats, 0, "a seat that this kind has not");
-        // Mirrored, left and right change places; nothing lies on the middle plane.
+        // When mirrored, left and right are exchanged; nothing lies on the middle plane.
         let mirrored = corners.map(|[x, y, z]| [x, -y, z]);
         let y: f64 = corners.iter().map(|corner| f64::from(corner[1])).sum();
         let swapped = of_triangle(&mirrored, &BOX, kind).0;

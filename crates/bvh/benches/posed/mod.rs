@@ -1,4 +1,4 @@
-//! A scene with trees, ready to be asked.
+//! A scene with trees, ready for queries.
 
 use crate::scene::Scene;
 use body::{Body, BodyKind, BodyView, Build, Mesh, Meta, Zones};
@@ -15,7 +15,7 @@ pub(crate) struct Posed {
 }
 
 impl Posed {
-    /// The bodies of a scene with trees of this kind.
+    /// Builds the bodies of a scene with trees of this kind.
     pub(crate) fn new(scene: &str, build: Build, leaf_size: u32) -> Self {
         let Scene { a, b, pose_a, pose_b } = Scene::named(scene);
         let options = BuildOptions { build, leaf_size, threads: 1 };
@@ -55,13 +55,13 @@ impl Posed {
         self.leaves().iter().map(pair).collect()
     }
 
-    /// A, B, and where B stands.
+    /// A, B, and the pose of B relative to A.
     pub(crate) fn parts(&self) -> (BodyView<'_>, BodyView<'_>, &RelativePose) {
         (self.a.view(), self.b.view(), &self.pose)
     }
 }
 
-/// Hears of hits, and does nothing with them.
+/// Ignores all hits.
 struct Deaf;
 
 impl Sink for Deaf {
@@ -84,7 +84,7 @@ fn with_tree(corners: Vec<Corners>, options: &BuildOptions) -> Body {
         dropped: Vec::new(),
         degenerate: 0,
     };
-    // Nothing but the tree matters here.
+    // Only the tree matters here.
     let meta = Meta {
         name: "benchmark".into(),
         kind: BodyKind::Sedan,

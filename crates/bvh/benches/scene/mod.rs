@@ -1,7 +1,7 @@
-//! The scenes that everything is measured on: two bodies in source order and where they stand.
+//! The scenes used by all measurements: two bodies in source order and their poses.
 //!
-//! Benchmarks, instruction counts and the comparison with other libraries (`cargo x compare`) speak
-//! of the same scenes by the same names. All are generated, the same bits on every machine.
+//! Benchmarks, instruction counts and the comparison with other libraries (`cargo x compare`) use
+//! the same scenes by the same names. All are generated, with the same bits on every machine.
 //!
 //! - `cars-N-deep`, `-scratch`, `-miss`: a sedan and an SUV of N triangles each; head-on
 //!   and deep, side by side and touching, and just not.
@@ -20,11 +20,11 @@ use shapes::generate;
 pub(crate) struct Scene {
     /// The body in whose frame they meet.
     pub(crate) a: Vec<Corners>,
-    /// The other one.
+    /// The other body.
     pub(crate) b: Vec<Corners>,
-    /// Where A stands.
+    /// The pose of A.
     pub(crate) pose_a: Pose,
-    /// Where B stands.
+    /// The pose of B.
     pub(crate) pose_b: Pose,
 }
 
@@ -43,14 +43,14 @@ pub(crate) const NAMES: &[&str] = &[
     "faces-rounded",
 ];
 
-/// Where the SUV stands in the sedan's frame: yaw, pitch, roll (degrees), position (m).
+/// The pose of the SUV in the sedan's frame: yaw, pitch, roll (degrees), position (m).
 type Stand = (f64, f64, f64, [f64; 3]);
 
-/// Head-on, turned by 26 degrees and a little aside: one corner about a metre deep.
+/// Head-on, turned by 26 degrees with a small lateral offset: one corner about a metre deep.
 const DEEP: Stand = (154.0, 1.7, -2.3, [3.9, 0.5, 0.05]);
 /// Side by side, nose outwards: a few millimetres.
 const SCRATCH: Stand = (7.0, 0.9, 1.1, [0.8, 2.14, 0.03]);
-/// The same with a gap of a few millimetres: boxes overlap, triangles do not.
+/// Side by side with a gap of a few millimetres: boxes overlap, triangles do not.
 const MISS: Stand = (7.0, 0.9, 1.1, [0.8, 2.15, 0.03]);
 
 impl Scene {
@@ -58,7 +58,7 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If it is none of [`NAMES`].
+    /// The name is not in [`NAMES`].
     pub(crate) fn named(name: &str) -> Self {
         match name {
             "cars-10k-scratch" => Self::of_cars(10_000, SCRATCH),
@@ -105,10 +105,10 @@ const QUARTER_TURN: Pose = Pose {
     translation: [12.5, -7.25, 0.25],
 };
 
-/// One metre along x, and aside by parts of an edge: the faces of two cubes touch.
+/// One metre along x, with a lateral offset of a fraction of an edge: the faces of two cubes touch.
 const ASIDE: Pose = Pose { translation: [1.0, 0.03125, 0.0625], ..Pose::IDENTITY };
 
-/// A pose like any other: nothing relative to it comes out even.
+/// A generic pose: relative poses with it are rounded.
 fn anyhow() -> Pose {
     turned(40.0, 3.0, -2.0, [12.5, -7.25, 0.3])
 }

@@ -1,5 +1,5 @@
-//! From triangles to a tree: nodes are built, and every array is brought into leaf order. A body is
-//! that, and what a mesh knows besides.
+//! From triangles to a tree: builds the nodes and brings every array into leaf order. A body adds
+//! the data of a mesh.
 
 use super::thread_pool::BuildPool;
 use super::{BuildError, BuildOptions, Hierarchy, grow, hierarchy};
@@ -8,7 +8,7 @@ use body::wide::{Laid, LeafRun};
 use body::{Body, BodyView, Mesh, Meta, Zones};
 use geometry::Corners;
 
-/// Builds a tree over triangles: [`Tree::build`].
+/// Builds a tree over triangles: see [`Tree::build`].
 pub(crate) fn assembled(corners: &[Corners], options: &BuildOptions) -> Result<Tree, BuildError> {
     let threads = grow::worth_starting(options.threads, corners.len());
     BuildPool::with(threads, |pool| {
@@ -18,8 +18,8 @@ pub(crate) fn assembled(corners: &[Corners], options: &BuildOptions) -> Result<T
     })
 }
 
-/// [`assembled`] but for zones, by these threads. `beside` hears in which order triangles lie, and
-/// does what else is to be done with that, while one thread lays out the wide tree.
+/// [`assembled`] without zones, on this pool. `beside` receives the order of triangles, and does
+/// any other work that needs it, while one thread lays out the wide tree.
 fn assembled_by<R: Send>(
     pool: &BuildPool,
     corners: &[Corners],
@@ -28,10 +28,10 @@ fn assembled_by<R: Send>(
     beside: impl FnOnce(&[u32]) -> R + Send,
 ) -> Result<(Tree, R), BuildError> {
     let Hierarchy { nodes, order, depth } = hierarchy(corners, options, pool, progress)?;
-    // The largest array is the first to ask for the memory in which the tree was built.
+    // The largest array is allocated first, from the memory in which the tree was built.
     let mut in_order = Vec::with_capacity(corners.len());
-    // The wide tree is laid out by one thread before all of them fill it; who is free meanwhile
-    // brings the arrays into order.
+    // One thread lays out the wide tree before all of them fill it; idle ones bring the arrays into
+    // order meanwhile.
     let (laid, rest) = pool.both(
         || Laid::out(&nodes),
         || {
@@ -48,8 +48,8 @@ fn assembled_by<R: Send>(
 
 /// Builds the tree of a mesh and brings everything into leaf order.
 ///
-/// `zones` has one entry per triangle in the order of the mesh. Of `meta`, the fields that follow
-/// from mesh and tree are set: parts, degenerate, build, leaf size, depth.
+/// `zones` has one entry per triangle in the order of the mesh. Of `meta`, the fields derived from
+/// mesh and tree are set: parts, degenerate, build, leaf size, depth.
 ///
 /// # Errors
 ///
@@ -66,7 +66,7 @@ pub fn body(
     BuildPool::with(threads, |pool| body_by(pool, mesh, meta, zones, options, progress))
 }
 
-/// [`body()`], by these threads.
+/// Runs [`body()`] on this pool.
 fn body_by(
     pool: &BuildPool,
     mesh: Mesh,
@@ -106,8 +106,8 @@ fn body_by(
 
 /// Builds another tree over a body that already has one.
 ///
-/// The triangles are first brought back into source order, so the result is the one that [`body()`]
-/// would have given with these options, if the mesh was in order of its source ids.
+/// The triangles are first restored to source order, so the result equals that of [`body()`] with
+/// these options, if the mesh was in order of its source ids.
 ///
 /// # Errors
 ///
@@ -122,7 +122,7 @@ pub fn rebuild(
     BuildPool::with(threads, |pool| rebuild_by(pool, view, meta, options, progress))
 }
 
-/// [`rebuild`], by these threads.
+/// Runs [`rebuild`] on this pool.
 fn rebuild_by(
     pool: &BuildPool,
     view: BodyView<'_>,

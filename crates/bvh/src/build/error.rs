@@ -1,42 +1,42 @@
-//! Why a tree could not be built, and what to do about it.
+//! Why a tree could not be built, and the remedy.
 
 use super::{LEAF_SIZE_MAX, LITERAL_MAX, TRIANGLES_MAX};
 use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A tree could not be built. As text: what is wrong, and behind a colon the remedy, if any.
+/// The error of a tree build. As text: the problem and, after a colon, the remedy, if any.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BuildError {
-    /// There is nothing to build over.
+    /// There are no triangles.
     Empty,
-    /// Numbers of triangles would not fit.
+    /// There are more triangles than numbers for them.
     TooMany {
-        /// How many there are.
+        /// Number of triangles.
         triangles: usize,
     },
     /// The literal build would take too long.
     Literal {
-        /// How many there are.
+        /// Number of triangles.
         triangles: usize,
     },
     /// The leaf size is out of range.
     LeafSize {
-        /// What was asked for.
+        /// The requested leaf size.
         leaf_size: u32,
     },
     /// A coordinate is NaN or infinite.
     NotFinite {
-        /// Its number, in the order given.
+        /// Its number, in the given order.
         triangle: usize,
     },
-    /// The arrays of a mesh do not belong together.
+    /// The arrays of a mesh differ in length.
     Lengths {
-        /// How many triangles there are.
+        /// Number of triangles.
         triangles: usize,
-        /// Which array differs.
+        /// The array that differs.
         array: &'static str,
-        /// How many entries it has.
+        /// Its number of entries.
         entries: usize,
     },
 }

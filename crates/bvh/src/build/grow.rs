@@ -1,10 +1,11 @@
-//! Growing a tree: ranges of triangles are cut until they fit a leaf, nodes laid out in preorder.
+//! Growing a tree: ranges of triangles are cut until they fit a leaf; nodes are laid out in
+//! preorder.
 //!
-//! The largest ranges are cut by all threads together, the next ones by one thread each; of their
-//! halves it goes on with one, and leaves the other to whoever is free. Small ranges are grown to
-//! whole subtrees by one thread; how small, depends on how many wait. The subtrees are then joined
-//! in order of their first triangle. Where a range is cut depends on its triangles alone, so the
-//! result is the same for any number of threads.
+//! The largest ranges are cut by all threads together, the next ones by one thread each, which
+//! continues with one half and leaves the other to an idle thread. Small ranges are grown to whole
+//! subtrees by one thread; the threshold depends on how many ranges wait. The subtrees are then
+//! joined in order of their first triangle. Where a range is cut depends only on its triangles, so
+//! the result is the same for any number of threads.
 
 use super::Hierarchy;
 use super::thread_pool::BuildPool;
@@ -16,16 +17,16 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Triangles that can be cut in two, again and again. What a build is, beside its rule.
+/// Triangles that can be cut in two repeatedly: the split rule of a build.
 pub(super) trait Parts: Sized + Send {
-    /// What a cut finds out about each half, for the next cut to build on.
+    /// What a cut learns about each half, for use by the next cut.
     type Known: Send;
 
-    /// How many triangles.
+    /// Number of triangles.
     fn len(&self) -> usize;
 
-    /// Reorders the triangles of `range`, at least two, so that the left half comes first; all of
-    /// `pool` may help.
+    /// Reorders the triangles of `range`, at least two, so that the left half comes first; all
+    /// threads of `pool` may help.
     fn cut(
         &mut self,
         range: Range<usize>,
@@ -33,61 +34,61 @@ pub(super) trait Parts: Sized + Send {
         pool: &BuildPool,
     ) -> Cut<Self::Known>;
 
-    /// Everything before `at`, and everything from there on.
+    /// Splits into everything before `at` and everything from there on.
     fn split_at(self, at: usize) -> (Self, Self);
 
-    /// Writes the numbers of the triangles of a leaf, `range`, in ascending order; returns the box
-    /// of all of them.
+    /// Writes the numbers of the triangles of a leaf, `range`, in ascending order; returns their
+    /// bounding box.
     fn settle(&mut self, range: Range<usize>, known: Self::Known, ids: &mut [u32]) -> Aabb;
 }
 
-/// A range in two halves.
+/// A range cut into two halves.
 pub(super) struct Cut<K> {
-    /// The box of both.
+    /// The bounding box of both.
     pub(super) bounds: Aabb,
-    /// How many triangles are left; neither half is empty.
+    /// Number of triangles in the left half; neither half is empty.
     pub(super) left: usize,
     /// What is known of the left half and of the right one.
     pub(super) known: [K; 2],
 }
 
-/// What every build is told.
+/// Parameters of every build.
 pub(super) struct Job<'a> {
-    /// Most triangles in a leaf.
+    /// Maximum number of triangles in a leaf.
     pub(super) leaf_size: usize,
-    /// Who builds.
+    /// The thread pool.
     pub(super) pool: &'a BuildPool,
-    /// Hears of what was placed.
+    /// Receives the progress.
     pub(super) progress: Progress<'a>,
 }
 
-/// Says how many triangles were placed, each time that there are enough.
+/// Reports how many triangles were placed, in steps.
 pub(super) struct Progress<'a> {
     say: &'a (dyn Fn(u64) + Sync),
     unsaid: AtomicU64,
 }
 
-/// Fewer triangles are not worth starting another thread.
+/// With fewer triangles, another thread is not worth starting.
 const THREAD_MIN: usize = 4096;
 /// A range of fewer triangles is not worth cutting by all threads together. With this and
 /// `GRAIN_MIN` at 4096, two threads took a tenth longer for 10,000 triangles.
 const LARGE_MIN: usize = 8192;
 /// Pieces per thread while enough of them wait.
 const PIECES: usize = 8;
-/// No smaller ones then.
+/// Minimum piece size in that case.
 const GRAIN_MIN: usize = 1024;
-/// How many times finer they are cut while fewer wait than there are threads, so that the last ones
-/// end together: of two threads, one had nothing to do for a tenth of the time at the end of a tree
-/// of 10,000 triangles, and so for a hundredth.
+/// How many times finer pieces are cut while fewer wait than there are threads, so that threads
+/// finish together: with two threads, one was idle for a tenth of the time at the end of a tree of
+/// 10,000 triangles, and with this for a hundredth.
 const FINER: usize = 8;
 /// Subtrees below this size are not worth handing to another thread.
 const FINE_MIN: usize = 256;
-/// A range is cut by all threads if it holds more than 1/SHARE of what would be one thread's.
+/// A range is cut by all threads if it holds more than 1/SHARE of one thread's share.
 const SHARE: usize = 2;
-/// How many triangles are placed before that is said.
+/// Triangles placed between two progress reports.
 const STRIDE: u64 = 8192;
 
-/// Those of `threads` that are worth their start for `count` triangles: at least 1.
+/// The number of `threads` that are worth starting for `count` triangles: at least 1.
 #[must_use]
 pub fn worth_starting(threads: usize, count: usize) -> usize {
     threads.clamp(1, count / THREAD_MIN + 1)
@@ -99,18 +100,18 @@ struct Piece<'a, P: Parts> {
     first: usize,
     parts: P,
     known: P::Known,
-    /// Where their order goes.
+    /// Where their order is written.
     order: &'a mut [u32],
 }
 
-/// A subtree; links to nodes count from its own root.
+/// A subtree; node links are relative to its own root.
 struct Grown {
     first: usize,
     nodes: Vec<Node>,
     depth: u32,
 }
 
-/// A range of `count` triangles from `first` was cut behind `left` of them.
+/// A range of `count` triangles from `first` was cut after `left` of them.
 struct Mark {
     first: usize,
     count: usize,
@@ -126,8 +127,8 @@ struct Made {
     grown: Vec<Grown>,
 }
 
-/// A tree that is still to be joined: only then are there nodes in preorder. Before, what was cut
-/// to grow it can be freed, and the nodes have its memory.
+/// A tree whose parts are not joined yet: nodes get their preorder only then. What was needed to
+/// cut can be freed before, and the nodes reuse its memory.
 pub(super) struct Forest {
     order: Vec<u32>,
     made: Made,
@@ -138,17 +139,17 @@ struct ParallelBuild<'j> {
     job: &'j Job<'j>,
     /// Larger ranges are cut by all threads together.
     large: usize,
-    /// Larger ranges are cut, the others grown, while enough pieces wait.
+    /// While enough pieces wait, larger ranges are cut and the others grown.
     grain: usize,
-    /// The same while they do not.
+    /// The threshold while too few pieces wait.
     fine: usize,
-    /// Pieces that wait for a thread.
+    /// Number of pieces that wait for a thread.
     waiting: AtomicUsize,
     made: Mutex<Made>,
 }
 
-/// Room for the order of so many triangles, to be asked for before all that is cut: it stays when
-/// that is freed, and between its parts it would keep them from becoming one piece of memory.
+/// Allocates the order of `count` triangles. Call it before allocating the buffers for cutting: it
+/// outlives them, and in between it would keep their memory from merging into one piece.
 pub(super) fn order(count: usize) -> Vec<u32> {
     vec![0; count]
 }
@@ -183,7 +184,7 @@ pub(super) fn grow<P: Parts>(
 }
 
 impl Forest {
-    /// Nodes in preorder, the order of triangles, the depth.
+    /// Returns the nodes in preorder, the order of triangles and the depth.
     pub(super) fn joined(self, pool: &BuildPool) -> Hierarchy {
         let Self { order, made: Made { cuts, mut grown } } = self;
         let (nodes, depth) = match grown.pop_if(|_| cuts.is_empty()) {
@@ -195,19 +196,19 @@ impl Forest {
 }
 
 impl<'a> Progress<'a> {
-    /// `say` is told of triangles placed since it was last called, by whichever thread.
+    /// `say` is called with the number of triangles placed since its last call, from any thread.
     pub(super) fn new(say: &'a (dyn Fn(u64) + Sync)) -> Self {
         Self { say, unsaid: AtomicU64::new(0) }
     }
 
-    /// So many more were placed.
+    /// Adds `placed` triangles.
     fn add(&self, placed: u64) {
         if self.unsaid.fetch_add(placed, Ordering::Relaxed) + placed >= STRIDE {
             self.say();
         }
     }
 
-    /// Says what was not said yet.
+    /// Reports what is not reported yet.
     fn say(&self) {
         let placed = self.unsaid.swap(0, Ordering::Relaxed);
         if placed > 0 {
@@ -229,8 +230,9 @@ impl ParallelBuild<'_> {
 
     fn work<'s, P: Parts + 's>(&'s self, scope: &Scope<'s>, mut piece: Piece<'s, P>) {
         while piece.parts.len() > self.grain() {
-            // Who waits for others to cut their part may begin another piece meanwhile, on the same
-            // stack: that goes no deeper than there are large pieces side by side, which are few.
+            // A thread that waits for others to cut their part may start another piece meanwhile,
+            // on the same stack: the depth is limited by the number of large pieces, which is
+            // small.
             let is_large = piece.parts.len() > self.large;
             let pool = if is_large { self.job.pool } else { &BuildPool::ALONE };
             let (mark, [far, near]) = halved(piece, pool);
@@ -260,22 +262,22 @@ fn halved<'a, P: Parts>(piece: Piece<'a, P>, pool: &BuildPool) -> (Mark, [Piece<
     (Mark { first, count, left, bounds }, halves)
 }
 
-/// A range still to do.
+/// A range still to be processed.
 struct Open<K> {
     range: Range<usize>,
     known: K,
-    /// The node whose right child it is, if it is one.
+    /// The node whose right child this is, if any.
     parent: Option<usize>,
     depth: u32,
 }
 
-/// Room for the nodes over so many triangles: enough where leaves are two thirds full, as those of
-/// cars are. Nodes that outgrow it are copied to new memory.
+/// Capacity for the nodes over `count` triangles: enough if leaves are two thirds full, as those of
+/// cars are. Beyond that, nodes are copied to new memory.
 fn capacity(count: usize, leaf_size: usize) -> usize {
     (3 * count.div_ceil(leaf_size)).min(2 * count)
 }
 
-/// All nodes over one piece, in preorder.
+/// Builds all nodes over one piece, in preorder.
 fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
     let Piece { first, mut parts, known, order } = piece;
     let count = parts.len();
@@ -309,7 +311,8 @@ fn subtree<P: Parts>(piece: Piece<'_, P>, job: &Job<'_>) -> Grown {
     Grown { first, nodes, depth: deepest }
 }
 
-/// Joins the subtrees below the nodes at which large ranges were cut; says how deep the tree is.
+/// Joins the subtrees below the nodes at which large ranges were cut; returns the depth of the
+/// tree.
 fn join(
     count: usize,
     mut cuts: Vec<Mark>,
@@ -319,10 +322,10 @@ fn join(
     cuts.sort_unstable_by_key(|cut| (cut.first, cut.count));
     grown.sort_unstable_by_key(|piece| piece.first);
     let total = cuts.len() + grown.iter().map(|piece| piece.nodes.len()).sum::<usize>();
-    // New pages stay untouched until whoever copies a subtree comes to its place.
+    // New pages stay untouched until a subtree is copied there.
     let mut nodes: Vec<Node> = zeroed_vec(total);
     let mut rest = nodes.as_mut_slice();
-    // Where subtrees go is laid out first, then they are copied, which takes longer.
+    // First the destinations of subtrees are laid out, then they are copied, which takes longer.
     let (mut copies, mut links, mut next, mut deepest) = (Vec::new(), Vec::new(), 0, 0);
     let mut pieces = grown.iter();
     let mut open = vec![Open { range: 0..count, known: (), parent: None, depth: 1 }];
@@ -370,7 +373,8 @@ fn link(nodes: &mut [Node], parent: usize, child: usize) {
     nodes[parent].link = child as u32;
 }
 
-/// Which zero is the lesser is up to the machine; so that trees have the same bytes, all are +0.
+/// Which of two zeros is the lesser depends on the machine; all become +0, so that trees have the
+/// same bytes.
 fn without_negative_zero(box_: Aabb) -> Aabb {
     Aabb { min: box_.min.map(|x| x + 0.0), max: box_.max.map(|x| x + 0.0) }
 }

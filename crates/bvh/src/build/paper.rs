@@ -5,12 +5,12 @@
 //! Of the three axes, the one with the least ratio wins; ties go to the most balanced cut, then to
 //! the lowest axis, then to the lowest k.
 //!
-//! By the letter there is no balance term, and on real bodies the rule peels slivers off: the tree
-//! is thousands deep. So the default keeps k within [n/8, 7n/8].
+//! Taken literally, the rule has no balance term, and on real bodies it peels slivers off: the tree
+//! is thousands of levels deep. So the default keeps k within [n/8, 7n/8].
 //!
-//! Triangles are sorted once per axis. A cut then divides the other two orders stably, so that they
-//! stay sorted: O(n) per level of the tree. Where several threads work on one range, each takes an
-//! axis.
+//! Triangles are sorted once per axis. A cut then partitions the other two orders stably, so that
+//! they stay sorted: O(n) per level of the tree. Where several threads work on one range, each
+//! takes an axis.
 
 use super::grow::{self, Cut, Forest, Job, Parts};
 use super::thread_pool::BuildPool;
@@ -19,17 +19,17 @@ use geometry::{Aabb, Corners};
 use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Which cuts are allowed.
+/// Allowed cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cuts {
     /// k in [n/8, 7n/8].
     Balanced,
-    /// Any that leaves neither half empty.
+    /// Any cut that leaves neither half empty.
     Any,
 }
 
 impl Cuts {
-    /// The indices that may be chosen among n ≥ 2 triangles: neither half is ever empty.
+    /// The allowed indices among n ≥ 2 triangles: neither half is ever empty.
     fn among(self, n: usize) -> RangeInclusive<usize> {
         match self {
             Self::Balanced => n.div_ceil(8)..=(n - n.div_ceil(8)),
@@ -52,7 +52,7 @@ struct Best {
     /// `[len(left) + len(rest)] / len(parent)`; infinite where the parent has no length, since no
     /// cut along that axis can help.
     ratio: f64,
-    /// How far k is from the middle: |2k − n|.
+    /// The distance of k from the middle: |2k − n|.
     skew: usize,
     k: usize,
     /// Where the parent begins and ends (m).
@@ -62,16 +62,17 @@ struct Best {
 /// Triangles sorted along one axis.
 struct Axis<'a> {
     order: &'a mut [Entry],
-    /// Half as long, for what a cut notes and for what it moves.
+    /// Scratch of half the length, for what a cut records and moves.
     room: &'a mut [Entry],
 }
 
-/// Some triangles in three orders: the same ones along x, y, z.
+/// Triangles in three orders: the same ones along x, y, z.
 struct Orders<'a> {
     cuts: Cuts,
     axes: [Axis<'a>; 3],
-    /// Per triangle of the whole body: whether the last cut put it right. Threads share the array
-    /// but no triangle, so plain loads and stores would do if the language could know.
+    /// For each triangle of the whole body, whether the last cut put it into the right half.
+    /// Threads share the array but never a triangle, so plain loads and stores would suffice if the
+    /// language could express it.
     right: &'a [AtomicBool],
 }
 
@@ -79,9 +80,9 @@ struct Orders<'a> {
 pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> Forest {
     let n = corners.len();
     let (order, room) = (grow::order(n), n / 2);
-    // Two pieces of memory, for what comes when they are free again: that of the orders is as large
-    // as the triangles in leaf order; that of the spare, by two threads, as large as the nodes of a
-    // tree with four triangles to a leaf. The tree does not depend on who gets which.
+    // Two buffers whose memory is reused once freed: that of the orders is as large as the
+    // triangles in leaf order; that of the spare, with two threads, as large as the nodes of a tree
+    // with four triangles per leaf. The tree does not depend on this.
     let mut orders = job.pool.copies(Entry::zeroed(), 3 * n);
     let to_sort = n * job.pool.threads().min(3);
     let mut spare = job.pool.copies(Entry::zeroed(), to_sort.max(3 * room));
@@ -92,8 +93,8 @@ pub(super) fn grow(corners: &[Corners], cuts: Cuts, job: &Job<'_>) -> Forest {
     grow::grow(Orders { cuts, axes, right: &right }, (), order, job)
 }
 
-/// Three parts of the same length, one per axis. Those of x and y lie at the ends: threads that
-/// sort along these are the first to write there.
+/// Splits into three parts of the same length, one per axis. Those of x and y lie at the ends: the
+/// threads that sort along these axes are the first to write there.
 fn thirds<T>(all: &mut [T]) -> [&mut [T]; 3] {
     let third = all.len() / 3;
     let (x, rest) = all.split_at_mut(third);
@@ -108,10 +109,10 @@ fn numbered<T>(axes: &mut [T; 3]) -> [(usize, &mut T); 3] {
 
 /// Sorts triangles by highest vertex along each axis, equal ones by number.
 ///
-/// `spare` has an order's length or more for each of up to three threads. Three axes do not go into
-/// two threads evenly: so the third one is sorted in halves, which are merged from both ends. Each
-/// of the two also reads just one half of the triangles, for all axes: what the other made of its
-/// half is a third as long.
+/// `spare` has at least an order's length for each of up to three threads. Three axes do not divide
+/// evenly among two threads, so the third one is sorted in halves, which are merged from both ends.
+/// Each of the two threads also reads only one half of the triangles, for all axes: the entries
+/// that the other made of its half are a third as long.
 fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], pool: &BuildPool) {
     let n = corners.len();
     let [x, y, z] = orders;
@@ -154,12 +155,12 @@ fn sort(corners: &[Corners], orders: [&mut [Entry]; 3], spare: &mut [Entry], poo
     }
 }
 
-/// Bits of a digit: a table of counts that stays in the first cache.
+/// Bits of a digit: the table of counts stays in the first-level cache.
 const DIGIT: usize = 11;
 /// Digits of a rank: an odd number of passes from one buffer to the other.
 const DIGITS: usize = 3;
 
-/// Sorts triangles along `axis`, into the first buffer.
+/// Sorts triangles along `axis` into the first buffer.
 fn sort_along(axis: usize, corners: &[Corners], [to, from]: [&mut [Entry]; 2]) {
     read(axis, corners, 0, from);
     sort_entries([to, from]);
@@ -181,8 +182,8 @@ fn read(axis: usize, corners: &[Corners], first: u32, entries: &mut [Entry]) {
     }
 }
 
-/// Sorts entries by highest vertex, equal ones as they come, digit by digit from the lowest one.
-/// They come in the second buffer and end up in the first.
+/// Sorts entries by highest vertex, stably, digit by digit from the lowest one. They start in the
+/// second buffer and end up in the first.
 ///
 /// Knuth, *The Art of Computer Programming* 3, section 5.2.5.
 fn sort_entries([mut to, mut from]: [&mut [Entry]; 2]) {
@@ -206,7 +207,7 @@ fn sort_entries([mut to, mut from]: [&mut [Entry]; 2]) {
     }
 }
 
-/// The first ones of two sorted halves, of equal ones those of the left half, which is as long as
+/// Merges the first entries of two sorted halves; ties go to the left half, which is as long as
 /// `to` and no shorter than the right one.
 fn merge_near((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
     let (mut l, mut r) = (0, 0);
@@ -218,7 +219,7 @@ fn merge_near((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
     }
 }
 
-/// The last ones of the same halves, as many as there are in the right one.
+/// Merges the last entries of the same halves, as many as the right one has.
 fn merge_far((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
     let (mut l, mut r) = (left.len() - 1, right.len() - 1);
     for place in to.iter_mut().rev() {
@@ -231,12 +232,12 @@ fn merge_far((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
 
 /// An integer that orders as the finite float does: IEEE 754 sorts as sign and magnitude.
 fn rank(x: f32) -> u32 {
-    // Both zeros are the same place.
+    // Both zeros are the same position.
     let bits = (x + 0.0).to_bits();
     if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
 }
 
-/// Of numbers, the lesser: a single instruction, since neither is NaN.
+/// The lesser of two numbers: a single instruction, since neither is NaN.
 fn lesser(x: f32, y: f32) -> f32 {
     if y < x { y } else { x }
 }
@@ -282,14 +283,15 @@ fn winner(found: &[Best; 3]) -> usize {
     axis
 }
 
-/// Brings the `k` triangles of the left half before those of the right one, in the order they had.
+/// Moves the `k` triangles of the left half before those of the right one, preserving their order.
 ///
-/// The lesser half waits in `room`, at least as long, while the other closes up. A second buffer
-/// for both would be more memory to fetch: 5 to 13 % more time for a tree of 100,000 triangles.
+/// The smaller half waits in `room`, which is at least as long, while the other closes up. A second
+/// buffer for both would be more memory to fetch: 5 to 13 % more time for a tree of 100,000
+/// triangles.
 fn divide(order: &mut [Entry], k: usize, room: &mut [Entry], right: &[AtomicBool]) {
     let n = order.len();
     let goes_right = |entry: Entry| right[entry.id as usize].load(Ordering::Relaxed);
-    // Every entry is written to both halves and kept in one of them: no branch to guess.
+    // Every entry is written to both halves and kept in one of them: no branch to predict.
     if 2 * k >= n {
         let (mut l, mut r) = (0, 0);
         for i in 0..n {
@@ -328,7 +330,7 @@ impl Parts for Orders<'_> {
 
     fn cut(&mut self, range: Range<usize>, (): (), pool: &BuildPool) -> Cut<()> {
         let allowed = self.cuts.among(range.len());
-        // At least half as long as the range, and so for every range beside it. In bytes, that is
+        // At least half as long as the range, and so for every parallel range. In bytes, this is
         // enough for one number per triangle.
         let spare = range.start / 2..range.end / 2;
         let found = pool.three(self.axes.each_mut(), |axis| {

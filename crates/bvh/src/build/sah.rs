@@ -2,13 +2,13 @@
 //!
 //! Triangles are sorted into bins by the centre of their box, along all three axes in one pass; of
 //! all cuts between two bins, the one with the least `half_area(left)·n(left) +
-//! half_area(right)·n(right)` is taken, of equal ones the most balanced, then the lowest axis.
+//! half_area(right)·n(right)` is taken, ties going to the most balanced, then to the lowest axis.
 //! Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). Where no cut has a
 //! cost, because all centres are the same or f32 overflows, the triangles are halved as they stand.
 //!
-//! A cut writes both halves to another buffer, in the order in which they were: no branch to guess,
-//! and the triangles of a leaf still ascend. What is summed up over triangles are counts and
-//! maxima alone, so it does not matter in which parts they were looked at, or by whom.
+//! A cut writes both halves to another buffer, preserving the order: no branch to predict, and the
+//! triangles of a leaf stay ascending. Only counts and maxima are accumulated over triangles, so
+//! the result does not depend on how they are partitioned among threads.
 
 use super::grow::{self, Cut, Forest, Job, Parts};
 use super::thread_pool::BuildPool;
@@ -17,16 +17,16 @@ use std::ops::Range;
 
 /// Bins per axis.
 const BINS: usize = 16;
-/// Bins per axis where triangles are few.
+/// Bins per axis for few triangles.
 const BINS_FEW: usize = 8;
-/// Up to here triangles are few.
+/// Up to this number, triangles count as few.
 const FEW: usize = 16;
 
-/// How far a box reaches (m) along −x, −y, −z, a fourth lane, x, y, z, and another one.
+/// The reach (m) of a box along −x, −y, −z, a fourth lane, x, y, z, and another one.
 ///
-/// So the box of two boxes is the greater of both, lane by lane, and the compiler has plain vectors
-/// to work on. Of a triangle, the last lane holds the bits of its number, the fourth one holds 1:
-/// a difference of both is no subnormal number, with which some machines are slow.
+/// So the union of two boxes is the lane-wise maximum, which the compiler can vectorise. For a
+/// triangle, the last lane holds the bits of its number and the fourth one holds 1: their
+/// difference is never subnormal, which would be slow on some machines.
 type Reach = [f32; 8];
 
 const NOTHING: Reach = [f32::NEG_INFINITY; 8];
@@ -62,32 +62,32 @@ fn reach_of_point(point: &[f32; 4]) -> Reach {
     std::array::from_fn(|lane| if lane < 4 { -point[lane] } else { point[lane - 4] })
 }
 
-/// How centres fall into bins: to the nearest of so many posts, the first at the lowest centre and
+/// Maps centres to bins: to the nearest of equally spaced posts, the first at the lowest centre and
 /// the last at the highest one.
 struct Scale {
     low: [f32; 4],
     per_metre: [f32; 4],
 }
 
-/// From here on floats are whole: a sum with this one is rounded to the nearest whole number, which
+/// From here on floats are integers: a sum with this one is rounded to the nearest integer, which
 /// then stands in its lowest bits.
 const WHOLE: f32 = 8_388_608.0;
 
 impl Scale {
-    /// `centres` is the reach of all centres. `None` if f32 cannot hold what lies between them:
-    /// places must be numbers, the same ones whoever asks.
+    /// `centres` is the reach of all centres. `None` if f32 cannot hold their distances: bins must
+    /// be reproducible numbers.
     fn new<const N: usize>(centres: &Reach) -> Option<Self> {
         let extent: [f32; 4] = std::array::from_fn(|lane| centres[lane + 4] + centres[lane]);
         let per_metre = extent.map(|extent| {
             let per_metre = (N - 1) as f32 / extent;
-            // All centres the same, or nearly so: they all fall into the first bin.
+            // If all centres are the same, or nearly so, they all fall into the first bin.
             if per_metre < f32::INFINITY { per_metre } else { 0.0 }
         });
         let low = std::array::from_fn(|lane| -centres[lane]);
         extent[..3].iter().all(|extent| *extent < f32::INFINITY).then_some(Self { low, per_metre })
     }
 
-    /// Where a centre falls along one axis, in the lowest bits.
+    /// The bin of a centre along one axis, in the lowest bits.
     fn place(&self, centre: f32, axis: usize) -> u32 {
         ((centre - self.low[axis]) * self.per_metre[axis] + WHOLE).to_bits()
     }
@@ -102,7 +102,7 @@ impl Scale {
     }
 }
 
-/// What fell into the bins of the three axes.
+/// The contents of the bins of the three axes.
 #[derive(Clone)]
 struct Bins<const N: usize> {
     reach: [[Reach; N]; 3],
@@ -159,7 +159,7 @@ impl<const N: usize> Bins<N> {
             for bin in 1..N {
                 include(&mut reach, &reaches[bin - 1]);
                 left += counts[bin - 1];
-                // An empty half costs ∞ · 0, which is not a number, and is less than nothing.
+                // An empty half costs ∞ · 0, which is NaN and thus not less than anything.
                 let cost = half_area(&reach) * left as f32 + costs[bin];
                 // Triangles on one line have no area: only balance keeps their tree shallow.
                 let skew = (2 * left).abs_diff(count as u32);
@@ -171,7 +171,7 @@ impl<const N: usize> Bins<N> {
         (best.cost < f32::INFINITY).then_some(best)
     }
 
-    /// How many triangles fell before and behind a cut, and their boxes.
+    /// The number of triangles before and after a cut, and their boxes.
     fn halves(&self, cut: &Best) -> [(usize, Reach); 2] {
         [0..cut.bin, cut.bin..N].map(|half| {
             let mut reach = NOTHING;
@@ -181,7 +181,7 @@ impl<const N: usize> Bins<N> {
     }
 }
 
-/// Writes the items of either half where they belong; returns the reach of their centres.
+/// Writes the items of both halves to their destination; returns the reach of their centres.
 fn divide(
     items: &[Reach],
     [left, right]: [&mut [Reach]; 2],
@@ -191,7 +191,7 @@ fn divide(
     let (mut l, mut r) = (0, 0);
     for item in items {
         let goes_right = goes_right(item);
-        // Both halves are written for every item and one of them kept, but at their ends.
+        // Every item is written to both halves and kept in one of them, except at their ends.
         if let Some(place) = left.get_mut(l) {
             *place = *item;
         }
@@ -215,7 +215,7 @@ fn divide(
 /// What is known of a range.
 pub(super) struct Known {
     reach: Reach,
-    /// Of the doubled centres of its triangles.
+    /// The reach of the doubled centres of its triangles.
     centres: Reach,
     /// Whether the items are in the second buffer.
     second: bool,
@@ -242,7 +242,7 @@ pub(super) fn grow(corners: &[Corners], job: &Job<'_>) -> Forest {
     grow::grow(Items([&mut first, &mut second]), known, order, job)
 }
 
-/// The reach of items, and of their centres.
+/// The combined reach of items, and of their centres.
 fn sums<'a>(items: impl IntoIterator<Item = &'a Reach>) -> [Reach; 2] {
     let [mut reach, mut centres] = [NOTHING; 2];
     for item in items {
@@ -252,7 +252,7 @@ fn sums<'a>(items: impl IntoIterator<Item = &'a Reach>) -> [Reach; 2] {
     [reach, centres]
 }
 
-/// The sums of pairs.
+/// Combines pairs of sums.
 fn both(pairs: &[[Reach; 2]]) -> [Reach; 2] {
     let mut sums = [NOTHING; 2];
     for pair in pairs {
@@ -314,7 +314,7 @@ impl Items<'_> {
     }
 }
 
-/// Both halves as they stand.
+/// Halves the items in their current order.
 fn halved(items: &[Reach], known: Known) -> Cut<Known> {
     let left = items.len() / 2;
     let (near, far) = items.split_at(left);

@@ -1,4 +1,5 @@
-//! Laws of trees: they partition, their boxes are exact, and they depend on the triangles alone.
+//! Invariants of trees: they partition, their boxes are exact, and they depend only on the
+//! triangles.
 
 use super::*;
 use crate::fixtures::{any_build, body_of, meta, options, soup, torus, triangles};
@@ -47,7 +48,8 @@ fn check(tree: &Hierarchy, corners: &[Corners], leaf_size: u32) {
     assert_eq!(deepest, tree.depth);
 }
 
-/// The paper's rule at one node, as it is written: all k of all axes, sets formed anew for each.
+/// The paper's rule at one node, taken literally: all k of all axes, with the sets recomputed for
+/// each.
 fn naive_cut(corners: &[Corners], cuts: std::ops::RangeInclusive<usize>) -> (usize, Vec<u32>) {
     let extent = |ids: &[u32], axis: usize| {
         let along = ids.iter().flat_map(|&i| corners[i as usize]).map(|p| f64::from(p[axis]));
@@ -114,7 +116,7 @@ proptest! {
     fn another_build_is_as_if_it_had_been_the_first(
         corners in triangles(40), from in any_build(), to in any_build(), leaf_size in 1_u32..5,
     ) {
-        // Source ids of a mesh ascend; those of the fixture descend, so turn the triangles over.
+        // Source ids of a mesh ascend; those of the fixture descend, so reverse the triangles.
         let corners: Vec<Corners> = corners.into_iter().rev().collect();
         let first = body_of(&corners, &options(from, 2));
         let (ids, mesh_order): (Vec<u32>, Vec<Corners>) = {
@@ -135,7 +137,7 @@ proptest! {
 #[test]
 fn threads_do_not_change_a_tree() {
     let on_a_grid = |corner: [f32; 3]| corner.map(|x| (x * 16.0).round() / 16.0 - 0.5);
-    // An odd number, and many that are equally high.
+    // An odd number, with many of equal height.
     let odd = soup(9_999, 0.1, 3).into_iter().map(|corners| corners.map(on_a_grid)).collect();
     let same = vec![soup(1, 1.0, 2)[0]; 20_000];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
@@ -156,7 +158,7 @@ fn threads_do_not_change_a_tree() {
 
 #[test]
 fn the_balance_rule_keeps_trees_shallow() {
-    // Each one inside the one before: by the letter, slivers are peeled off one by one.
+    // Each one inside the one before: the literal rule peels off slivers one by one.
     let nested: Vec<Corners> = (0..3000)
         .map(|i| {
             let r = 1.0 / (1.0 + i as f32);
@@ -258,7 +260,7 @@ fn what_cannot_be_built_is_refused() {
         corners[7][1][2] = bad;
         assert_eq!(refused(&corners, &seed), BuildError::NotFinite { triangle: 7 });
     }
-    // Of several, the first one is named, whoever finds it.
+    // If several are wrong, the first one is named, regardless of the thread that finds it.
     let mut corners = soup(20_000, 0.1, 7);
     for bad in [19_999, 13_000, 12_000] {
         corners[bad][2][0] = f32::NAN;

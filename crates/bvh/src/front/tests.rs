@@ -1,4 +1,4 @@
-//! Laws of the front: disjoint pairs that hold every intersecting pair of triangles once.
+//! Invariants of the front: disjoint pairs that cover every intersecting pair of triangles once.
 
 use super::*;
 use crate::fixtures::{any_build, body_of, options, pose, soup, triangles};

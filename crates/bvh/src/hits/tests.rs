@@ -1,4 +1,4 @@
-//! The law: it is a set of the numbers of a range, also where leaves overlap its ends.
+//! The invariant: it is a set of the numbers of a range, even where leaves overlap its ends.
 
 use super::*;
 use proptest::collection::{btree_set, vec};
@@ -14,7 +14,7 @@ proptest! {
     ) {
         let range = start..start + len;
         let mut hits = Hits::with_room(len as usize);
-        // What was in it before another range was looked at is forgotten.
+        // The contents from before the range changed are gone.
         hits.clear(&(0..len));
         hits.insert(len - 1);
         hits.clear(&range);

@@ -1,17 +1,17 @@
 //! Eight boxes of A against eight of B at once, in f32.
 //!
 //! The boxes of one body are moved into the frame of the other, where they become larger boxes, and
-//! compared there axis by axis; then the same the other way round, where the first test left
-//! anything. Together these are the six tests of [`crate::Placement`].
+//! compared there axis by axis; then, if any pair remains, the same in the opposite direction.
+//! Together these are the six tests of [`crate::Placement`].
 //!
-//! # What rounding may do
+//! # Rounding
 //!
-//! Stored boxes are exact; only moving one rounds. With u = 2⁻²⁴ and S the sum of magnitudes of
-//! all terms of a coordinate, centre and half extent are off by u, a matrix entry and its product
-//! by 2u, three sums by 3u: at most 6u·S for the centre, as much for the reach, and 2u·S more where
-//! they are subtracted. [`ROUNDING`] is 32u, and S is taken for the whole body once. On the way
-//! into B's frame, that R is not quite a rotation counts too: what [`RelativePose::point`] moved by
-//! R comes back by Rᵀ, which misses by (RᵀR − I) times the point.
+//! Stored boxes are exact; only moving one rounds. With u = 2⁻²⁴ and S the sum of magnitudes of all
+//! terms of a coordinate, centre and half extent are off by u, a matrix entry and its product by
+//! 2u, three sums by 3u: at most 6u·S for the centre, as much for the reach, and 2u·S more where
+//! they are subtracted. [`ROUNDING`] is 32u, and S is computed once for the whole body. On the way
+//! into B's frame, the deviation of R from a rotation counts too: what [`RelativePose::point`]
+//! moved by R comes back by Rᵀ, which misses by (RᵀR − I) times the point.
 //!
 //! A [`body::wide::Slab`] of B in A's frame has a normal that is off by 5u in each coordinate, and
 //! is shifted by its product with t (3u·S, S now of both bodies) and a sum (2u·S); it is compared
@@ -34,10 +34,10 @@ pub(super) use leaves::LEAF_MAX;
 /// 32 u.
 const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 
-/// Sizes (m) for which nothing overflows in f32, and nothing that matters underflows.
+/// Sizes (m) for which nothing overflows in f32, and no underflow matters.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
-/// How boxes of one frame lie in the other.
+/// The pose of the boxes of one frame in the other.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
     rows: [[f32; 3]; 3],
@@ -46,22 +46,22 @@ struct Motion {
     columns: [[f32; 4]; 3],
     columns_abs: [[f32; 4]; 3],
     shift: [f32; 3],
-    /// Added to every reach (m).
+    /// Slack (m) added to every reach.
     slack: [f32; 3],
 }
 
-/// Both ways between the frames of A and B, for boxes within two bodies.
+/// The transforms between the frames of A and B, in both directions, for boxes within two bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames {
     to_a: Motion,
     to_b: Motion,
-    /// Added to both sides of a slab (m).
+    /// Slack (m) added to both sides of a slab.
     slack: f64,
 }
 
 impl Frames {
-    /// `None` where f32 cannot hold what would have to be computed: bodies of less than 10⁻³⁰ m or
-    /// more than 10³⁰ m, or a pose that is not finite.
+    /// `None` if f32 cannot hold the intermediate values: bodies of less than 10⁻³⁰ m or more than
+    /// 10³⁰ m, or a pose that is not finite.
     pub(super) fn of(a: &BodyView<'_>, b: &BodyView<'_>, pose: &RelativePose) -> Option<Self> {
         let rows = pose.rotation.map(DVec3::from_array);
         let columns = [0, 1, 2].map(|j| DVec3::new(rows[0][j], rows[1][j], rows[2][j]));
@@ -94,7 +94,7 @@ impl Frames {
         })
     }
 
-    /// Which boxes of `a` can meet which of `b`: bit 8i + j for lane i of A and lane j of B.
+    /// Which boxes of `a` can overlap which of `b`: bit 8i + j for lane i of A and lane j of B.
     #[simd]
     pub(super) fn meet<S: Simd>(&self, simd: S, a: &WideNode, b: &WideNode) -> u64 {
         let (of_a, of_b) = (lanes(simd, a), lanes(simd, b));
@@ -107,7 +107,7 @@ impl Frames {
         meeting & meet_each(simd, &of_b, &min, &max)
     }
 
-    /// Which boxes of `a` can meet the one box of B: bit i for lane i.
+    /// Which boxes of `a` can overlap the one box of B: bit i for lane i.
     #[simd]
     pub(super) fn meet_one_of_b<S: Simd>(&self, simd: S, a: &WideNode, b: &Aabb) -> u64 {
         let (of_a, of_b) = (lanes(simd, a), Boxes::splat(simd, b));
@@ -115,7 +115,7 @@ impl Frames {
         (in_a & self.to_b.moved(simd, &of_a).meet(&of_b)).to_bitmask()
     }
 
-    /// Which boxes of `b` can meet the one box of A: bit j for lane j.
+    /// Which boxes of `b` can overlap the one box of A: bit j for lane j.
     #[simd]
     pub(super) fn meet_one_of_a<S: Simd>(&self, simd: S, a: &Aabb, b: &WideNode) -> u64 {
         let (of_a, of_b) = (Boxes::splat(simd, a), lanes(simd, b));
@@ -124,7 +124,7 @@ impl Frames {
     }
 }
 
-/// The lanes of a node that are in use, a bit each.
+/// The lanes of a node that are in use, one bit each.
 #[inline(always)]
 pub(super) fn used<S: Simd>(simd: S, node: &WideNode) -> u64 {
     let min = f32x8::from_slice(simd, &node.min[0]);
@@ -146,7 +146,7 @@ impl Motion {
         }
     }
 
-    /// A box in the other frame: larger, and never too small.
+    /// A box in the other frame, enlarged: never too small.
     #[inline(always)]
     fn moved_one<S: Simd>(&self, simd: S, OneBox { min, max }: &OneBox<S>) -> OneBox<S> {
         let (middle, reach) = ((*max + *min) * 0.5, (*max - *min) * 0.5);
@@ -155,8 +155,8 @@ impl Motion {
         OneBox { min: middle - reach, max: middle + reach }
     }
 
-    /// The boxes in the other frame: larger, and never too small. Empty ones meet nothing there:
-    /// they become NaN.
+    /// The boxes in the other frame, enlarged: never too small. Empty boxes become NaN and overlap
+    /// nothing.
     #[inline(always)]
     fn moved<S: Simd>(&self, simd: S, Boxes { min, max }: &Boxes<S>) -> Boxes<S> {
         let half = f32x8::splat(simd, 0.5);
@@ -189,7 +189,7 @@ fn loaded<S: Simd>(simd: S, [x, y, z]: &[[f32; LANES]; 3]) -> Vector<S> {
     [f32x8::from_slice(simd, x), f32x8::from_slice(simd, y), f32x8::from_slice(simd, z)]
 }
 
-/// Which of eight boxes meet which of eight others: bit 8i + j for the other i.
+/// Which of eight boxes overlap which of eight others: bit 8i + j for the other i.
 #[inline(always)]
 fn meet_each<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! What a job has found so far, and where its hits go: the same for every walk.
+//! What a job has found so far, and where its hits go; shared by all walks.
 
 use super::{End, Outcome, Question, Side, Sink, Task};
 use crate::Counters;
@@ -9,11 +9,11 @@ use geometry::simd::prefetch;
 use geometry::{Directions, Supports, hash};
 use std::ops::ControlFlow;
 
-/// Most tests between two calls of [`Sink::beat`], but for those of one step of the walk.
+/// Maximum number of tests between two calls of [`Sink::beat`], apart from those of one step.
 pub const BEAT_TESTS: u64 = 1024;
 
-/// What it costs to take in a pair that intersects, with its contact measured along all directions,
-/// in tests: a budget is of time, and where everything meets hits take most of it.
+/// The cost, in tests, of recording an intersecting pair and measuring its contact along all
+/// directions: a budget stands for time, and with many hits most of the time is spent on them.
 const PAIR_TESTS: u64 = 24;
 
 /// Why a job ends before everything is tested.
@@ -21,11 +21,11 @@ const PAIR_TESTS: u64 = 24;
 pub(super) enum Halt {
     /// The question is answered, whatever else there is.
     Answered,
-    /// The sink said stop: what was tested last is open again.
+    /// The sink stopped the job: what was tested last is open again.
     Stopped,
 }
 
-/// The sums of a job, in which nothing may count twice.
+/// The sums of a job, in which nothing must count twice.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
     pairs: u64,
@@ -38,11 +38,11 @@ pub(super) struct Found<'a> {
     pub(super) hits_a: &'a mut Hits,
     pub(super) hits_b: &'a mut Hits,
     pub(super) counters: Counters,
-    /// Should the sink say stop, what belongs together is tested again by somebody else: then the
-    /// sums go back to what they were before. Sets, zones and supports need not.
+    /// If the sink stops the job, the current step is tested again by another job: the sums are
+    /// then reset to their earlier values. Sets, zones and supports need no reset.
     pub(super) sums: Sums,
     sink: &'a mut dyn Sink,
-    /// Tests at which the sink hears from us next.
+    /// Number of tests at which the sink is called next.
     beat_at: u64,
     zones_a: u16,
     zones_b: u16,
@@ -71,7 +71,7 @@ impl<'a> Found<'a> {
     }
 
     pub(super) fn outcome(self, end: End) -> Outcome {
-        // Which zero is the greater is up to the machine, so all are +0.
+        // Which of two zeros is the greater depends on the machine, so all become +0.
         let supports = Supports(self.supports.0.map(|s| s + 0.0));
         Outcome {
             end,
@@ -84,13 +84,13 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// What was spent of a budget: all tests, and what hits cost besides.
+    /// The part of the budget that was spent: all tests, and the other costs of hits.
     #[inline]
     pub(super) fn spent(&self) -> u64 {
         self.counters.tests() + PAIR_TESTS * self.sums.pairs
     }
 
-    /// Tells the sink how far we are, if it is time.
+    /// Reports progress to the sink when due.
     #[inline]
     pub(super) fn beat(&mut self) -> ControlFlow<Halt> {
         let tests = self.counters.tests();
@@ -101,19 +101,19 @@ impl<'a> Found<'a> {
         self.sink.beat(tests).map_break(|()| Halt::Stopped)
     }
 
-    /// Whether the pair cannot add to what is asked.
+    /// Whether the pair cannot add to the result.
     #[inline]
     pub(super) fn known(&self, a: u32, b: u32) -> bool {
         self.task.question == Question::Sets && self.hits_a.has(a) && self.hits_b.has(b)
     }
 
-    /// Hears which triangles of A and of B will be tested, each body's in ascending order. What is
-    /// written down of hits, ids and zones, is on its way from now on: between here and
-    /// [`Found::take`] is time for it to come from memory.
+    /// Announces which triangles of A and of B will be tested, each body's in ascending order.
+    /// Hits, ids and zones are prefetched: the time between this call and [`Found::take`] hides the
+    /// memory latency.
     #[inline(always)]
     pub(super) fn await_hits<S: Simd>(&self, simd: S, [a, b]: [&[u32]; 2]) {
         for (view, triangles) in [(&self.task.a, a), (&self.task.b, b)] {
-            // A line of the cache holds 16 ids, 32 zones.
+            // A cache line holds 16 ids or 32 zones.
             for some in triangles.chunks(8) {
                 prefetch(simd, view.source_ids, some[0] as usize);
                 prefetch(simd, view.source_ids, some[some.len() - 1] as usize);
@@ -122,10 +122,10 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// Takes in that these triangles of A intersect those of B in the same places.
+    /// Records that these triangles of A intersect those of B at the same positions.
     ///
-    /// Those of either body are in [`Places`] counted from number `first` on. `measure` adds the
-    /// contact of a pair to the supports; it is called only where that is asked.
+    /// Those of either body are in [`Places`] counted from number `first`. `measure` adds the
+    /// contact of a pair to the supports; it is called only where that is needed.
     #[inline]
     pub(super) fn take(
         &mut self,
@@ -138,13 +138,13 @@ impl<'a> Found<'a> {
         }
         if self.task.question == Question::Touches {
             self.sums.pairs = 1;
-            // The question is answered, whether or not the sink wants more.
+            // The question is answered, whether or not the sink stops.
             let _ = (self.sink.hit(Side::A, a[0]), self.sink.hit(Side::B, b[0]));
             return ControlFlow::Break(Halt::Answered);
         }
         let is_pairs = self.task.question == Question::Pairs;
         if is_pairs {
-            // All at once: who lists them is rare, and who does not is asked once.
+            // All at once: few sinks list pairs, and the others are called only once.
             self.sink.pairs(a, b).map_break(|()| Halt::Stopped)?;
         }
         let (view_a, view_b) = (&self.task.a, &self.task.b);
@@ -173,7 +173,7 @@ impl<'a> Found<'a> {
         self.tell(Side::B, first[1], &new)
     }
 
-    /// Tells the sink of new hits.
+    /// Reports new hits to the sink.
     #[inline(always)]
     fn tell(&mut self, side: Side, first: u32, new: &Places) -> ControlFlow<Halt> {
         let (zones, of) = match side {

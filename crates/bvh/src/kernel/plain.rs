@@ -1,4 +1,4 @@
-//! The plain walk: two boxes at a time, two triangles at a time. It explains the algorithm.
+//! The plain walk: two boxes at a time, two triangles at a time. It documents the algorithm.
 //!
 //! It pops a pair of nodes, opens the larger one, and keeps the children whose boxes overlap; where
 //! two leaves meet, their triangles are tested. Ericson, *Real-Time Collision Detection* (2005),
@@ -14,7 +14,7 @@ use body::Node;
 use geometry::{Bounds, Corners, DVec3, Triangle, triangle};
 use std::ops::{ControlFlow, Range};
 
-/// Triangles of A that are looked at together; a larger leaf is taken in parts.
+/// Maximum number of triangles of A that are processed together; a larger leaf is split.
 const BATCH: usize = 64;
 
 /// A triangle of A that reaches the box of B's leaf.
@@ -25,15 +25,15 @@ pub(super) struct Near {
     number: u32,
 }
 
-/// Scratch for one batch.
+/// Allocates scratch for one batch.
 pub(super) fn scratch() -> Vec<Near> {
     Vec::with_capacity(BATCH)
 }
 
-/// Walks everything below the pairs on the stack; what is not done when it ends lies there again.
+/// Walks everything below the pairs on the stack; what is not done at the end is left there.
 ///
-/// It is never longer than `room`: a step pops one pair and pushes at most two, one level deeper in
-/// one tree, so at most one pair waits per level of both trees, and one more.
+/// The stack never exceeds `room`: a step pops one pair and pushes at most two, one level deeper in
+/// one tree, so at most one pair waits per level of both trees, plus one.
 pub(super) fn walk(
     stack: &mut Vec<NodePair>,
     room: usize,
@@ -69,7 +69,7 @@ pub(super) fn walk(
     End::Complete
 }
 
-/// Where two leaves meet.
+/// A pair of leaves whose boxes overlap.
 struct Leaves<'l, 'a> {
     near: &'l mut Vec<Near>,
     found: &'l mut Found<'a>,
@@ -116,7 +116,7 @@ impl Leaves<'_, '_> {
         }
     }
 
-    /// Tests triangle `b` of B against those gathered of A, whose leaf has the box `box_a`.
+    /// Tests triangle `b` of B against the gathered ones of A, whose leaf has the box `box_a`.
     fn test_one(&mut self, b: u32, box_a: &Bounds) -> ControlFlow<Halt> {
         let task = self.found.task;
         let moved = task.pose.triangle(&task.b.corners[b as usize]);
@@ -143,7 +143,7 @@ impl Leaves<'_, '_> {
     }
 }
 
-/// A stored triangle of A: it is in A's frame already, and f64 holds f32 exactly.
+/// A stored triangle of A, which is already in A's frame; f64 holds f32 exactly.
 fn stored(corners: &Corners) -> Triangle {
     Triangle(corners.map(|corner| DVec3::from_array(corner.map(f64::from))))
 }

@@ -1,4 +1,4 @@
-//! Laws of jobs: whatever the tree, the depth and the cuts, the answer is brute force's.
+//! Invariants of jobs: whatever the tree, the depth and the cuts, the answer equals brute force.
 
 use super::*;
 use crate::fixtures::{
@@ -88,7 +88,7 @@ proptest! {
         hits_max in 2_usize..40, way in any_way(),
     ) {
         let (a, b) = (body_of(&a, &built), body_of(&b, &built));
-        // Two leaves may have more hits than a small sink takes, and then would never be done.
+        // Two leaves may have more hits than a small sink accepts, and would then never complete.
         let hits_max = hits_max.max(2 * LEAF_TRIANGLES.max(built.leaf_size as usize));
         let directions = directions();
         let task = task(&a, &b, pose, Question::Pairs, &directions);
@@ -97,7 +97,7 @@ proptest! {
         prop_assert_eq!(found.finish(), brute_force(&a.view(), &b.view(), &pose));
     }
 
-    /// What is left and what was tested share no pair of triangles, and miss none that intersects.
+    /// What remains and what was tested share no pair of triangles, and miss none that intersects.
     #[test]
     fn what_remains_is_what_was_missed(
         a in triangles(24), b in triangles(24), pose in pose(), built in built_options(),
@@ -128,7 +128,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Whatever meets whatever: no job takes more tests than its budget, and all jobs together find
+    /// In all configurations: no job takes more tests than its budget, and all jobs together find
     /// everything.
     #[test]
     fn no_job_takes_more_tests_than_its_budget(
@@ -183,7 +183,7 @@ fn structured_bodies_give_the_same_answer_whatever_the_tree() {
     }
 }
 
-/// Generated bodies: flat panels, thin parts, shared edges, as they are ranked.
+/// Generated bodies as they are ranked: flat panels, thin parts, shared edges.
 #[test]
 fn generated_bodies_give_the_answer_of_brute_force() {
     let body = |shape, built: &BuildOptions| {
@@ -211,7 +211,7 @@ fn generated_bodies_give_the_answer_of_brute_force() {
     }
 }
 
-/// Sets may leave out what cannot add: of bodies that lie within each other, most of it.
+/// Sets may skip pairs that add nothing: most of them, for bodies that lie within each other.
 #[test]
 fn sets_test_fewer_triangles_than_pairs() {
     let dense = soup(300, 3.0, 7);
@@ -259,7 +259,7 @@ fn a_beat_may_say_stop_and_nothing_is_lost() {
     }
 }
 
-/// The bound in the header: no walk over these trees needs a deeper stack.
+/// The bound of the module documentation: no walk over these trees needs a deeper stack.
 #[test]
 fn the_stack_has_room_for_the_deepest_trees() {
     let chain: Vec<_> = (0..1500)
@@ -278,7 +278,7 @@ fn the_stack_has_room_for_the_deepest_trees() {
     assert_eq!(outcome.end, End::Complete);
 }
 
-/// Where f32 has no numbers for what the boxes need, the plain walk takes over: nothing is lost.
+/// Where f32 cannot hold the boxes' values, the plain walk takes over: nothing is lost.
 #[test]
 fn bodies_of_any_size_give_the_answer_of_brute_force() {
     let pose = turned(20.0, [0.3, 0.1, 0.0]);
@@ -300,7 +300,7 @@ fn bodies_of_any_size_give_the_answer_of_brute_force() {
     }
 }
 
-/// Too small a stack is a budget like another: the job ends early, and its rest can be done.
+/// A stack that is too small acts like a budget: the job ends early, and the rest can be done.
 #[test]
 fn a_stack_too_small_loses_nothing() {
     let built = options(Build::Paper, 1);
@@ -315,7 +315,7 @@ fn a_stack_too_small_loses_nothing() {
     }
 }
 
-/// All scratch is there before the first job, and none of it grows or moves.
+/// All scratch exists before the first job, and none of it grows or moves.
 #[test]
 fn a_job_needs_no_more_room_than_it_was_given() {
     let built = options(Build::Paper, 4);

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! It finds what the plain walk finds. Where two leaves meet, those triangles of each that may meet
-//! the other leaf are put side by side in a frame close to both ([`geometry::patch`]); those pairs
-//! of them whose boxes meet are collected, and tested eight at once.
+//! the other leaf are stored side by side in a frame close to both ([`geometry::patch`]); their
+//! pairs with overlapping boxes are collected, and tested eight at once.
 
 use super::boxes::{self, Frames, LEAF_MAX};
 use super::found::{Found, Halt};
@@ -29,15 +29,14 @@ const LANE_PAIRS: usize = LANES * LANES;
 /// Wide nodes of a leaf.
 const BLOCKS: usize = LEAF_MAX.div_ceil(LEAF_LANES);
 
-/// The number of the first node of what a job starts with, where that is part of a wide node or
-/// wide leaf.
+/// The number of the first node where a job starts inside a wide node or wide leaf.
 const START: u32 = u32::MAX - BLOCKS as u32;
 
-/// Most entries of a stack for trees with so many levels together.
+/// Maximum number of stack entries for trees with this many levels together.
 ///
 /// A step pops one pair and pushes at most 64, one level deeper in at least one tree. A wide tree
-/// is no deeper than the binary one; where that is thousands deep, the wide one is far from it, so
-/// the room has a limit, and a job that should ever exceed it ends early.
+/// is no deeper than the binary one; where that is thousands of levels deep, the wide one is much
+/// shallower, so the capacity is limited, and a job that exceeds it ends early.
 pub(super) fn stack_room(levels: usize) -> usize {
     const ROOM_MAX: usize = 1 << 18;
     ((LANE_PAIRS - 1) * levels + 1 + LANE_PAIRS).min(ROOM_MAX)
@@ -65,7 +64,8 @@ impl Scratch {
     }
 }
 
-/// One walk. Pairs on its stack are of wide nodes, but when it begins and ends, of binary ones.
+/// One walk. Pairs on its stack are of wide nodes, except at the start and end: there of binary
+/// ones.
 struct Walk<'w, 'a> {
     frames: &'w Frames,
     stack: &'w mut Vec<NodePair>,
@@ -79,14 +79,14 @@ struct Walk<'w, 'a> {
     found: &'w mut Found<'a>,
 }
 
-/// The wide nodes of one body, and the one that a job starts with.
+/// The wide nodes of one body, and the one where a job starts.
 struct Tree<'w> {
     nodes: &'w [WideNode],
     start: &'w [WideNode],
 }
 
 impl<'w> Tree<'w> {
-    /// The node of this number, and those behind it.
+    /// The node with this number, and those after it.
     #[inline(always)]
     fn from(&self, number: u32) -> &'w [WideNode] {
         if number == START { self.start } else { &self.nodes[number as usize..] }
@@ -98,13 +98,13 @@ impl<'w> Tree<'w> {
     }
 }
 
-/// Whether the bodies can be walked so under this pose.
+/// The frames for the wide walk, if it is possible under this pose.
 pub(super) fn frames(task: &Task<'_>) -> Option<Frames> {
     let trees = !task.a.wide.is_empty() && !task.b.wide.is_empty();
     trees.then(|| Frames::of(&task.a, &task.b, &task.pose)).flatten()
 }
 
-/// Walks everything below the one pair on the stack; what is not done when it ends lies there.
+/// Walks everything below the one pair on the stack; what is not done at the end is left there.
 #[simd]
 pub(super) fn walk<S: Simd>(
     simd: S,
@@ -162,8 +162,8 @@ fn measure<S: Simd>(
     supports.add_all(simd, directions, triangle::contact(&a, &b).points());
 }
 
-/// The number of the wide node that stands for `root` of the binary tree; where there is none,
-/// `start` is made to be it: the lanes below `root` of the wide node or leaf that holds it.
+/// The number of the wide node that corresponds to `root` of the binary tree; if there is none,
+/// `start` is built for it: the lanes below `root` of the wide node or leaf that contains it.
 fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
     let at = body.wide_of[root as usize];
     let holder = &body.wide[at as usize];
@@ -194,7 +194,7 @@ fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
     START
 }
 
-/// The leaf that begins here: one node or several.
+/// The leaf that begins here: one or several nodes.
 #[inline(always)]
 fn leaf(nodes: &[WideNode]) -> &[WideLeaf] {
     WideLeaf::all(&nodes[..nodes[0].run() as usize])
@@ -209,7 +209,7 @@ impl Walk<'_, '_> {
             }
             self.found.beat()?;
             self.stack.pop();
-            // What is next on the stack, unless this pair puts something above it.
+            // The next pair on the stack, unless this one pushes something above it.
             if let Some(next) = self.stack.last() {
                 prefetch(simd, self.tree_a.nodes, next.a as usize);
                 prefetch(simd, self.tree_b.nodes, next.b as usize);
@@ -263,7 +263,7 @@ impl Walk<'_, '_> {
         self.found.counters.nb += u64::from(lanes_a.count_ones() * lanes_b.count_ones());
     }
 
-    /// Tests the triangles of two leaves. Where the sink wants no more, the pair is open again.
+    /// Tests the triangles of two leaves. If the sink stops, the pair is open again.
     #[inline(always)]
     fn collect<S: Simd>(&mut self, simd: S, pair: NodePair) -> ControlFlow<Halt> {
         let (a, b) = (leaf(self.tree_a.from(pair.a)), leaf(self.tree_b.from(pair.b)));
@@ -285,7 +285,7 @@ impl Walk<'_, '_> {
         tested
     }
 
-    /// Tests all of one patch against all of the other, triangles from number `first` on.
+    /// Tests every triangle of one patch against every one of the other, from number `first` on.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, close: &Close, first: [u32; 2]) -> ControlFlow<Halt> {
         let (a, b) = (&*self.patch_a, &*self.patch_b);
@@ -304,8 +304,8 @@ impl Walk<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// Which triangles of two leaves need not be looked at again where they meet each other: those
-    /// known to be hit, if that is all that is asked. Counted from the leaves' first.
+    /// Which triangles of two leaves need not be tested against each other: those known to be hit,
+    /// if only sets are computed. Counted from the leaves' first.
     #[inline(always)]
     fn known(&self, first: [u32; 2]) -> Option<[Places; 2]> {
         let (a, b) = (&self.found.hits_a, &self.found.hits_b);

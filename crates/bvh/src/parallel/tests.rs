@@ -1,5 +1,5 @@
-//! Laws of parallel threads: they find what one kernel finds, however often they are disturbed, and
-//! never hang.
+//! Invariants of parallel threads: they find what one kernel finds, however often they are
+//! interrupted, and never hang.
 
 use super::*;
 use crate::fixtures::{
@@ -13,7 +13,7 @@ use std::cell::Cell;
 
 const QUESTIONS: [Question; 3] = [Question::Touches, Question::Sets, Question::Pairs];
 
-/// What all threads found, as one kernel's finds are written down.
+/// What all threads found, in the form used for one kernel.
 fn truth(parallel: &Parallel<'_, '_>, task: &Task<'_>, outcome: &Outcome) -> Truth {
     assert_eq!(outcome.end, End::Complete);
     let mut gathered = Gathered::default();
@@ -26,7 +26,7 @@ fn truth(parallel: &Parallel<'_, '_>, task: &Task<'_>, outcome: &Outcome) -> Tru
     gathered.finish()
 }
 
-/// What a question asks for, of all that is true.
+/// The part of the truth that a question asks for.
 fn asked(question: Question, mut truth: Truth) -> Truth {
     let nothing = Gathered::default().finish();
     match question {
@@ -39,7 +39,7 @@ fn asked(question: Question, mut truth: Truth) -> Truth {
     }
 }
 
-/// Two tori through each other, and how they lie: 400 times the tests of [`TESTS_MIN`].
+/// Two interlocked tori and their relative pose: 400 times the tests of [`TESTS_MIN`].
 fn chain() -> (Body, Body, RelativePose) {
     let tori = [torus(96, 48, 0.4), torus(80, 40, 0.37)];
     let [a, b] = tori.map(|corners| body_of(&corners, &options(Build::Sah, 4)));
@@ -55,12 +55,12 @@ proptest! {
         seed in any::<u32>(), size in 0.05_f32..1.5, built in any_build(), leaf_size in 1_u32..65,
         pose in pose(), threads in 0_usize..5,
     ) {
-        let of = |seed| body_of(&soup(300, size, seed), &options(built, leaf_size));
-        let (a, b) = (of(u64::from(seed)), of(u64::from(seed) + 1));
+        let soup_body = |seed| body_of(&soup(300, size, seed), &options(built, leaf_size));
+        let (a, b) = (soup_body(u64::from(seed)), soup_body(u64::from(seed) + 1));
         let all = brute_force(&a.view(), &b.view(), &pose);
         let directions = directions();
         with(threads, || kernel_for(&a, &b), |parallel| {
-            // One question after the other: nothing is left from the one before.
+            // One question after the other: nothing remains from the previous one.
             for question in QUESTIONS.into_iter().cycle().take(7) {
                 let task = task(&a, &b, pose, question, &directions);
                 let outcome = parallel.run(&task);
@@ -93,7 +93,7 @@ fn who_waits_gets_a_part_and_the_answer_stays_the_same() {
             || kernel_for(&a, &b),
             |parallel| {
                 let mut parted = 0;
-                // Nobody knows when a thread first gets a core.
+                // When a thread first gets a core is unpredictable.
                 for round in 0..100_000 {
                     let outcome = parallel.run(&task);
                     assert_eq!(truth(parallel, &task, &outcome), one, "round {round}");
@@ -126,7 +126,7 @@ fn a_panic_of_another_thread_goes_on_in_the_one_that_asks() {
     let made = Cell::new(0);
     let kernel = || {
         made.set(made.get() + 1);
-        // The first is the asking thread's.
+        // The first is that of the calling thread.
         let triangles = if made.get() == 1 { a.corners.len() } else { 1 };
         Kernel::with_room(64, 64, triangles, triangles)
     };

@@ -1,4 +1,4 @@
-//! The law of box tests: no two boxes are apart whose points can meet.
+//! The invariant of box tests: boxes whose points can meet are never apart.
 
 use super::*;
 use crate::fixtures::{Random, pose, triangles};
@@ -29,12 +29,12 @@ proptest! {
         }
     }
 
-    /// The axes of one frame alone reject less: what they reject, both frames' axes do too.
+    /// The axes of one frame alone reject less: what they reject, the axes of both frames do too.
     #[test]
     fn both_frames_reject_what_one_does(a in triangles(6), b in triangles(6), pose in pose()) {
         let placement = Placement::new(&pose, &box_of(&a), &box_of(&b));
         for (of_a, of_b) in a.iter().zip(&b).map(|(a, b)| (Aabb::of(a), Aabb::of(b))) {
-            // Within a hair both may say either: boxes are moved in by more than the slack.
+            // Within a hair either result is possible: boxes are shrunk by more than the slack.
             let placed = pose.bounds(&of_b);
             let gap = (placed.min - of_a.bounds().max).max(of_a.bounds().min - placed.max);
             if gap.max_element() > 1e-9 {
@@ -43,7 +43,7 @@ proptest! {
         }
     }
 
-    /// A point of B put exactly on a point of A, far from both origins, where rounding is worst.
+    /// A point of B placed exactly on a point of A, far from both origins, where rounding is worst.
     #[test]
     fn points_that_coincide_are_never_apart(
         seed in any::<u32>(), yaw in -180.0..180.0, pitch in -90.0..90.0, far in 0_i32..7,
@@ -57,13 +57,13 @@ proptest! {
         let away = pose.point(on_b);
         pose.translation = [0, 1, 2].map(|i| f64::from(on_a[i]) - away[i]);
         let (a, b) = (Aabb { min: on_a, max: on_a }, Aabb { min: on_b, max: on_b });
-        // What the translation has lost to rounding is a gap that is really there.
+        // What the translation loses to rounding is a real gap.
         let gap = (pose.point(on_b) - a.bounds().min).abs().max_element();
         prop_assert!(gap <= 1e-15 * f64::from(scale) * 16.0);
         prop_assert!(!apart(&Placement::new(&pose, &a, &b), &a, &b));
     }
 
-    /// Nobody promises that R is orthonormal: a wrong one costs speed, never a pair.
+    /// R need not be orthonormal: a wrong one costs speed, never a pair.
     #[test]
     fn a_rotation_that_is_none_loses_nothing(
         a in triangles(8), b in triangles(8), pose in pose(),
@@ -88,14 +88,14 @@ proptest! {
 #[test]
 fn boxes_a_hand_apart_are_apart() {
     let cube = Aabb { min: [-1.0; 3], max: [1.0; 3] };
-    let at = |x: f64, yaw: f64| {
+    let apart_at = |x: f64, yaw: f64| {
         let there = Pose::from_degrees(yaw, 0.0, 0.0, [x, 0.0, 0.0]);
         let pose = RelativePose::between(&Pose::IDENTITY, &there);
         apart(&Placement::new(&pose, &cube, &cube), &cube, &cube)
     };
-    assert_eq!([at(2.0, 0.0), at(2.000_001, 0.0)], [false, true]);
+    assert_eq!([apart_at(2.0, 0.0), apart_at(2.000_001, 0.0)], [false, true]);
     // Turned by 45°, the edge of one cube comes to lie 1 + √2 from the middle of the other.
-    assert_eq!([at(2.414, 45.0), at(2.415, 45.0)], [false, true]);
+    assert_eq!([apart_at(2.414, 45.0), apart_at(2.415, 45.0)], [false, true]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Laws of queries: they list what brute force lists, whatever the tree and the walk, and what is
-//! refused is refused in plain words.
+//! Invariants of queries: they list what brute force lists, whatever the tree and the walk, and
+//! rejections are explained in plain words.
 
 use super::*;
 use crate::fixtures::{
@@ -34,10 +34,10 @@ fn brute_force(a: &[Corners], b: &[Corners], pose: &RelativePose) -> Vec<(u32, u
 
 /// The triangles of all pairs.
 fn sets_of(pairs: &[(u32, u32)]) -> HitSets {
-    let of = |id: fn(&(u32, u32)) -> u32| {
+    let ids_by = |id: fn(&(u32, u32)) -> u32| {
         pairs.iter().map(id).collect::<BTreeSet<u32>>().into_iter().collect()
     };
-    HitSets { of_a: of(|pair| pair.0), of_b: of(|pair| pair.1) }
+    HitSets { of_a: ids_by(|pair| pair.0), of_b: ids_by(|pair| pair.1) }
 }
 
 /// What the kernel sums up in one job over all.
@@ -51,7 +51,7 @@ fn hash_of(pairs: &[(u32, u32)]) -> u64 {
     pairs.iter().fold(0, |sum, pair| sum.wrapping_add(hash::pair_term(pair.0, pair.1)))
 }
 
-/// Holds all queries against what is true.
+/// Compares all queries with the brute-force result.
 #[track_caller]
 fn check(a: &Tree, b: &Tree, pose: &RelativePose, workspace: &mut Workspace, all: &[(u32, u32)]) {
     let listed = pairs(a, b, pose, workspace).unwrap();
@@ -87,7 +87,7 @@ proptest! {
         check(&a, &b, &pose, &mut way.workspace(), &brute_force(&of_a, &of_b, &pose));
     }
 
-    /// Equal, touching, coplanar and degenerate triangles, all of a body with itself.
+    /// Equal, touching, coplanar and degenerate triangles: a body against itself.
     #[test]
     fn a_body_meets_itself(
         corners in lattice(40), built in built_options(), turned in pose(), way in any_way(),
@@ -99,7 +99,7 @@ proptest! {
         }
     }
 
-    /// Whatever was asked before, of whichever bodies, and wherever that ended.
+    /// Results do not depend on earlier queries, on any bodies, however they ended.
     #[test]
     fn a_workspace_remembers_nothing(
         bodies in prop::collection::vec((triangles(40), built_options()), 3),
@@ -170,8 +170,9 @@ fn surfaces_that_share_faces_list_the_same_pairs_whatever_the_tree() {
 
 #[test]
 fn generated_bodies_list_the_pairs_of_brute_force() {
-    let of = |shape| shapes::generate(shape, 500, 0).expect("500 triangles are possible").corners;
-    let (sedan, wall) = (of(Shape::Sedan), of(Shape::Wall));
+    let corners_of =
+        |shape| shapes::generate(shape, 500, 0).expect("500 triangles are possible").corners;
+    let (sedan, wall) = (corners_of(Shape::Sedan), corners_of(Shape::Wall));
     let turned = RelativePose::between(
         &Pose::IDENTITY,
         &Pose::from_degrees(170.0, 0.0, 0.0, [3.9, 0.3, 0.2]),
@@ -189,8 +190,8 @@ fn generated_bodies_list_the_pairs_of_brute_force() {
     }
 }
 
-/// Trees much deeper than there is room for, where nearly all boxes overlap: a workspace grows, and
-/// where it could not, what is left open is done all the same.
+/// Trees much deeper than the initial capacity, where nearly all boxes overlap: a workspace grows,
+/// and where it cannot, what remains open is still done.
 #[test]
 fn no_tree_is_too_deep() {
     let chain: Vec<Corners> = (0..250)
@@ -208,7 +209,7 @@ fn no_tree_is_too_deep() {
             small.kernel = Kernel::with_room(0, 0, 0, 0);
             small.set_walk(walk);
             check(&deep, &deep, &SAME, &mut small, &all);
-            // The plain walk needs little room.
+            // The plain walk needs little capacity.
             assert_eq!(small.levels > 1, levels == 1 && walk == Walk::Wide, "{levels} {walk:?}");
         }
         let mut usual = Workspace::new();
@@ -217,7 +218,7 @@ fn no_tree_is_too_deep() {
     }
 }
 
-/// A workspace that a callback's panic went through is as good as new.
+/// A workspace remains usable after a panic in a callback.
 #[test]
 fn a_panic_of_the_callback_leaves_nothing_behind() {
     let (of_a, of_b) = (soup(300, 0.6, 3), soup(300, 0.6, 4));
@@ -273,7 +274,7 @@ fn what_cannot_be_built_is_refused_in_plain_words() {
         let error = Tree::build(corners, built).unwrap_err();
         let failure = Failure::from(error.clone());
         assert_eq!(failure.kind(), FailureKind::Input);
-        // One text says both, where there is but one line.
+        // One text holds both, for single-line output.
         assert_eq!(error.to_string(), failure.to_string().replace("\n  help", ""));
         failure.to_string()
     };
@@ -297,7 +298,7 @@ fn what_cannot_be_built_is_refused_in_plain_words() {
         "the literal build takes at most 50000 triangles, the body has 50001\n  help: use the \
          build 'paper', which is the same split with a balance rule"
     );
-    // Nobody has the memory to try.
+    // Allocating this many is infeasible.
     assert_eq!(
         BuildError::TooMany { triangles: 3_000_000_000 }.to_string(),
         "the body has 3000000000 triangles, at most 2147483648 are possible: simplify it"
@@ -324,8 +325,8 @@ fn a_pose_that_is_not_finite_is_refused() {
     assert_eq!(touches(&tree, &tree, &far, &mut workspace), Ok(false));
     assert_eq!(
         Failure::from(PoseError).to_string(),
-        "the pose has a number that is not finite, or beyond 1e100\n  help: look at what the pose \
-         was computed from"
+        "the pose has a number that is not finite, or beyond 1e100\n  help: check the values from \
+         which the pose is computed"
     );
 }
 

@@ -1,4 +1,4 @@
-//! The law of reach: every point of contact of every pair of triangles below lies within.
+//! The invariant of reach: every contact point of every pair of triangles below lies within.
 
 use super::*;
 use crate::fixtures::{any_build, body_of, options, pose, triangles};

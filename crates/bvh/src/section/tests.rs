@@ -1,4 +1,4 @@
-//! Laws of sections: what two siblings hold is what their parent holds.
+//! Invariants of sections: two siblings together hold what their parent holds.
 
 use super::*;
 use crate::fixtures::{self, any_build, body_of, options, soup};

@@ -1,42 +1,42 @@
-//! The corners of a body that can lie farthest, by direction: made once per body, and asked often.
+//! The corners of a body that can be farthest, by direction: computed once per body, for many
+//! queries.
 //!
-//! Directions are sorted into the cells of a cube around the origin, as texels of a cube map are. A
-//! cell is a cone, spanned by the directions to its four corners. Whatever lies behind another
-//! point in all four lies behind it in every direction of the cone, which is a sum of the four with
-//! factors that are not negative; so it is left out of the cell's list. *Behind* means by a margin
-//! far above what rounding does to a sum of three products, so that no point that is left out comes
-//! out in front: the greatest of a list is [`support`], bit for bit.
+//! Directions are sorted into the cells of a cube around the origin, like the texels of a cube map.
+//! A cell is a cone, spanned by the directions to its four corners. A point that lies behind
+//! another one in all four lies behind it in every direction of the cone, which is a sum of the
+//! four with non-negative factors; so it is left out of the cell's list. *Behind* means by a margin
+//! far above the rounding of a sum of three products, so no omitted point can be the farthest: the
+//! maximum over a list is [`support`], bit for bit.
 //!
-//! A cell of which too many points may be the farthest, as where it looks at a flat side, has no
-//! list: there the tree is asked.
+//! A cell with too many candidate points, such as one that faces a flat side, has no list: it uses
+//! the tree.
 
 use super::{along, farthest, reach, support};
 use body::BodyView;
 use geometry::DVec3;
 
-/// Cells along an edge of the cube: some 5° each.
+/// Cells along an edge of the cube: about 5° each.
 const SIDE: usize = 16;
 /// Faces of a cube.
 const FACES: usize = 6;
-/// Most points of a cell: comparing more takes about as long as asking the tree.
+/// Maximum number of points of a cell: comparing more takes about as long as searching the tree.
 const POINTS_MAX: usize = 256;
-/// A corner is in six triangles of a closed mesh: so many are met before equal ones are counted
-/// once.
+/// A corner is in six triangles of a closed mesh: this many are collected before duplicates are
+/// removed.
 const MET_MAX: usize = 8 * POINTS_MAX;
-/// Points behind by less than this share of the body's size stay. Rounding moves a product by less
-/// than a millionth of it.
+/// Points behind by less than this fraction of the body's size are kept. Rounding moves a product
+/// by less than a millionth of it.
 const MARGIN: f64 = 1e-9;
 
-/// Where a cell's points are.
+/// The location of a cell's points.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     first: u32,
-    /// None: the tree is asked.
+    /// Number of points; 0 means the tree is used.
     count: u32,
 }
 
-/// What can lie farthest of one body, and in which directions. It knows its body only as it was
-/// made: whoever keeps it asks with the same one.
+/// The candidate points of one body, by direction. Queries must pass the body it was built from.
 #[derive(Clone, Debug)]
 pub struct Extremes {
     cells: Vec<Cell>,
@@ -44,8 +44,8 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Looks through a body: some ten milliseconds for ten thousand triangles. It takes five
-    /// megabytes at most, for any.
+    /// Analyses a body: about ten milliseconds for ten thousand triangles. The result takes at most
+    /// five megabytes for any body.
     #[must_use]
     pub fn of(view: &BodyView<'_>) -> Self {
         let mut extremes =
@@ -75,7 +75,7 @@ impl Extremes {
     /// Adds the list of the next cell.
     fn add(&mut self, view: &BodyView<'_>, cone: &Cone, met: &mut Vec<[f32; 3]>) {
         cone.meet(view, met);
-        // As bits: +0 and −0 are one point to nobody but the sort.
+        // As bits: the sort treats +0 and −0 as different points, which is harmless.
         met.sort_unstable_by_key(|point| point.map(f32::to_bits));
         met.dedup();
         let first = self.points.len() as u32;
@@ -84,7 +84,7 @@ impl Extremes {
         self.cells.push(Cell { first, count });
     }
 
-    /// [`support`] of the body that this was made of.
+    /// [`support`] of the body from which this was built.
     #[must_use]
     pub fn support(&self, view: &BodyView<'_>, direction: DVec3) -> f64 {
         let Some(Cell { first, count }) = cell_of(direction).map(|cell| self.cells[cell]) else {
@@ -102,15 +102,15 @@ impl Extremes {
 /// The direction to a corner of a cell, on the cube: 1 or −1 along the face's axis.
 fn corner(face: usize, row: usize, column: usize) -> DVec3 {
     let (axis, sign) = (face / 2, if face.is_multiple_of(2) { 1.0 } else { -1.0 });
-    let at = |step: usize| (2 * step) as f64 / SIDE as f64 - 1.0;
+    let coordinate = |step: usize| (2 * step) as f64 / SIDE as f64 - 1.0;
     let mut toward = DVec3::ZERO;
     toward[axis] = sign;
-    toward[(axis + 1) % 3] = at(row);
-    toward[(axis + 2) % 3] = at(column);
+    toward[(axis + 1) % 3] = coordinate(row);
+    toward[(axis + 2) % 3] = coordinate(column);
     toward
 }
 
-/// The cell that a direction lies in; `None` if it is no direction.
+/// The cell that contains a direction; `None` for the zero vector or one that is not finite.
 fn cell_of(direction: DVec3) -> Option<usize> {
     let size = direction.abs();
     let axis = if size.x >= size.y && size.x >= size.z {
@@ -125,17 +125,17 @@ fn cell_of(direction: DVec3) -> Option<usize> {
         return None;
     }
     let face = 2 * axis + usize::from(direction[axis] < 0.0);
-    // Who is a rounding beside the cell is within its margin.
+    // A direction that rounding puts beside the cell is within its margin.
     let step = |x: f64| (((x / most + 1.0) * (SIDE / 2) as f64) as usize).min(SIDE - 1);
     let (row, column) = (step(direction[(axis + 1) % 3]), step(direction[(axis + 2) % 3]));
     Some((face * SIDE + row) * SIDE + column)
 }
 
-/// The directions of a cell, and the points that lie farthest along its edges.
+/// The directions of a cell, and the points farthest along its edges.
 struct Cone {
     edges: [DVec3; 4],
     front: [[f32; 3]; 4],
-    /// How far each of these points reaches along each edge, less the margin.
+    /// The reach of each of these points along each edge, less the margin.
     bars: [[f64; 4]; 4],
 }
 
@@ -146,21 +146,20 @@ impl Cone {
         Self { edges, front, bars }
     }
 
-    /// Whether what reaches so far along the edges lies behind one of the points in front.
+    /// Whether a point with these reaches along the edges lies behind one of the points in front.
     fn is_behind(&self, reaches: [f64; 4]) -> bool {
         self.bars.iter().any(|bars| bars.iter().zip(&reaches).all(|(bar, reach)| reach < bar))
     }
 
-    /// Collects all corners that are not behind, equal ones several times; stops when they are too
-    /// many.
+    /// Collects all corners that are not behind, with duplicates; stops when there are too many.
     fn meet(&self, view: &BodyView<'_>, met: &mut Vec<[f32; 3]>) {
         met.clear();
         if view.nodes.is_empty() {
             return;
         }
-        // Points in front come first, so that a body of equal corners is no special case.
+        // Points in front come first, so that a body of equal corners is not a special case.
         met.extend_from_slice(&self.front);
-        // One node waits per level of the tree at most.
+        // At most one node waits per level of the tree.
         let mut open = vec![0_u32];
         while let Some(at) = open.pop() {
             let node = &view.nodes[at as usize];

@@ -1,4 +1,4 @@
-//! The law of supports: branch and bound gives the brute-force maximum, bit for bit.
+//! The invariant of supports: branch and bound gives the brute-force maximum, bit for bit.
 
 use super::*;
 use crate::fixtures::{any_build, body_of, directions, options, torus, triangles};

@@ -12,11 +12,11 @@ pub(crate) struct CalibrateArgs {
     /// Bodies and poses, A,B,POSES, as for trolley measure.
     #[arg(long, value_name = "A,B,POSES", default_value = PAIRS[0])]
     pair: PairName,
-    /// How often each run is repeated.
+    /// Number of runs of each measurement.
     #[arg(long, value_name = "N", default_value_t = 7,
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Write it to this file besides.
+    /// Also write the document to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

@@ -1,7 +1,6 @@
-//! `trolley certify`: what bounds, deadlines and budgets are worth, measured on requests of chance.
+//! `trolley certify`: checks bounds, deadlines and budgets on random requests.
 //!
-//! Each verb prints a table for people, or a document; a violation ends the command with exit
-//! code 1.
+//! Each verb prints a table, or a JSON document; after a violation the exit code is 1.
 
 use super::shown::show;
 use crate::output::Output;
@@ -21,59 +20,61 @@ Examples:
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
   trolley certify budget --body sedan.trolley --body suv.trolley";
 
-/// What is measured.
+/// What to measure.
 #[derive(Clone, Debug, clap::Subcommand)]
 pub(crate) enum Verb {
-    /// After which share of the work the winner is certain, by strategy and depth.
+    /// Measure after what share of the work the winner is certain, by strategy and depth.
     Share(ShareArgs),
-    /// Whether every interval holds the final value, wherever the work is stopped.
+    /// Check that every interval holds the final value, wherever the work stops.
     Bounds(BoundsArgs),
-    /// How late answers are, over many requests.
+    /// Measure how late answers are, over many requests.
     Deadline(DeadlineArgs),
-    /// Whether jobs keep their budget, in tests and in CPU time.
+    /// Check that jobs keep their budget, in tests and in CPU time.
     Budget(BudgetArgs),
 }
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ShareArgs {
-    /// Bodies, as files or shape:triangles; the first is the ego [default: seven generated ones].
+    /// Bodies, as model files or shape:triangles; the first is the ego [default: seven generated
+    /// ones].
     #[arg(long, value_name = "BODY")]
     body: Vec<String>,
-    /// Requests, of 6 to 16 candidates each.
+    /// Number of requests, of 6 to 16 candidates each.
     #[arg(long, value_name = "N", default_value_t = 24)]
     requests: u32,
-    /// Which requests.
+    /// Seed of the random requests.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Only requests whose every candidate touches: no way past is left.
+    /// Only requests in which every candidate makes contact.
     #[arg(long)]
     unavoidable: bool,
     /// Distribution depths.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "3,5,8")]
     depth: Vec<u32>,
-    /// Write the table to this file besides.
+    /// Also write the table to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct BoundsArgs {
-    /// Bodies, as files or shape:triangles; the first is the ego [default: seven generated ones].
+    /// Bodies, as model files or shape:triangles; the first is the ego [default: seven generated
+    /// ones].
     #[arg(long, value_name = "BODY")]
     body: Vec<String>,
-    /// Stops, at each of which all intervals are held against the finished run.
+    /// Number of stops; at each, all intervals are compared with the finished run.
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     stops: u64,
     /// Stops per request.
     #[arg(long, value_name = "N", default_value_t = 50)]
     per_request: u64,
-    /// Which requests.
+    /// Seed of the random requests.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Distribution depth.
     #[arg(long, value_name = "D", default_value_t = 4)]
     depth: u32,
-    /// Make the bounds wrong on purpose: then violations must be found.
+    /// Make the bounds wrong on purpose, to see that violations are found.
     #[arg(long, value_name = "HOW")]
     flaw: Option<FlawName>,
 }
@@ -81,47 +82,48 @@ pub(crate) struct BoundsArgs {
 /// [`BoundFlaw`] by name.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum FlawName {
-    /// Poses that are not done are taken to add nothing.
+    /// Open poses are assumed to add nothing.
     ForgetsOpenPoses,
-    /// The upper end is taken to be half way up.
+    /// The upper end is assumed to be halfway up.
     HalvesWidths,
 }
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct DeadlineArgs {
-    /// Bodies, as files or shape:triangles; the first is the ego. A second body like the first is
-    /// put right into it [default: seven generated ones].
+    /// Bodies, as model files or shape:triangles; the first is the ego. A second body like the
+    /// first is placed inside it [default: seven generated ones].
     #[arg(long, value_name = "BODY")]
     body: Vec<String>,
-    /// Requests.
+    /// Number of requests.
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     requests: u32,
-    /// Each is due so many milliseconds after it was accepted.
+    /// Deadline of each request, from its acceptance (ms).
     #[arg(long, value_name = "MS", default_value_t = 20.0)]
     deadline_ms: f64,
-    /// Which requests.
+    /// Seed of the random requests.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Worker processes.
+    /// Number of worker processes.
     #[arg(long, value_name = "N", default_value_t = 4)]
     workers: u8,
-    /// Threads that do nothing but take time from everybody.
+    /// Number of threads that only consume CPU time.
     #[arg(long, value_name = "N", default_value_t = 0)]
     load: usize,
-    /// Most tests of a job.
+    /// Maximum number of tests per job.
     #[arg(long, value_name = "TESTS", default_value_t = BUDGET)]
     budget: u64,
 }
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct BudgetArgs {
-    /// Bodies, as files or shape:triangles; the first is the ego [default: seven generated ones].
+    /// Bodies, as model files or shape:triangles; the first is the ego [default: seven generated
+    /// ones].
     #[arg(long, value_name = "BODY")]
     body: Vec<String>,
-    /// Most tests of a job.
+    /// Maximum number of tests per job.
     #[arg(long, value_name = "TESTS", default_value_t = BUDGET)]
     budget: u64,
-    /// Jobs.
+    /// Number of jobs.
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     jobs: u64,
 }

@@ -1,5 +1,4 @@
-//! `trolley inject`: requests to real workers while faults are injected, and a ledger of what came
-//! of each.
+//! `trolley inject`: injects faults into real workers during requests, and reports each outcome.
 
 use super::shown::show;
 use crate::output::Output;
@@ -20,10 +19,10 @@ Exit codes: 0 survived; 1 a wrong answer, a hang, a false kill, or something lef
 pub(crate) struct InjectArgs {
     /// Plan, TOML: which faults, how often, against which scenario.
     plan: PathBuf,
-    /// Order and places of the faults; equal seeds give equal plans, not equal times.
+    /// Seed of the order and places of the faults; equal seeds give equal plans, not equal times.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Write the ledger as JUnit too: a test case for each kind of fault.
+    /// Also write the report as JUnit XML, with a test case for each kind of fault.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }

@@ -1,5 +1,5 @@
-//! `trolley measure`: the paper's experiment on real bodies: schemes, depths, buffers, transfer; or
-//! one ranking with settings that no decision needs.
+//! `trolley measure`: the paper's experiment on real bodies (schemes, depths, buffers, transfer),
+//! or one ranking with experimental settings.
 
 use super::shown::show;
 use crate::answer_args::LimitArgs;
@@ -22,26 +22,26 @@ Examples:
   trolley measure --quick --scheme best-match,round-robin --transfer copy --out results
   trolley measure --scenario crash.toml --scheme lowest-match --job-log jobs.csv --json
 
-A pair is A,B,POSES: bodies as model files, or shape:triangles for generated ones; poses as a file
-(six lines, as for trolley intersect), or deep or scratch: B comes from sixteen directions until it
-is 0.5 m, or 0.01 m, into A. The claim about two contacts compares deep and scratch of the same
-bodies.";
+A pair is A,B,POSES. Bodies are model files, or shape:triangles for generated ones. Poses are a file
+(six lines, as for trolley intersect), or deep or scratch: B approaches from sixteen directions
+until it is 0.5 m, or 0.01 m, inside A. The claim about two contacts compares deep and scratch of
+the same bodies.";
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeasureArgs {
-    /// Fewer depths, buffers and repeats: a minute, and wider margins.
+    /// Use fewer depths, buffers and repeats: takes a minute, with wider margins.
     #[arg(long)]
     quick: bool,
-    /// Bodies and poses, A,B,POSES; may be given several times.
+    /// Bodies and poses, A,B,POSES; may be repeated.
     #[arg(long, value_name = "A,B,POSES")]
     pair: Vec<PairName>,
-    /// Folder for tables, figures and the page; made if it is not there.
+    /// Folder for tables, figures and the page; created if missing.
     #[arg(long, value_name = "DIR", required_unless_present = "scenario")]
     out: Option<PathBuf>,
-    /// Measure one ranking of this scenario instead, with these settings.
+    /// Measure one ranking of this scenario instead.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "pair", "out"])]
     scenario: Option<PathBuf>,
-    /// How jobs are matched to workers; several for a sweep [default: all, or the scenario's].
+    /// How jobs are matched to workers; a list for a sweep [default: all, or the scenario's].
     #[arg(long, value_name = "NAME", value_delimiter = ',',
           value_parser = named(Scheme::ALL, Scheme::name))]
     scheme: Vec<Scheme>,
@@ -49,26 +49,28 @@ pub(crate) struct MeasureArgs {
     /// scenario's].
     #[arg(long)]
     alpha: Option<f64>,
-    /// How workers come by the bodies: they read the one store, or get sections copied [default of
-    /// a sweep: both, of a ranking: zero-copy].
+    /// How workers get the bodies: from the shared store, or as copied sections [default for a
+    /// sweep: both, for a ranking: zero-copy].
     #[arg(long, value_name = "MODE", value_parser = named(TransferMode::ALL, TransferMode::name),
           conflicts_with = "in_process")]
     transfer: Option<TransferMode>,
-    /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of bodies].
+    /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of the
+    /// bodies].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     memory_budget: Option<u64>,
-    /// Bytes of sections that the transfer ledger lets a core hold; the least recently needed make
-    /// room [default: no limit].
+    /// Bytes of sections that the transfer ledger lets a core hold; the least recently used are
+    /// evicted [default: no limit].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     cache_bytes: Option<u64>,
-    /// How long a batch that is not full waits for more jobs (µs).
+    /// How long an incomplete batch waits for more jobs (µs).
     #[arg(long, value_name = "US", default_value_t = 0, conflicts_with = "in_process")]
     linger: u64,
-    /// Write who got which job of the last measured run to this file, CSV.
+    /// Write which worker got which job in the last measured run to this file, as CSV.
     #[arg(long, value_name = "FILE", conflicts_with = "in_process")]
     job_log: Option<PathBuf>,
-    /// With --scenario: whose job goes out next.
-    #[arg(long, alias = "pursuit", value_name = "NAME", value_parser = named(SearchOrder::ALL, SearchOrder::name))]
+    /// With --scenario: which candidate's job is sent next.
+    #[arg(long, alias = "pursuit", value_name = "NAME",
+          value_parser = named(SearchOrder::ALL, SearchOrder::name))]
     search_order: Option<SearchOrder>,
     #[command(flatten)]
     limits: LimitArgs,
@@ -84,7 +86,7 @@ pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failu
     }
 }
 
-/// Reads one of these, by its name.
+/// Parses a value by its name.
 fn named<T: Copy + Send + Sync + 'static, const N: usize>(
     all: [T; N],
     name: fn(T) -> &'static str,

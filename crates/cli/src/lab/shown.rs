@@ -1,4 +1,4 @@
-//! How reports of the laboratory are printed.
+//! Prints the laboratory's reports.
 
 use crate::output::Output;
 use crate::print;
@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::process::ExitCode;
 use trolley::Failure;
 
-/// Prints a report, as a document or as text.
+/// Prints a report, as JSON or as text.
 pub(crate) fn show(
     report: &impl Serialize,
     text: impl FnOnce() -> String,

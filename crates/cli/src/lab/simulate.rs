@@ -1,4 +1,4 @@
-//! `trolley simulate faults`: seeded worlds in which everything goes wrong, in virtual time.
+//! `trolley simulate faults`: seeded simulations, in virtual time, of everything that can fail.
 
 use super::shown::show;
 use crate::output::Output;
@@ -11,42 +11,44 @@ pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley simulate faults                          2,000 worlds of 4 requests each
   trolley simulate faults --worlds 250000          a million requests
-  trolley simulate faults --seed 173 -v            one world, with all that happens in it
+  trolley simulate faults --seed 173 -v            one world, with a log of its events
   trolley simulate faults --only crash,lose-result
 
-Exit codes: 0 all laws hold, 1 one was broken: the seed is printed, with the smallest world found.";
+Exit codes: 0 all invariants hold; 1 one is violated: its seed and the smallest failing world are
+printed.";
 
 #[derive(Clone, Debug, clap::Subcommand)]
 pub(crate) enum Verb {
-    /// The dispatcher among workers that crash, hang and lie, on channels that lose and garble.
+    /// Run the dispatcher with workers that crash, hang and lie, over channels that lose and
+    /// corrupt.
     #[command(after_help = EXAMPLES)]
     Faults(FaultArgs),
 }
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct FaultArgs {
-    /// This world alone.
+    /// Run only the world of this seed.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// How many worlds.
+    /// Number of worlds.
     #[arg(long, value_name = "N", default_value_t = 2_000)]
     worlds: u64,
-    /// The first one.
+    /// Seed of the first world.
     #[arg(long, value_name = "N", default_value_t = 0)]
     from: u64,
-    /// Requests in each.
+    /// Requests per world.
     #[arg(long, value_name = "N", default_value_t = 4)]
     requests: u64,
-    /// Threads [default: one for each core].
+    /// Number of threads [default: one per core].
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// These kinds of faults alone.
+    /// Only these kinds of faults.
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kind)]
     only: Vec<SimulatedFault>,
-    /// Not these.
+    /// All kinds of faults but these.
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kind)]
     without: Vec<SimulatedFault>,
-    /// So many faults in a world at most: the first ones.
+    /// Maximum number of faults per world: only the first N happen.
     #[arg(long, value_name = "N")]
     most: Option<u64>,
 }
@@ -54,7 +56,7 @@ pub(crate) struct FaultArgs {
 fn kind(name: &str) -> Result<SimulatedFault, String> {
     SimulatedFault::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = SimulatedFault::ALL.iter().map(|fault| fault.name()).collect();
-        format!("there are: {}", names.join(", "))
+        format!("expected one of: {}", names.join(", "))
     })
 }
 

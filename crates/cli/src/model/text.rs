@@ -1,4 +1,4 @@
-//! What `trolley model` says to people.
+//! The text output of `trolley model`.
 
 use std::fmt::Write as _;
 use trolley::model::facts::triangles;
@@ -6,10 +6,10 @@ use trolley::model::{Facts, FileCheck, MeshInfo, Reading, Report, Seat};
 
 pub(crate) use trolley::model::facts::thousands;
 
-/// Parts that the table names; JSON names all.
+/// Maximum number of parts in the table; JSON has all.
 const PARTS_SHOWN: usize = 20;
 
-/// The table. `read` and `notes` say what an import saw beside.
+/// The table. `read` and `notes` come from an import.
 pub(super) fn table(facts: &Facts, read: Option<&str>, notes: &[String]) -> String {
     let mut text = format!("{}\n\n", facts.sentence);
     let mut row = |name: &str, value: &str| {
@@ -105,7 +105,7 @@ fn tree(facts: &Facts) -> String {
     )
 }
 
-/// "1,733", for figures of which the fraction says nothing.
+/// "1,733", without a meaningless fraction.
 fn rounded(value: f64) -> String {
     if value < 100.0 { format!("{value:.1}") } else { thousands(value.round() as usize) }
 }
@@ -115,7 +115,7 @@ pub(super) fn read(report: &Report) -> String {
     let mut text = format!("{}, {}", report.format, triangles(report.triangles_in_file));
     if report.triangles_selected != report.triangles_in_file {
         let selected = thousands(report.triangles_selected);
-        text += &format!(", of which {selected} in the parts that were asked for");
+        text += &format!(", of which {selected} in the selected parts");
     }
     if let Some(side) = &report.side_file {
         text += &format!("; side file {side}");
@@ -123,7 +123,7 @@ pub(super) fn read(report: &Report) -> String {
     text
 }
 
-/// The line of a file that was checked.
+/// The line of a checked file.
 pub(super) fn verdict(verdict: &FileCheck) -> String {
     let (state, mut text) = match (&verdict.what, &verdict.fault) {
         (Some(what), _) => ("ok", format!("{}: {what}", verdict.file)),
@@ -138,7 +138,7 @@ pub(super) fn verdict(verdict: &FileCheck) -> String {
     format!("{state:<8} {}", shown(&text))
 }
 
-/// What a mesh holds, and how it might be meant.
+/// The contents of a mesh, and suggestions of its unit and axes.
 pub(super) fn mesh(info: &MeshInfo) -> String {
     let [x, y, z] = info.extent;
     let mut text = format!(
@@ -158,7 +158,7 @@ pub(super) fn mesh(info: &MeshInfo) -> String {
     }
     if info.readings.is_empty() {
         text +=
-            "It looks like nothing known, in no usual unit: say what it is when you import it.\n";
+            "It matches no known kind of body in any usual unit: state both when you import it.\n";
     }
     for (at, reading) in info.readings.iter().enumerate() {
         let [length, width, height] = reading.size_m;
@@ -171,12 +171,11 @@ pub(super) fn mesh(info: &MeshInfo) -> String {
             if forward.starts_with('-') { forward.clone() } else { format!("+{forward}") }
         );
     }
-    text +=
-        "These are offers: nothing is applied. Which end is the front is told from habits; look.";
+    text += "These are suggestions: nothing is applied. The front end is a guess; check it.";
     text
 }
 
-/// A text of a stranger's, for a terminal: control characters could move the cursor or worse.
+/// Untrusted text, safe for a terminal: control characters are replaced.
 pub(crate) fn shown(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }

@@ -1,4 +1,4 @@
-//! `trolley record show`: what a record holds, for people and for programs.
+//! `trolley record show`: the contents of a record, as text or as JSON.
 
 use crate::output::Output;
 use crate::print;

@@ -1,4 +1,4 @@
-//! Whatever became of the jobs and in whatever order, a replay of the job history gives the same answer.
+//! However and in whatever order the jobs ended, a replay of the job history gives the same answer.
 
 use super::*;
 use crate::fixtures::with;
@@ -14,7 +14,7 @@ enum Fate {
     Late,
 }
 
-/// Runs a request, from the last open job to the first, giving up some by a rule, until it is over.
+/// Runs a request from the last open job to the first, abandoning some by a rule, until it is over.
 fn run_badly(
     work: &mut RankingRun<'_>,
     bodies: &[(Meta, BodyView<'_>)],
@@ -23,7 +23,7 @@ fn run_badly(
     let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     loop {
-        // Two tasks' jobs at a time, the last first: another order than any other run has.
+        // Two tasks' jobs at a time, the last first: an order that no other run has.
         let mut more = Vec::new();
         work.more(&mut more);
         open.append(&mut more);
@@ -46,7 +46,7 @@ fn run_badly(
     }
 }
 
-/// The answer of a run in which jobs have such fates, and that of its replay.
+/// The answer of a run in which jobs end as given, and that of its replay.
 fn given_and_again(
     (request, bodies): (&Request, &[(Meta, BodyView<'_>)]),
     search_order: SearchOrder,
@@ -72,7 +72,7 @@ fn a_complete_run_is_replayed_from_its_ledger_alone() {
         let mut again = RankingRun::new(request, bodies, 4);
         replay(&mut again, bodies, &job_history.places, &job_history.jobs);
         assert_eq!(again.answer().expect("sound"), work.answer().expect("sound"));
-        // Without its last jobs it is another answer, and says that it is not complete.
+        // Without its last jobs the answer differs, and says that it is not complete.
         let mut cut = RankingRun::new(request, bodies, 4);
         replay(
             &mut cut,

@@ -1,4 +1,4 @@
-//! Each strategy is what its name says; none picks who has no work.
+//! Each strategy does what its name says; none picks a candidate without work.
 
 use super::*;
 use proptest::prelude::*;
@@ -33,8 +33,13 @@ proptest! {
 
 #[test]
 fn each_goes_its_way() {
-    let of = |lo, width| prospect(lo, width, true, true);
-    let prospects = [of(0.2, 0.1), of(0.1, 0.9), of(0.05, 0.3), prospect(0.0, 0.0, true, false)];
+    let prospect_over = |lo, width| prospect(lo, width, true, true);
+    let prospects = [
+        prospect_over(0.2, 0.1),
+        prospect_over(0.1, 0.9),
+        prospect_over(0.05, 0.3),
+        prospect(0.0, 0.0, true, false),
+    ];
     let picks = |search_order: SearchOrder| {
         let mut strategy = search_order.strategy();
         [0; 4].map(|_| strategy.choose(&prospects, 0))

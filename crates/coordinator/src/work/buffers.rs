@@ -1,8 +1,8 @@
-//! Room for the work of requests, kept from one to the next, so that none is taken from the heap.
+//! Buffers for the work of requests, kept from one to the next, so that none is allocated again.
 //!
-//! Lists are emptied and not dropped, and what a list held that has room of its own is laid aside
-//! until the next one of its kind is wanted. Nothing that was found goes from one request to the
-//! next: only capacity, and what depends on the bodies alone.
+//! Lists are cleared rather than dropped, and elements with buffers of their own are kept as spares
+//! for the next element of their kind. Only capacity, and what depends on the bodies alone, passes
+//! from one request to the next; no finding does.
 
 use super::{Outlook, TaskState};
 use crate::answer_view::Judged;
@@ -16,9 +16,9 @@ use bvh::NodePair;
 use protocol::{WireQuestion, WireTask};
 use std::collections::VecDeque;
 
-/// What [`super::RankingRun::into_buffers`] gives and [`super::RankingRun::with_buffers`] takes.
+/// What [`super::RankingRun::into_buffers`] returns and [`super::RankingRun::with_buffers`] takes.
 ///
-/// It must not be kept for other bodies: it holds their zones.
+/// It must not be used with other bodies: it holds the zones of its own.
 #[derive(Debug, Default)]
 pub struct RunBuffers {
     pub(super) zones: Vec<u16>,
@@ -31,7 +31,7 @@ pub struct RunBuffers {
     pub(super) spare: BufferPool,
 }
 
-/// What is laid aside.
+/// Spare elements.
 #[derive(Debug, Default)]
 pub(super) struct BufferPool {
     candidate_states: Vec<CandidateState>,
@@ -43,7 +43,7 @@ pub(super) struct BufferPool {
 }
 
 impl RunBuffers {
-    /// Cleared for a request.
+    /// These buffers, cleared for a request.
     pub(super) fn for_request(
         mut self,
         request: &Request,
@@ -59,7 +59,7 @@ impl RunBuffers {
             spare.gathered.extend(state.found.take());
             spare.rests.extend(state.rests.drain(..).map(|(_, rest)| rest));
         }
-        // The last is taken first: a request like the last one finds each in its old place.
+        // The last spare is taken first: a request like the last one gets each in its old place.
         spare.tasks.extend(self.tasks.drain(..).rev());
         spare.candidate_states.extend(self.candidate_states.drain(..).rev());
         for candidate in &request.candidates {
@@ -72,7 +72,7 @@ impl RunBuffers {
 }
 
 impl BufferPool {
-    /// A task that nothing was done for.
+    /// The state of a new task.
     pub(super) fn state(
         &mut self,
         candidate: usize,
@@ -104,7 +104,7 @@ impl BufferPool {
         }
     }
 
-    /// Nothing found between bodies of so many triangles.
+    /// An empty result for bodies of these numbers of triangles.
     pub(super) fn gathered(&mut self, triangles_a: usize, triangles_b: usize) -> Gathered {
         match self.gathered.pop() {
             Some(used) => used.anew(triangles_a, triangles_b),

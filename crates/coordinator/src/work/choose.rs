@@ -6,7 +6,7 @@ use crate::strategy::Prospect;
 use damage::{Interval, needs_high};
 
 impl RankingRun<'_> {
-    /// The task whose jobs go out next; `None` if all there are are out.
+    /// The task whose jobs go out next; `None` if all jobs are out.
     pub(super) fn choose(&mut self) -> Option<u32> {
         let first = *self.waiting.front()?;
         if self.strategy.needs_bounds() {
@@ -19,7 +19,7 @@ impl RankingRun<'_> {
         Some(chosen)
     }
 
-    /// The task that the strategy takes, if it takes one.
+    /// The task that the strategy chooses, if it chooses one.
     fn chosen(&mut self, prospects: &[Prospect]) -> Option<u32> {
         let incumbent = self.outlook.standing.as_ref().map_or(0, |standing| standing.incumbent);
         let chosen = self.strategy.choose(prospects, incumbent);
@@ -35,7 +35,7 @@ impl RankingRun<'_> {
                 of_case(k).next()
             }
         });
-        // Nobody has work that ranks, or the strategy has no wish.
+        // No candidate has work that ranks, or the strategy has no preference.
         let possible = || {
             let is_possible =
                 |task: &u32| prospects[self.tasks[*task as usize].candidate].is_possible;
@@ -66,7 +66,7 @@ impl RankingRun<'_> {
         }
     }
 
-    /// Less goes first: the probe that parts the open poses best, then the deepest pose of the
+    /// Lower goes first: the probe that splits the open poses best, then the deepest pose of the
     /// patch, then what only zones and depth need.
     fn eagerness(&self, task: u32) -> (u32, i64) {
         let state = &self.tasks[task as usize];
@@ -74,7 +74,7 @@ impl RankingRun<'_> {
         let micrometres = |metres: f64| (metres * 1e6) as i64;
         match state.purpose {
             Purpose::Probe { travel_m } => {
-                // What was begun is finished first: half a probe tells nothing.
+                // A task already begun goes first: half a probe yields nothing.
                 let begun = u32::from(!state.is_descended);
                 (begun, micrometres((travel_m - candidate.middle_m()).abs()))
             }

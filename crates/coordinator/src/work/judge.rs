@@ -1,4 +1,4 @@
-//! What is known of the work so far, judged: harm of every candidate, their order, the answer.
+//! Judges what is known so far: harm of every candidate, their order, the answer.
 
 use super::RankingRun;
 use crate::answer::Answer;
@@ -7,7 +7,7 @@ use crate::request::{Request, RequestError};
 use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess_in, rank_in};
 
 impl<'w> RankingRun<'w> {
-    /// The answer that follows from what is known by now.
+    /// The answer that follows from what is known so far.
     ///
     /// # Errors
     ///
@@ -22,7 +22,7 @@ impl<'w> RankingRun<'w> {
         self.judge_by(|k| self.evidence(k), |_| {})
     }
 
-    /// The same by other evidence, and with harm changed before it is ranked.
+    /// [`RankingRun::judge`] with other evidence, and with harm changed before it is ranked.
     pub(crate) fn judge_by(
         &self,
         evidence: impl Fn(usize) -> Evidence,
@@ -33,7 +33,7 @@ impl<'w> RankingRun<'w> {
         Ok((judged.harms, judged.ranking))
     }
 
-    /// The same in room that was used before.
+    /// [`RankingRun::judge`] in buffers of an earlier call.
     fn judge_in(
         &self,
         judged: &mut Judged,
@@ -56,7 +56,7 @@ impl<'w> RankingRun<'w> {
         Ok(())
     }
 
-    /// Tells `of` the answer that follows from what is known by now, as a program takes it.
+    /// Calls `of` with a view of the answer that follows from what is known so far.
     ///
     /// # Errors
     ///
@@ -69,7 +69,7 @@ impl<'w> RankingRun<'w> {
         told
     }
 
-    /// By what harm is computed.
+    /// The curves, severity level and parameters that harm is computed with.
     pub(crate) fn basis(&self) -> Basis<'w> {
         let Request { curves, policy, parameters, .. } = self.request;
         Basis { curves, level: policy.outcome, parameters }

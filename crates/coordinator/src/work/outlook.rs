@@ -1,8 +1,8 @@
-//! How certain the order is by now: kept while jobs finish, so that work can stop when it may.
+//! How certain the order is: updated while jobs finish, so that work can stop early.
 //!
-//! Bounds are made anew for a candidate whose evidence changed, and only when a question of it was
-//! answered or a good part of its open jobs was done: so what a job's result costs here stays below
-//! what the job cost.
+//! Bounds are recomputed for a candidate whose evidence changed, and only when a question of it was
+//! answered or a good part of its open jobs was done: so the cost per result stays below that of
+//! the job.
 
 use super::{Effort, RankingRun};
 use crate::bound::{self, Open};
@@ -28,17 +28,17 @@ pub struct Certainty {
     pub ns: u64,
 }
 
-/// What is known of the order.
+/// What is known of the order so far.
 #[derive(Debug, Default)]
 pub(super) struct Outlook {
-    /// Per candidate. They are all made at the first review.
+    /// Per candidate; all are computed at the first review.
     bounds: Vec<CandidateBounds>,
     pub(super) standing: Option<Standing>,
     /// What the persons of the request have at stake.
     stakes: Vec<Stake>,
-    /// Room for what is made after every result.
+    /// Buffers for what is computed after every result.
     scratch: OutlookScratch,
-    /// Per candidate: closed jobs that its bounds do not know of, and whether they are due.
+    /// Per candidate: closed jobs not yet reflected in its bounds, and whether the bounds are due.
     news: Vec<(usize, bool)>,
     /// Jobs handed out, per candidate.
     handed: Vec<u64>,
@@ -47,11 +47,11 @@ pub(super) struct Outlook {
     pub(super) winner: Option<Certainty>,
     pub(super) order: Option<Certainty>,
     is_decided: bool,
-    /// Bounds could not be made: the request is refused when it is answered.
+    /// Bounds cannot be computed: the request is refused when it is answered.
     is_lost: bool,
 }
 
-/// Room for what is made after every result, so that none is taken from the heap.
+/// Buffers for what is computed after every result, so that nothing is allocated.
 #[derive(Debug, Default)]
 struct OutlookScratch {
     scratch: Scratch,
@@ -60,11 +60,11 @@ struct OutlookScratch {
     standing: Standing,
 }
 
-/// Closed jobs of a pose after which its bounds are made anew, though it is not done.
+/// Number of closed jobs of an unfinished pose after which its bounds are recomputed.
 const NEWS: usize = 32;
 
 impl Outlook {
-    /// Nothing known of a request, in the lists of an earlier one.
+    /// An outlook with nothing known, in the lists of an earlier request.
     pub(super) fn anew(self, request: &Request) -> Self {
         let Self { mut bounds, standing, mut stakes, mut scratch, mut news, mut handed, .. } = self;
         let candidates = request.candidates.len();
@@ -94,8 +94,8 @@ impl Outlook {
         self.is_decided
     }
 
-    /// Makes the bounds of a candidate anew: the first time, all come in their order. `false` if
-    /// they cannot be made: then nothing is known of the order any more.
+    /// Recomputes the bounds of a candidate: the first time, those of all candidates in order.
+    /// `false` if they cannot be computed: then nothing more is known of the order.
     fn bind(
         &mut self,
         k: usize,
@@ -126,7 +126,7 @@ impl Outlook {
         self.bounds.get(k).map_or(Touch::Unknown, |bounds| bounds.touch)
     }
 
-    /// Something was learned of a candidate; `is_due`: a question of it is answered.
+    /// Notes news of a candidate; `is_due`: a question of it is answered.
     pub(super) fn touch(&mut self, k: usize, is_due: bool) {
         let (jobs, due) = &mut self.news[k];
         *jobs += 1;
@@ -148,13 +148,13 @@ impl RankingRun<'_> {
         self.outlook.begun_ns
     }
 
-    /// What is certain by now, as it was last looked at.
+    /// What is certain, as of the last review.
     #[must_use]
     pub fn standing(&self) -> Option<&Standing> {
         self.outlook.standing.as_ref()
     }
 
-    /// Whether anybody looks at bounds before the end.
+    /// Whether bounds are needed before the end.
     fn is_watched(&self) -> bool {
         let is_known = match self.limits.until {
             Until::Complete => self.outlook.winner.is_some(),
@@ -163,7 +163,7 @@ impl RankingRun<'_> {
         !self.outlook.is_lost && (!is_known || self.strategy.needs_bounds())
     }
 
-    /// Makes bounds anew where they are due, and sees what is certain now.
+    /// Recomputes bounds where they are due, and updates what is certain.
     pub(super) fn review(&mut self) {
         if !self.outlook.news.iter().any(|(_, due)| *due) || !self.is_watched() {
             return;
@@ -217,7 +217,7 @@ impl RankingRun<'_> {
         self.evidence_by(k, false)
     }
 
-    /// The same; `by_cache` takes reaches as they were last made, which may be too wide.
+    /// [`RankingRun::evidence`]; `by_cache` takes reaches as last computed, which may be too wide.
     fn evidence_by(&self, k: usize, by_cache: bool) -> Evidence {
         let candidate = &self.request.candidates[k];
         let zones = [candidate.model_a, candidate.model_b].map(|m| self.zones[m as usize]);
@@ -243,8 +243,8 @@ impl RankingRun<'_> {
         bound::boxes(candidate, self.views(&state.wire), &pose, state.open(), open)
     }
 
-    /// Makes the reaches of a candidate's open poses anew where half of the jobs that they were
-    /// made of are closed.
+    /// Recomputes the reaches of a candidate's open poses where half of the jobs that they were
+    /// computed from are closed.
     fn reach_anew(&mut self, k: usize) {
         for task in 0..self.tasks.len() as u32 {
             let state = &self.tasks[task as usize];
@@ -259,7 +259,7 @@ impl RankingRun<'_> {
 }
 
 impl super::TaskState {
-    /// Jobs whose finds are not known.
+    /// Number of jobs whose findings are not known.
     fn open(&self) -> usize {
         self.todo.len() + self.out.len() + self.lost.len()
     }

@@ -1,4 +1,4 @@
-//! What is kept of the work for those who ask afterwards: the job history, and the explanation.
+//! What is kept of the work for later inspection: the job history and the explanation.
 
 use super::{RankingRun, TaskState};
 use crate::explain::Explanation;
@@ -7,14 +7,14 @@ use crate::request::RequestError;
 use protocol::TaskId;
 
 impl RankingRun<'_> {
-    /// The same, keeping a job history of its jobs.
+    /// This run, keeping a job history.
     #[must_use]
     pub fn with_job_history(mut self) -> Self {
         self.job_history = Some(JobHistory::new());
         self
     }
 
-    /// Asks nothing but this: what a recorded run had asked when it was answered.
+    /// Restricts the questions to those that a recorded run had asked when it was answered.
     pub(crate) fn ask_only(&mut self, asked: Asked) {
         let tasks = &self.tasks;
         self.waiting.retain(|task| asked.has(&tasks[*task as usize]));
@@ -32,7 +32,7 @@ impl RankingRun<'_> {
         self.tasks.get(task.0 as usize)
     }
 
-    /// Notes in the job history what is known by now.
+    /// Notes in the job history what is known so far.
     pub(super) fn note(&mut self) {
         if self.job_history.is_none() {
             return;
@@ -48,7 +48,7 @@ impl RankingRun<'_> {
         }
     }
 
-    /// The answer's chain of figures, from contact to policy, and what would flip the winner.
+    /// The answer's chain of figures, from contact to policy, and what would change the winner.
     ///
     /// # Errors
     ///

@@ -1,5 +1,5 @@
-//! One question about one pose of one candidate, and where each of its jobs is: to be handed out,
-//! out, done, or lost. What the parts of their results say of that; not what they found.
+//! One question about one pose of one candidate, and the state of each of its jobs: to be handed
+//! out, out, done, or lost; not what the jobs found.
 
 use crate::candidate_state::Purpose;
 use crate::gather::{Gathered, Part, Rest};
@@ -16,7 +16,7 @@ pub(crate) struct TaskState {
     pub(crate) purpose: Purpose,
     pub(crate) travel_m: f64,
     pub(super) wire: WireTask,
-    /// The descent was made: jobs exist.
+    /// The traversal is done: jobs exist.
     pub(super) is_descended: bool,
     /// Jobs not handed out yet; the last goes first.
     pub(super) todo: Vec<NodePair>,
@@ -24,20 +24,20 @@ pub(crate) struct TaskState {
     pub(super) out: VecDeque<NodePair>,
     /// Jobs that will not be done: what they would have found is not known.
     pub(super) lost: Vec<NodePair>,
-    /// What jobs whose budget was spent have left open, by the job.
+    /// What jobs that exhausted their budget left open, by job.
     pub(super) rests: Vec<(NodePair, Vec<NodePair>)>,
     /// Jobs that were done.
     pub(super) done: u64,
     pub(super) is_obsolete: bool,
-    /// Made when its jobs are made, taken when all of them are done.
+    /// Created with its jobs, taken when all of them are done.
     pub(super) found: Option<Gathered>,
-    /// What its open jobs could still reach when so many were open.
+    /// What its open jobs could still reach, and how many were open when that was computed.
     pub(super) reach: Option<(usize, Supports)>,
 }
 
 impl TaskState {
-    /// Keeps what a part says was left open; it may come again.
-    pub(super) fn keep_rest(
+    /// Keeps what a part reports as left open; the part may be repeated.
+    pub(super) fn store_rest(
         &mut self,
         job: NodePair,
         part: &Part<'_>,
@@ -45,17 +45,17 @@ impl TaskState {
     ) {
         match part.rest {
             Rest::Pairs([]) => {}
-            Rest::Pairs(pairs) => self.keep(job, 0, pairs.iter().copied(), spare),
+            Rest::Pairs(pairs) => self.store(job, 0, pairs.iter().copied(), spare),
             Rest::Words(words) => {
                 let count = words.len().saturating_sub(1) as u32;
                 let Some((first, pairs)) = read_rest(words, count) else { return };
-                self.keep(job, first, pairs.map(|(a, b)| NodePair { a, b }), spare);
+                self.store(job, first, pairs.map(|(a, b)| NodePair { a, b }), spare);
             }
         }
     }
 
     /// Keeps pairs that a job left open, from number `first` on.
-    fn keep(
+    fn store(
         &mut self,
         job: NodePair,
         first: u64,
@@ -70,15 +70,15 @@ impl TaskState {
             self.rests.len() - 1
         });
         let rest = &mut self.rests[at].1;
-        // Parts come in order: this one goes on where the last one ended, or was seen before.
+        // Parts come in order: this one continues the last one, or is a repeat.
         rest.truncate(first as usize);
         if rest.len() as u64 == first {
             rest.extend(pairs);
         }
     }
 
-    /// Whether a job did all that was asked for, or left behind all that it did not, as far as this
-    /// part says.
+    /// Whether a job did all that was asked for, or listed all that it left open, as far as this
+    /// part shows.
     pub(super) fn is_whole(&self, job: NodePair, part: &Part<'_>) -> bool {
         let Some(last) = part.last else { return true };
         let kept = self.rests.iter().find(|(of, _)| *of == job).map_or(0, |(_, rest)| rest.len());
@@ -87,12 +87,12 @@ impl TaskState {
     }
 }
 
-/// One part of a result, taken apart.
+/// One decoded part of a result.
 #[derive(Clone, Copy, Debug)]
 pub struct PartOf<'p>(pub(crate) Part<'p>);
 
 impl PartOf<'_> {
-    /// Whether its job did all that was asked for, as far as this part says.
+    /// Whether its job did all that was asked for, as far as this part shows.
     pub(crate) fn is_whole(&self) -> bool {
         let complete = protocol::result::WireEnd::Complete as u32;
         self.0.last.is_none_or(|last| last.summary.end == complete)

@@ -1,9 +1,9 @@
-//! What is on its way to one worker that copies: sections, cut into chunks, and the batches that
-//! need them, in order.
+//! The queue to one worker that copies: sections, cut into chunks, and the batches that need them,
+//! in order.
 //!
 //! A section's payload is all that the kernel reads below its root: nodes, wide nodes, triangles
 //! with their ids and zones; and the root of the whole tree, whose box bounds the body. That is
-//! more than the ledger's logical bytes, which say what a lean format would need.
+//! more than the logical bytes of the transfer account, which are those of a compact format.
 
 use super::WorkerHandle;
 use body::BodyView;
@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use transport::UseError;
 
-/// Messages that wait for room in the channel of one worker.
+/// Messages that wait for capacity in the channel of one worker.
 #[derive(Debug, Default)]
 pub(super) struct Outgoing(VecDeque<(Head, Vec<u64>)>);
 
@@ -33,7 +33,7 @@ impl Outgoing {
         self.0.clear();
     }
 
-    /// Hands over as much as there is room for.
+    /// Sends as much as the channel takes.
     pub(super) fn flush(
         &mut self,
         worker: &mut WorkerHandle,
@@ -51,7 +51,7 @@ impl Outgoing {
     }
 }
 
-/// Payloads that hold a section, each as large as a message may be.
+/// Payloads that hold a section, none larger than a message may be.
 pub(super) fn chunks(body: &BodyView<'_>, section: Section) -> Vec<Vec<u64>> {
     let nodes = section::nodes_of(body.nodes, section.node);
     let triangles = section::triangles(body.nodes, section.node);

@@ -8,13 +8,13 @@ use transport::OpenError;
 /// A run that could not be finished.
 #[derive(Debug, thiserror::Error)]
 pub enum WorkerPoolError {
-    /// The operating system refused.
+    /// A system call failed.
     #[error(transparent)]
     System(#[from] runtime::OsError),
     /// A channel could not be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The machine has not what is needed.
+    /// The machine lacks a requirement.
     #[error("{0}")]
     MissingRequirement(super::MissingRequirement),
     /// A worker ended before it greeted.
@@ -33,20 +33,20 @@ pub enum WorkerPoolError {
         /// How long was waited (s).
         seconds: u64,
     },
-    /// All workers are gone and jobs are left.
+    /// All workers are lost and jobs are open.
     #[error(
         "no worker is left and {open} of {jobs} jobs are open; lost: {lost}. Start again; if it \
-         happens again, run with --in-process to see whether a body is to blame"
+         happens again, run with --in-process to see whether a body is the cause"
     )]
     NobodyLeft {
-        /// Jobs left.
+        /// Open jobs.
         open: u64,
         /// Jobs in all.
         jobs: u64,
         /// How each worker ended.
         lost: String,
     },
-    /// A copied section did not fit the memory of its worker.
+    /// A copied section does not fit the memory of its worker.
     #[error(
         "thrashed: worker {core} holds {held} of {budget} bytes and needs {bytes} more for a \
          section, and nothing is evicted",
@@ -63,7 +63,7 @@ impl Diagnostic for WorkerPoolError {
         match self {
             Self::System(error) => error.kind(),
             Self::Open(open) if open.is_skew() => FailureKind::Skew,
-            // A name is the user's, all else is the machine's.
+            // A bad name is the user's fault, all else the machine's.
             Self::Open(OpenError::Name { .. }) => FailureKind::Configuration,
             Self::MissingRequirement(missing) => missing.kind(),
             Self::Open(_)
@@ -81,9 +81,9 @@ impl Diagnostic for WorkerPoolError {
             Self::Open(_) => {
                 Some("shared memory must be writable and large enough: df -h /dev/shm".into())
             }
-            Self::Thrashed(_) => {
-                Some("more --depth makes sections smaller, --memory-budget gives more room".into())
-            }
+            Self::Thrashed(_) => Some(
+                "more --depth makes sections smaller, --memory-budget allows more memory".into(),
+            ),
             Self::MissingRequirement(missing) => missing.remedy(),
             Self::System(_)
             | Self::ExitedAtStart { .. }

@@ -1,17 +1,17 @@
-//! The worker pool of a service: between two requests it sleeps on the same epoll as within them, and
-//! while it works somebody looks after those who wait.
+//! The worker pool of a service: between requests it sleeps on the same epoll as within them, and
+//! while it works a hook serves waiting clients.
 
 use super::{WorkerPool, WorkerPoolError};
 use core::fmt;
 use runtime::Wake;
 use std::os::fd::BorrowedFd;
 
-/// Called again and again while a request is worked on: whenever the coordinator was about to
-/// sleep, and at least each 20 ms.
+/// Called repeatedly while a request is worked on: whenever the coordinator is about to sleep, and
+/// at least every 20 ms.
 pub struct IdleHook(Box<dyn FnMut()>);
 
 impl IdleHook {
-    /// It must be quick: a worker may be waiting.
+    /// A hook. It must be quick: a worker may be waiting.
     pub fn new(attend: impl FnMut() + 'static) -> Self {
         Self(Box::new(attend))
     }
@@ -31,7 +31,7 @@ impl fmt::Debug for IdleHook {
 const WAKE_KEY: u32 = u32::MAX;
 
 impl WorkerPool {
-    /// Ends sleeps whenever this descriptor can be read; the caller reads it empty.
+    /// Ends sleeps whenever this descriptor is readable; the caller must drain it.
     ///
     /// # Errors
     ///
@@ -46,7 +46,8 @@ impl WorkerPool {
         Ok(())
     }
 
-    /// Sleeps until the wake fd rings or a worker ends, at most so long; 0: looks, and does not sleep.
+    /// Sleeps until the wake fd rings or a worker ends, at most `timeout_ns`; 0 polls without
+    /// sleeping.
     ///
     /// # Errors
     ///
@@ -62,13 +63,13 @@ impl WorkerPool {
         Ok(())
     }
 
-    /// Workers that there should be.
+    /// Number of workers that the pool should have.
     #[must_use]
     pub fn size(&self) -> usize {
         self.workers.len()
     }
 
-    /// Workers that are gone, and not replaced.
+    /// Number of workers that are lost and not replaced.
     #[must_use]
     pub fn missing(&self) -> usize {
         let gone = |(number, worker): (usize, &super::WorkerHandle)| {

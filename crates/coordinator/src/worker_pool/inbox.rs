@@ -1,8 +1,8 @@
 //! What comes from the workers: parts of results, failures, greetings, counts of answered batches.
 //!
-//! A message that was damaged on the way is counted, and what it held is asked for again. One that
-//! is sound and says what cannot be ends its sender. Whether a part is still wanted is not known
-//! here: the dispatcher's fence decides that.
+//! A message damaged on the way is counted, and what it held is requested again. A sound message
+//! with impossible contents ends its sender. Whether a part is still wanted is decided by the
+//! dispatcher's fence, not here.
 
 use super::{Observation, WorkerPool};
 use crate::gather::{Part, Rest};
@@ -13,7 +13,7 @@ use protocol::{Head, JobId, MessageKind, Reject, RequestId};
 use runtime::clock;
 
 impl WorkerPool {
-    /// Takes all results there are by now. Says whether there was one.
+    /// Takes all available results. Returns whether there was one.
     pub(super) fn take_results<W: TaskSource>(
         &mut self,
         work: &mut W,
@@ -22,11 +22,11 @@ impl WorkerPool {
     ) -> (bool, Progress) {
         let mut any = false;
         for number in 0..self.workers.len() {
-            // Read before the channel is emptied: what was sent for these batches is in it by now.
+            // Read before the channel is drained: what was sent for these batches is already in it.
             let answered = self.workers[number].newly_answered(&self.status);
             while let Some(after) = self.take_one(number, work, effects) {
                 (any, progress) = (true, after);
-                // However fast results come, the answer is due when it is due.
+                // However fast results come, the deadline holds.
                 if work.is_over(clock::now_ns()) {
                     return (any, progress);
                 }
@@ -64,7 +64,7 @@ impl WorkerPool {
         progress
     }
 
-    /// One sound message, and what follows from it.
+    /// Handles one sound message.
     fn take_message<W: TaskSource>(
         &mut self,
         number: usize,
@@ -80,7 +80,7 @@ impl WorkerPool {
                 match read_part(kind, head, words) {
                     Some(part) => return self.take_part(number, head, part, work, effects),
                     None => {
-                        self.distrust(number, "counts that do not fit");
+                        self.distrust(number, "counts that do not match");
                         Event::Poll
                     }
                 }
@@ -131,8 +131,8 @@ impl WorkerPool {
         progress
     }
 
-    /// A message was turned away. What it held is not known; the dispatcher finds out what is
-    /// missing when its sender has answered all it had, and counts.
+    /// Handles a rejected message. What it held is unknown; the dispatcher finds out by counting
+    /// what is missing once its sender has answered everything.
     fn turn_away<W: TaskSource>(
         &mut self,
         number: usize,
@@ -146,21 +146,21 @@ impl WorkerPool {
             self.distrust(number, &reject.to_string());
             return self.step(Event::Poll, work, effects);
         }
-        tracing::warn!(worker = number, why = %reject, "message turned away");
+        tracing::warn!(worker = number, why = %reject, "message rejected");
         self.rejected += 1;
         self.step(Event::Garbled { from }, work, effects)
     }
 
-    /// A message that is sound and says what cannot be: its sender ends, and all that it had goes
-    /// to the others.
+    /// Handles a sound message with impossible contents: its sender is killed, and its jobs go to
+    /// the others.
     fn distrust(&mut self, number: usize, why: &str) {
-        tracing::warn!(worker = number, why, "message turned away: killing its sender");
+        tracing::warn!(worker = number, why, "message rejected: killing its sender");
         self.rejected += 1;
-        self.workers[number].kill(&format!("sent a message that was turned away: {why}"));
+        self.workers[number].kill(&format!("sent a message that was rejected: {why}"));
     }
 }
 
-/// What a message holds of a result; `None` if counts and words do not fit.
+/// The part of a result that a message holds; `None` if counts and words do not match.
 fn read_part<'w>(kind: MessageKind, head: &Head, words: &'w [u64]) -> Option<Part<'w>> {
     if kind == MessageKind::Rest {
         let fits = words.len() == 1 + head.hits as usize;

@@ -1,19 +1,19 @@
-//! What the coordinator saw of a fault, and when: the other half of a fault report.
+//! What the coordinator observed of a fault, and when: the other half of a fault report.
 
 use super::WorkerPool;
 use dispatch::{Liveness, Why};
 use protocol::{Incarnation, Reject};
 use runtime::clock;
 
-/// How many are kept of one request.
+/// Maximum number of incidents kept of one request.
 const MOST: usize = 4096;
 
-/// Something went wrong with a worker, and was noticed.
+/// A fault of a worker that was noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Incident {
     /// When it was noticed (ns, monotonic).
     pub at_ns: u64,
-    /// With whom.
+    /// The worker.
     pub who: Incarnation,
     /// What was noticed.
     pub observation: Observation,
@@ -24,19 +24,19 @@ pub struct Incident {
 pub enum Observation {
     /// The process has ended.
     Ended,
-    /// It stood still, and was killed.
+    /// It made no progress, and was killed.
     StoodStill(Liveness),
-    /// Its message was turned away.
+    /// Its message was rejected.
     TurnedAway(Reject),
     /// Its result was not wanted: late, repeated, or out of order.
     Fenced,
-    /// It said that a job failed.
+    /// It reported that a job failed.
     Failed,
-    /// It answered a batch, and results are missing.
+    /// It answered a batch, but results are missing.
     Unanswered,
     /// Its queue was full.
     Full,
-    /// It did too much of this, and was killed.
+    /// It did this too often, and was killed.
     Distrusted(Why),
 }
 

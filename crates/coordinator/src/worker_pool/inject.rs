@@ -1,7 +1,7 @@
-//! Misdeeds on order, for fault injection alone: of workers, and of the way to them.
+//! Commanded faults, for fault injection only: of workers, and of the channels to them.
 //!
-//! All of it is behind the feature `faults`. No answer may depend on it: whoever misbehaves is
-//! found out as if nobody had told it to.
+//! All of this is behind the feature `faults`. No answer may depend on it: commanded faults are
+//! detected like any others.
 
 use super::WorkerPool;
 use core::sync::atomic::Ordering;
@@ -11,13 +11,13 @@ use transport::{OpenMessage, UseError};
 /// What is done to a batch on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corruption {
-    /// This bit of it, modulo its length, is flipped after it was sealed.
+    /// This bit, modulo the batch's length, is flipped after sealing.
     Garbled(u32),
-    /// It is refused, as if the queue were full.
+    /// The batch is refused, as if the queue were full.
     Refused,
 }
 
-/// Sends a batch, corruption if it is to be.
+/// Sends a batch, corrupted if so commanded.
 pub(super) fn send(
     corruption: Option<Corruption>,
     message: OpenMessage<'_>,
@@ -38,7 +38,7 @@ pub(super) fn send(
 }
 
 impl WorkerPool {
-    /// Tells a worker to misbehave: it must have been started with `obeys`.
+    /// Commands a fault of a worker, which must have been started with `obeys`.
     pub fn command_fault(&self, worker: u8, order: Option<FaultCommand>) {
         let line = self.status.page().coordinator.get(usize::from(worker));
         if let Some(line) = line {
@@ -46,14 +46,14 @@ impl WorkerPool {
         }
     }
 
-    /// When a worker last obeyed (ns, monotonic); 0: never.
+    /// When a worker last obeyed a command (ns, monotonic); 0: never.
     #[must_use]
     pub fn obeyed_ns(&self, worker: u8) -> u64 {
         let line = self.status.page().workers.get(usize::from(worker));
         line.map_or(0, |line| line.obeyed_ns.load(Ordering::SeqCst))
     }
 
-    /// Spoils the next batch to a worker: for fault injection.
+    /// Corrupts the next batch to a worker: for fault injection.
     pub fn corrupt_next(&mut self, worker: u8, how: Corruption) {
         if let Some(worker) = self.workers.get_mut(usize::from(worker)) {
             worker.corruption = Some(how);

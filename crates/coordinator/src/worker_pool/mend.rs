@@ -1,7 +1,7 @@
-//! Successors for workers that were lost: started between requests, never inside one.
+//! Successors of lost workers: started between requests, never within one.
 //!
 //! A successor is a new incarnation, with channels of new names and a blank line on the status
-//! page. It greets when it is ready, whatever the coordinator is doing then.
+//! page. It greets when it is ready, whatever the coordinator is doing.
 
 use super::worker_handle::WorkerHandle;
 use super::{Incarnation, WorkerPool, WorkerPoolError};
@@ -9,23 +9,23 @@ use dispatch::Leave;
 use protocol::Launch;
 use runtime::{SealedMemory, clock};
 
-/// What became of those who were lost.
+/// What became of lost workers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mended {
-    /// Who has a successor, which is this one.
+    /// Successors that were started.
     pub started: Vec<Incarnation>,
-    /// Cores that stay without one for now: their workers died too often.
+    /// Cores left without a worker for now: their workers died too often.
     pub off: Vec<u8>,
 }
 
 impl WorkerPool {
-    /// Starts successors of all lost workers whose cores may have one. Does not wait for them.
+    /// Starts successors of all lost workers whose cores may have one, without waiting for them.
     ///
-    /// Cleans up behind the dead before, unless somebody is starting: then the next call does.
+    /// First cleans up after dead workers, unless some worker is starting: then the next call does.
     ///
     /// # Errors
     ///
-    /// If shared memory, a process or a core is not to be had.
+    /// If shared memory, a process or a core is unavailable.
     pub fn mend(&mut self, store: &SealedMemory) -> Result<Mended, WorkerPoolError> {
         self.notice_the_dead()?;
         let mut mended = Mended::default();
@@ -55,23 +55,23 @@ impl WorkerPool {
         Ok(mended)
     }
 
-    /// Waits until all who live have greeted. Those that end instead are lost, and so are those
+    /// Waits until all live workers have greeted. Those that end instead are lost, as are those
     /// that do not greet in time.
     ///
     /// # Errors
     ///
-    /// If nobody greets.
+    /// If no worker greets.
     pub fn rally(&mut self) -> Result<(), WorkerPoolError> {
         self.await_greetings()
     }
 
-    /// Workers that take jobs.
+    /// Number of workers that take jobs.
     #[must_use]
     pub fn ready(&self) -> usize {
         self.workers.iter().filter(|worker| worker.is_ready()).count()
     }
 
-    /// Who serves each core now, or did last, with process ids.
+    /// The worker that serves each core, or did last, with its process id.
     #[must_use]
     pub fn roster(&self) -> Vec<(Incarnation, u32)> {
         self.workers.iter().map(|worker| (worker.who, worker.report.pid)).collect()

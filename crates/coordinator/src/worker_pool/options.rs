@@ -1,4 +1,4 @@
-//! How a worker pool is started: who plays the workers, on which cores, with which queues.
+//! How a worker pool is started: with which program, on which cores, with which queues.
 
 use dispatch::{Cache, Intensity, Matching, Patience, Queues};
 use scenario::EngineSettings;
@@ -7,43 +7,43 @@ use std::path::PathBuf;
 /// How workers are started.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The program that plays the worker: `program worker WORD`.
+    /// The program that runs as worker: `program worker WORD`.
     pub program: PathBuf,
     /// Name of the instance, part of every shared name.
     pub instance: String,
-    /// Build id: both ends must have the same.
+    /// Build id: both ends must have the same one.
     pub build: String,
-    /// The core of each worker; `None`: wherever the system puts it.
+    /// The core of each worker; `None`: left to the scheduler.
     pub cores: Vec<Option<usize>>,
-    /// Who gets which job.
+    /// How jobs are matched to workers.
     pub matching: Matching,
-    /// Jobs per message, on their way to one worker at most, and how long a message waits.
+    /// Jobs per message, jobs in flight to one worker at most, and how long a message waits.
     pub queues: Queues,
-    /// How much the ledger says that a worker holds.
+    /// How much a worker is taken to hold in the transfer account.
     pub cache: Cache,
-    /// Whether workers get copies of sections, and do not read the store in place.
+    /// Whether workers get copies of sections instead of reading the store in place.
     pub copies: bool,
-    /// Whether to write down who got which job.
+    /// Whether to log which worker got which job.
     pub log: bool,
-    /// How long a busy worker may stand still.
+    /// How long a busy worker may make no progress.
     pub patience: Patience,
     /// How often workers are replaced.
     pub intensity: Intensity,
-    /// Whether workers misbehave on order: for fault injection alone.
+    /// Whether workers obey fault commands: for fault injection only.
     #[cfg(feature = "faults")]
     pub obeys: bool,
 }
 
 impl Options {
-    /// Queues and batches as the engine has them where nothing is said.
+    /// The engine's default queues and batches.
     pub const QUEUES: Queues = Queues {
         capacity: EngineSettings::DEFAULT.queue as u32,
         batch: EngineSettings::DEFAULT.batch as u32,
         linger_ns: 0,
     };
 
-    /// A worker per core, each played by this program itself; whom to give a job to and how many
-    /// as the engine has it where nothing is said. Nothing is copied or written down.
+    /// One worker per core, each run by this program itself, with the engine's default matching and
+    /// queues. Nothing is copied or logged.
     #[must_use]
     pub fn new(
         instance: impl Into<String>,

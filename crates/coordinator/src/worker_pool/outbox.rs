@@ -1,8 +1,8 @@
 //! What goes to the workers: batches of jobs, and before them the sections that a worker needs
 //! copies of.
 //!
-//! What finds no room in its channel is refused, and the dispatcher tries again; a worker that
-//! copies has a queue here instead, because a batch must not overtake its sections.
+//! A batch that does not fit in its channel is refused, and the dispatcher tries again; a worker
+//! that copies has a queue here instead, because a batch must not overtake its sections.
 
 use super::WorkerPool;
 use super::chunk::chunks;
@@ -21,7 +21,7 @@ pub(super) struct BatchWriter {
 }
 
 impl WorkerPool {
-    /// Lays a batch out, and hands it over behind the sections that it needs.
+    /// Lays out a batch, and sends it after the sections that it needs.
     pub(super) fn send<W: TaskSource>(
         &mut self,
         to: Incarnation,
@@ -73,7 +73,7 @@ impl WorkerPool {
         outgoing.flush(worker, &self.status)
     }
 
-    /// Hands over what has waited for room. Says whether something still does.
+    /// Sends what waits for capacity. Returns whether something still waits.
     pub(super) fn flush<W: TaskSource>(
         &mut self,
         work: &mut W,

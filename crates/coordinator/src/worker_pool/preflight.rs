@@ -1,5 +1,5 @@
-//! What a worker pool needs of the machine, looked at before anything is made: what is missing, what that
-//! means, and what helps.
+//! What a worker pool requires of the machine, checked before anything is created: what is missing,
+//! why it matters, and what helps.
 
 use super::Options;
 use core::fmt;
@@ -8,7 +8,7 @@ use runtime::machine;
 use std::borrow::Cow;
 use transport::Sizes;
 
-/// Something that the machine missing list.
+/// A requirement that the machine does not meet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingRequirement {
     /// What is missing.
@@ -37,15 +37,15 @@ impl Diagnostic for MissingRequirement {
     }
 }
 
-/// File descriptors that the coordinator needs beside those of its workers.
+/// File descriptors that the coordinator needs besides those of its workers.
 const FILES: u64 = 48;
-/// File descriptors for each worker, more than were counted for one (see
+/// File descriptors for each worker, more than one was seen to use (see
 /// `tests/processes/inject.rs`).
 const FILES_PER_WORKER: u64 = 40;
-/// Shared memory for each worker beside its messages (bytes): iceoryx2's own segments.
+/// Shared memory for each worker besides its messages (bytes): iceoryx2's own segments.
 const SHM_PER_WORKER: u64 = 512 << 10;
 
-/// All that is missing, the fatal first.
+/// All unmet requirements, the fatal ones first.
 #[must_use]
 pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
     let workers = options.cores.len() as u64;
@@ -67,7 +67,7 @@ pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
     match machine::free_bytes("/dev/shm") {
         Err(error) => require(
             true,
-            format!("/dev/shm cannot be looked at: {error}"),
+            format!("/dev/shm cannot be inspected: {error}"),
             "mount a tmpfs there: mount -t tmpfs -o size=64m tmpfs /dev/shm".to_owned(),
         ),
         Ok(free) if free < bytes => require(
@@ -84,7 +84,7 @@ pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
     if let Some(core) = options.cores.iter().flatten().find(|core| !allowed.contains(core)) {
         require(
             true,
-            format!("core {core} is not there, or not allowed: cores {allowed:?} are"),
+            format!("core {core} does not exist or is not allowed: allowed cores are {allowed:?}"),
             "name others with --cores, or none with --cores none".to_owned(),
         );
     }

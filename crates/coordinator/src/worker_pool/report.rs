@@ -1,4 +1,4 @@
-//! What a run took, and what became of each worker.
+//! The cost of a run, and what became of each worker.
 
 use dispatch::{Counts, Transfer};
 use runtime::OsError;
@@ -19,23 +19,22 @@ pub struct WorkerReport {
     pub tests: u64,
     /// Batches sent to it.
     pub batches: u64,
-    /// Bytes of these, headers included.
+    /// Bytes of these messages, headers included.
     pub batch_bytes: u64,
-    /// Cache lines that these lie in.
+    /// Cache lines that these messages occupy.
     pub batch_lines: u64,
     /// Result messages taken from it.
     pub results: u64,
-    /// Bytes of these, headers included.
+    /// Bytes of these messages, headers included.
     pub result_bytes: u64,
-    /// Cache lines that these lie in.
+    /// Cache lines that these messages occupy.
     pub result_lines: u64,
-    /// Time that its jobs took by the clock on the wall (ns).
+    /// Wall-clock time that its jobs took (ns).
     pub busy_ns: u64,
-    /// When each result was taken, and how long its job took by the clock on the wall (ns); the
-    /// monotonic clock.
+    /// When each result was taken, and the wall-clock time of its job (ns); monotonic clock.
     #[serde(skip)]
     pub spans: Vec<[u64; 2]>,
-    /// What its processor counted while the request was worked on, in user mode.
+    /// Hardware counts of the request, in user mode.
     pub hardware: Hardware,
     /// How it ended, if it was lost.
     pub lost: Option<String>,
@@ -45,14 +44,14 @@ pub struct WorkerReport {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum Hardware {
-    /// As the processor counted.
+    /// Counts of the processor.
     Counted {
         /// Instructions retired.
         instructions: u64,
-        /// Misses of the last level of cache.
+        /// Last-level cache misses.
         cache_misses: u64,
     },
-    /// "not available", and why.
+    /// "not available", and the reason.
     NotAvailable(String),
 }
 
@@ -63,20 +62,20 @@ impl From<OsError> for Hardware {
     }
 }
 
-/// Where the coordinator's time went in one request; what is missing is waiting.
+/// Where the coordinator's time went in one request; the rest is waiting.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Duty {
     /// From the start to the last result folded (ns).
     pub run_ns: u64,
     /// Copying results out of their channels and checking them (ns).
     pub take_ns: u64,
-    /// Deciding, with the descents and folds that follow (ns).
+    /// Dispatching, with the traversals and folds that follow (ns).
     pub step_ns: u64,
     /// Laying out and sending batches (ns).
     pub send_ns: u64,
 }
 
-/// What one worker did for one request: what is added up over requests.
+/// What one worker did for one request: figures that are summed over requests.
 #[derive(Clone, Copy, Debug)]
 pub struct WorkerShare {
     /// Worker number.
@@ -89,22 +88,22 @@ pub struct WorkerShare {
     pub jobs: u64,
     /// Batches sent to it, and results taken from it.
     pub messages: u64,
-    /// Bytes of these, headers included.
+    /// Bytes of these messages, headers included.
     pub message_bytes: u64,
-    /// Time that its jobs took by the clock on the wall (ns).
+    /// Wall-clock time that its jobs took (ns).
     pub busy_ns: u64,
 }
 
-/// What a run took.
+/// The cost of a run.
 #[derive(Clone, Debug)]
 pub struct WorkerPoolReport {
     /// Where the coordinator's time went.
     pub duty: Duty,
     /// Jobs, batches, fence.
     pub counts: Counts,
-    /// The transfer ledger.
+    /// The transfer account.
     pub transfer: Transfer,
-    /// Messages that were turned away: foreign, stale or corrupt.
+    /// Messages that were rejected: foreign, stale or corrupt.
     pub rejected: u64,
     /// Each worker.
     pub workers: Vec<WorkerReport>,

@@ -1,7 +1,7 @@
-//! Who greets, who stands still, who has ended; and what is left of those.
+//! Supervision of workers: greetings, heartbeats, ends, and what an ended worker leaves.
 //!
 //! Within a request a worker's last results are taken before its jobs go to the others. Whether its
-//! core gets a successor is not decided here.
+//! core gets a successor is decided elsewhere.
 
 use super::worker_handle::WorkerHandle;
 use super::{GREETING_NS, Observation, WorkerPool, WorkerPoolError};
@@ -12,7 +12,7 @@ use runtime::clock;
 use transport::UseError;
 
 impl WorkerPool {
-    /// Waits until every worker has greeted or is gone; one that greeted is enough.
+    /// Waits until every worker has greeted or ended; one greeting is enough.
     pub(super) fn await_greetings(&mut self) -> Result<(), WorkerPoolError> {
         let mut failed = None;
         loop {
@@ -49,7 +49,7 @@ impl WorkerPool {
         }
     }
 
-    /// Looks at every worker's pulse, and kills who stands still.
+    /// Checks every worker's heartbeat, and kills workers that make no progress.
     pub(super) fn look_after<W: TaskSource>(
         &mut self,
         now: u64,
@@ -71,19 +71,19 @@ impl WorkerPool {
         Ok(progress)
     }
 
-    /// Feels a pulse, and kills who stands still while it has something to do.
+    /// Checks a heartbeat, and kills the worker if it makes no progress while it has work.
     fn kill_if_still(&mut self, number: usize, now: u64) -> bool {
         let worker = &mut self.workers[number];
         let Some(verdict) = worker.pulse(&self.status, now, &self.options.patience) else {
             return false;
         };
-        tracing::warn!(worker = number, ?verdict, "killing a worker that stands still");
+        tracing::warn!(worker = number, ?verdict, "killing a worker that makes no progress");
         worker.kill(verdict.name());
         self.observe(self.workers[number].who, Observation::StoodStill(verdict));
         true
     }
 
-    /// Takes leave of a worker that has ended: its last results first, then its jobs to the others.
+    /// Reaps a worker that has ended: takes its last results, then gives its jobs to the others.
     pub(super) fn reap<W: TaskSource>(
         &mut self,
         number: usize,
@@ -101,8 +101,8 @@ impl WorkerPool {
         Ok(self.step(Event::Lost { who, started }, work, effects))
     }
 
-    /// Buries a worker whose job channel broke: says who it was, and what it had started. One that
-    /// was buried before has not died twice.
+    /// Reaps a worker whose job channel broke: returns which it was, and what it had started. A
+    /// worker that was reaped before is not counted again.
     pub(super) fn give_up(
         &mut self,
         number: usize,
@@ -120,7 +120,8 @@ impl WorkerPool {
         gone
     }
 
-    /// Buries those who have ended since the last request, or stand still at what it left them.
+    /// Reaps workers that have ended since the last request, or make no progress on what it left
+    /// them.
     pub(super) fn notice_the_dead(&mut self) -> Result<(), WorkerPoolError> {
         self.sleep(0)?;
         let now = clock::now_ns();
@@ -135,7 +136,7 @@ impl WorkerPool {
         Ok(())
     }
 
-    /// Buries a worker that has ended, or was killed, while no request was open.
+    /// Reaps a worker that has ended, or was killed, while no request was open.
     pub(super) fn miss(&mut self, number: usize) -> Result<(), WorkerPoolError> {
         let worker = &mut self.workers[number];
         let _exit = worker.wait_end()?;
@@ -146,7 +147,7 @@ impl WorkerPool {
         Ok(())
     }
 
-    /// Forgets what is watched of a worker, and counts its death.
+    /// Stops watching a worker, and counts its death.
     pub(super) fn detach(&mut self, number: usize) {
         self.poller.remove_process(number as u32);
         self.poller.remove_event(number as u32);

@@ -10,7 +10,7 @@ use runtime::counters::{HardwareCounters, HardwareCounts};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
-/// One worker's place.
+/// The coordinator's handle of one worker.
 #[derive(Debug)]
 pub(super) struct WorkerHandle {
     pub(super) who: Incarnation,
@@ -19,21 +19,21 @@ pub(super) struct WorkerHandle {
     child: Child,
     watch: Watch,
     is_alive: bool,
-    /// Its channels work, and it takes jobs.
+    /// Whether its channels work and it takes jobs.
     pub(super) has_greeted: bool,
-    /// Until when it must have greeted (ns).
+    /// When it must have greeted at the latest (ns).
     pub(super) handshake_deadline_ns: u64,
-    /// What is to be done to the next batch, where faults are injected.
+    /// Corruption of the next batch, where faults are injected.
     #[cfg(feature = "faults")]
     pub(super) corruption: Option<super::Corruption>,
     /// Batches known to be answered.
     answered: u64,
-    /// Number of the next batch: all below were handed over.
+    /// Number of the next batch: all below were sent.
     batches: u64,
     seq: u32,
-    /// What was counted before this request: by the worker, and at both ends of its channels.
+    /// Counts before this request: of the worker, and at both ends of its channels.
     before: Before,
-    /// Hardware counters, or why there are none; and what they said before this request.
+    /// Hardware counters with their counts before this request, or why there are none.
     counters: Result<(HardwareCounters, HardwareCounts), Hardware>,
     /// Kept open: the worker holds the other end.
     _wake_fd: EventFd,
@@ -163,14 +163,14 @@ impl WorkerHandle {
         self.is_alive && answered < self.batches
     }
 
-    /// How many batches it has answered, if that is news: it is until it was passed on.
+    /// Number of batches answered, if not yet passed on.
     pub(super) fn newly_answered(&self, status: &StatusMemory) -> Option<u64> {
         let line = &status.page().workers[self.line()];
         let answered = line.answered.load(Ordering::SeqCst);
         (self.is_alive && answered != self.answered).then_some(answered)
     }
 
-    /// That was passed on.
+    /// Notes that this number of answered batches was passed on.
     pub(super) fn note_answered(&mut self, answered: u64) -> u32 {
         self.answered = answered;
         answered.min(u64::from(u32::MAX)) as u32
@@ -180,11 +180,11 @@ impl WorkerHandle {
         usize::from(self.who.worker)
     }
 
-    /// Counts from zero.
+    /// Restarts the counts from zero.
     pub(super) fn begin(&mut self, status: &StatusMemory) {
         self.before = self.counted(status);
         if let Ok((counters, before)) = &mut self.counters {
-            // What cannot be read now cannot be read at the end, and is reported there.
+            // What cannot be read now cannot be read at the end either, and is reported then.
             *before = counters.read().unwrap_or_default();
         }
         self.report.busy_ns = 0;
@@ -201,7 +201,7 @@ impl WorkerHandle {
         }
     }
 
-    /// What was counted since, with what the worker says of itself.
+    /// The counts since then, with those that the worker reports.
     pub(super) fn report(&self, status: &StatusMemory) -> WorkerReport {
         let (now, before) = (self.counted(status), &self.before);
         WorkerReport {
@@ -218,7 +218,7 @@ impl WorkerHandle {
         }
     }
 
-    /// The part of [`WorkerHandle::report`] that is added up over requests: nothing is copied for it.
+    /// The part of [`WorkerHandle::report`] that is summed over requests, without copies.
     pub(super) fn share(&self, status: &StatusMemory) -> WorkerShare {
         let (now, before, report) = (self.counted(status), &self.before, &self.report);
         let messages = |count: fn(&Traffic) -> u64| {
@@ -251,7 +251,7 @@ impl WorkerHandle {
         self.child.try_wait()
     }
 
-    /// Waits for the end of a process that was reported or killed; `None`: it lives after all.
+    /// Waits for the end of a process that was reported ended or killed; `None`: it is still alive.
     pub(super) fn wait_end(&mut self) -> Result<Option<Exit>, OsError> {
         let exit = self.child.wait_ms(1_000)?;
         if let (Some(exit), None) = (exit, &self.report.lost) {
@@ -279,7 +279,7 @@ impl WorkerHandle {
         self.seq = self.seq.wrapping_add(1);
         if head.kind == MessageKind::Batch as u8 {
             if !self.is_busy(status) {
-                // Nothing was asked of it until now: its silence begins here.
+                // It had nothing to do until now: its silence is measured from here.
                 self.watch = Watch::default();
             }
             self.batches = u64::from(head.job) + 1;
@@ -304,8 +304,8 @@ impl WorkerHandle {
         let sent = page.workers[self.line()].sent.load(Ordering::SeqCst);
         let taken = page.coordinator[self.line()].consumed.load(Ordering::Relaxed);
         // A worker sends, and then counts. Interrupted in between, it has sent one more than it
-        // says: if that were mail, a coordinator of higher priority would look for it for ever, and
-        // on the same core it would never let the worker go on.
+        // says: if that were mail, a coordinator of higher priority would look for it forever, and
+        // on the same core it would never let the worker run.
         self.is_alive && sent.wrapping_sub(taken).cast_signed() > 0
     }
 
@@ -352,7 +352,7 @@ impl WorkerHandle {
         }
     }
 
-    /// No more mail to or from it. Says what it had started.
+    /// Closes its channels. Returns what it had started.
     pub(super) fn close(
         &mut self,
         status: &StatusMemory,
@@ -368,7 +368,7 @@ impl WorkerHandle {
         self.wake(status);
     }
 
-    /// Gives it a moment to end, then kills it.
+    /// Gives it `timeout_ms` to end, then kills it.
     pub(super) fn terminate(&mut self, timeout_ms: u64) {
         match self.child.wait_ms(timeout_ms) {
             Ok(Some(_)) => {}

@@ -1,8 +1,9 @@
-//! What ranking needs of one candidate while work is open, and no more: made after every result.
+//! What ranking needs of one candidate while work is open, and no more: computed after every
+//! result.
 //!
-//! The figures are those of [`super::assess`], to the bit; what is left out is the model's range,
-//! which takes all normals and curves, and what is only shown. It is there once a candidate is
-//! done; a policy that accepts by it asks for it before, and pays for it.
+//! The figures equal those of [`super::assess`] bit for bit. What is only shown is left out, and so
+//! is the model range, which takes all normals and curves: it is computed once a candidate is done,
+//! or earlier for a policy that accepts by it.
 
 use super::{AssessError, Basis, Encounter, assess_in, crash};
 use crate::evidence::{Evidence, Touch};
@@ -18,9 +19,9 @@ pub struct Risk {
     pub id: PersonId,
     /// Probability of injury.
     pub work: Interval,
-    /// The same over the model range; `[0, 1]` where nobody asked.
+    /// Probability of injury over the model range; `[0, 1]` where not requested.
     pub range: Range,
-    /// The upper end of that range when all work is done; `[0, 1]` where nobody asked.
+    /// The upper end of that range when all work is done; `[0, 1]` where not requested.
     pub high: Interval,
 }
 
@@ -40,7 +41,7 @@ pub struct CandidateBounds {
 }
 
 impl Risk {
-    /// That of a person who was assessed in full.
+    /// The risk of a person who was assessed in full.
     pub(crate) fn of(person: &PersonHarm) -> Self {
         Self {
             id: person.id,
@@ -52,7 +53,7 @@ impl Risk {
 }
 
 impl CandidateBounds {
-    /// The same figures of a candidate that was assessed in full.
+    /// The ranking figures of a candidate that was assessed in full.
     #[must_use]
     pub fn of(harm: &CandidateHarm) -> Self {
         Self::with(harm, Vec::new())
@@ -70,12 +71,12 @@ impl CandidateBounds {
     }
 }
 
-/// Bounds the figures of one candidate by which it ranks. With `high` the upper ends of the model
-/// range are bounded too, else only where no work is open.
+/// Bounds the figures of one candidate by which it ranks. With `high`, the upper ends of the model
+/// range are bounded too, otherwise only where no work is open.
 ///
 /// # Errors
 ///
-/// As [`super::assess`], but that masses, probabilities and persons are taken as checked before.
+/// As [`super::assess`], except that masses, probabilities and persons are assumed to be checked.
 pub fn bounds(
     encounter: &Encounter<'_>,
     evidence: &Evidence,
@@ -85,8 +86,7 @@ pub fn bounds(
     bounds_in(encounter, evidence, basis, high, (&mut Vec::new(), Vec::new()))
 }
 
-/// [`bounds()`] in lists that were used before, which spares the heap: they are made after every
-/// result.
+/// [`bounds()`] that reuses lists, to avoid allocation: bounds are computed after every result.
 ///
 /// # Errors
 ///

@@ -15,7 +15,7 @@ use geometry::Supports;
 pub(super) enum Lever {
     Longest,
     Shortest,
-    /// None at all: the worst case where no patch is known.
+    /// No lever arm: the worst case where no patch is known.
     Zero,
 }
 
@@ -31,7 +31,7 @@ struct Picks {
     party: usize,
 }
 
-/// Everything that the figures of one candidate are made from.
+/// Everything that the figures of one candidate are computed from.
 pub(super) struct Crash<'a> {
     pub(super) approach: &'a Approach,
     pub(super) evidence: &'a Evidence,
@@ -54,12 +54,12 @@ impl<'a> Crash<'a> {
     /// The figures at both ends of what is open.
     pub(super) fn with_ends(self) -> Self {
         let ends = [Lever::Longest, Lever::Shortest];
-        let of = |&i: &usize| ends.map(|lever| self.nominal(i, lever));
-        Self { ends: self.normals.nominal.iter().map(of).collect(), ..self }
+        let both_ends = |&i: &usize| ends.map(|lever| self.nominal(i, lever));
+        Self { ends: self.normals.nominal.iter().map(both_ends).collect(), ..self }
     }
 
-    /// The same crash if the bodies should turn out to touch nowhere: a near miss, as if in contact
-    /// where poses off by their error would have been.
+    /// This crash if the bodies turn out not to touch: a near miss, taken as a contact where poses
+    /// off by their error would have made one.
     pub(super) fn missed(&self) -> Crash<'a> {
         let raise = self.parameters.pose_error_m;
         let places = Places::missed(self.approach, raise);
@@ -210,10 +210,16 @@ impl Crash<'_> {
             levers(self.approach, self.evidence, &self.reach, self.places.middle, self.parties, i);
         harm.levers_m = arms.map(|arms| arms.map(Interval::lo));
         harm.crush = harm.contact.patch.as_ref().and_then(|patch| {
-            let of = |party: &CollisionParty| party.mass_kg.map(|_| party.stiffness);
+            let stiffness_if_mobile =
+                |party: &CollisionParty| party.mass_kg.map(|_| party.stiffness);
             let plastic = 1.0 - self.parameters.restitution.nominal;
             let energy_j = 0.5 * plastic * self.speeds(i).0 * harm.response.normal_n_s;
-            Crush::of(self.parties.map(of), energy_j, patch.width_m.hi(), patch.depth_m)
+            Crush::of(
+                self.parties.map(stiffness_if_mobile),
+                energy_j,
+                patch.width_m.hi(),
+                patch.depth_m,
+            )
         });
         let d = &self.approach.directions.d;
         let slides = if cosine(across(i)) < 0.0 { -1.0 } else { 1.0 };

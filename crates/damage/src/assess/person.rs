@@ -78,12 +78,12 @@ impl Crash<'_> {
         let mut both: Option<(Interval, Interval)> = None;
         for (&i, ends) in self.normals.nominal.iter().zip(&self.ends) {
             let rung = self.rung(party, self.struck(party, i, 0.0), basis)?;
-            let at = |end: &Response| Speeds {
+            let speeds_at = |end: &Response| Speeds {
                 delta_v: end.delta_v_m_s[party],
                 normal: self.speeds(i).0,
                 closing: self.approach.closing_m_s,
             };
-            let [least, most] = [at(&ends[0]), at(&ends[1])];
+            let [least, most] = [speeds_at(&ends[0]), speeds_at(&ends[1])];
             let risk = basis.curves.work(rung, &least, &most);
             let x = Interval::new(least.get(rung.x), most.get(rung.x));
             both = Some(both.map_or((risk, x), |(r, w)| (r.hull(risk), w.hull(x))));

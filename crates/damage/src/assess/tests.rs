@@ -48,7 +48,7 @@ fn i6_a_central_frontal_crash() {
 #[test]
 fn i7_an_open_lever_arm_leaves_an_interval() {
     let mut scene = head_on(0.0);
-    // B turns for nothing, so that its own arm is of no account.
+    // B does not turn, so its own arm is ignored.
     scene.party_b.gyration_m = 1e9;
     let approach = scene.approach();
     let meeting = plan(&approach).expect("sound");
@@ -201,8 +201,8 @@ fn intrusion_beside_a_seat_lifts_the_upper_end_alone() {
     assert_eq!(plain.persons[1], intruding.persons[1]);
 }
 
-/// From 1 m/s on, who is struck on foot fares no better than who sits in a car that changes its
-/// velocity by as much.
+/// From 1 m/s on, a person struck on foot fares no better than an occupant of a car whose velocity
+/// changes by as much.
 #[test]
 fn on_foot_is_never_safer() {
     let curves = Curves::shipped().expect("sound");
@@ -234,7 +234,7 @@ fn impossible_candidates_are_refused() {
     assert!(matches!(scene.harm(), Err(AssessError::Approach(_))));
 }
 
-/// Nothing is kept from one candidate to the next: neither curves nor figures.
+/// Neither curves nor figures are kept from one candidate to the next.
 #[test]
 fn candidates_do_not_depend_on_each_other() {
     let mut on_foot = head_on(0.0);

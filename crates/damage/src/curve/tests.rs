@@ -31,7 +31,7 @@ fn units_are_converted_into_the_curves_own() {
 }
 
 proptest! {
-    /// The published form, anchored by hand; nobody is hurt at 0, and nothing ever falls.
+    /// The published form, anchored by hand; the risk at 0 is 0, and nothing ever falls.
     #[test]
     fn risk_is_the_anchored_logistic(
         a in -9.0..-1.0_f64,

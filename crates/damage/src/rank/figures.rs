@@ -23,7 +23,7 @@ fn is_share(x: f64) -> bool {
 pub(super) struct Figures {
     /// R = p·H over the work interval.
     pub(super) risks: Vec<Interval>,
-    /// R over the model range. A `Interval` only in form: it passes through the same measures.
+    /// R over the model range. An `Interval` in form only: it passes through the same measures.
     pub(super) ranges: Vec<Interval>,
     /// The upper end of the model range, over what is open.
     pub(super) highs: Vec<Interval>,
@@ -32,7 +32,7 @@ pub(super) struct Figures {
 }
 
 impl Figures {
-    /// Becomes those of candidate number `k`, among `n` persons.
+    /// Replaces these by the figures of candidate number `k`, among `n` persons.
     pub(super) fn bound(
         &mut self,
         k: usize,
@@ -42,7 +42,7 @@ impl Figures {
         self.fill((k, n), bounds.probability, bounds.energy_j, bounds.persons.iter().copied())
     }
 
-    /// The same for a candidate that was assessed in full.
+    /// Replaces these by the figures of a candidate that was assessed in full.
     pub(super) fn assessed(
         &mut self,
         k: usize,
@@ -85,12 +85,12 @@ impl Figures {
         Ok(())
     }
 
-    /// The greatest upper model end of anybody.
+    /// The greatest upper end of any person's model range.
     pub(super) fn greatest_high(&self) -> f64 {
         self.greatest_high_over().hi()
     }
 
-    /// The same, over what is open.
+    /// [`Figures::greatest_high`], over what is open.
     pub(super) fn greatest_high_over(&self) -> Interval {
         let greatest =
             |of: fn(Interval) -> f64| self.highs.iter().map(|h| of(*h)).fold(0.0, f64::max);

@@ -16,7 +16,7 @@ use crate::policy::Step;
 
 /// What encloses the candidates that the finished run would keep.
 pub(super) struct Outlook {
-    /// P: nobody else can win.
+    /// P: no other candidate can win.
     pub(super) possible: Each<usize>,
     /// S: kept for sure.
     pub(super) sure: Each<usize>,
@@ -24,7 +24,7 @@ pub(super) struct Outlook {
 
 impl Outlook {
     /// Whether the sets enclose anything less than they did.
-    fn keep(&mut self, possible: impl Fn(usize) -> bool, sure: impl Fn(usize) -> bool) {
+    fn retain(&mut self, possible: impl Fn(usize) -> bool, sure: impl Fn(usize) -> bool) {
         self.possible.retain(|k| possible(*k));
         self.sure.retain(|k| sure(*k));
     }
@@ -94,7 +94,7 @@ pub(super) fn least(outlook: &mut Outlook, over: &[Interval], tolerance: f64) {
         least(Interval::hi, &outlook.sure)
     };
     let (may, must) = (rounded(m_hi + tolerance), rounded(m_lo + tolerance));
-    outlook.keep(|k| over[k].lo() <= may, |k| over[k].hi() <= must);
+    outlook.retain(|k| over[k].lo() <= may, |k| over[k].hi() <= must);
 }
 
 /// A step that keeps what is acceptable, or everything if nothing is.
@@ -103,11 +103,11 @@ fn accept(outlook: &mut Outlook, highs: &[Interval], at_most: f64) {
     let some_surely = outlook.sure.iter().any(|k| fits(Interval::hi)(*k));
     let some_possibly = outlook.possible.iter().any(|k| fits(Interval::lo)(*k));
     match (some_surely, some_possibly) {
-        // Surely somebody is acceptable, so nobody else is kept.
-        (true, _) => outlook.keep(fits(Interval::lo), fits(Interval::hi)),
-        // Perhaps: then anybody may be kept, but only the acceptable must be.
-        (false, true) => outlook.keep(|_| true, fits(Interval::hi)),
-        // Surely nobody: the step is passed over.
+        // Some candidate is surely acceptable, so only acceptable ones are kept.
+        (true, _) => outlook.retain(fits(Interval::lo), fits(Interval::hi)),
+        // Perhaps: then any candidate may be kept, but only the acceptable ones must be.
+        (false, true) => outlook.retain(|_| true, fits(Interval::hi)),
+        // Surely none: the step is skipped.
         (false, false) => {}
     }
 }

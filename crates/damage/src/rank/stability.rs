@@ -8,7 +8,7 @@
 //! step may be missed.
 //!
 //! Model ranges are left alone: what rests on them (precaution) does not move with a curve. Nothing
-//! here says that a change would be allowed: a policy that results may well be refused.
+//! here says that a change would be allowed: the resulting policy may well be refused.
 
 use super::figures::Figures;
 use super::{RankError, RankOrder, Step, figures_of};
@@ -26,7 +26,7 @@ const INTERCEPT_MOST: f64 = 6.0;
 const SLOPE_MOST: f64 = 4.0;
 /// The first step of a curve's number, and how much longer each next one is.
 const STEP: (f64, f64) = (0.01, 1.1);
-/// Two places nearer than this are one.
+/// Two places nearer than this count as one.
 const SAME: f64 = 1e-12;
 
 /// A number that was moved.
@@ -80,11 +80,12 @@ pub struct Margin {
     pub step: usize,
     /// The winner's figure.
     pub winner: f64,
-    /// The least figure of the others that had come so far, and whose; `None`: nobody else had.
+    /// The least figure of the other candidates still in at that step, and whose; `None`: there is
+    /// none.
     pub next: Option<(usize, f64)>,
 }
 
-/// How firmly the winner stands.
+/// How stable the winner is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stability {
     /// Number of the winner in the request.
@@ -95,7 +96,7 @@ pub struct Stability {
     pub reserves: Vec<Reserve>,
 }
 
-/// Moves every number that the order rests on until the winner changes.
+/// Moves every number that the order depends on until the winner changes.
 ///
 /// # Errors
 ///
@@ -171,8 +172,8 @@ impl<'a> Sought<'a> {
     fn of_policy(&self, winner: usize) -> Vec<Reserve> {
         let mut reserves = Vec::new();
         let mut seek = |knob, value, places: Vec<f64>, with: &dyn Fn(f64) -> Policy| {
-            let at = |x: f64| self.winner(&with(x), self.figures);
-            let flip = nearest_flip(value, &places, winner, &at);
+            let winner_at = |x: f64| self.winner(&with(x), self.figures);
+            let flip = nearest_flip(value, &places, winner, &winner_at);
             let (flips_at, winner) = (flip.map(|(at, _)| at), flip.map(|(_, who)| who));
             reserves.push(Reserve { knob, value, flips_at, winner });
         };
@@ -262,21 +263,23 @@ impl<'a> Sought<'a> {
         ids.dedup();
         for curve in self.curves.curves.iter().filter(|c| ids.contains(&&*c.id)) {
             let id = || curve.id.to_string();
-            let at = |a: f64| self.with_curve(&Curve { a, ..curve.clone() });
+            let winner_with_intercept = |a: f64| self.with_curve(&Curve { a, ..curve.clone() });
             let place = |moved: f64| curve.a + moved;
-            let flip = stepped(INTERCEPT_MOST, winner, |moved| at(place(moved)))?;
+            let flip =
+                stepped(INTERCEPT_MOST, winner, |moved| winner_with_intercept(place(moved)))?;
             let knob = Knob::Intercept { curve: id() };
             reserves.push(Reserve::of(knob, curve.a, flip.map(|(m, who)| (place(m), who))));
-            let at = |b: f64| self.with_curve(&Curve { b, ..curve.clone() });
+            let winner_with_slope = |b: f64| self.with_curve(&Curve { b, ..curve.clone() });
             let place = |moved: f64| curve.b * libm::exp(moved);
-            let flip = stepped(libm::log(SLOPE_MOST), winner, |moved| at(place(moved)))?;
+            let flip =
+                stepped(libm::log(SLOPE_MOST), winner, |moved| winner_with_slope(place(moved)))?;
             let knob = Knob::Slope { curve: id() };
             reserves.push(Reserve::of(knob, curve.b, flip.map(|(m, who)| (place(m), who))));
         }
         Ok(reserves)
     }
 
-    /// Who wins if all whose nominal curve has this one's id follow this one.
+    /// The winner if every person whose nominal curve has this id follows this curve instead.
     fn with_curve(&self, curve: &Curve) -> Result<usize, RankError> {
         let mut candidates = self.candidates.to_vec();
         let persons = candidates
@@ -301,11 +304,11 @@ impl Reserve {
 /// The terms with one weight replaced and the others rescaled, so that they sum to 1 again.
 fn reweighed(terms: &[Term], moved: Term, weight: f64) -> Vec<Term> {
     let scale = (1.0 - weight) / (1.0 - moved.weight);
-    let one = |term: &Term| {
+    let rescaled = |term: &Term| {
         let weight = if term.rule == moved.rule { weight } else { term.weight * scale };
         Term { weight, ..*term }
     };
-    terms.iter().map(one).collect()
+    terms.iter().map(rescaled).collect()
 }
 
 fn pairs<T: Copy>(items: &[T]) -> impl Iterator<Item = (T, T)> {
@@ -313,7 +316,7 @@ fn pairs<T: Copy>(items: &[T]) -> impl Iterator<Item = (T, T)> {
 }
 
 /// The nearest place in [0, 1] beyond which another candidate wins. Between two neighbouring places
-/// nothing changes, so the middle between them tells.
+/// nothing changes, so the middle between them decides.
 fn nearest_flip(
     value: f64,
     places: &[f64],

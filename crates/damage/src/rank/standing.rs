@@ -1,4 +1,5 @@
-//! What is certain of an order while work is open: asked after every result, so from bounds alone.
+//! What is certain of an order while work is open: computed after every result, so from bounds
+//! alone.
 
 use super::{Each, RankError, RankOrder, Scratch, taken};
 use crate::assess::CandidateBounds;
@@ -11,15 +12,15 @@ use crate::rule::Stake;
 pub struct Standing {
     /// Candidates that can still win, in the order of the request.
     pub possible: Vec<usize>,
-    /// So many of the first places no open work can change.
+    /// Number of leading places that no open work can change.
     pub settled: usize,
-    /// Who would stand first in an answer given now.
+    /// The candidate that would be first in an answer given now.
     pub incumbent: usize,
     /// Per candidate: what the first undecided step of the policy compares, over open work.
     pub compared: Vec<Interval>,
 }
 
-/// What is certain by now, as [`super::rank()`] finds it.
+/// What is certain so far, as [`super::rank()`] finds it.
 ///
 /// # Errors
 ///
@@ -34,8 +35,8 @@ pub fn standing(
     Ok(standing)
 }
 
-/// [`standing()`] in room that was used before, which spares the heap: it is asked after every
-/// result. What `standing` held is replaced, unless there is an error.
+/// [`standing()`] in reused buffers, to avoid allocation: it is called after every result. The
+/// contents of `standing` are replaced unless there is an error.
 ///
 /// # Errors
 ///
@@ -74,16 +75,17 @@ pub fn needs_high(policy: &Policy) -> bool {
 }
 
 impl RankOrder<'_> {
-    /// What the first step compares that does not find all possible winners equal and settled.
+    /// What is compared by the first step that does not find all possible winners equal and
+    /// settled.
     fn compare(&self, possible: &[usize], last: &mut Vec<Interval>) {
         last.clear();
         for step in self.steps {
-            let one = |k: usize| match step {
+            let compared_by_step = |k: usize| match step {
                 Step::Least { measure, .. } => self.over(measure, k),
                 Step::Accept { .. } => self.figures[k].greatest_high_over(),
             };
             last.clear();
-            last.extend((0..self.figures.len()).map(one));
+            last.extend((0..self.figures.len()).map(compared_by_step));
             let first = possible.first().map(|k| last[*k]);
             let is_open = |k: &usize| !last[*k].is_settled() || Some(last[*k]) != first;
             if possible.iter().any(is_open) {

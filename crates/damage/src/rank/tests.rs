@@ -93,12 +93,12 @@ pub(in crate::rank) fn k() -> [CandidateHarm; 3] {
 #[test]
 fn k_every_composition_gives_its_worked_order() {
     let by = |p: &Policy| order(&ranked(p, &k()));
-    let one = |rule: &str| policy("lexicographic", &level(rule, 0.0));
-    assert_eq!(by(&one("bayes")), [3, 2, 1]);
-    assert_eq!(by(&one("equality")), [2, 3, 1]);
-    // No mask: who is unharmed somewhere is not thereby preferred.
-    assert_eq!(by(&one("maximin")), [2, 3, 1]);
-    let ego = one("ego-only");
+    let single_level = |rule: &str| policy("lexicographic", &level(rule, 0.0));
+    assert_eq!(by(&single_level("bayes")), [3, 2, 1]);
+    assert_eq!(by(&single_level("equality")), [2, 3, 1]);
+    // No mask: a person who is unharmed in one candidate is not thereby preferred.
+    assert_eq!(by(&single_level("maximin")), [2, 3, 1]);
+    let ego = single_level("ego-only");
     assert_eq!(by(&ego), [1, 2, 3]);
     assert_eq!(ranked(&ego, &k()).notes, [Note::EgoOnly]);
     let two = level("bayes", 0.015) + &level("maximin", 0.0);
@@ -196,8 +196,9 @@ fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
     assert!(matches!(why, Ground::TieBreak { by: TieBreak::Request, .. }), "{why:?}");
 }
 
-/// Whether the second candidate passes the first step hangs on the open third, which itself falls
-/// out at the second: so the tie-break may not take the second for sure, though both are finished.
+/// Whether the second candidate passes the first step depends on the open third, which itself drops
+/// out at the second: so the tie-break may not take the second as certain, though both are
+/// finished.
 #[test]
 fn a_tie_break_certifies_only_who_was_surely_kept() {
     let with = |ends: &[(f64, f64)], energy_j: f64| {
@@ -257,12 +258,12 @@ fn the_term_that_separates_first_from_second_is_named() {
     let why = ranking.places[0].why.as_ref().expect("there is a next");
     let Ground::Least { first, second, rule, person, .. } = why else { panic!("{why:?}") };
     assert!((first - 0.15).abs() < 1e-9 && (second - 0.21).abs() < 1e-9);
-    // .3·(.35 − .2) is more than .2·(.23333 − .13333), and Bayes speaks for the other.
+    // .3·(.35 − .2) is more than .2·(.23333 − .13333), and Bayes favours the other.
     assert_eq!((*rule, *person), (Some(Rule::Maximin), Some(PersonId(1))));
     let sentence = why.sentence("swerve", "brake");
     assert_eq!(
         sentence,
-        "swerve before brake: weighted sum 0.15000 against 0.21000, most of it by maximin"
+        "swerve before brake: weighted sum 0.15000 against 0.21000, mostly from greatest risk"
     );
 }
 
@@ -327,7 +328,7 @@ proptest! {
         }
         // The order's own winner is one of the possible ones.
         prop_assert!(before.possible.contains(&before.places[0].candidate));
-        // Everybody is ranked once.
+        // Every candidate is ranked once.
         let mut all = order(&before);
         all.sort_unstable();
         prop_assert_eq!(all, (1..=risks.len()).collect::<Vec<_>>());

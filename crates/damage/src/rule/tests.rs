@@ -20,12 +20,12 @@ fn values(measure: &Measure, stakes: &[Stake]) -> [f64; 3] {
 /// One value per rule: nothing is computed under one name and returned under another.
 #[test]
 fn every_rule_gives_its_own_worked_values() {
-    let of = |rule: Rule| values(&Measure::Rule(rule), &stakes(0.0));
-    assert_eq!(of(Rule::Bayes), [0.13667, 0.12667, 0.11667]);
-    assert_eq!(of(Rule::Equality), [0.26667, 0.13333, 0.23333]);
-    assert_eq!(of(Rule::Maximin), [0.4, 0.2, 0.35]);
-    assert_eq!(of(Rule::EgoOnly), [0.01, 0.2, 0.35]);
-    assert_eq!(of(Rule::Responsibility), of(Rule::Bayes));
+    let rule_values = |rule: Rule| values(&Measure::Rule(rule), &stakes(0.0));
+    assert_eq!(rule_values(Rule::Bayes), [0.13667, 0.12667, 0.11667]);
+    assert_eq!(rule_values(Rule::Equality), [0.26667, 0.13333, 0.23333]);
+    assert_eq!(rule_values(Rule::Maximin), [0.4, 0.2, 0.35]);
+    assert_eq!(rule_values(Rule::EgoOnly), [0.01, 0.2, 0.35]);
+    assert_eq!(rule_values(Rule::Responsibility), rule_values(Rule::Bayes));
 }
 
 /// Half the responsibility halves the pedestrian's share, once.

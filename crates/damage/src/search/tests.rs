@@ -7,7 +7,7 @@ fn path(travels: Vec<f64>) -> Path {
     Path { travels: travels.into(), step_m: 0.1, coarse: false, closing_m_s: 10.0 }
 }
 
-/// The grid one by one, then halving: nothing clever.
+/// The reference: the grid one by one, then halving.
 fn naive(travels: &[f64], touches: &impl Fn(f64) -> bool) -> First {
     let Some(k) = travels.iter().position(|s| touches(*s)) else { return First::None };
     if k == 0 {
@@ -43,7 +43,7 @@ proptest! {
             prop_assert!(search.is_needed(s));
             search.learn(s, touches(s));
             search.learn(s, touches(s));
-            // What is asked for once is not asked for again, and the bracket only narrows.
+            // No travel is asked for twice, and the bracket only narrows.
             prop_assert!(!search.is_needed(s));
             if touches(s) || search.has_touched() {
                 let now = search.bracket();

@@ -1,5 +1,5 @@
-//! Laws of the ledger: it equals the recomputation from the log of what was booked, and no core
-//! ever holds more than it may.
+//! Invariants of the ledger: it equals its recomputation from the log, and no core ever exceeds its
+//! capacity.
 
 use super::*;
 use proptest::prelude::*;
@@ -18,7 +18,7 @@ fn caches() -> impl Strategy<Value = Cache> {
     ]
 }
 
-/// What a core holds, most recent last: the dumbest list that works.
+/// The content of a core, most recent last: the simplest list that works.
 #[derive(Clone, Default)]
 struct List(Vec<Section>);
 
@@ -27,7 +27,8 @@ impl List {
         self.0.iter().map(|section| weight(*section)).sum()
     }
 
-    /// Whether the section was there; makes room for it, or says that there is none.
+    /// Returns whether the section was present, and whether it does not fit; evicts others as
+    /// needed.
     fn need(&mut self, section: Section, cache: Cache, evicted: &mut u64) -> (bool, bool) {
         let bytes = weight(section);
         if let Some(at) = self.0.iter().position(|held| *held == section) {

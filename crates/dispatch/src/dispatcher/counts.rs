@@ -1,20 +1,20 @@
-//! What was counted in a request, and why parts were turned away.
+//! The counts of a request, and why parts were rejected.
 
-/// Why a part was not taken.
+/// Rejected parts, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fence {
     /// It belongs to another request.
     pub stale: u64,
-    /// The job is closed, or leased to somebody else, or in another attempt.
+    /// The job is closed, or leased to another worker or attempt.
     pub not_leased: u64,
-    /// A part came twice.
+    /// The part was received before.
     pub repeated: u64,
     /// A part before it is missing.
     pub gap: u64,
 }
 
 impl Fence {
-    /// All of them.
+    /// The total.
     #[must_use]
     pub fn sum(&self) -> u64 {
         let Self { stale, not_leased, repeated, gap } = self;
@@ -22,10 +22,10 @@ impl Fence {
     }
 }
 
-/// What was counted.
+/// The counts of a request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Jobs there were.
+    /// Jobs in total.
     pub jobs: u64,
     /// Jobs done.
     pub done: u64,
@@ -39,6 +39,6 @@ pub struct Counts {
     pub reissued: u64,
     /// Batches sent.
     pub batches: u64,
-    /// Parts turned away.
+    /// Parts rejected.
     pub fence: Fence,
 }

@@ -1,36 +1,36 @@
-//! What the dispatcher hears, what it asks for, and how far the request is.
+//! The dispatcher's events and effects, and the progress of the request.
 
 use protocol::{Incarnation, JobId, RequestId, Section};
 
-/// What happened.
+/// An event.
 #[derive(Debug)]
 pub enum Event<P> {
-    /// Nothing but time: look for work.
+    /// Only time has passed: look for work.
     Poll,
-    /// A worker takes jobs from now on.
+    /// A worker is ready for jobs.
     Ready(Incarnation),
     /// One part of a result arrived.
     Part {
-        /// Who sent it.
+        /// The sender.
         from: Incarnation,
-        /// The request that it belongs to.
+        /// The request it belongs to.
         request: RequestId,
         /// Its job.
         job: JobId,
-        /// The attempt that it belongs to.
+        /// The attempt it belongs to.
         attempt: u8,
         /// Its number, from 0.
         part: u16,
         /// Whether it is the last one.
         last: bool,
-        /// What it carries.
+        /// Its content.
         body: P,
     },
-    /// A worker could not run a job, and lives.
+    /// A worker could not run a job, and is still alive.
     Failed {
-        /// Who says so.
+        /// The reporting worker.
         from: Incarnation,
-        /// The request that it belongs to.
+        /// The request it belongs to.
         request: RequestId,
         /// The job.
         job: JobId,
@@ -39,56 +39,56 @@ pub enum Event<P> {
     },
     /// A worker is dead and its results are drained.
     Lost {
-        /// Who.
+        /// The worker.
         who: Incarnation,
-        /// The job and attempt it had started.
+        /// The job and attempt that it had started.
         started: Option<(JobId, u8)>,
     },
     /// A batch could not be handed over: the queue was full.
     Unsent {
-        /// To whom.
+        /// The receiver.
         to: Incarnation,
-        /// Which one: [`Effect::Send`]'s number.
+        /// The number of the batch in [`Effect::Send`].
         batch: u32,
     },
-    /// A worker has worked off all batches below a number, or turned them away, and everything that
-    /// it sent for them was taken: what has not come of them will not come.
+    /// A worker has processed or rejected all batches below a number, and everything it sent for
+    /// them was received: results of them that have not arrived never will.
     Answered {
-        /// Who.
+        /// The worker.
         who: Incarnation,
-        /// The number of the first batch that it may still be working on.
+        /// The number of the first batch it may still be working on.
         batches: u32,
     },
-    /// A message of a worker was turned away: its checksum did not fit. Whose result it was is not
-    /// known; [`Event::Answered`] will tell.
+    /// A message of a worker was rejected because of its checksum. Whose result it was is unknown
+    /// until [`Event::Answered`].
     Garbled {
-        /// On whose channel.
+        /// The worker whose channel it came from.
         from: Incarnation,
     },
     /// The time is up: what is open stays unknown.
     Expired,
 }
 
-/// What to do.
+/// An action to take.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Send these jobs as one batch.
     Send {
-        /// To whom.
+        /// The receiver.
         to: Incarnation,
         /// Its number: batches to one incarnation are numbered from 0.
         batch: u32,
         /// Jobs, in order, with their attempts.
         jobs: Vec<(JobId, u8)>,
-        /// Sections that these need and the core does not hold, in the order of need: what has to
-        /// be shipped before, where sections are shipped at all.
+        /// Sections that these jobs need and the core does not hold, in order of need: to be sent
+        /// before, if sections are sent at all.
         fetch: Vec<Section>,
     },
-    /// End this worker: it can no longer be trusted. [`Event::Lost`] is to follow.
+    /// Kill this worker, which is no longer trusted. [`Event::Lost`] must follow.
     Kill {
-        /// Whom.
+        /// The worker.
         who: Incarnation,
-        /// Why.
+        /// The reason.
         why: Why,
     },
 }
@@ -96,7 +96,7 @@ pub enum Effect {
 /// Why a worker is no longer trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Why {
-    /// Its messages were turned away.
+    /// Its messages were rejected.
     Garbled,
     /// It left jobs unanswered.
     Forgetful,
@@ -107,14 +107,14 @@ pub enum Why {
 impl core::fmt::Display for Why {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Garbled => "its messages were turned away",
+            Self::Garbled => "its messages were rejected",
             Self::Forgetful => "it left jobs unanswered",
             Self::Full => "its queue stayed full",
         })
     }
 }
 
-/// One line of the log from which the ledger can be recomputed.
+/// An entry of the log from which the ledger can be recomputed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogEntry {
     /// A job was given to a worker.
@@ -123,26 +123,26 @@ pub enum LogEntry {
         job: JobId,
         /// Its attempt.
         attempt: u8,
-        /// To whom.
+        /// The worker.
         who: Incarnation,
-        /// The sections of A and of B, and what they weigh (bytes).
+        /// The sections of A and of B, and their sizes (bytes).
         sections: [(Section, u64); 2],
     },
-    /// A worker was lost with all that it held.
+    /// A worker was lost with everything it held.
     Lost {
-        /// Who.
+        /// The worker.
         who: Incarnation,
     },
 }
 
-/// How far the request is.
+/// The progress of the request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// Jobs are pending or out.
     Working,
-    /// Every job is closed and no more are to come.
+    /// Every job is closed and no more will come.
     Finished,
-    /// Jobs are left, and nobody lives to take them.
+    /// Jobs are left, but no worker is alive to run them.
     Stranded,
     /// A section did not fit a memory without eviction, and the run is over.
     Thrashed,

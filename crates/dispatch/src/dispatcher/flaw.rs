@@ -1,18 +1,18 @@
-//! Deliberate mistakes, for the tests that must catch them. Behind the
-//! feature `faults`: no build for a vehicle has them.
+//! Deliberate flaws, for the tests that must detect them. Behind the feature `faults`: no build for
+//! a vehicle has them.
 
 use super::{Closed, Dispatcher, JobSource, State};
 use crate::scheme::MatchScheme;
 use protocol::{Incarnation, JobId};
 
-/// A mistake that a dispatcher could make.
+/// A flaw that a dispatcher could have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DispatcherFlaw {
-    /// Takes a result from anybody, for any attempt.
+    /// Accepts a result from any worker, for any attempt.
     NoFence,
-    /// Counts what a dead worker held as done: nothing was heard, so nothing was hit.
+    /// Counts the jobs of a dead worker as done, as if they had found nothing.
     SilenceIsHarmless,
-    /// Forgets that what a dead worker held must be done by somebody else.
+    /// Does not reassign the jobs of a dead worker.
     LeaseForgotten,
 }
 
@@ -22,7 +22,7 @@ impl DispatcherFlaw {
 }
 
 impl<S: MatchScheme> Dispatcher<S> {
-    /// From now on makes this mistake.
+    /// Enables this flaw.
     pub fn corrupt(&mut self, flaw: Option<DispatcherFlaw>) {
         self.flaw = flaw;
     }
@@ -52,7 +52,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         true
     }
 
-    pub(super) fn bury_badly<W: JobSource>(&mut self, who: Incarnation, work: &mut W) -> bool {
+    pub(super) fn reap_badly<W: JobSource>(&mut self, who: Incarnation, work: &mut W) -> bool {
         match self.flaw {
             Some(DispatcherFlaw::LeaseForgotten) => true,
             Some(DispatcherFlaw::SilenceIsHarmless) => {

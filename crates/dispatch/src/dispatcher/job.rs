@@ -1,4 +1,5 @@
-//! What a job is to the dispatcher, how it ends, and who hands jobs over and takes what they find.
+//! What a job is to the dispatcher, how it ends, and the interface that supplies jobs and takes
+//! results.
 
 use protocol::{Section, TaskId};
 
@@ -13,36 +14,36 @@ pub struct Job {
     pub b: Section,
 }
 
-/// How a job ended for good.
+/// The final state of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closed {
     /// All its parts were folded.
     Done,
-    /// It could not matter any longer, and was not run.
+    /// It was obsolete and was not run.
     Cut,
-    /// It failed too often; what it would have found is unknown.
+    /// It failed too often; its result is unknown.
     Abandoned,
-    /// The time was up before it was done; what it would have found is unknown.
+    /// The time was up before it was done; its result is unknown.
     Late,
 }
 
-/// Where jobs come from and results go to.
+/// Supplies jobs and takes results.
 pub trait JobSource {
     /// One part of a result.
     type Part<'p>: Copy;
 
-    /// Hands over more jobs, if there are any by now.
+    /// Appends more jobs, if there are any by now.
     fn more(&mut self, jobs: &mut Vec<Job>);
-    /// Whether the rest of a task cannot matter any longer.
+    /// Whether the rest of a task can no longer matter.
     fn is_obsolete(&self, task: TaskId) -> bool;
-    /// Takes what one part found. May be called again with what a job found before.
+    /// Folds one part of a result. May be called again with parts that were folded before.
     fn fold(&mut self, job: &Job, part: Self::Part<'_>);
-    /// Takes note that a job is closed: exactly once per job.
+    /// Called when a job is closed: exactly once per job.
     fn close(&mut self, job: &Job, how: Closed);
-    /// Bytes of a section.
+    /// The size of a section in bytes.
     fn weight(&self, section: Section) -> u64;
-    /// What names the job in later requests too, so that one that takes workers down is not tried
-    /// again at once; `None`: nothing does.
+    /// A key that identifies the job in later requests, so that a job that kills workers is not
+    /// retried at once; `None` if there is none.
     fn key(&self, _job: &Job) -> Option<u64> {
         None
     }

@@ -1,4 +1,4 @@
-//! Leases: how they begin, and every way in which they end but with a result.
+//! Leases: how they begin, and every way in which they end other than with a result.
 //!
 //! | what happened | what follows |
 //! |---|---|
@@ -8,12 +8,12 @@
 //! | the job failed, the worker lives | the job is blamed |
 //! | the time is up | everything open is closed |
 //!
-//! *Blame* is for a job that is known to have been started. A blamed job is a suspect: it gets a
-//! core that has nothing else, so that a second death is unambiguous; after [`BLAME_MAX`] it is
-//! abandoned, and later requests leave it alone for a while (`quarantine.rs`).
+//! *Blame* is for a job that is known to have been started. A blamed job is a suspect: it runs
+//! alone on a core, so that a second death is unambiguous; after [`BLAME_MAX`] it is abandoned, and
+//! later requests skip it for a while (`quarantine.rs`).
 //!
-//! *Trust* is for lives of workers: [`FAULTS_MAX`] messages lost or turned away in one request, or
-//! [`REFUSALS_MAX`] batches refused in a row, and the worker is to be killed.
+//! *Trust* is per incarnation of a worker: after [`FAULTS_MAX`] messages lost or rejected in one
+//! request, or [`REFUSALS_MAX`] batches refused in a row, the worker is killed.
 
 use super::{Closed, Dispatcher, Effect, JobSource, LogEntry, Queues, State, Why};
 use crate::scheme::MatchScheme;
@@ -21,64 +21,64 @@ use core::mem::replace;
 use protocol::{Incarnation, JobId, Section};
 use std::collections::VecDeque;
 
-/// How often a job may fail or take its worker down before it is abandoned.
+/// How often a job may fail or kill its worker before it is abandoned.
 const BLAME_MAX: u8 = 2;
-/// How many messages one life of a worker may lose or garble in a request.
+/// How many messages an incarnation may lose or garble in a request.
 const FAULTS_MAX: u8 = 3;
 /// How many batches in a row a worker's queue may refuse.
 const REFUSALS_MAX: u8 = 8;
-/// How long a core rests whose queue was full (ns).
+/// How long a core rests after its queue was full (ns).
 const REST_NS: u64 = 1_000_000;
 
-/// The batch of a job that still lies in the outbox.
+/// The batch number of a job that is still in the outbox.
 const UNSENT: u32 = u32::MAX;
 
 /// A batch that a worker has not answered.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Batch {
     number: u32,
-    /// How many jobs it carries.
+    /// Number of jobs.
     len: u32,
-    /// Which ones; none if it belongs to an earlier request.
+    /// The jobs; empty if it belongs to an earlier request.
     jobs: Vec<JobId>,
 }
 
-/// One core, and the life that serves it.
+/// One core, and the incarnation that serves it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Core {
     pub(super) who: Option<Incarnation>,
-    /// Jobs leased to it, and jobs of earlier requests that lie in its queue.
+    /// Jobs leased to it, and jobs of earlier requests in its queue.
     pub(super) queued: u32,
     pub(super) outbox: Vec<(JobId, u8)>,
     /// Sections that jobs in the outbox need and the core did not hold.
     pub(super) fetch: Vec<Section>,
-    /// When the first job of the outbox was put there (ns).
+    /// When the first job of the outbox was added (ns).
     pub(super) since_ns: u64,
-    /// Until when it gets nothing, because its queue was full (ns).
+    /// Until when it gets no jobs, because its queue was full (ns).
     shut_until_ns: u64,
     /// The suspect that it runs alone.
     alone: Option<JobId>,
-    /// Number of the next batch. Those handed over have no gaps: a worker that turns one away
-    /// cannot read its number, and counts.
+    /// Number of the next batch. Those handed over have no gaps: a worker that rejects one cannot
+    /// read its number, so it counts.
     next: u32,
     /// All batches below are answered, or forgotten.
     floor: u32,
     sent: VecDeque<Batch>,
     faults: u8,
-    /// Messages turned away whose jobs were not missed yet: the same fault, seen twice.
+    /// Messages rejected whose jobs are not missed yet: the same fault, observed twice.
     garbled: u8,
     refusals: u8,
     is_doomed: bool,
 }
 
 impl Core {
-    /// A core whose worker has just greeted.
+    /// Creates a core whose worker has just said hello.
     pub(super) fn of(who: Incarnation) -> Self {
         Self { who: Some(who), ..Self::default() }
     }
 
-    /// Whether a job may be placed here: a free slot, and room for a whole batch, so that batches
-    /// do not shrink to one job as single results come back.
+    /// Whether a job may be placed here: needs a free slot, and capacity for a whole batch, so that
+    /// batches do not shrink to one job as single results come back.
     pub(super) fn takes(&self, queues: Queues) -> bool {
         self.is_open()
             && self.alone.is_none()
@@ -90,19 +90,19 @@ impl Core {
         self.who.is_some() && !self.is_doomed && self.shut_until_ns == 0
     }
 
-    /// When it may be tried again, if its queue was full (ns).
+    /// When it may be retried, if its queue was full (ns).
     pub(super) fn shut_until_ns(&self) -> Option<u64> {
         (self.shut_until_ns > 0).then_some(self.shut_until_ns)
     }
 
-    /// Tries it again, if it has rested long enough.
+    /// Reopens it if it has rested long enough.
     pub(super) fn look(&mut self, now_ns: u64) {
         if self.shut_until_ns <= now_ns {
             self.shut_until_ns = 0;
         }
     }
 
-    /// It moves: its queue has room again.
+    /// Reopens it: the queue is draining again.
     pub(super) fn open(&mut self) {
         self.refusals = 0;
         self.shut_until_ns = 0;
@@ -110,7 +110,7 @@ impl Core {
 }
 
 impl<S: MatchScheme> Dispatcher<S> {
-    /// Leases a job. It lies in the outbox until it is sent.
+    /// Leases a job. It stays in the outbox until it is sent.
     pub(super) fn lease<W: JobSource>(
         &mut self,
         now_ns: u64,
@@ -141,7 +141,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         core.outbox.push((job, attempt));
     }
 
-    /// Sends what lies in the outbox, if anything does.
+    /// Sends the content of the outbox, if any.
     pub(super) fn flush(&mut self, number: usize, effects: &mut Vec<Effect>) {
         let core = &mut self.cores[number];
         if let (Some(to), false) = (core.who, core.outbox.is_empty()) {
@@ -165,8 +165,8 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Gives each suspect a core of its own. Says which core takes nothing else, because a suspect
-    /// waits until it has answered what it holds.
+    /// Assigns each suspect a core of its own. Returns the core that takes nothing else because a
+    /// suspect waits until its jobs are answered.
     pub(super) fn place_suspects<W: JobSource>(
         &mut self,
         now_ns: u64,
@@ -194,7 +194,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         None
     }
 
-    /// Ends a lease: the slot is the core's again.
+    /// Ends a lease and frees its slot.
     pub(super) fn unlease(&mut self, job: JobId) {
         if let State::Leased(who) = self.slots[job.0 as usize].state {
             self.slots[job.0 as usize].state = State::Pending;
@@ -204,7 +204,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// To the front: what was begun is finished first.
+    /// Returns a job to the front of the queue: work in progress is finished first.
     pub(super) fn put_back(&mut self, job: JobId) {
         let slot = &mut self.slots[job.0 as usize];
         slot.parts = 0;
@@ -228,8 +228,8 @@ impl<S: MatchScheme> Dispatcher<S> {
         self.close(job, Closed::Abandoned, work);
     }
 
-    /// Only the started job is blamed; the others go back as if nothing had been.
-    pub(super) fn bury<W: JobSource>(
+    /// Blames only the started job; the others are returned without consequences.
+    pub(super) fn reap<W: JobSource>(
         &mut self,
         now_ns: u64,
         who: Incarnation,
@@ -246,7 +246,7 @@ impl<S: MatchScheme> Dispatcher<S> {
             log.push(LogEntry::Lost { who });
         }
         #[cfg(feature = "faults")]
-        if self.bury_badly(who, work) {
+        if self.reap_badly(who, work) {
             return;
         }
         for number in (0..self.slots.len()).rev() {
@@ -265,7 +265,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Takes a batch back that was not handed over.
+    /// Returns the jobs of a batch that was not handed over.
     pub(super) fn unsent(
         &mut self,
         now_ns: u64,
@@ -286,7 +286,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Takes back what was not answered of the batches that the worker is done with.
+    /// Returns the unanswered jobs of the batches that the worker is done with.
     pub(super) fn answered(&mut self, who: Incarnation, batches: u32, effects: &mut Vec<Effect>) {
         let mut lost = 0;
         while let Some(core) = self.core_of(who)
@@ -305,11 +305,11 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Ends all leases of a batch; says how many there were.
+    /// Ends all leases of a batch; returns how many there were.
     fn reclaim(&mut self, who: Incarnation, batch: Option<Batch>) -> u32 {
         let Some(batch) = batch else { return 0 };
         if batch.jobs.is_empty() {
-            // An earlier request's: nothing was leased but room.
+            // Of an earlier request: it held slots, but no leases.
             if let Some(core) = self.core_of(who) {
                 core.queued = core.queued.saturating_sub(batch.len);
             }
@@ -328,13 +328,13 @@ impl<S: MatchScheme> Dispatcher<S> {
         ended
     }
 
-    /// The list of a batch, for the next one.
+    /// Keeps the list of a batch for reuse.
     fn lay_aside(&mut self, mut jobs: Vec<JobId>) {
         jobs.clear();
         self.spare.jobs.push(jobs);
     }
 
-    /// Counts a fault of a worker's channels; too many, and it is to be killed.
+    /// Counts a channel fault of a worker; after too many, it is killed.
     pub(super) fn distrust(&mut self, who: Incarnation, why: Why, effects: &mut Vec<Effect>) {
         let Some(core) = self.core_of(who) else { return };
         core.faults = core.faults.saturating_add(1);
@@ -350,7 +350,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         effects.push(Effect::Kill { who, why });
     }
 
-    /// Forgets all leases, but not the room that their jobs still take in the queues.
+    /// Drops all leases, but not the slots that their jobs still occupy in the queues.
     pub(super) fn retire(&mut self) {
         let (slots, spare) = (&self.slots, &mut self.spare);
         for core in &mut self.cores {
@@ -376,7 +376,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         }
     }
 
-    /// Closes all that is open: the time is up.
+    /// Closes all open jobs because the time is up.
     pub(super) fn expire<W: JobSource>(&mut self, work: &mut W) {
         self.is_over = true;
         self.retire();

@@ -11,7 +11,7 @@ mod faults;
 /// The request of these tests.
 const NOW: RequestId = RequestId(7);
 
-/// Work whose jobs come in waves: a wave is handed out when the one before it is closed.
+/// Work whose jobs come in waves: a wave is released when the previous one is closed.
 #[derive(Default)]
 struct Waves {
     left: Vec<u32>,
@@ -64,7 +64,7 @@ struct World {
     late: Vec<Held>,
     inc: u32,
     queues_max: u32,
-    /// The last batch that each was sent.
+    /// The last batch sent to each worker.
     batches: BTreeMap<Incarnation, u32>,
     doomed: Vec<u8>,
 }
@@ -73,7 +73,7 @@ impl World {
     fn carry_out(&mut self, effects: Vec<Effect>) {
         for effect in effects {
             let Effect::Send { to, batch, jobs, .. } = effect else {
-                // Whoever loses too much is ended: its jobs go to the others.
+                // A worker that loses too much is killed: its jobs go to the others.
                 let Effect::Kill { who, .. } = effect else { continue };
                 self.doomed.push(who.worker);
                 continue;
@@ -102,7 +102,7 @@ impl World {
         progress
     }
 
-    /// Replaces a worker: what it held is lost, and may come back late.
+    /// Replaces a worker: its jobs are lost, and their results may arrive late.
     fn kill(&mut self, worker: u8, started: bool) -> Progress {
         let Some(who) = self.queues.keys().find(|who| who.worker == worker).copied() else {
             return self.step(Event::Poll);
@@ -131,7 +131,7 @@ fn caches() -> impl Strategy<Value = Cache> {
     prop_oneof![Just(Cache::Unlimited), (0_u64..600).prop_map(Cache::Recent)]
 }
 
-/// What was transferred, by the log alone: a list of sections per core, most recent last.
+/// The transfer recomputed from the log alone: a list of sections per core, most recent last.
 fn recomputed(
     dispatcher: &Dispatcher<Box<dyn MatchScheme>>,
     cache: Cache,
@@ -216,7 +216,7 @@ proptest! {
             let busy: Vec<Incarnation> = world.queues.iter()
                 .filter(|(_, queue)| !queue.is_empty()).map(|(who, _)| *who).collect();
             if busy.is_empty() {
-                // A batch may linger, and no longer than it may.
+                // A batch may linger, but not longer than configured.
                 let due_ns = world.dispatcher.due_ns();
                 prop_assert!(due_ns.is_some(), "jobs are open and nobody holds one");
                 world.now_ns = due_ns.unwrap();
@@ -241,7 +241,7 @@ proptest! {
                     world.step(Event::Failed { from, request: NOW, job, attempt })
                 }
                 6 => {
-                    // What it does with what it has, and what it has lost, is told at the end.
+                    // The worker reports at the end which batches it has processed or lost.
                     let batches = world.batches[&who] + 1;
                     for held in std::mem::take(world.queues.get_mut(&who).unwrap()) {
                         if which.index(3) > 0 { world.answer(held, &[(0, true)]); }
@@ -300,7 +300,7 @@ fn a_worker_that_says_twice_that_it_is_ready_keeps_its_jobs() {
         dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
         dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
         assert_eq!(effects.len(), 1, "{effects:?}");
-        // The request ends early, and the worker gets through what it has.
+        // The request ends early, and the worker finishes what it has.
         dispatcher.step(0, Event::Expired, &mut work, &mut effects);
         dispatcher.step(0, Event::Answered { who, batches }, &mut work, &mut effects);
         effects.clear();
@@ -395,7 +395,7 @@ proptest! {
             return Ok(());
         }
         prop_assert_eq!(progress, Progress::Finished);
-        // Nothing is evicted and nobody dies, so each core gets each section at most once.
+        // Nothing is evicted and no worker dies, so each core gets each section at most once.
         prop_assert!(transfer.section_bytes <= cores as u64 * all);
         let once: BTreeSet<_> = shipped.iter().collect();
         prop_assert_eq!(once.len(), shipped.len());

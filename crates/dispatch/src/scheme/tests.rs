@@ -1,4 +1,4 @@
-//! Laws of the schemes: only eligible cores, and each scheme is what its name says.
+//! Invariants of the schemes: only eligible cores are chosen, and each scheme matches its name.
 
 use super::*;
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn matchings() -> impl Strategy<Value = Matching> {
     ]
 }
 
-/// The core with the least key, by hand: the first of the eligible ones in order.
+/// The core with the least key, computed by hand: the first of the eligible ones in order.
 fn first_by<K: Ord>(cores: &[CoreView], key: impl Fn(&CoreView) -> K) -> Option<usize> {
     let mut eligible: Vec<usize> = (0..cores.len()).filter(|c| cores[*c].eligible).collect();
     eligible.sort_by_key(|core| (key(&cores[*core]), *core));

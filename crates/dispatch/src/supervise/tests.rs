@@ -1,4 +1,5 @@
-//! Laws of supervision: who moves, rests or only waits lives; who stands still is found in time.
+//! Invariants of supervision: a worker that progresses, rests or waits survives; one that stands
+//! still is detected in time.
 
 use super::*;
 use proptest::prelude::*;

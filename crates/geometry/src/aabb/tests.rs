@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Small whole numbers, so that boxes often touch; −0 among them.
+/// Small whole numbers, so that boxes often touch, including −0.
 fn point() -> impl Strategy<Value = [f32; 3]> {
     let coordinate = prop_oneof![(-3_i8..=3).prop_map(f32::from), Just(-0.0)];
     [coordinate.clone(), coordinate.clone(), coordinate]
@@ -18,7 +18,7 @@ fn of(points: &[[f32; 3]]) -> Aabb {
 }
 
 proptest! {
-    /// Least and greatest coordinates, no more; and the same through unions.
+    /// Boxes hold exactly the least and greatest coordinates; unions preserve this.
     #[test]
     fn is_minima_and_maxima(
         a in prop::collection::vec(point(), 1..5),

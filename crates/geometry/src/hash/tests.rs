@@ -1,4 +1,4 @@
-//! Known answers of SplitMix64, and what a sum of terms can and cannot see.
+//! Known answers of SplitMix64, and what a sum of terms can and cannot distinguish.
 
 use super::*;
 

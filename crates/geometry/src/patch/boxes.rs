@@ -25,19 +25,19 @@ impl<S: Simd> Boxes<S> {
         }
     }
 
-    /// Eight times the same.
+    /// The same box in all eight lanes.
     #[inline(always)]
     pub fn splat(simd: S, box_: &Aabb) -> Self {
         Self { min: same(simd, &box_.min), max: same(simd, &box_.max) }
     }
 
-    /// Eight times nothing.
+    /// Eight empty boxes.
     #[inline(always)]
     pub fn nothing(simd: S) -> Self {
         Self::splat(simd, &Aabb::EMPTY)
     }
 
-    /// Larger by `margin` on all sides.
+    /// Enlarges each box by `margin` on all sides.
     #[inline(always)]
     pub(super) fn enlarged(&self, margin: f32x8<S>) -> Self {
         let Self { min: [u, v, w], max: [x, y, z] } = *self;
@@ -47,14 +47,14 @@ impl<S: Simd> Boxes<S> {
         }
     }
 
-    /// Nothing in the other lanes.
+    /// Empties the lanes outside the mask.
     #[inline(always)]
     pub(super) fn only(&self, simd: S, lanes: mask32x8<S>) -> Self {
         let Self { min: none_min, max: none_max } = Self::nothing(simd);
         Self { min: only(lanes, self.min, none_min), max: only(lanes, self.max, none_max) }
     }
 
-    /// Lane by lane the box of both.
+    /// The union, lane by lane.
     #[inline(always)]
     pub(super) fn include(&mut self, other: &Self) {
         for axis in 0..3 {
@@ -63,7 +63,7 @@ impl<S: Simd> Boxes<S> {
         }
     }
 
-    /// The box of all lanes.
+    /// The union of all lanes.
     #[inline(always)]
     pub fn all(&self, simd: S) -> OneBox<S> {
         let ([u, v, w], [x, y, z]) = (self.min, self.max);
@@ -72,7 +72,7 @@ impl<S: Simd> Boxes<S> {
         OneBox { min: side_by_side(simd, min), max: side_by_side(simd, max) }
     }
 
-    /// Which meet the other's in the same lane. Comparisons with NaN are false.
+    /// Which boxes overlap the other's in the same lane. Comparisons with NaN are false.
     #[inline(always)]
     pub fn meet(&self, other: &Self) -> mask32x8<S> {
         let x = self.min[0].simd_le(other.max[0]) & other.min[0].simd_le(self.max[0]);

@@ -1,4 +1,5 @@
-//! One box in a vector or two: what is done once per pair of leaves, its three axes side by side.
+//! One box in one or two vectors, for work done once per pair of leaves: its three axes side by
+//! side.
 
 use super::{Boxes, same};
 use crate::Aabb;
@@ -21,48 +22,48 @@ pub fn side_by_side<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> f32x4<S> {
 }
 
 impl<S: Simd> OneBox<S> {
-    /// That box.
+    /// Loads a box.
     #[inline(always)]
     pub fn of(simd: S, Aabb { min, max }: &Aabb) -> Self {
         Self { min: side_by_side(simd, *min), max: side_by_side(simd, *max) }
     }
 
-    /// What lies in both: [empty](OneBox::is_empty) where they do not overlap.
+    /// Returns the intersection: [empty](OneBox::is_empty) where they do not overlap.
     #[must_use]
     #[inline(always)]
     pub fn intersection(&self, other: &Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// Larger by `margin` (m) on all sides, but for rounding.
+    /// Enlarges the box by `margin` (m) on all sides, up to rounding.
     #[must_use]
     #[inline(always)]
     pub fn enlarged(&self, margin: f32) -> Self {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
-    /// Elsewhere, but for rounding.
+    /// Moves the box, up to rounding.
     #[must_use]
     #[inline(always)]
     pub fn moved(&self, by: f32x4<S>) -> Self {
         Self { min: self.min + by, max: self.max + by }
     }
 
-    /// Whether no point is in it.
+    /// Whether the box contains no point.
     #[must_use]
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.min.simd_gt(self.max).any_true()
     }
 
-    /// The same box eight times.
+    /// Repeats the box eight times.
     #[must_use]
     #[inline(always)]
     pub fn spread(&self, simd: S) -> Boxes<S> {
-        let of = |v: &f32x4<S>| {
+        let spread_axes = |v: &f32x4<S>| {
             let [x, y, z, _] = <[f32; 4]>::from(*v);
             same(simd, &[x, y, z])
         };
-        Boxes { min: of(&self.min), max: of(&self.max) }
+        Boxes { min: spread_axes(&self.min), max: spread_axes(&self.max) }
     }
 }

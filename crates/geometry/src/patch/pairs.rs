@@ -1,8 +1,10 @@
-//! Pairs of triangles that may intersect, and which of them do: eight at once, whichever they are.
+//! Candidate pairs of triangles, and the test of which intersect: eight at a time, in any
+//! combination.
 //!
-//! A triangle of a patch meets the boxes of two or three of the other one, so eight lanes against
-//! one triangle would stay empty for the most part. Here pairs stand side by side, and each lane
-//! fetches both of its triangles: to fetch and place them once more costs less than empty lanes.
+//! A triangle of one patch overlaps the boxes of only two or three triangles of the other, so
+//! testing one against eight would leave most lanes empty. Here pairs are stored side by side, and
+//! each lane loads both of its triangles: loading and placing them again costs less than empty
+//! lanes.
 
 use super::{Boxes, Close, LANES, Patch, Posed, Vector, eight, same};
 use crate::lanes::{cross, dot, dot_and, gather, minus, only, plus, reach};
@@ -10,10 +12,10 @@ use crate::triangle;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 
-/// With more pairs than these, it is time to sift them.
+/// With more pairs than this, it is time to sift them.
 const FULL: usize = 512;
 
-/// Eight triangles with all of a patch find room besides, and eight are stored at once.
+/// One triangle against a whole patch always fits in addition, and eight are stored at a time.
 const PLACES: usize = FULL + LANES * super::ROOM + LANES;
 
 /// Eight lanes.
@@ -22,16 +24,16 @@ const ALL: u64 = 0xff;
 /// The greatest sum of sizes (m) that is decided in f32: 2⁴⁰.
 const SIZE_MAX: f32 = f32::from_bits((127 + 40) << 23);
 
-/// More than all errors of underflow: 2⁻¹⁰⁰.
+/// More than all underflow errors: 2⁻¹⁰⁰.
 const UNDERFLOW: f32 = f32::from_bits((127 - 100) << 23);
 
-/// Of a side of a plane: 128 u = 2⁻¹⁷.
+/// The error bound of a side of a plane: 128 u = 2⁻¹⁷.
 const SIDE_ERROR: f32 = f32::from_bits((127 - 17) << 23);
 
-/// Of an edge determinant: 512 u = 2⁻¹⁵.
+/// The error bound of an edge determinant: 512 u = 2⁻¹⁵.
 const EDGE_ERROR: f32 = f32::from_bits((127 - 15) << 23);
 
-/// Pairs whose boxes meet, by the numbers of their triangles.
+/// Pairs whose boxes overlap, by the numbers of their triangles.
 #[derive(Clone, Debug)]
 pub struct Pairs {
     a: [u32; PLACES],
@@ -46,7 +48,7 @@ impl Default for Pairs {
 }
 
 impl Pairs {
-    /// How many there are.
+    /// The number of pairs.
     #[must_use]
     #[inline]
     pub fn len(&self) -> usize {
@@ -60,14 +62,14 @@ impl Pairs {
         self.count == 0
     }
 
-    /// Whether there is no room to take more.
+    /// Whether the buffer cannot take more.
     #[must_use]
     #[inline]
     pub fn is_full(&self) -> bool {
         self.count > FULL
     }
 
-    /// Hands out all of them: the triangles of A, and those of B in the same places.
+    /// Removes and returns all pairs: the triangles of A, and those of B in the same order.
     #[must_use]
     #[inline]
     pub fn drain(&mut self) -> [&[u32]; 2] {
@@ -75,8 +77,8 @@ impl Pairs {
         [&self.a[..count], &self.b[..count]]
     }
 
-    /// Takes every triangle of A with those of the eight of B from place `at` on whose boxes meet
-    /// its own.
+    /// Adds the pairs of every triangle of A with those of the eight of B, from place `at` on,
+    /// whose boxes overlap its own.
     #[inline(always)]
     pub fn take<S: Simd>(&mut self, simd: S, a: &Patch, (b, at): (&Patch, usize)) {
         let boxes = Boxes { min: eight(simd, &b.min, at), max: eight(simd, &b.max, at) };
@@ -92,14 +94,14 @@ impl Pairs {
         self.count = count;
     }
 
-    /// Keeps those of the pairs that intersect: exactly those of which [`triangle::intersect`] says
-    /// so, given [`Posed::triangles`].
+    /// Keeps the pairs that intersect: exactly those for which [`triangle::intersect`] is true,
+    /// given [`Posed::triangles`].
     ///
-    /// To be called from a function that is specialised for `S` already.
+    /// Call it from a function that is already specialised for `S`.
     ///
     /// # Panics
     ///
-    /// There is no triangle of such a number.
+    /// A triangle number is out of range.
     #[inline(always)]
     pub fn sift<S: Simd>(&mut self, simd: S, posed: &Posed<'_>, close: &Close) {
         let count = self.count;
@@ -118,7 +120,7 @@ impl Pairs {
             if doubt != 0 {
                 hits |= mask32x8::from_bitmask(simd, self.exactly(posed, at, doubt));
             }
-            // What is kept never overtakes what is read.
+            // The write position never passes the read position.
             let (from, to) = (at..at + LANES, kept..kept + LANES);
             let (a, b) = (&mut self.a, &mut self.b);
             let of_a = u32x8::from_slice(simd, &a[from.clone()]);
@@ -130,7 +132,7 @@ impl Pairs {
         self.count = kept;
     }
 
-    /// Which of those in doubt intersect.
+    /// Which of the undecided pairs intersect.
     #[cold]
     #[inline(never)]
     fn exactly(&self, posed: &Posed<'_>, at: usize, mut doubt: u64) -> u64 {
@@ -145,7 +147,7 @@ impl Pairs {
         hits
     }
 
-    /// Of the eight pairs from place `at` on: which certainly intersect, and which are in doubt.
+    /// For the eight pairs from place `at` on: which certainly intersect, and which are undecided.
     #[inline(always)]
     pub(super) fn eight<S: Simd>(
         &self,
@@ -179,8 +181,8 @@ impl Pairs {
         let bound_a = size_b * size_b * (size_a + size_d) * SIDE_ERROR + UNDERFLOW;
         let apart = sound & (one_side(sides_a, bound_a) | one_side(sides_b, bound_b));
 
-        // As in `triangle::crossing`, but there each triangle is mirrored where it has to be; here
-        // B's edges are exchanged if one alone is, and the signs turned if A is.
+        // As in `triangle::crossing`, but there each triangle is mirrored where necessary; here B's
+        // edges are exchanged if exactly one needs it, and the signs are flipped if A does.
         let origin = f32x8::splat(simd, 0.0);
         let apex_a = Apex::of([[origin; 3], e1, e2], sides_a);
         let apex_b = Apex::of([[origin; 3], f1, f2], sides_b);
@@ -200,7 +202,7 @@ impl Pairs {
     }
 }
 
-/// The greatest coordinate of two edges.
+/// The greatest coordinate magnitude of two edges.
 #[inline(always)]
 fn extent<S: Simd>([e, f]: [Vector<S>; 2]) -> f32x8<S> {
     reach(e).max(reach(f))
@@ -225,7 +227,7 @@ struct Apex<S: Simd> {
     q: Vector<S>,
     r: Vector<S>,
     mirrored: mask32x8<S>,
-    /// Whether it is alone on the negative side.
+    /// Whether the apex is alone on the negative side.
     below: mask32x8<S>,
 }
 

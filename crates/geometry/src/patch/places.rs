@@ -1,4 +1,4 @@
-//! A set of places: which triangles of a leaf are meant, counted from its first.
+//! A set of places: which triangles of a leaf are selected, counted from its first.
 
 use super::ROOM;
 
@@ -8,7 +8,7 @@ const BITS: usize = u64::BITS as usize;
 /// Words of a set.
 pub const WORDS: usize = ROOM / BITS;
 
-/// Places below [`ROOM`], a bit each.
+/// Places below [`ROOM`], one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Places([u64; WORDS]);
 
@@ -24,7 +24,7 @@ impl Places {
     ///
     /// # Panics
     ///
-    /// There are not so many.
+    /// `count` exceeds [`ROOM`].
     #[must_use]
     pub fn first(count: usize) -> Self {
         assert!(count <= ROOM, "a patch of {count} triangles");
@@ -42,22 +42,22 @@ impl Places {
         self.0
     }
 
-    /// Whether there is none.
+    /// Whether the set is empty.
     #[must_use]
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.0.iter().fold(0, |any, word| any | word) == 0
     }
 
-    /// Adds a place, if it is one.
+    /// Adds a place if it is below [`ROOM`].
     #[inline]
     pub fn insert(&mut self, place: usize) {
         self.insert_from(place / BITS, place % BITS, 1);
     }
 
-    /// Adds places of a word, a bit each, from this one of the word on.
+    /// Adds places from a word, one bit each, starting at this bit of the word.
     ///
-    /// All words are looked at: so they stay in registers, where a number would have them stored.
+    /// Loops over all words, so they stay in registers; an index would force them into memory.
     #[inline(always)]
     pub fn insert_from(&mut self, word: usize, place: usize, bits: u64) {
         for (number, here) in self.0.iter_mut().enumerate() {
@@ -65,21 +65,21 @@ impl Places {
         }
     }
 
-    /// Whether all of them are among the others.
+    /// Whether this is a subset of the other set.
     #[must_use]
     #[inline]
     pub fn is_within(&self, others: &Self) -> bool {
         self.without(others).is_empty()
     }
 
-    /// Those that are not among the others.
+    /// The difference: places that are not in the other set.
     #[must_use]
     #[inline]
     pub fn without(&self, others: &Self) -> Self {
         Self(core::array::from_fn(|word| self.0[word] & !others.0[word]))
     }
 
-    /// Those that are in both.
+    /// The intersection of both sets.
     #[must_use]
     #[inline]
     pub fn and(&self, other: &Self) -> Self {

@@ -1,5 +1,4 @@
-//! The law: at every level, however triangles are put together, patches say what the exact test
-//! says.
+//! The invariant: at every level, however triangles are grouped, patches agree with the exact test.
 
 use super::*;
 use crate::{Pose, hash::splitmix64, simd, triangle};
@@ -21,7 +20,7 @@ fn corners() -> impl Strategy<Value = Corners> {
     prop::array::uniform3(prop::array::uniform3(coordinate()))
 }
 
-/// Right angles, small ones and any; near, and as far away as a city is wide.
+/// Poses with right angles, small ones and any; near, and as far away as a city is wide.
 fn pose() -> impl Strategy<Value = RelativePose> {
     let angle = || {
         prop_oneof![
@@ -53,7 +52,7 @@ fn exact(posed: &Posed<'_>) -> Vec<[u32; 2]> {
     pairs.filter(hit).collect()
 }
 
-/// All pairs, by patches of so many triangles.
+/// All pairs, by patches of `size` triangles.
 fn by_patches(level: Level, posed: &Posed<'_>, size: usize) -> Vec<[u32; 2]> {
     let cut = |count: usize| (0..count).step_by(size).map(move |at| at..count.min(at + size));
     let whole = |range: Range<usize>| range.start as u32..range.end as u32;
@@ -93,7 +92,7 @@ proptest! {
         assert_exact(&Posed::new(&pose, &a, &b));
     }
 
-    /// Small triangles of a large body, as bodies have them: nearly every lane decides.
+    /// Small triangles of a large body, as in real bodies: nearly every lane decides.
     #[test]
     fn small_triangles_are_decided_exactly(seed in any::<u64>(), pose in pose(), scale in -30..0) {
         let mut state = seed;
@@ -106,7 +105,7 @@ proptest! {
             core::array::from_fn(|_| core::array::from_fn(|k| at[k] + size * real()))
         };
         let b: Vec<_> = (0..8).map(|i| small([i as f32 * 0.3, 1.0, -0.5])).collect();
-        // A's stand where B's do, after B is posed.
+        // A's triangles are placed where B's are after posing.
         let near = |c: &Corners| pose.point(c[0]).to_array().map(|x| x as f32);
         let a: Vec<_> = b.iter().map(|c| small(near(c))).collect();
         assert_exact(&Posed::new(&pose, &a, &b));
@@ -116,7 +115,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
-    /// Also after a larger body, of whose triangles nothing may be left.
+    /// Also after a larger body, of whose triangles nothing must remain.
     #[test]
     fn what_is_wanted_is_taken(
         small in 1..=ROOM,
@@ -150,7 +149,7 @@ proptest! {
     }
 }
 
-/// Otherwise all of the above would test nothing but the exact test.
+/// Otherwise the tests above would only test the exact test.
 #[test]
 fn what_is_clear_is_decided_by_the_lanes() {
     let turned = Pose::from_degrees(30.0, 20.0, 10.0, [0.0; 3]);

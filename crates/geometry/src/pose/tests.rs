@@ -1,4 +1,4 @@
-//! Boxes never lose a point; poses compose as matrices do.
+//! Boxes never lose a point; poses compose like matrices.
 
 use super::*;
 use proptest::prelude::*;
@@ -38,7 +38,8 @@ fn corner() -> impl Strategy<Value = [f32; 3]> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4_000))]
 
-    /// The box in A's frame holds the corners of B's box, points of its faces, and points inside.
+    /// The box in A's frame contains the corners of B's box, points of its faces, and points
+    /// inside.
     #[test]
     fn bounds_hold_every_point(
         a in pose(),
@@ -66,8 +67,8 @@ proptest! {
         }
     }
 
-    /// Also where every product is below the normal range, as with a minute sine and a body that
-    /// is flat along the other axes.
+    /// Also where every product is below the normal range, as with a minute sine and a body that is
+    /// flat along the other axes.
     #[test]
     fn bounds_hold_every_point_below_the_normal_range(
         entries in [-9.0..9.0_f64, -9.0..9.0_f64, -9.0..9.0_f64],
@@ -87,8 +88,8 @@ proptest! {
         prop_assert!(bounds.min.cmple(moved).all() && moved.cmple(bounds.max).all());
     }
 
-    /// Rounding outward costs little: the box is no wider than the true one and 10⁻¹⁴ of the
-    /// magnitudes that went into it.
+    /// Rounding outward costs little: the box exceeds the true one by at most 10⁻¹⁴ of the
+    /// magnitudes involved.
     #[test]
     fn bounds_are_tight(a in pose(), b in pose(), p in corner(), q in corner()) {
         let pose = RelativePose::between(&a, &b);

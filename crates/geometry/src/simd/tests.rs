@@ -1,4 +1,4 @@
-//! Laws of names and levels, whatever the processor.
+//! Invariants of names and levels, whatever the processor.
 
 use super::*;
 

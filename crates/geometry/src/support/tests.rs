@@ -1,4 +1,4 @@
-//! Laws of the merge, bit for bit, and the directions against their definition.
+//! Invariants of merging, bit for bit, and the directions against their definition.
 
 use super::*;
 use crate::simd;
@@ -42,7 +42,7 @@ fn merged(a: &Supports, b: &Supports) -> Supports {
     sum
 }
 
-/// `==` takes +0 and −0 for equal; an answer's bytes do not.
+/// `==` treats +0 and −0 as equal; the bytes of an answer differ.
 fn bits(supports: &Supports) -> [u64; DIRECTIONS] {
     supports.0.map(f64::to_bits)
 }
@@ -59,7 +59,7 @@ proptest! {
         }
     }
 
-    /// At every width, also where something is not a number.
+    /// At every width, also with NaN coordinates.
     #[test]
     fn all_at_once_is_one_by_one(
         d in directions(),
@@ -79,7 +79,7 @@ proptest! {
         }
     }
 
-    /// In which order, in which parts and how often points are added shows in no bit.
+    /// The order, the grouping and the number of times that points are added affect no bit.
     #[test]
     fn merges_are_order_free(d in directions(), a in points(), b in points(), c in points()) {
         let whole = bits(&of(&d, &[a.clone(), b.clone(), c.clone()].concat()));
@@ -96,7 +96,7 @@ proptest! {
         prop_assert_eq!(bits(&merged(&Supports::EMPTY, &a)), bits(&a));
     }
 
-    /// A zero that came from elsewhere, with the other sign, leaves no trace either.
+    /// A zero from elsewhere, with the other sign, leaves no trace either.
     #[test]
     fn a_negative_zero_does_not_survive(
         d in directions(),

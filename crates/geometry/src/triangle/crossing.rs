@@ -1,9 +1,9 @@
-//! Two true triangles in planes that cross: two intervals on one line.
+//! Two proper triangles in planes that cross: two intervals on one line.
 //!
-//! The triangles are turned so that each has its *apex* p alone on one side of the other's plane,
-//! and mirrored so that this is the side of the other's normal. Then A cuts the common line
-//! between j (on its edge pr) and i (on pq), and B between k (on its edge pq) and l (on pr), all
-//! in one direction, and each comparison of ends is the sign of a determinant of their two edges:
+//! The corners are rotated so that each triangle has its *apex* p alone on one side of the other's
+//! plane, and mirrored so that this is the side of the other's normal. Then A cuts the common line
+//! between j (on its edge pr) and i (on pq), and B between k (on its edge pq) and l (on pr), all in
+//! one direction, and each comparison of ends is the sign of a determinant of their two edges:
 //!
 //! ```text
 //!       j ======A====== i
@@ -14,15 +14,15 @@ use super::{A, B, Corner, Orient, Sign};
 use crate::DVec3;
 
 /// Two triangles, neither degenerate, in different planes, each with corners on both closed sides
-/// of the other's plane: turned as the module says.
+/// of the other's plane, with corners ordered as the module describes.
 pub(super) struct Crossing {
     a: [Corner; 3],
     b: [Corner; 3],
 }
 
 impl Crossing {
-    /// `sides_a` are those of A's corners to B's plane, `sides_b` the other way round; neither are
-    /// all zero, nor all strictly on one side.
+    /// `sides_a` are the sides of B's plane on which A's corners lie, `sides_b` the reverse;
+    /// neither are all zero, nor all strictly on one side.
     #[inline]
     pub(super) fn new(sides_a: [Sign; 3], sides_b: [Sign; 3]) -> Self {
         let (apex_a, mirror_b) = apex(sides_a);
@@ -55,13 +55,15 @@ impl Crossing {
     }
 }
 
-/// Which corner is alone on its side of the other's plane, and whether that is the negative side.
+/// Returns which corner is alone on its side of the other's plane, and whether that is the negative
+/// side.
 fn apex(sides: [Sign; 3]) -> (usize, bool) {
     let [p, q, r] = sides;
     APEX[(9 * p + 3 * q + r + 13) as usize]
 }
 
-/// [`apex`] by the three sides, −1 first: a table, because a search would mispredict its branches.
+/// [`apex`] indexed by the three sides, −1 first: a table, because a search would mispredict its
+/// branches.
 const APEX: [(usize, bool); 27] = {
     let mut table = [(0, false); 27];
     let mut code = 0;
@@ -86,7 +88,7 @@ const fn find_apex(sides: [Sign; 3]) -> (usize, bool) {
         }
         i += 1;
     }
-    // What is left: one corner on the plane, the others together on one side.
+    // The remaining case: one corner on the plane, the others together on one side.
     (on_plane, sides[(on_plane + 1) % 3] > 0)
 }
 

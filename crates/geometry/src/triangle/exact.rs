@@ -1,13 +1,13 @@
 //! Exact orientation signs of the corners of a pair.
 //!
-//! On a [`Lattice`] where there is one. Else by the adaptive predicates of crate `robust` (J. R.
-//! Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates*,
-//! Discrete & Computational Geometry 18, 1997), which are exact as long as nothing over- or
-//! underflows. With every coordinate 0 or of magnitude in [2⁻²⁴⁸, 2²⁴⁸], all coordinates, their
-//! differences and the tails of these are multiples of 2⁻³⁰⁰, all products of three multiples of
-//! 2⁻⁹⁰⁰ and below 2⁷⁵⁰, and the smallest error bound, 2⁻¹⁰¹ of such a product, is a normal number:
-//! nothing does. Other coordinates do occur, where a rotation by a minute angle meets a zero;
-//! [`Wide`] takes them.
+//! Computed on a [`Lattice`] if one exists, else by the adaptive predicates of crate `robust` (J.
+//! R. Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//! Predicates*, Discrete & Computational Geometry 18, 1997), which are exact as long as nothing
+//! over- or underflows. With every coordinate 0 or of magnitude in [2⁻²⁴⁸, 2²⁴⁸], all coordinates,
+//! their differences and the tails of these are multiples of 2⁻³⁰⁰, all products of three multiples
+//! of 2⁻⁹⁰⁰ and below 2⁷⁵⁰, and the smallest error bound, 2⁻¹⁰¹ of such a product, is a normal
+//! number: nothing over- or underflows. Other coordinates do occur, where a rotation by a minute
+//! angle meets a zero; [`Wide`] handles them.
 
 use super::lattice::{Lattice, area};
 use super::wide::{Magnitude, Wide};
@@ -18,7 +18,7 @@ use robust::{Coord, Coord3D};
 /// A point of a plane projection: two of the three coordinates.
 pub(super) type Point2 = [f64; 2];
 
-/// Magnitudes for which crate `robust` is exact, beside 0.
+/// Magnitudes, besides 0, for which crate `robust` is exact.
 const ROBUST: core::ops::RangeInclusive<f64> =
     f64::from_bits((1023 - 248) << 52)..=f64::from_bits((1023 + 248) << 52);
 
@@ -28,11 +28,11 @@ pub(super) struct Exact<'t> {
     lattice: Option<Lattice>,
 }
 
-/// The corners of a pair without one coordinate, for exact signs.
+/// The corners of a pair projected along one axis, for exact signs.
 pub(super) enum Projection {
     /// On the lattice.
     Whole([[i64; 2]; 6]),
-    /// As they are.
+    /// As given.
     Float([Point2; 6]),
 }
 
@@ -48,7 +48,7 @@ impl<'t> Exact<'t> {
         self.sides(plane, [d])[0]
     }
 
-    /// [`Exact::side`] of some corners.
+    /// [`Exact::side`] of several corners.
     pub(super) fn sides<const N: usize>(
         &self,
         plane: [Corner; 3],
@@ -68,7 +68,7 @@ impl<'t> Exact<'t> {
         }
     }
 
-    /// The signs of the normal (b − a) × (c − a): of the areas without each of the coordinates.
+    /// The signs of the normal (b − a) × (c − a), i.e. of the areas projected along each axis.
     pub(super) fn normal_signs(&self, plane: [Corner; 3]) -> [Sign; 3] {
         match &self.lattice {
             Some(lattice) => lattice.normal(plane).map(|n| n.signum() as Sign),
@@ -76,7 +76,7 @@ impl<'t> Exact<'t> {
         }
     }
 
-    /// Without the coordinate `drop`.
+    /// Projects along the axis `drop`.
     pub(super) fn without(&self, drop: usize) -> Projection {
         let (x, y) = kept(drop);
         match &self.lattice {
@@ -85,7 +85,8 @@ impl<'t> Exact<'t> {
         }
     }
 
-    /// How far along pq its cut with the plane lies, in [0, 1]: the exact fraction, rounded.
+    /// The position along pq, in [0, 1], of its intersection with the plane: the exact fraction,
+    /// rounded.
     ///
     /// p and q must not be both in the plane, nor on the same side of it.
     pub(super) fn cut_fraction(&self, plane: [Corner; 3], p: Corner, q: Corner) -> f64 {
@@ -112,7 +113,7 @@ impl Projection {
         }
     }
 
-    /// How far along pq its cut with the line ab lies: see [`Exact::cut_fraction`].
+    /// The position along pq of its intersection with the line ab: see [`Exact::cut_fraction`].
     pub(super) fn cut_fraction(&self, [a, b]: [Corner; 2], p: Corner, q: Corner) -> f64 {
         let [p, q] = [p, q].map(|end| match self {
             Self::Whole(points) => {
@@ -124,8 +125,7 @@ impl Projection {
     }
 }
 
-/// The two coordinates left without `drop`; the handedness does not matter, as long as it is one
-/// and the same.
+/// The two coordinates that remain without `drop`; either handedness works, if used consistently.
 pub(super) fn kept(drop: usize) -> (usize, usize) {
     [(1, 2), (2, 0), (0, 1)][drop]
 }
@@ -142,7 +142,7 @@ fn sign(value: f64) -> Sign {
 pub(super) fn orient3d(points: [DVec3; 4]) -> Sign {
     if points.iter().all(|p| in_range(p.x) && in_range(p.y) && in_range(p.z)) {
         let [a, b, c, d] = points.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
-        // There, positive is below: the other way round.
+        // There, positive means below: the opposite sign.
         -sign(robust::orient3d(a, b, c, d))
     } else {
         Wide::orient3d(points).sign()

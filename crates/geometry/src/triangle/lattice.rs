@@ -1,9 +1,10 @@
-//! Exact determinants of the corners of a pair as whole numbers: nearly all pairs have them.
+//! Exact integer determinants of the corners of a pair; possible for nearly all pairs.
 //!
-//! Triangles that may meet are small beside their distance from the origin, so their coordinates
-//! are multiples of one power of two, 2ᴸ, and their differences are below 2⁶⁰ of these. With that,
-//! an area is below 2¹²¹ and a volume below 2¹⁸⁴: a few multiplications, without any rounding.
-//! The coordinates themselves may be larger; they are kept modulo 2⁶⁴, which no difference notices.
+//! Triangles that may meet are small compared with their distance from the origin, so their
+//! coordinates are multiples of one power of two, 2ᴸ, and their differences are below 2⁶⁰ of these.
+//! So an area is below 2¹²¹ and a volume below 2¹⁸⁴: a few multiplications, without any rounding.
+//! The coordinates themselves may be larger; they are kept modulo 2⁶⁴, which does not affect
+//! differences.
 
 use super::exact::kept;
 use super::wide::{self, Magnitude};
@@ -21,9 +22,9 @@ pub(super) struct Whole {
 }
 
 impl Lattice {
-    /// The corners, if there is an L; `extent` (m) bounds all differences of coordinates.
+    /// The corners, if an L exists; `extent` (m) bounds all differences of coordinates.
     pub(super) fn of(corners: &[&DVec3; 6], extent: f64) -> Option<Self> {
-        // Rounded or not, no difference exceeds 2^53 of the extent's last place.
+        // Rounded or not, no difference exceeds 2^53 times the extent's last place.
         let (_, _, exponent) = wide::parts(extent);
         let unit = exponent - 7;
         let mut lattice = Self([[0; 3]; 6]);
@@ -34,7 +35,7 @@ impl Lattice {
         Some(lattice)
     }
 
-    /// From corner a to corner p.
+    /// The vector from corner a to corner p.
     #[inline]
     fn difference(&self, a: Corner, p: Corner) -> [i128; 3] {
         let ([ax, ay, az], [px, py, pz]) = (self.0[a], self.0[p]);
@@ -48,7 +49,7 @@ impl Lattice {
         [by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx]
     }
 
-    /// How far d is along a normal at a: det(b − a, c − a, d − a) for that of abc.
+    /// The distance of d along a normal at a: det(b − a, c − a, d − a) for that of abc.
     #[inline]
     pub(super) fn height(&self, normal: &[i128; 3], a: Corner, d: Corner) -> Whole {
         let ([nx, ny, nz], [dx, dy, dz]) = (*normal, self.difference(a, d));
@@ -88,12 +89,12 @@ fn multiple(x: f64, unit: i32) -> Option<i64> {
 }
 
 impl Whole {
-    /// Its sign.
+    /// The sign.
     pub(super) fn sign(self) -> Sign {
         if self.high != 0 { self.high.signum() as Sign } else { Sign::from(self.low != 0) }
     }
 
-    /// Its magnitude.
+    /// The magnitude.
     pub(super) fn magnitude(self) -> Magnitude {
         let Self { high, low } = if self.high < 0 { self.negative() } else { self };
         let high = high as u128;

@@ -13,10 +13,10 @@ use super::{A, B, Corner, Sign, Triangle};
 use crate::{Bounds, DVec3};
 use core::cell::OnceCell;
 
-/// Beyond these extents (m), a product of three could overflow: all signs are taken exactly.
+/// Beyond these extents (m), a product of three could overflow: all signs are computed exactly.
 const EXTENT_MAX: f64 = f64::from_bits((1023 + 300) << 52); // 2^300
 
-/// More than all errors of underflow together: below 2⁻⁷⁷⁰, with extents up to 2³⁰⁰.
+/// More than all underflow errors together, which are below 2⁻⁷⁷⁰ with extents up to 2³⁰⁰.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 700) << 52); // 2^-700
 
 /// 64 u = 2⁻⁴⁷.
@@ -29,12 +29,12 @@ pub(super) struct Orient<'t> {
     extent: f64,
     /// Values beyond this have the sign of the true value.
     bound: f64,
-    /// Made when first needed: seldom.
+    /// Created on first use, which is rare.
     exact: OnceCell<Exact<'t>>,
 }
 
 impl<'t> Orient<'t> {
-    /// Of the corners of two triangles, which have these boxes.
+    /// Creates the predicate for the corners of two triangles with these boxes.
     #[inline]
     pub(super) fn of([a, b]: [&'t Triangle; 2], [box_a, box_b]: [&Bounds; 2]) -> Self {
         let ([a0, a1, a2], [b0, b1, b2]) = (&a.0, &b.0);
@@ -49,12 +49,12 @@ impl<'t> Orient<'t> {
         }
     }
 
-    /// Where a corner is.
+    /// The position of a corner.
     pub(super) fn at(&self, corner: Corner) -> DVec3 {
         *self.corners[corner]
     }
 
-    /// The same signs, exactly at once.
+    /// The exact predicate.
     pub(super) fn exact(&self) -> &Exact<'t> {
         self.exact.get_or_init(|| Exact::of(self.corners, self.extent))
     }
@@ -66,7 +66,7 @@ impl<'t> Orient<'t> {
         (self.at(b) - a).cross(self.at(c) - a).dot(self.at(d) - a)
     }
 
-    /// The sign of [`Orient::value`] without rounding.
+    /// The sign of the exact value of [`Orient::value`].
     #[inline]
     pub(super) fn sign(&self, corners: [Corner; 4]) -> Sign {
         match self.certain(self.value(corners)) {
@@ -92,7 +92,7 @@ impl<'t> Orient<'t> {
         [side(points[0]), side(points[1]), side(points[2])]
     }
 
-    /// Whether some corner of A is one of B.
+    /// Whether some corner of A equals one of B.
     pub(super) fn share_a_corner(&self) -> bool {
         A.iter().any(|i| B.iter().any(|k| self.corners[*i] == self.corners[*k]))
     }
@@ -100,7 +100,8 @@ impl<'t> Orient<'t> {
     /// Where the segment pq meets the plane, p and q being on different sides of it or one of them
     /// on it, not both.
     pub(super) fn cut(&self, plane: [Corner; 3], p: Corner, q: Corner) -> DVec3 {
-        // The fraction's error is about the bound over this sum: below 2^-33, else take it exactly.
+        // The fraction's error is about the bound over this sum: below 2^-33, else compute it
+        // exactly.
         const WELL_CONDITIONED: f64 = (1_u64 << 33) as f64;
         let [a, b, c] = plane;
         let (side_p, side_q) = (self.value([a, b, c, p]), self.value([a, b, c, q]));

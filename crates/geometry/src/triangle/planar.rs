@@ -2,24 +2,25 @@
 //!
 //! A degenerate triangle is a segment or a point. What lies in one plane is compared in a
 //! projection that drops one coordinate: on raw coordinates, so nothing is rounded, and one-to-one
-//! on the plane, because three of the points keep an area.
+//! on the plane, because three of the points span an area.
 
 use super::exact::Projection;
 use super::{A, B, Corner, Orient, Position, Sign, orient};
 use crate::DVec3;
 
-/// The corners of a triangle without repetition: three of a true one, two ends of a segment, or a
+/// The corners of a triangle without repetition: three of a proper one, two ends of a segment, or a
 /// point.
 #[derive(Clone, Copy)]
 struct Hull {
     corners: [Corner; 3],
     count: usize,
-    /// Of a true triangle: the first coordinate without which it keeps an area, and its turn then.
+    /// For a proper triangle: the first coordinate without which it keeps an area, and its turn
+    /// then.
     drop: Option<usize>,
     turn: Sign,
 }
 
-/// A segment pq, and a true triangle whose plane separates p and q, or holds one of them.
+/// A segment pq, and a proper triangle whose plane separates p and q, or contains one of them.
 pub(super) struct Piercing {
     p: Corner,
     q: Corner,
@@ -30,11 +31,11 @@ pub(super) struct Piercing {
 pub(super) struct Flat {
     a: Hull,
     b: Hull,
-    /// A projection that keeps the plane's areas; none if all is on one line.
+    /// A projection that preserves the plane's areas; none if all points are on one line.
     projection: Option<Projection>,
 }
 
-/// How the corners of each hull lie to the edges of the other, in a projection.
+/// How the corners of each hull lie relative to the edges of the other, in a projection.
 struct Table {
     /// `[i][k]`: on which side of A's edge i B's corner k lies.
     b_to_a: [[Sign; 3]; 3],
@@ -42,7 +43,7 @@ struct Table {
     a_to_b: [[Sign; 3]; 3],
 }
 
-/// The position of two triangles of which at least one has no corner off the other's plane.
+/// The position of two triangles of which at least one lies entirely in the other's plane.
 pub(super) fn position(orient: &Orient<'_>) -> Position {
     let (a, b) = (Hull::of(orient, A), Hull::of(orient, B));
     match (a.count, b.count) {
@@ -60,7 +61,7 @@ pub(super) fn position(orient: &Orient<'_>) -> Position {
     }
 }
 
-/// A segment or point against a true triangle.
+/// A segment or point against a proper triangle.
 fn against_triangle(orient: &Orient<'_>, segment: Hull, triangle: Hull) -> Position {
     let [p, q] = segment.ends();
     match orient.exact().sides(triangle.corners, [p, q]) {
@@ -109,7 +110,7 @@ impl Flat {
     }
 
     /// Calls `push` with the corners of the overlap: corners of one hull that the other holds (some
-    /// twice), and proper crossings of edges. Without repetition at most six.
+    /// twice), and proper crossings of edges. At most six without repetition.
     pub(super) fn corners(&self, orient: &Orient<'_>, mut push: impl FnMut(DVec3)) {
         let signs = self.projection.as_ref().map(|projection| Table {
             b_to_a: sides(&self.b, &self.a, projection),
@@ -142,8 +143,8 @@ impl Flat {
 }
 
 impl Table {
-    /// Whether the ends of A's edge i lie strictly on both sides of the line of B's edge k, and the
-    /// other way round.
+    /// Whether the ends of A's edge i lie strictly on both sides of the line of B's edge k, and
+    /// vice versa.
     fn cross(&self, i: usize, k: usize) -> bool {
         let (a, b) = (&self.a_to_b[k], &self.b_to_a[i]);
         b[k] * b[(k + 1) % 3] < 0 && a[i] * a[(i + 1) % 3] < 0
@@ -172,12 +173,12 @@ impl Hull {
         &self.corners[..self.count]
     }
 
-    /// The ends of a segment; twice a point.
+    /// The ends of a segment; a point twice.
     fn ends(&self) -> [Corner; 2] {
         [self.corners[0], self.corners[1]]
     }
 
-    /// How many edges: three of a triangle, else the one segment, perhaps of length 0.
+    /// The number of edges: three for a triangle, else the one segment, possibly of length 0.
     fn edges(&self) -> usize {
         if self.count == 3 { 3 } else { 1 }
     }
@@ -198,7 +199,8 @@ impl Hull {
         })
     }
 
-    /// Whether it holds a point of its plane (or its line) that lies on these sides of its edges.
+    /// Whether the hull contains a point of its plane (or its line) that lies on these sides of its
+    /// edges.
     fn holds(&self, orient: &Orient<'_>, point: Corner, sides: [Sign; 3]) -> bool {
         if self.count == 3 {
             return inside(sides);

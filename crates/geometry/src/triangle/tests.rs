@@ -1,4 +1,4 @@
-//! Laws of the test and of the contact that need no oracle. The oracle is in `tests/oracle`.
+//! Invariants of the test and of the contact that need no oracle. The oracle is in `tests/oracle`.
 
 use super::exact::{kept, orient2d, orient3d};
 use super::lattice::{Lattice, area};
@@ -7,7 +7,7 @@ use super::*;
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// Coordinates that often coincide, line up or almost do; a few of them far out of any body.
+/// Coordinates that often coincide, line up or almost do; a few far outside any body.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         6 => (-2_i8..=2).prop_map(f64::from),
@@ -32,7 +32,7 @@ fn reordered(t: &Triangle, order: [usize; 3]) -> Triangle {
     Triangle(order.map(|i| t.0[i]))
 }
 
-/// Distance of a point from a triangle, rounded (m): to its plane inside, else to its edges.
+/// The distance of a point from a triangle, rounded (m): to its plane if inside, else to its edges.
 fn distance(t: &Triangle, p: DVec3) -> f64 {
     let [a, b, c] = t.0;
     let to_segment = |q: DVec3, r: DVec3| {
@@ -63,7 +63,7 @@ proptest! {
         prop_assert_eq!(intersect(&reordered(&a, p), &reordered(&b, q)), answer);
     }
 
-    /// Multiplying by powers of two, one per axis, keeps every bit of the question.
+    /// Multiplying by powers of two, one per axis, preserves every bit of the problem.
     #[test]
     fn is_the_same_at_every_scale(
         a in triangle(),
@@ -85,7 +85,7 @@ proptest! {
         prop_assert!(intersect(&a, &Triangle([p, a.0[i], q])));
     }
 
-    /// There is a contact exactly where the triangles meet, in both boxes, near both triangles.
+    /// A contact exists exactly where the triangles meet, in both boxes, near both triangles.
     #[test]
     fn contact_is_on_both(a in triangle(), b in triangle()) {
         let contact = contact(&a, &b);
@@ -100,7 +100,7 @@ proptest! {
         }
     }
 
-    /// The adaptive predicates and the wide sum agree, so neither is wrong by itself.
+    /// The adaptive predicates and the wide sum agree, so an error would have to affect both.
     #[test]
     fn adaptive_and_wide_signs_agree(a in point(), b in point(), c in point(), d in point()) {
         let points = [a, b, c, d];
@@ -109,7 +109,7 @@ proptest! {
         prop_assert_eq!(orient2d([p, q, r]), Wide::orient2d([p, q, r]).sign());
     }
 
-    /// Where the corners are on a lattice, it gives the signs and the fractions of the wide sum.
+    /// Where the corners are on a lattice, it agrees with the signs and fractions of the wide sum.
     #[test]
     fn lattice_and_wide_numbers_agree(
         a in triangle(),
@@ -144,7 +144,7 @@ proptest! {
         }
     }
 
-    /// A NaN or an infinity gives some answer: no panic, no endless loop.
+    /// A NaN or an infinity gives some result: no panic, no endless loop.
     #[test]
     fn survives_what_is_not_finite(
         a in triangle(),

@@ -1,9 +1,9 @@
 //! Sums of products of three f64, without any rounding, for all finite f64.
 //!
-//! A fixed-point number as wide as the exponents reach (U. Kulisch's long accumulator): slow beside
-//! an adaptive predicate (about a microsecond per determinant) and right for every range. It is the
-//! last resort, for coordinates so small or large that floating point would under- or overflow,
-//! and the source of well-rounded cuts where planes are nearly parallel.
+//! A fixed-point number as wide as the exponents reach (U. Kulisch's long accumulator): slow
+//! compared with an adaptive predicate (about a microsecond per determinant) but correct for every
+//! range. It is the last resort, for coordinates so small or large that floating point would under-
+//! or overflow, and the source of well-rounded cuts where planes are nearly parallel.
 
 use super::Sign;
 use super::exact::Point2;
@@ -31,7 +31,7 @@ impl Wide {
         sum
     }
 
-    /// det(b − a, c − a), likewise.
+    /// det(b − a, c − a), expanded in the same way.
     pub(super) fn orient2d([a, b, c]: [Point2; 3]) -> Self {
         let mut sum = Self([0; LIMBS]);
         for (p, q) in [(a, b), (b, c), (c, a)] {
@@ -92,12 +92,12 @@ impl Wide {
         self.0[LIMBS - 1] >> 63 == 1
     }
 
-    /// Its sign.
+    /// The sign.
     pub(super) fn sign(&self) -> Sign {
         if self.is_negative() { -1 } else { Sign::from(self.0.iter().any(|digit| *digit != 0)) }
     }
 
-    /// Its magnitude.
+    /// The magnitude.
     pub(super) fn magnitude(&self) -> Magnitude {
         let mut digits = self.0;
         if self.is_negative() {
@@ -122,7 +122,7 @@ pub(super) struct Magnitude {
 }
 
 impl Magnitude {
-    /// That of `digits`·2^`exponent`, up to a factor that is the same for all.
+    /// The magnitude of `digits`·2^`exponent`, up to a factor common to all.
     pub(super) fn of(digits: u128, exponent: i32) -> Self {
         let zeros = digits.leading_zeros();
         let m = (digits.checked_shl(zeros).unwrap_or(0) >> 64) as u64 as f64;
@@ -134,7 +134,7 @@ impl Magnitude {
         if p.m == 0.0 {
             return 0.0;
         }
-        // 1 / (1 + q/p): a quotient out of f64's range is 0 or infinite, and the share 1 or 0.
+        // 1 / (1 + q/p): a quotient outside f64's range is 0 or infinite, and the share 1 or 0.
         1.0 / (1.0 + libm::scalbn(q.m / p.m, q.exponent - p.exponent))
     }
 }

@@ -1,11 +1,11 @@
-//! Pairs of triangles where a careless test goes wrong, by number.
+//! Numbered pairs of triangles on which a careless test fails.
 //!
 //! Each family builds its pairs so that contacts are exact in f64 (small whole numbers, dyadic
 //! fractions), then corners and roles are shuffled. Every third round stretches the axes by powers
 //! of two, which keeps every incidence, up to the ends of the f64 range.
 //!
-//! A [`Group`] has pairs of the same families as bodies have them: stored in f32, B's seen through
-//! a pose.
+//! A [`Group`] has pairs of the same families in the form used by bodies: stored in f32, B's seen
+//! through a pose.
 
 use geometry::hash::splitmix64;
 use geometry::rng::Rng;
@@ -18,7 +18,7 @@ pub(crate) struct Pair {
     pub(crate) b: Triangle,
 }
 
-/// A way of making pairs.
+/// A way of generating pairs.
 pub(crate) struct Family {
     pub(crate) name: &'static str,
     make: fn(&mut RandomPoints) -> [Corners; 2],
@@ -26,7 +26,7 @@ pub(crate) struct Family {
 
 type Corners = [DVec3; 3];
 
-/// All of them; pair n is of family n modulo their number.
+/// All families; pair n is of family n modulo their number.
 pub(crate) const FAMILIES: &[Family] = &[
     Family { name: "random", make: unrelated },
     Family { name: "grid", make: |random| [random.grid(2), random.grid(2)] },
@@ -78,7 +78,7 @@ pub(crate) struct Group {
     pub(crate) b: Vec<geometry::Corners>,
 }
 
-/// Pairs of a group.
+/// Number of pairs of a group.
 pub(crate) const GROUP: usize = 64;
 
 /// Group `number` of `seed`; its pair i is of the family of `GROUP`·`number` + i.
@@ -106,7 +106,8 @@ pub(crate) fn group(seed: u64, number: u64) -> Group {
     let stored = |point: DVec3| point.to_array().map(|x| x as f32);
     for i in 0..GROUP as u64 {
         let mut corners = (FAMILIES[family(GROUP as u64 * number + i)].make)(&mut random);
-        // Small, as triangles of bodies are beside their distance; now and then at the ends of f32.
+        // Small, as triangles of bodies are compared with their distance; now and then at the ends
+        // of f32.
         let exponent = match random.below(16) {
             0 => random.whole(120) - 20.0,
             1..8 => -(random.below(16) as f64),
@@ -214,14 +215,14 @@ fn coplanar(random: &mut RandomPoints) -> [Corners; 2] {
     [corners(), corners()]
 }
 
-/// All on one line.
+/// All corners on one line.
 fn collinear(random: &mut RandomPoints) -> [Corners; 2] {
     let (origin, along) = (random.whole_point(9), random.whole_point(9));
     let mut corners = || core::array::from_fn(|_| origin + along * random.whole(6));
     [corners(), corners()]
 }
 
-/// Points and segments, against each other and against true triangles.
+/// Points and segments, against each other and against proper triangles.
 fn degenerate(random: &mut RandomPoints) -> [Corners; 2] {
     let mut corners = || {
         let mut corners = random.grid(1);
@@ -248,7 +249,7 @@ fn needle(random: &mut RandomPoints) -> [Corners; 2] {
     [corners(), corners()]
 }
 
-/// A contact of another family, one coordinate of one corner moved to a neighbouring number.
+/// A contact of another family, with one coordinate of one corner moved to a neighbouring number.
 fn an_ulp_off(random: &mut RandomPoints) -> [Corners; 2] {
     let touching: [fn(&mut RandomPoints) -> [Corners; 2]; 4] =
         [vertex_on_face, edge_on_edge, coplanar, |random| shared(random, 1)];

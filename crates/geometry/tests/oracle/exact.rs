@@ -1,9 +1,9 @@
-//! Two oracles in exact arithmetic: slow, short, and built on other ideas than the tested code.
+//! Two oracles in exact arithmetic: slow, short, and based on other ideas than the tested code.
 //!
 //! [`meet`]: A and B share a point if and only if 0 lies in the convex hull of the nine differences
 //! a − b (Minkowski), so in a simplex of at most four affinely independent ones (Carathéodory).
 //! [`corners`]: clips A, as a polygon, by the half-spaces that define B (Sutherland and Hodgman).
-//! Neither treats a degenerate triangle, or a coplanar pair, in a way of its own.
+//! Neither has special cases for degenerate triangles or coplanar pairs.
 
 use crate::cases::Pair;
 use geometry::{DVec3, Triangle};
@@ -99,7 +99,7 @@ fn triples(n: usize) -> impl Iterator<Item = (usize, usize, usize)> {
     (0..n).flat_map(move |k| (0..k).flat_map(move |j| (0..j).map(move |i| (i, j, k))))
 }
 
-/// Whether 0, in the plane of u, v, w, lies in their true triangle; given v × w, u × w, u × v.
+/// Whether 0, in the plane of u, v, w, lies in their proper triangle; given v × w, u × w, u × v.
 fn in_triangle<T: Clone + Signed>(vw: &Vector<T>, uw: &Vector<T>, uv: &Vector<T>) -> bool
 where
     for<'x> &'x T: core::ops::Mul<&'x T, Output = T>,
@@ -134,7 +134,7 @@ fn integers(pair: &Pair) -> Vec<Vector<BigInt>> {
 pub(crate) fn corners(pair: &Pair) -> Vec<DVec3> {
     let mut polygon = rational(&pair.a);
     let b = rational(&pair.b);
-    // Ends only: a corner between two others is no corner of the intersection.
+    // Only end points: a corner between two others is not a corner of the intersection.
     if plane(&polygon).iter().all(Zero::is_zero) {
         polygon = ends(&polygon);
     }

@@ -1,8 +1,8 @@
 //! Campaign: the triangle test, alone and in patches, and the contact points against exact
 //! arithmetic.
 //!
-//! Pair number n of a seed is always the same pair, so a difference is replayed by its number. The
-//! sizes are settings, for longer campaigns:
+//! Pair number n of a seed is always the same pair, so a difference can be replayed by its number.
+//! The sizes can be set for longer campaigns:
 //!
 //! ```text
 //! ORACLE_PAIRS=1000000 ORACLE_SEED=7 cargo test --release -p geometry --test oracle -- --nocapture
@@ -25,10 +25,10 @@ fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect("a whole number"))
 }
 
-/// How many of each family there were, and how many met.
+/// How many pairs of each family there were, and how many met.
 type Tally = Vec<(u64, u64)>;
 
-/// Runs `check` on the numbers 0 to `count`, on all cores; it says what it found in the tally.
+/// Runs `check` on the numbers 0 to `count`, on all cores; it records its findings in the tally.
 #[expect(clippy::print_stderr, reason = "a long campaign says how far it is")]
 fn campaign(count: u64, check: impl Fn(u64, &mut Tally) + Sync) -> Tally {
     let threads = thread::available_parallelism().map_or(1, |n| n.get() as u64);
@@ -71,7 +71,7 @@ fn report(tally: &Tally) {
     println!("{:<16}{:>10}{:>10}", "family", "pairs", "hits");
     for (family, (all, hits)) in FAMILIES.iter().zip(tally) {
         println!("{:<16}{all:>10}{hits:>10}", family.name);
-        // A family that never meets, or never misses, would test half of what it says.
+        // A family that never meets, or never misses, would test only half of its claim.
         assert!(*all < 600 || (*hits > 0 && hits < all), "{}: {hits} of {all}", family.name);
     }
     let (all, hits) = tally.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
@@ -146,7 +146,8 @@ fn contact_points_are_the_corners_of_the_intersection() {
                 |b: &geometry::Bounds| b.min.cmple(*point).all() && point.cmple(b.max).all();
             assert!(inside(&a) && inside(&b), "pair {number}: {point} out of the boxes: {pair:?}");
         }
-        // Promised: parts in 10^10 of an edge, and a few ulps of the coordinates; per axis.
+        // Documented bounds: parts in 10^10 of an edge, and a few ulps of the coordinates; per
+        // axis.
         let extent = (a.max - a.min).max(b.max - b.min);
         let size = a.min.abs().max(a.max.abs()).max(b.min.abs()).max(b.max.abs());
         let room = extent * 1e-10 + size * 1e-15 + DVec3::splat(1e-322);

@@ -1,4 +1,4 @@
-//! The long trial of the bounds: requests in random order, stopped anywhere, under every policy.
+//! Long test of the bounds: random requests, stopped anywhere, under every policy.
 
 use super::figures::names;
 use super::requests::{self, POLICIES, Pool};
@@ -9,20 +9,21 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::Failure;
 
-/// What is asked.
+/// What to test.
 #[derive(Clone, Debug)]
 pub struct BoundsOptions {
-    /// Bodies, as files or shape:triangles; the first is the ego. None: seven generated ones.
+    /// Bodies, as model files or shape:triangles; the first is the ego. Empty: seven generated
+    /// ones.
     pub bodies: Vec<String>,
-    /// Stops, at each of which all intervals are held against the finished run.
+    /// Number of stops; at each, all intervals are compared with the finished run.
     pub stops: u64,
     /// Stops per request.
     pub per_request: u64,
-    /// Which requests.
+    /// Seed of the random requests.
     pub seed: u64,
     /// Distribution depth.
     pub depth: u32,
-    /// Makes the bounds wrong on purpose: then violations must be found.
+    /// Makes the bounds wrong on purpose, so that violations must be found.
     pub flaw: Option<BoundFlaw>,
 }
 
@@ -50,11 +51,11 @@ struct Violation {
     what: String,
 }
 
-/// Runs the trial. `told` hears of stops.
+/// Runs the test. `told` is called with the stops done.
 ///
 /// # Errors
 ///
-/// If a body cannot be used or a request cannot be worked on. Violations are no error: see
+/// If a body cannot be used or a request cannot be executed. Violations are no error: see
 /// [`BoundsReport::is_right`].
 pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsReport, Failure> {
     let pool = Pool::load(&options.bodies)?;
@@ -64,7 +65,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
     let (mut requests, mut first) = (0_u64, None);
     let mut seed = options.seed;
     while all.stops < options.stops {
-        // Every request has a seed of its own, so that one can be made again alone.
+        // Every request has its own seed, so that it can be reproduced alone.
         let mut rng = Rng::new(seed);
         let candidates = 2 + rng.below(4) as usize;
         let policy = requests::policy(requests as usize)?;
@@ -102,18 +103,18 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
 }
 
 impl BoundsReport {
-    /// Whether what was found is what had to be: no violations, unless the bounds were made wrong.
+    /// Whether the result is as expected: no violations, unless the bounds were made wrong.
     #[must_use]
     pub fn is_right(&self) -> bool {
         (self.violations > 0) == self.is_flawed
     }
 
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
             "{} stops in {} requests between {} bodies ({}), {} policies, seed {}: {} intervals \
-             held against the finished run, {} of them open, {} stops with a certain winner and \
+             compared with the finished run, {} of them open, {} stops with a certain winner and \
              open work.\n{} violations{}.\n",
             self.stops,
             self.requests,

@@ -1,4 +1,4 @@
-//! Whether jobs keep their budget: tests of each, and CPU time against what these tests cost.
+//! Whether jobs keep their budget: the tests of each, and its CPU time against their mean cost.
 
 use super::figures::{Class, classes, names, percentile};
 use super::requests::Pool;
@@ -11,14 +11,15 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::Failure;
 
-/// What is asked.
+/// What to test.
 #[derive(Clone, Debug)]
 pub struct BudgetOptions {
-    /// Bodies, as files or shape:triangles; the first is the ego. None: seven generated ones.
+    /// Bodies, as model files or shape:triangles; the first is the ego. Empty: seven generated
+    /// ones.
     pub bodies: Vec<String>,
-    /// Most tests of a job.
+    /// Maximum number of tests per job.
     pub budget: u64,
-    /// Jobs.
+    /// Number of jobs.
     pub jobs: u64,
 }
 
@@ -33,7 +34,7 @@ pub struct BudgetReport {
     cut: usize,
     /// The most tests of a job.
     most_tests: u64,
-    /// CPU time of a test, in the mean.
+    /// Mean CPU time of a test.
     cost_ns: f64,
     /// Jobs by their CPU time, in units of budget times cost; so are the shares.
     classes: Vec<Class>,
@@ -43,7 +44,7 @@ pub struct BudgetReport {
     most_share: f64,
 }
 
-/// Takes hits and wants more.
+/// Accepts every hit and continues.
 struct Taken(u64);
 
 impl bvh::Sink for Taken {
@@ -67,8 +68,8 @@ struct Job {
 /// Ends of classes, in units of budget times mean cost.
 const CLASSES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 10.0];
 
-/// Runs jobs over all pairs of bodies, deep in each other and only just, and all that they leave.
-/// `told` hears of jobs.
+/// Runs jobs over all pairs of bodies, deep inside each other and barely touching, and all jobs
+/// that they leave. `told` is called with the jobs done.
 ///
 /// # Errors
 ///
@@ -140,7 +141,7 @@ fn report(options: &BudgetOptions, bodies: Vec<String>, jobs: &[Job]) -> BudgetR
 }
 
 impl BudgetReport {
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(

@@ -1,4 +1,4 @@
-//! How late answers are: a histogram over many requests, among them such of adversarial cost.
+//! How late answers are: a histogram over many requests, some of adversarial cost.
 
 use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
@@ -15,23 +15,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trolley::{BUILD, Failure};
 
-/// What is asked.
+/// What to test.
 #[derive(Clone, Debug)]
 pub struct DeadlineOptions {
-    /// Bodies, as files or shape:triangles; the first is the ego. A second body like the first is
-    /// put right into it. None: seven generated ones.
+    /// Bodies, as model files or shape:triangles; the first is the ego. A second body like the
+    /// first is placed inside it. Empty: seven generated ones.
     pub bodies: Vec<String>,
-    /// Requests.
+    /// Number of requests.
     pub requests: u32,
-    /// Each is due so many milliseconds after it was accepted.
+    /// Deadline of each request, from its acceptance (ms).
     pub deadline_ms: f64,
-    /// Which requests.
+    /// Seed of the random requests.
     pub seed: u64,
-    /// Worker processes.
+    /// Number of worker processes.
     pub workers: u8,
-    /// Threads that do nothing but take time from everybody.
+    /// Number of threads that only consume CPU time.
     pub load: usize,
-    /// Most tests of a job.
+    /// Maximum number of tests per job.
     pub budget: u64,
 }
 
@@ -57,14 +57,15 @@ pub struct DeadlineReport {
 
 /// Upper ends of the histogram's classes (ms).
 const CLASSES_MS: [f64; 10] = [0.0, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 250.0];
-/// Requests of one round: made once, asked again and again.
+/// Requests of one round: made once, sent repeatedly.
 const ROUND: usize = 32;
 
-/// Runs the requests. `told` hears of them.
+/// Runs the requests. `told` is called with the requests done.
 ///
 /// # Errors
 ///
-/// If a body cannot be used, workers cannot be started, or a winner that was sure is another one.
+/// If a body cannot be used, workers cannot be started, or a certain winner differs from the final
+/// one.
 pub fn deadline(
     options: &DeadlineOptions,
     told: SyncProgress<'_>,
@@ -79,7 +80,7 @@ pub fn deadline(
         asked.extend(requests::request(&views, (candidates, 1.1), &mut rng, policy)?);
     }
     if pool.names[0] == pool.names[1] {
-        // Identical bodies, one in the other to the last triangle.
+        // Identical bodies that coincide in every triangle.
         let policy = requests::policy(0)?;
         asked[0] = requests::parse(&requests::interpenetrating(&views), &views, policy)?;
     }
@@ -115,7 +116,7 @@ pub fn deadline(
     })
 }
 
-/// The winner of the finished run; `None` where that would take too long to know.
+/// The winner of the finished run; `None` where finding it would take too long.
 fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
     let most_ns = 20_000_000_000;
     let limits = RequestLimits {
@@ -130,14 +131,14 @@ fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<St
     Ok(first.filter(|_| answer.state == AnswerState::Complete))
 }
 
-/// What became of the requests.
+/// The outcomes of the requests.
 #[derive(Default)]
 struct Asked {
     /// How late each answer was (ms); below 0: in time.
     late: Vec<f64>,
-    /// CPU time from the end of the work to the answer (ms): what is late though nobody waited.
+    /// CPU time from the end of the work to the answer (ms): lateness without waiting.
     own: Vec<f64>,
-    /// How often each state was given.
+    /// Number of answers in each state.
     states: [u64; 4],
 }
 
@@ -168,7 +169,7 @@ fn ask(
             && winner != first
         {
             return Err(Failure::internal(format!(
-                "request {number}: {first} was sure, {winner} wins"
+                "request {number}: {first} was certain, {winner} wins"
             )));
         }
         bar.add(1);
@@ -194,7 +195,7 @@ fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> Deadlin
 }
 
 impl DeadlineReport {
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let [complete, certified, degraded, refused] = self.states;

@@ -1,10 +1,9 @@
-//! Figures that many requests leave: middles, percentiles, histograms; and names for tables.
+//! Statistics over many requests: medians, percentiles, histograms; and names for tables.
 
 use serde::Serialize;
 use std::path::Path;
 
-/// How many figures lie in a class of a histogram: above the end of the class before, up to its
-/// own.
+/// Number of values in a class of a histogram: above the end of the previous class, up to its own.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Class {
     /// `None`: no end.
@@ -15,13 +14,13 @@ pub(super) struct Class {
 /// A histogram of classes with these ends, and one without.
 pub(super) fn classes(figures: &[f64], ends: &[f64]) -> Vec<Class> {
     let mut least = f64::NEG_INFINITY;
-    let one = |up_to: Option<f64>| {
+    let class_up_to = |up_to: Option<f64>| {
         let most = up_to.unwrap_or(f64::INFINITY);
         let count = figures.iter().filter(|figure| **figure > least && **figure <= most).count();
         least = most;
         Class { up_to, count }
     };
-    ends.iter().copied().map(Some).chain([None]).map(one).collect()
+    ends.iter().copied().map(Some).chain([None]).map(class_up_to).collect()
 }
 
 /// Names of bodies without their folders.
@@ -33,12 +32,12 @@ pub(super) fn names(all: &[String]) -> String {
     all.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
-/// The middle of some figures; not a number if there are none.
+/// The median; NaN if there are no values.
 pub(super) fn median(figures: &mut [f64]) -> f64 {
     percentile(figures, 0.5)
 }
 
-/// The figure below which such a share of all lies.
+/// The value below which this share of all values lies.
 pub(super) fn percentile(figures: &mut [f64], share: f64) -> f64 {
     figures.sort_by(f64::total_cmp);
     let at = ((figures.len() as f64 * share) as usize).min(figures.len().saturating_sub(1));

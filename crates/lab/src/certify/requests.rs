@@ -1,4 +1,4 @@
-//! Requests as rng will have them: an ego among bodies that it may hit, from any side.
+//! Random requests: an ego among bodies that it may hit, from any side.
 
 use crate::pair;
 use body::{BodyKind, BodyView, Meta};
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use trolley::Failure;
 use trolley::bodies::Bodies;
 
-/// Bodies where none are named: the first is the ego.
+/// Default bodies: the first is the ego.
 const BODIES: [&str; 7] = [
     "sedan:20000",
     "suv:16000",
@@ -21,7 +21,7 @@ const BODIES: [&str; 7] = [
     "wall:2000",
 ];
 
-/// The policies that come with the program.
+/// The built-in policies.
 pub(super) const POLICIES: [(&str, &str); 6] = [
     ("default", include_str!("../../../../config/policies/default.toml")),
     ("ego-only", include_str!("../../../../config/policies/ego-only.toml")),
@@ -53,7 +53,7 @@ impl Pool {
     }
 }
 
-/// A policy of those that come with the program.
+/// A built-in policy.
 pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
     let (name, text) = POLICIES[number % POLICIES.len()];
     Policy::parse(name, text)
@@ -61,7 +61,7 @@ pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
 }
 
 /// A request of so many candidates between bodies of a pool, in their order; they stand to the side
-/// by up to so many times what their boxes take. `None` if rng made one that would be refused.
+/// by up to so many times what their boxes take. `None` if the random request would be refused.
 pub(super) fn request(
     views: &[(Meta, BodyView<'_>)],
     way: (usize, f64),
@@ -86,8 +86,8 @@ pub(super) fn parse(
     Ok(Request::new(&Scenario::parse("rng.toml", text)?, views, policy, curves()?)?)
 }
 
-/// The ego and a body like it, which end in each other to the last triangle; and beside that, a way
-/// past everything and one into the last body.
+/// The ego and an identical body that coincide in every triangle; also a way past everything and
+/// one into the last body.
 pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> String {
     let mut text = parties(views.len());
     let ways = [(1, 0.0, 0.0, 5.0), (views.len() - 1, 3.0, 0.2, 0.0), (1, 0.0, 6.0, 5.0)];
@@ -97,7 +97,7 @@ pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> String {
     text
 }
 
-/// The scenario. Parties are named so that their order is that of the bodies.
+/// The scenario. Party names sort in the order of the bodies.
 pub(super) fn scenario(
     views: &[(Meta, BodyView<'_>)],
     (candidates, miss): (usize, f64),

@@ -1,4 +1,4 @@
-//! After which share of the work the winner was certain, by strategy and depth.
+//! After what share of the work the winner is certain, by strategy and depth.
 
 use super::figures::{median, names, percentile};
 use super::requests::{self, Pool};
@@ -13,37 +13,38 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use trolley::{Failure, files};
 
-/// What is asked.
+/// What to test.
 #[derive(Clone, Debug)]
 pub struct ShareOptions {
-    /// Bodies, as files or shape:triangles; the first is the ego. None: seven generated ones.
+    /// Bodies, as model files or shape:triangles; the first is the ego. Empty: seven generated
+    /// ones.
     pub bodies: Vec<String>,
-    /// Requests, of 6 to 16 candidates each.
+    /// Number of requests, of 6 to 16 candidates each.
     pub requests: u32,
-    /// Which requests.
+    /// Seed of the random requests.
     pub seed: u64,
-    /// Only requests whose every candidate touches: no way past is left.
+    /// Only requests in which every candidate makes contact.
     pub unavoidable: bool,
     /// Distribution depths.
     pub depths: Vec<u32>,
-    /// Where the table is written to besides.
+    /// File to write the table to as well.
     pub out: Option<PathBuf>,
 }
 
-/// After which share of the work winners were certain.
+/// After what share of the work winners were certain.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShareReport {
     schema: &'static str,
     bodies: Vec<String>,
     requests: usize,
     unavoidable: bool,
-    /// Tests that everything takes, in the median, and the time.
+    /// Median tests and time of a complete run.
     whole_tests: f64,
     whole_ms: f64,
     rows: Vec<Row>,
 }
 
-/// One strategy at one depth; shares are of running everything as it comes.
+/// One strategy at one depth; shares are relative to a complete run in request order.
 #[derive(Clone, Debug, Serialize)]
 struct Row {
     depth: u32,
@@ -57,24 +58,24 @@ struct Row {
     median_time: f64,
 }
 
-/// Requests that rng may make for one that can be ranked and is asked for.
+/// Random requests to try for each that can be ranked and is wanted.
 const TRIES: u64 = 1_000;
 
-/// One request, worked on by one strategy.
+/// One request, executed with one strategy.
 #[derive(Clone, Copy, Debug)]
 struct Ran {
-    /// Work at certification, in units of running everything as it comes.
+    /// Work at certification, relative to a complete run in request order.
     share: f64,
-    /// Time, in the same way.
+    /// Time at certification, likewise.
     time: f64,
 }
 
-/// Who won.
+/// The winner.
 struct Winner {
     name: String,
-    /// How many candidates touch.
+    /// Number of candidates that make contact.
     touches: usize,
-    /// What is missing of an answer that is neither complete nor certified.
+    /// What an answer that is neither complete nor certified lacks.
     missing: Option<String>,
 }
 
@@ -100,14 +101,14 @@ fn run(
     Ok((tests, took_ns, Winner { name, touches: touching.count(), missing }))
 }
 
-/// Works requests off with every strategy at every depth. `told` hears of requests.
+/// Executes requests with every strategy at every depth. `told` is called with the requests done.
 ///
 /// # Errors
 ///
-/// If a body cannot be used, the file cannot be written, or a winner that was certain is another
+/// If a body cannot be used, the file cannot be written, or a certain winner differs from the final
 /// one.
 pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareReport, Failure> {
-    // Nobody wants to hear after the work that the file cannot be written.
+    // Fail before the work, not after it, if the file cannot be written.
     options.out.as_deref().map(|path| files::check(path, None)).transpose()?;
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
@@ -121,7 +122,7 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
         while made < options.requests {
             tried += 1;
             if tried > TRIES * u64::from(options.requests) {
-                let what = "hardly any request that rng makes of these bodies can be ranked";
+                let what = "hardly any random request between these bodies can be ranked";
                 return Err(Failure::input(what).with_remedy("name other bodies: --body"));
             }
             let candidates = 6 + rng.below(11) as usize;
@@ -133,7 +134,7 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
             };
             let (all, whole_ns, winner) = run(&request, &views, depth, RequestLimits::default())?;
             let is_avoidable = winner.touches < candidates;
-            // Of bodies that overlap where they begin there is no whole answer to be early with.
+            // Bodies that overlap at the start have no complete answer, so none can be early.
             if (options.unavoidable && is_avoidable) || winner.missing.is_some() {
                 continue;
             }
@@ -156,8 +157,8 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
                     let what = format!("{} certified {first}, not {winner}", search_order.name());
                     return Err(Failure::internal(what));
                 }
-                let of = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-                ran[number].push(Ran { share: of(tests, all), time: of(took_ns, whole_ns) });
+                let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+                ran[number].push(Ran { share: ratio(tests, all), time: ratio(took_ns, whole_ns) });
             }
             bar.add(1);
         }
@@ -194,7 +195,7 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
 }
 
 impl ShareReport {
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = String::from(

@@ -1,4 +1,4 @@
-//! Faults that take a whole run: a program is started that ranks, and its run disturbed.
+//! Faults that take a whole run: starts a program that ranks, and disturbs it.
 
 use super::kind::Kind;
 use super::plan::Plan;
@@ -15,7 +15,7 @@ use std::os::fd::AsFd as _;
 use std::path::{Path, PathBuf};
 use trolley::Failure;
 
-/// How long a client waits for an answer before it says "refused" itself (ms).
+/// How long a client waits for an answer before it reports "refused" itself (ms).
 const PATIENCE_MS: u64 = 20_000;
 /// How long orphans may live (ms).
 const ORPHANS_MS: u64 = 1_000;
@@ -24,7 +24,7 @@ fn instance() -> String {
     format!("c{}", std::process::id())
 }
 
-/// What is run: a program that ranks the scenario of a plan.
+/// The program to run, which ranks the scenario of a plan.
 #[derive(Clone, Copy)]
 pub(super) struct Rank<'r> {
     pub(super) program: &'r Path,
@@ -38,7 +38,7 @@ struct Run {
 }
 
 impl Run {
-    /// `wrap`: a program and its arguments that are to run it.
+    /// Starts it; `wrap`: a program, with arguments, to run it under.
     fn start(rank: &Rank<'_>, wrap: &[&str]) -> Result<Self, Failure> {
         let internal =
             |error: std::io::Error| Failure::new(trolley::FailureKind::System, error.to_string());
@@ -79,7 +79,7 @@ impl Run {
         list.split_whitespace().filter_map(|word| word.parse().ok()).collect()
     }
 
-    /// Waits for its end; what came out.
+    /// Waits for its end, and returns its output.
     fn end(mut self, reference: &Answer) -> Result<State, Failure> {
         let exit = self.child.wait_ms(PATIENCE_MS)?;
         if exit.is_none() {
@@ -95,7 +95,7 @@ impl Run {
         Ok(match answer {
             None => State::Refused,
             Some(document) => {
-                // Through text, too: reading a number may round it.
+                // As text as well: parsing a number may round it.
                 let expected = serde_json::to_string(reference).ok();
                 let expected: Option<serde_json::Value> =
                     expected.and_then(|text| serde_json::from_str(&text).ok());
@@ -127,13 +127,13 @@ pub(super) fn run(
             confine(rank, kind, reference, report)
         }
         _ => {
-            report.skip(kind, "it is no run of its own");
+            report.skip(kind, "it is not a fault of a whole run");
             Ok(())
         }
     }
 }
 
-/// Kills a coordinator at work or at its end: its workers end with it.
+/// Kills a coordinator during its work or at its end; its workers must end with it.
 fn kill_coordinator(
     rank: &Rank<'_>,
     kind: Kind,
@@ -165,7 +165,7 @@ fn kill_coordinator(
     }
     let mut state = State::Refused;
     if kind == Kind::StaleMemory {
-        // The next run of the same name finds what is left, and is right.
+        // The next run of the same name finds the leftovers, and must be right.
         state = Run::start(rank, &[])?.end(reference)?;
         report.left_behind += names_of(&instance()).len() as u64;
     }
@@ -174,7 +174,7 @@ fn kill_coordinator(
     Ok(())
 }
 
-/// Flips bits in shared memory of a run at work.
+/// Flips bits in the shared memory of a run during its work.
 fn flip_bits(
     rank: &Rank<'_>,
     kind: Kind,
@@ -199,7 +199,7 @@ fn flip_bits(
     Ok(())
 }
 
-/// Starts workers that take the coordinator for one of another build.
+/// Starts workers that take the coordinator to be another build.
 fn skew(
     rank: &Rank<'_>,
     kind: Kind,
@@ -220,7 +220,7 @@ fn skew(
     Ok(())
 }
 
-/// Runs where memory or files are short, or the clock is another one.
+/// Runs with too little memory, too few files, or another clock.
 fn confine(
     rank: &Rank<'_>,
     kind: Kind,
@@ -235,11 +235,11 @@ fn confine(
         _ => &["/usr/bin/unshare", "-T", "--monotonic", "864000", "--fork", "--kill-child"],
     };
     if !Path::new(wrap[0]).exists() || !is_granted(kind)? {
-        report.skip(kind, "this machine does not grant it");
+        report.skip(kind, "this machine does not permit it");
         return Ok(());
     }
     let state = Run::start(rank, wrap)?.end(reference)?;
-    // Without memory or files there can be no answer; whatever the clock says, there is one.
+    // Without memory or files there may be no answer; with another clock there must be one.
     let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
     let state = if is_due { state } else { State::Wrong };
     report.count(state);
@@ -248,7 +248,7 @@ fn confine(
     Ok(())
 }
 
-/// Whether the namespaces that a kind takes are to be had.
+/// Whether the namespaces that a kind needs are available.
 fn is_granted(kind: Kind) -> Result<bool, Failure> {
     let test: &[&str] = match kind {
         Kind::SmallShm => &["-m", "/bin/sh", "-c", "mount -t tmpfs tmpfs /dev/shm"],
@@ -280,7 +280,7 @@ impl Run {
     }
 }
 
-/// What killed runs have left once the next run has swept.
+/// What killed runs leave behind after the next run has cleaned up.
 pub(super) fn left_behind(rank: &Rank<'_>) -> Result<u64, Failure> {
     let mut run = Run::start(rank, &[])?;
     run.child.wait_ms(PATIENCE_MS)?;

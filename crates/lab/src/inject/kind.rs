@@ -58,17 +58,17 @@ impl Kind {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
-    /// The names of all, for messages.
+    /// All names, for messages.
     pub(super) fn names() -> String {
         Self::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
     }
 
-    /// Whether it is meant for all workers at once.
+    /// Whether it affects all workers at once.
     pub(super) fn takes_all(self) -> bool {
         matches!(self, Self::KillAll | Self::Poison)
     }
 
-    /// Whether it takes a run of its own, not one of many requests to one worker pool.
+    /// Whether it takes a whole run, not one of many requests to one worker pool.
     pub(crate) fn is_whole_run(self) -> bool {
         matches!(
             self,
@@ -84,7 +84,7 @@ impl Kind {
         )
     }
 
-    /// The order that a worker gets for it.
+    /// The order that makes a worker fail this way.
     pub(crate) fn commanded(self) -> Option<InjectedFault> {
         Some(match self {
             Self::Abort => InjectedFault::Abort,
@@ -106,7 +106,7 @@ impl Kind {
         })
     }
 
-    /// Whether its worker may live on, or even feel nothing.
+    /// Whether its worker may survive, or not be affected at all.
     pub(crate) fn may_be_survived(self) -> bool {
         matches!(
             self,

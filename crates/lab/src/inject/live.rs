@@ -1,4 +1,4 @@
-//! Faults in a worker pool that answers request after request, and is mended in between.
+//! Faults in a worker pool that answers requests in turn, and is repaired in between.
 
 use super::kind::Kind;
 use super::plan::Plan;
@@ -13,28 +13,28 @@ use runtime::process::Held;
 use runtime::{SealedMemory, clock, machine};
 use trolley::Failure;
 
-/// For how long plain requests follow one that a fault was not felt in, until it must have been
-/// (ns): longer than the longest silence.
+/// For how long plain requests follow one in which a fault was not detected, until it must be (ns):
+/// longer than the longest silence.
 const CHASE_NS: u64 = 3_000_000_000;
-/// How many of them there are at most where a job has to fall to whoever has an order.
+/// Maximum number of plain requests where a job must reach a worker that has an order.
 const CHASES: usize = 12;
 /// No request without a deadline may take longer (ns): the longest silence, the longest sleep, and
-/// twice that for faults that follow on each other.
+/// twice that for consecutive faults.
 const HANG_NS: u64 = 6_000_000_000;
-/// Growth of resident memory that is no leak (bytes): heaps keep what they got.
+/// Growth of resident memory that is no leak (bytes): heaps do not shrink.
 const GROWTH_BYTES: u64 = 32 << 20;
 
-/// What all requests share.
+/// State shared by all requests.
 pub(super) struct Stage<'s> {
     pub(super) plan: &'s Plan,
     pub(super) store: &'s SealedMemory,
     pub(super) reference: &'s Answer,
 }
 
-/// A fault that is on its way or has struck, and whose end is not known.
+/// A fault that is scheduled or has taken effect, and whose end is open.
 #[derive(Clone, Copy, Debug)]
 struct Open {
-    /// Which of the request's faults.
+    /// Index among the request's faults.
     number: usize,
     kind: Kind,
     who: Incarnation,
@@ -49,13 +49,13 @@ struct Live<'s, F> {
     instance: String,
     rng: Rng,
     sequence: u16,
-    /// What a request takes without faults (ns), and how many jobs it has.
+    /// Duration of a request without faults (ns), and its number of jobs.
     usual_ns: u64,
     jobs: u64,
     open: Vec<Open>,
-    /// Whom the faults of the round before were meant for: what they survived may yet end them.
+    /// Targets of the previous round's faults, which may still end them.
     before: Vec<Incarnation>,
-    /// When successors were started that were not waited for yet (ns).
+    /// When replacements were started that are not ready yet (ns).
     mended_ns: Option<u64>,
 }
 
@@ -94,14 +94,14 @@ pub(super) fn run<'w>(
     let mut baseline = None;
     let total = left.len();
     while !left.is_empty() && !report.is_interrupted {
-        // After a tenth everything has happened once, and has taken the memory that it keeps.
+        // After a tenth everything has happened once, and has allocated the memory that it keeps.
         if baseline.is_none() && left.len() * 10 <= total * 9 {
             live.settle(report)?;
             baseline = Some(live.footprint());
         }
         let before = left.len();
         match live.round(&mut left, report) {
-            // What is finished is told.
+            // Report what is finished.
             Err(failure) if failure.kind() == trolley::FailureKind::Interrupted => {
                 report.is_interrupted = true
             }
@@ -134,7 +134,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         )
     }
 
-    /// Everybody alive, everything cleaned up.
+    /// Restores all workers, and cleans up.
     fn settle(&mut self, report: &mut Report) -> Result<(), Failure> {
         for _ in 0..3 {
             self.mend(true, report)?;
@@ -143,7 +143,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         Ok(())
     }
 
-    /// Replaces who was lost.
+    /// Replaces lost workers.
     fn mend(&mut self, waits: bool, report: &mut Report) -> Result<(), Failure> {
         let begun_ns = clock::now_ns();
         let mended = self.worker_pool.mend(self.stage.store)?;
@@ -166,7 +166,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         Ok(())
     }
 
-    /// One request, judged.
+    /// Runs one request, and judges the answer.
     fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
         let begun_ns = clock::now_ns();
         let mut work = (self.make)();
@@ -204,7 +204,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         Ok(state)
     }
 
-    /// Finds out who saw what of the open faults, and who was killed for nothing.
+    /// Determines which open faults were detected, and which workers were killed without cause.
     fn look(&mut self, report: &mut Report) {
         for incident in self.worker_pool.incidents() {
             let mut is_known = self.before.contains(&incident.who);
@@ -220,12 +220,12 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             );
             if is_end && !is_known && report.note_end(incident.who) {
                 report.false_kills += 1;
-                tracing::warn!(?incident, "nobody had done anything to it");
+                tracing::warn!(?incident, "a healthy worker was killed");
             }
         }
     }
 
-    /// Takes some of the faults that are left. One that takes all workers stays alone.
+    /// Takes some of the remaining faults. One that takes all workers stays alone.
     fn choose(&mut self, left: &mut Vec<(Kind, u32)>) -> Vec<(Kind, u32)> {
         let most = 1 + self.rng.below(self.stage.plan.at_once.into()) as usize;
         let mut chosen: Vec<(Kind, u32)> = Vec::new();
@@ -240,7 +240,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         chosen
     }
 
-    /// A request with some of the faults that are left.
+    /// Runs a request with some of the remaining faults.
     fn round(&mut self, left: &mut Vec<(Kind, u32)>, report: &mut Report) -> Result<(), Failure> {
         let waits = self.rng.below(4) > 0;
         self.mend(waits, report)?;
@@ -301,8 +301,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         Ok(())
     }
 
-    /// Whoever has an order that it could not obey yet would obey in a later request: it is
-    /// replaced.
+    /// Replaces workers with a pending order, which they would obey in a later request.
     fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
         for (who, pid) in self.worker_pool.roster() {
             let is_armed = |open: &Open| {
@@ -330,7 +329,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         let number = self.open.len() - 1;
         let within_ns = self.rng.below(self.usual_ns);
         let mut shoot = |after_ns: u64, deed: Deed| {
-            // Who has ended by itself cannot be shot.
+            // A worker that has ended by itself cannot be signalled.
             if let Ok(at) = Held::of(pid) {
                 shots.push(Shot { number, at, after_ns, deed });
             }
@@ -343,7 +342,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                     held.signal(super::signals::KILL)?;
                 }
                 if kind == Kind::KillAtStart {
-                    // Its successor is killed before it greets, or a little after.
+                    // Its replacement is killed before it greets, or shortly after.
                     let _mended = self.worker_pool.mend(self.stage.store)?;
                     self.look_at_start(number);
                     let next = self.worker_pool.roster()[usize::from(who.worker)];
@@ -393,7 +392,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         Ok(())
     }
 
-    /// A start-up death of the first is not what is looked for.
+    /// The death of the first worker at start-up does not count.
     fn look_at_start(&mut self, number: usize) {
         self.open[number].seen_ns = None;
     }
@@ -408,7 +407,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         }
     }
 
-    /// Writes down what became of each; what did not strike is tried again, a few times.
+    /// Records the outcome of each fault; one that did not take effect is retried a few times.
     fn book(
         &mut self,
         chosen: &[(Kind, u32)],

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trolley::{Failure, read_text};
 
-/// As a person writes it.
+/// The plan as written.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
@@ -17,7 +17,7 @@ struct Written {
     workers: u8,
     depth: u32,
     at_once: u8,
-    /// When each answer is due (ms).
+    /// Deadline of each answer (ms).
     deadline_ms: Option<u32>,
     faults: BTreeMap<String, u32>,
 }
@@ -27,9 +27,9 @@ pub(crate) struct Plan {
     pub(crate) scenario: PathBuf,
     pub(crate) workers: u8,
     pub(crate) depth: u32,
-    /// Faults in one request at most.
+    /// Maximum number of faults in one request.
     pub(crate) at_once: u8,
-    /// When each answer is due (ms); without one, all work is done however long it takes.
+    /// Deadline of each answer (ms); without one, all work is done, however long it takes.
     pub(crate) deadline_ms: Option<u32>,
     faults: Vec<(Kind, u32)>,
 }
@@ -69,8 +69,8 @@ impl Plan {
         let mut faults = Vec::new();
         for (fault, count) in &written.faults {
             let Some(kind) = Kind::from_name(fault) else {
-                let help = format!("there are: {}", Kind::names());
-                return refuse(format!("there is no fault \"{fault}\""), help);
+                let help = format!("expected one of: {}", Kind::names());
+                return refuse(format!("unknown fault \"{fault}\""), help);
             };
             if *count > MOST {
                 return refuse(format!("{fault} = {count}"), format!("at most {MOST}"));
@@ -99,7 +99,7 @@ impl Plan {
 
 #[cfg(test)]
 mod tests {
-    //! The shipped plans are read; what is wrong is named.
+    //! The shipped plans parse; faults in a plan are reported.
     use super::*;
 
     #[test]

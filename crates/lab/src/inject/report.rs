@@ -1,4 +1,4 @@
-//! The ledger of a campaign: each kind of fault, what was seen of it, and what came of it.
+//! The report of a campaign: each kind of fault, how it was detected, and its outcome.
 
 use super::kind::Kind;
 use coordinator::Answer;
@@ -7,19 +7,18 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-/// No answer may be later than due by more (ns): without real-time rights the coordinator waits for
-/// a core as everybody does.
+/// Maximum delay of an answer after its deadline (ns): without real-time priority the coordinator
+/// waits for a core like any process.
 pub(super) const GUARD_NS: u64 = 250_000_000;
 
-/// What came of a request.
+/// The outcome of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum State {
-    /// All done, and the same bytes as without faults.
+    /// Complete, and the same bytes as without faults.
     Complete,
-    /// Something is missing, and the intervals hold what would be there; whatever is certified is
-    /// so.
+    /// Incomplete, but the intervals hold the true values, and certified statements are true.
     Degraded,
-    /// An error that says so, or no answer.
+    /// A reported error, or no answer.
     Refused,
     /// None of these.
     Wrong,
@@ -49,7 +48,7 @@ pub(super) fn judge(answer: &Answer, reference: &Answer) -> State {
     }
 }
 
-/// What is known of one kind.
+/// Results for one kind of fault.
 #[derive(Clone, Debug, Default)]
 struct Entry {
     detect_ns: Vec<u64>,
@@ -57,7 +56,7 @@ struct Entry {
     answers: [u64; 4],
 }
 
-/// All that is known.
+/// All results.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Report {
     seed: u64,
@@ -72,9 +71,9 @@ pub(super) struct Report {
     pub(super) rejected: u64,
     pub(super) slowest_ns: u64,
     pub(super) hangs: u64,
-    /// When answers were due.
+    /// The deadline of answers.
     pub(super) deadline_ms: Option<u32>,
-    /// Answers after that.
+    /// Answers after the deadline.
     pub(super) late: u64,
     pub(super) false_kills: u64,
     pub(super) unseen: u64,
@@ -88,7 +87,7 @@ pub(super) struct Report {
     pub(super) whole_ns: Vec<u64>,
     pub(super) seconds: f64,
     pub(super) replay: String,
-    /// Somebody had no more time: what was finished until then stands.
+    /// The campaign was interrupted: the results until then stand.
     pub(crate) is_interrupted: bool,
 }
 
@@ -102,7 +101,7 @@ impl Report {
         self.answers[state as usize] += 1;
     }
 
-    /// Books a fault that struck: what was answered, when it was seen, when it was over.
+    /// Records a fault that took effect: the answer, when it was detected, when it was over.
     pub(super) fn add(&mut self, kind: Kind, state: State, detect_ns: Option<u64>, over_ns: u64) {
         let entry = self.entries.entry(kind).or_default();
         entry.detect_ns.extend(detect_ns);
@@ -114,7 +113,7 @@ impl Report {
         self.skipped.entry(kind).or_insert((0, why)).0 += 1;
     }
 
-    /// `true` if this end was not known yet.
+    /// `true` if this end is new.
     pub(super) fn note_end(&mut self, who: Incarnation) -> bool {
         self.ended.insert((who.worker, who.inc))
     }
@@ -179,7 +178,7 @@ fn row(kind: Kind, entry: &Entry) -> Row {
     }
 }
 
-/// The ledger of a campaign.
+/// The report of a campaign.
 #[derive(Clone, Debug, Serialize)]
 pub struct Injected {
     schema: &'static str,
@@ -255,11 +254,11 @@ impl Times {
     fn of(ns: &[u64]) -> Self {
         let mut sorted = ns.to_vec();
         sorted.sort_unstable();
-        let at = |share: usize| {
+        let percentile_ms = |share: usize| {
             let rank = (sorted.len() * share).div_ceil(100).checked_sub(1)?;
             sorted.get(rank).map(|ns| *ns as f64 / 1e6)
         };
-        Self { median_ms: at(50), p99_ms: at(99), max_ms: at(100) }
+        Self { median_ms: percentile_ms(50), p99_ms: percentile_ms(99), max_ms: percentile_ms(100) }
     }
 
     fn text(self) -> String {
@@ -275,13 +274,13 @@ impl Injected {
         self.is_survived
     }
 
-    /// Whether somebody had no more time: then what was finished stands.
+    /// Whether the campaign was interrupted: then the results until then stand.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {
         self.is_interrupted
     }
 
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         page(self)

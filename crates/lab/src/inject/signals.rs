@@ -1,4 +1,4 @@
-//! Signals to workers at given moments, from a thread of its own.
+//! Sends signals to workers at given times, from its own thread.
 
 use geometry::rng::Rng;
 use runtime::clock;
@@ -13,18 +13,18 @@ pub(crate) const KILL: i32 = 9;
 const CONTINUE: i32 = 18;
 const STOP: i32 = 19;
 
-/// What is done to a process.
+/// What to do to a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Deed {
     Kill,
     Stop,
-    /// Stopped for so long (ns).
+    /// Stop it for this long (ns).
     Pause(u64),
-    /// So many times stopped for 9 ms and continued for 1 ms.
+    /// Stop it for 9 ms and continue it for 1 ms, this many times.
     Choke(u32),
 }
 
-/// A deed on its way.
+/// A scheduled action.
 pub(crate) struct Shot {
     pub(crate) number: usize,
     pub(crate) at: Held,
@@ -32,7 +32,7 @@ pub(crate) struct Shot {
     pub(crate) deed: Deed,
 }
 
-/// Carries shots out in their order.
+/// Executes actions in their order.
 pub(crate) struct Gunner<'s> {
     shots: Sender<Shot>,
     thread: ScopedJoinHandle<'s, Vec<(usize, u64)>>,
@@ -49,14 +49,14 @@ impl<'s> Gunner<'s> {
         let _sent = self.shots.send(shot);
     }
 
-    /// Ends at once what is not done yet; says when each was done (ns, monotonic).
+    /// Cancels the remaining actions; returns when each was executed (ns, monotonic).
     pub(crate) fn end(self) -> Vec<(usize, u64)> {
         drop(self.shots);
         self.thread.join().unwrap_or_default()
     }
 }
 
-/// Waits; `false` if there is no reason to wait any longer.
+/// Waits; `false` if waiting is cancelled.
 fn wait(orders: &Receiver<Shot>, ns: u64, later: &mut Vec<Shot>) -> bool {
     let end = clock::now_ns() + ns;
     loop {
@@ -90,11 +90,11 @@ fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
             return done;
         }
         if later.len() > known {
-            // One of these may be due before.
+            // One of these may be due earlier.
             continue;
         }
         let Shot { number, at, deed, .. } = later.swap_remove(at);
-        // A process that has ended feels nothing.
+        // A process that has ended receives no signal.
         let signal = |number| drop(at.signal(number));
         done.push((number, clock::now_ns()));
         match deed {
@@ -119,7 +119,7 @@ fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
     }
 }
 
-/// Flips so many bits in each file of shared memory with these ends of its name.
+/// Flips this many bits in each file of shared memory whose name has this end.
 pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut rng: Rng) {
     let Ok(entries) = std::fs::read_dir("/dev/shm") else { return };
     for entry in entries.flatten() {

@@ -1,4 +1,4 @@
-//! Worker pools that faults are injected into: how they are started, and what they leave.
+//! Worker pools for fault injection: how they are started, and what they leave behind.
 
 use super::plan::Plan;
 use coordinator::Options;

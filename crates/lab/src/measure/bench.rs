@@ -1,4 +1,4 @@
-//! Real runs: in this process, and by a worker pool of workers; each repeated, and each checked.
+//! Real runs, in-process and by a worker pool; each repeated, and each checked.
 
 use crate::pair::Pair;
 use body::{BodyView, Meta};
@@ -14,22 +14,22 @@ use simulate::{JobTrace, Sample, TaskTrace, Trace};
 use trolley::dispatch_options::TransferMode;
 use trolley::{BUILD, Failure};
 
-/// Depths by which pairs of leaves are reckoned: from less deep ones they came out four times too
+/// Depths from which the number of leaf pairs is estimated: shallower ones gave four times too
 /// many.
 const DEPTHS: [u32; 2] = [8, 12];
 
-/// A pair at work.
+/// A pair to run.
 pub(crate) struct Bench<'p> {
     pub(crate) pair: &'p Pair,
     pub(crate) bodies: Vec<(Meta, BodyView<'p>)>,
-    /// What is found at each pose: whatever finds something else is wrong.
+    /// The hits at each pose; a run that finds anything else is wrong.
     truth: Vec<PoseFound>,
     repeats: usize,
-    /// Whether it is written down who got which job.
+    /// Whether a job log is kept.
     log: bool,
 }
 
-/// One way of dispatch options out work.
+/// Dispatch options of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
     pub(crate) workers: u8,
@@ -41,29 +41,29 @@ pub(crate) struct Way {
     pub(crate) cache: Cache,
 }
 
-/// A worker pool's run, the quickest of several: what else a machine does only ever adds time.
+/// The fastest of several runs of a worker pool: other load on the machine only adds time.
 pub(crate) struct Ran {
     pub(crate) report: WorkerPoolReport,
     pub(crate) spent: Spent,
     /// Median of all (ns).
     pub(crate) median_ns: f64,
-    /// Who got which job in the last of them, if that is written down.
+    /// Job log of the last of them, if it is kept.
     pub(crate) log: Vec<LogEntry>,
 }
 
-/// What this process alone took at one depth.
+/// The in-process runs at one depth.
 pub(crate) struct Alone {
-    /// The quickest of the repeats, and their median (ns).
+    /// The fastest of the repeats, and their median (ns).
     pub(crate) ns: f64,
     pub(crate) median_ns: f64,
     pub(crate) trace: Trace,
     pub(crate) samples: Vec<Sample>,
-    /// Of the quickest run.
+    /// Of the fastest run.
     pub(crate) spent: Spent,
 }
 
 impl Alone {
-    /// Keeps the quicker of two measurements of the same.
+    /// Keeps the faster of two measurements of the same run.
     pub(crate) fn quicken(&mut self, other: Self) {
         if other.ns < self.ns {
             *self = other;
@@ -91,14 +91,14 @@ impl<'p> Bench<'p> {
         self.bodies.iter().map(|(_, body)| bvh::section::bytes(body.nodes, 0)).sum()
     }
 
-    /// Pairs of leaves whose boxes overlap, over all poses: reckoned from two descents each, since
-    /// to count them takes half as long as the work itself.
+    /// Pairs of leaves whose boxes overlap, over all poses: estimated from two descents each, since
+    /// counting them takes half as long as the work itself.
     pub(crate) fn leaf_pairs(&self) -> f64 {
         let [(_, a), (_, b)] = &self.bodies[..] else { return 0.0 };
-        // A binary tree has one node less than twice its leaves.
+        // A binary tree has one node fewer than twice its leaves.
         let levels = |body: &BodyView<'_>| (body.nodes.len().div_ceil(2).max(1) as f64).log2();
         let below = f64::midpoint(levels(a), levels(b)) - f64::from(DEPTHS[1]);
-        let of = |pose| {
+        let leaf_pairs_at = |pose| {
             let [upper, lower] = DEPTHS.map(|depth| {
                 let mut pairs = Vec::new();
                 front(a, b, pose, depth, &mut pairs, &mut Counters::default());
@@ -111,7 +111,7 @@ impl<'p> Bench<'p> {
             let growth = (lower / upper).powf(1.0 / f64::from(DEPTHS[1] - DEPTHS[0]));
             lower * growth.clamp(1.0, 4.0).powf(below)
         };
-        self.pair.poses.iter().map(of).sum()
+        self.pair.poses.iter().map(leaf_pairs_at).sum()
     }
 
     fn work(&self, depth: u32) -> PairWork<'p> {
@@ -122,10 +122,10 @@ impl<'p> Bench<'p> {
         if work.found().ok_or_else(unknown)? == self.truth {
             return Ok(());
         }
-        Err(Failure::internal("two ways of working found different triangles"))
+        Err(Failure::internal("two configurations found different triangles"))
     }
 
-    /// All in this process, whose jobs are timed one by one: the least of the repeats.
+    /// Runs all jobs in this process, each timed: the fastest of the repeats.
     pub(crate) fn alone(&self, depth: u32) -> Result<Alone, Failure> {
         let mut times: Vec<(u64, Spent)> = Vec::new();
         let mut samples: Vec<Sample> = Vec::new();
@@ -178,8 +178,8 @@ impl<'p> Bench<'p> {
         Ok(Alone { ns, median_ns, trace: Trace { tasks }, samples, spent })
     }
 
-    /// By so many threads of this process that share each pose among them: the baseline without
-    /// processes, messages or depth. The quickest of the repeats (ns).
+    /// Runs with this many threads of this process, which share each pose: the baseline without
+    /// processes, messages or depth. The fastest of the repeats (ns).
     pub(crate) fn threads(&self, threads: usize) -> Result<f64, Failure> {
         let around = Directions::around(DVec3::X, DVec3::Z);
         let [(meta_a, a), (meta_b, b)] = &self.bodies[..] else { return Err(unknown()) };
@@ -204,12 +204,12 @@ impl<'p> Bench<'p> {
         if pairs == self.pairs() { Ok(least_ns as f64) } else { Err(unknown()) }
     }
 
-    /// By a worker pool that has room for everything.
+    /// Runs a worker pool with unlimited capacity.
     pub(crate) fn worker_pool(&self, way: &Way) -> Result<Ran, Failure> {
         self.run(way)?.map_err(|thrash| WorkerPoolError::Thrashed(thrash).into())
     }
 
-    /// By a worker pool; the first run warms up and does not count. Inside: a section did not fit.
+    /// Runs a worker pool; the first run is a warm-up. The inner error: a section did not fit.
     pub(crate) fn run(&self, way: &Way) -> Result<Result<Ran, Thrash>, Failure> {
         let cores = affinity::in_turn(&affinity::allowed_cores(), way.workers.into());
         let options = Options {

@@ -1,8 +1,8 @@
 //! What each step costs on this machine, for this pair of bodies.
 //!
 //! The kernel's costs are fitted to jobs that this process timed one by one; the coordinator's are
-//! its own counts divided by what it did, with one worker; what a worker takes per result beside
-//! its kernel is what is left of the run's time where that worker was never idle.
+//! its own counts divided by what it did, with one worker; a worker's cost per result outside its
+//! kernel is the remaining time of a run in which that worker is never idle.
 
 use super::bench::{Alone, Bench, Way};
 use coordinator::Options;
@@ -12,14 +12,14 @@ use simulate::{Costs, fit};
 use trolley::Failure;
 use trolley::dispatch_options::TransferMode;
 
-/// Buffers of all calibrations.
+/// Buffer sizes of all calibrations.
 pub(crate) const QUEUES: Queues = Options::QUEUES;
 
 /// From the end of a send to its arrival (ns): iceoryx2 0.10 between two busy processes took 325 to
 /// 350 ns on the machines seen so far, and its share in the whole is small.
 const FLIGHT_NS: f64 = 340.0;
 
-/// Measures. `fine` is a depth at which a worker has always something to do.
+/// Measures the costs. `fine` is a depth at which a worker always has work.
 pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> {
     let coarse = bench.alone(0)?;
     let middle = bench.alone(fine / 2)?;
@@ -38,7 +38,7 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
         cache: Cache::Unlimited,
     };
     let ran = bench.worker_pool(&way)?;
-    // Room for everything: what it takes longer is the copying.
+    // Unlimited capacity: the additional time is that of copying.
     let cache = Cache::Fixed(2 * bench.model_bytes());
     let copied = bench.worker_pool(&Way { transfer: TransferMode::Copy, cache, ..way })?;
     let moved = per(copied.report.transfer.section_bytes);
@@ -72,7 +72,7 @@ pub(crate) fn calibrate(bench: &Bench<'_>, fine: u32) -> Result<Costs, Failure> 
     })
 }
 
-/// A count to divide by.
+/// A count as a divisor: at least 1.
 fn per(count: u64) -> f64 {
     count.max(1) as f64
 }

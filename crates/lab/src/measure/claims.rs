@@ -1,4 +1,4 @@
-//! The paper's claims about shape, each held against the data: it holds, or it does not.
+//! The paper's claims about shape, each compared with the data.
 //!
 //! The paper (Wiseman and Grinberg 2018, Figures 8 and 9) publishes no numbers; these are readings
 //! of its figures. They are about four cores, so they rest on the simulation: transfer is exact
@@ -10,15 +10,15 @@ use scenario::Scheme;
 use serde::Serialize;
 use trolley::dispatch_options::TransferMode;
 
-/// Speed-ups closer than this are the same.
+/// Speed-ups closer than this count as equal.
 const SAME: f64 = 0.02;
 
-/// One claim and what became of it.
+/// One claim and its result.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Claim {
     pub(crate) letter: char,
     pub(crate) claim: &'static str,
-    /// `None`: the data cannot tell.
+    /// `None`: the data is insufficient.
     pub(crate) holds: Option<bool>,
     pub(crate) data: String,
 }
@@ -57,7 +57,7 @@ pub(crate) fn claims(swept: &[Swept]) -> Vec<Claim> {
     let is_swept = |scheme: &Scheme| {
         swept.iter().all(|pair| pair.rows.iter().any(|row| row.scheme == *scheme))
     };
-    // What was left out cannot tell.
+    // Schemes left out decide nothing.
     let judged = |claim: Claim| match needed(claim.letter).iter().all(is_swept) {
         true => claim,
         false => Claim { holds: None, data: "not all schemes were swept".to_owned(), ..claim },
@@ -196,7 +196,7 @@ fn buffer(swept: &[Swept]) -> Claim {
                  workers in brackets)";
     each('f', claim, swept, |pair| {
         let Some((depth, _)) = best_depth(pair) else { return (false, String::new()) };
-        let of = |mode: Mode, workers: u8| {
+        let rows_of = |mode: Mode, workers: u8| {
             let rows = pair.rows.iter().filter(move |row| {
                 (row.mode, row.workers, row.depth) == (mode, workers, depth)
                     && (row.scheme, row.transfer) == (Scheme::BestMatchLoad, TransferMode::ZeroCopy)
@@ -207,7 +207,7 @@ fn buffer(swept: &[Swept]) -> Claim {
             all
         };
         let (simulated, measured) =
-            (of(Mode::SimulatedOwnCore, super::sweep::CORES), of(Mode::Measured, 2));
+            (rows_of(Mode::SimulatedOwnCore, super::sweep::CORES), rows_of(Mode::Measured, 2));
         let most = simulated.iter().map(|(_, value)| *value).fold(0.0, f64::max);
         let full = simulated.iter().position(|(_, value)| *value >= most * (1.0 - SAME));
         let full = full.unwrap_or(0);

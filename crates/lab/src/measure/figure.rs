@@ -16,7 +16,7 @@ use trolley::Failure;
 /// One line of a figure.
 pub(crate) struct Line {
     pub(crate) name: String,
-    /// Whose it is; `None`: measured, all others are simulated.
+    /// Its scheme; `None`: measured, all others are simulated.
     pub(crate) scheme: Option<Scheme>,
     /// Depth or buffer size, and the value; `None` where the run thrashed.
     pub(crate) points: Vec<(f64, Option<f64>)>,
@@ -31,7 +31,7 @@ pub(crate) struct Figure {
     pub(crate) lines: Vec<Line>,
 }
 
-/// A figure as two files' contents.
+/// The contents of a figure's two files.
 pub(crate) struct Drawn {
     pub(crate) svg: String,
     pub(crate) png: Vec<u8>,
@@ -49,7 +49,7 @@ fn style(scheme: Option<Scheme>) -> (&'static str, LineStyle) {
     }
 }
 
-/// Pixels to a pixel of the layout: for screens and print.
+/// Pixels per layout pixel: for screens and print.
 const SCALE: f32 = 2.0;
 
 pub(crate) fn draw(figure: &Figure) -> Result<Drawn, Failure> {

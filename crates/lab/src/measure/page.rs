@@ -1,4 +1,4 @@
-//! The page that a measurement writes: tables, claims and figures, with the command that made it.
+//! The page of a measurement: tables, claims and figures, with the command that made it.
 
 use super::claims::{Claim, best_depth};
 use super::row::Mode;
@@ -34,8 +34,8 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
     say(format!("{machine}\n"));
     say(
         "Speed-up is the best time of the in-process kernel (no workers, its own best depth) over \
-         that of the worker_pool, on the same poses; of each, the quickest of the repeats counts, because \
-         what else a machine does only ever adds time (medians stand in the tables). *Measured* is \
+         that of the worker pool, on the same poses; the quickest repeat of each counts, because \
+         other load on a machine only adds time (the tables also have medians). *Measured* is \
          this machine; the \
          quad-core columns are **simulated**: the same dispatcher on virtual cores, with costs \
          calibrated here. The error is that of all \
@@ -47,7 +47,7 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
         .to_owned());
     say("|---|--:|--:|--:|--:|--:|--:|--:|--:|".to_owned());
     for pair in swept {
-        let of = |mode, workers| {
+        let best_speed_up = |mode, workers| {
             best(pair, mode, workers)
                 .map_or(String::from("–"), |(value, depth)| format!("{value:.2} (d {depth})"))
         };
@@ -58,10 +58,10 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
             pair.triangles[1],
             pair.pairs_found,
             pair.alone_ms,
-            of(Mode::Measured, 1),
-            of(Mode::Measured, 2),
-            of(Mode::SimulatedOwnCore, 4),
-            of(Mode::SimulatedSharedCore, 4),
+            best_speed_up(Mode::Measured, 1),
+            best_speed_up(Mode::Measured, 2),
+            best_speed_up(Mode::SimulatedOwnCore, 4),
+            best_speed_up(Mode::SimulatedSharedCore, 4),
             errors(&pair.checks)
                 .map_or(String::from("–"), |[half, most]| format!("{half:.0} %, {most:.0} %")),
         ));
@@ -170,7 +170,7 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
         .to_owned());
     say("| depth | zero-copy | copy | time | zero-copy | copy | bytes |".to_owned());
     say("|--:|--:|--:|--:|--:|--:|--:|".to_owned());
-    let of = |transfer: TransferMode, depth: u32| {
+    let row_of = |transfer: TransferMode, depth: u32| {
         pair.rows.iter().find(|row| {
             (row.mode, row.workers, row.depth) == (Mode::Measured, 2, depth)
                 && row.queue == super::calibrate::QUEUES.capacity
@@ -178,7 +178,10 @@ fn copied(pair: &Swept, say: &mut impl FnMut(String)) {
         })
     };
     for shares in pair.shares.iter().filter(|shares| shares.workers == 2) {
-        let rows = (of(TransferMode::ZeroCopy, shares.depth), of(TransferMode::Copy, shares.depth));
+        let rows = (
+            row_of(TransferMode::ZeroCopy, shares.depth),
+            row_of(TransferMode::Copy, shares.depth),
+        );
         let (Some(shared), Some(copy)) = rows else { continue };
         let kb = |row: &super::row::Row| row.message_bytes.map(|bytes| bytes as f64 / 1e3);
         let line = match (shared.time_ms, copy.time_ms, kb(shared), kb(copy)) {

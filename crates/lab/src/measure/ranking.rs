@@ -1,5 +1,5 @@
-//! One ranking of a scenario with the hand-over of a measurement: its answer, which does not depend
-//! on that, and what it took.
+//! One ranking of a scenario with experimental dispatch: the answer, which does not depend on it,
+//! and the effort.
 
 use crate::progress::SyncProgress;
 use scenario::Overrides;
@@ -8,26 +8,26 @@ use std::path::PathBuf;
 use trolley::dispatch_options::{DispatchOptions, log_csv};
 use trolley::{Answer, Engine, Failure, Limits, Run, Scenario, files};
 
-/// What is ranked, and how.
+/// What to rank, and how.
 #[derive(Clone, Debug, Default)]
 pub struct RankOptions {
     /// Scenario, TOML.
     pub scenario: PathBuf,
-    /// Settings of the engine in place of the scenario's.
+    /// Engine settings that override the scenario's.
     pub overrides: Overrides,
     /// How jobs reach the workers.
     pub dispatch_options: DispatchOptions,
-    /// When to stop, and whose job goes out next.
+    /// When to stop, and which candidate's job is sent next.
     pub limits: Limits,
-    /// Name of the instance in shared memory, if not one of the program's choice.
+    /// Name of the instance in shared memory, if not chosen by the program.
     pub instance: Option<String>,
     /// Whether all jobs run in this process.
     pub in_process: bool,
-    /// Where it is written down who got which job.
+    /// Where to write the job log.
     pub job_log: Option<PathBuf>,
 }
 
-/// A ranking, and what it took.
+/// A ranking, and its effort.
 #[derive(Clone, Debug, Serialize)]
 pub struct RankedRun {
     schema: &'static str,
@@ -36,7 +36,7 @@ pub struct RankedRun {
 }
 
 impl RankedRun {
-    /// For people: what it took, on a line for each kind of effort.
+    /// The effort as text, one line for each kind.
     #[must_use]
     pub fn text(&self) -> String {
         let Run { stages, jobs, nb, np, messages, message_bytes, .. } = &self.run;
@@ -54,13 +54,13 @@ impl RankedRun {
     }
 }
 
-/// Ranks a scenario once. `told` hears of triangles built.
+/// Ranks a scenario once. `told` is called with the triangles built.
 ///
 /// # Errors
 ///
 /// If the scenario cannot be ranked with these settings, or the file cannot be written.
 pub fn rank(options: &RankOptions, told: SyncProgress<'_>) -> Result<RankedRun, Failure> {
-    // Nobody wants to hear after the work that the file cannot be written.
+    // Fail before the work, not after it, if the file cannot be written.
     options.job_log.as_deref().map(|path| files::check(path, None)).transpose()?;
     let scenario = Scenario::open(&options.scenario)?;
     let dispatch_options =

@@ -1,4 +1,4 @@
-//! One line of the table that a measurement writes: how it was worked, and what came out.
+//! One line of a measurement's table: the configuration of a run, and its results.
 
 use scenario::Scheme;
 use serde::Serialize;
@@ -26,7 +26,7 @@ impl Mode {
     }
 }
 
-/// One way of working on one pair, and what came out.
+/// One configuration on one pair, and its results.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Row {
     pub(crate) pair: String,
@@ -39,7 +39,7 @@ pub(crate) struct Row {
     pub(crate) batch: u32,
     /// Empty where the run thrashed.
     pub(crate) time_ms: Option<f64>,
-    /// Median of the repeats; `time_ms` is the quickest. Empty in a simulation.
+    /// Median of the repeats; `time_ms` is the fastest. Empty in a simulation.
     pub(crate) median_ms: Option<f64>,
     /// The in-process kernel's best time over this one; in a simulation, over its own prediction.
     pub(crate) speed_up: Option<f64>,

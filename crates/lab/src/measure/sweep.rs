@@ -1,5 +1,5 @@
-//! The sweep over one pair: schemes, depths, buffers, workers and ways of transfer, measured with
-//! the cores there are and simulated with four.
+//! The sweep over one pair: schemes, depths, buffers, workers and transfer modes, measured on this
+//! machine's cores and simulated with four.
 
 use super::bench::{Alone, Bench, Ran, Way};
 use super::calibrate::{QUEUES, calibrate};
@@ -17,20 +17,20 @@ pub(crate) const CORES: u8 = 4;
 /// Depth at which costs are calibrated.
 pub(crate) const FINE: u32 = 8;
 
-/// What is swept.
+/// What to sweep.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) depths: Vec<u32>,
     /// Queue capacities; a batch is a quarter of them.
     pub(crate) buffers: Vec<u32>,
-    /// How often the whole sweep is measured.
+    /// Number of passes over the whole sweep.
     pub(crate) passes: u32,
     pub(crate) schemes: Vec<Scheme>,
     pub(crate) seed: u64,
     pub(crate) alpha: f64,
     /// How jobs reach the workers of measured runs.
     pub(crate) dispatch_options: DispatchOptions,
-    /// Whether copying is measured beside that.
+    /// Whether copying is measured as well.
     pub(crate) copies_too: bool,
 }
 
@@ -46,14 +46,14 @@ impl Plan {
     }
 }
 
-/// How many steps of progress a sweep has.
+/// Number of progress steps of a sweep.
 pub(crate) fn steps(plan: &Plan) -> u64 {
     u64::from(plan.passes) * (plan.depths.len() as u64 + 1)
         + (plan.depths.len() + plan.buffers.len()) as u64
 }
 
-/// Sweeps a pair. What is measured is measured in several passes, and the quickest counts: other
-/// programs come in bursts that are longer than the repeats of one run.
+/// Sweeps a pair in several passes, of which the fastest counts: bursts of other programs last
+/// longer than the repeats of one run.
 pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress<'_>) -> Result<Swept, Failure> {
     let deepest = plan.depths.iter().copied().max().unwrap_or(0);
     let cache = plan.dispatch_options.cache(deepest, &bench.bodies)?;
@@ -123,7 +123,7 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress<'_>) -> Resul
     })
 }
 
-/// Of two calibrations the kernel's costs of the quicker one, and of all others the lesser.
+/// Merges two calibrations: the kernel costs of the faster one, and the lower of each other cost.
 fn calmer(a: Costs, b: Costs) -> Costs {
     let typical = |costs: &Costs| costs.kernel_ns(1_000, 200, 40);
     let kernel = if typical(&a) <= typical(&b) { a } else { b };
@@ -158,7 +158,7 @@ struct Sweep<'s> {
     bar: &'s Progress<'s>,
     /// What a worker of a measured run may hold.
     cache: Cache,
-    /// Who got which job of the last measured run, if that is written down.
+    /// Job log of the last measured run, if it is kept.
     log: Vec<LogEntry>,
     costs: Costs,
     alone_ns: f64,
@@ -170,7 +170,7 @@ struct Sweep<'s> {
 }
 
 impl Sweep<'_> {
-    /// A way of dispatch options out work on which nothing is special yet.
+    /// Default dispatch options.
     fn way(&self, scheme: Scheme, workers: u8, depth: u32) -> Way {
         Way {
             workers,
@@ -183,20 +183,20 @@ impl Sweep<'_> {
         }
     }
 
-    /// The same with copies into memory of so many percent of the bodies.
+    /// Dispatch options that copy sections into memory of this percentage of the bodies.
     fn copying(&self, way: Way) -> Way {
         let cache = Cache::Fixed(self.model_bytes * BUDGET_PERCENT / 100);
         Way { transfer: TransferMode::Copy, cache, ..way }
     }
 
-    /// The same as real workers get their jobs.
+    /// Dispatch options for real workers.
     fn handed(&self, way: Way) -> Way {
         let linger_ns = 1_000 * self.plan.dispatch_options.linger_us;
         let queues = Queues { linger_ns, ..way.queues };
         Way { queues, transfer: self.plan.dispatch_options.transfer, cache: self.cache, ..way }
     }
 
-    /// Every scheme at one depth with two workers, and one alone.
+    /// Measures every scheme at one depth with two workers, and one scheme with one worker.
     fn measure_depth(&mut self, depth: u32) -> Result<(), Failure> {
         let plan = self.plan;
         for &scheme in &plan.schemes {
@@ -212,8 +212,7 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// Every scheme at one depth on four virtual cores, and what is predicted of one worker and
-    /// two.
+    /// Simulates every scheme at one depth on four virtual cores, and predicts one and two workers.
     fn simulate_depth(&mut self, depth: u32, alone: &Alone) {
         let plan = self.plan;
         for &scheme in &plan.schemes {
@@ -254,7 +253,7 @@ impl Sweep<'_> {
         for row in self.rows.iter_mut().filter(|row| row.mode == Mode::Measured) {
             row.speed_up = row.time_ms.map(|ms| alone_ms / ms);
         }
-        // Passes have put the quickest runs last.
+        // The passes have put the fastest runs last.
         self.rows.sort_by_key(|row| (row.workers, row.queue, row.depth));
         self.shares.sort_by_key(|shares| (shares.workers, shares.depth));
         for shares in &mut self.shares {
@@ -263,7 +262,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Best Match-Load with every buffer at its best depth.
+    /// Measures Best Match-Load with every buffer at its best depth.
     fn buffers(&mut self, alone: &[(u32, Alone)]) -> Result<(), Failure> {
         let scheme = Scheme::BestMatchLoad;
         let best = self.rows.iter().filter(|row| {
@@ -294,11 +293,11 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// A run by real workers. Of several passes the quickest stays in the table.
+    /// A run by real workers. Of several passes the fastest stays in the table.
     fn measure(&mut self, way: Way) -> Result<(), Failure> {
         let ran = match self.bench.run(&way)? {
             Ok(ran) => ran,
-            // Whether a run thrashes does not depend on time: it is the same in every pass.
+            // Whether a run thrashes does not depend on time, so every pass agrees.
             Err(_) if self.rows.iter().any(|row| is_of(row, &way) && row.thrashed.is_some()) => {
                 return Ok(());
             }
@@ -313,7 +312,7 @@ impl Sweep<'_> {
         let sum = |of: fn(&coordinator::WorkerReport) -> u64| report.workers.iter().map(of).sum();
         let moved = report.transfer;
         let run_ns = duty.run_ns as f64;
-        // Where copying is measured beside, that is not where the time usually goes.
+        // Runs that copy in addition do not show where the time usually goes.
         let is_usual = way.queues.capacity == QUEUES.capacity
             && way.scheme == Scheme::BestMatchLoad
             && way.transfer == self.plan.dispatch_options.transfer;
@@ -397,7 +396,7 @@ impl Sweep<'_> {
         });
     }
 
-    /// A run that ended because a section did not fit: a reason, and no figure.
+    /// A run that ended because a section did not fit: a reason without figures.
     fn lost(&self, mode: Mode, way: &Way, thrash: &Thrash) -> Row {
         let why = format!(
             "worker {} held {} of {} bytes and needed {} more",
@@ -406,7 +405,7 @@ impl Sweep<'_> {
         Row { thrashed: Some(why), ..self.row(mode, way) }
     }
 
-    /// A row of which no figure is known yet.
+    /// A row without figures.
     fn row(&self, mode: Mode, way: &Way) -> Row {
         Row {
             pair: self.bench.pair.name.clone(),
@@ -432,7 +431,7 @@ impl Sweep<'_> {
     }
 }
 
-/// Whether a row is of this way of working with real workers.
+/// Whether a row is of a real run with these options.
 fn is_of(row: &Row, way: &Way) -> bool {
     (row.mode, row.transfer, row.scheme) == (Mode::Measured, way.transfer, way.scheme)
         && (row.depth, row.workers, row.queue) == (way.depth, way.workers, way.queues.capacity)

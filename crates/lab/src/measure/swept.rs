@@ -1,27 +1,27 @@
-//! What a sweep over one pair found, field by field as the written document has it.
+//! Results of a sweep over one pair, with the fields of the written document.
 //!
-//! A measured time is the quickest of its repeats unless it is called a median. What follows from
-//! these figures is not judged here: see `claims`.
+//! A measured time is the fastest of its repeats unless it is called a median. Conclusions are
+//! drawn in `claims`.
 
 use super::row::Row;
 use dispatch::LogEntry;
 use serde::Serialize;
 use simulate::Costs;
 
-/// A prediction beside what it predicts.
+/// A prediction and the measured value.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Check {
     pub(crate) workers: u8,
     pub(crate) depth: u32,
     pub(crate) predicted_ms: f64,
     pub(crate) measured_ms: f64,
-    /// Each over the in-process kernel of its kind.
+    /// Speed-ups, each over the in-process kernel of its kind.
     pub(crate) predicted_speed_up: f64,
     pub(crate) measured_speed_up: f64,
 }
 
 impl Check {
-    /// How far the predicted speed-up is off: 0.1 is 10 %.
+    /// Relative error of the predicted speed-up: 0.1 is 10 %.
     pub(crate) fn error(&self) -> f64 {
         self.predicted_speed_up / self.measured_speed_up - 1.0
     }
@@ -47,7 +47,7 @@ pub(crate) struct Shares {
     pub(crate) take_ms: f64,
 }
 
-/// What is known of one pair.
+/// Results of one pair.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Swept {
     pub(crate) pair: String,
@@ -61,15 +61,15 @@ pub(crate) struct Swept {
     /// Median of its repeats (ms).
     pub(crate) alone_median_ms: f64,
     pub(crate) alone_depth: u32,
-    /// Threads of one process that share each pose, and what they take (ms).
+    /// Number of threads of one process that share each pose, and their time (ms).
     pub(crate) threads: usize,
     pub(crate) threads_ms: f64,
-    /// The same by the cost model (ms).
+    /// The in-process kernel by the cost model (ms).
     pub(crate) alone_predicted_ms: f64,
     pub(crate) checks: Vec<Check>,
     pub(crate) shares: Vec<Shares>,
     pub(crate) rows: Vec<Row>,
-    /// Who got which job of the last measured run, if that was written down.
+    /// Job log of the last measured run, if it was kept.
     #[serde(skip)]
     pub(crate) log: Vec<LogEntry>,
 }

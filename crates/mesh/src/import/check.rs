@@ -1,11 +1,11 @@
-//! What every imported mesh goes through after its reader: selection, duplicates, area, size.
+//! Steps for every imported mesh after its reader: selection, duplicates, area, size.
 
 use super::collect::Part;
 use super::{LengthUnit, MeshDefect};
 use body::{BodyKind, Mesh};
 use geometry::Corners;
 
-/// Keeps the triangles of the parts that have one of the names; all if no name is given.
+/// Keeps the triangles of the parts with one of the names; all if no name is given.
 pub(super) fn select(mesh: &mut Mesh, parts: &[Part], only: &[String]) -> Result<(), MeshDefect> {
     if only.is_empty() {
         return Ok(());
@@ -49,7 +49,7 @@ fn retain(mesh: &mut Mesh, keep: impl Fn(usize, &Mesh) -> bool) {
     mesh.part_of = kept.iter().map(|at| mesh.part_of[*at]).collect();
 }
 
-/// Drops part names that no triangle has any more, so that `parts` is what the body consists of.
+/// Removes part names without triangles, so that `parts` lists what the body consists of.
 pub(super) fn compact_parts(mesh: &mut Mesh) {
     let mut used = vec![false; mesh.parts.len()];
     for part in &mesh.part_of {
@@ -68,12 +68,12 @@ pub(super) fn compact_parts(mesh: &mut Mesh) {
     mesh.parts.retain(|_| used.next().unwrap_or(false));
 }
 
-/// Drops triangles that have the same three positions as an earlier one, in any order, and notes
+/// Drops triangles that have the same three positions as an earlier one, in any order, and records
 /// them: a contact must not count twice. −0 and +0 are one position.
 pub(super) fn drop_duplicates(mesh: &mut Mesh) {
     let mut order: Vec<u32> = (0..mesh.corners.len() as u32).collect();
     let keys: Vec<[[u32; 3]; 3]> = mesh.corners.iter().map(key).collect();
-    // Equal keys stand together, the earliest first.
+    // Equal keys are adjacent, the earliest first.
     order.sort_unstable_by_key(|at| (keys[*at as usize], *at));
     let mut duplicate = vec![false; mesh.corners.len()];
     let mut dropped = Vec::new();
@@ -90,14 +90,14 @@ pub(super) fn drop_duplicates(mesh: &mut Mesh) {
 }
 
 fn key(corners: &Corners) -> [[u32; 3]; 3] {
-    // Adding +0 turns −0 into +0 and leaves all else alone.
+    // Adding +0 turns −0 into +0 and leaves everything else unchanged.
     let mut key = corners.map(|corner| corner.map(|x| (x + 0.0).to_bits()));
     key.sort_unstable();
     key
 }
 
-/// Least and greatest plausible value of the greatest extent, and the range that is usual, in
-/// metres. The outer limits are wide, so that they catch a wrong unit and nothing else.
+/// The least and greatest plausible value of the greatest extent, and the usual range, in metres.
+/// The outer limits are wide, so that they catch only wrong units.
 fn limits(kind: Option<BodyKind>) -> ([f64; 2], [f64; 2]) {
     match kind {
         None => ([0.05, 500.0], [0.5, 20.0]),
@@ -112,7 +112,7 @@ fn limits(kind: Option<BodyKind>) -> ([f64; 2], [f64; 2]) {
     }
 }
 
-/// Refuses a body that no body of its kind is as small or as large as.
+/// Rejects a body whose size is implausible for its kind.
 pub(super) fn check_size(
     size: [f64; 3],
     kind: Option<BodyKind>,

@@ -1,12 +1,12 @@
-//! COLLADA 1.4 and 1.5 (Barnes, Finch: COLLADA Digital Asset Schema Release 1.4.1, 2008), by an own
-//! reader over `roxmltree`.
+//! COLLADA 1.4 and 1.5 (Barnes, Finch: COLLADA Digital Asset Schema Release 1.4.1, 2008), by a
+//! custom reader based on `roxmltree`.
 //!
-//! Read are the visual scene's nodes with their matrices, translations, rotations and scales,
+//! Supported are the visual scene's nodes with their matrices, translations, rotations and scales,
 //! instanced nodes and geometries, and in a mesh triangles, polylists, polygons without holes,
-//! strips and fans. Materials are parts. Unit and up axis are those that the file states, unless
-//! the user states others. Lights, cameras and lines have no surface; skins, splines and all else
-//! that would have one are refused by name. Transforms are products in f64, translations included
-//! in what the unit scales.
+//! strips and fans. Materials are parts. Unit and up axis are taken from the file, unless the user
+//! overrides them. Lights, cameras and lines have no surface; skins, splines and everything else
+//! that would have one are rejected by name. Transforms are products in f64, and the unit also
+//! scales translations.
 
 use super::collect::Collector;
 use super::{Axis, FilePosition, ImportError, LengthUnit, MeshDefect};
@@ -19,11 +19,11 @@ mod place;
 
 use place::Matrix;
 
-/// Nodes of the XML tree, at most: 72 bytes each.
+/// Maximum number of nodes of the XML tree: 72 bytes each.
 const XML_NODES_MAX: u32 = 8_000_000;
-/// Greatest depth of scene nodes.
+/// Maximum depth of scene nodes.
 const DEPTH_MAX: usize = 256;
-/// Scene nodes that are visited, at most: instanced nodes can multiply.
+/// Maximum number of visited scene nodes: instanced nodes can multiply.
 const VISITS_MAX: usize = 1_000_000;
 
 /// A parsed file.
@@ -31,7 +31,7 @@ pub(super) struct Collada<'t> {
     document: Document<'t>,
 }
 
-/// What a file says of its unit and axes.
+/// The unit and axes stated in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Asset {
     pub(super) unit: LengthUnit,
@@ -65,7 +65,7 @@ pub(super) fn parse<'t>(file: &str, bytes: &'t [u8]) -> Result<Collada<'t>, Impo
 }
 
 impl Collada<'_> {
-    /// Unit and up axis; a metre and y up where the file says nothing, as the specification has it.
+    /// Unit and up axis; by default a metre and y up, as in the specification.
     pub(super) fn asset(&self, file: &str) -> Result<Asset, ImportError> {
         let root = self.document.root_element();
         let asset = child(root, "asset");
@@ -73,7 +73,7 @@ impl Collada<'_> {
             Some(unit) => {
                 let text = unit.attribute("meter").unwrap_or("1.0");
                 text.trim().parse().map_err(|_error| {
-                    let fault = format!("<unit meter={text:?}> is no length");
+                    let fault = format!("<unit meter={text:?}> is not a length");
                     ImportError::new(file, line(unit), MeshDefect::Syntax(fault))
                 })?
             }
@@ -95,7 +95,7 @@ impl Collada<'_> {
     }
 }
 
-/// The first child element of this name.
+/// The first child element with this name.
 fn child<'d>(node: Node<'d, 'd>, name: &str) -> Option<Node<'d, 'd>> {
     children(node).find(|child| child.tag_name().name() == name)
 }
@@ -111,7 +111,7 @@ fn named<'d, 'n>(
     children(node).filter(move |child| child.tag_name().name() == name)
 }
 
-/// All text of an element; comments may cut it.
+/// All text of an element, which comments may split.
 fn text<'d>(node: Node<'d, 'd>) -> Cow<'d, str> {
     let mut parts = node.children().filter(Node::is_text).filter_map(|part| part.text());
     let first = parts.next().unwrap_or_default();
@@ -125,7 +125,7 @@ fn line(node: Node<'_, '_>) -> FilePosition {
     FilePosition::Line(node.document().text_pos_at(node.range().start).row as usize)
 }
 
-/// What can be referred to by id.
+/// Elements that can be referenced by id.
 struct Library<'d> {
     by_id: BTreeMap<&'d str, Node<'d, 'd>>,
 }
@@ -140,7 +140,7 @@ impl<'d> Library<'d> {
         Self { by_id: known.filter_map(|node| Some((node.attribute("id")?, node))).collect() }
     }
 
-    /// The element of this kind that an attribute like `url="#id"` of a node names.
+    /// The element of this kind that an attribute like `url="#id"` of a node references.
     fn find(
         &self,
         node: Node<'d, 'd>,
@@ -163,12 +163,12 @@ impl<'d> Library<'d> {
     }
 }
 
-/// A node that waits to be visited.
+/// A node to be visited.
 struct Step<'d> {
     node: Node<'d, 'd>,
-    /// Of its parent.
+    /// The transform of its parent.
     matrix: Matrix,
-    /// Of its ancestors.
+    /// The names of its ancestors.
     names: Vec<&'d str>,
     depth: usize,
 }
@@ -226,7 +226,7 @@ pub(super) fn read(file: &Collada<'_>, into: &mut Collector<'_>) -> Result<(), I
     Ok(())
 }
 
-/// The scene that the file shows, else its first.
+/// The scene that the file instantiates, else its first.
 fn scene<'d>(
     root: Node<'d, 'd>,
     library: &Library<'d>,

@@ -1,4 +1,4 @@
-//! Where every reader puts its triangles: into the body frame, checked, counted, tagged with a
+//! The triangles from every reader: converted to the body frame, checked, counted, tagged with a
 //! part.
 
 use super::{FilePosition, Frame, ImportError, MeshDefect, polygon};
@@ -6,13 +6,13 @@ use body::file::COORDINATE_MAX_M;
 use geometry::Corners;
 use std::collections::BTreeMap;
 
-/// Greatest number of triangles of one file.
+/// Maximum number of triangles of one file.
 pub const TRIANGLES_MAX: usize = 4_000_000;
 
-/// Greatest number of parts of one file: `Mesh::part_of` is 16 bits wide.
+/// Maximum number of parts of one file: `Mesh::part_of` is 16 bits wide.
 const PARTS_MAX: usize = 1 << 16;
 
-/// Greatest length of a part's name, in characters; longer ones are cut.
+/// Maximum length of a part's name, in characters; longer ones are truncated.
 const NAME_MAX: usize = 80;
 
 /// A named part of a file, and the other names that select it.
@@ -23,7 +23,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Whether a name that the user gave means this part.
+    /// Whether a name given by the user selects this part.
     pub(super) fn is_named(&self, name: &str) -> bool {
         self.name == name || self.aliases.iter().any(|alias| alias == name)
     }
@@ -38,9 +38,9 @@ pub(super) struct Collector<'a> {
     pub(super) parts: Vec<Part>,
     numbers: BTreeMap<(String, Vec<String>), u16>,
     triangulator: polygon::Triangulator,
-    /// What was seen and left out, in words, for people.
+    /// What was noticed and skipped, as text for the user.
     pub(super) notes: Vec<String>,
-    /// Over the file and its side files.
+    /// The hash of the file and its side files.
     pub(super) hasher: blake3::Hasher,
 }
 
@@ -59,12 +59,12 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// An error in this file.
+    /// Creates an error in this file.
     pub(super) fn fail(&self, place: FilePosition, fault: MeshDefect) -> ImportError {
         ImportError::new(self.file, place, fault)
     }
 
-    /// The number of the part with this name and these aliases; a new one if there is none.
+    /// The index of the part with this name and these aliases; added if there is none.
     pub(super) fn part(&mut self, name: &str, aliases: Vec<String>) -> Result<u16, ImportError> {
         let name = if name.is_empty() { "unnamed" } else { name };
         let name: String = name.chars().take(NAME_MAX).collect();
@@ -82,7 +82,7 @@ impl<'a> Collector<'a> {
         Ok(number)
     }
 
-    /// A point of the file as it will be stored.
+    /// Converts a point of the file to its stored form.
     pub(super) fn point(
         &self,
         point: [f64; 3],
@@ -122,7 +122,7 @@ impl<'a> Collector<'a> {
             return self.triangle([*a, *b, *c], part);
         }
         if points.len() < 3 {
-            let fault = format!("a face with {} corners is no surface", points.len());
+            let fault = format!("a face with {} corners is not a surface", points.len());
             return Err(self.fail(place(), MeshDefect::Syntax(fault)));
         }
         if points.len() > polygon::CORNERS_MAX {

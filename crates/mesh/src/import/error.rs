@@ -1,24 +1,24 @@
-//! Why a mesh was refused: which file, where in it, what is wrong, what to do.
+//! Why a mesh was rejected: the file, the place in it, the problem, the remedy.
 
 use super::Format;
 use core::fmt;
 use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 
-/// A mesh was refused. Displays as one sentence, `file: place: fault`; [`Diagnostic::remedy`]
-/// says what to do.
+/// A mesh was rejected. Displays as one sentence, `file: place: fault`; [`Diagnostic::remedy`]
+/// gives the remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}: {place}{fault}")]
 pub struct ImportError {
     /// Name of the file, as the caller gave it.
     pub file: String,
-    /// Where in the file.
+    /// The place in the file.
     pub place: FilePosition,
-    /// What is wrong.
+    /// The problem.
     pub fault: MeshDefect,
 }
 
-/// Where in a file a fault is.
+/// The place of a fault in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FilePosition {
     /// The file as a whole.
@@ -40,19 +40,19 @@ impl fmt::Display for FilePosition {
     }
 }
 
-/// What is wrong with a mesh.
+/// The problem with a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshDefect {
-    /// The name's extension is none that can be imported.
+    /// The extension is not that of a supported format.
     #[error("{what} cannot be imported")]
     Unsupported {
-        /// What the file is, as far as can be told.
+        /// What the file is, as far as it can be determined.
         what: String,
     },
-    /// The content is of another format than the extension says.
+    /// The content is of another format than the extension indicates.
     #[error("named {named}, but its content looks like {looks}")]
     Misnamed {
-        /// Format that the extension names.
+        /// Format of the extension.
         named: Format,
         /// What the content looks like.
         looks: String,
@@ -60,10 +60,10 @@ pub enum MeshDefect {
     /// The file breaks the rules of its format.
     #[error("{0}")]
     Syntax(String),
-    /// The file uses a part of its format that is not read.
+    /// The file uses an unsupported feature of its format.
     #[error("{0} is not supported")]
     Feature(String),
-    /// The file ends too early or claims more than it has.
+    /// The file ends too early, or claims more than it contains.
     #[error("{0}")]
     Truncated(String),
     /// A coordinate is not finite.
@@ -80,70 +80,72 @@ pub enum MeshDefect {
         /// The limit in metres.
         max: f64,
     },
-    /// A face names a vertex that does not exist.
+    /// A face refers to a vertex that does not exist.
     #[error("index {index} is out of range: {range}")]
     Index {
         /// The index as written.
         index: i64,
-        /// What would be in range.
+        /// The valid range.
         range: String,
     },
     /// The file holds no triangle.
     #[error("no triangle{0}")]
     Empty(String),
-    /// A limit on counts or sizes.
+    /// A limit on counts or sizes is exceeded.
     #[error("{what}: {count} is above the limit of {max}")]
     TooMany {
         /// What is counted.
         what: &'static str,
-        /// How many.
+        /// The count.
         count: u64,
-        /// How many at most.
+        /// The limit.
         max: u64,
     },
-    /// A side file cannot be had.
+    /// A side file is not available.
     #[error("side file \"{name}\": {reason}")]
     SideFile {
         /// Name as written.
         name: String,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
-    /// A node's transform flattens what is below it.
+    /// A node's transform flattens everything below it.
     #[error("transform is singular (determinant {0}): it flattens the body")]
     Singular(f64),
-    /// No part has a name that was asked for.
+    /// No part has a requested name.
     #[error("no part is named {asked}; the names are {names}")]
     NoSuchPart {
-        /// The name that was asked for, quoted.
+        /// The requested name, quoted.
         asked: String,
-        /// The names that there are, quoted.
+        /// The existing names, quoted.
         names: String,
     },
-    /// The format states no unit, and nobody else did.
+    /// The format states no unit, and none was given.
     #[error("an LS-DYNA deck states no unit")]
     NoUnit,
     /// The options contradict each other.
     #[error("{0}")]
     Options(String),
-    /// The body is too small or too large to be what it is said to be.
-    #[error("{size} is no plausible {kind}: its greatest length should be {least} to {greatest} m")]
+    /// The size is implausible for the kind of body.
+    #[error(
+        "{size} is not a plausible {kind}: its greatest length should be {least} to {greatest} m"
+    )]
     Size {
         /// Size in words, metres.
         size: String,
-        /// What it should be.
+        /// The expected kind.
         kind: String,
-        /// Least plausible greatest length in metres.
+        /// Least plausible value of the greatest length, in metres.
         least: f64,
-        /// Greatest plausible greatest length in metres.
+        /// Greatest plausible value of the greatest length, in metres.
         greatest: f64,
-        /// The unit that would make it plausible, if there is one.
+        /// The unit that would make it plausible, if any.
         unit: Option<&'static str>,
     },
 }
 
 impl ImportError {
-    /// A fault at a place.
+    /// Creates an error at a place.
     #[must_use]
     pub fn new(file: &str, place: FilePosition, fault: MeshDefect) -> Self {
         Self { file: file.to_owned(), place, fault }

@@ -1,4 +1,4 @@
-//! Which format a file has: by its name, checked against its content.
+//! The format of a file: determined by its name, checked against its content.
 
 use super::{FilePosition, ImportError, MeshDefect};
 use core::fmt;
@@ -33,7 +33,7 @@ impl Format {
     pub const ALL: [Self; 7] =
         [Self::Obj, Self::Stl, Self::Ply, Self::Gltf, Self::Glb, Self::Collada, Self::LsDyna];
 
-    /// Name for people.
+    /// Human-readable name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -47,7 +47,7 @@ impl Format {
         }
     }
 
-    /// Usual extension, lower case, without the dot.
+    /// The usual extension, lower case, without the dot.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -61,17 +61,17 @@ impl Format {
         }
     }
 
-    /// Whether files of this format may end so.
+    /// Whether files of this format may have this extension.
     fn ends(self, extension: &str) -> bool {
         extension == self.extension()
             || (self == Self::LsDyna && ["key", "dyn", "dyna"].contains(&extension))
     }
 
-    /// The format that a file's name says and its content does not contradict.
+    /// The format given by a file's name, unless its content contradicts it.
     ///
     /// # Errors
     ///
-    /// If the extension is unknown, or the content is plainly something else.
+    /// The extension is unknown, or the content is clearly something else.
     pub fn detect(file: &str, bytes: &[u8]) -> Result<Self, ImportError> {
         let refuse = |fault| Err(ImportError::new(file, FilePosition::Whole, fault));
         let looks = look(bytes);
@@ -96,10 +96,10 @@ impl Format {
     }
 }
 
-/// How much of a text is looked at.
+/// Number of bytes of a text that are examined.
 const LOOK_MAX: usize = 64 << 10;
 
-/// What the content is, where it says so plainly: a format's name, or words.
+/// What the content is, if that is certain: the name of a format, or a description.
 fn look(bytes: &[u8]) -> Option<&'static str> {
     const SIGNS: [(&[u8], &str); 9] = [
         (b"glTF", "GLB"),
@@ -154,13 +154,13 @@ fn is_obj_vertex(line: &str) -> bool {
     words.next() == Some("v") && words.next().is_some_and(|word| word.parse::<f64>().is_ok())
 }
 
-/// Whether the length is that of a binary STL with as many triangles as it states. Some begin with
+/// Whether the length is that of a binary STL with the stated number of triangles. Some begin with
 /// "solid" like the ASCII form, so the length decides.
 pub(super) fn is_binary_stl(bytes: &[u8]) -> bool {
     stated_triangles(bytes).is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
-/// The count that a binary STL states.
+/// The number of triangles stated by a binary STL.
 pub(super) fn stated_triangles(bytes: &[u8]) -> Option<u32> {
     let count: [u8; 4] = bytes.get(80..84)?.try_into().ok()?;
     Some(u32::from_le_bytes(count))

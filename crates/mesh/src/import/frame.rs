@@ -14,7 +14,7 @@ impl LengthUnit {
     /// Metres.
     pub const METRE: Self = Self { metres: 1.0 };
 
-    /// Names that [`LengthUnit::from_str`] knows beside numbers, with their lengths in metres.
+    /// Names accepted by [`LengthUnit::from_str`] besides numbers, with their lengths in metres.
     pub const NAMED: [(&'static str, f64); 5] =
         [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("inch", 0.0254)];
 
@@ -40,9 +40,9 @@ impl fmt::Display for LengthUnit {
     }
 }
 
-/// A text that is no [`LengthUnit`].
+/// The text is not a [`LengthUnit`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{0}\" is no unit: one of m, dm, cm, mm, inch, or a factor to metres above 0")]
+#[error("\"{0}\" is not a unit: one of m, dm, cm, mm, inch, or a factor to metres above 0")]
 pub struct UnknownUnit(pub String);
 
 impl Diagnostic for UnknownUnit {
@@ -102,9 +102,9 @@ impl fmt::Display for Axis {
     }
 }
 
-/// A text that is no [`Axis`].
+/// The text is not an [`Axis`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{0}\" is no axis: one of +x, -x, +y, -y, +z, -z")]
+#[error("\"{0}\" is not an axis: one of +x, -x, +y, -y, +z, -z")]
 pub struct UnknownAxis(pub String);
 
 impl Diagnostic for UnknownAxis {
@@ -116,7 +116,7 @@ impl Diagnostic for UnknownAxis {
 impl FromStr for Axis {
     type Err = UnknownAxis;
 
-    /// The plus sign may be left out; case does not matter.
+    /// The plus sign is optional; case does not matter.
     fn from_str(text: &str) -> Result<Self, UnknownAxis> {
         let lower = text.to_ascii_lowercase();
         let (negative, name) = match lower.strip_prefix('-') {
@@ -128,7 +128,7 @@ impl FromStr for Axis {
     }
 }
 
-/// The way from a file's coordinates to the body frame: a signed permutation and a factor.
+/// The transform from a file's coordinates to the body frame: a signed permutation and a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Unit of the file.
@@ -141,12 +141,12 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame; axes that were not stated are the format's: y up and +z forward for glTF (its
+    /// Creates a frame; axes that are not given are the format's: y up and +z forward for glTF (its
     /// specification, section 3.4), z up and +x forward for the others, which have no rule.
     ///
     /// # Errors
     ///
-    /// If up and forward are parallel.
+    /// Up and forward are parallel.
     pub fn new(
         format: Format,
         unit: LengthUnit,
@@ -171,7 +171,7 @@ impl Frame {
         Ok(Self { unit, up, forward, left })
     }
 
-    /// A point of the file in the body frame, in metres, before rounding to f32.
+    /// Converts a point of the file to the body frame, in metres, before rounding to f32.
     #[must_use]
     pub fn point(&self, point: [f64; 3]) -> [f64; 3] {
         [self.forward, self.left, self.up].map(|axis| axis.component(point) * self.unit.metres)

@@ -1,10 +1,10 @@
 //! glTF 2.0, as JSON with side files or as one GLB file.
 //!
 //! Crate `gltf` parses the container and the JSON; its own validation panics on hostile files and
-//! passes indices out of range, so it is not run. Every number that is used here is checked here:
-//! each index, each view's range, each accessor's type, the depth of the hierarchy, and that no
-//! node is visited twice. Node transforms are applied in f64. Skins, morph targets and animations
-//! are not: the mesh is taken as it lies.
+//! accepts out-of-range indices, so it is not used. Every number used here is checked here: each
+//! index, each view's range, each accessor's type, the depth of the hierarchy, and that no node is
+//! visited twice. Node transforms are applied in f64. Skins, morph targets and animations are not
+//! applied: the mesh is taken as stored.
 
 mod accessor;
 mod buffers;
@@ -16,10 +16,10 @@ use accessor::Source;
 use json::mesh::{Mode, Primitive, Semantic};
 use json::validation::Checked;
 
-/// Greatest depth of the node hierarchy.
+/// Maximum depth of the node hierarchy.
 const DEPTH_MAX: usize = 256;
 
-/// A column-major 4 × 4 matrix, as glTF has them.
+/// A column-major 4 × 4 matrix, as in glTF.
 type Matrix = [[f64; 4]; 4];
 
 const IDENTITY: Matrix =
@@ -35,7 +35,7 @@ pub(super) fn read(
     let buffers = buffers::load(&root, blob, resolve, into)?;
     let source = Source { root: &root, buffers: &buffers };
     let (mut stack, mut visited) = (start(&root, into)?, vec![false; root.nodes.len()]);
-    // Depth first, children in the order in which they stand.
+    // Depth first, children in file order.
     while let Some(step) = stack.pop() {
         let place = || FilePosition::Element(format!("node {}", step.node));
         let Some(node) = root.nodes.get(step.node) else {
@@ -71,17 +71,17 @@ pub(super) fn read(
     Ok(())
 }
 
-/// A node that waits to be visited.
+/// A node to be visited.
 struct Step {
     node: usize,
-    /// Of its parent.
+    /// The transform of its parent.
     matrix: Matrix,
-    /// Of its ancestors.
+    /// The names of its ancestors.
     names: Vec<String>,
     depth: usize,
 }
 
-/// The nodes of the default scene, else of the first one, else all that are nobody's child.
+/// The nodes of the default scene, else of the first one, else all nodes without a parent.
 fn start(root: &json::Root, into: &Collector<'_>) -> Result<Vec<Step>, ImportError> {
     let number = root.scene.map_or(0, |scene| scene.value());
     let mut nodes: Vec<usize> = match root.scenes.get(number) {
@@ -106,7 +106,7 @@ fn start(root: &json::Root, into: &Collector<'_>) -> Result<Vec<Step>, ImportErr
     Ok(nodes.into_iter().map(step).collect())
 }
 
-/// Required extensions that change no position are fine; any other is refused by name.
+/// Required extensions that do not affect positions are accepted; any other is rejected by name.
 fn check_extensions(root: &json::Root, into: &Collector<'_>) -> Result<(), ImportError> {
     const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "KHR_lights_"];
     let bad = root
@@ -227,7 +227,7 @@ fn add_primitive(
                 other => other,
             };
             let point = point.map(f64::from);
-            // Zero times infinity would hide what the file says.
+            // Zero times infinity would hide the content of the file.
             let finite = point.iter().all(|x| x.is_finite());
             into.point(if finite { apply(matrix, point) } else { point }, vertex)
         })

@@ -1,6 +1,6 @@
-//! What a body looks like from its size, and what is doubtful about its unit and axes.
+//! What a body looks like from its size, and doubts about its unit and axes.
 //!
-//! A guess is shown to a person; it decides nothing.
+//! A guess is shown to the user; nothing depends on it.
 
 use super::LengthUnit;
 use super::check::describe;
@@ -13,7 +13,7 @@ pub struct Guess {
     pub size_m: [f64; 3],
     /// "a car", "a person", ...; `None` if it looks like nothing known.
     pub looks_like: Option<&'static str>,
-    /// What may be wrong, in whole sentences; empty if nothing is.
+    /// Possible problems, in whole sentences; empty if there are none.
     pub doubts: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ pub(super) fn shape(size: [f64; 3]) -> Option<&'static str> {
     shape.map(|(name, _)| *name)
 }
 
-/// Guesses what a body is, and says what would make it look like something if it does not.
+/// Guesses what a body is; if it looks like nothing known, suggests what would change that.
 #[must_use]
 pub fn guess(mesh: &Mesh) -> Guess {
     let size = mesh.size_m();
@@ -66,7 +66,7 @@ pub fn guess(mesh: &Mesh) -> Guess {
     Guess { size_m: size, looks_like, doubts }
 }
 
-/// Ranges overlap, so a car on its side still has the size of a car; its proportions tell.
+/// Ranges overlap, so a car on its side still has the size of a car; its proportions differ.
 fn lies_on_its_side(name: &str, [_, width, height]: [f64; 3]) -> Option<&'static str> {
     match name {
         "a car" if height > 1.2 * width => Some("it is taller than wide: check --up"),
@@ -75,7 +75,7 @@ fn lies_on_its_side(name: &str, [_, width, height]: [f64; 3]) -> Option<&'static
     }
 }
 
-/// The first way of turning the axes that makes a known shape.
+/// The first permutation of the axes that gives a known shape.
 fn turned([x, y, z]: [f64; 3]) -> Option<String> {
     let ways = [
         ([y, x, z], "forward is probably the file's other horizontal axis"),
@@ -89,7 +89,7 @@ fn turned([x, y, z]: [f64; 3]) -> Option<String> {
     })
 }
 
-/// Every unit that makes a known shape, as if the file had been read in metres.
+/// Every unit that gives a known shape, assuming the file was read in metres.
 fn scaled(size: [f64; 3]) -> impl Iterator<Item = String> {
     let [_, units @ ..] = LengthUnit::NAMED;
     units.into_iter().filter_map(move |(unit, metres)| {

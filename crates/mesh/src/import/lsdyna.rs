@@ -1,17 +1,17 @@
-//! LS-DYNA keyword decks (LS-DYNA Keyword User's Manual, volume I), by an own reader.
+//! LS-DYNA keyword decks (LS-DYNA Keyword User's Manual, volume I), by a custom reader.
 //!
-//! Read are nodes, shells in fixed columns or with commas, with the lines that their options add,
-//! outer faces of solids and thick shells, names of parts, and included files. What has no surface
-//! (beams, springs, masses) is counted and named; elements that would have one and are not known
-//! are refused with their line. A deck states no unit: the user must.
+//! Supported are nodes, shells in fixed columns or with commas, with the lines that their options
+//! add, outer faces of solids and thick shells, names of parts, and included files. Elements
+//! without a surface (beams, springs, masses) are counted and named; unknown elements that would
+//! have one are rejected with their line. A deck states no unit: the user must.
 
 use super::collect::Collector;
 use super::{FilePosition, ImportError, MeshDefect, Resolver};
 use std::collections::BTreeMap;
 
-/// Decks that include decks, at most so deep.
+/// Maximum depth of included decks.
 const INCLUDES_MAX: usize = 8;
-/// Bytes of all included decks.
+/// Maximum total size of included decks (bytes).
 const BYTES_MAX: usize = 1 << 30;
 
 /// Elements without a surface.
@@ -34,10 +34,10 @@ const NO_SURFACE: [&str; 12] = [
 const FACES: [[usize; 4]; 6] =
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-/// The four faces of a tetrahedron, outward; a corner stands twice.
+/// The four faces of a tetrahedron, outward; one corner is repeated.
 const TETRAHEDRON: [[usize; 4]; 4] = [[0, 2, 1, 1], [0, 1, 3, 3], [1, 2, 3, 3], [2, 0, 3, 3]];
 
-/// A face or shell: part, corners, where it was written.
+/// A face or shell: part, corners, place in the file.
 struct Face {
     part: u64,
     nodes: Vec<u64>,
@@ -52,20 +52,20 @@ struct Spot {
     element: u64,
 }
 
-/// Everything that was read so far.
+/// Everything read so far.
 #[derive(Default)]
 struct Deck {
     names: Vec<String>,
     nodes: BTreeMap<u64, [f64; 3]>,
     shells: Vec<Face>,
-    /// Faces of solids by their sorted corners, and how many solids have them.
+    /// Faces of solids by their sorted corners, and the number of solids that have them.
     outer: BTreeMap<Vec<u64>, (Face, usize)>,
     parts: BTreeMap<u64, String>,
     skipped: BTreeMap<String, usize>,
     includes: Vec<(String, usize)>,
 }
 
-/// A keyword, its options, and the lines below it that are data.
+/// A keyword, its options, and its data lines.
 struct Block<'t> {
     /// Without the star, upper case.
     keyword: String,
@@ -191,7 +191,7 @@ impl Deck {
                 let text = fields.get(field).copied().unwrap_or_default();
                 *value = match text {
                     "" => 0.0,
-                    text => real(text).ok_or_else(|| wrong(format!("{text:?} is no number")))?,
+                    text => real(text).ok_or_else(|| wrong(format!("{text:?} is not a number")))?,
                 };
             }
             if self.nodes.contains_key(&id) {
@@ -261,7 +261,7 @@ impl Deck {
                 let fault = format!("{} more lines belong to it", 1 + extra - cards.len());
                 return Err(self.fail(place, MeshDefect::Truncated(fault), into));
             }
-            // The first four are corners; those beyond lie in the middle of edges.
+            // The first four are corners; further ones lie in the middle of edges.
             let nodes = distinct(&nodes[..nodes.len().min(4)]);
             if nodes.len() < 3 {
                 let fault = format!("a shell with {} different corners", nodes.len());
@@ -305,7 +305,7 @@ impl Deck {
                 }
             };
             let [_, _, _, d, rest @ ..] = corners;
-            // All but three corners in one: a tetrahedron. Others keep a brick's faces.
+            // If all corners but three coincide, a tetrahedron. Others keep a brick's faces.
             let faces = if rest == [d; 4] { &TETRAHEDRON[..] } else { &FACES[..] };
             for face in faces {
                 let nodes = distinct(&face.map(|corner| corners[corner]));
@@ -334,7 +334,7 @@ impl Deck {
         for field in &fields {
             let place = Spot { deck, line, element: numbers.first().copied().unwrap_or(0) };
             let number = whole(Some(field)).ok_or_else(|| {
-                let fault = MeshDefect::Syntax(format!("{field:?} is no whole number"));
+                let fault = MeshDefect::Syntax(format!("{field:?} is not a whole number"));
                 self.fail(place, fault, into)
             })?;
             numbers.push(number);
@@ -356,7 +356,7 @@ impl Deck {
         deck: usize,
         into: &Collector<'_>,
     ) -> Result<(), ImportError> {
-        // Options add lines of their own: then only the first part is sure.
+        // Options add lines of their own: then only the first part is certain.
         let pairs = if options.is_empty() { usize::MAX } else { 1 };
         for cards in block.cards.chunks(2).take(pairs) {
             let [(_, title), (line, card)] = cards else { continue };
@@ -371,7 +371,7 @@ impl Deck {
         Ok(())
     }
 
-    /// Hands everything on: shells in file order, then outer faces of solids.
+    /// Emits everything: shells in file order, then outer faces of solids.
     fn emit(self, into: &mut Collector<'_>) -> Result<(), ImportError> {
         for (what, lines) in &self.skipped {
             into.notes.push(format!("{lines} lines of {what} left out: they have no surface"));
@@ -402,11 +402,11 @@ impl Deck {
                     let range = "the deck has no node with this number".to_owned();
                     return Err(self.fail(face.place, MeshDefect::Index { index, range }, into));
                 };
-                let at = || FilePosition::Element(format!("node {node}"));
-                points.push(into.point(*point, at)?);
+                let position = || FilePosition::Element(format!("node {node}"));
+                points.push(into.point(*point, position)?);
             }
-            let at = || FilePosition::Line(face.place.line);
-            into.polygon(&points, part, at)?;
+            let position = || FilePosition::Line(face.place.line);
+            into.polygon(&points, part, position)?;
         }
         Ok(())
     }
@@ -432,11 +432,11 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
         }
         if let Some(keyword) = line.strip_prefix('*') {
             let keyword = keyword.trim().to_ascii_uppercase();
-            // `*KEYWORD LONG=Y`: what follows a blank is an option, too.
+            // `*KEYWORD LONG=Y`: what follows a blank is also an option.
             let keyword = keyword.split_whitespace().collect::<Vec<_>>().join("_");
             blocks.push(Block { keyword, line: number, cards: Vec::new() });
         } else if let Some(block) = blocks.last_mut() {
-            // A title may be blank, and is data all the same.
+            // A title may be blank, but is data.
             if !line.trim().is_empty() || block.keyword.starts_with("PART") {
                 block.cards.push((number, line));
             }
@@ -445,8 +445,8 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
     blocks
 }
 
-/// The fields of a card: between commas, else in columns of these widths; trailing ones that are
-/// empty left out.
+/// The fields of a card: between commas, else in columns of these widths, without trailing empty
+/// ones.
 fn fields<'t>(card: &'t str, widths: &[usize]) -> Vec<&'t str> {
     let mut fields: Vec<&str> = if card.contains(',') {
         card.split(',').take(widths.len()).map(str::trim).collect()
@@ -456,7 +456,7 @@ fn fields<'t>(card: &'t str, widths: &[usize]) -> Vec<&'t str> {
             .iter()
             .map(|width| {
                 let end = (at + width).min(card.len());
-                // Columns are bytes; a letter across a border belongs to no number.
+                // Columns are bytes; a character across a column boundary is not part of a number.
                 let field = card.get(at.min(card.len())..end).unwrap_or("?");
                 at += width;
                 field.trim()
@@ -469,7 +469,7 @@ fn fields<'t>(card: &'t str, widths: &[usize]) -> Vec<&'t str> {
     fields
 }
 
-/// A whole number; an empty field is zero.
+/// An integer; an empty field is zero.
 fn whole(field: Option<&&str>) -> Option<u64> {
     match field {
         None => None,

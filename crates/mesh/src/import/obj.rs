@@ -1,9 +1,9 @@
 //! Wavefront OBJ: a scan for names, lines and faults, then crate `tobj` for the values.
 //!
 //! `tobj` reports no line, starts a new model at every `o` or `g`, forgets materials whose library
-//! it has not seen, and overflows on bad texture indices. So the scan walks the lines first: it
-//! keeps group, object and material of each face, refuses what is out of range with its line, and
-//! hands on positions and position indices alone.
+//! it has not seen, and overflows on bad texture indices. So a scan of the lines comes first: it
+//! records group, object and material of each face, rejects what is out of range with its line, and
+//! passes on only positions and position indices.
 
 use super::collect::Collector;
 use super::{FilePosition, ImportError, MeshDefect};
@@ -16,10 +16,10 @@ struct Face {
     part: u16,
 }
 
-/// What the scan found.
+/// The result of the scan.
 #[derive(Default)]
 struct Scan {
-    /// Lines for `tobj`: every `v`, then every `f` with absolute position indices alone.
+    /// Lines for `tobj`: every `v`, then every `f` with only absolute position indices.
     vertex_text: String,
     face_text: String,
     vertex_lines: Vec<usize>,
@@ -37,7 +37,7 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
     if text.contains('\0') {
         return Err(into.fail(
             FilePosition::Whole,
-            MeshDefect::Syntax("it is no text: it has zero bytes".into()),
+            MeshDefect::Syntax("it is not text: it contains zero bytes".into()),
         ));
     }
     let scan = scan(text.trim_start_matches('\u{feff}'), into)?;
@@ -83,7 +83,7 @@ fn lost() -> MeshDefect {
     MeshDefect::Syntax("the reader lost this face".to_owned())
 }
 
-/// The names that are in force at a line.
+/// The names in effect at a line.
 #[derive(Default)]
 struct Names {
     object: String,
@@ -93,8 +93,8 @@ struct Names {
 }
 
 impl Names {
-    /// Group if there is one, else object, then the material if it says something else; any of the
-    /// names, and each word of a group that has several, selects it.
+    /// The group if there is one, else the object, then the material if it differs; any of the
+    /// names, and each word of a group with several, selects the part.
     fn part(&mut self, into: &mut Collector<'_>) -> Result<u16, ImportError> {
         if let Some(part) = self.part {
             return Ok(part);
@@ -214,7 +214,7 @@ impl Scan {
                     self.vertex_text.push(' ');
                     self.vertex_text.push_str(word);
                 }
-                Err(_) => return fail(format!("\"{word}\" is no number")),
+                Err(_) => return fail(format!("\"{word}\" is not a number")),
             }
         }
         if used.len() == 4 && used[3].parse() == Ok(0.0_f32) {
@@ -233,7 +233,7 @@ impl Scan {
         for word in rest.split('#').next().unwrap_or(rest).split_whitespace() {
             let own = word.split('/').next().unwrap_or(word);
             let Ok(index) = own.parse::<i64>() else {
-                return fail(MeshDefect::Syntax(format!("\"{word}\" is no vertex index")));
+                return fail(MeshDefect::Syntax(format!("\"{word}\" is not a vertex index")));
             };
             let so_far = self.vertex_lines.len();
             let absolute = if index < 0 {
@@ -258,7 +258,7 @@ impl Scan {
         self.face_text.push('\n');
         if corners < 3 {
             return fail(MeshDefect::Syntax(format!(
-                "a face with {corners} corners is no surface"
+                "a face with {corners} corners is not a surface"
             )));
         }
         Ok(())

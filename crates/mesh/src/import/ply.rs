@@ -1,8 +1,8 @@
 //! PLY, ASCII and binary, by crate `ply-rs-bw`.
 //!
-//! Header lines that begin with no known word are left out and noted: real files hold them (an
-//! exporter's signature without "comment"). Counts are checked against the bytes before anything is
-//! allocated for them.
+//! Header lines that begin with no known keyword are skipped and noted: real files contain them (an
+//! exporter's signature without "comment"). Counts are checked against the file size before
+//! anything is allocated for them.
 
 use super::collect::{Collector, TRIANGLES_MAX};
 use super::{FilePosition, ImportError, MeshDefect};
@@ -59,14 +59,15 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
     Ok(())
 }
 
-/// Fewer lines than this are a header.
+/// Maximum number of lines of a header.
 const HEADER_LINES_MAX: usize = 10_000;
 
-/// Words that a header line begins with.
+/// Keywords of header lines.
 const WORDS: [&[u8]; 7] =
     [b"ply", b"format", b"comment", b"obj_info", b"element", b"property", b"end_header"];
 
-/// The header without lines that are none, the offset of the data, the numbers of those lines.
+/// Splits off the header: without unknown lines, with the offset of the data and the numbers of
+/// those lines.
 fn split_header(
     bytes: &[u8],
     into: &Collector<'_>,
@@ -112,7 +113,7 @@ fn refuse(fault: &ParseError, left_out: usize, into: &Collector<'_>) -> ImportEr
     let text = fault.to_string();
     let kept: Vec<&str> = text.split_whitespace().take(40).collect();
     let text = kept.join(" ");
-    // The crate's message begins with the line once more.
+    // The crate's message repeats the line at its start.
     let text = match text.split_once(": ") {
         Some((head, rest)) if head.starts_with("Line ") => rest.to_owned(),
         _ => text,
@@ -124,7 +125,7 @@ fn refuse(fault: &ParseError, left_out: usize, into: &Collector<'_>) -> ImportEr
     }
 }
 
-/// Every element takes a byte at least, so counts beyond the file's length are lies.
+/// Every element takes at least one byte, so counts beyond the file's length are wrong.
 fn check_counts(header: &Header, bytes: usize, into: &Collector<'_>) -> Result<(), ImportError> {
     let fail = |fault| Err(into.fail(FilePosition::Whole, fault));
     for name in ["vertex", "face"] {
@@ -212,7 +213,7 @@ impl Vertex {
 
 impl PropertyAccess for Vertex {
     fn new() -> Self {
-        // A coordinate that no property sets must not pass for one.
+        // A coordinate that no property sets must not look valid.
         Self { point: [f64::NAN; 3] }
     }
 
@@ -265,7 +266,7 @@ impl PropertyAccess for Face {
     }
 }
 
-/// An element whose values nobody wants.
+/// An element whose values are not needed.
 struct Skipped;
 
 impl PropertyAccess for Skipped {

@@ -1,19 +1,19 @@
-//! Polygons to triangles, concave ones too.
+//! Triangulates polygons, including concave ones.
 //!
-//! A polygon that one of its corners sees whole is the fan from that corner, the first that does:
-//! so convex faces give the n − 2 triangles, in the order, that every other reader gives. Any
-//! other is cut by ears (crate `earcut`) in the plane of the two axes that it fills most: a
-//! coordinate is dropped, nothing is rotated, so nothing is rounded.
+//! If a polygon is entirely visible from a corner, it becomes the fan from the first such corner:
+//! so convex faces give the same n − 2 triangles, in the same order, as in every other reader. Any
+//! other polygon is cut by ears (crate `earcut`) in the plane of the two axes in which it is
+//! largest: a coordinate is dropped and nothing is rotated, so nothing is rounded.
 
 use earcut::Earcut;
 
-/// Greatest number of corners of one polygon: cutting ears is quadratic at worst.
+/// Maximum number of corners of one polygon: ear cutting is quadratic at worst.
 pub(super) const CORNERS_MAX: usize = 16_384;
 
-/// Polygons with at most so many corners are tried as a fan from each: the trial is quadratic.
+/// Polygons with at most this many corners are tried as a fan from each: the trial is quadratic.
 const HUBS_MAX: usize = 8;
 
-/// Cuts polygons, one after the other, without allocating for each.
+/// Triangulates polygons one after the other, without allocating for each.
 pub(super) struct Triangulator {
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
@@ -26,10 +26,10 @@ impl Triangulator {
         Self { earcut: Earcut::new(), flat: Vec::new(), ears: Vec::new(), triangles: Vec::new() }
     }
 
-    /// Triangles as numbers of corners. At least 3 and at most [`CORNERS_MAX`] corners, all finite.
+    /// Returns triangles as indices of corners. Requires 3 to [`CORNERS_MAX`] corners, all finite.
     ///
-    /// A polygon without area, and one that crosses itself so that ears do not cover it, gives the
-    /// fan from corner 0: nothing that is there is hidden.
+    /// A polygon without area, or one that crosses itself so that ears do not cover it, gives the
+    /// fan from corner 0, so nothing is lost.
     pub(super) fn cut(&mut self, corners: &[[f64; 3]]) -> &[[usize; 3]] {
         self.triangles.clear();
         self.flatten(corners);
@@ -88,8 +88,8 @@ impl Triangulator {
         (p[0] - a[0]) * (q[1] - a[1]) - (p[1] - a[1]) * (q[0] - a[0])
     }
 
-    /// Whether the fan from a corner covers the polygon without overlap: its triangles all turn the
-    /// same way and lie within half a turn round that corner.
+    /// Whether the fan from a corner covers the polygon without overlap: its triangles all have the
+    /// same orientation and lie within half a turn around that corner.
     fn sees_all(&self, hub: usize) -> bool {
         let count = self.flat.len();
         let after = |steps: usize| (hub + steps) % count;

@@ -1,8 +1,7 @@
 //! STL, binary and ASCII, by crate `stl_io`.
 //!
 //! `stl_io` reads the first `solid` of an ASCII file and silently drops the rest. So the text is
-//! split at `solid` lines, whose names are the parts, and whatever stands outside of a solid is
-//! an error.
+//! split at `solid` lines, whose names are the parts, and anything outside a solid is an error.
 
 use super::collect::Collector;
 use super::{FilePosition, ImportError, MeshDefect, format};
@@ -40,7 +39,8 @@ fn binary(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
         return Err(whole(into, MeshDefect::Empty(": it states 0 triangles".to_owned())));
     }
     let part = into.part("", Vec::new())?;
-    // The crate takes a file for ASCII if its header begins so; the count has decided that.
+    // The crate treats a file as ASCII if its header begins like one; the length has already
+    // decided.
     let mut plain = vec![0_u8; 80];
     plain.extend_from_slice(&bytes[80..]);
     let mut source = Cursor::new(plain);

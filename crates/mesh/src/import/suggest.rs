@@ -1,9 +1,9 @@
-//! How a mesh of which nothing is known might be meant: unit and axes that make it look like
-//! something, as offers for a person.
+//! Possible readings of an unknown mesh: units and axes that make it look like something, as
+//! suggestions for the user.
 //!
-//! Every unit is tried with every up axis, the longer of the other two axes forward. Which way
-//! round is told from habits: the cabin of a car lies behind its middle (a pick-up's does not), a
-//! person's toes are ahead of the heels. None of this decides anything.
+//! Every unit is tried with every up axis, with the longer of the other two axes as forward. The
+//! direction follows heuristics: the cabin of a car lies behind its middle (a pick-up's does not),
+//! and a person's toes are ahead of the heels. These are only suggestions.
 
 use super::guess::shape;
 use super::{Format, LengthUnit};
@@ -19,21 +19,21 @@ pub struct Reading {
     pub up: String,
     /// Forward axis of the file, as `--forward` takes it.
     pub forward: String,
-    /// What it would look like.
+    /// What it looks like.
     pub looks_like: &'static str,
-    /// Length, width and height then (m).
+    /// The resulting length, width and height (m).
     pub size_m: [f64; 3],
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Ways to read a mesh whose coordinates are the file's own, likeliest first: usual units and z up
-/// before others, but y up before z where the format says so; at most `most`.
+/// Readings of a mesh in file coordinates, likeliest first: usual units and z up before others, but
+/// y up before z for formats that define it; at most `most`.
 #[must_use]
 pub fn readings(mesh: &Mesh, format: Format, most: usize) -> Vec<Reading> {
     let size = mesh.size_m();
     let mut found = Vec::new();
-    // The up axes outside, the units inside.
+    // Up axes in the outer loop, units in the inner one.
     let ups = if matches!(format, Format::Gltf | Format::Glb) { [1, 2, 0] } else { [2, 1, 0] };
     for up in ups {
         let [a, b] = [0, 1, 2].into_iter().filter(|axis| *axis != up).collect::<Vec<_>>()[..]
@@ -60,7 +60,7 @@ pub fn readings(mesh: &Mesh, format: Format, most: usize) -> Vec<Reading> {
             }
         }
     }
-    // Taller than wide is a car on its side.
+    // If it is taller than wide, it is a car on its side.
     found.sort_by_key(|reading| {
         reading.looks_like == "a car" && reading.size_m[2] > reading.size_m[1]
     });
@@ -92,13 +92,14 @@ fn points_back(mesh: &Mesh, forward: usize, up: usize, looks_like: &str) -> bool
 
 #[cfg(test)]
 mod tests {
-    //! A generated body is recognised however it was written.
+    //! A generated body is recognised in any unit and orientation.
 
     use super::*;
     use body::Shape;
     use shapes::generate;
 
-    /// The first offer for a body written in a unit, with forward and up along axes of the file.
+    /// The first suggestion for a body written in a unit, with forward and up along axes of the
+    /// file.
     fn offered(mesh: &Mesh, per_metre: f32, axes: [(usize, f32); 3]) -> Option<Reading> {
         let mut written = mesh.clone();
         for corner in written.corners.iter_mut().flatten() {

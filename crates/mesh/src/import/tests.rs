@@ -61,7 +61,7 @@ fn a_car_of_4500_metres_is_refused_with_its_size_and_unit() {
     let fault = read(Format::Obj, text.as_bytes(), &mut none, &options).expect_err("long");
     assert_eq!(
         fault.to_string(),
-        "a/b/car.obj: 4500.00 × 1800.00 × 1400.00 m is no plausible sedan: its greatest length \
+        "a/b/car.obj: 4500.00 × 1800.00 × 1400.00 m is not a plausible sedan: its greatest length \
          should be 1 to 30 m"
     );
     assert_eq!(fault.remedy().as_deref(), Some("is its unit mm? then import it with --unit mm"));

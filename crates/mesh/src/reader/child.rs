@@ -1,7 +1,7 @@
-//! Reading a stranger's mesh, in the process that may come to harm.
+//! Reads an untrusted mesh, in the process that may crash.
 //!
-//! It limits itself before it opens anything, opens files for reading only, and speaks to its
-//! parent alone: one [`ChildMessage`] per line on stdout.
+//! It limits itself before it opens anything, opens files for reading only, and communicates only
+//! with its parent: one [`ChildMessage`] per line on stdout.
 
 use super::{ChildMessage, ReadRequest, Report, open};
 use crate::import::{
@@ -21,38 +21,38 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Longest side file, in bytes: it has nine keys.
+/// Maximum length of a side file, in bytes: it has nine keys.
 const SIDE_BYTES_MAX: u64 = 1 << 20;
-/// Least time between two words on progress. Each wakes the parent, which may take the core of a
-/// thread that builds: with two threads on two cores, without it, 4 % of a tree's time.
+/// Minimum time between two progress messages. Each wakes the parent, which may take the core of a
+/// thread that builds: with two threads on two cores, without this limit, 4 % of a tree's time.
 const BETWEEN_WORDS_NS: u64 = 50_000_000;
 
-/// The part of the heap that is placed while the file is read: the first third. The whole of it
+/// The part of the heap whose pages are touched while the file is read: the first third. All of it
 /// made no difference to a tree of 10,000 triangles.
 const PLACED: usize = 3;
 
 /// Fewer triangles are not worth another thread for their zones.
 const SHARE_MIN: usize = 1024;
 
-/// What a panic said, kept for the parent instead of printed.
+/// The message of a panic, kept for the parent instead of printed.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Plays the child, in a process that a parent started for it, and says how that is to end: its
-/// exit code. `request` is what the parent wrote on the command line.
+/// Runs the child, in a process that a parent started for it, and returns its exit code. `request`
+/// is what the parent wrote on the command line.
 ///
-/// Stdout and stderr are the channels to the parent, and limits are those of the whole process: it
-/// can do nothing else afterwards.
+/// Stdout and stderr are the channels to the parent, and limits apply to the whole process: it can
+/// do nothing else afterwards.
 #[must_use]
 pub fn play(request: &str) -> u8 {
     let played = limited(request);
     played.unwrap_or_else(|failure| {
-        // The parent says it again. If it has gone away, nobody is left to tell.
+        // The parent repeats it. If the parent has exited, nobody reads this.
         let _gone = writeln!(io::stderr().lock(), "error: {failure}");
         failure.kind().exit_code()
     })
 }
 
-/// Limits this process, reads, and tells the parent.
+/// Limits this process, reads, and reports to the parent.
 fn limited(request: &str) -> Result<u8, Failure> {
     runtime::process::set_name("trolley-import");
     let request: ReadRequest = serde_json::from_str(request).map_err(|error| {
@@ -85,9 +85,9 @@ fn limited(request: &str) -> Result<u8, Failure> {
     }
 }
 
-/// Zones of every triangle of a mesh, by all threads of the pool that the caller is in. They build
-/// the tree next: so they are awake and have the triangles in their caches, which for 10,000 of
-/// them saves 5 to 9 % of the build.
+/// Zones of every triangle of a mesh, computed by all threads of the caller's pool. These build the
+/// tree next: so they are awake and have the triangles in their caches, which for 10,000 of them
+/// saves 5 to 9 % of the build.
 fn zones_by_all(mesh: &Mesh, kind: BodyKind) -> Vec<Zones> {
     let bounds = mesh.bounds();
     let zones = mesh.corners.par_iter().with_min_len(SHARE_MIN);
@@ -99,7 +99,7 @@ fn say(word: &ChildMessage) -> Result<(), Failure> {
     send(format!("{line}\n").as_bytes())
 }
 
-/// Writes to the parent. One that has gone away is no error.
+/// Writes to the parent. It is not an error if the parent has exited.
 fn send(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
@@ -112,10 +112,10 @@ fn send(bytes: &[u8]) -> Result<(), Failure> {
 }
 
 impl ReadRequest {
-    /// The threads that will build the tree, if they are several. They start now, and while they
-    /// wait for what is read, one of them places memory: started for the build, two of them may
-    /// find themselves on one core, and stay there for a good part of a small tree's time. So may
-    /// one that is woken up: if there is a core for each, each stays on its own.
+    /// Starts the threads that will build the tree, if there are several. They start now, and while
+    /// they wait for the mesh, one of them touches memory: if started for the build, two of them
+    /// may be placed on one core and stay there for a large part of a small tree's time. The same
+    /// can happen on wake-up: so if there is a core for each, each is pinned to its own.
     fn builders(&self, heap: Soon) -> Option<ThreadPool> {
         if self.threads < 2 {
             return None;
@@ -124,7 +124,7 @@ impl ReadRequest {
         let one_each = self.threads == cores.len();
         let pin = move |thread: usize| {
             if one_each {
-                // One that stays where the system puts it builds as well, if later.
+                // An unpinned thread also works, if more slowly.
                 let _pinned = pin_self(cores[thread]);
             }
         };
@@ -135,8 +135,8 @@ impl ReadRequest {
         Some(threads)
     }
 
-    /// The report, the time to build the tree in nanoseconds, and the model file; no bytes for a
-    /// trial.
+    /// Returns the report, the time to build the tree in nanoseconds, and the model file; no bytes
+    /// for a trial.
     fn read(&self, builders: Option<&ThreadPool>) -> Result<(Report, u64, Vec<u8>), Failure> {
         let path = Path::new(&self.file);
         check_length(path)?;
@@ -174,7 +174,7 @@ impl ReadRequest {
             forward: axis(&self.forward)?,
             only: self.only.clone(),
             kind,
-            // A trial may look at a file of which nothing is known yet.
+            // A trial may examine a file of which nothing is known yet.
             any_size: self.as_it_stands || (self.tree.is_none() && kind.is_none()),
             keep_duplicates: self.as_it_stands,
             name: self.name.clone(),
@@ -204,7 +204,7 @@ impl ReadRequest {
             name.clone_into(&mut meta.name);
         }
         let total = mesh.corners.len() as u64;
-        // How many triangles are placed, and when that was last said.
+        // Number of triangles placed, and when it was last reported.
         let placed = Mutex::new((0_u64, now_ns()));
         let progress = |more: u64| {
             let Ok(mut placed) = placed.lock() else { return };
@@ -212,7 +212,7 @@ impl ReadRequest {
             *done += more;
             if now_ns() - *said_ns >= BETWEEN_WORDS_NS {
                 *said_ns = now_ns();
-                // A parent that has gone away takes this process with it.
+                // If the parent exits, this process ends with it.
                 let _told = say(&ChildMessage::Progress { done: *done, total });
             }
         };
@@ -231,7 +231,7 @@ impl ReadRequest {
         Ok((build_ns, bytes))
     }
 
-    /// Where no unit can be stated, no unit is the remedy.
+    /// Without a way to state a unit, a unit is not the remedy.
     fn by_import(&self, error: ImportError) -> Failure {
         let is_too_far = matches!(error.fault, MeshDefect::TooFar { .. });
         let failure = Failure::from(error);
@@ -329,8 +329,8 @@ fn folder(path: &Path) -> PathBuf {
     }
 }
 
-/// A file that a mesh names, from the mesh's folder. Names that lead out are refused before they
-/// come here; links that lead out are refused here.
+/// Reads a file that a mesh names, from the mesh's folder. Names that lead out are rejected before;
+/// links that lead out are rejected here.
 fn side_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(name);
     let real = path.canonicalize().map_err(|error| match error.kind() {

@@ -1,4 +1,4 @@
-//! Opening what a person named: every failure names the file and says what to do.
+//! Opens files given by the user: every failure names the file and the remedy.
 
 use body::file;
 use diagnostic::{Failure, chain};
@@ -10,9 +10,9 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// If there is no such file, or it is none that can be read.
+/// There is no such file, or it cannot be read.
 pub fn bytes(path: &Path) -> Result<FileMap, Failure> {
-    // A folder opens, and only reading it fails: say what it is first.
+    // Opening a folder succeeds and only reading it fails: check first.
     if path.is_dir() {
         let fault = format!("{}: this is a folder, not a file", path.display());
         return Err(Failure::input(fault).with_remedy("name the file in it"));
@@ -29,7 +29,8 @@ pub fn bytes(path: &Path) -> Result<FileMap, Failure> {
     })
 }
 
-/// Room for a model file of so many bytes: in large pages, since a query reads here and there.
+/// Allocates a buffer for a model file of this many bytes: in large pages, since queries access it
+/// randomly.
 #[must_use]
 pub fn room(len: usize) -> file::Aligned {
     let mut room = file::Aligned::zeroed(len);
@@ -37,7 +38,7 @@ pub fn room(len: usize) -> file::Aligned {
     room
 }
 
-/// What to try where a file is missing.
+/// A suggestion for a missing file.
 fn nearby(path: &Path) -> String {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

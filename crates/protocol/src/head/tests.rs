@@ -1,4 +1,4 @@
-//! Laws of the header: what was sealed is accepted, and nothing else is.
+//! Invariants of the header: a sealed message is accepted, and nothing else.
 
 use super::*;
 use proptest::prelude::*;

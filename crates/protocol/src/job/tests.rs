@@ -1,4 +1,4 @@
-//! Laws of the batch: it is read as it was written, and hostile counts are refused.
+//! Invariants of the batch: it survives a round trip, and hostile counts are rejected.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,12 +1,12 @@
-//! The answer of the service, and what its numbers mean.
+//! The answer of the service, and the meaning of its numbers.
 
 use super::{CANDIDATES_MAX, VERSION};
 use bytemuck::{Pod, Zeroable};
 
-/// Bytes of the text of an answer.
+/// Size of the text of an answer (bytes).
 const TEXT: usize = 176;
 
-/// How finished an answer is.
+/// The state of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum WireState {
@@ -14,11 +14,11 @@ pub enum WireState {
     Complete = 1,
     /// No open work can change the winner.
     Certified = 2,
-    /// Open work could change the winner; the intervals hold all the same.
+    /// Open work could change the winner; the intervals are still valid.
     Degraded = 3,
     /// There is no ranking; [`WireAnswer::reason`] says why.
     Refused = 4,
-    /// There is no ranking: the service has as many requests as its queue takes. Ask again.
+    /// There is no ranking: the queue of the service is full. Ask again.
     Busy = 5,
 }
 
@@ -33,7 +33,7 @@ impl WireState {
         Self::ALL.into_iter().find(|verdict| *verdict as u32 == number)
     }
 
-    /// Its name.
+    /// The name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -58,31 +58,31 @@ impl WireState {
 pub enum Reason {
     /// There is one.
     None = 0,
-    /// Another version, a count beyond its bounds, a flag or number that means nothing.
+    /// Another version, a count out of bounds, or an undefined flag or number.
     Malformed = 1,
     /// A party names a model that the deployment does not have.
     UnknownModel = 2,
     /// A value is not finite, or beyond its range.
     OutOfRange = 3,
-    /// A party cannot play its part: persons in a wall, a pedestrian as the ego.
+    /// A party is unsuitable for its role: persons in a wall, a pedestrian as the ego.
     Misfit = 4,
-    /// A party is of unknown kind, and nothing may be assumed of it.
+    /// A party is of unknown kind, and no assumption is allowed.
     UnknownKind = 5,
-    /// The model cannot say anything about these candidates.
+    /// The model cannot assess any of these candidates.
     Unassessable = 6,
     /// The time was up before the work began.
     TooLate = 7,
     /// The queue is full.
     QueueFull = 8,
-    /// No worker is left, and none can be had at once.
+    /// No worker is left, and none can be started at once.
     NoWorkers = 9,
     /// The service is stopping.
     Stopping = 10,
-    /// A mistake of ours.
+    /// An internal error.
     Internal = 11,
-    /// Said by the client alone: no answer came in time.
+    /// Set only by the client: no answer came in time.
     Silence = 12,
-    /// Said by the client alone: there is no service.
+    /// Set only by the client: there is no service.
     NoService = 13,
 }
 
@@ -111,7 +111,7 @@ impl Reason {
         Self::ALL.into_iter().find(|reason| *reason as u32 == number)
     }
 
-    /// Its name.
+    /// The name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -137,17 +137,17 @@ impl Reason {
 pub mod flag {
     /// The bodies touch.
     pub const TOUCHES: u32 = 1;
-    /// The model is sure that it comes before the next.
+    /// According to the model it certainly comes before the next.
     pub const CERTAIN: u32 = 2;
-    /// The model cannot tell it from the first; the first has it too.
+    /// The model cannot distinguish it from the first; the first has this flag too.
     pub const TIED: u32 = 4;
     /// There are no figures: the bodies overlap before the path begins, or at standstill.
     pub const UNEVALUABLE: u32 = 8;
     /// The contact is not fully known.
     pub const MISSING: u32 = 16;
-    /// No contact, but nearer than poses are known.
+    /// No contact, but the gap is smaller than the uncertainty of the poses.
     pub const NEAR_MISS: u32 = 32;
-    /// The figures of the worst-off person count.
+    /// The figures of the worst-off person are valid.
     pub const PERSON: u32 = 64;
 }
 
@@ -165,19 +165,19 @@ pub struct WireAnswer {
     pub place_count: u32,
     /// The client's own number.
     pub sequence: u64,
-    /// The service's number of the request, from 1 since it started; 0 if it was not worked on.
+    /// The service's number of the request, from 1 since it started; 0 if it was not processed.
     pub request: u64,
-    /// From the moment it was taken until work began (ns).
+    /// From receipt until work began (ns).
     pub queued_ns: u64,
     /// From then until this answer (ns).
     pub worked_ns: u64,
-    /// What is wrong, or how it was assumed: UTF-8, ended by zeros.
+    /// What is wrong, or which assumption was made: UTF-8, zero-terminated.
     pub text: [u8; TEXT],
     /// Candidates, least harm first.
     pub places: [WirePlace; CANDIDATES_MAX],
 }
 
-/// One candidate in its place.
+/// One ranked candidate.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct WirePlace {
@@ -187,7 +187,7 @@ pub struct WirePlace {
     pub flags: u32,
     /// The policy's leading measure, over the work interval: lo, hi.
     pub work: [f64; 2],
-    /// The same over the model range: low, high.
+    /// The policy's leading measure, over the model range: low, high.
     pub range: [f64; 2],
     /// Depth of the contact: lo, hi (m); 0 without contact.
     pub depth_m: [f64; 2],
@@ -204,7 +204,7 @@ pub struct WirePlace {
 }
 
 impl WireAnswer {
-    /// An answer without a ranking.
+    /// Creates an answer without a ranking.
     #[must_use]
     pub fn without_ranking(sequence: u64, verdict: WireState, reason: Reason, text: &str) -> Self {
         let mut answer = Self {
@@ -218,26 +218,26 @@ impl WireAnswer {
         answer
     }
 
-    /// Writes the text, cut where a character would not fit.
+    /// Sets the text, truncated at a character boundary.
     pub fn say(&mut self, text: &str) {
         self.text = [0; TEXT];
         let end = text.floor_char_boundary(TEXT);
         self.text[..end].copy_from_slice(&text.as_bytes()[..end]);
     }
 
-    /// The verdict; one that means nothing is taken as refused.
+    /// The verdict; an undefined number is read as refused.
     #[must_use]
     pub fn verdict(&self) -> WireState {
         WireState::from_number(self.verdict).unwrap_or(WireState::Refused)
     }
 
-    /// The reason; one that means nothing is taken as a mistake of ours.
+    /// The reason; an undefined number is read as an internal error.
     #[must_use]
     pub fn reason(&self) -> Reason {
         Reason::from_number(self.reason).unwrap_or(Reason::Internal)
     }
 
-    /// The text, as far as it is UTF-8.
+    /// The text, up to the first byte that is not UTF-8.
     #[must_use]
     pub fn text(&self) -> &str {
         let end = self.text.iter().position(|byte| *byte == 0).unwrap_or(TEXT);

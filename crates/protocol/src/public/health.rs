@@ -1,9 +1,9 @@
-//! How the service is: published each second, and when its condition changes.
+//! The state of the service: published each second, and when its condition changes.
 
 use crate::WORKERS_MAX;
 use bytemuck::{Pod, Zeroable};
 
-/// What the service can do now.
+/// The condition of the service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Condition {
@@ -11,7 +11,7 @@ pub enum Condition {
     Ready = 1,
     /// It answers, with fewer workers than it should have.
     Short = 2,
-    /// It is stopping: it answers nothing more.
+    /// It is stopping: no more answers.
     Stopping = 3,
 }
 
@@ -22,7 +22,7 @@ impl Condition {
         [Self::Ready, Self::Short, Self::Stopping].into_iter().find(|c| *c as u32 == number)
     }
 
-    /// Its name.
+    /// The name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -33,19 +33,19 @@ impl Condition {
     }
 }
 
-/// What a latency is counted of.
+/// The stage that a latency measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(usize)]
 pub enum LatencyStage {
-    /// From the moment a request was taken until work began.
+    /// From receipt of a request until work began.
     Queue = 0,
-    /// Checking it, and putting it into the ego's frame.
+    /// Validating it, and transforming it into the ego's frame.
     Plan = 1,
     /// Descending, intersecting, folding.
     Work = 2,
-    /// Harm, ranking, laying out the answer.
+    /// Harm, ranking, writing the answer.
     Assess = 3,
-    /// From the moment it was taken until its answer was handed over.
+    /// From receipt until its answer was handed over.
     Total = 4,
 }
 
@@ -53,7 +53,7 @@ impl LatencyStage {
     /// All of them, in order.
     pub const ALL: [Self; 5] = [Self::Queue, Self::Plan, Self::Work, Self::Assess, Self::Total];
 
-    /// Its name.
+    /// The name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -66,7 +66,7 @@ impl LatencyStage {
     }
 }
 
-/// How the service is.
+/// The state of the service.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Health {
@@ -88,15 +88,15 @@ pub struct Health {
     pub clients: u32,
     /// When this was written, on CLOCK_MONOTONIC (ns).
     pub at_ns: u64,
-    /// Since when it answers, on CLOCK_MONOTONIC (ns).
+    /// When it started answering, on CLOCK_MONOTONIC (ns).
     pub since_ns: u64,
     /// Answers since then, in the order of [`super::WireState::ALL`].
     pub answers: [u64; 5],
-    /// Requests whose client had gone or given up: not worked on.
+    /// Requests whose client had disconnected or given up: not processed.
     pub withdrawn: u64,
     /// Workers lost since then.
     pub lost: u64,
-    /// Page faults while a request was worked on, in the service's process, since the hundredth.
+    /// Page faults during requests, in the service's process, since the hundredth request.
     pub faults: u64,
     /// Heap allocations of the last request, in the service's process; `u64::MAX`: not counted.
     pub allocations: u64,
@@ -110,7 +110,7 @@ pub struct Health {
     pub each: [WorkerHealth; WORKERS_MAX],
 }
 
-/// How a worker is.
+/// The state of a worker.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct WorkerHealth {

@@ -1,4 +1,4 @@
-//! Laws of results: hits come back as they were written, and hostile counts are refused.
+//! Invariants of results: hits survive a round trip, and hostile counts are rejected.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Laws of the status line: who works on what is read as it was written, or not at all.
+//! Invariants of the status line: the started job is read as written, or not at all.
 
 use super::*;
 use proptest::prelude::*;

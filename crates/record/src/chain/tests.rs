@@ -1,4 +1,4 @@
-//! What is missing, exchanged or out of turn is found.
+//! Records that are missing, exchanged or out of order are detected.
 
 use super::*;
 use crate::encode;
@@ -47,7 +47,7 @@ fn what_is_missing_exchanged_or_out_of_turn_is_found() {
     number(at, error);
     let (at, error) = accepted(&[&f[0], &f[2], &f[1]]);
     number(at, error);
-    // A sound record in the place of another: the next one knows.
+    // A sound record in the place of another: the next one reveals it.
     let (_, first) = encode(&record("a.toml"), None).expect("short");
     let (forged, _) = encode(&record("x.toml"), Some(&first)).expect("short");
     let (at, error) = accepted(&[&f[0], &forged, &f[2]]);

@@ -1,4 +1,4 @@
-//! What is written can be taken apart again: lengths, counts, colours.
+//! The written file parses again: lengths, counts, colours.
 
 use super::*;
 use crate::shot::ShotPatch;

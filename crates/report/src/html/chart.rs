@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 /// Width of every chart, in its own units.
 const WIDTH: f64 = 760.0;
-/// Room for names at the left.
+/// Space for names at the left.
 const LEFT: f64 = 190.0;
 /// Colours that differ in grey, too (Okabe and Ito, Color Universal Design, 2008).
 const COLOURS: [&str; 8] =

@@ -1,11 +1,11 @@
-//! A page fetches nothing, shows no stranger's markup, and says first what was decided.
+//! A page fetches nothing, escapes foreign markup, and states the decision first.
 
 use super::*;
 use crate::glb::tests::shot;
 
 fn made() -> String {
     let (shot, bodies) = shot();
-    let one = |name: &str, touches: bool, work: f64| CandidateRow {
+    let candidate = |name: &str, touches: bool, work: f64| CandidateRow {
         name: name.into(),
         other: "wall".into(),
         contact: "front ↔ wall".into(),
@@ -19,7 +19,10 @@ fn made() -> String {
     let about = DecisionPage {
         scenario: "A \"test\" <script>alert(1)</script>".into(),
         state: "complete".into(),
-        candidates: vec![one("pass & go", false, 0.0), one("</script><b>hit", true, 0.25)],
+        candidates: vec![
+            candidate("pass & go", false, 0.0),
+            candidate("</script><b>hit", true, 0.25),
+        ],
         ties: vec!["pass & go".into()],
         policy: "default".into(),
         moments: [0, 5]
@@ -38,12 +41,18 @@ fn made() -> String {
 #[test]
 fn the_first_thing_said_is_which_is_least_harmful_how_sure_and_why() {
     let page = made();
-    let at = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is missing"));
+    let place_of = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is missing"));
     assert!(page.contains("<title>Least harm: pass &amp; go</title>"));
-    assert!(at("<h1>Least harm: pass &amp; go</h1>") < at("How sure"));
-    assert!(at("How sure") < at("<dt>Why</dt>") && at("<dt>Why</dt>") < at("The ranking"));
-    assert!(at("<b>Complete.</b>") < at("The ranking") && at("The ranking") < at("id=\"view\""));
-    assert!(at("id=\"view\"") < at("The record"));
+    assert!(place_of("<h1>Least harm: pass &amp; go</h1>") < place_of("How sure"));
+    assert!(
+        place_of("How sure") < place_of("<dt>Why</dt>")
+            && place_of("<dt>Why</dt>") < place_of("The ranking")
+    );
+    assert!(
+        place_of("<b>Complete.</b>") < place_of("The ranking")
+            && place_of("The ranking") < place_of("id=\"view\"")
+    );
+    assert!(place_of("id=\"view\"") < place_of("The record"));
 }
 
 #[test]

@@ -10,7 +10,7 @@ const TASK_CLOCK: Event = (1, 1);
 fn a_counter_counts_what_this_process_does() {
     // Sandboxes without perf events at all have nothing to test here.
     let Ok(counter) = open(std::process::id(), TASK_CLOCK) else { return };
-    // It is of the first thread, which only waits for this one: opened anew for this thread.
+    // It counts the first thread, which only waits for this one: opened again for this thread.
     drop(counter);
     let own = rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs();
     let counter = open(own, TASK_CLOCK).expect("as above");

@@ -1,8 +1,8 @@
 //! A file as page-aligned bytes.
 //!
-//! It is read into private memory, not mapped: whoever checks these bytes uses the same ones
-//! afterwards, whatever happens to the file meanwhile, and a file that is cut short is an error
-//! and not a SIGBUS. Pages of a mapping would have to be read once, too.
+//! It is read into private memory, not mapped: the bytes that are checked are the bytes that are
+//! used, whatever happens to the file meanwhile, and a file that is cut short is an error and not a
+//! SIGBUS. Pages of a mapping would have to be read once, too.
 
 use crate::error::{OsError, Result};
 use memmap2::{Mmap, MmapMut};
@@ -22,7 +22,7 @@ impl FileMap {
     ///
     /// # Errors
     ///
-    /// If it cannot be opened or read, is not a regular file (a pipe could block for ever, a device
+    /// If it cannot be opened or read, is not a regular file (a pipe could block forever, a device
     /// never end), or became shorter while it was read.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.to_string_lossy();

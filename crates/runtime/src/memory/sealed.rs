@@ -47,7 +47,7 @@ impl SealedMemory {
         if len > 0 {
             rustix::fs::fallocate(&fd, FallocateFlags::empty(), 0, len as u64)
                 .map_err(OsError::at("take memory for", name))?;
-            // SAFETY: the memfd was made above and nobody else knows of it, so nothing but this
+            // SAFETY: the memfd was made above and nothing else refers to it, so nothing but this
             // mapping changes its pages; it is `len` bytes long and cannot be shortened.
             let mut map = unsafe { MmapOptions::new().len(len).map_mut(&fd) }
                 .map_err(OsError::at("map memory", name))?;
@@ -63,7 +63,7 @@ impl SealedMemory {
     ///
     /// # Errors
     ///
-    /// If a seal is missing: then somebody could still change what was checked.
+    /// If a seal is missing: then another process could still change what was checked.
     pub fn from_fd(fd: OwnedFd) -> Result<Self> {
         let name = "inherited memory";
         let seals =

@@ -1,6 +1,6 @@
 //! The status page as memory that all processes of a run share, and may all write.
 //!
-//! Its size is sealed, so that nobody's access can end in a SIGBUS. What the words mean is said by
+//! Its size is sealed, so that no access can raise SIGBUS. What the words mean is said by
 //! `protocol::status`; here they are only kept alive.
 
 use crate::error::{OsError, Result};

@@ -1,4 +1,4 @@
-//! What is sealed stays as it is, whoever tries; what is shared is seen by all.
+//! Sealed memory cannot be changed by any process; shared memory is seen by all.
 
 use super::*;
 use crate::process::{Spawn, spawn};
@@ -79,7 +79,7 @@ fn sealed_memory_cannot_be_changed() {
     assert_eq!(memory.bytes(), pattern(10_000));
 }
 
-/// The worker trusts what it checked only because nobody can change it afterwards.
+/// The worker may trust what it checked only because no process can change it afterwards.
 #[test]
 fn memory_with_a_seal_missing_is_not_trusted() {
     let all = [SealFlags::WRITE, SealFlags::GROW, SealFlags::SHRINK, SealFlags::SEAL];

@@ -119,18 +119,18 @@ impl Plan {
         Ok(Self { program, _args: args, argv, fds, above, core })
     }
 
-    /// The child's life before exec. Says what failed and ends, if anything does.
+    /// The child's code before exec. If anything fails, it reports what and exits.
     fn run(&self, parent: Pid, tell: RawFd) -> ! {
         let errno = self.prepare(parent).err().unwrap_or_else(|| exec(&self.program, &self.argv));
         let bytes = errno.raw_os_error().to_ne_bytes();
-        // SAFETY: pointer and length are those of `bytes`. If nobody listens, nothing is lost.
+        // SAFETY: pointer and length are those of `bytes`. If nothing reads them, nothing is lost.
         unsafe { libc::write(tell, bytes.as_ptr().cast(), bytes.len()) };
         exit(127)
     }
 
     fn prepare(&self, parent: Pid) -> core::result::Result<(), Errno> {
         rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
-        // If the parent died before that call, nobody will ever send the signal.
+        // If the parent died before that call, the signal is never sent.
         if rustix::process::getppid() != Some(parent) {
             exit(127);
         }

@@ -1,9 +1,9 @@
-//! What the kernel says of a process: its state and the CPU time it has used.
+//! What the kernel reports of a process: its state and the CPU time it has used.
 
 use crate::clock;
 use std::fs;
 
-/// A look at a process.
+/// A snapshot of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProcStat {
     /// R running or runnable, S sleeping, D in the kernel, T stopped, Z dead but not reaped, ...

@@ -184,7 +184,7 @@ fn a_child_dies_with_its_killed_parent() {
     parent.kill().unwrap();
     assert_eq!(parent.wait_ms(30_000).unwrap(), Some(Exit::Signal(libc::SIGKILL)));
     let end = clock::now_ns() + 30_000_000_000;
-    // Whoever adopted it may take its time to reap.
+    // The process that adopted it may reap it late.
     while stat(pid).is_some_and(|stat| stat.state != 'Z') {
         assert!(clock::now_ns() < end, "an orphan lives");
         std::thread::yield_now();

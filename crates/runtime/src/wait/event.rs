@@ -4,7 +4,7 @@ use crate::error::{OsError, Result};
 use rustix::event::EventfdFlags;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 
-/// An eventfd. Rings add up until somebody drains them.
+/// An eventfd. Rings add up until they are drained.
 #[derive(Debug)]
 pub struct EventFd(OwnedFd);
 
@@ -30,7 +30,7 @@ impl EventFd {
         if let Err(error) = rustix::io::write(&self.0, &1_u64.to_ne_bytes())
             && error != rustix::io::Errno::AGAIN
         {
-            tracing::debug!(%error, "nobody hears the bell");
+            tracing::debug!(%error, "cannot ring an eventfd");
         }
     }
 

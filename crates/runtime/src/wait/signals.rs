@@ -11,11 +11,11 @@ use std::os::fd::{AsFd, BorrowedFd, FromRawFd, OwnedFd};
 /// Length of what a signalfd gives per signal.
 const INFO_LEN: usize = size_of::<libc::signalfd_siginfo>();
 
-/// Whether this process was told to end, by whichever of its [`Signals`] it was heard.
+/// Whether this process was told to end, whichever of its [`Signals`] received it.
 static TOLD: AtomicBool = AtomicBool::new(false);
 
-/// Blocks some signals in this thread for as long as it lives; for good once one of them was taken:
-/// who was told to end is ending, and must not be stopped in that by being told again.
+/// Blocks some signals in this thread for as long as it lives, and permanently once one of them was
+/// taken: a process that is ending must not be interrupted by a second signal.
 #[derive(Debug)]
 pub(super) struct Signals {
     fd: OwnedFd,
@@ -41,7 +41,7 @@ impl Signals {
         if fd < 0 {
             return Err(OsError::new("create", "signalfd", io::Error::last_os_error()));
         }
-        // SAFETY: the kernel has just made it, and nobody else knows of it.
+        // SAFETY: the kernel has just made it, and nothing else owns it.
         let fd = unsafe { OwnedFd::from_raw_fd(fd) };
         let mut before = mask_of(&[]);
         // SAFETY: both are sets, and the second may be written.

@@ -257,13 +257,13 @@ fn zero_and_too_many_candidates_are_refused() {
     let empty = format!("candidates = []\n{head}");
     assert!(parse(&empty).unwrap_err().what.starts_with("no candidates"));
 
-    let one = |i: usize| {
+    let candidate = |i: usize| {
         format!(
             "[[candidates]]\nname = \"c{i}\"\nego = {{ position_m = [0, 0, 0], speed_m_s = 1 }}\n\
              other = {{ party = \"post\", position_m = [3, 0, 0], speed_m_s = 0 }}\n"
         )
     };
-    let many = |n: usize| head.to_owned() + &(0..n).map(one).collect::<String>();
+    let many = |n: usize| head.to_owned() + &(0..n).map(candidate).collect::<String>();
     assert_eq!(parse(&many(16)).unwrap().candidates.len(), 16);
     let error = parse(&many(17)).unwrap_err();
     assert_eq!(error.what, "17 candidates are too many");

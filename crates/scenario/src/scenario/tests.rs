@@ -9,9 +9,9 @@ use proptest::prelude::*;
 #[test]
 fn the_full_scenario_reads_as_it_is_written() {
     let read = parse(FULL).unwrap();
-    let at = |line, column| TextPosition { line, column };
+    let position = |line, column| TextPosition { line, column };
     let file =
-        |path: &str, line, column| FileRef { path: path.to_owned(), place: at(line, column) };
+        |path: &str, line, column| FileRef { path: path.to_owned(), place: position(line, column) };
     let state = |yaw, pitch, roll, position, x, y| MotionState {
         angles_deg: [yaw, pitch, roll],
         pose: Pose::from_degrees(yaw, pitch, roll, position),
@@ -56,7 +56,7 @@ fn the_full_scenario_reads_as_it_is_written() {
                 responsibility: 0.5,
                 ..party(
                     "car",
-                    at(21, 1),
+                    position(21, 1),
                     Source::Generate { shape: Shape::Sedan, triangles: 2000, seed: 4 },
                 )
             },
@@ -64,20 +64,24 @@ fn the_full_scenario_reads_as_it_is_written() {
                 size: Some(Fit::Plan([0.3, 0.25])),
                 ..party(
                     "post",
-                    at(71, 1),
+                    position(71, 1),
                     Source::Generate { shape: Shape::Pole, triangles: 500, seed: 0 },
                 )
             },
             Party {
                 is_unknown: true,
                 crush: Some([40_000.0, 500_000.5]),
-                ..party("walker", at(33, 1), Source::File(file("bodies/walker.trolley", 34, 8)))
+                ..party(
+                    "walker",
+                    position(33, 1),
+                    Source::File(file("bodies/walker.trolley", 34, 8)),
+                )
             },
         ],
         candidates: vec![
             Candidate {
                 name: "walker".into(),
-                place: at(44, 1),
+                place: position(44, 1),
                 probability: 0.75,
                 ego: state(
                     90.0,
@@ -94,7 +98,7 @@ fn the_full_scenario_reads_as_it_is_written() {
             },
             Candidate {
                 name: "post".into(),
-                place: at(61, 1),
+                place: position(61, 1),
                 probability: 1.0,
                 ego: state(0.0, 0.0, 0.0, [0.0; 3], 3.0, 4.0),
                 other: Opponent {
@@ -182,7 +186,7 @@ enum Harm {
 }
 
 fn harms() -> impl Strategy<Value = Vec<Harm>> {
-    let at = || 0_usize..2000;
+    let offset = || 0_usize..2000;
     let piece = prop_oneof![
         any::<String>(),
         "[\\[\\]{}=\"'.,#0-9a-z_\n \\-]{1,6}",
@@ -195,11 +199,11 @@ fn harms() -> impl Strategy<Value = Vec<Harm>> {
         Just("persons = [{ age = 3 }]".to_owned()),
     ];
     let one = prop_oneof![
-        (at(), 1_usize..30).prop_map(|(start, len)| Harm::Drop(start, len)),
-        (at(), piece).prop_map(|(start, piece)| Harm::Insert(start, piece)),
-        (at(), 1_usize..200).prop_map(|(start, len)| Harm::Repeat(start, len)),
-        at().prop_map(Harm::Cut),
-        (at(), at()).prop_map(|(a, b)| Harm::Swap(a, b)),
+        (offset(), 1_usize..30).prop_map(|(start, len)| Harm::Drop(start, len)),
+        (offset(), piece).prop_map(|(start, piece)| Harm::Insert(start, piece)),
+        (offset(), 1_usize..200).prop_map(|(start, len)| Harm::Repeat(start, len)),
+        offset().prop_map(Harm::Cut),
+        (offset(), offset()).prop_map(|(a, b)| Harm::Swap(a, b)),
     ];
     proptest::collection::vec(one, 1..4)
 }

@@ -1,5 +1,5 @@
-//! Whatever is asked is checked or refused with a reason; what a scenario asks comes back as it
-//! was.
+//! Every request is accepted or refused with a reason; a scenario's request survives the round
+//! trip.
 
 use super::*;
 use body::Shape;
@@ -13,7 +13,7 @@ fn deployment() -> Deployment {
     Deployment::parse("minimal.toml", DEPLOYMENT).unwrap()
 }
 
-/// What is known of the three models; nobody looks at their triangles here.
+/// Facts about the three models; these tests do not look at triangles.
 fn bodies() -> Vec<(Meta, BodyView<'static>)> {
     let empty = BodyView {
         nodes: &[],
@@ -98,7 +98,7 @@ fn every_mistake_has_its_reason_and_says_where() {
             Reason::OutOfRange,
             "mass_kg",
         ),
-        (|ask, _| ask.ego = 1, Reason::Malformed, "none to hit"),
+        (|ask, _| ask.ego = 1, Reason::Malformed, "cannot be hit"),
         (|ask, _| ask.parties[0].model = 2, Reason::Misfit, "party 0: a wall cannot be the ego"),
         (
             |ask, _| ask.candidates[1].other.velocity_m_s = [1.0, 0.0],

@@ -1,4 +1,4 @@
-//! What is written is what holds; what is wrong is named with place and remedy.
+//! Written values take effect; wrong ones are reported with place and remedy.
 
 use super::*;
 

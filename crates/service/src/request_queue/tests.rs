@@ -1,4 +1,4 @@
-//! Whoever asks gets the answer to what it asked, whoever was there before it.
+//! Each client gets the answer to its own request, whichever client held its slot before.
 
 use super::*;
 use protocol::public::Ask;
@@ -29,8 +29,8 @@ fn refused(text: &str) -> WireAnswer {
     WireAnswer::without_ranking(1, WireState::Refused, Reason::Malformed, text)
 }
 
-/// The second client takes the first one's place in every table of iceoryx2, and both count their
-/// requests from the same number.
+/// The second client takes the first one's slot in every table of iceoryx2, and both number their
+/// requests from the same start.
 #[test]
 fn nobody_gets_the_answer_of_a_client_that_has_gone() {
     let mut scene = Scene::new(0, 4);
@@ -45,7 +45,7 @@ fn nobody_gets_the_answer_of_a_client_that_has_gone() {
     scene.queue.drain();
     scene.queue.answer(&refused("to the first"));
     assert_eq!(pending.receive().unwrap(), None);
-    assert!(scene.queue.next().is_some(), "it is still wanted");
+    assert!(scene.queue.next().is_some(), "its client still waits");
     scene.queue.answer(&refused("to the second"));
     assert_eq!(pending.receive().unwrap(), Some(refused("to the second")));
     assert_eq!(scene.queue.stats.health().withdrawn, 1);

@@ -1,4 +1,4 @@
-//! Laws of the weights: a partition of one, never negative, smooth where the net is round.
+//! Invariants of the weights: a partition of one, never negative, smooth where the net is round.
 
 use super::Axis;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! What a ruler promises: as many cells as asked for, ascending, and lines on the edges.
+//! Invariants of a ruler: as many cells as requested, ascending, and lines on the edges.
 
 use super::super::solids::{at, block};
 use super::super::surface::Surface;

@@ -28,15 +28,15 @@ faults! {
     Crash = "crash";
     /// A worker dies between two jobs.
     CrashIdle = "crash-idle";
-    /// A worker burns CPU time for ever.
+    /// A worker burns CPU time forever.
     Hang = "hang";
     /// A worker is stopped and never continued.
     Stop = "stop";
     /// A worker gets a tenth of its core.
     Slow = "slow";
-    /// A worker waits long for its core, and is well.
+    /// A worker waits long for its core, but is healthy.
     Starve = "starve";
-    /// A job takes down whoever starts it.
+    /// A job crashes every worker that starts it.
     Poison = "poison";
     /// A job fails, and its worker lives.
     Nack = "nack";
@@ -56,9 +56,9 @@ faults! {
     DelayResult = "delay-result";
     /// A result arrives after its sender's death, or in another request.
     Zombie = "zombie";
-    /// A batch is changed on its way.
+    /// A batch is corrupted in transit.
     GarbleBatch = "garble-batch";
-    /// A result is changed on its way.
+    /// A result is corrupted in transit.
     GarbleResult = "garble-result";
     /// A queue refuses a batch.
     Full = "full";
@@ -90,13 +90,13 @@ impl Faults {
     /// All.
     pub const ALL: Self = Self((1 << SimulatedFault::ALL.len()) - 1);
 
-    /// The set with one more.
+    /// The set with one kind added.
     #[must_use]
     pub fn with(self, fault: SimulatedFault) -> Self {
         Self(self.0 | 1 << fault as u32)
     }
 
-    /// The set without one.
+    /// The set with one kind removed.
     #[must_use]
     pub fn without(self, fault: SimulatedFault) -> Self {
         Self(self.0 & !(1 << fault as u32))

@@ -32,13 +32,13 @@ struct Small {
     jobs: u32,
     workers: u8,
     batch: u32,
-    /// A job that takes down whoever starts it.
+    /// A job that crashes every worker that starts it.
     poison: Option<u32>,
     budget: Budget,
     flaw: Option<DispatcherFlaw>,
 }
 
-/// Each job finds a one of its own.
+/// Each job finds a bit of its own.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 struct Sums {
     left: u32,
@@ -69,7 +69,7 @@ impl JobSource for Sums {
     }
 }
 
-/// The dispatcher, compared and hashed by what decides.
+/// The dispatcher, compared and hashed by the state that decides.
 #[derive(Clone, Debug)]
 struct Judge(Dispatcher<BestMatchLoad>);
 
@@ -106,7 +106,8 @@ impl Actor {
         Self { who, is_alive: true, is_hung: false, batches, started, sent: 0, answered: 0 }
     }
 
-    /// Whether it stands still although not all is answered: then it is found, and killed.
+    /// Whether it makes no progress although batches are unanswered: then it is detected and
+    /// killed.
     fn is_silent(&self) -> bool {
         let is_idle = self.started.is_none() && self.batches.is_empty();
         self.is_hung || is_idle && self.answered < self.sent
@@ -205,7 +206,7 @@ impl State {
         });
     }
 
-    /// The batch at hand is worked off, or was turned away.
+    /// The current batch is done, or was rejected.
     fn answer(&mut self, number: usize, batches: u32) {
         let actor = &mut self.actors[number];
         actor.batches.remove(0);
@@ -400,7 +401,7 @@ impl Model for Small {
     }
 }
 
-/// All states: how many, and which property fails first after how many.
+/// Explores all states: how many there are, and which property fails first after how many steps.
 fn check(name: &str, model: Small) -> (usize, Option<&'static str>) {
     let checker = model.checker().threads(2).spawn_bfs().join();
     let states = checker.unique_state_count();
@@ -446,7 +447,7 @@ fn larger_worlds_keep_the_laws_in_every_state() {
         ("2 jobs, 2 crashes", Small { budget: two, ..SMALL }),
         ("3 jobs, crash", Small { jobs: 3, budget: Budget { crashes: 1, ..two }, ..SMALL }),
         (
-            // A lost batch, and one that was turned away after it: its worker counts one too few.
+            // A lost batch, and a rejected one after it: its worker counts one too few.
             "3 jobs, crash, loss, garble",
             Small { jobs: 3, budget: Budget { crashes: 1, losses: 1, garbles: 1, ..two }, ..SMALL },
         ),

@@ -1,6 +1,6 @@
-//! Random numbers as a function of a seed and the name of the place that asks: a counter-based
-//! generator (Salmon et al., *Parallel random numbers: as easy as 1, 2, 3*, SC 2011), so that leaving
-//! one fault out changes no other.
+//! Random numbers as a function of a seed and the name of the place that draws: a counter-based
+//! generator (Salmon et al., *Parallel random numbers: as easy as 1, 2, 3*, SC 2011), so that
+//! leaving one fault out changes no other.
 
 use geometry::hash::splitmix64;
 
@@ -18,17 +18,17 @@ impl RngKey {
         Self(splitmix64(self.0 ^ splitmix64(place)))
     }
 
-    /// All bits.
+    /// 64 random bits.
     pub(super) fn bits(self) -> u64 {
         self.0
     }
 
-    /// Below `end`, which is not 0: the product takes the top bits.
+    /// A number below `end`, which is not 0: the product takes the top bits.
     pub(super) fn below(self, end: u64) -> u64 {
         ((u128::from(self.0) * u128::from(end)) >> 64) as u64
     }
 
-    /// Once in so many.
+    /// `true` once in `times`.
     pub(super) fn once_in(self, times: u64) -> bool {
         self.below(times) == 0
     }

@@ -1,4 +1,4 @@
-//! Makes a failure smaller: fewer kinds of faults, then fewer faults, then fewer requests.
+//! Shrinks a failure: fewer kinds of faults, then fewer faults, then fewer requests.
 
 use super::kind::SimulatedFault;
 use super::world::{FaultLimits, Violation, run};

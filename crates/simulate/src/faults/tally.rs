@@ -23,9 +23,9 @@ pub struct Tally {
     pub reissued: u64,
     /// Jobs given up because they took workers down or failed.
     pub abandoned: u64,
-    /// Parts turned away by the fence.
+    /// Parts rejected by the fence.
     pub fenced: u64,
-    /// Workers that died, of whatever.
+    /// Workers that died of any cause.
     pub deaths: u64,
     /// Workers that were killed by the coordinator.
     pub killed: u64,

@@ -1,4 +1,4 @@
-//! Each kind of fault strikes, none is survived wrongly, and mistakes are caught and made small.
+//! Each kind of fault strikes, none leads to a wrong answer, and flaws are caught and shrunk.
 
 use super::*;
 use dispatch::DispatcherFlaw;
@@ -60,7 +60,7 @@ fn equal_seeds_give_equal_worlds() {
     }
 }
 
-/// Prints how many seeds it took: `cargo test -p simulate mistakes -- --nocapture`.
+/// Prints how many seeds it takes: `cargo test -p simulate mistakes -- --nocapture`.
 #[test]
 fn deliberate_mistakes_are_caught_and_made_small() {
     for flaw in DispatcherFlaw::ALL {

@@ -1,8 +1,8 @@
 //! Requests with known answers: tasks of jobs, each of which finds bits, a maximum and a sum.
 //!
-//! Like real ones: bits are unions (hit sets), maxima are maxima (extents), sums are counted once
-//! (pairs); a *probe* asks only whether there is anything, and is obsolete after the first hit; tasks
-//! come in waves, the next when the last one is closed.
+//! As in real requests, bits are unions (hit sets), maxima are maxima (extents), sums are counted
+//! once (pairs); a *probe* asks only whether there is anything, and is obsolete after the first
+//! hit; tasks come in waves, the next when the last one is closed.
 
 use super::rng_key::RngKey;
 use dispatch::{Closed, Job, JobSource};
@@ -17,7 +17,7 @@ pub(super) struct Found {
     pub(super) sum: u64,
 }
 
-/// Bounds of what a job may find.
+/// The most that a job may find.
 const MOST: u32 = 1000;
 const SUM: u64 = 1 << 20;
 
@@ -28,14 +28,14 @@ pub(super) type Part = Found;
 pub(super) struct SimulatedJob {
     task: u32,
     pub(super) found: Found,
-    /// In how many messages its result comes.
+    /// Number of messages of its result.
     pub(super) parts: u16,
-    /// What it takes (ns).
+    /// Its time (ns).
     pub(super) time_ns: u64,
 }
 
 impl SimulatedJob {
-    /// One of the messages: bits are dealt out, so that a lost one is missed.
+    /// One of the messages: bits are spread over them, so that a lost message is noticed.
     pub(super) fn part(&self, number: u16) -> Part {
         let share = (0..64).filter(|bit| bit % self.parts == number).fold(0, |m, bit| m | 1 << bit);
         let is_last = number + 1 == self.parts;
@@ -53,7 +53,7 @@ struct Task {
     jobs: core::ops::Range<u32>,
     found: Found,
     open: u32,
-    /// Jobs that were not done, and not because they did not matter.
+    /// Jobs that matter and were not done.
     unknown: u32,
 }
 
@@ -68,7 +68,7 @@ pub(super) enum Answer {
     Refused,
 }
 
-/// A request at work.
+/// A request while it is worked on.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Request {
     pub(super) jobs: Vec<SimulatedJob>,
@@ -132,7 +132,7 @@ impl Request {
         })
     }
 
-    /// Whether the laws hold for what was answered, and which answer it is.
+    /// Checks the laws for an answer, and classifies it.
     pub(super) fn judge(&self, counts: &dispatch::Counts) -> Result<Answer, String> {
         for (job, closings) in self.closings.iter().enumerate() {
             if *closings > 1 {

@@ -1,5 +1,5 @@
-//! The world: what happens, in the order of time, and what strikes at random. Equal seeds give
-//! equal worlds. What workers and the coordinator do when it is their turn stands in their files.
+//! The world: events in order of time, and faults that strike at random. Equal seeds give equal
+//! worlds. What workers and the coordinator do in their turn is in their own files.
 
 use super::kind::{Faults, SimulatedFault};
 use super::rng_key::RngKey;
@@ -19,18 +19,18 @@ mod worker;
 
 use actor::{Actor, Mail};
 
-/// How long a message flies (ns).
+/// How long a message is in flight (ns).
 const FLIGHT_NS: u64 = 800;
 /// From a death to the moment when it is noticed (ns): 0.4 to 0.6 ms as measured.
 const NOTICE_NS: u64 = 500_000;
 /// From the start of a process to its greeting (ns).
 const START_NS: u64 = 15_000_000;
-/// How often pulses are looked at (ns).
+/// How often heartbeats are checked (ns).
 const LOOK_NS: u64 = 20_000_000;
 /// A request without deadline that takes longer is a hang (ns).
 const FOR_EVER_NS: u64 = 120_000_000_000;
-/// How many workers one job may take down, where batches come in order. One that is overtaken is
-/// taken for lost, and its jobs are then in two places.
+/// How many workers one job may take down, where batches come in order. One that is overtaken
+/// counts as lost, and its jobs are then in two places.
 const POISON_MAX: u64 = 2;
 
 /// What may strike.
@@ -42,7 +42,7 @@ pub struct FaultLimits {
     pub most: u64,
     /// Requests in one world.
     pub requests: u64,
-    /// The mistake that the dispatcher makes.
+    /// The deliberate flaw of the dispatcher.
     #[cfg(test)]
     pub(crate) flaw: Option<dispatch::DispatcherFlaw>,
 }
@@ -134,7 +134,7 @@ struct World<'l> {
     log: Option<&'l mut Vec<String>>,
 }
 
-/// Runs the world of a seed. `log`, if given, is told all that happens.
+/// Runs the world of a seed. `log`, if given, receives all events.
 ///
 /// # Errors
 ///
@@ -178,7 +178,8 @@ impl<'l> World<'l> {
         };
         let intensity =
             if key.at(7).once_in(2) { Intensity::default() } else { Intensity::UNLIMITED };
-        // Of each kind, most worlds have none or few: crowds hide what one alone would show.
+        // Most worlds have no or few faults of each kind: many faults hide what a single one would
+        // show.
         let rate = |fault: &SimulatedFault| {
             let key = key.at(8).at(*fault as u64);
             let rare = [0, 0, 0, 0, 0, 8, 40, 200][key.below(8) as usize];
@@ -248,7 +249,7 @@ impl<'l> World<'l> {
         self.actors.get_mut(usize::from(who.worker)).filter(|a| a.who == who && a.is_alive)
     }
 
-    /// Takes the next event off the list, and lets it happen.
+    /// Takes the next event from the list and handles it.
     fn next(&mut self) {
         let Some(((at_ns, _), what)) = self.events.pop_first() else { return };
         self.now_ns = self.now_ns.max(at_ns);
@@ -274,7 +275,7 @@ impl<'l> World<'l> {
                 self.step(Event::Failed { from, request, job, attempt });
             }
             Happening::Answered { who, batches } => {
-                if !self.actors[usize::from(who.worker)].is_buried {
+                if !self.actors[usize::from(who.worker)].is_reaped {
                     self.step(Event::Answered { who, batches });
                 }
             }
@@ -287,8 +288,8 @@ impl<'l> World<'l> {
             Happening::Dies(who) => self.die(who),
             Happening::Died(who) => {
                 let actor = &mut self.actors[usize::from(who.worker)];
-                if actor.who == who && !actor.is_buried {
-                    self.bury(who);
+                if actor.who == who && !actor.is_reaped {
+                    self.reap(who);
                     let started = self.actors[usize::from(who.worker)].started;
                     let started = started.filter(|(request, ..)| *request == self.number);
                     let started = started.map(|(_, job, attempt)| (job, attempt));

@@ -76,7 +76,7 @@ proptest! {
 
     #[test]
     fn what_travels_does_not_grow_with_fewer_cores(trace in traces(), setup in setups()) {
-        // One core gets each section once, whoever chooses.
+        // One core gets each section once, whatever the scheme.
         let alone = run(&trace, &COSTS, &Setup { workers: 1, ..setup });
         let outcome = run(&trace, &COSTS, &setup);
         prop_assert!(alone.transfer.section_bytes <= outcome.transfer.section_bytes);

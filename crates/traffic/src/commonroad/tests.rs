@@ -53,7 +53,7 @@ fn the_small_file_reads_as_it_is_written() {
     assert_eq!(read.notes, ["obstacle 2: 2 of its states are intervals; their middles are taken"]);
 }
 
-/// What is replaced, by what, at which line the fault is, and what it says.
+/// What is replaced, by what, the line of the fault, and its text.
 const WRONG: &[(&str, &str, u32, &str)] = &[
     ("2020a", "2017a", 2, "version \"2017a\" is not known"),
     (" commonRoadVersion=\"2020a\"", "", 2, "attribute commonRoadVersion is missing"),

@@ -68,14 +68,17 @@ proptest! {
 
 #[test]
 fn touching_counts_and_one_inside_the_other_too() {
-    let at = |x: f64| Placed { at: [x, 0.0], yaw: 0.0 };
+    let placed_at = |x: f64| Placed { at: [x, 0.0], yaw: 0.0 };
     let square = Outline::rectangle(2.0, 2.0);
-    assert!(overlap(&square, at(0.0), &square, at(2.0)));
-    assert!(!overlap(&square, at(0.0), &square, at(2.000_001)));
-    assert!(overlap(&square, at(0.0), &Outline::rectangle(0.5, 0.5), at(0.3)));
+    assert!(overlap(&square, placed_at(0.0), &square, placed_at(2.0)));
+    assert!(!overlap(&square, placed_at(0.0), &square, placed_at(2.000_001)));
+    assert!(overlap(&square, placed_at(0.0), &Outline::rectangle(0.5, 0.5), placed_at(0.3)));
     let ball = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 1.0)] };
-    assert!(overlap(&ball, at(0.0), &ball, at(2.0)) && !overlap(&ball, at(0.0), &ball, at(2.001)));
-    assert!(overlap(&Outline::rectangle(9.0, 9.0), at(0.0), &ball, at(1.0)));
+    assert!(
+        overlap(&ball, placed_at(0.0), &ball, placed_at(2.0))
+            && !overlap(&ball, placed_at(0.0), &ball, placed_at(2.001))
+    );
+    assert!(overlap(&Outline::rectangle(9.0, 9.0), placed_at(0.0), &ball, placed_at(1.0)));
     assert!(ball.is_round() && ball.size() == [2.0; 2]);
 }
 

@@ -80,18 +80,18 @@ fn who_overlaps_at_the_start_is_named_and_nothing_is_tried() {
 #[test]
 fn what_is_gone_or_not_there_yet_is_not_met() {
     let mut other = parked("7", moment(10.0, 0.0, 0.0, 0.0));
-    let at = |time_s| TimedState { time_s, ..moment(10.0, 0.0, 0.0, 0.0) };
-    other.track = vec![at(0.0), at(0.3)];
+    let parked_at = |time_s| TimedState { time_s, ..moment(10.0, 0.0, 0.0, 0.0) };
+    other.track = vec![parked_at(0.0), parked_at(0.3)];
     let gone = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other.clone()]);
     assert!(gone.sweep(&Sweep::default()).meetings.is_empty());
-    other.track = vec![at(0.3), at(9.0)];
+    other.track = vec![parked_at(0.3), parked_at(9.0)];
     let coming = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other]);
     assert!(!coming.sweep(&Sweep::default()).meetings.is_empty());
 }
 
 #[test]
 fn a_recorded_way_is_tried_and_left_where_manoeuvres_begin() {
-    let at =
+    let moment_at =
         |n: u32| TimedState { time_s: f64::from(n), ..moment(10.0 * f64::from(n), 0.0, 0.0, 10.0) };
     let round = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 0.3)] };
     let walker = Obstacle {
@@ -100,8 +100,8 @@ fn a_recorded_way_is_tried_and_left_where_manoeuvres_begin() {
         outline: round,
         track: vec![moment(50.0, 0.0, 0.0, 0.0)],
     };
-    let mut recording = recording(at(0), vec![walker]);
-    recording.ego.went = (0..8).map(at).collect();
+    let mut recording = recording(moment_at(0), vec![walker]);
+    recording.ego.went = (0..8).map(moment_at).collect();
     let meets_s = recording.recorded_meeting_s(0.02).expect("it meets");
     assert!((meets_s - 4.76).abs() < 1e-9, "{meets_s}");
     let late = recording.sweep(&Sweep { after_s: 4.0, ..Sweep::default() });

@@ -1,4 +1,4 @@
-//! What is written can be read, and says what was met.
+//! Written scenarios can be read back, and state what was met.
 
 use super::*;
 use crate::library::DEFAULT_LIBRARY;

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Where iceoryx2 keeps its memory, so its root lies there too: one place to sweep, and a tmpfs.
 pub(crate) const SHM: &str = "/dev/shm";
-/// Every name in [`SHM`] that is ours begins with this.
+/// Prefix of all our names in [`SHM`].
 pub(super) const OURS: &str = "trolley.";
 /// Name of a root before it is locked.
 pub(super) const UNBORN: &str = ".trolley-new.";
@@ -21,7 +21,7 @@ const GUESTS: &str = "guests";
 /// Longest instance name; the root then has 46 bytes, and iceoryx2 allows 49.
 const INSTANCE_MAX: usize = 12;
 
-/// Who a process is in a domain.
+/// The role of a process in a domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// Made it, and removes it.
@@ -126,8 +126,8 @@ pub(crate) fn names_in_shm() -> io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// Makes the root under another name, locks it, and only then gives it its name: under that, nobody
-/// ever sees it unlocked while its owner lives.
+/// Makes the root under another name, locks it, and only then gives it its name: under that, no
+/// process ever sees it unlocked while its owner lives.
 fn create_locked(root: &str, boot: Boot) -> io::Result<File> {
     let unborn = format!("{SHM}/{UNBORN}{}.{:016x}", std::process::id(), boot.0);
     DirBuilder::new().mode(0o700).create(&unborn)?;
@@ -157,7 +157,7 @@ fn lock_as_guest(root: &str) -> io::Result<File> {
 }
 
 /// Locks the guests' file against all guests, as long as what it returns lives; an error while
-/// there is one. `None` if the file is gone, because a removal was interrupted: then nobody can
+/// there is one. `None` if the file is gone, because a removal was interrupted: then no process can
 /// enter.
 pub(super) fn lock_out_guests(root: &str) -> io::Result<Option<File>> {
     let lock = match File::options().read(true).write(true).open(Path::new(root).join(GUESTS)) {
@@ -174,7 +174,7 @@ pub(super) fn lock_root(root: &str) -> Option<File> {
     flock(&lock, FlockOperation::NonBlockingLockExclusive).ok().map(|()| lock)
 }
 
-/// Takes all memory now whose name begins so.
+/// Allocates all memory whose name begins with `prefix`.
 pub(crate) fn commit_all(prefix: &str) -> Result<(), OpenError> {
     for name in names_in_shm().map_err(OpenError::at("list", SHM))? {
         if name.starts_with(prefix) {

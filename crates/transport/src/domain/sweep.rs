@@ -8,18 +8,18 @@ use rustix::time::Timespec;
 use std::fs;
 use std::path::Path;
 
-/// Workers die with their coordinator, but a moment later: how often to look at a run of somebody
-/// else's, 1 ms apart.
+/// Workers die with their coordinator, but a moment later: how often to check a run of another
+/// coordinator, 1 ms apart.
 const LOOKS: usize = 200;
-/// How often to look at one's own run: its workers were told to end, or killed, and a machine that
-/// is busy takes its time to end them.
+/// How often to check one's own run: its workers were told to end, or killed, and a busy machine
+/// may be slow to end them.
 pub(super) const OWN_LOOKS: usize = 5_000;
 
-/// Removes what dead runs have left in /dev/shm, of every instance; says how many runs.
+/// Removes what dead runs of every instance left in /dev/shm; returns the number of runs.
 ///
-/// A run is dead if nobody holds the lock of its root, nor that of its guests: files must not go
-/// while a process of the run could still open them. If a worker does not die, its run stays for
-/// the next sweep. What belongs to somebody else stays.
+/// A run is dead if no process holds the lock of its root or that of its guests: files must not be
+/// removed while a process of the run could still open them. If a worker does not die, its run
+/// stays for the next sweep. Files of other programs stay.
 #[must_use]
 pub fn sweep_leftovers() -> usize {
     let Ok(names) = names_in_shm() else { return 0 };
@@ -47,7 +47,7 @@ pub fn dead_instances(folder: &Path) -> Vec<String> {
     let is_dead = |name: &String| {
         let is_root = boot_of(name).is_some() || name.starts_with("trolley-");
         let path = folder.join(name);
-        // Whoever lives holds the lock; it is given back at once.
+        // A live owner holds the lock; if free, it is released at once.
         is_root && path.is_dir() && path.to_str().and_then(lock_root).is_some()
     };
     let mut names: Vec<String> = names.filter(is_dead).collect();
@@ -55,10 +55,11 @@ pub fn dead_instances(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Removes a domain, after so many looks at most whether its guests have gone. The caller holds the
-/// lock of its root.
+/// Removes a domain, after at most `looks` checks whether its guests have gone. The caller holds
+/// the lock of its root.
 ///
-/// The memory goes first: while the root stands, its lock tells others that somebody cares.
+/// The memory is removed first: while the root exists, its lock shows others that removal is in
+/// progress.
 pub(super) fn remove(name: &str, looks: usize) -> bool {
     let root = format!("{SHM}/{name}");
     let Some(_alone) = (0..looks).find_map(|look| {

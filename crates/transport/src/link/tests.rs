@@ -80,7 +80,7 @@ fn a_full_queue_is_said_so_and_nobody_waits() {
             send(&coordinator.jobs, head(2, MessageKind::Batch), &[job]).unwrap();
         }
         for _ in 0..5 {
-            // It returns at all: nobody takes anything meanwhile.
+            // It does not block, although nothing is taken meanwhile.
             let refused = send(&coordinator.jobs, head(2, MessageKind::Batch), &[99]);
             assert_eq!(refused, Err(UseError::Full));
         }
@@ -190,7 +190,7 @@ fn no_flipped_bit_gets_through() {
     let text = coordinator.domain.text().to_owned();
     let mut scratch = Vec::new();
     let words = [0, u64::MAX, 0x0123_4567_89ab_cdef];
-    // Far from anything else that memory holds.
+    // A pattern unlike anything else in memory.
     let request = |bit: u64| 0x5eed_0000_0000_0000 | bit;
     for bit in 0..8 * 64 {
         let head = Head { request: request(bit), ..head(8, MessageKind::Result) };
@@ -264,7 +264,7 @@ fn incarnations_and_workers_do_not_share_mail() {
     }
 }
 
-/// Else a full /dev/shm would kill us with SIGBUS in the middle of a request.
+/// Otherwise a full /dev/shm would kill the process with SIGBUS in the middle of a request.
 #[test]
 fn all_memory_is_taken_before_it_is_used() {
     let (coordinator, _worker) = pair("commit", 12);

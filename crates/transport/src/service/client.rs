@@ -1,4 +1,4 @@
-//! The asking end.
+//! The client end of a service.
 
 use super::Address;
 use super::server::{rank, wake};
@@ -26,12 +26,12 @@ pub struct ClientPort {
 }
 
 impl ClientPort {
-    /// Connects, and takes all memory that it will need.
+    /// Connects, and allocates all memory that it will need.
     ///
     /// # Errors
     ///
-    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if it has as many
-    /// clients as it takes, or shared memory or file descriptors ran out.
+    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if it has the maximum
+    /// number of clients, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let node = address.guest("client")?;
         let rank = rank(&node)?;
@@ -47,7 +47,7 @@ impl ClientPort {
         Ok(Self { port, notifier, rank, _wake: wake, _node: node })
     }
 
-    /// Servers that are connected: one, or none while it is restarted.
+    /// Number of connected servers: one, or none during a restart.
     #[must_use]
     pub fn servers(&self) -> usize {
         self.rank.dynamic_config().number_of_servers()
@@ -58,7 +58,7 @@ impl ClientPort {
     /// # Errors
     ///
     /// [`UseError::Full`] if another request is open, or the server takes no more;
-    /// [`UseError::Broken`] if its channel is not what it should be.
+    /// [`UseError::Broken`] if its channel is corrupt.
     pub fn ask(&self, ask: &Ask) -> Result<Pending, UseError> {
         let full = |error| match error {
             RequestSendError::ExceedsMaxActiveRequests
@@ -70,8 +70,8 @@ impl ClientPort {
         };
         let pending = self.port.send_copy(wire::Ask(*ask)).map_err(full)?;
         if let Err(error) = self.notifier.notify() {
-            // It looks by itself, a little later.
-            tracing::debug!(?error, "the bell does not ring");
+            // The server also polls, a little later.
+            tracing::debug!(?error, "cannot wake the server");
         }
         Ok(Pending(pending))
     }
@@ -92,7 +92,7 @@ impl Pending {
     ///
     /// # Errors
     ///
-    /// [`UseError::Broken`] if the channel is not what it should be.
+    /// [`UseError::Broken`] if the channel is corrupt.
     pub fn receive(&self) -> Result<Option<WireAnswer>, UseError> {
         match self.0.receive() {
             Ok(Some(response)) => Ok(Some(read_once(&response.payload().0))),

@@ -1,4 +1,4 @@
-//! Who listens to rankings and health, and asks nothing.
+//! A subscriber to rankings and health, which asks nothing.
 
 use super::Address;
 use super::server::topic;
@@ -26,8 +26,8 @@ impl TopicSubscriber {
     ///
     /// # Errors
     ///
-    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if there are as many
-    /// listeners as it takes, or shared memory or file descriptors ran out.
+    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if there is the maximum
+    /// number of listeners, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let node = address.guest("listener")?;
         let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
@@ -43,18 +43,18 @@ impl TopicSubscriber {
         })
     }
 
-    /// The next ranking; `None` if there is none that was not seen.
+    /// The next unseen ranking, if any.
     #[must_use]
     pub fn ranking(&self) -> Option<WireAnswer> {
         let sample = self.rankings.receive().ok().flatten()?;
         Some(read_once(&sample.payload().0))
     }
 
-    /// The latest health; `None` if there is none that was not seen.
+    /// The latest unseen health, if any.
     #[must_use]
     pub fn health(&self) -> Option<Health> {
         let mut latest = None;
-        // Bounded: no more than the buffer holds, and one that came meanwhile.
+        // Bounded: what the buffer holds, and one that came meanwhile.
         for _ in 0..8 {
             let Some(sample) = self.health.receive().ok().flatten() else { break };
             latest = Some(read_once(&sample.payload().0));

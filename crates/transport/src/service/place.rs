@@ -20,7 +20,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Makes the root if there is none, locks it, and removes what nobody uses any more.
+    /// Creates the root if there is none, locks it, and removes unused files.
     pub(super) fn take(address: &Address) -> Result<Self, OpenError> {
         let root = address.root();
         let mut tries = 0;
@@ -48,7 +48,7 @@ impl Place {
         Ok(place)
     }
 
-    /// Removes all files; the caller knows that nobody uses them.
+    /// Removes all files; the caller ensures that they are unused.
     fn empty(&self) -> io::Result<()> {
         let prefix = self.address.prefix();
         for name in names_in_shm()?.iter().filter(|name| name.starts_with(&prefix)) {
@@ -63,7 +63,7 @@ impl Place {
 }
 
 impl Drop for Place {
-    /// Leaves nothing behind, unless a client still lives: then the next server will.
+    /// Removes everything, unless a client is still alive: then the next server does.
     fn drop(&mut self) {
         let Ok(config) = self.address.config() else { return };
         let living = clean(&config);
@@ -72,7 +72,7 @@ impl Drop for Place {
             let _for_people = fs::remove_file(Path::new(self.address.root()).join(PID));
             return;
         }
-        // The lock is held until the end of this function: nobody starts in between.
+        // The lock is held until the end of this function: no server starts in between.
         let gone = self.empty().and_then(|()| fs::remove_dir(self.address.root()));
         if let Err(error) = gone {
             tracing::warn!(root = self.address.root(), %error, "left for the next to remove");
@@ -80,7 +80,7 @@ impl Drop for Place {
     }
 }
 
-/// Locks the root; `None` if somebody has done so.
+/// Locks the root; `None` if another process holds the lock.
 fn lock(root: &str) -> io::Result<Option<File>> {
     match DirBuilder::new().recursive(true).mode(0o700).create(root) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),

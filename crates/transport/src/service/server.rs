@@ -1,4 +1,4 @@
-//! The answering end.
+//! The server end of a service.
 
 use super::place::Place;
 use super::wire::{self, read_once};
@@ -38,12 +38,12 @@ pub struct Server {
 }
 
 impl Server {
-    /// Starts serving, and takes all memory that it will need.
+    /// Starts serving, and allocates all memory that it will need.
     ///
     /// # Errors
     ///
-    /// [`OpenError::Taken`] if somebody serves this instance; otherwise if the folder cannot be
-    /// written to, or shared memory or file descriptors ran out.
+    /// [`OpenError::Taken`] if another process serves this instance; otherwise if the folder cannot
+    /// be written to, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let place = Place::take(address)?;
         let node = address.node("trolley")?;
@@ -73,17 +73,17 @@ impl Server {
         Ok(server)
     }
 
-    /// Takes a request that somebody waits for; `None` if there is none. Never waits.
+    /// Takes a request whose client still waits; `None` if there is none. Never waits.
     ///
-    /// What is [wanted no more](TakenRequest::is_wanted) has to be dropped before: once another client
-    /// has come to the place of one that has gone, the request of the one may pass for the
-    /// other's.
+    /// Requests that are [no longer wanted](TakenRequest::is_wanted) must be dropped first: once a
+    /// new client has taken the place of one that has gone, the old one's request may pass for the
+    /// new one's.
     ///
     /// # Errors
     ///
     /// [`UseError::Full`] if a client has given up and asked again while too many of its requests
-    /// are held here: let go of those that nobody wants. [`UseError::Broken`] if a client's channel
-    /// is not what it should be.
+    /// are held here: drop those that are no longer wanted. [`UseError::Broken`] if a client's
+    /// channel is corrupt.
     pub fn take(&self) -> Result<Option<TakenRequest>, UseError> {
         loop {
             match self.port.receive() {
@@ -91,7 +91,7 @@ impl Server {
                     let ask = read_once(&request.payload().0);
                     return Ok(Some(TakenRequest { request, ask }));
                 }
-                // Its client has gone. To drop it is what frees the channel.
+                // Its client has gone. Dropping it frees the channel.
                 Ok(Some(_)) => {}
                 Ok(None) => return Ok(None),
                 Err(ReceiveError::ExceedsMaxBorrows) => return Err(UseError::Full),
@@ -100,14 +100,14 @@ impl Server {
         }
     }
 
-    /// Tells everybody who listens of an answer.
+    /// Publishes an answer to all listeners.
     pub fn publish_ranking(&self, answer: &WireAnswer) {
         if let Err(error) = self.rankings.send_copy(wire::WireAnswer(*answer)) {
             tracing::debug!(?error, "a ranking was not published");
         }
     }
 
-    /// Tells everybody who listens how the service is.
+    /// Publishes the health of the service to all listeners.
     pub fn publish_health(&self, health: &Health) {
         if let Err(error) = self.health.send_copy(wire::Health(*health)) {
             tracing::debug!(?error, "health was not published");
@@ -123,21 +123,21 @@ impl Server {
         unsafe { BorrowedFd::borrow_raw(number) }
     }
 
-    /// Takes all rings back.
+    /// Clears all pending rings.
     pub fn drain(&self) {
         if let Err(error) = self.wake_fd.try_wait(|_| {}) {
             tracing::debug!(?error, "the bell cannot be read");
         }
     }
 
-    /// Clients that are connected.
+    /// Number of connected clients.
     #[must_use]
     pub fn clients(&self) -> usize {
         use iceoryx2::prelude::PortFactory as _;
         self.rank.dynamic_config().number_of_clients()
     }
 
-    /// Removes what dead clients left, from any thread: so that there is room for new ones.
+    /// Removes what dead clients left, from any thread, so that new ones can connect.
     #[must_use]
     pub fn housekeeper(&self) -> Housekeeper {
         Housekeeper { config: self.config.clone() }
@@ -176,7 +176,7 @@ impl TakenRequest {
         &self.ask
     }
 
-    /// Whether its client still waits, as far as it says; a killed one does not say.
+    /// Whether its client still waits, as far as known: a killed one is not noticed here.
     #[must_use]
     pub fn is_wanted(&self) -> bool {
         self.request.is_connected()
@@ -186,7 +186,7 @@ impl TakenRequest {
     ///
     /// # Errors
     ///
-    /// [`UseError::Broken`] if the client has gone: nobody is left to tell.
+    /// [`UseError::Broken`] if the client has gone.
     pub fn answer(self, answer: &WireAnswer) -> Result<(), UseError> {
         // One heap allocation, made by iceoryx2 for the loan.
         match self.request.send_copy(wire::WireAnswer(*answer)) {
@@ -202,7 +202,7 @@ impl fmt::Debug for TakenRequest {
     }
 }
 
-/// The request–response service; whoever comes first makes it.
+/// The request–response service; the first process creates it.
 pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
     let name = RANK.try_into().map_err(OpenError::at("name", RANK))?;
     node.service_builder(&name)
@@ -210,7 +210,7 @@ pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
         .max_servers(1)
         .max_clients(CLIENTS_MAX)
         .max_nodes(NODES_MAX)
-        // A client asks one thing at a time; the other is one that it gave up and that is still
+        // A client has one request at a time; the second is one that it gave up and that is still
         // being worked on.
         .max_active_requests_per_client(2)
         .max_loaned_requests(1)
@@ -218,8 +218,9 @@ pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
         .max_borrowed_responses_per_pending_response(1)
         .enable_safe_overflow_for_requests(false)
         .enable_safe_overflow_for_responses(false)
-        // Nobody fires and forgets here, and such requests are dropped. But without it iceoryx2
-        // 0.10 never returns a request whose client has gone, and keeps its channel for ever.
+        // Fire-and-forget requests are not used here, and are dropped. But without this option
+        // iceoryx2 0.10 never returns a request whose client has gone, and keeps its channel
+        // forever.
         .enable_fire_and_forget_requests(true)
         .open_or_create()
         .map_err(OpenError::at("open", RANK))
@@ -239,7 +240,7 @@ pub(super) fn wake(
         .map_err(OpenError::at("open", WAKE))
 }
 
-/// A topic of which every listener sees the latest.
+/// A topic of which every listener sees the latest sample.
 pub(super) fn topic<T>(
     node: &Node<ipc::Service>,
     name: &'static str,
@@ -256,7 +257,7 @@ where
         .history_size(0)
         .subscriber_max_buffer_size(4)
         .subscriber_max_borrowed_samples(1)
-        // Who does not keep up misses the oldest; nobody waits for a listener.
+        // A slow listener misses the oldest samples; the publisher never waits.
         .enable_safe_overflow(true)
         .open_or_create()
         .map_err(OpenError::at("open", name))

@@ -146,8 +146,8 @@ fn a_client_that_gives_up_again_and_again_is_heard_once_the_server_lets_go() {
     assert_eq!(pending.receive().unwrap(), Some(refused(9)));
 }
 
-/// iceoryx2 has room for 128 channels that it never gives back: a client that left a request behind
-/// must leave nothing else.
+/// iceoryx2 has 128 channels that it never gives back: a client that left a request behind must
+/// leave nothing else.
 #[test]
 fn clients_that_ask_and_go_before_they_are_heard_leave_nothing() {
     let scene = Scene::new();
@@ -176,7 +176,7 @@ fn the_same_client_works_with_the_next_server() {
     let pending = client.ask(&Ask::new(3)).unwrap();
     server.take().unwrap().unwrap().answer(&refused(3)).unwrap();
     assert_eq!(pending.receive().unwrap(), Some(refused(3)));
-    // A client that outlives its server keeps files for the next one: let it go first.
+    // A client that outlives its server keeps files for the next one: drop it first.
     drop((pending, client));
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::record::Record;
 
-fn here() -> Engine {
+fn in_process() -> Engine {
     Engine::builder().in_process().build().unwrap()
 }
 
@@ -29,7 +29,7 @@ fn scenario(speed_m_s: f64) -> Scenario {
 
 #[test]
 fn a_scenario_is_ranked_without_a_process() {
-    let ranking = here().rank(&scenario(12.0), &Limits::default()).unwrap();
+    let ranking = in_process().rank(&scenario(12.0), &Limits::default()).unwrap();
     assert_eq!(ranking.answer.state, damage::AnswerState::Complete);
     assert_eq!(ranking.best().map(|best| best.name.as_str()), Some("past"));
     assert_eq!(ranking.run.mode, Mode::InProcess);
@@ -39,7 +39,7 @@ fn a_scenario_is_ranked_without_a_process() {
 
 #[test]
 fn the_same_bodies_are_kept_and_others_take_their_place() {
-    let mut engine = here();
+    let mut engine = in_process();
     let limits = Limits::default();
     let answers = [12.0, 9.0, 12.0].map(|speed| engine.rank(&scenario(speed), &limits).unwrap());
     assert_eq!(answers[0].answer, answers[2].answer);
@@ -48,19 +48,19 @@ fn the_same_bodies_are_kept_and_others_take_their_place() {
     assert_eq!(kept.map(Vec::len), Some(2), "bodies asked about again are known better");
     let other = Scenario::parse("two.toml", &text(12.0).replace("600", "700")).unwrap();
     let answer = engine.rank(&other, &limits).unwrap().answer;
-    assert_eq!(answer, here().rank(&other, &limits).unwrap().answer);
+    assert_eq!(answer, in_process().rank(&other, &limits).unwrap().answer);
 }
 
 #[test]
 fn a_ranking_is_recorded_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(12.0);
-    let bare = here().rank(&scenario, &Limits::default()).unwrap();
+    let bare = in_process().rank(&scenario, &Limits::default()).unwrap();
     let refused = Record::write(folder.path(), &bare).unwrap_err();
     assert!(refused.what().contains("job history") && refused.remedy().is_some(), "{refused}");
     let mut paths = Vec::new();
     for _ in 0..2 {
-        let ranking = here().rank(&scenario, &Limits::default().with_record()).unwrap();
+        let ranking = in_process().rank(&scenario, &Limits::default().with_record()).unwrap();
         paths.push(Record::write(folder.path(), &ranking).unwrap());
     }
     assert_eq!(Record::verify(folder.path()).unwrap().0, 2);
@@ -76,10 +76,11 @@ fn what_cannot_be_ranked_is_refused_with_a_remedy() {
     let unknown = text(12.0)
         .replace("triangles = 600 } }\n[[", "triangles = 600 }, kind = \"unknown\" }\n[[");
     let unknown = Scenario::parse("two.toml", &unknown).unwrap();
-    let failure = here().rank(&unknown, &Limits::default()).unwrap_err();
+    let failure = in_process().rank(&unknown, &Limits::default()).unwrap_err();
     assert_eq!(failure.kind(), crate::FailureKind::Refused, "{failure}");
     assert!(failure.what().starts_with("two.toml:5:") && failure.remedy().is_some(), "{failure}");
-    let answer = here().rank(&unknown.assuming_unknown_is_fixed(), &Limits::default()).unwrap();
+    let answer =
+        in_process().rank(&unknown.assuming_unknown_is_fixed(), &Limits::default()).unwrap();
     assert!(!answer.answer.assumptions.is_empty());
     let failure = Engine::builder().workers(17).build().unwrap_err();
     assert_eq!(failure.kind(), crate::FailureKind::Configuration, "{failure}");
@@ -87,13 +88,13 @@ fn what_cannot_be_ranked_is_refused_with_a_remedy() {
 
 #[test]
 fn the_same_bodies_in_other_parts_are_checked_again() {
-    let mut engine = here();
+    let mut engine = in_process();
     let limits = Limits::default();
     engine.rank(&scenario(12.0), &limits).unwrap();
     let of_pole = "shape = \"pole\", triangles = 600 }";
     let text = text(12.0).replace(of_pole, &format!("{of_pole}, persons = [{{}}]"));
     let wrong = Scenario::parse("two.toml", &text);
-    let expected = wrong.clone().and_then(|wrong| here().rank(&wrong, &limits).map(drop));
+    let expected = wrong.clone().and_then(|wrong| in_process().rank(&wrong, &limits).map(drop));
     let found = wrong.and_then(|wrong| engine.rank(&wrong, &limits).map(drop));
     assert_eq!(found.unwrap_err(), expected.unwrap_err());
 }
@@ -101,6 +102,6 @@ fn the_same_bodies_in_other_parts_are_checked_again() {
 #[test]
 fn a_budget_cannot_be_recorded() {
     let limits = Limits::default().with_record().with_budget(100_000).unwrap();
-    let failure = here().rank(&scenario(12.0), &limits).unwrap_err();
+    let failure = in_process().rank(&scenario(12.0), &limits).unwrap_err();
     assert_eq!(failure.kind(), crate::FailureKind::Configuration, "{failure}");
 }

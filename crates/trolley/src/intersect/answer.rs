@@ -1,4 +1,4 @@
-//! What was found, and the line of JSON that says it to programs.
+//! What a query found, and its line of JSON.
 
 use body::Build;
 use bvh::kernel::Walk;
@@ -6,7 +6,26 @@ use bvh::{BuildOptions, Counters, Question};
 use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 
-/// What a query found. For one pose it is always the same.
+/// What a query found. It depends on the triangles and the poses alone.
+///
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-found-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// let asked = Intersect::new(&a, &b, &poses).run(SILENT)?.asked;
+/// println!("{} pairs of {:?} triangles", asked.found.pairs, asked.found.hits);
+/// assert!(asked.found.hits[0] <= 600);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// Pairs that intersect, for [`Question::Pairs`]; whether any does, for [`Question::Touches`].
@@ -15,28 +34,66 @@ pub struct Found {
     pub hash: u64,
     /// Triangles hit, of A and of B.
     pub hits: [usize; 2],
-    /// Of these: the sums modulo 2⁶⁴ of splitmix64(id).
+    /// Of the triangles hit: the sums modulo 2⁶⁴ of splitmix64(id).
     pub hashes: [u64; 2],
 }
 
-/// A query, or the last of several and the medians of their times.
+/// The result of a query, or of the last of several with the medians of their times.
+///
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-result-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// let asked = Intersect::new(&a, &b, &poses).run(SILENT)?.asked;
+/// println!("{} ns in {} parts", asked.query_ns, asked.jobs);
+/// assert_eq!(asked.jobs, 1);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct QueryResult {
     /// What it found.
     pub found: Found,
-    /// Tests of boxes and of triangles.
+    /// Numbers of box tests and of triangle tests.
     pub counters: Counters,
-    /// Parts of the query: 1 unless several threads shared the work.
+    /// Parts that the query was divided into: 1 unless several threads shared the work.
     pub jobs: u64,
-    /// What a new pose costs before the query (ns).
+    /// Time to compute the relative pose (ns).
     pub pose_ns: u64,
-    /// What the query took (ns).
+    /// Time of the query (ns).
     pub query_ns: u64,
 }
 
-/// Two bodies at one pose: what was found, and what it took.
+/// The result of [`Intersect::run`](super::Intersect::run).
 ///
-/// As JSON it is one object with the keys that `trolley intersect --help` explains.
+/// As JSON it is one object; `trolley intersect --help` explains its keys.
+///
+/// ```
+/// # use trolley::bodies::{ModelFile, SILENT};
+/// # use trolley::intersect::Intersect;
+/// # use trolley::model::{BuildOptions, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-intersected-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let [a, b, poses] = ["a.trolley", "b.trolley", "poses.txt"].map(|name| folder.join(name));
+/// # let pole = ModelFile::generate(Shape::Pole, 600, 0, &BuildOptions::default())?;
+/// # trolley::files::replace(&a, pole.bytes())?;
+/// # trolley::files::replace(&b, pole.bytes())?;
+/// # let text = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 0 0 0.1\n0 1 0 0\n0 0 1 0\n";
+/// # trolley::files::replace(&poses, text.as_bytes())?;
+/// let result = Intersect::new(&a, &b, &poses).run(SILENT)?;
+/// let json = serde_json::to_value(&result);
+/// assert!(json.is_ok_and(|json| json["pairs"] == result.asked.found.pairs));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Intersected {
     /// A and B.
@@ -55,9 +112,9 @@ pub struct Intersected {
     pub build_ns: u64,
     /// How often the query was timed.
     pub repeat: u32,
-    /// Whether the caches were emptied before each query.
+    /// Whether the caches were emptied before each timed query.
     pub cold: bool,
-    /// Whether B stood elsewhere for each query.
+    /// Whether B was moved for each timed query.
     pub moving: bool,
     /// What was found.
     pub asked: QueryResult,
@@ -148,7 +205,11 @@ impl Serialize for Intersected {
     }
 }
 
-/// A hash as 16 hexadecimal digits.
+/// Returns a hash as 16 hexadecimal digits.
+///
+/// ```
+/// assert_eq!(trolley::intersect::hex(255), "00000000000000ff");
+/// ```
 #[must_use]
 pub fn hex(hash: u64) -> String {
     format!("{hash:016x}")

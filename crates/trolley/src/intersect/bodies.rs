@@ -1,4 +1,4 @@
-//! The two bodies: meshes as they stand, read in a child, or model files; each with its tree.
+//! The two bodies: meshes, read in a child process, or model files; each with its tree.
 
 use crate::Failure;
 use crate::model::open;
@@ -9,11 +9,11 @@ use mesh::reader::{OnProgress, ReadLimits, ReadMesh, ReadRequest};
 use runtime::clock::now_ns;
 use std::path::Path;
 
-/// A body and what it took to build its tree.
+/// A body, and the time to build its tree.
 pub(super) struct Body {
     pub(super) meta: Meta,
     held: Held,
-    /// 0 if a model file had the tree that was asked for.
+    /// 0 if a model file had the tree already.
     pub(super) build_ns: u64,
 }
 
@@ -23,8 +23,8 @@ enum Held {
     Built(Box<body::Body>),
 }
 
-/// How both trees are to be built where that was left open: as the first model file's was, else by
-/// surface area, which is the quickest to build and to walk.
+/// How both trees are built where that was left open: as in the first model file, else by surface
+/// area, which is the quickest to build and to walk.
 pub(super) fn options(
     files: [&Path; 2],
     build: Option<Build>,
@@ -43,7 +43,7 @@ pub(super) fn options(
 }
 
 impl Body {
-    /// Reads and verifies a body, and gives it the tree that is asked for if it has another.
+    /// Reads and verifies a body, and rebuilds its tree if another one is asked for.
     pub(super) fn load(
         path: &Path,
         options: &BuildOptions,

@@ -1,4 +1,4 @@
-//! Which files are sound.
+//! Checks whether files are valid.
 
 use super::facts::{Facts, thousands, triangles};
 use super::open;
@@ -7,22 +7,63 @@ use mesh::reader::{MeshOptions, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// What was found of some files.
+/// The result of [`check`].
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-report-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let report = model::check(
+///     &[out, "no-such-file.trolley".into()],
+///     &model::MeshOptions::default(),
+///     model::ReadLimits::default(),
+///     &mut |_| Ok(()),
+/// )?;
+/// assert_eq!((report.files.len(), report.refused), (2, 1));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckReport {
     schema: &'static str,
-    /// How many are not sound.
+    /// How many are not valid.
     pub refused: usize,
-    /// Each of them, in the order in which they were named.
+    /// The files, in the order given.
     pub files: Vec<FileCheck>,
 }
 
-/// What was found of a file.
+/// What a check of one file found.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-file-check-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let report = model::check(
+///     &[out, "no-such-file.trolley".into()],
+///     &model::MeshOptions::default(),
+///     model::ReadLimits::default(),
+///     &mut |_| Ok(()),
+/// )?;
+/// assert!(report.files[0].ok && report.files[0].fault.is_none());
+/// assert!(!report.files[1].ok && report.files[1].fault.is_some());
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct FileCheck {
     /// Its name.
     pub file: String,
-    /// Whether it is sound.
+    /// Whether it is valid.
     pub ok: bool,
     /// What it is.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,17 +74,41 @@ pub struct FileCheck {
     /// What is wrong with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
-    /// What to do about that.
+    /// What to do about it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
 }
 
-/// Verifies model files, and tries whether meshes could be imported; writes nothing. `tell` hears
-/// of each file in turn, and may end it all. Where `options` name no kind, any size is accepted.
+/// Verifies model files, and tries whether meshes can be imported; writes nothing. `tell` is called
+/// for each file in turn, and can stop the check with an error. If `options` name no kind, any size
+/// is accepted.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-check-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let report = model::check(
+///     &[out],
+///     &model::MeshOptions::default(),
+///     model::ReadLimits::default(),
+///     &mut |file| {
+///         println!("{}: {}", file.file, file.ok);
+///         Ok(())
+///     },
+/// )?;
+/// assert_eq!(report.refused, 0);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If a file could not be looked at, which is not its fault; or whatever `tell` says.
+/// If a file could not be checked, through no fault of its own, or the error that `tell` returns.
 pub fn check(
     files: &[PathBuf],
     options: &MeshOptions,
@@ -57,7 +122,7 @@ pub fn check(
             Ok((what, doubts)) => {
                 FileCheck { file, ok: true, what: Some(what), doubts, fault: None, help: None }
             }
-            // Not the file's fault, but the machine's or ours: the others would fare no better.
+            // Not the fault of the file: the others would fail as well.
             Err(failure) if failure.kind() != FailureKind::Input => return Err(failure),
             Err(failure) => FileCheck {
                 file,
@@ -90,7 +155,7 @@ fn look(
         let what = format!("model file, {}, {x:.2} × {y:.2} × {z:.2} m, {count}", facts.kind);
         return Ok((what, Vec::new()));
     }
-    // A trial builds no tree, so there is no progress to tell.
+    // A trial builds no tree, so there is no progress to report.
     let ReadMesh { report, .. } =
         ReadRequest::new(path, options, None, None, limits)?.run(crate::bodies::SILENT)?;
     let mut what =

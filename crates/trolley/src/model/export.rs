@@ -1,4 +1,4 @@
-//! The triangles of a model file as a mesh for other programs.
+//! Exporting the triangles of a model file as a mesh.
 
 use super::open;
 use crate::{Failure, files};
@@ -6,19 +6,51 @@ use mesh::export::{self, ExportFormat};
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 
-/// Writes the triangles of a model file in the order of their source ids, with their exact
-/// coordinates, in metres, x forward, y left, z up.
+/// Exports the triangles of a model file as a mesh, in the order of their source ids, with their
+/// exact coordinates: in metres, x forward, y left, z up.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-export-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let export = model::Export { file: out, format: None, out: folder.join("pole.stl") };
+/// assert_eq!(export.run()?.triangles, 600);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Export {
     /// The model file.
     pub file: PathBuf,
-    /// The format; none: what the output's name ends in.
+    /// The format; `None`: by the ending of `out`.
     pub format: Option<ExportFormat>,
     /// The mesh file to write.
     pub out: PathBuf,
 }
 
-/// A mesh that was written.
+/// The result of [`Export::run`].
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-exported-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let export = model::Export { file: out, format: None, out: folder.join("pole.stl") };
+/// let exported = export.run()?;
+/// println!("{}: {} bytes", exported.file, exported.bytes);
+/// # assert_eq!(exported.format, model::ExportFormat::Stl);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Exported {
     schema: &'static str,
@@ -29,17 +61,35 @@ pub struct Exported {
     pub format: ExportFormat,
     /// Its triangles.
     pub triangles: usize,
-    /// Its length.
+    /// Its length in bytes.
     pub bytes: usize,
 }
 
 impl Export {
     /// Writes the mesh.
     ///
+    /// ```
+    /// # use trolley::model::{self, Generate, Shape};
+    /// # let folder = std::env::temp_dir();
+    /// # let folder = folder.join(format!("trolley-export-run-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let out = folder.join("pole.trolley");
+    /// # let tree = model::tree(model::Build::Paper, 4);
+    /// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+    /// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+    /// # let generated = pole.run(&|_, _| {})?;
+    /// let export = model::Export { file: out, format: None, out: folder.join("pole.stl") };
+    /// export.run()?;
+    /// let mesh = trolley::kernel::read_mesh(folder.join("pole.stl"))?;
+    /// assert_eq!(mesh.len(), 600);
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// If nothing says which format, the model file is not sound, or the mesh cannot be written;
-    /// what was in its place is still there.
+    /// If the format is not known, the model file is not valid, or the mesh cannot be written; an
+    /// existing file is then left as it was.
     pub fn run(&self) -> Result<Exported, Failure> {
         let format = self.format()?;
         files::check(&self.out, Some(&self.file))?;

@@ -1,16 +1,38 @@
-//! What is known of a body that lies in a model file.
+//! Facts about the body in a model file.
+//!
+//! ```
+//! use trolley::model::facts;
+//!
+//! assert_eq!(facts::triangles(39_170), "39,170 triangles");
+//! ```
 
 use crate::Failure;
 use body::{BodyKind, BodyView, Build, Mesh, Meta, Seat, file};
 use mesh::import::{Guess, guess};
 use serde::Serialize;
 
-/// What is known of a body. Lengths are metres in the body frame: x forward, y left, z up.
+/// Facts about a body. Lengths are in metres, in the body frame: x forward, y left, z up.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-facts-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let facts = &generated.body;
+/// println!("{}: {:?} m, {} triangles", facts.name, facts.size_m, facts.triangles);
+/// assert!(facts.mass_kg.is_none(), "a pole is fixed to the ground");
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Facts {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What it is said to be.
+    /// Its stated kind.
     pub kind: BodyKind,
     /// Extent forward, left and up (m).
     pub size_m: [f64; 3],
@@ -18,11 +40,11 @@ pub struct Facts {
     pub min_m: [f32; 3],
     /// Greatest coordinates (m).
     pub max_m: [f32; 3],
-    /// What it has the size of: "a car".
+    /// What it looks like by its size, such as "a car".
     pub looks_like: Option<&'static str>,
-    /// What speaks against its unit and axes.
+    /// Doubts about its unit and axes.
     pub doubts: Vec<String>,
-    /// Mass (kg); none: it is fixed to the ground.
+    /// Mass (kg); `None` if it is fixed to the ground.
     pub mass_kg: Option<f64>,
     /// Centre of mass (m).
     pub centre_m: [f64; 3],
@@ -30,13 +52,13 @@ pub struct Facts {
     pub gyration_m: f64,
     /// Yaw inertia (kg m²).
     pub yaw_inertia_kg_m2: Option<f64>,
-    /// Where the mass is from.
+    /// Where the mass comes from.
     pub mass_source: String,
-    /// Seats of those aboard; `null` stands for a person on foot. None if nothing was stated.
+    /// Seats of its occupants, `None` for a person on foot. `None` if nothing was stated.
     pub occupants: Option<Vec<Option<Seat>>>,
     /// Triangles of the body.
     pub triangles: usize,
-    /// Triangles left out on import, because another has the same corners.
+    /// Triangles dropped on import, because another one has the same corners.
     pub duplicates_dropped: usize,
     /// Triangles of zero area.
     pub degenerate_kept: u32,
@@ -44,9 +66,9 @@ pub struct Facts {
     pub parts: Vec<BodyPart>,
     /// How its tree was built.
     pub build: Build,
-    /// Triangles in a leaf at most.
+    /// Most triangles in a leaf.
     pub leaf_size: u32,
-    /// Nodes on the longest way from the root.
+    /// Nodes on the longest path from the root.
     pub depth: u32,
     /// Nodes of the tree.
     pub nodes: usize,
@@ -54,9 +76,9 @@ pub struct Facts {
     pub bytes: usize,
     /// Where the triangles come from: file name, unit, axes, or the generator's call.
     pub origin: String,
-    /// BLAKE3 of the source bytes, or of the call.
+    /// BLAKE3 hash of the source bytes, or of the generator's call.
     pub origin_hash: String,
-    /// BLAKE3 of what the model file holds.
+    /// BLAKE3 hash of the content of the model file.
     pub content_hash: String,
     /// Size and guess in words.
     #[serde(skip)]
@@ -64,20 +86,56 @@ pub struct Facts {
 }
 
 /// A part of a body.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-part-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// for part in &generated.body.parts {
+///     println!("{}: {}", part.name, model::facts::triangles(part.triangles));
+/// }
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct BodyPart {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Its triangles.
     pub triangles: usize,
 }
 
 impl Facts {
-    /// The facts of a model file that was [viewed](super::open::view): `bytes` are all of it.
+    /// Collects the facts of a model file that was [viewed](super::open::view); `bytes` are all of
+    /// it.
+    ///
+    /// ```
+    /// # use trolley::model::{self, Generate, Shape};
+    /// # let folder = std::env::temp_dir();
+    /// # let folder = folder.join(format!("trolley-facts-new-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let out = folder.join("pole.trolley");
+    /// # let tree = model::tree(model::Build::Paper, 4);
+    /// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+    /// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+    /// # let generated = pole.run(&|_, _| {})?;
+    /// use trolley::model::{Facts, open};
+    ///
+    /// let map = open::bytes(&out)?;
+    /// let (meta, view) = open::view(&out, map.bytes())?;
+    /// assert_eq!(Facts::new(meta, &view, map.bytes())?.triangles, 600);
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If the bytes are no model file.
+    /// If the bytes are not a model file.
     pub fn new(meta: Meta, body: &BodyView<'_>, bytes: &[u8]) -> Result<Self, Failure> {
         let content_hash = file::content_hash(bytes)?;
         let bounds = body.bounds();
@@ -119,7 +177,22 @@ impl Facts {
         })
     }
 
-    /// That it has the size of something else than it is said to be, if so.
+    /// Returns a sentence if the size of the body contradicts its kind.
+    ///
+    /// ```
+    /// # use trolley::model::{self, Generate, Shape};
+    /// # let folder = std::env::temp_dir();
+    /// # let folder = folder.join(format!("trolley-contradiction-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let out = folder.join("pole.trolley");
+    /// # let tree = model::tree(model::Build::Paper, 4);
+    /// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+    /// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+    /// # let generated = pole.run(&|_, _| {})?;
+    /// assert!(generated.body.contradiction().is_none(), "the pole has the size of a pole");
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn contradiction(&self) -> Option<String> {
         let looks = self.looks_like.filter(|looks| !agrees(self.kind, looks))?;
@@ -130,12 +203,12 @@ impl Facts {
 /// What a body of no known size looks like.
 const NOTHING: &str = "like nothing known";
 
-/// What a stored body looks like: the same guess as on import.
+/// What a stored body looks like: the guess made on import.
 fn guess_of(body: &BodyView<'_>) -> Guess {
     guess(&Mesh { corners: body.corners.to_vec(), ..Mesh::default() })
 }
 
-/// Whether what a body looks like goes with what it is said to be.
+/// Whether what a body looks like agrees with its kind.
 fn agrees(kind: BodyKind, looks: &str) -> bool {
     let expected = match kind {
         BodyKind::Sedan | BodyKind::Suv => "a car",
@@ -149,13 +222,23 @@ fn agrees(kind: BodyKind, looks: &str) -> bool {
     looks == expected
 }
 
-/// A count of triangles as people read it: "1 triangle", "39,170 triangles".
+/// Returns a count of triangles in words: "1 triangle", "39,170 triangles".
+///
+/// ```
+/// use trolley::model::facts::triangles;
+///
+/// assert_eq!([triangles(1), triangles(39_170)], ["1 triangle", "39,170 triangles"]);
+/// ```
 #[must_use]
 pub fn triangles(count: usize) -> String {
     format!("{} triangle{}", thousands(count), if count == 1 { "" } else { "s" })
 }
 
-/// A count as people read it: "39,170".
+/// Returns a count with thousands separators: "39,170".
+///
+/// ```
+/// assert_eq!(trolley::model::facts::thousands(39_170), "39,170");
+/// ```
 #[must_use]
 pub fn thousands(count: usize) -> String {
     let digits = count.to_string();

@@ -1,4 +1,4 @@
-//! A model file of a generated body.
+//! Generating model files.
 
 use super::{Facts, open};
 use crate::{Failure, FailureKind, bodies, files};
@@ -8,23 +8,51 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Makes a model file of a shape that the program generates itself.
+/// Generates a body of a built-in shape, and writes its model file.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-generate-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// use trolley::model::{self, Build, Generate, Shape};
+///
+/// let out = folder.join("suv.trolley");
+/// let tree = model::tree(Build::Paper, 4);
+/// let suv = Generate { shape: Shape::Suv, triangles: 1500, seed: 0, tree, out };
+/// suv.run(&|_, _| {})?;
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Generate {
-    /// What to generate.
+    /// The shape.
     pub shape: Shape,
-    /// How finely, [`TRIANGLES_MIN`](super::TRIANGLES_MIN) to
-    /// [`TRIANGLES_MAX`](super::TRIANGLES_MAX); an odd number gives one triangle less.
+    /// Number of triangles, [`TRIANGLES_MIN`](super::TRIANGLES_MIN) to
+    /// [`TRIANGLES_MAX`](super::TRIANGLES_MAX); an odd number gives one less.
     pub triangles: u32,
-    /// Varies size and proportions by a few per cent; 0 is the nominal body.
+    /// Seed that varies size and proportions by a few per cent; 0 is the nominal body.
     pub seed: u64,
-    /// The tree that it gets.
+    /// How its tree is built.
     pub tree: BuildOptions,
     /// The model file to write.
     pub out: PathBuf,
 }
 
-/// A model file of a generated body.
+/// The result of [`Generate::run`].
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-generated-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// let generated = pole.run(&|_, _| {})?;
+/// println!("{}: {}", generated.file, generated.body.sentence);
+/// assert_eq!(generated.body.triangles, 600);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Generated {
     schema: &'static str,
@@ -35,12 +63,27 @@ pub struct Generated {
 }
 
 impl Generate {
-    /// Generates the body, and writes the model file. Several threads tell `progress`.
+    /// Generates the body, and writes the model file. Several threads call `progress`.
+    ///
+    /// ```
+    /// # use trolley::model::{self, Generate, Shape};
+    /// # let folder = std::env::temp_dir();
+    /// # let folder = folder.join(format!("trolley-generate-run-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let out = folder.join("pole.trolley");
+    /// # let tree = model::tree(model::Build::Paper, 4);
+    /// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+    /// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+    /// pole.run(&|done, total| eprintln!("{done} of {total} triangles"))?;
+    /// assert!(model::open::is_model(&out));
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If a body of this shape cannot have so many triangles, or the model file cannot be written;
-    /// what was in its place is still there.
+    /// If `triangles` is out of range for the shape, or the model file cannot be written; an
+    /// existing file is then left as it was.
     pub fn run(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Generated, Failure> {
         files::check(&self.out, None)?;
         let done = AtomicU64::new(0);

@@ -1,4 +1,4 @@
-//! What a model file holds, or how a mesh might be meant.
+//! What a model file or a mesh contains.
 
 use super::{Facts, open};
 use crate::{Failure, FailureKind};
@@ -9,12 +9,30 @@ use mesh::reader::{OnProgress, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
 use std::path::Path;
 
-/// Offers that are made.
+/// Most readings that are offered.
 const READINGS_MAX: usize = 4;
 
 const SCHEMA: &str = "trolley.model-info/1";
 
-/// What is known of a file.
+/// What a file contains.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-enum-info-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let info = model::info(&out, model::ReadLimits::default(), trolley::bodies::SILENT)?;
+/// match info {
+///     model::Info::Body(info) => assert_eq!(info.body.triangles, 600),
+///     model::Info::Mesh(mesh) => println!("{} parts", mesh.parts.len()),
+/// }
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Info {
@@ -24,7 +42,24 @@ pub enum Info {
     Mesh(MeshInfo),
 }
 
-/// What a model file holds.
+/// What a model file contains.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-body-info-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let info = model::info(&out, model::ReadLimits::default(), trolley::bodies::SILENT)?;
+/// if let model::Info::Body(info) = info {
+///     println!("{}: {}", info.file, info.body.sentence);
+/// }
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct BodyInfo {
     schema: &'static str,
@@ -34,7 +69,16 @@ pub struct BodyInfo {
     pub body: Facts,
 }
 
-/// What a mesh holds.
+/// What a mesh contains.
+///
+/// ```no_run
+/// # use trolley::model::{Info, ReadLimits, info};
+/// trolley::play_worker(); // a mesh is read in a child process
+/// if let Info::Mesh(mesh) = info("car.obj".as_ref(), ReadLimits::default(), &|_, _| {})? {
+///     println!("{}: {} triangles in {} parts", mesh.format, mesh.triangles, mesh.parts.len());
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct MeshInfo {
     schema: &'static str,
@@ -50,15 +94,31 @@ pub struct MeshInfo {
     pub parts: Vec<String>,
     /// What was noticed.
     pub notes: Vec<String>,
-    /// Offers, likeliest first; nothing is applied.
+    /// How it might be meant, likeliest first; nothing is applied.
     pub readings: Vec<Reading>,
 }
 
-/// Says what a model file holds, or how a mesh might be meant, which is read in a child.
+/// Returns what a model file contains, or what a mesh contains and how it might be meant. A mesh is
+/// read in a child process.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-info-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let info = model::info(&out, model::ReadLimits::default(), trolley::bodies::SILENT)?;
+/// assert!(matches!(info, model::Info::Body(_)));
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If the file is at fault, or reading it took more than `limits`.
+/// If the file is not valid, or reading it exceeds `limits`.
 pub fn info(path: &Path, limits: ReadLimits, progress: OnProgress<'_>) -> Result<Info, Failure> {
     let file = path.display().to_string();
     if open::is_model(path) {

@@ -1,17 +1,70 @@
-//! Opening a model file that a person named: every failure names the file and says what to do.
+//! Opening model files: every error names the file and says what to do.
+//!
+//! ```
+//! # use trolley::model::{self, Generate, Shape};
+//! # let folder = std::env::temp_dir().join(format!("trolley-open-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! # let out = folder.join("pole.trolley");
+//! # let tree = model::tree(model::Build::Paper, 4);
+//! # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+//! # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+//! # let generated = pole.run(&|_, _| {})?;
+//! use trolley::model::open;
+//!
+//! let map = open::bytes(&out)?;
+//! let (meta, body) = open::view(&out, map.bytes())?;
+//! assert_eq!((meta.name.as_str(), body.corners.len()), ("pole", 600));
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use body::{BodyView, Meta, file};
 use diagnostic::Failure;
 use std::io::Read as _;
 use std::path::Path;
 
-pub use mesh::reader::open::{bytes, room};
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-open-bytes-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let map = model::open::bytes(&out)?;
+/// assert_eq!(map.bytes().len(), generated.body.bytes);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use mesh::reader::open::bytes;
+/// ```
+/// let mut room = trolley::model::open::room(1024);
+/// room.bytes_mut().fill(1);
+/// assert_eq!(room.bytes().len(), 1024);
+/// ```
+pub use mesh::reader::open::room;
 
-/// A copy of a model file: a file may change while it is mapped, what was verified must not.
+/// Reads a model file into memory: a mapped file could change after it was verified.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-copy-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// let copy = model::open::copy(&out)?;
+/// assert_eq!(copy.bytes().len(), generated.body.bytes);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If there is no such file, or it is none that can be read.
+/// If the file does not exist or cannot be read.
 pub fn copy(path: &Path) -> Result<file::Aligned, Failure> {
     let map = bytes(path)?;
     let mut copy = room(map.bytes().len());
@@ -19,23 +72,48 @@ pub fn copy(path: &Path) -> Result<file::Aligned, Failure> {
     Ok(copy)
 }
 
-/// All of a model file, verified.
+/// Verifies the bytes of a model file, and returns a view of them; `path` is for messages.
+///
+/// ```
+/// # use trolley::model::{self, Generate, Shape};
+/// # let folder = std::env::temp_dir().join(format!("trolley-view-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let out = folder.join("pole.trolley");
+/// # let tree = model::tree(model::Build::Paper, 4);
+/// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
+/// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
+/// # let generated = pole.run(&|_, _| {})?;
+/// use trolley::model::open;
+///
+/// let copy = open::copy(&out)?;
+/// let (meta, body) = open::view(&out, copy.bytes())?;
+/// assert_eq!(body.corners.len(), 600);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 ///
 /// # Errors
 ///
-/// If the bytes are no sound model file.
+/// If the bytes are not a valid model file.
 pub fn view<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Meta, BodyView<'a>), Failure> {
     file::view(bytes).map_err(|error| Failure::from(error).at(path.display()))
 }
 
-/// Whether a file is called, or begins like, a model file.
+/// Returns whether a file is a model file, by its ending or its first bytes.
+///
+/// ```
+/// use trolley::model::open::is_model;
+///
+/// assert!(is_model("car.trolley".as_ref()));
+/// assert!(!is_model("examples/data/pole.stl".as_ref()));
+/// ```
 #[must_use]
 pub fn is_model(path: &Path) -> bool {
     let is_named = path.extension().is_some_and(|end| end == "trolley");
     is_named || is_regular(path) && begins_like_a_model(path)
 }
 
-/// Opening a pipe would wait for a writer.
+/// Whether it is a regular file: opening a pipe would wait for a writer.
 fn is_regular(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|about| about.is_file())
 }

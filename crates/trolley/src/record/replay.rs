@@ -1,4 +1,4 @@
-//! The recorded answer, made again from what it was made from.
+//! Replaying a recorded ranking.
 
 use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress};
@@ -11,18 +11,33 @@ use scenario::{EngineSettings, Overrides};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A request made again from its record, as its job history says it was done.
+/// A ranking that was repeated from its record, with the same jobs.
+///
+/// ```
+/// # use trolley::{Engine, Limits, Record, Scenario};
+/// # let folder = std::env::temp_dir().join(format!("trolley-replay-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let path = Record::write(&folder, &ranking)?;
+/// # let record = Record::read(&path)?;
+/// let replay = record.replay(&path, None, trolley::bodies::SILENT)?;
+/// assert_eq!(replay.answer, ranking.answer);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Debug)]
 pub struct Replay {
-    /// What was asked.
+    /// The scenario.
     pub scenario: Scenario,
-    /// The bodies it was asked about.
+    /// The bodies of its parties.
     pub bodies: Bodies,
-    /// The answer once more.
+    /// The answer.
     pub answer: Answer,
     /// Its explanation.
     pub explanation: Explanation,
-    /// How the bodies of each candidate lie, and what is hit.
+    /// Where the bodies of each candidate are, and what is hit.
     pub scenes: Vec<Scene>,
     /// How many jobs it took.
     pub jobs: u64,
@@ -31,19 +46,48 @@ pub struct Replay {
 }
 
 impl Record {
-    /// Whether this build made it.
+    /// Returns whether this build wrote the record.
+    ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Record, Scenario};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-build-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = Engine::builder().in_process().build()?;
+    /// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+    /// # let path = Record::write(&folder, &ranking)?;
+    /// # let record = Record::read(&path)?;
+    /// assert!(record.is_of_this_build());
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     #[must_use]
     pub fn is_of_this_build(&self) -> bool {
         self.content.build == BUILD
     }
 
-    /// Makes the recorded request again. `file` is the record's name in errors; `models` is the
+    /// Repeats the recorded ranking. `file` is the record's name in messages; `models` is the
     /// folder of the model files, which are found by their hash.
+    ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Record, Scenario};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-method-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = Engine::builder().in_process().build()?;
+    /// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+    /// # let path = Record::write(&folder, &ranking)?;
+    /// # let record = Record::read(&path)?;
+    /// let replay = record.replay(&path, None, trolley::bodies::SILENT)?;
+    /// assert_eq!(replay.json, record.content.answer);
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// If a body is missing or is another one here. That the answer is another one is no error:
-    /// compare [`Replay::json`] with the content's.
+    /// If a body is missing or differs. A different answer is not an error: compare
+    /// [`Replay::json`] with [`RecordContent::answer`](super::RecordContent::answer).
     pub fn replay(
         &self,
         file: &Path,
@@ -132,12 +176,12 @@ impl Record {
         let what =
             format!("the body of \"{}\" is {} here, and was {}", now.party, now.hash, then.hash);
         Err(Failure::new(FailureKind::Skew, what).at(file.display()).with_remedy(
-            "another build generates or divides bodies differently: use the recorded one",
+            "another build generates bodies or builds trees differently: use the recorded one",
         ))
     }
 }
 
-/// The model files of a folder by the hash that they state; it is checked when they are opened.
+/// The model files of a folder by the hash that they state, which is checked on opening.
 fn hashes(folder: &Path) -> Result<BTreeMap<String, PathBuf>, Failure> {
     let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(folder.display());
     let mut files = BTreeMap::new();
@@ -148,7 +192,7 @@ fn hashes(folder: &Path) -> Result<BTreeMap<String, PathBuf>, Failure> {
         }
         let map =
             FileMap::open(&path).map_err(|error| Failure::input(diagnostic::chain(&error)))?;
-        // What is no model file is none of ours.
+        // Files that are not model files are skipped.
         if let Ok(hash) = body::file::content_hash(map.bytes()) {
             files.insert(hash, path);
         }

@@ -1,4 +1,4 @@
-//! Laws of teams: everything is done once, in order, and nobody stays behind.
+//! Invariants of build pools: everything is done once, in order, and no thread is left behind.
 
 use super::BuildPool;
 use rayon::ThreadPoolBuilder;
@@ -18,9 +18,9 @@ fn steps(pool: &BuildPool, round: u64) {
 }
 
 #[test]
-fn a_team_does_everything_once_and_in_order() {
+fn a_build_pool_does_everything_once_and_in_order() {
     for threads in [0, 1, 2, 3, 8] {
-        // Many times over: a lead that waits for itself would hang.
+        // Repeated, since a lead that waits for itself would hang.
         for round in 0..200 {
             BuildPool::with(threads, |pool| {
                 assert_eq!(pool.threads(), threads.max(1));
@@ -53,8 +53,8 @@ fn a_panic_ends_the_work_and_nothing_else() {
         for _ in 0..20 {
             let fails: [&(dyn Fn() + Sync); 2] =
                 [&|| BuildPool::with(threads, |_| assert_eq!(threads, 0, "of the test")), &|| {
-                    let each = |i| assert_ne!(i, 2, "of the test");
-                    BuildPool::with(threads, |pool| drop(pool.each(vec![1, 2, 3], each)));
+                    let check = |i| assert_ne!(i, 2, "of the test");
+                    BuildPool::with(threads, |pool| drop(pool.each(vec![1, 2, 3], check)));
                 }];
             for work in fails {
                 assert!(catch_unwind(AssertUnwindSafe(work)).is_err());

@@ -1,8 +1,8 @@
 //! Two leaves: which of their triangles may meet, from coarse to fine.
 //!
-//! Boxes in cells first, 32 at a time, without looking at any triangle: against the box that both
-//! leaves have in common, and against the slab of the other one. Then those that are left are moved
-//! into a frame close to both leaves, where their boxes are as good as exact.
+//! First quantised boxes, 32 at a time, without reading any triangle: against the intersection of
+//! both leaves' boxes, and against the slab of the other leaf. The remaining ones are moved into a
+//! frame close to both leaves, where their boxes are nearly exact.
 
 use super::{Frames, Motion, combined};
 use crate::build::LEAF_SIZE_MAX;
@@ -15,7 +15,7 @@ use geometry::lanes::dot;
 use geometry::patch::{Boxes, Choice, Close, OneBox, Places, ROOM, Vector, same, side_by_side};
 use geometry::{Patch, Posed};
 
-/// Most triangles of a leaf, wide or binary.
+/// Maximum number of triangles of a leaf, wide or binary.
 pub(in crate::kernel) const LEAF_MAX: usize =
     if LEAF_TRIANGLES > LEAF_SIZE_MAX as usize { LEAF_TRIANGLES } else { LEAF_SIZE_MAX as usize };
 const _: () = assert!(LEAF_MAX <= ROOM);
@@ -24,11 +24,11 @@ const _: () = assert!(LEAF_MAX <= ROOM);
 const IN_A_WORD: usize = u64::BITS as usize / LEAF_LANES;
 
 impl Frames {
-    /// Takes those triangles of two leaves that may meet one of the other leaf into patches; `None`
-    /// where there are none. Each leaf is tested against what is left of the other.
+    /// Adds those triangles of two leaves that may meet one of the other leaf to patches; `None` if
+    /// there are none. Each leaf is tested against what remains of the other.
     ///
-    /// Where some of A and of B are `known`, nobody asks whether they are hit: they are left out
-    /// where all of the other leaf, as far as it is still of interest, are known.
+    /// Triangles of A and of B that are `known` to be hit are left out where all remaining
+    /// triangles of the other leaf are known as well.
     #[simd]
     pub(in crate::kernel) fn pack<S: Simd>(
         &self,
@@ -39,7 +39,7 @@ impl Frames {
         (patch_a, patch_b): (&mut Patch, &mut Patch),
     ) -> Option<Close> {
         let (box_a, box_b) = (OneBox::of(simd, &a[0].bounds), OneBox::of(simd, &b[0].bounds));
-        // What the leaves have in common lies in here.
+        // The intersection of the leaves lies in this box.
         let common = self.to_a.moved_one(simd, &box_b).intersection(&box_a);
         if common.is_empty() {
             return None;
@@ -86,7 +86,7 @@ impl Frames {
 }
 
 impl Motion {
-    /// A slab in the other frame, but for rounding.
+    /// A slab in the other frame, up to rounding.
     #[inline(always)]
     fn layer<S: Simd>(&self, simd: S, slab: &Slab) -> Layer<S> {
         let normal = side_by_side(simd, slab.normal);
@@ -96,7 +96,7 @@ impl Motion {
     }
 }
 
-/// A slab, its normal side by side.
+/// A slab, with its normal in vector layout.
 struct Layer<S: Simd> {
     normal: f32x4<S>,
     low: f32,
@@ -123,7 +123,7 @@ fn sum<S: Simd>(of: f32x4<S>) -> f32 {
     x + y + z
 }
 
-/// Which triangles of a leaf may meet a box of its body's frame.
+/// Which triangles of a leaf may overlap a box of its body's frame.
 #[inline(always)]
 fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> Places {
     let [min, max] = cells_of(box_, &OneBox::of(simd, &leaf[0].bounds));
@@ -139,17 +139,17 @@ fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> Places {
     meeting
 }
 
-/// Which triangles of a leaf may meet a slab of its body's frame.
+/// Which triangles of a leaf may overlap a slab of its body's frame.
 ///
-/// `slack` (m) is what rounding may do to the slab on its way into this frame; the slab is made
-/// wider by twice as much on both sides, once for the corner of the grid and the length of its
-/// cells.
+/// `slack` (m) bounds the rounding of the slab in the transform to this frame; the slab is widened
+/// by twice as much on both sides: once for it, once for the corner of the grid and the length of
+/// its cells.
 ///
-/// Along the normal, a triangle reaches from the corner of its cells that lies farthest against it
-/// to the corner that lies farthest along it. Counted from the least corner of the grid, that is a
-/// sum of three products of cells and the length of a cell along the normal, here in whole numbers:
-/// the lengths are scaled so that they add up to 256, and rounded down. So a sum is too small by up
-/// to 255 times what was cut off, and never too large.
+/// Along the normal, a triangle reaches from the corner of its cells farthest against it to the
+/// corner farthest along it. Relative to the least corner of the grid, each is a sum of three
+/// products of cells and the length of a cell along the normal, computed here in integers: the
+/// lengths are scaled so that they add up to 256, and rounded down. So a sum is too small by up to
+/// 255 times the truncated part, and never too large.
 #[inline(always)]
 fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> Places {
     let over = OneBox::of(simd, &leaf[0].bounds);
@@ -162,7 +162,7 @@ fn beside<S: Simd>(simd: S, leaf: &[WideLeaf], layer: &Layer<S>, slack: f64) -> 
     let cut_off = total * scale - (x + y + z) as f32;
     let start = dot_one(layer.normal, over.min) + 256.0 * sum(steps.min(0.0));
     let slack = 2.0 * slack as f32;
-    // One more on either side: what rounding may do to numbers of this size.
+    // One more on either side, for the rounding of numbers of this size.
     let most = (layer.high + slack - start) * scale + 1.0;
     let least = (layer.low - slack - start - total) * scale - 255.0 * cut_off - 1.0;
     if most < 0.0 || least > f32::from(u16::MAX) {
@@ -206,7 +206,7 @@ fn cells_of<S: Simd>(box_: &OneBox<S>, over: &OneBox<S>) -> [[u8; 3]; 2] {
     [cell(box_.min), cell(box_.max)]
 }
 
-/// Triangles that meet a box and a slab of the close frame.
+/// The triangles that overlap a box and a slab of the close frame.
 struct Near<S: Simd> {
     box_: Boxes<S>,
     normal: Vector<S>,
@@ -215,7 +215,7 @@ struct Near<S: Simd> {
 }
 
 impl<S: Simd> Near<S> {
-    /// A box of the close frame, and a slab of A's, so much (m) wider on both sides.
+    /// A box of the close frame, and a slab of A's, both enlarged by this much (m) on both sides.
     #[inline(always)]
     fn new(simd: S, close: &Close, box_: &OneBox<S>, slab: &Layer<S>, slack: f64) -> Self {
         let at = dot_one(slab.normal, side_by_side(simd, close.origin()));

@@ -1,4 +1,4 @@
-//! The law of extremes: they give what branch and bound gives, bit for bit, in every direction.
+//! The invariant of extremes: they equal branch and bound, bit for bit, in every direction.
 
 use super::*;
 use crate::fixtures::{any_build, body_of, directions, options, torus, triangles};
@@ -47,7 +47,7 @@ fn a_finer_body_is_asked_in_thousands_of_directions() {
     }
 }
 
-/// Some point of the unit circle: which one is of no account.
+/// Some point of the unit circle; which one does not matter.
 fn libm_free_turn(t: f64) -> (f64, f64) {
     let square = 1.0 + t * t;
     (2.0 * t / square, (1.0 - t * t) / square)

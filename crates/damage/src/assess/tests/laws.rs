@@ -64,7 +64,7 @@ proptest! {
         prop_assert!(holds);
     }
 
-    /// Who is called A makes no difference to anybody.
+    /// Swapping A and B changes no figure.
     #[test]
     fn swapping_the_parties_changes_nothing(scene in scenes()) {
         let (one, other) = (harm(&scene), harm(&scene.swapped()));

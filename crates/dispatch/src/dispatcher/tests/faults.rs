@@ -1,8 +1,8 @@
-//! One fault at a time: who is blamed, who is killed, who is left in peace.
+//! One fault at a time: which job is blamed, which worker is killed, and which are unaffected.
 
 use super::*;
 
-/// A dispatcher of so many cores, all ready, with jobs handed out and what it said.
+/// A dispatcher of several cores, all ready, with jobs assigned, and its effects.
 struct Fixture {
     dispatcher: Dispatcher<BestMatchLoad>,
     work: Waves,
@@ -26,7 +26,7 @@ impl Fixture {
         self.dispatcher.step(self.now_ns, event, &mut self.work, &mut self.said)
     }
 
-    fn part(&mut self, from: Incarnation, job: u32, attempt: u8) -> Progress {
+    fn send_part(&mut self, from: Incarnation, job: u32, attempt: u8) -> Progress {
         let (request, job, part, last) = (NOW, JobId(job), 0, true);
         self.step(Event::Part { from, request, job, attempt, part, last, body: 0 })
     }
@@ -63,14 +63,14 @@ const QUEUES: Queues = Queues { capacity: 4, batch: 2, linger_ns: 0 };
 fn a_batch_that_was_turned_away_is_sent_again_without_blame() {
     let mut fixture = Fixture::new(1, QUEUES, 4);
     assert_eq!(fixture.sent(0), [(0, vec![(0, 0), (1, 0)]), (1, vec![(2, 0), (3, 0)])]);
-    fixture.part(FIRST, 2, 0);
+    fixture.send_part(FIRST, 2, 0);
     fixture.step(Event::Answered { who: FIRST, batches: 1 });
     assert_eq!(fixture.sent(0), [(2, vec![(0, 0), (1, 0)])]);
-    fixture.part(FIRST, 3, 0);
+    fixture.send_part(FIRST, 3, 0);
     fixture.step(Event::Answered { who: FIRST, batches: 2 });
     assert!(fixture.sent(0).is_empty(), "the second batch was answered in full");
-    fixture.part(FIRST, 1, 0);
-    assert_eq!(fixture.part(FIRST, 0, 0), Progress::Finished);
+    fixture.send_part(FIRST, 1, 0);
+    assert_eq!(fixture.send_part(FIRST, 0, 0), Progress::Finished);
     assert_eq!((fixture.dispatcher.counts().reissued, fixture.dispatcher.counts().done), (2, 4));
 }
 
@@ -91,10 +91,10 @@ fn who_loses_three_messages_is_killed_once_and_its_jobs_go_to_the_others() {
     assert_eq!(fixture.killed().len(), 1);
     fixture.step(Event::Lost { who: FIRST, started: None });
     for job in 0..8 {
-        fixture.part(SECOND, job, 0);
+        fixture.send_part(SECOND, job, 0);
     }
     for job in 0..8 {
-        fixture.part(SECOND, job, 0);
+        fixture.send_part(SECOND, job, 0);
     }
     assert_eq!(fixture.dispatcher.counts().done, 8);
 }
@@ -147,9 +147,9 @@ fn a_suspect_runs_alone_and_while_it_waits_the_others_go_on() {
     let again = Incarnation { worker: 0, inc: 1 };
     fixture.step(Event::Ready(again));
     assert_eq!(fixture.sent(0), [(0, vec![(2, 1)])], "the core is empty: the suspect, and no more");
-    assert_eq!(fixture.part(again, 2, 0), Progress::Working, "the first attempt is over");
+    assert_eq!(fixture.send_part(again, 2, 0), Progress::Working, "the first attempt is over");
     assert!(fixture.sent(0).is_empty());
-    fixture.part(again, 2, 1);
+    fixture.send_part(again, 2, 1);
     assert_eq!(fixture.sent(0).concat_jobs().len(), 4, "cleared, the core takes its share");
 }
 
@@ -202,20 +202,20 @@ fn a_job_that_took_two_workers_down_is_left_alone_by_the_next_request() {
 #[test]
 fn when_the_time_is_up_all_is_closed_and_what_comes_later_is_fenced() {
     let mut fixture = Fixture::new(1, QUEUES, 9);
-    fixture.part(FIRST, 0, 0);
+    fixture.send_part(FIRST, 0, 0);
     assert_eq!(fixture.step(Event::Expired), Progress::Finished);
     let counts = fixture.dispatcher.counts();
     assert_eq!((counts.done, counts.late, counts.jobs), (1, 8, 9));
-    assert_eq!(fixture.part(FIRST, 1, 0), Progress::Finished);
+    assert_eq!(fixture.send_part(FIRST, 1, 0), Progress::Finished);
     assert_eq!(fixture.dispatcher.counts().fence.not_leased, 1);
-    // The next request: the queue still holds three jobs of this one, and there is room for one
-    // more, not for a batch.
+    // The next request: the queue still holds three jobs of this one, with a slot for one more, but
+    // not for a batch.
     fixture.said.clear();
     fixture.dispatcher.begin(RequestId(8));
     fixture.work = Waves { left: vec![2], ..Waves::default() };
     fixture.step(Event::Poll);
     assert!(fixture.sent(0).is_empty(), "it would overflow");
-    fixture.part(FIRST, 1, 0);
+    fixture.send_part(FIRST, 1, 0);
     assert_eq!(fixture.dispatcher.counts().fence.stale, 1);
     fixture.step(Event::Answered { who: FIRST, batches: 2 });
     assert_eq!(fixture.sent(0).concat_jobs(), [0, 1]);

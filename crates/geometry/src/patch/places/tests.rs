@@ -1,4 +1,4 @@
-//! The law: what is said of places is said of sets of numbers.
+//! The invariant: places behave as sets of numbers.
 
 use super::*;
 use proptest::collection::btree_set;

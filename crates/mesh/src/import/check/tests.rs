@@ -77,7 +77,7 @@ fn a_car_in_the_wrong_unit_is_named_with_the_right_one() {
     assert!(matches!(fault, Err(MeshDefect::Size { unit: Some("m"), .. })), "{fault:?}");
     let fault = check_size([4500.0, 1800.0, 1400.0], Some(BodyKind::Sedan), LengthUnit::METRE)
         .expect_err("long");
-    let words = "4500.00 × 1800.00 × 1400.00 m is no plausible sedan: its greatest length should \
-                 be 1 to 30 m";
+    let words = "4500.00 × 1800.00 × 1400.00 m is not a plausible sedan: its greatest length \
+                 should be 1 to 30 m";
     assert_eq!(fault.to_string(), words);
 }

@@ -68,7 +68,7 @@ fn bound<'d>(instance: Node<'d, 'd>, symbol: &str, library: &Library<'d>) -> Opt
     library.by_id.get(one.attribute("target")?.strip_prefix('#')?)?.attribute("name")
 }
 
-/// Where in an index tuple the vertex stands.
+/// The position of the vertex in an index tuple.
 struct Inputs<'d> {
     vertex: Node<'d, 'd>,
     offset: usize,
@@ -98,7 +98,7 @@ impl<'d> Inputs<'d> {
     }
 }
 
-/// The positions of a `<vertices>`, placed.
+/// The positions of a `<vertices>` element, transformed.
 fn positions<'d>(
     vertices: Node<'d, 'd>,
     library: &Library<'d>,
@@ -118,7 +118,7 @@ fn positions<'d>(
             Some(text) => text
                 .trim()
                 .parse()
-                .map_err(|_error| fail(accessor, format!("{name}={text:?} is no count"))),
+                .map_err(|_error| fail(accessor, format!("{name}={text:?} is not a count"))),
         }
     };
     let (count, stride, offset) = (number("count", 0)?, number("stride", 1)?, number("offset", 0)?);
@@ -134,9 +134,9 @@ fn positions<'d>(
     let text = text(array);
     let mut values = Vec::new();
     for word in text.split_ascii_whitespace() {
-        // Infinities and NaN are refused where they are a position, with the vertex.
+        // Infinities and NaN are rejected where they are used as a position, with the vertex.
         let value = word.parse::<f64>();
-        values.push(value.map_err(|_error| fail(array, format!("{word:?} is no number")))?);
+        values.push(value.map_err(|_error| fail(array, format!("{word:?} is not a number")))?);
     }
     let needs = count.checked_mul(stride).and_then(|n| n.checked_add(offset));
     if needs.is_none_or(|needs| needs > values.len()) {
@@ -148,18 +148,18 @@ fn positions<'d>(
         .map(|vertex| {
             let point = axes.map(|axis| values[offset + vertex * stride + axis]);
             let finite = point.iter().all(|x| x.is_finite());
-            // Zero times infinity would hide what the file says.
+            // Zero times infinity would hide the content of the file.
             let point = if finite { apply(matrix, point) } else { point };
             into.point(point, || FilePosition::Element(format!("vertex {vertex} of \"{id}\"")))
         })
         .collect()
 }
 
-/// Whole numbers of a list.
+/// The integers of a list.
 fn indices(node: Node<'_, '_>, into: &Collector<'_>) -> Result<Vec<usize>, ImportError> {
     let read = |word: &str| {
         word.parse().map_err(|_error| {
-            let fault = format!("{word:?} is no index");
+            let fault = format!("{word:?} is not an index");
             into.fail(line(node), MeshDefect::Syntax(fault))
         })
     };

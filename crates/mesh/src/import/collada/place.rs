@@ -1,4 +1,4 @@
-//! Where a scene node lies: its transforms in the order in which they stand.
+//! The transform of a scene node: the product of its transforms in file order.
 
 use super::super::{ImportError, MeshDefect, collect::Collector};
 use super::{children, line, text};
@@ -67,7 +67,7 @@ pub(super) fn local(node: Node<'_, '_>, into: &Collector<'_>) -> Result<Matrix, 
     Ok(all)
 }
 
-/// Turn about an axis by degrees (Rodrigues); no axis, no turn.
+/// Rotation about an axis by degrees (Rodrigues); a zero axis gives no rotation.
 fn rotation([x, y, z, degrees]: [f64; 4]) -> Matrix {
     let length = (x * x + y * y + z * z).sqrt();
     if !(length > 0.0) {
@@ -84,7 +84,7 @@ fn rotation([x, y, z, degrees]: [f64; 4]) -> Matrix {
     ]
 }
 
-/// So many finite numbers.
+/// Exactly `N` finite numbers.
 fn numbers<const N: usize>(
     node: Node<'_, '_>,
     into: &Collector<'_>,

@@ -118,7 +118,7 @@ fn what_is_wrong_is_named_with_its_line() {
         (wrong(INSTANCE, &TRIANGLES.replace("9 3<", "9 4<")), "index 4 is out of range"),
         (wrong(INSTANCE, &TRIANGLES.replace("9 3<", "9<")), "not whole corners"),
         (wrong(INSTANCE, &TRIANGLES.replace("count=\"2\"", "count=\"3\"")), "states 3 and lists 2"),
-        (wrong(INSTANCE, &TRIANGLES.replace("9 3<", "9 x<")), "\"x\" is no index"),
+        (wrong(INSTANCE, &TRIANGLES.replace("9 3<", "9 x<")), "\"x\" is not an index"),
         (wrong(INSTANCE, &TRIANGLES.replace("#v", "#w")), "no <vertices> with id \"w\""),
         (wrong("<instance_geometry url=\"#x\"/>", TRIANGLES), "no <geometry> with id \"x\""),
         (wrong("<instance_geometry url=\"b.dae#g\"/>", TRIANGLES), "reference to another file"),

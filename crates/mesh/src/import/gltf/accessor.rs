@@ -5,7 +5,7 @@ use ::gltf::json;
 use json::accessor::{ComponentType, Type};
 use json::validation::Checked;
 
-/// Greatest number of elements of one accessor.
+/// Maximum number of elements of one accessor.
 const COUNT_MAX: u64 = 1 << 26;
 
 /// A parsed file with its buffers.
@@ -14,7 +14,7 @@ pub(super) struct Source<'a> {
     pub(super) buffers: &'a [Vec<u8>],
 }
 
-/// Elements that lie `stride` bytes apart.
+/// Elements `stride` bytes apart.
 #[derive(Clone, Copy)]
 struct Run<'a> {
     bytes: &'a [u8],
@@ -82,7 +82,7 @@ impl<'a> Source<'a> {
         Ok(accessor)
     }
 
-    /// The elements of an accessor; `empty` where it has no view.
+    /// The elements of an accessor; `empty` if it has no view.
     fn values<T: Copy>(
         &self,
         accessor: &json::Accessor,
@@ -95,13 +95,13 @@ impl<'a> Source<'a> {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 let run = self.run(view.value(), offset, length)?;
-                // The last element first: if it is there, all are, and nothing is allocated before.
+                // The last element first: if it exists, all do, and nothing is allocated before.
                 if count > 0 {
                     run.element(count - 1, length).ok_or_else(|| short("an accessor"))?;
                 }
                 (0..count).map_while(|at| run.element(at, length).map(&read)).collect()
             }
-            // Zeros are a bomb: 20 bytes of JSON ask for gigabytes.
+            // Zeros are an allocation bomb: 20 bytes of JSON request gigabytes.
             None if accessor.sparse.is_none() => {
                 return Err(MeshDefect::Feature("an accessor without a buffer view".to_owned()));
             }
@@ -151,7 +151,7 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// The bytes of a view from an offset on, and how far apart its elements lie.
+    /// The bytes of a view from an offset on, and the distance of its elements.
     fn run(&self, number: usize, offset: u64, length: usize) -> Result<Run<'a>, MeshDefect> {
         let views = &self.root.buffer_views;
         let view = views.get(number).ok_or_else(|| no_such("buffer views", number, views.len()))?;

@@ -1,4 +1,4 @@
-//! Container and buffers of a glTF file: the GLB blob, data URIs, and side files by the resolver.
+//! Container and buffers of a glTF file: the GLB blob, data URIs, and side files from the resolver.
 
 use super::super::collect::Collector;
 use super::super::{BYTES_MAX, FilePosition, ImportError, MeshDefect, Resolver};
@@ -18,7 +18,7 @@ pub(super) fn parse<'b>(
         let root = json::Root::from_slice(bytes).map_err(|fault| json_fault(&fault, into))?;
         return Ok((root, None));
     }
-    // The crate subtracts 12 from this length without looking.
+    // The crate subtracts 12 from this length without checking it.
     let stated = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     match stated {
         Some(stated) if stated >= 20 && stated as usize <= bytes.len() => {}
@@ -37,7 +37,7 @@ fn json_fault(fault: &json::Error, into: &Collector<'_>) -> ImportError {
     into.fail(FilePosition::Line(fault.line().max(1)), MeshDefect::Syntax(format!("JSON: {fault}")))
 }
 
-/// The content of every buffer, at least as long as it is stated.
+/// The content of every buffer, at least as long as stated.
 pub(super) fn load(
     root: &json::Root,
     mut blob: Option<Vec<u8>>,
@@ -96,7 +96,7 @@ fn from_side_file(
     resolve(&name).map_err(|reason| MeshDefect::SideFile { name, reason })
 }
 
-/// `%20` and the like, as URIs have them.
+/// Decodes the percent-encoding of a URI, such as `%20`.
 fn percent_decoded(uri: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
@@ -121,10 +121,10 @@ fn from_data_uri(data: &str) -> Result<Vec<u8>, MeshDefect> {
     if !kind.ends_with(";base64") {
         return Err(MeshDefect::Feature("a data URI that is not base64".to_owned()));
     }
-    from_base64(content).ok_or_else(|| MeshDefect::Syntax("its data URI is no base64".to_owned()))
+    from_base64(content).ok_or_else(|| MeshDefect::Syntax("its data URI is not base64".to_owned()))
 }
 
-/// RFC 4648, section 4; padding may be missing, anything else is refused.
+/// RFC 4648, section 4; padding is optional, anything else is rejected.
 fn from_base64(text: &str) -> Option<Vec<u8>> {
     let digits = text.trim_end_matches('=').as_bytes();
     let value = |digit: u8| {

@@ -193,7 +193,7 @@ fn every_number_is_checked() {
         ("my%20plate.bin", "a/%2e%2e/b", "buffer 0: side file \"a/%2e%2e/b\": only files beside"),
         ("my%20plate.bin", "http://x/b", "buffer 0: side file \"http://x/b\": only files beside"),
         ("my%20plate.bin", "other.bin", "buffer 0: side file \"other.bin\": not found"),
-        ("my%20plate.bin", "data:;base64,A", "buffer 0: its data URI is no base64"),
+        ("my%20plate.bin", "data:;base64,A", "buffer 0: its data URI is not base64"),
         (
             r#""scene": 0"#,
             r#""extensionsRequired": ["KHR_draco_mesh_compression"]"#,

@@ -92,7 +92,7 @@ proptest! {
 #[test]
 fn every_fault_has_its_line() {
     let cases = [
-        ("f 1 2\n", "a.obj: line 5: a face with 2 corners is no surface"),
+        ("f 1 2\n", "a.obj: line 5: a face with 2 corners is not a surface"),
         ("\nf 1 2 0\n", "a.obj: line 6: index 0 is out of range: OBJ counts vertices from 1"),
         ("f 1 2 9\nf 1 2 3\n", "a.obj: line 5: index 9 is out of range: the file has 4 vertices"),
         (
@@ -100,9 +100,9 @@ fn every_fault_has_its_line() {
             "a.obj: line 5: index -5 is out of range: there are 4 vertices before \
                         this line",
         ),
-        ("f 1 2 x\n", "a.obj: line 5: \"x\" is no vertex index"),
+        ("f 1 2 x\n", "a.obj: line 5: \"x\" is not a vertex index"),
         ("v 1 2\nf 1 2 3\n", "a.obj: line 5: a vertex has 3 coordinates, this one 2"),
-        ("v 1 2 3e\nf 1 2 3\n", "a.obj: line 5: \"3e\" is no number"),
+        ("v 1 2 3e\nf 1 2 3\n", "a.obj: line 5: \"3e\" is not a number"),
         ("v 1 2 nan\nf 1 2 3\n", "a.obj: line 5: coordinate NaN is not finite"),
         ("v 1 2 1e39\nf 1 2 3\n", "a.obj: line 5: coordinate inf is not finite"),
         ("v 1 2 3e6\nf 1 2 3\n", "a.obj: line 5: coordinate 3000000 m is beyond 1000000 m"),
@@ -114,7 +114,7 @@ fn every_fault_has_its_line() {
         assert_eq!(fault(&format!("{SQUARE}{tail}")), expected);
     }
     assert_eq!(fault(""), "a.obj: no triangle: the file is empty");
-    assert_eq!(fault("v 0 0 0\0\n"), "a.obj: it is no text: it has zero bytes");
+    assert_eq!(fault("v 0 0 0\0\n"), "a.obj: it is not text: it contains zero bytes");
 }
 
 #[test]

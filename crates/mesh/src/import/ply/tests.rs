@@ -118,7 +118,7 @@ fn every_fault_has_its_place() {
         bend("3 0 1 2", "3 0 1 -1"),
         "a.ply: face 0: index -1 is out of range: the file has 3 vertices, from 0"
     );
-    assert_eq!(bend("3 0 1 2", "2 0 1"), "a.ply: face 0: a face with 2 corners is no surface");
+    assert_eq!(bend("3 0 1 2", "2 0 1"), "a.ply: face 0: a face with 2 corners is not a surface");
     assert_eq!(
         bend("9 1 0 0", "9 1 2000000 0"),
         "a.ply: vertex 1: coordinate 2000000 m is beyond 1000000 m"

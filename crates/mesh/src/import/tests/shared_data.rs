@@ -297,7 +297,7 @@ fn malformed_files_load_or_are_refused_in_words() {
         ("cube_binary.ply", "12 triangles"),
         ("empty.obj", "no triangle: the file is empty"),
         ("malformed.obj", "line 28: index 0 is out of range: OBJ counts vertices from 1"),
-        ("number_formats.obj", "line 11: \"3.1+e2\" is no number"),
+        ("number_formats.obj", "line 11: \"3.1+e2\" is not a number"),
         ("point_cloud.obj", "no triangle: a point cloud of 3 vertices without faces"),
         ("testline.obj", "no triangle: 6 lines without faces"),
         ("triangle_with_empty_solid.stl", "1 triangles, solid \"emptySolid\" is empty"),

@@ -15,7 +15,7 @@ pub(super) struct Mail {
     pub(super) is_garbled: bool,
 }
 
-/// What ails it in the job at hand.
+/// What is wrong with it in the current job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ill {
     None,
@@ -25,7 +25,7 @@ pub(super) enum Ill {
     Starved,
 }
 
-/// What it has to say after a turn.
+/// What it reports after a turn.
 #[derive(Default)]
 pub(super) struct Notes {
     pub(super) answered: Option<u32>,
@@ -41,7 +41,7 @@ pub(super) struct Actor {
     /// It has greeted.
     pub(super) is_ready: bool,
     /// The coordinator knows that it is dead.
-    pub(super) is_buried: bool,
+    pub(super) is_reaped: bool,
     pub(super) queue: VecDeque<Mail>,
     hand: Option<(Mail, usize)>,
     is_at_work: bool,
@@ -63,7 +63,7 @@ impl Actor {
             who,
             is_alive: true,
             is_ready: false,
-            is_buried: false,
+            is_reaped: false,
             queue: VecDeque::new(),
             hand: None,
             is_at_work: false,
@@ -79,7 +79,7 @@ impl Actor {
         }
     }
 
-    /// The next job, unless one is at hand; says what was answered on the way.
+    /// The next job, unless there is a current one; notes what was answered on the way.
     pub(super) fn next_job(&mut self, now_ns: u64, notes: &mut Notes) -> Option<HandedJob> {
         if self.is_at_work {
             return None;
@@ -116,7 +116,7 @@ impl Actor {
         self.turn
     }
 
-    /// Ends the job at hand.
+    /// Ends the current job.
     pub(super) fn finish(&mut self, now_ns: u64) -> Option<(RequestId, JobId, u8, SimulatedJob)> {
         let (mail, at) = self.hand.as_ref().filter(|_| self.is_at_work)?;
         let (job, attempt, _, work) = mail.jobs.get(at.checked_sub(1)?).copied()?;
@@ -137,7 +137,7 @@ impl Actor {
         }
     }
 
-    /// What the coordinator sees of it, and concludes.
+    /// What the coordinator sees of it and concludes.
     pub(super) fn look(&mut self, busy: bool, now_ns: u64, patience: &Patience) -> Liveness {
         let spent_ns = match self.ill {
             Ill::Hung => now_ns - self.begun_ns,

@@ -1,8 +1,8 @@
 //! The coordinator of the simulated world: its loop, as it is in `coordinator`, around the same
 //! dispatcher.
 //!
-//! What strikes batches strikes here, as they leave. Whom the coordinator kills, it must have
-//! killed for a reason: that is looked up in what ails the worker, which decides nothing.
+//! Faults of batches strike here, as they leave. A worker that the coordinator kills must have had
+//! a fault: this is checked against the worker's true state, which decides nothing.
 
 use super::actor::{Actor, Ill, Mail};
 use super::{FLIGHT_NS, FOR_EVER_NS, Happening, LOOK_NS, START_NS, World};
@@ -29,7 +29,7 @@ impl World<'_> {
         if let Some(after_ns) = deadline_ns {
             self.after(after_ns, Happening::Deadline(number));
         }
-        for actor in self.actors.iter().filter(|actor| actor.is_ready && !actor.is_buried) {
+        for actor in self.actors.iter().filter(|actor| actor.is_ready && !actor.is_reaped) {
             self.dispatcher.admit(actor.who);
         }
         self.step(Event::Poll);
@@ -53,7 +53,7 @@ impl World<'_> {
         }
         let mut counts = self.dispatcher.counts();
         if self.progress == Progress::Stranded {
-            // Nobody is left, and nobody is coming: what is open stays unknown.
+            // No worker is left or coming: what is open stays unknown.
             self.step(Event::Expired);
             counts = self.dispatcher.counts();
         }
@@ -74,7 +74,7 @@ impl World<'_> {
     }
 
     fn is_working(&self) -> bool {
-        let is_starting = |actor: &Actor| !actor.is_buried && !actor.is_ready;
+        let is_starting = |actor: &Actor| !actor.is_reaped && !actor.is_ready;
         match self.progress {
             Progress::Working => true,
             Progress::Stranded => self.actors.iter().any(is_starting),
@@ -111,10 +111,10 @@ impl World<'_> {
         }
     }
 
-    /// Puts a batch on its way; what the dispatcher is to be told if that fails.
+    /// Sends a batch; returns the event for the dispatcher if that fails.
     fn send(&mut self, to: Incarnation, batch: u32, jobs: &[(JobId, u8)]) -> Option<Event<Part>> {
         if self.actors[usize::from(to.worker)].who != to
-            || self.actors[usize::from(to.worker)].is_buried
+            || self.actors[usize::from(to.worker)].is_reaped
         {
             return Some(Event::Lost { who: to, started: None });
         }
@@ -147,7 +147,7 @@ impl World<'_> {
         None
     }
 
-    /// Judges every pulse, as the coordinator does.
+    /// Judges every heartbeat, as the coordinator does.
     pub(super) fn look(&mut self) {
         for number in 0..self.actors.len() {
             let busy = self.dispatcher.is_busy(number as u8);
@@ -170,8 +170,8 @@ impl World<'_> {
         }
     }
 
-    pub(super) fn bury(&mut self, who: Incarnation) {
-        self.actors[usize::from(who.worker)].is_buried = true;
+    pub(super) fn reap(&mut self, who: Incarnation) {
+        self.actors[usize::from(who.worker)].is_reaped = true;
         self.restarts.note(who.worker, self.now_ns);
     }
 
@@ -183,8 +183,8 @@ impl World<'_> {
             if actor.is_alive {
                 continue;
             }
-            if !actor.is_buried {
-                self.bury(who);
+            if !actor.is_reaped {
+                self.reap(who);
                 self.dispatcher.dismiss(who);
             }
             if self.restarts.leave(who.worker, self.now_ns) != Leave::Granted {

@@ -1,7 +1,7 @@
-//! What workers do when it is their turn, and the faults that strike them at it.
+//! What workers do in their turn, and the faults that strike them then.
 //!
-//! An [`Actor`](super::actor::Actor) is what a worker holds; that its messages fly and that its end
-//! is noticed later is a matter of the world's time.
+//! An [`Actor`](super::actor::Actor) is what a worker holds; the flight of its messages and the
+//! notice of its end are events of the world.
 
 use super::actor::{Ill, Notes};
 use super::{FLIGHT_NS, Happening, NOTICE_NS, POISON_MAX, World};
@@ -9,7 +9,7 @@ use crate::faults::kind::SimulatedFault;
 use protocol::Incarnation;
 
 impl World<'_> {
-    /// What a worker does next: the job at hand, the next batch, or nothing.
+    /// What a worker does next: the current job, the next batch, or nothing.
     pub(super) fn turn(&mut self, who: Incarnation) {
         let now_ns = self.now_ns;
         let mut notes = Notes::default();
@@ -51,7 +51,7 @@ impl World<'_> {
         }
     }
 
-    /// The job at hand is done: its result is put on its way.
+    /// Ends the current job: its result is sent.
     pub(super) fn finish_job(&mut self, who: Incarnation) {
         let now_ns = self.now_ns;
         let Some(done) = self.actor(who).and_then(|actor| actor.finish(now_ns)) else { return };
@@ -81,7 +81,7 @@ impl World<'_> {
                 self.after(flight_ns + place.at(5).below(900_000), message());
             }
             if self.strikes(SimulatedFault::Zombie, place) {
-                // Its word that the job is started is the last that is known of it.
+                // That it started the job is the last that is known of it.
                 if let Some(actor) = self.actor(who) {
                     actor.started = Some((request, job, attempt));
                 }
@@ -97,7 +97,7 @@ impl World<'_> {
         }
     }
 
-    /// What a worker says of the batches that it has answered.
+    /// Reports the batches that a worker has answered.
     fn tell_answered(&mut self, who: Incarnation, notes: &Notes) {
         if let Some(batches) = notes.answered {
             self.after(FLIGHT_NS, Happening::Answered { who, batches });

@@ -14,8 +14,8 @@ fn recorded(name: &str) -> Recording {
     read(name, &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Alternatives that somebody else derived from the same files, with other code: the same
-/// manoeuvre meets the same partner within 0.1 s, and both are within 0.2 m of the stated places.
+/// Alternatives that others derived from the same files, with other code: the same manoeuvre meets
+/// the same partner within 0.1 s, and both are within 0.2 m of the stated places.
 #[test]
 #[ignore = "needs ../shared/data: recorded traffic"]
 fn derived_alternatives_are_found_again() {

@@ -1,4 +1,4 @@
-//! The laws: lanes say of a cell what the model says, and leave out no triangle that meets a slab.
+//! The invariants: lanes agree with the scalar model, and omit no triangle that overlaps a slab.
 
 use super::super::ROUNDING;
 use super::*;
@@ -8,7 +8,7 @@ use geometry::{Aabb, simd};
 use geometry::{Corners, DVec3};
 use proptest::prelude::*;
 
-/// Small numbers, some of them alike, and some out of any body.
+/// Small numbers, some of them equal, and some outside any body.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![-2.0..2.0_f32, (-2_i8..=2).prop_map(f32::from), -1e30..1e30_f32, 0.0..1e-30_f32]
 }
@@ -60,7 +60,7 @@ proptest! {
                 if least <= f64::from(high) && most >= f64::from(low) {
                     prop_assert!(is_beside, "{i} at {}", simd::name(level));
                 }
-                // Its box instead of itself, a cell on each side, and what is cut off.
+                // Its box instead of the triangle, a cell on each side, and the truncated part.
                 let box_ = Aabb::of(triangle);
                 let ends = [box_.min, box_.max].map(|p| [0, 1, 2].map(|axis| {
                     f64::from(p[axis]) * f64::from(normal[axis])
