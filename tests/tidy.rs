@@ -200,9 +200,10 @@ fn outside_crates_with_one_owner_are_named_by_it_alone() {
 fn every_package_is_named_after_its_folder_and_keeps_the_lints() {
     let mut faults = Vec::new();
     for package in &packages() {
-        if package.value(&["package", "name"]).and_then(|name| name.as_str()) != Some(&package.name)
-        {
-            faults.push(package.manifest.fault(0, "the package has another name than its folder"));
+        let name = package.value(&["package", "name"]).and_then(|name| name.as_str());
+        if name != Some(&package.published_as()) {
+            let fault = format!("the package is not called {}", package.published_as());
+            faults.push(package.manifest.fault(0, &fault));
         }
         if package.value(&["lints", "workspace"]).and_then(|kept| kept.as_bool()) != Some(true) {
             faults.push(package.manifest.fault(0, "needs [lints] workspace = true"));

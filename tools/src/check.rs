@@ -19,7 +19,15 @@ pub(crate) const STEPS: &[Step] = &[
     },
     Step {
         name: "clippy of an ECU build",
-        args: &["clippy", "--package", "cli", "--no-default-features", "--", "-D", "warnings"],
+        args: &[
+            "clippy",
+            "--package",
+            "trolley-cli",
+            "--no-default-features",
+            "--",
+            "-D",
+            "warnings",
+        ],
         env: &[],
     },
     Step {

@@ -33,7 +33,7 @@ impl Tree {
     /// its boxes a tree takes some 80 bytes per triangle, 125 where each has a leaf of its own.
     ///
     /// ```
-    /// use bvh::{BuildError, BuildOptions, Tree};
+    /// use trolley_bvh::{BuildError, BuildOptions, Tree};
     ///
     /// let triangle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     /// let tree = Tree::build(&[triangle], &BuildOptions::default())?;
