@@ -12,6 +12,8 @@ mod code;
 mod faults;
 #[path = "tidy/guards.rs"]
 mod guards;
+#[path = "tidy/names.rs"]
+mod names;
 #[path = "tidy/pure.rs"]
 mod pure;
 #[path = "tidy/tree.rs"]
@@ -282,6 +284,21 @@ fn the_lab_alone_turns_on_faults_and_all_of_them() {
     let fault =
         |package: &&Package| package.manifest.fault(0, "the lab does not turn its faults on");
     none(&off.map(fault).collect::<Vec<_>>());
+}
+
+#[test]
+fn nothing_is_defined_under_a_former_name() {
+    none(&names::former());
+}
+
+#[test]
+fn a_public_type_has_its_name_for_itself() {
+    none(&names::doubles());
+}
+
+#[test]
+fn closures_have_names_that_a_search_finds() {
+    none(&names::unsearchable());
 }
 
 #[test]

@@ -56,6 +56,11 @@ pub(crate) const STEPS: &[Step] = &[
         ],
         env: &[],
     },
+    Step {
+        name: "package",
+        args: &["package", "--workspace", "--quiet", "--allow-dirty"],
+        env: &[],
+    },
 ];
 
 /// Files of others, beside the checkout.
