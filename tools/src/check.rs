@@ -6,8 +6,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The step that `--quick` leaves out.
-pub(crate) const DOCS: &str = "docs";
+/// The steps that `--quick` leaves out.
+pub(crate) const THOROUGH: [&str; 2] = ["docs", "package"];
 
 /// All steps, in order.
 pub(crate) const STEPS: &[Step] = &[
@@ -31,7 +31,7 @@ pub(crate) const STEPS: &[Step] = &[
         env: &[],
     },
     Step {
-        name: DOCS,
+        name: "docs",
         args: &["doc", "--workspace", "--no-deps"],
         env: &[("RUSTDOCFLAGS", "-D warnings")],
     },
