@@ -13,6 +13,8 @@ mod code;
 mod faults;
 #[path = "tidy/guards.rs"]
 mod guards;
+#[path = "tidy/names.rs"]
+mod names;
 #[path = "tidy/pure.rs"]
 mod pure;
 #[path = "tidy/tree.rs"]
@@ -202,9 +204,10 @@ fn outside_crates_with_one_owner_are_named_by_it_alone() {
 fn every_package_is_named_after_its_folder_and_keeps_the_lints() {
     let mut faults = Vec::new();
     for package in &packages() {
-        if package.value(&["package", "name"]).and_then(|name| name.as_str()) != Some(&package.name)
-        {
-            faults.push(package.manifest.fault(0, "the package has another name than its folder"));
+        let name = package.value(&["package", "name"]).and_then(|name| name.as_str());
+        if name != Some(&package.published_as()) {
+            let fault = format!("the package is not called {}", package.published_as());
+            faults.push(package.manifest.fault(0, &fault));
         }
         if package.value(&["lints", "workspace"]).and_then(|kept| kept.as_bool()) != Some(true) {
             faults.push(package.manifest.fault(0, "needs [lints] workspace = true"));
@@ -283,6 +286,21 @@ fn the_lab_alone_turns_on_faults_and_all_of_them() {
     let fault =
         |package: &&Package| package.manifest.fault(0, "the lab does not turn its faults on");
     none(&off.map(fault).collect::<Vec<_>>());
+}
+
+#[test]
+fn nothing_is_defined_under_a_former_name() {
+    none(&names::former());
+}
+
+#[test]
+fn a_public_type_has_its_name_for_itself() {
+    none(&names::doubles());
+}
+
+#[test]
+fn closures_have_names_that_a_search_finds() {
+    none(&names::unsearchable());
 }
 
 #[test]

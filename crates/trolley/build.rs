@@ -1,4 +1,6 @@
-//! Names this build by what it was made of: a hash over every source file and the lock file.
+//! Names this build by what it was made of: a hash over the lock file and every source file, in a
+//! workspace of all crates, or of this crate alone where it was unpacked from a registry: there the
+//! exact versions of the others follow from its own.
 //!
 //! Both ends of every channel must carry the same name, so that no two versions ever talk.
 
@@ -7,17 +9,24 @@ use std::{env, fs};
 
 fn main() {
     let manifest = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
-    let root = manifest.join("../..");
-    let mut files = vec![root.join("Cargo.lock")];
-    collect(&root.join("crates"), &mut files);
+    let workspace = manifest.join("../..");
+    let is_workspace = workspace.join("crates/trolley/build.rs").is_file();
+    let (lock, sources) = if is_workspace {
+        (workspace.join("Cargo.lock"), workspace.join("crates"))
+    } else {
+        (manifest.join("Cargo.lock"), manifest)
+    };
+    let mut files = Vec::new();
+    files.extend(lock.is_file().then(|| lock.clone()));
+    collect(&sources, &mut files);
     files.sort();
     let mut hasher = blake3::Hasher::new();
     for file in &files {
         hasher.update(&fs::read(file).expect("a source file that was listed a moment ago"));
     }
     println!("cargo::rustc-env=TROLLEY_BUILD={}", &hasher.finalize().to_hex()[..16]);
-    println!("cargo::rerun-if-changed={}", root.join("crates").display());
-    println!("cargo::rerun-if-changed={}", root.join("Cargo.lock").display());
+    println!("cargo::rerun-if-changed={}", sources.display());
+    println!("cargo::rerun-if-changed={}", lock.display());
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {

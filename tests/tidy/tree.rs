@@ -64,9 +64,12 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
+/// What the names of our packages begin with, but for the library itself.
+const PREFIX: &str = "trolley-";
+
 /// A package of this workspace.
 pub(crate) struct Package {
-    /// Its folder, which is its name.
+    /// Its folder, by which the others here name it.
     pub(crate) name: String,
     /// Where it lies.
     pub(crate) folder: PathBuf,
@@ -107,7 +110,13 @@ impl Package {
         rest.iter().try_fold(self.table.get(*first)?, |value, key| value.get(key))
     }
 
-    /// All that it uses, for whatever purpose: the packages' own names, and the lines that say so.
+    /// The name that a registry knows it by.
+    pub(crate) fn published_as(&self) -> String {
+        if self.name == "trolley" { self.name.clone() } else { format!("{PREFIX}{}", self.name) }
+    }
+
+    /// All that it uses, for whatever purpose: folders of ours, names of others' packages, and the
+    /// lines that say so.
     pub(crate) fn uses(&self) -> Vec<(String, usize)> {
         self.uses_as(&["dependencies", "dev-dependencies", "build-dependencies"])
     }
@@ -123,7 +132,9 @@ impl Package {
             for (key, entry) in kinds.flatten() {
                 let renamed = |entry: &Value| Some(entry.get("package")?.as_str()?.to_owned());
                 let name = renamed(entry).or_else(|| renamed(everywhere.get(key)?));
-                uses.push((name.unwrap_or_else(|| key.clone()), self.line_of(key)));
+                let name = name.unwrap_or_else(|| key.clone());
+                let folder = name.strip_prefix(PREFIX).unwrap_or(&name).to_owned();
+                uses.push((folder, self.line_of(key)));
             }
         }
         uses

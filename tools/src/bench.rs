@@ -10,7 +10,7 @@ use std::process::ExitCode;
 /// Runs the benchmarks whose names contain `filter`, all if there is none.
 pub(crate) fn run(quick: bool, filter: Option<&str>) -> Result<ExitCode> {
     let status = cargo()
-        .args(["bench", "--package", "geometry", "--package", "bvh"])
+        .args(["bench", "--package", "trolley-geometry", "--package", "trolley-bvh"])
         .args(["--bench", "triangles", "--bench", "queries", "--bench", "builds", "--"])
         .args(quick.then_some("--quick"))
         .args(filter)

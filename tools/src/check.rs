@@ -6,8 +6,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The step that `--quick` leaves out.
-pub(crate) const DOCS: &str = "docs";
+/// The steps that `--quick` leaves out.
+pub(crate) const THOROUGH: [&str; 2] = ["docs", "package"];
 
 /// All steps, in order.
 pub(crate) const STEPS: &[Step] = &[
@@ -19,11 +19,19 @@ pub(crate) const STEPS: &[Step] = &[
     },
     Step {
         name: "clippy of an ECU build",
-        args: &["clippy", "--package", "cli", "--no-default-features", "--", "-D", "warnings"],
+        args: &[
+            "clippy",
+            "--package",
+            "trolley-cli",
+            "--no-default-features",
+            "--",
+            "-D",
+            "warnings",
+        ],
         env: &[],
     },
     Step {
-        name: DOCS,
+        name: "docs",
         args: &["doc", "--workspace", "--no-deps"],
         env: &[("RUSTDOCFLAGS", "-D warnings")],
     },
@@ -46,6 +54,11 @@ pub(crate) const STEPS: &[Step] = &[
             "crates/trolley/examples/data/step.stl",
             "crates/trolley/examples/data/pole.stl",
         ],
+        env: &[],
+    },
+    Step {
+        name: "package",
+        args: &["package", "--workspace", "--quiet", "--allow-dirty"],
         env: &[],
     },
 ];

@@ -65,7 +65,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let oracle = peers::oracle(&workspace).map_err(|why| skipped.push(why)).ok();
     let peers = peers(options, &workspace, &mut skipped)?;
     say(&skipped)?;
-    let trolley = built::executable(cargo().args(["build", "--release", "--package", "cli"]))?;
+    let trolley =
+        built::executable(cargo().args(["build", "--release", "--package", "trolley-cli"]))?;
     let rows = row::all(&trolley, &peers, options.cold);
 
     let mut log = Log::default();

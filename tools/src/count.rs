@@ -40,7 +40,7 @@ pub(crate) fn run(record: bool) -> Result<ExitCode> {
     let program = built::executable(cargo().args([
         "bench",
         "--package",
-        "bvh",
+        "trolley-bvh",
         "--bench",
         "counted",
         "--no-run",

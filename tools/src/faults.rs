@@ -29,7 +29,7 @@ pub(crate) struct FuzzOptions {
 
 /// Simulated worlds, on all cores.
 pub(crate) fn soak(worlds: u64, from: u64) -> Result<ExitCode> {
-    let program = executable(cargo().args(["build", "--release", "--package", "cli"]))?;
+    let program = executable(cargo().args(["build", "--release", "--package", "trolley-cli"]))?;
     let (worlds, from) = (worlds.to_string(), from.to_string());
     let worlds = ["simulate", "faults", "--worlds", &worlds, "--from", &from];
     passed(Command::new(program).args(worlds))
@@ -37,12 +37,12 @@ pub(crate) fn soak(worlds: u64, from: u64) -> Result<ExitCode> {
 
 /// All states of the larger small worlds.
 pub(crate) fn model() -> Result<ExitCode> {
-    test(&["--package", "simulate", "--lib", "--", "faults::model"])
+    test(&["--package", "trolley-simulate", "--lib", "--", "faults::model"])
 }
 
 /// Ten million corrupted messages.
 pub(crate) fn corrupt() -> Result<ExitCode> {
-    test(&["--package", "protocol", "--test", "corrupt", "--"])
+    test(&["--package", "trolley-protocol", "--test", "corrupt", "--"])
 }
 
 fn test(of: &[&str]) -> Result<ExitCode> {
@@ -69,7 +69,7 @@ pub(crate) fn fuzz(options: &FuzzOptions) -> Result<ExitCode> {
     let triple = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let program = executable(
         cargo()
-            .args(["build", "--release", "--package", "fuzz", "--features", "libfuzzer"])
+            .args(["build", "--release", "--package", "trolley-fuzz", "--features", "libfuzzer"])
             .args(["--target", &triple])
             .env("RUSTFLAGS", COVERAGE)
             .env("CARGO_TARGET_DIR", &home),

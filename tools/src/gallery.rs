@@ -55,7 +55,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let program = match &options.program {
         Some(program) => program.clone(),
         None => {
-            let build = &["build", "--release", "--package", "cli", "--bin", "trolley"];
+            let build = &["build", "--release", "--package", "trolley-cli", "--bin", "trolley"];
             built::executable(cargo().args(build))?
         }
     };

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 /// Compares `pairs` pairs of triangles of `seed`; fails with the first difference, which it prints.
 pub(crate) fn run(pairs: u64, seed: u64) -> Result<ExitCode> {
     let status = cargo()
-        .args(["test", "--release", "--package", "geometry", "--test", "oracle"])
+        .args(["test", "--release", "--package", "trolley-geometry", "--test", "oracle"])
         .args(["--", "--nocapture", "--test-threads", "1"])
         .env("ORACLE_PAIRS", pairs.to_string())
         .env("ORACLE_SEED", seed.to_string())

@@ -48,7 +48,7 @@ pub(crate) struct Ranked {
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let workspace = Workspace::find()?;
-    let build = &["build", "--release", "--package", "cli", "--bin", "trolley"];
+    let build = &["build", "--release", "--package", "trolley-cli", "--bin", "trolley"];
     let program = built::executable(cargo().args(build))?;
     let folder = workspace.target.join("scenarios");
     std::fs::create_dir_all(&folder)?;

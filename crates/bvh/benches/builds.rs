@@ -2,10 +2,10 @@
 
 use body::Build;
 use body::Shape;
-use bvh::{BuildOptions, build};
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput};
 use shapes::generate;
 use std::hint::black_box;
+use trolley_bvh::{BuildOptions, build};
 
 fn main() {
     let mut criterion = Criterion::default().configure_from_args().sample_size(20);

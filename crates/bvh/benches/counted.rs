@@ -5,8 +5,6 @@ mod posed;
 mod scene;
 
 use body::Build;
-use bvh::build::LEAF_SIZE_MAX;
-use bvh::{BuildOptions, Question, build};
 use fearless_simd::dispatch;
 use geometry::patch::{self, Patches, meet_all};
 use geometry::simd::Level;
@@ -14,6 +12,8 @@ use geometry::{DVec3, Directions, triangle};
 use posed::Posed;
 use scene::Scene;
 use std::hint::black_box;
+use trolley_bvh::build::LEAF_SIZE_MAX;
+use trolley_bvh::{BuildOptions, Question, build};
 
 /// Large enough to amortise start-up, small enough for an emulated processor.
 const SCENE: &str = "cars-10k-deep";

@@ -4,14 +4,14 @@ mod posed;
 mod scene;
 
 use body::Build;
-use bvh::Question;
-use bvh::build::LEAF_SIZE_MAX;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
 use geometry::patch::{self, Patches, meet_all};
 use geometry::{DVec3, Directions, simd, triangle};
 use posed::Posed;
 use std::hint::black_box;
+use trolley_bvh::Question;
+use trolley_bvh::build::LEAF_SIZE_MAX;
 
 /// Triangles in a leaf, as by default.
 const LEAF_SIZE: u32 = 4;

@@ -24,8 +24,8 @@
 //! # Example
 //!
 //! ```
-//! use bvh::query::{BuildOptions, Pose, RelativePose, Tree, Workspace};
-//! use bvh::query::{for_each_pair, pairs, sets, touches};
+//! use trolley_bvh::query::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+//! use trolley_bvh::query::{for_each_pair, pairs, sets, touches};
 //! use std::ops::ControlFlow;
 //!
 //! // Two steps of a stair, and a pole that stands on the floor.

@@ -34,7 +34,7 @@ impl Tree {
     /// triangle, or 125 with one triangle per leaf.
     ///
     /// ```
-    /// use bvh::{BuildError, BuildOptions, Tree};
+    /// use trolley_bvh::{BuildError, BuildOptions, Tree};
     ///
     /// let triangle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     /// let tree = Tree::build(&[triangle], &BuildOptions::default())?;

@@ -3,13 +3,13 @@
 //!
 //! ```text
 //! trolley serve config/deployments/minimal.toml
-//! cargo run --release -p client --example planner -- 10
+//! cargo run --release -p trolley-client --example planner -- 10
 //! ```
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to a terminal")]
 
-use client::public::{Ask, Motion, WireAnswer, WireCandidate, WireParty};
-use client::{Client, Waiting};
 use std::time::Duration;
+use trolley_client::public::{Ask, Motion, WireAnswer, WireCandidate, WireParty};
+use trolley_client::{Client, Waiting};
 
 const NAMES: [&str; 2] = ["wall, frontal", "pole, narrow"];
 

@@ -1,8 +1,8 @@
 //! The planner's client: connects to a service, asks with a deadline, gets an answer or a refusal.
 //!
 //! ```no_run
-//! use client::{Client, Waiting};
-//! use client::public::{Ask, WireCandidate, Motion, WireParty};
+//! use trolley_client::{Client, Waiting};
+//! use trolley_client::public::{Ask, WireCandidate, Motion, WireParty};
 //! use std::time::Duration;
 //!
 //! let mut client = Client::connect("/dev/shm", "trolley", Waiting::Spin)?;

@@ -17,7 +17,7 @@ mod tests;
 
 /// The curves in force unless others are named: `config/curves/default.toml`.
 pub const DEFAULT_CURVES: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/curves/default.toml"));
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/curves/default.toml"));
 
 /// A kind of person, by what hits them and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

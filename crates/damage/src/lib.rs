@@ -11,8 +11,8 @@
 //! machines give the same bits.
 //!
 //! ```
-//! use damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, CollisionParty, Policy};
-//! use damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
+//! use trolley_damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, CollisionParty, Policy};
+//! use trolley_damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
 //! use geometry::{DVec3, Directions, Supports};
 //! use body::{BodyKind, Seat};
 //!
@@ -74,7 +74,7 @@
 //! assert!((harm.delta_v[0].work.hi() - 16.5).abs() < 1e-9);
 //!
 //! let ranking = rank(&policy, &[Stake { is_ego: true, responsibility: 0.0 }], &[harm])?;
-//! assert_eq!(ranking.state, damage::AnswerState::Complete);
+//! assert_eq!(ranking.state, trolley_damage::AnswerState::Complete);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

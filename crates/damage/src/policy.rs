@@ -18,7 +18,7 @@ mod tests;
 
 /// The policy in force unless another is named: `config/policies/default.toml`.
 pub const DEFAULT_POLICY: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/policies/default.toml"));
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/policies/default.toml"));
 
 /// One step of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]

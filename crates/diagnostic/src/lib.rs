@@ -83,7 +83,7 @@ pub trait Diagnostic: Error {
 /// Any failure, for the user at the terminal and for the shell.
 ///
 /// ```
-/// use diagnostic::{Failure, FailureKind};
+/// use trolley_diagnostic::{Failure, FailureKind};
 ///
 /// let failure = Failure::new(FailureKind::Input, "body \"suvv\" is not defined")
 ///     .at("left-turn.toml:14:9")

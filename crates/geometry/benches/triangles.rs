@@ -4,9 +4,11 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
-use geometry::patch::{LANES, Patches, meet_all};
-use geometry::{Aabb, Corners, DVec3, Pose, Posed, RelativePose, Triangle, hash, simd, triangle};
 use std::hint::black_box;
+use trolley_geometry::patch::{LANES, Patches, meet_all};
+use trolley_geometry::{
+    Aabb, Corners, DVec3, Pose, Posed, RelativePose, Triangle, hash, simd, triangle,
+};
 
 /// Pairs of each kind: more than a branch predictor memorises.
 const PAIRS: usize = 4096;

@@ -8,7 +8,7 @@ use crate::hash::splitmix64;
 /// A stream of random numbers. Equal seeds give equal streams.
 ///
 /// ```
-/// use geometry::rng::Rng;
+/// use trolley_geometry::rng::Rng;
 ///
 /// let (mut one, mut other) = (Rng::new(7), Rng::new(7));
 /// assert_eq!(one.below(100), other.below(100));

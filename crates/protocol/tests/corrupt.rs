@@ -2,7 +2,7 @@
 //! taken from other messages, wrong lengths. None is accepted.
 
 use geometry::rng::Rng;
-use protocol::{Boot, Head, Incarnation, MessageKind, RequestId, seal, verify};
+use trolley_protocol::{Boot, Head, Incarnation, MessageKind, RequestId, seal, verify};
 
 const PEER: Incarnation = Incarnation { worker: 2, inc: 7 };
 const BOOT: Boot = Boot(5);

@@ -1,7 +1,7 @@
 //! An allocator that counts: the system's, and a number per thread.
 //!
 //! ```
-//! # use runtime::heap::{Counting, allocations};
+//! # use trolley_runtime::heap::{Counting, allocations};
 //! #[global_allocator]
 //! static HEAP: Counting = Counting;
 //!

@@ -3,8 +3,8 @@
 
 #![cfg(target_env = "gnu")]
 
-use runtime::realtime::{page_faults, share_heap};
 use std::hint::black_box;
+use trolley_runtime::realtime::{page_faults, share_heap};
 
 const BYTES: usize = 16 << 20;
 

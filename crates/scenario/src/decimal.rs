@@ -4,7 +4,7 @@
 /// back as the same number.
 ///
 /// ```
-/// let written = [1.0, -0.0, 0.1, 12345.6789, 1e-7, 3e16].map(scenario::decimal);
+/// let written = [1.0, -0.0, 0.1, 12345.6789, 1e-7, 3e16].map(trolley_scenario::decimal);
 /// assert_eq!(written, ["1.0", "-0.0", "0.1", "12345.6789", "1e-7", "3e16"]);
 /// ```
 #[must_use]

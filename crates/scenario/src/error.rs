@@ -10,9 +10,9 @@ use std::borrow::Cow;
 /// A scenario that cannot be used: file, place and fault, in that order; the remedy beside.
 ///
 /// ```
-/// let error = scenario::ScenarioError::new(
+/// let error = trolley_scenario::ScenarioError::new(
 ///     "left-turn.toml",
-///     scenario::TextPosition { line: 14, column: 9 },
+///     trolley_scenario::TextPosition { line: 14, column: 9 },
 ///     "party \"suvv\" is not defined",
 ///     "parties defined here: ego, suv.  Did you mean \"suv\"?",
 /// );

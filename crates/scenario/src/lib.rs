@@ -23,15 +23,15 @@
 //! # Examples
 //!
 //! ```
-//! let text = include_str!("../../../config/scenarios/minimal.toml");
-//! let scenario = scenario::Scenario::parse("minimal.toml", text)?;
+//! let text = include_str!("../config/scenarios/minimal.toml");
+//! let scenario = trolley_scenario::Scenario::parse("minimal.toml", text)?;
 //! assert_eq!(scenario.candidates.len(), 2);
 //!
 //! let wrong = text.replace("party = \"pole\"", "party = \"poel\"");
-//! let error = scenario::Scenario::parse("minimal.toml", &wrong).unwrap_err();
+//! let error = trolley_scenario::Scenario::parse("minimal.toml", &wrong).unwrap_err();
 //! assert!(error.to_string().contains("party \"poel\" is not defined"));
 //! assert!(error.remedy.contains("Did you mean \"pole\"?"));
-//! # Ok::<(), scenario::ScenarioError>(())
+//! # Ok::<(), trolley_scenario::ScenarioError>(())
 //! ```
 
 mod check;

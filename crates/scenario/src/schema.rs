@@ -9,7 +9,7 @@ use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
 /// JSON Schema (draft 2020-12) of a scenario file, indented.
 ///
 /// ```
-/// let schema = scenario::schema();
+/// let schema = trolley_scenario::schema();
 /// assert!(schema.contains("\"speed_m_s\""));
 /// ```
 #[must_use]

@@ -3,7 +3,7 @@
 use body::Shape;
 use body::fit::{Fit, fitted};
 use proptest::prelude::*;
-use shapes::generate;
+use trolley_shapes::generate;
 
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-5 * b.max(1.0)

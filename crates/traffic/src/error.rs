@@ -7,7 +7,7 @@ use std::borrow::Cow;
 ///
 /// ```
 /// let text = "<commonRoad commonRoadVersion=\"2017a\"/>";
-/// let error = traffic::read("a.xml", text, &Default::default()).unwrap_err();
+/// let error = trolley_traffic::read("a.xml", text, &Default::default()).unwrap_err();
 /// assert!(error.to_string().starts_with("a.xml:1:1: <commonRoad>: version \"2017a\""));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 const SCHEMA: &str = "trolley.bodies/1";
 
 /// The library that comes with the program.
-pub const DEFAULT_LIBRARY: &str = include_str!("../../../config/bodies/default.toml");
+pub const DEFAULT_LIBRARY: &str = include_str!("../config/bodies/default.toml");
 
 /// Bodies by type.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use rustix::process::Signal;
 use rustix::thread::{CpuSet, sched_setaffinity};
 use rustix::time::{ClockId, clock_gettime};
 use std::process::{Command, Stdio};
-use transport::{CoordinatorLink, Domain, Receiver, Sender, Sizes, WorkerLink};
+use trolley_transport::{CoordinatorLink, Domain, Receiver, Sender, Sizes, WorkerLink};
 
 const PEER: Incarnation = Incarnation { worker: 0, inc: 0 };
 const WORDS: usize = 8192;

@@ -4,7 +4,7 @@
 use protocol::{Boot, Head, Incarnation, MessageKind, RequestId};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use transport::{CoordinatorLink, Domain, Sizes, WorkerLink};
+use trolley_transport::{CoordinatorLink, Domain, Sizes, WorkerLink};
 
 struct Counting;
 

@@ -9,7 +9,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use transport::{CoordinatorLink, Domain, Sizes, UseError, WorkerLink, sweep_leftovers};
+use trolley_transport::{CoordinatorLink, Domain, Sizes, UseError, WorkerLink, sweep_leftovers};
 
 const PEER: Incarnation = Incarnation { worker: 1, inc: 0 };
 const SIZES: Sizes = Sizes { job_words: 64, job_queue: 4, result_words: 1024, result_queue: 8 };

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The scenario that `trolley demo` ranks; its bodies are generated.
-const DEMO: &str = include_str!("../../../config/scenarios/demo.toml");
+const DEMO: &str = include_str!("../config/scenarios/demo.toml");
 /// Its name.
 const DEMO_NAME: &str = "config/scenarios/demo.toml";
 

@@ -136,8 +136,8 @@ impl House {
         let files = [body, body];
         let mut store = vec![0; body::store::length(&files)];
         body::store::fill(&mut store, &files);
-        let policy = include_str!("../../../config/policies/default.toml");
-        let curves = include_str!("../../../config/curves/default.toml");
+        let policy = include_str!("../config/policies/default.toml");
+        let curves = include_str!("../config/curves/default.toml");
         Self {
             deployment: service::Deployment::parse("house", text).expect("it is sound"),
             store: Aligned::copy_of(&store),
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "minutes: cargo test --release -p fuzz -- --ignored, under ulimit -v 2097152"]
+    #[ignore = "minutes: cargo test --release -p trolley-fuzz -- --ignored, under ulimit -v 2097152"]
     fn a_hundred_thousand_bent_copies_of_real_bodies_are_refused_or_accepted() {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
         let mut all = Vec::new();

@@ -3,7 +3,6 @@
 //! `a.stl` and `b.stl` are binary STL; `pose.txt` has the world poses of A and then B, each 3 lines
 //! of 4 numbers (R | t), row-major. Cases are made from the scenes of our benchmarks.
 
-#[path = "../../../crates/bvh/benches/scene/mod.rs"]
 mod scene;
 
 use anyhow::{Context as _, Result, bail};

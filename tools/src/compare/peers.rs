@@ -115,7 +115,7 @@ fn version(package: &str) -> Option<String> {
 fn parry(workspace: &Workspace) -> Result<PathBuf> {
     built::executable(
         cargo()
-            .args(["build", "--profile", "peer", "--package", "tools"])
+            .args(["build", "--profile", "peer", "--package", "trolley-tools"])
             .args(["--bin", "peer-parry", "--features", "parry"])
             .args([OsStr::new("--target-dir"), workspace.target.join("peers").as_os_str()])
             .env("RUSTFLAGS", "-C target-cpu=native"),

@@ -2,9 +2,11 @@
 
 use crate::scene::Scene;
 use body::{Body, BodyKind, BodyView, Build, Mesh, Meta, Zones};
-use bvh::{BuildOptions, Counters, Kernel, NodePair, Outcome, Question, Sink, Task, body, front};
 use geometry::{Corners, Directions, Pose, RelativePose};
 use std::ops::{ControlFlow, Range};
+use trolley_bvh::{
+    BuildOptions, Counters, Kernel, NodePair, Outcome, Question, Sink, Task, body, front,
+};
 
 /// Two bodies with trees, one pose, and scratch for queries.
 pub(crate) struct Posed {
@@ -65,7 +67,7 @@ impl Posed {
 struct Deaf;
 
 impl Sink for Deaf {
-    fn hit(&mut self, _: bvh::Side, _: u32) -> ControlFlow<()> {
+    fn hit(&mut self, _: trolley_bvh::Side, _: u32) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 

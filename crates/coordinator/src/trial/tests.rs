@@ -5,12 +5,12 @@ use crate::fixtures::with_policy;
 use damage::Policy;
 
 const POLICIES: [&str; 6] = [
-    include_str!("../../../../config/policies/default.toml"),
-    include_str!("../../../../config/policies/ego-only.toml"),
-    include_str!("../../../../config/policies/precaution.toml"),
-    include_str!("../../../../config/policies/weighted.toml"),
-    include_str!("../../../../config/policies/worst-case-averse.toml"),
-    include_str!("../../../../config/policies/worst-off-first.toml"),
+    include_str!("../../config/policies/default.toml"),
+    include_str!("../../config/policies/ego-only.toml"),
+    include_str!("../../config/policies/precaution.toml"),
+    include_str!("../../config/policies/weighted.toml"),
+    include_str!("../../config/policies/worst-case-averse.toml"),
+    include_str!("../../config/policies/worst-off-first.toml"),
 ];
 
 fn campaign(seeds: u64, flaw: Option<BoundFlaw>) -> TrialResult {

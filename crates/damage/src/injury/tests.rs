@@ -5,7 +5,7 @@ use crate::fault::DataFileError;
 
 /// Severity levels of one study beside each other, and fatal pedestrian accidents.
 const LEVELS: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/curves/levels.toml"));
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/curves/levels.toml"));
 
 fn shipped() -> Curves {
     Curves::shipped().expect("the shipped curves are sound")
@@ -97,7 +97,7 @@ fn ranges_of_a_level_stay_within_the_ladder() {
 /// first three of its anchors.
 #[test]
 fn the_upper_fatal_curve_covers_another_study() {
-    let text = include_str!("../../../../config/curves/levels.toml");
+    let text = include_str!("../../config/curves/levels.toml");
     let levels = Curves::parse("levels.toml", text).expect("sound");
     let curve = |id: &str| levels.curves.iter().find(|c| *c.id == *id).expect("shipped");
     let (low, high) = (curve("rosen-sander-2009-low"), curve("rosen-sander-2009-high"));

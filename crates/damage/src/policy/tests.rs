@@ -7,13 +7,11 @@ fn refused(text: &str) -> crate::fault::DataFileError {
 }
 
 const WEIGHTED: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/policies/weighted.toml"));
-const LEXIMIN: &str = include_str!(concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../../config/policies/worst-off-first.toml"
-));
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/policies/weighted.toml"));
+const LEXIMIN: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/policies/worst-off-first.toml"));
 const PRECAUTION: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/policies/precaution.toml"));
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/policies/precaution.toml"));
 
 fn least(rule: Rule, tolerance: f64) -> Step {
     Step::Least { measure: Measure::Rule(rule), tolerance }

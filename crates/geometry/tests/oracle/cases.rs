@@ -7,9 +7,9 @@
 //! A [`Group`] has pairs of the same families in the form used by bodies: stored in f32, B's seen
 //! through a pose.
 
-use geometry::hash::splitmix64;
-use geometry::rng::Rng;
-use geometry::{DVec3, Pose, RelativePose, Triangle};
+use trolley_geometry::hash::splitmix64;
+use trolley_geometry::rng::Rng;
+use trolley_geometry::{DVec3, Pose, RelativePose, Triangle};
 
 /// Two triangles.
 #[derive(Debug)]
@@ -74,8 +74,8 @@ pub(crate) fn pair(seed: u64, number: u64) -> Pair {
 #[derive(Debug)]
 pub(crate) struct Group {
     pub(crate) pose: RelativePose,
-    pub(crate) a: Vec<geometry::Corners>,
-    pub(crate) b: Vec<geometry::Corners>,
+    pub(crate) a: Vec<trolley_geometry::Corners>,
+    pub(crate) b: Vec<trolley_geometry::Corners>,
 }
 
 /// Number of pairs of a group.

@@ -6,10 +6,10 @@
 //! Neither has special cases for degenerate triangles or coplanar pairs.
 
 use crate::cases::Pair;
-use geometry::{DVec3, Triangle};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
+use trolley_geometry::{DVec3, Triangle};
 
 type Vector<T> = [T; 3];
 

@@ -13,11 +13,11 @@ mod exact;
 
 use cases::{FAMILIES, GROUP, Pair, group, pair};
 use fearless_simd::dispatch;
-use geometry::patch::{Patches, Posed, meet_all};
-use geometry::triangle::{contact, intersect};
-use geometry::{DVec3, simd};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
+use trolley_geometry::patch::{Patches, Posed, meet_all};
+use trolley_geometry::triangle::{contact, intersect};
+use trolley_geometry::{DVec3, simd};
 
 /// A setting of the campaign from the environment.
 #[expect(clippy::disallowed_methods, reason = "a test binary has no command line of its own")]
@@ -142,8 +142,9 @@ fn contact_points_are_the_corners_of_the_intersection() {
         assert_eq!(exact::meet(pair), !corners.is_empty(), "oracles differ on {number}: {pair:?}");
         let (a, b) = (pair.a.bounds(), pair.b.bounds());
         for point in found {
-            let inside =
-                |b: &geometry::Bounds| b.min.cmple(*point).all() && point.cmple(b.max).all();
+            let inside = |b: &trolley_geometry::Bounds| {
+                b.min.cmple(*point).all() && point.cmple(b.max).all()
+            };
             assert!(inside(&a) && inside(&b), "pair {number}: {point} out of the boxes: {pair:?}");
         }
         // Documented bounds: parts in 10^10 of an edge, and a few ulps of the coordinates; per

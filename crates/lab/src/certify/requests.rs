@@ -23,12 +23,12 @@ const BODIES: [&str; 7] = [
 
 /// The built-in policies.
 pub(super) const POLICIES: [(&str, &str); 6] = [
-    ("default", include_str!("../../../../config/policies/default.toml")),
-    ("ego-only", include_str!("../../../../config/policies/ego-only.toml")),
-    ("precaution", include_str!("../../../../config/policies/precaution.toml")),
-    ("weighted", include_str!("../../../../config/policies/weighted.toml")),
-    ("worst-case-averse", include_str!("../../../../config/policies/worst-case-averse.toml")),
-    ("worst-off-first", include_str!("../../../../config/policies/worst-off-first.toml")),
+    ("default", include_str!("../../config/policies/default.toml")),
+    ("ego-only", include_str!("../../config/policies/ego-only.toml")),
+    ("precaution", include_str!("../../config/policies/precaution.toml")),
+    ("weighted", include_str!("../../config/policies/weighted.toml")),
+    ("worst-case-averse", include_str!("../../config/policies/worst-case-averse.toml")),
+    ("worst-off-first", include_str!("../../config/policies/worst-off-first.toml")),
 ];
 
 /// Sealed bodies; the first is the ego's.

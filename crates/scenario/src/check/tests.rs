@@ -312,7 +312,7 @@ fn too_much_text_is_refused_unread() {
 
 #[test]
 fn a_list_is_not_taken_for_a_table() {
-    let minimal = include_str!("../../../../config/scenarios/minimal.toml");
+    let minimal = include_str!("../../config/scenarios/minimal.toml");
     for (table, list) in [
         ("{ shape = \"pole\", triangles = 2000 }", "[\"pole\", 2000, 0]"),
         ("{ position_m = [0, 0, 0], speed_m_s = 10 }", "[[0, 0, 0], 0, 0, 0, 10]"),

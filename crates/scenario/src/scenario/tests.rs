@@ -317,7 +317,7 @@ fn kinds_are_checked_again_when_the_files_are_open() {
 
 #[test]
 fn what_parse_accepts_check_kinds_accepts_for_generated_bodies() {
-    for text in [DEMO, include_str!("../../../../config/scenarios/minimal.toml")] {
+    for text in [DEMO, include_str!("../../config/scenarios/minimal.toml")] {
         let scenario = parse(text).unwrap();
         let kinds: Vec<BodyKind> = (scenario.parties.iter())
             .map(|party| match party.source {
@@ -330,7 +330,7 @@ fn what_parse_accepts_check_kinds_accepts_for_generated_bodies() {
     }
 }
 
-const DEMO: &str = include_str!("../../../../config/scenarios/demo.toml");
+const DEMO: &str = include_str!("../../config/scenarios/demo.toml");
 
 mod demo;
 

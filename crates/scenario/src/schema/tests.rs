@@ -86,8 +86,8 @@ fn violated(text: &str) -> Vec<String> {
 #[test]
 fn the_shipped_examples_are_valid() {
     for (name, text) in [
-        ("minimal.toml", include_str!("../../../../config/scenarios/minimal.toml")),
-        ("demo.toml", include_str!("../../../../config/scenarios/demo.toml")),
+        ("minimal.toml", include_str!("../../config/scenarios/minimal.toml")),
+        ("demo.toml", include_str!("../../config/scenarios/demo.toml")),
         ("full", FULL),
     ] {
         crate::Scenario::parse(name, text).unwrap_or_else(|error| panic!("{error}"));

@@ -6,8 +6,8 @@ use body::Shape;
 use proptest::prelude::*;
 use protocol::public::Person;
 
-const DEPLOYMENT: &str = include_str!("../../../../config/deployments/minimal.toml");
-const SCENARIO: &str = include_str!("../../../../config/scenarios/minimal.toml");
+const DEPLOYMENT: &str = include_str!("../../config/deployments/minimal.toml");
+const SCENARIO: &str = include_str!("../../config/scenarios/minimal.toml");
 
 fn deployment() -> Deployment {
     Deployment::parse("minimal.toml", DEPLOYMENT).unwrap()

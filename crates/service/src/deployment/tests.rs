@@ -2,9 +2,9 @@
 
 use super::*;
 
-const MINIMAL: &str = include_str!("../../../../config/deployments/minimal.toml");
-const QUAD: &str = include_str!("../../../../config/deployments/quad-core.toml");
-const DUAL: &str = include_str!("../../../../config/deployments/dual-core.toml");
+const MINIMAL: &str = include_str!("../../config/deployments/minimal.toml");
+const QUAD: &str = include_str!("../../config/deployments/quad-core.toml");
+const DUAL: &str = include_str!("../../config/deployments/dual-core.toml");
 
 #[test]
 fn the_deployments_that_are_shipped_are_accepted() {

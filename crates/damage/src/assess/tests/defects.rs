@@ -126,7 +126,7 @@ fn d10_nobody_is_hurt_at_speed_zero() {
 
 #[test]
 fn d11_a_severer_injury_is_never_likelier() {
-    let text = include_str!("../../../../../config/curves/levels.toml");
+    let text = include_str!("../../../config/curves/levels.toml");
     let curves = Curves::parse("levels.toml", text).expect("sound");
     for victim in Victim::ALL {
         for k in 0..400 {
