@@ -299,6 +299,11 @@ fn a_public_type_has_its_name_for_itself() {
 }
 
 #[test]
+fn every_public_item_of_the_library_has_an_example() {
+    none(&names::without_example());
+}
+
+#[test]
 fn closures_have_names_that_a_search_finds() {
     none(&names::unsearchable());
 }
@@ -366,14 +371,14 @@ fn every_invariant_of_architecture_names_its_test() {
     let mut among_invariants = false;
     for (number, line) in page.text.lines().enumerate() {
         if line.starts_with('#') {
-            among_invariants = line.contains("always holds");
+            among_invariants = line.contains("Invariants");
         } else if among_invariants && line.starts_with("- ") {
             items.push((number, line.to_owned()));
         } else if let Some((_, item)) = items.last_mut().filter(|_| line.starts_with("  ")) {
             item.push_str(line);
         }
     }
-    assert!(!items.is_empty(), "{}: no list of what always holds", page.path);
+    assert!(!items.is_empty(), "{}: no list of invariants", page.path);
     let untested = items.iter().filter(|(_, item)| rust_files_in(item).is_empty());
     none(&untested.map(|(line, _)| page.fault(*line, "names no test")).collect::<Vec<_>>());
 }

@@ -1,4 +1,5 @@
-//! Names: none from before the field's terms, one public type per name, closures that a search finds.
+//! Names: no former ones, one public type per name, closures that a search finds; and an example
+//! for every public item of the library.
 
 use super::code::{code, words};
 use super::tree::{Text, all_sources};
@@ -48,6 +49,7 @@ const FORMER: &[(&str, &str, &str)] = &[
     ("crates/coordinator/", "see", "observe"),
     ("", "man", "spawn"),
     ("", "bury", "reap"),
+    ("", "anew", "reset_for"),
     ("crates/coordinator/", "part", "terminate"),
     ("crates/service/", "part", "refuse_waiting"),
     ("", "lay_to_rest", "detach"),
@@ -176,5 +178,36 @@ pub(crate) fn unsearchable() -> Vec<String> {
             }
         }
     }
+    faults
+}
+
+/// Public items and methods of the library without an example.
+pub(crate) fn without_example() -> Vec<String> {
+    let (mut faults, mut seen) = (Vec::new(), 0);
+    for file in all_sources().iter().filter(|file| !is_test(file)) {
+        if !file.path.starts_with("crates/trolley/src/") {
+            continue;
+        }
+        let mut has_example = false;
+        for (number, line) in file.text.lines().enumerate() {
+            let line = line.trim_start();
+            let is_documentation = line.starts_with("///");
+            if is_documentation || line.starts_with("#[") {
+                has_example |= is_documentation && line.contains("```");
+                continue;
+            }
+            // A field is documented with its type, a module in its own file.
+            if let Some((keyword, true, name)) = defined(line)
+                && keyword != "mod"
+            {
+                seen += 1;
+                if !has_example {
+                    faults.push(file.fault(number, &format!("{name} has no example")));
+                }
+            }
+            has_example = false;
+        }
+    }
+    assert!(seen > 100, "only {seen} public items: does this still read Rust?");
     faults
 }

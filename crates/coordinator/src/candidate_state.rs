@@ -58,7 +58,7 @@ impl CandidateState {
     }
 
     /// The state of another candidate, in the buffers of this one.
-    pub(crate) fn anew(self, candidate: &Candidate) -> Self {
+    pub(crate) fn reset_for(self, candidate: &Candidate) -> Self {
         let Self { stage, mut hit, mut spare } = self;
         hit.clear();
         if let SearchStage::Surveying { stops, .. } = stage {

@@ -95,7 +95,7 @@ impl Gathered {
     }
 
     /// Resets to nothing found, between other bodies.
-    pub(crate) fn anew(self, triangles_a: usize, triangles_b: usize) -> Self {
+    pub(crate) fn reset_for(self, triangles_a: usize, triangles_b: usize) -> Self {
         let Self { mut hits_a, mut hits_b, .. } = self;
         for (hits, triangles) in [(&mut hits_a, triangles_a), (&mut hits_b, triangles_b)] {
             hits.0.clear();

@@ -105,8 +105,9 @@ impl<'w> RankingRun<'w> {
         depth: u32,
         buffers: RunBuffers,
     ) -> Self {
-        let RunBuffers { zones, candidate_states, tasks, waiting, pairs, purposes, outlook, spare } =
-            buffers.for_request(request, bodies);
+        let buffers = buffers.for_request(request, bodies);
+        let RunBuffers { zones, candidate_states, tasks, waiting, .. } = buffers;
+        let RunBuffers { pairs, purposes, outlook, spare, .. } = buffers;
         let limits = RequestLimits::default();
         let mut work = Self {
             request,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Approach --plan--> Path --Search, survey--> poses to intersect         (before and between jobs)
-//! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates   (at any time)
+//! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates  (at any time)
 //! Curves::parse, Policy::parse: texts of config/curves and config/policies
 //! ```
 //!
@@ -11,8 +11,9 @@
 //! machines give the same bits.
 //!
 //! ```
-//! use trolley_damage::{Approach, Basis, Curves, Encounter, Evidence, Parameters, CollisionParty, Policy};
-//! use trolley_damage::{Aboard, Meeting, PersonId, Seen, Stake, assess, heading, plan, rank};
+//! use trolley_damage::{Approach, Basis, CollisionParty, Curves, Encounter, Evidence, Parameters};
+//! use trolley_damage::{Aboard, Meeting, PersonId, Policy, Seen, Stake};
+//! use trolley_damage::{assess, heading, plan, rank};
 //! use geometry::{DVec3, Directions, Supports};
 //! use body::{BodyKind, Seat};
 //!

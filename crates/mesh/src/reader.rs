@@ -344,7 +344,7 @@ fn hear(
             ChildMessage::Read { report, build_ns, model_bytes } => {
                 // A longer file than allowed cannot be valid.
                 let len = usize::try_from(model_bytes).ok().filter(|_| model_bytes <= bytes_max)?;
-                let mut bytes = open::room(len);
+                let mut bytes = open::zeroed_buffer(len);
                 words.read_exact(bytes.bytes_mut()).ok()?;
                 return Some((ChildMessage::Read { report, build_ns, model_bytes }, bytes));
             }

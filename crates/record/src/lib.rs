@@ -1,7 +1,7 @@
 //! The decision record: one file per request, chained to the one before it.
 //!
 //! ```text
-//! RecordContent --encode(link)--> bytes of a file --Chain::next(name, bytes), file after file--> ok
+//! RecordContent --encode(link)--> bytes of a file --Chain::next(name, bytes), file by file--> ok
 //!       ^                              |            checks the hash of the file, and that of the
 //!       +-------decode(bytes)----------+            one before it
 //! ```

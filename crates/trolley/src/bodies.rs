@@ -43,6 +43,8 @@ pub struct ModelFile {
     source_hash: Option<String>,
 }
 
+/// A function that is called as trees are built, with [`SILENT`] for none.
+///
 /// ```
 /// use trolley::bodies::OnProgress;
 ///

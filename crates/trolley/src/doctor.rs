@@ -153,8 +153,8 @@ fn preemption() -> Finding {
     let version = read("/proc/sys/kernel/version").unwrap_or_default();
     let is_preempt = version.contains("PREEMPT");
     let level = if is_preempt { FindingLevel::Ok } else { FindingLevel::Note };
-    let remedy = "calls of other processes into the kernel may delay us: a kernel with PREEMPT or \
-                  PREEMPT_RT";
+    let remedy = "calls of other processes into the kernel may delay the service: use a \
+                  kernel with PREEMPT or PREEMPT_RT";
     let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
     finding("kernel", level, format!("{release} {version}"), remedy)
 }

@@ -34,6 +34,9 @@ mod answer;
 mod bodies;
 
 pub use answer::{Found, Intersected, QueryResult, hex};
+
+/// The counts of a [`QueryResult`].
+///
 /// ```
 /// # use trolley::bodies::{ModelFile, SILENT};
 /// # use trolley::intersect::Intersect;
@@ -53,6 +56,9 @@ pub use answer::{Found, Intersected, QueryResult, hex};
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::Counters;
+
+/// What an [`Intersect`] finds.
+///
 /// ```
 /// # use trolley::bodies::{ModelFile, SILENT};
 /// # use trolley::intersect::Intersect;
@@ -73,6 +79,9 @@ pub use bvh::Counters;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::Question;
+
+/// How an [`Intersect`] walks trees.
+///
 /// ```
 /// # use trolley::bodies::{ModelFile, SILENT};
 /// # use trolley::intersect::Intersect;
@@ -94,6 +103,9 @@ pub use bvh::Question;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::kernel::Walk;
+
+/// The vector instructions of an [`Intersect`].
+///
 /// ```
 /// # use trolley::bodies::{ModelFile, SILENT};
 /// # use trolley::intersect::Intersect;

@@ -18,6 +18,8 @@ use crate::Failure;
 use mesh::import::{self, Format, ImportOptions};
 use std::path::Path;
 
+/// A body with its tree: one of your own is a [`Tree`].
+///
 /// ```
 /// use trolley::kernel::{Body, BuildOptions};
 /// use trolley::model::Shape;
@@ -28,6 +30,9 @@ use std::path::Path;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use body::Body;
+
+/// A borrowed [`Body`] or [`Tree`], which every query takes.
+///
 /// ```
 /// # use trolley::kernel::BuildOptions;
 /// # use trolley::model::Shape;
@@ -39,6 +44,9 @@ pub use body::Body;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use body::BodyView;
+
+/// How a tree is built, in [`BuildOptions`].
+///
 /// ```
 /// use trolley::kernel::{Build, BuildOptions};
 ///
@@ -46,6 +54,9 @@ pub use body::BodyView;
 /// assert_eq!(options.build.name(), "sah");
 /// ```
 pub use body::Build;
+
+/// The error of [`Tree::build`].
+///
 /// ```
 /// use trolley::kernel::{BuildError, BuildOptions, Tree};
 ///
@@ -53,12 +64,18 @@ pub use body::Build;
 /// assert!(matches!(nothing, Err(BuildError::Empty)));
 /// ```
 pub use bvh::BuildError;
+
+/// The options of [`Tree::build`].
+///
 /// ```
 /// use trolley::kernel::BuildOptions;
 ///
 /// let options = BuildOptions { leaf_size: 8, threads: 2, ..BuildOptions::default() };
 /// ```
 pub use bvh::BuildOptions;
+
+/// A tree over your own triangles.
+///
 /// ```
 /// use trolley::kernel::{BuildOptions, Tree};
 ///
@@ -68,6 +85,9 @@ pub use bvh::BuildOptions;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::Tree;
+
+/// How a [`Workspace`] walks trees.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -81,6 +101,9 @@ pub use bvh::Tree;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::Walk;
+
+/// The triangles that [`sets`] finds.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -93,6 +116,9 @@ pub use bvh::Walk;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::HitSets;
+
+/// The vector instructions of a [`Workspace`].
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -106,6 +132,9 @@ pub use bvh::query::HitSets;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::Level;
+
+/// The error of a query.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -120,6 +149,9 @@ pub use bvh::query::Level;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::PoseError;
+
+/// The memory of queries.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -136,6 +168,9 @@ pub use bvh::query::PoseError;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::Workspace;
+
+/// Calls a function for each pair of intersecting triangles.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -152,6 +187,9 @@ pub use bvh::query::Workspace;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::for_each_pair;
+
+/// Returns all pairs of intersecting triangles.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -165,6 +203,9 @@ pub use bvh::query::for_each_pair;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::pairs;
+
+/// Returns the triangles of each body that intersect the other body.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -178,6 +219,9 @@ pub use bvh::query::pairs;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::sets;
+
+/// Returns whether two bodies intersect.
+///
 /// ```
 /// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
 /// # let options = BuildOptions::default();
@@ -191,12 +235,18 @@ pub use bvh::query::sets;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::touches;
+
+/// A triangle: three corners of three coordinates.
+///
 /// ```
 /// use trolley::kernel::Corners;
 ///
 /// let triangle: Corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 /// ```
 pub use geometry::Corners;
+
+/// The pose of a body in the world.
+///
 /// ```
 /// use trolley::kernel::Pose;
 ///
@@ -204,6 +254,9 @@ pub use geometry::Corners;
 /// assert_eq!(ahead, Pose::from_degrees(0.0, 0.0, 0.0, [2.5, 0.0, 0.0]));
 /// ```
 pub use geometry::Pose;
+
+/// The pose of B in the frame of A.
+///
 /// ```
 /// use trolley::kernel::{Pose, RelativePose};
 ///

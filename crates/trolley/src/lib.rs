@@ -194,6 +194,8 @@ mod serve;
 pub mod traffic;
 mod worker;
 
+/// The answer of a [`Ranking`].
+///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -203,6 +205,9 @@ mod worker;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Answer;
+
+/// The chain from contact to rank, from [`Limits::with_explanation`].
+///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -212,6 +217,9 @@ pub use coordinator::Answer;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Explanation;
+
+/// The risk of one person in a [`Row`].
+///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -223,6 +231,9 @@ pub use coordinator::Explanation;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::PersonRow;
+
+/// The triangles hit at one pose of a [`Row`].
+///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -234,6 +245,9 @@ pub use coordinator::PersonRow;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::PoseRow;
+
+/// A candidate of an [`Answer`], in its place.
+///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -244,6 +258,7 @@ pub use coordinator::PoseRow;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Row;
+
 /// A [replay](record::Replay) returns scenes.
 ///
 /// ```
@@ -263,6 +278,9 @@ pub use coordinator::Row;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Scene;
+
+/// The order of the jobs, for [`Limits::with_search_order`].
+///
 /// ```
 /// use trolley::{Limits, SearchOrder};
 ///
@@ -270,6 +288,9 @@ pub use coordinator::Scene;
 /// assert_eq!(limits.request_limits(None).search_order.name(), "round-robin");
 /// ```
 pub use coordinator::SearchOrder;
+
+/// When a ranking may stop, for [`Limits::until`].
+///
 /// ```
 /// # use trolley::{AnswerState, Engine, Limits, Scenario, Until};
 /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
@@ -280,6 +301,9 @@ pub use coordinator::SearchOrder;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Until;
+
+/// The state of an [`Answer`].
+///
 /// ```
 /// # use trolley::{AnswerState, Engine, Limits, Scenario};
 /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
@@ -292,6 +316,9 @@ pub use coordinator::Until;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use damage::AnswerState;
+
+/// Whether the bodies of a candidate touch.
+///
 /// ```
 /// # use trolley::{Engine, Limits, Scenario, Touch};
 /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
@@ -302,6 +329,7 @@ pub use damage::AnswerState;
 /// ```
 pub use damage::Touch;
 pub use deployment::OpenDeployment;
+
 /// Errors of the crates below this one implement it, so `?` turns them into a [`Failure`].
 ///
 /// ```
@@ -311,6 +339,9 @@ pub use deployment::OpenDeployment;
 /// assert!(empty.is_err_and(|error| error.kind() == trolley::FailureKind::Input));
 /// ```
 pub use diagnostic::Diagnostic;
+
+/// The error type of this crate.
+///
 /// ```
 /// use trolley::Scenario;
 ///
@@ -320,6 +351,9 @@ pub use diagnostic::Diagnostic;
 /// }
 /// ```
 pub use diagnostic::Failure;
+
+/// The kind of a [`Failure`], which is an exit code too.
+///
 /// ```
 /// use trolley::{Engine, FailureKind};
 ///
@@ -331,6 +365,9 @@ pub use diagnostic::Failure;
 pub use diagnostic::FailureKind;
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
+
+/// A request to the service, from [`OpenDeployment::ask`].
+///
 /// ```
 /// use trolley::{OpenDeployment, Scenario};
 ///
@@ -343,6 +380,7 @@ pub use limits::Limits;
 pub use protocol::public::Ask;
 pub use record::Record;
 pub use run::Run;
+
 /// A program that serves may use it, so that the service can report memory taken from the heap.
 ///
 /// ```
@@ -354,6 +392,9 @@ pub use run::Run;
 pub use runtime::heap::Counting as CountingAllocator;
 pub use scenario::{Scenario, SourceText, Texts, read_text};
 pub use serve::{Greeting, ServeOptions, serve};
+
+/// What the service does between requests.
+///
 /// ```
 /// use trolley::{Idle, ServeOptions};
 ///
@@ -379,6 +420,8 @@ pub use worker::{play_worker, run_reader, run_worker};
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub mod explanation {
+    /// The chain of one candidate in an [`Explanation`](crate::Explanation).
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -391,6 +434,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use coordinator::Derivation;
+
+    /// The chain of one person in a [`Derivation`].
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -404,6 +450,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use coordinator::PersonChain;
+
+    /// A step of the policy in a [`Derivation`].
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -417,6 +466,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use coordinator::PolicyStep;
+
+    /// What separates a candidate from the next one, in a [`Derivation`].
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -431,6 +483,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use coordinator::Separation;
+
+    /// The number that a [`Reserve`] is about.
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -444,6 +499,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use damage::Knob;
+
+    /// A margin of the winner, in [`Stability`].
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -458,6 +516,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use damage::Margin;
+
+    /// How far a number may move, in [`Stability`].
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -472,6 +533,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use damage::Reserve;
+
+    /// How firmly the winner of an [`Explanation`](crate::Explanation) stands.
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
@@ -485,6 +549,9 @@ pub mod explanation {
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     pub use damage::Stability;
+
+    /// The unit of the curve of a [`PersonChain`].
+    ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;

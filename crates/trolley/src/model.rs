@@ -34,6 +34,8 @@ mod import;
 mod info;
 pub mod open;
 
+/// The kind of a body.
+///
 /// ```
 /// # use trolley::model::{self, Generate, Shape};
 /// # let folder = std::env::temp_dir().join(format!("trolley-kind-{}", std::process::id()));
@@ -48,6 +50,9 @@ pub mod open;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use body::BodyKind;
+
+/// How a tree is built.
+///
 /// ```
 /// use trolley::model::{self, Build};
 ///
@@ -55,12 +60,18 @@ pub use body::BodyKind;
 /// assert_eq!(trees[0].build, Build::Paper);
 /// ```
 pub use body::Build;
+
+/// The greatest leaf size of a [`tree`].
+///
 /// ```
 /// use trolley::model::{self, Build, LEAF_SIZE_MAX};
 ///
 /// let shallow = model::tree(Build::Sah, LEAF_SIZE_MAX);
 /// ```
 pub use body::LEAF_SIZE_MAX;
+
+/// A seat of an occupant.
+///
 /// ```
 /// # let options = trolley::model::BuildOptions::default();
 /// # let shape = trolley::model::Shape::Sedan;
@@ -72,6 +83,9 @@ pub use body::LEAF_SIZE_MAX;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use body::Seat;
+
+/// A built-in shape, for [`Generate`].
+///
 /// ```
 /// use trolley::model::Shape;
 ///
@@ -79,6 +93,9 @@ pub use body::Seat;
 /// assert_eq!(Shape::ALL.len(), 9);
 /// ```
 pub use body::Shape;
+
+/// How a tree is built: see [`tree`].
+///
 /// ```
 /// use trolley::model::{self, Build, BuildOptions};
 ///
@@ -92,12 +109,18 @@ pub use facts::Facts;
 pub use generate::{Generate, Generated};
 pub use import::{Import, ImportedModel};
 pub use info::{BodyInfo, Info, MeshInfo, info};
+
+/// The format of an [`Export`].
+///
 /// ```
 /// use trolley::model::ExportFormat;
 ///
 /// assert!("stl".parse() == Ok(ExportFormat::Stl) && ExportFormat::Obj.name() == "obj");
 /// ```
 pub use mesh::export::ExportFormat;
+
+/// An axis of a mesh, in [`MeshOptions`].
+///
 /// ```
 /// use trolley::model::{Axis, MeshOptions};
 ///
@@ -106,6 +129,9 @@ pub use mesh::export::ExportFormat;
 /// assert!("-x".parse::<Axis>().is_ok());
 /// ```
 pub use mesh::import::Axis;
+
+/// The unit of a mesh, in [`MeshOptions`].
+///
 /// ```
 /// use trolley::model::{LengthUnit, MeshOptions};
 ///
@@ -115,6 +141,9 @@ pub use mesh::import::Axis;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use mesh::import::LengthUnit;
+
+/// A way to read a mesh, offered in [`MeshInfo`].
+///
 /// ```no_run
 /// # use trolley::model::{Info, ReadLimits, info};
 /// trolley::play_worker(); // a mesh is read in a child process
@@ -126,6 +155,9 @@ pub use mesh::import::LengthUnit;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use mesh::import::Reading;
+
+/// How an [`Import`] reads its mesh.
+///
 /// ```
 /// use trolley::model::{Axis, BodyKind, LengthUnit, MeshOptions};
 ///
@@ -137,12 +169,18 @@ pub use mesh::import::Reading;
 /// };
 /// ```
 pub use mesh::reader::MeshOptions;
+
+/// A function that is called as trees are built.
+///
 /// ```
 /// use trolley::model::OnProgress;
 ///
 /// let progress: OnProgress<'_> = &|done, total| eprintln!("{done} of {total} triangles");
 /// ```
 pub use mesh::reader::OnProgress;
+
+/// The limits of the process that reads a mesh.
+///
 /// ```
 /// use trolley::model::ReadLimits;
 ///
@@ -150,6 +188,9 @@ pub use mesh::reader::OnProgress;
 /// assert_eq!(limits.cpu_s, ReadLimits::CPU_S);
 /// ```
 pub use mesh::reader::ReadLimits;
+
+/// What an [`Import`] found in its mesh.
+///
 /// ```no_run
 /// # use trolley::model::{Build, Import, MeshOptions, ReadLimits, tree};
 /// # let import = Import {
@@ -165,6 +206,9 @@ pub use mesh::reader::ReadLimits;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use mesh::reader::Report;
+
+/// The greatest number of triangles of a generated body.
+///
 /// ```
 /// use trolley::model::{Shape, TRIANGLES_MAX};
 ///
@@ -173,6 +217,9 @@ pub use mesh::reader::Report;
 /// assert!(more.is_err());
 /// ```
 pub use shapes::TRIANGLES_MAX;
+
+/// The least number of triangles of a generated body.
+///
 /// ```
 /// use trolley::model::{Shape, TRIANGLES_MIN};
 ///

@@ -21,6 +21,8 @@ use crate::Failure;
 use crate::model::open;
 use std::path::Path;
 
+/// The pose of a body in the world.
+///
 /// ```
 /// use trolley::poses::Pose;
 ///

@@ -27,6 +27,8 @@ use std::path::{Path, PathBuf};
 
 mod replay;
 
+/// The place of a [`Record`] in its chain.
+///
 /// ```
 /// # use trolley::{Engine, Limits, Record, Scenario};
 /// # let folder = std::env::temp_dir().join(format!("trolley-link-{}", std::process::id()));
@@ -42,6 +44,9 @@ mod replay;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use record::Link;
+
+/// The content of a [`Record`].
+///
 /// ```
 /// # use trolley::{Engine, Limits, Record, Scenario};
 /// # let folder = std::env::temp_dir().join(format!("trolley-content-{}", std::process::id()));
@@ -57,6 +62,9 @@ pub use record::Link;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use record::RecordContent;
+
+/// A body in a [`RecordContent`].
+///
 /// ```
 /// # use trolley::{Engine, Limits, Record, Scenario};
 /// # let folder = std::env::temp_dir().join(format!("trolley-body-{}", std::process::id()));
@@ -74,6 +82,9 @@ pub use record::RecordContent;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use record::RecordedBody;
+
+/// How a job in a [`RecordContent`] ended.
+///
 /// ```
 /// # use trolley::{Engine, Limits, Record, Scenario};
 /// # let folder = std::env::temp_dir().join(format!("trolley-end-{}", std::process::id()));
@@ -90,6 +101,9 @@ pub use record::RecordedBody;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use record::RecordedEnd;
+
+/// Where a [`RecordedBody`] comes from.
+///
 /// ```
 /// # use trolley::{Engine, Limits, Record, Scenario};
 /// # let folder = std::env::temp_dir().join(format!("trolley-source-{}", std::process::id()));

@@ -13,10 +13,8 @@ const ROLE: &str = "worker";
 /// `main`.
 ///
 /// ```
-/// fn main() {
-///     trolley::play_worker();
-///     // From here on, the program is not a worker.
-/// }
+/// trolley::play_worker(); // the first line of `main`
+/// println!("this process is not a worker");
 /// ```
 pub fn play_worker() {
     let args: Vec<String> = std::env::args().skip(1).collect();

@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "minutes: cargo test --release -p trolley-fuzz -- --ignored, under ulimit -v 2097152"]
+    #[ignore = "minutes: cargo test -r -p trolley-fuzz -- --ignored, under ulimit -v 2097152"]
     fn a_hundred_thousand_bent_copies_of_real_bodies_are_refused_or_accepted() {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
         let mut all = Vec::new();

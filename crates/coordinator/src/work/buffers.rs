@@ -65,9 +65,9 @@ impl RunBuffers {
         for candidate in &request.candidates {
             let used = spare.candidate_states.pop();
             let fresh = || CandidateState::new(candidate);
-            self.candidate_states.push(used.map_or_else(fresh, |used| used.anew(candidate)));
+            self.candidate_states.push(used.map_or_else(fresh, |used| used.reset_for(candidate)));
         }
-        Self { outlook: self.outlook.anew(request), ..self }
+        Self { outlook: self.outlook.reset_for(request), ..self }
     }
 }
 
@@ -107,7 +107,7 @@ impl BufferPool {
     /// An empty result for bodies of these numbers of triangles.
     pub(super) fn gathered(&mut self, triangles_a: usize, triangles_b: usize) -> Gathered {
         match self.gathered.pop() {
-            Some(used) => used.anew(triangles_a, triangles_b),
+            Some(used) => used.reset_for(triangles_a, triangles_b),
             None => Gathered::with_room(triangles_a, triangles_b),
         }
     }

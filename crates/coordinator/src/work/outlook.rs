@@ -65,7 +65,7 @@ const NEWS: usize = 32;
 
 impl Outlook {
     /// An outlook with nothing known, in the lists of an earlier request.
-    pub(super) fn anew(self, request: &Request) -> Self {
+    pub(super) fn reset_for(self, request: &Request) -> Self {
         let Self { mut bounds, standing, mut stakes, mut scratch, mut news, mut handed, .. } = self;
         let candidates = request.candidates.len();
         scratch.risks.extend(bounds.drain(..).map(|bounds| bounds.persons));
@@ -176,7 +176,7 @@ impl RankingRun<'_> {
                 continue;
             }
             self.outlook.news[k] = (0, false);
-            self.reach_anew(k);
+            self.update_reach(k);
             let evidence = self.evidence_by(k, true);
             if !self.outlook.bind(k, &candidate.encounter(), &evidence, &basis, high) {
                 return;
@@ -245,7 +245,7 @@ impl RankingRun<'_> {
 
     /// Recomputes the reaches of a candidate's open poses where half of the jobs that they were
     /// computed from are closed.
-    fn reach_anew(&mut self, k: usize) {
+    fn update_reach(&mut self, k: usize) {
         for task in 0..self.tasks.len() as u32 {
             let state = &self.tasks[task as usize];
             let is_stop = matches!(state.purpose, Purpose::Survey { .. }) && state.found.is_some();

@@ -32,10 +32,10 @@ pub fn bytes(path: &Path) -> Result<FileMap, Failure> {
 /// Allocates a buffer for a model file of this many bytes: in large pages, since queries access it
 /// randomly.
 #[must_use]
-pub fn room(len: usize) -> file::Aligned {
-    let mut room = file::Aligned::zeroed(len);
-    runtime::realtime::large_pages(room.bytes_mut());
-    room
+pub fn zeroed_buffer(len: usize) -> file::Aligned {
+    let mut buffer = file::Aligned::zeroed(len);
+    runtime::realtime::large_pages(buffer.bytes_mut());
+    buffer
 }
 
 /// A suggestion for a missing file.

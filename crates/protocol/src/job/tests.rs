@@ -11,8 +11,8 @@ proptest! {
     #[test]
     fn reads_what_was_written(jobs in prop::collection::vec(0_u32..3, 0..30)) {
         let tasks = [a_task(4), a_task(5), a_task(6)];
-        let jobs: Vec<WireJob> =
-            jobs.iter().map(|&task| WireJob { task, job: 70 + task, ..WireJob::zeroed() }).collect();
+        let job_of = |&task| WireJob { task, job: 70 + task, ..WireJob::zeroed() };
+        let jobs: Vec<WireJob> = jobs.iter().map(job_of).collect();
         let mut words = vec![9; 3];
         write_batch(&mut words, &tasks, &jobs);
         prop_assert_eq!(words.len(), batch_words(3, jobs.len()));

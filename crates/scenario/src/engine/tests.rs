@@ -89,7 +89,8 @@ proptest! {
                 prop_assert!(change.batch.is_none_or(|_| change.batch == written.batch));
                 prop_assert!(change.queue.is_none_or(|_| change.queue == written.queue));
                 let build = change.build.as_deref().and_then(Build::from_name);
-                prop_assert!(build.is_none_or(|build| Some(build.name()) == written.build.as_deref()));
+                let written_build = written.build.as_deref();
+                prop_assert!(build.is_none_or(|build| Some(build.name()) == written_build));
                 prop_assert!(change.cores.is_none() || change.cores == written.cores);
                 prop_assert!(change.seed.is_none_or(|_| change.seed == written.seed));
                 prop_assert!(change.alpha.is_none_or(|_| change.alpha == written.alpha));
@@ -106,7 +107,8 @@ proptest! {
             prop_assert!(!misfit.remedy.is_empty());
             prop_assert!(misfit.what.contains(misfit.setting), "{}", misfit);
         } else {
-            prop_assert!(EngineSettings::DEFAULT.apply(&change).is_ok_and(|engine| is_valid(&engine)));
+            let applied = EngineSettings::DEFAULT.apply(&change);
+            prop_assert!(applied.is_ok_and(|engine| is_valid(&engine)));
         }
     }
 }

@@ -127,7 +127,7 @@ fn every_mistake_has_its_reason_and_says_where() {
                 ask.add_person(Person { party: 0, seat: 7 });
             },
             Reason::Malformed,
-            "no seat 7",
+            "seat 7 does not exist",
         ),
     ];
     for (make, reason, said) in mistakes {

@@ -23,6 +23,8 @@ use diagnostic::Failure;
 use std::io::Read as _;
 use std::path::Path;
 
+/// Maps a file into memory.
+///
 /// ```
 /// # use trolley::model::{self, Generate, Shape};
 /// # let folder = std::env::temp_dir().join(format!("trolley-open-bytes-{}", std::process::id()));
@@ -38,12 +40,15 @@ use std::path::Path;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use mesh::reader::open::bytes;
+
+/// Allocates memory for a model file.
+///
 /// ```
-/// let mut room = trolley::model::open::room(1024);
-/// room.bytes_mut().fill(1);
-/// assert_eq!(room.bytes().len(), 1024);
+/// let mut buffer = trolley::model::open::zeroed_buffer(1024);
+/// buffer.bytes_mut().fill(1);
+/// assert_eq!(buffer.bytes().len(), 1024);
 /// ```
-pub use mesh::reader::open::room;
+pub use mesh::reader::open::zeroed_buffer;
 
 /// Reads a model file into memory: a mapped file could change after it was verified.
 ///
@@ -67,7 +72,7 @@ pub use mesh::reader::open::room;
 /// If the file does not exist or cannot be read.
 pub fn copy(path: &Path) -> Result<file::Aligned, Failure> {
     let map = bytes(path)?;
-    let mut copy = room(map.bytes().len());
+    let mut copy = zeroed_buffer(map.bytes().len());
     copy.bytes_mut().copy_from_slice(map.bytes());
     Ok(copy)
 }

@@ -78,7 +78,9 @@ proptest! {
             prop_assert!((person.range.high() - same.range.high()).abs() <= 1e-3);
         }
         if let (Some(p), Some(q)) = (&one.contact.patch, &other.contact.patch) {
-            let lengths = |p: &ContactPatch| [p.width_m, p.height_m, p.span_m, p.penetration_m, p.depth_m];
+            let lengths = |p: &ContactPatch| {
+                [p.width_m, p.height_m, p.span_m, p.penetration_m, p.depth_m]
+            };
             for (a, b) in lengths(p).iter().zip(&lengths(q)) {
                 prop_assert!((a.hi() - b.hi()).abs() <= 1e-3, "{p:?} {q:?}");
             }
