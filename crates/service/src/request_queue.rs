@@ -38,7 +38,7 @@ impl RequestQueue {
     pub(crate) fn drain(&mut self) {
         loop {
             // Before iceoryx2 updates its connections: it identifies a client by its slot in a
-            // table and a request by a number that every client starts at 0, so a request of a
+            // table and a request by a number that every client counts afresh, so a request of a
             // client that is gone would pass for one of its successor.
             self.forget_unwanted();
             let asked = match self.server.take() {

@@ -157,7 +157,7 @@ pub fn serve(
         wake_fd.as_fd(),
         idle_hook,
     )?;
-    // From here on signals are caught: the thread inherits the mask.
+    // From here on signals are caught: the thread inherits that.
     let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
         ServiceError::Files { folder: folder.unwrap_or_default(), source }
