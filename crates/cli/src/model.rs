@@ -37,9 +37,7 @@ One line per file. Exit code 65 if a file was refused. Without --kind, any size 
 const GENERATE: &str = "\
 Examples:
   trolley model generate wall --triangles 500 -o wall.trolley
-  trolley model generate sedan --triangles 100000 --seed 7 -o sedan.trolley
-
-Shapes: sedan, suv, truck, bus, motorcycle, cyclist, pedestrian, wall, pole.";
+  trolley model generate sedan --triangles 100000 --seed 7 -o sedan.trolley";
 
 const EXPORT: &str = "\
 Examples:
@@ -69,7 +67,7 @@ pub(crate) enum Verb {
     #[command(after_help = CHECK)]
     Check(CheckArgs),
     /// Make a model file of a generated shape.
-    #[command(after_help = GENERATE)]
+    #[command(after_help = generate_help())]
     Generate(GenerateArgs),
     /// Write the triangles of a model file as a mesh for other programs.
     #[command(after_help = EXPORT)]
@@ -175,6 +173,10 @@ pub(crate) struct LimitArgs {
     #[arg(long, value_name = "S", default_value_t = ReadLimits::CPU_S,
           value_parser = clap::value_parser!(u64).range(1..=86_400))]
     cpu_s: u64,
+}
+
+fn generate_help() -> String {
+    format!("{GENERATE}\n\nShapes: {}.", Shape::ALL.map(Shape::name).join(", "))
 }
 
 /// How the tree is built.

@@ -152,7 +152,7 @@ fn every_component_is_a_ball_or_a_ring_and_faces_outward() {
                 Shape::Sedan | Shape::Suv | Shape::Bus => 4,
                 Shape::Truck => 6,
                 Shape::Motorcycle | Shape::Cyclist => 2,
-                Shape::Pedestrian | Shape::Wall | Shape::Pole => 0,
+                _ => 0,
             };
             assert_eq!(rings, tyres, "{what}");
         }
@@ -199,7 +199,8 @@ fn names_read_back() {
     }
     let error = "tractor".parse::<Shape>().unwrap_err();
     assert_eq!(error, UnknownShape { name: "tractor".to_owned() });
-    assert!(error.to_string().ends_with("wall, pole"), "{error}");
+    let all = Shape::ALL.map(Shape::name).join(", ");
+    assert!(error.to_string().ends_with(&all), "{error}");
 }
 
 /// Bounds without mirrors, which stand out beyond the width.
@@ -304,12 +305,12 @@ fn the_same_call_gives_the_same_bits_on_every_machine() {
         hash.update(mesh.parts.join(" ").as_bytes());
         format!("{shape} {}", &hash.finalize().to_hex()[..16])
     };
-    assert_eq!(Shape::ALL.map(hash), GOLDEN);
+    assert_eq!(&Shape::ALL.map(hash)[..], GOLDEN);
 }
 
 /// BLAKE3 over corners, parts and names of 2,000 triangles, seed 0: a change of any of them changes
 /// every recorded result on generated bodies.
-const GOLDEN: [&str; 9] = [
+const GOLDEN: &[&str] = &[
     "sedan 1a7dd5d3dc14461e",
     "suv 9e8f867984b6be30",
     "truck f78dbc2589ad7c9c",

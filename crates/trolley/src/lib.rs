@@ -68,37 +68,9 @@
 //!
 //! # Your own policy
 //!
-//! A policy says which injuries count, and in which order they are compared. A scenario names a
-//! file (`policy = "strict.toml"`), or a program gives the three [`Texts`] itself.
-//!
-//! ```
-//! use trolley::{Scenario, SourceText, Texts, read_text};
-//!
-//! let policy = r#"
-//!     schema = 1
-//!     name = "worst-off first"
-//!     board = "example"
-//!     outcome = "mais3+"
-//!     composition = "lexicographic"
-//!     property = "last"
-//!     tie_break = ["energy", "high", "request"]
-//!
-//!     [[level]]
-//!     rule = "maximin"
-//!     tolerance = 0.0
-//! "#;
-//! # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
-//! # let file = "../../config/scenarios/small.toml";
-//! # let curves = "../../config/curves/default.toml";
-//! let source = |name: &str, text: String| SourceText { name: name.to_owned(), text };
-//! let scenario = Scenario::of_texts(Texts {
-//!     scenario: source(file, read_text(file.as_ref())?),
-//!     policy: source("strict.toml", policy.to_owned()),
-//!     curves: source(curves, read_text(curves.as_ref())?),
-//! })?;
-//! assert_eq!(scenario.rules().0.name, "worst-off first");
-//! # Ok::<(), trolley::Failure>(())
-//! ```
+//! A policy is a file that says which injuries count, and in which order they are compared. A
+//! scenario names it: `policy = "strict.toml"`. [`policy::check`] says what it means in sentences;
+//! [`Scenario::of_texts`] takes scenario, policy and curves without files.
 //!
 //! # Workers
 //!
