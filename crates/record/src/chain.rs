@@ -47,7 +47,7 @@ impl Diagnostic for ChainError {
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
-        Some("take the copy of another keeper, and compare".into())
+        Some("use another copy of the records, and compare".into())
     }
 }
 

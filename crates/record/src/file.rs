@@ -94,7 +94,7 @@ impl Diagnostic for RecordError {
         let remedy = match self {
             Self::Foreign => "name a file that --record wrote",
             Self::Version(_) => "use the program of the build that the record was written by",
-            Self::Length { .. } | Self::Hash => "take the copy of another keeper, and compare",
+            Self::Length { .. } | Self::Hash => "use another copy of the records, and compare",
             Self::Content(_) => "the writer was at fault: keep the file and report it",
             Self::TooLong(_) => "lower --depth",
         };
