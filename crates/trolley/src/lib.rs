@@ -338,6 +338,16 @@ pub use diagnostic::FailureKind;
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
 
+/// Settings of the engine that replace those of a scenario.
+///
+/// ```
+/// use trolley::{Engine, Overrides};
+///
+/// let overrides = Overrides { depth: Some(6), ..Overrides::default() };
+/// let engine = Engine::builder().overrides(overrides).in_process().build();
+/// assert!(engine.is_ok());
+/// ```
+pub use ::scenario::Overrides;
 /// A request to the service, from [`OpenDeployment::ask`].
 ///
 /// ```
