@@ -24,7 +24,7 @@ fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
 }
 
 fn connect(instance: &str) -> Client {
-    Client::connect("/dev/shm", instance, Waiting::Nap(Duration::from_micros(100))).unwrap()
+    Client::connect(None, instance, Waiting::Nap(Duration::from_micros(100))).unwrap()
 }
 
 /// An ego at 10 m/s and a wall ahead; models 1 and 2.

@@ -53,7 +53,8 @@ pub(crate) fn instance() -> String {
 
 /// What a run of this instance has in shared memory.
 pub(crate) fn left_in_shm(instance: &str) -> Vec<String> {
-    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let entries =
+        std::fs::read_dir(trolley::doctor::shared_folder()).into_iter().flatten().flatten();
     let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     names.filter(|name| name.contains(&format!(".{instance}."))).collect()
 }

@@ -89,7 +89,8 @@ impl Drop for Serving {
 
 /// What a service and its workers have in shared memory.
 pub(crate) fn left_behind(instance: &str) -> Vec<String> {
-    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let entries =
+        std::fs::read_dir(trolley::doctor::shared_folder()).into_iter().flatten().flatten();
     let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     let public = format!("trolley-{instance}");
     let is_public = |name: &String| {

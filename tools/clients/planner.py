@@ -1,20 +1,15 @@
-"""A planner in Python, on the iceoryx2 package alone: asks what config/scenarios/minimal.toml asks.
+"""A planner in Python, on the C library: asks what config/scenarios/minimal.toml asks.
 
-    pip install iceoryx2==0.10.0
+    cargo build --release -p trolley-client-c
     trolley serve config/deployments/minimal.toml
-    python tools/clients/planner.py [INSTANCE [FOLDER]]
+    LD_LIBRARY_PATH=target/release python3 tools/clients/planner.py [INSTANCE [FOLDER]]
 
-The structs are those of crates/protocol/src/public.rs. They have a fixed size: iceoryx2's Python
-Slice counts bytes, not items, and its samples have to be deleted.
+The structs are those of crates/client-c/include/trolley.h. They have a fixed size.
 """
 
 import ctypes
-import secrets
 import sys
-import time
-from ctypes import c_char, c_double, c_uint32, c_uint64
-
-import iceoryx2 as iox2
+from ctypes import POINTER, c_char, c_char_p, c_double, c_size_t, c_uint32, c_uint64, c_void_p
 
 
 class Motion(ctypes.Structure):
@@ -64,10 +59,6 @@ class Ask(ctypes.Structure):
         ("candidates", Candidate * 16),
     ]
 
-    @staticmethod
-    def type_name() -> str:
-        return "trolley.Ask.v1"
-
 
 class Place(ctypes.Structure):
     _fields_ = [
@@ -98,10 +89,6 @@ class Answer(ctypes.Structure):
         ("places", Place * 16),
     ]
 
-    @staticmethod
-    def type_name() -> str:
-        return "trolley.Answer.v1"
-
 
 assert ctypes.sizeof(Ask) == 3536 and ctypes.sizeof(Answer) == 2016
 
@@ -109,14 +96,16 @@ VERDICTS = ["?", "complete", "certified", "degraded", "refused", "busy"]
 NAMES = ["wall, frontal", "pole, narrow"]
 
 
-def config_of(instance: str, folder: str) -> "iox2.Config":
-    """A service's domain: its prefix and its root. Only the service cleans up."""
-    config = iox2.config.default()
-    config.global_cfg.prefix = iox2.FileName.new(f"trolley-{instance}.")
-    config.global_cfg.root_path = iox2.Path.new(f"{folder}/trolley-{instance}")
-    config.global_cfg.node.cleanup_dead_nodes_on_creation = False
-    config.global_cfg.node.cleanup_dead_nodes_on_destruction = False
-    return config
+def library() -> ctypes.CDLL:
+    """The C library, with the types of its three functions."""
+    lib = ctypes.CDLL("libtrolley_client.so")
+    lib.trolley_connect.argtypes = [c_char_p, c_char_p, c_uint64, c_char_p, c_size_t]
+    lib.trolley_connect.restype = c_void_p
+    lib.trolley_ask.argtypes = [c_void_p, POINTER(Ask), c_uint64, POINTER(Answer)]
+    lib.trolley_ask.restype = None
+    lib.trolley_disconnect.argtypes = [c_void_p]
+    lib.trolley_disconnect.restype = None
+    return lib
 
 
 def what_is_left() -> Ask:
@@ -135,37 +124,16 @@ def what_is_left() -> Ask:
 
 def main() -> int:
     instance = sys.argv[1] if len(sys.argv) > 1 else "minimal"
-    folder = sys.argv[2] if len(sys.argv) > 2 else "/dev/shm"
-    iox2.set_log_level(iox2.LogLevel.Fatal)
-    config = config_of(instance, folder)
-    node = iox2.NodeBuilder.new().config(config).create(iox2.ServiceType.Ipc)
-    rank = (
-        node.service_builder(iox2.ServiceName.new("trolley/rank/v1"))
-        .request_response(Ask, Answer)
-        .open()
-    )
-    wake = node.service_builder(iox2.ServiceName.new("trolley/wake/v1")).event().open()
-    client = rank.client_builder().create()
-    bell = wake.notifier_builder().create()
-
-    end_ns = time.monotonic_ns() + 1_000_000_000
-    ask = what_is_left()
-    # A number that no other client chooses: whoever was killed here before may still be answered.
-    ask.sequence, ask.answer_by_ns = secrets.randbits(64), end_ns
-    request = client.loan_uninit().write_payload(ask)
-    pending = request.send()
-    bell.notify()
-    while time.monotonic_ns() < end_ns:
-        response = pending.receive()
-        if response is not None:
-            answer = Answer.from_buffer_copy(response.payload().contents)
-            response.delete()
-            if answer.sequence == ask.sequence:
-                break
-        time.sleep(0.0001)
-    else:
-        print("refused: no answer arrived in time", file=sys.stderr)
-        return 4
+    folder = sys.argv[2].encode() if len(sys.argv) > 2 else None
+    lib = library()
+    why = ctypes.create_string_buffer(512)
+    client = lib.trolley_connect(folder, instance.encode(), 100_000, why, len(why))
+    if not client:
+        print(why.value.decode(), file=sys.stderr)
+        return 75
+    answer = Answer()
+    lib.trolley_ask(client, what_is_left(), 1_000_000_000, answer)
+    lib.trolley_disconnect(client)
     print(VERDICTS[answer.verdict], answer.text.decode(), file=sys.stderr)
     for number in range(answer.place_count):
         place = answer.places[number]

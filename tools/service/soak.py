@@ -35,7 +35,11 @@ def held(pid):
 
 
 def names():
-    return sum(1 for name in os.listdir("/dev/shm") if INSTANCE in name)
+    """Files and folders that the service and its runs share."""
+    user = os.environ.get("XDG_RUNTIME_DIR")
+    folder = pathlib.Path(user, "trolley") if user else pathlib.Path(f"/dev/shm/trolley-{os.getuid()}")
+    mine = [path for path in folder.glob("*") if INSTANCE in path.name]
+    return sum(1 + sum(1 for _ in path.rglob("*")) for path in mine)
 
 
 def top(program, deployment):
@@ -57,7 +61,7 @@ def draw(samples, path):
         ("resident_mb", "resident memory of the service (MB)"),
         ("workers_mb", "resident memory of its workers (MB)"),
         ("descriptors", "open descriptors of the service"),
-        ("names", "names in /dev/shm"),
+        ("names", "shared files"),
     ]
     out = ['<svg xmlns="http://www.w3.org/2000/svg" width="720" height="480" font-size="12" '
            'font-family="sans-serif"><rect width="720" height="480" fill="white"/>']

@@ -101,7 +101,8 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
     let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
     let deployment = &opened.deployment;
-    let mut client = Client::connect(&deployment.folder, &deployment.instance, Waiting::Spin)?;
+    let mut client =
+        Client::connect(deployment.folder.as_deref(), &deployment.instance, Waiting::Spin)?;
     #[cfg(feature = "lab")]
     if let Some(repeat) = options.repeat {
         let latency = ::lab::latency::run(&mut client, &ask, repeat, patience, &opened)?;

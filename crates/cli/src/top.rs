@@ -63,7 +63,7 @@ struct Document {
 pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failure> {
     let opened = OpenDeployment::open(&options.deployment, options.instance.as_deref())?;
     let deployment = &opened.deployment;
-    let listener = Listener::connect(&deployment.folder, &deployment.instance)?;
+    let listener = Listener::connect(deployment.folder.as_deref(), &deployment.instance)?;
     let clears = std::io::stdout().is_terminal() && !output.json;
     let mut before: Option<Health> = None;
     let mut shown = 0;

@@ -10,7 +10,7 @@
 
 int main(int count, char **words) {
   const char *instance = count > 1 ? words[1] : "minimal";
-  const char *folder = count > 2 ? words[2] : "/dev/shm";
+  const char *folder = count > 2 ? words[2] : nullptr;
   char error[256] = "";
   trolley_client *client = trolley_connect(folder, instance, 0, error, sizeof error);
   if (client == nullptr) {

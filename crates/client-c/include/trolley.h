@@ -157,8 +157,7 @@ TROLLEY_ASSERT(offsetof(trolley_answer, places) == 224);
 
 typedef struct trolley_client trolley_client;
 
-/* Connects to the service of this instance in this folder ("/dev/shm" if its deployment file says
- * nothing else). nap_ns: how long to sleep between two polls for an answer; 0: poll continuously.
+/* Connects to the service of this instance in this folder (NULL if its deployment file names none). nap_ns: how long to sleep between two polls for an answer; 0: poll continuously.
  * Returns NULL on failure, and then writes why into error, which may be NULL. */
 trolley_client *trolley_connect(const char *folder, const char *instance, uint64_t nap_ns,
                                 char *error, size_t error_length);

@@ -18,12 +18,14 @@ use client::{Client, Waiting};
 use core::ffi::{CStr, c_char};
 use core::time::Duration;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 /// A client, as C sees it: an address.
 #[derive(Debug)]
 pub struct Handle(Client);
 
-/// Connects to a service. Returns null on failure, and then writes why into `error`.
+/// Connects to a service; without a folder (null, or empty), where services lie by default. Returns
+/// null on failure, and then writes why into `error`.
 ///
 /// # Safety
 ///
@@ -50,7 +52,9 @@ pub unsafe extern "C" fn trolley_connect(
         ns => Waiting::Nap(Duration::from_nanos(ns)),
     };
     let connect = || {
-        let client = Client::connect(&text(folder)?, &text(instance)?, waiting);
+        let folder = if folder.is_null() { String::new() } else { text(folder)? };
+        let folder = Some(PathBuf::from(folder)).filter(|folder| !folder.as_os_str().is_empty());
+        let client = Client::connect(folder.as_deref(), &text(instance)?, waiting);
         client.map_err(|error| error.to_string())
     };
     let done = catch_unwind(AssertUnwindSafe(connect));

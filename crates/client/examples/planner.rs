@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut words = std::env::args().skip(1);
     let turns: u32 = words.next().map_or(Ok(1), |word| word.parse())?;
     let instance = words.next().unwrap_or_else(|| "minimal".to_owned());
-    let folder = words.next().unwrap_or_else(|| "/dev/shm".to_owned());
-    let mut client = Client::connect(&folder, &instance, Waiting::Spin)?;
+    let folder = words.next().map(std::path::PathBuf::from);
+    let mut client = Client::connect(folder.as_deref(), &instance, Waiting::Spin)?;
     let ask = what_is_left().ok_or("the request has too many parties or candidates")?;
     for turn in 0..turns {
         // A real planner asks again with each new view of the world; here nothing moves.

@@ -5,7 +5,7 @@
 //! use trolley_client::public::{Ask, WireCandidate, Motion, WireParty};
 //! use std::time::Duration;
 //!
-//! let mut client = Client::connect("/dev/shm", "trolley", Waiting::Spin)?;
+//! let mut client = Client::connect(None, "trolley", Waiting::Spin)?;
 //! let mut ask = Ask::new(0);
 //! let ego = ask.add_party(WireParty::of_model(1)).ok_or("too many parties")?;
 //! let wall = ask.add_party(WireParty::of_model(2)).ok_or("too many parties")?;
@@ -43,6 +43,7 @@ use core::time::Duration;
 use protocol::public::{Ask, Health, Reason, WireAnswer, WireState};
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use std::hash::RandomState;
+use std::path::Path;
 use transport::{Address, ClientPort as Port, UseError};
 
 pub use protocol::public;
@@ -58,9 +59,8 @@ pub enum Waiting {
     Nap(Duration),
 }
 
-/// Number of consecutive refusals without a server before everything is reopened: a cleanup may
-/// have removed the files that are still open here.
-const REFUSALS_MAX: u32 = 3;
+/// How often a waiting client looks whether the service still lives (ns).
+const LOOK_NS: u64 = 1_000_000;
 
 /// A client of a service. It belongs to one thread.
 pub struct Client {
@@ -69,24 +69,27 @@ pub struct Client {
     /// `None` after a failed attempt to reopen.
     port: Option<Port>,
     sequence: u64,
-    unserved: u32,
 }
 
 impl Client {
-    /// Connects to the service of this instance in this folder (`/dev/shm` if the deployment file
-    /// says nothing else).
+    /// Connects to the service of this instance in this folder (`None` if the deployment file names
+    /// none).
     ///
     /// # Errors
     ///
     /// If there is no such service, it has sixteen clients already, or shared memory or file
     /// descriptors ran out.
-    pub fn connect(folder: &str, instance: &str, waiting: Waiting) -> Result<Self, OpenError> {
+    pub fn connect(
+        folder: Option<&Path>,
+        instance: &str,
+        waiting: Waiting,
+    ) -> Result<Self, OpenError> {
         let address = Address::new(folder, instance)?;
         let port = Some(Port::open(&address)?);
         // Random, so that no two clients use the same numbers: an answer to a killed client is then
         // not taken for one to its successor.
         let sequence = RandomState::new().build_hasher().finish();
-        Ok(Self { address, waiting, port, sequence, unserved: 0 })
+        Ok(Self { address, waiting, port, sequence })
     }
 
     /// Sends a request, and waits for the answer, at most for `patience`. The client sets the
@@ -98,23 +101,15 @@ impl Client {
         let end_ns = now_ns().saturating_add(nanoseconds(patience));
         self.sequence = self.sequence.wrapping_add(1);
         let ask = Ask { sequence: self.sequence, answer_by_ns: end_ns, ..*ask };
-        let answer = self.exchange(&ask, end_ns);
-        self.unserved = match answer.reason() {
-            Reason::NoService => self.unserved + 1,
-            _ => 0,
-        };
-        if self.unserved >= REFUSALS_MAX {
-            self.unserved = 0;
-            // The old port is dropped first: its slot may be the only free one.
-            self.port = None;
-        }
-        answer
+        self.exchange(&ask, end_ns)
     }
 
     fn exchange(&mut self, ask: &Ask, end_ns: u64) -> WireAnswer {
         let refused = |reason: Reason, text: &str| {
             WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, text)
         };
+        // A restarted service has another place.
+        self.port.take_if(|port| !port.is_served());
         if self.port.is_none() {
             match Port::open(&self.address) {
                 Ok(port) => self.port = Some(port),
@@ -122,7 +117,7 @@ impl Client {
             }
         }
         let Some(port) = &self.port else { return refused(Reason::NoService, "not connected") };
-        if port.servers() == 0 {
+        if !port.is_served() {
             return refused(Reason::NoService, "the service is not running");
         }
         let pending = match port.ask(ask) {
@@ -138,6 +133,7 @@ impl Client {
             }
             Err(error) => return refused(Reason::NoService, &error.to_string()),
         };
+        let mut looked_ns = now_ns();
         loop {
             match pending.receive() {
                 Ok(Some(answer)) if answer.sequence == ask.sequence => return answer,
@@ -150,7 +146,11 @@ impl Client {
             if now_ns >= end_ns {
                 return refused(Reason::Silence, "no answer arrived in time");
             }
-            if !pending.is_served() {
+            let looks = now_ns - looked_ns > LOOK_NS;
+            if looks {
+                looked_ns = now_ns;
+            }
+            if !pending.is_served() || looks && !port.is_served() {
                 return refused(Reason::NoService, "the service ended during the request");
             }
             self.wait(end_ns - now_ns);
@@ -185,7 +185,7 @@ impl Listener {
     ///
     /// If there is no such service, it has as many listeners as it takes, or shared memory or file
     /// descriptors ran out.
-    pub fn connect(folder: &str, instance: &str) -> Result<Self, OpenError> {
+    pub fn connect(folder: Option<&Path>, instance: &str) -> Result<Self, OpenError> {
         Ok(Self(transport::TopicSubscriber::open(&Address::new(folder, instance)?)?))
     }
 

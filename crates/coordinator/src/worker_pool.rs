@@ -111,14 +111,15 @@ impl WorkerPool {
             return Err(WorkerPoolError::MissingRequirement(missing));
         }
         let boot = Boot(clock::random_u64()?);
-        let swept = transport::sweep_leftovers();
+        let folder = options.folder.clone().unwrap_or_else(transport::default_folder);
+        let swept = transport::sweep_leftovers(&folder);
         if swept > 0 {
             tracing::info!(swept, "removed leftovers of killed runs");
         }
         let status = StatusMemory::create()?;
         let mut poller = Poller::new()?;
         poller.catch_signals()?;
-        let domain = Domain::create(&options.instance, boot)?;
+        let domain = Domain::create(Some(&folder), &options.instance, boot)?;
         let scheme = options.matching.scheme();
         let mut dispatcher = Dispatcher::new(scheme, options.queues, options.cache, workers);
         if options.log {

@@ -101,6 +101,21 @@ pub const RESULT_WORDS: usize = 2048;
 /// Maximum number of results in a result channel: a worker's credits.
 pub const RESULTS: usize = 32;
 
+/// What the argument of a process begins with that cleans up after dead clients.
+const CLEAN: &str = "clean:";
+
+/// The argument of a process that cleans up in this place, in place of [`Launch::to_word`].
+#[must_use]
+pub fn clean_word(place: &str) -> String {
+    format!("{CLEAN}{place}")
+}
+
+/// The place to clean up in, if this is such an argument.
+#[must_use]
+pub fn read_clean_word(word: &str) -> Option<&str> {
+    word.strip_prefix(CLEAN)
+}
+
 #[cfg(test)]
 mod tests {
     //! A word decodes to what was encoded.

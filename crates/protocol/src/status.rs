@@ -121,6 +121,12 @@ impl WorkerLine {
         WorkerState::from_number(self.state.load(Ordering::Acquire))
     }
 
+    /// Whether it has opened its channels.
+    #[must_use]
+    pub fn has_opened(&self) -> bool {
+        self.state().is_some_and(|state| state != WorkerState::Silent)
+    }
+
     /// Clears the line for the next incarnation. Only while no process writes it.
     pub fn reset(&self) {
         let Self { beat, started, sent, bytes, tests, jobs, answered, obeyed_ns, .. } = self;

@@ -26,7 +26,7 @@ pub struct Deployment {
     /// Name of the instance: part of every shared name.
     pub instance: String,
     /// Folder of the service's root; on a tmpfs.
-    pub folder: String,
+    pub folder: Option<PathBuf>,
     /// Bodies that requests may name, in the file's order.
     pub models: Vec<Model>,
     /// Policy file; `None`: the built-in one.
@@ -286,8 +286,8 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         let fault = format!("schema {:?} is not known", raw.schema);
         return Err(("schema", fault, format!("write schema = {SCHEMA:?}")));
     }
-    let folder = raw.folder.unwrap_or_else(|| transport::service::FOLDER.to_owned());
-    if let Err(error) = transport::Address::new(&folder, &raw.instance) {
+    let folder = raw.folder.map(PathBuf::from);
+    if let Err(error) = transport::Address::new(folder.as_deref(), &raw.instance) {
         return wrong("instance", error.to_string(), "the root of iceoryx2 has at most 49 bytes");
     }
     let queue = usize::try_from(raw.queue.unwrap_or(QUEUE_MAX as i64)).unwrap_or(0);

@@ -10,8 +10,9 @@ use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
 use protocol::public::{Ask, Health, WireAnswer};
 use runtime::clock;
+use runtime::process::{Child, Spawn, spawn};
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use transport::service::Housekeeper;
@@ -20,6 +21,8 @@ use transport::service::Housekeeper;
 const WAITING: usize = 1024;
 /// Interval between cleanups after dead clients (ns): as often as a client may be replaced by hand.
 const CLEAN_NS: u64 = 500_000_000;
+/// How long one cleanup may take (ns) before its process is killed.
+const CLEAN_LIMIT_NS: u64 = 2_000_000_000;
 /// Interval between writes of files (ns).
 const NAP_NS: u64 = 50_000_000;
 
@@ -46,6 +49,7 @@ impl Housekeeping {
     pub(crate) fn start(
         deployment: &Deployment,
         housekeeper: Housekeeper,
+        program: PathBuf,
     ) -> std::io::Result<Self> {
         let book = deployment.decisions.as_ref().map(Book::open).transpose()?;
         let keeps_decisions = book.is_some();
@@ -63,9 +67,11 @@ impl Housekeeping {
             }
         }
         let (theirs, deployment) = (shared.clone(), deployment.clone());
-        let thread = std::thread::Builder::new()
-            .name("trolley-house".to_owned())
-            .spawn(move || housekeeping(&theirs, &deployment, book, &housekeeper))?;
+        let thread =
+            std::thread::Builder::new().name("trolley-house".to_owned()).spawn(move || {
+                let cleaning = Cleaning { program, housekeeper, child: None, begun_ns: 0 };
+                housekeeping(&theirs, &deployment, book, cleaning);
+            })?;
         Ok(Self { shared, keeps_decisions, thread: Some(thread) })
     }
 
@@ -102,9 +108,9 @@ fn housekeeping(
     shared: &Shared,
     deployment: &Deployment,
     mut book: Option<Book>,
-    housekeeper: &Housekeeper,
+    mut cleaning: Cleaning,
 ) {
-    let (mut cleaned_ns, mut written_ns, mut said) = (0, 0, 0);
+    let (mut written_ns, mut said) = (0, 0);
     let every_ns = deployment.metrics.as_ref().map_or(0, |m| m.every_s * 1_000_000_000);
     loop {
         let is_last = shared.stop.load(Ordering::Acquire);
@@ -123,9 +129,8 @@ fn housekeeping(
             said = lost;
         }
         let now_ns = clock::now_ns();
-        if now_ns - cleaned_ns > CLEAN_NS && !is_last {
-            housekeeper.run();
-            cleaned_ns = now_ns;
+        if !is_last {
+            cleaning.turn(now_ns);
         }
         if let Some(settings) = &deployment.metrics
             && (now_ns - written_ns > every_ns || is_last)
@@ -144,6 +149,49 @@ fn housekeeping(
         }
         runtime::clock::nap_ns(NAP_NS);
     }
+}
+
+/// Cleaning up after dead clients, in a child: it opens memory that they wrote, and may fail or
+/// hang on it.
+struct Cleaning {
+    program: PathBuf,
+    housekeeper: Housekeeper,
+    child: Option<Child>,
+    /// When the last child was started, or looked for (ns).
+    begun_ns: u64,
+}
+
+impl Cleaning {
+    /// Starts a child if a client has died, and ends one that takes too long. Does not wait.
+    fn turn(&mut self, now_ns: u64) {
+        let age_ns = now_ns - self.begun_ns;
+        if let Some(child) = &mut self.child {
+            match child.try_wait() {
+                Ok(None) if age_ns < CLEAN_LIMIT_NS => {}
+                Ok(None) => {
+                    tracing::warn!("cleaning up after dead clients takes too long; trying again");
+                    self.child = None;
+                }
+                Ok(Some(_)) | Err(_) => self.child = None,
+            }
+            return;
+        }
+        if age_ns < CLEAN_NS {
+            return;
+        }
+        self.begun_ns = now_ns;
+        let Some(place) = self.housekeeper.needs_cleaning() else { return };
+        let args = ["worker".to_owned(), worker_word(place)];
+        let spawned = spawn(Spawn { program: &self.program, args: &args, fds: &[], core: None });
+        match spawned {
+            Ok(child) => self.child = Some(child),
+            Err(error) => tracing::warn!(%error, "cannot clean up after dead clients"),
+        }
+    }
+}
+
+fn worker_word(place: &Path) -> String {
+    protocol::launch::clean_word(&place.display().to_string())
 }
 
 /// Writes a temporary file and renames it, so that no reader sees half of it.

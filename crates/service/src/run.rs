@@ -14,7 +14,7 @@ use core::time::Duration;
 use damage::{Curves, Policy};
 use diagnostic::{Diagnostic, FailureKind, chain};
 use protocol::public::{Ask, Condition, LatencyStage, Reason, WireAnswer, WireState};
-use runtime::{SealedMemory, clock, heap, realtime};
+use runtime::{SealedMemory, clock, heap, process, realtime};
 use std::borrow::Cow;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -130,7 +130,7 @@ pub fn serve(
     ready: impl FnOnce(&[MissingRealtime]),
 ) -> Result<(), ServiceError> {
     let deployment = config.deployment;
-    let address = Address::new(&deployment.folder, &deployment.instance)?;
+    let address = Address::new(deployment.folder.as_deref(), &deployment.instance)?;
     let server = Server::open(&address)?;
     let housekeeper = server.housekeeper();
     let stats = Stats::new().ok_or(ServiceError::Memory)?;
@@ -158,7 +158,10 @@ pub fn serve(
         idle_hook,
     )?;
     // From here on signals are caught: the thread inherits that.
-    let house = Housekeeping::start(deployment, housekeeper).map_err(|source| {
+    let program = config
+        .options
+        .map_or_else(|| process::self_exe().to_owned(), |options| options.program.clone());
+    let house = Housekeeping::start(deployment, housekeeper, program).map_err(|source| {
         let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
         ServiceError::Files { folder: folder.unwrap_or_default(), source }
     })?;

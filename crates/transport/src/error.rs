@@ -32,6 +32,16 @@ pub enum OpenError {
         /// Where its folder would be.
         folder: String,
     },
+    /// Another user may have made a folder, or may change it. Exit with 78.
+    #[error("'{path}' cannot be trusted: {why}")]
+    Untrusted {
+        /// The folder.
+        path: String,
+        /// Why not.
+        why: String,
+        /// What helps.
+        remedy: String,
+    },
     /// The folder makes the name of the root too long for iceoryx2.
     #[error("'{root}' has more than {most} bytes: choose a shorter folder or instance")]
     RootTooLong {
@@ -75,6 +85,14 @@ impl OpenError {
         matches!(self, Self::Skew { .. })
     }
 
+    /// Whether a file or folder was not there.
+    pub(crate) fn is_absent(&self) -> bool {
+        let Self::Failed { source, .. } = self else { return false };
+        let is_no_entry = source.downcast_ref::<std::io::Error>().map(std::io::Error::kind)
+            == Some(std::io::ErrorKind::NotFound);
+        is_no_entry || source.downcast_ref() == Some(&rustix::io::Errno::NOENT)
+    }
+
     /// For `map_err`.
     pub(crate) fn at<'a, E: Error + Send + Sync + 'static>(
         step: &'static str,
@@ -88,9 +106,10 @@ impl Diagnostic for OpenError {
     fn kind(&self) -> FailureKind {
         match self {
             Self::Skew { .. } => FailureKind::Skew,
-            Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => {
-                FailureKind::Configuration
-            }
+            Self::Name { .. }
+            | Self::Text { .. }
+            | Self::RootTooLong { .. }
+            | Self::Untrusted { .. } => FailureKind::Configuration,
             Self::Taken { .. } | Self::NoService { .. } => FailureKind::TryAgain,
             Self::Failed { .. } => FailureKind::Resources,
         }
@@ -98,6 +117,7 @@ impl Diagnostic for OpenError {
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         let remedy = match self {
+            Self::Untrusted { remedy, .. } => return Some(remedy.into()),
             Self::Skew { .. } => "start both from the same program",
             Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => {
                 "correct `instance` and `folder` in the deployment file"

@@ -16,8 +16,10 @@
 //! - A message is seen whole or not at all, and only with the right checksum, run and sender; what
 //!   was never sent never arrives: `tests/kill.rs`, `link/tests.rs`.
 //! - A service has one server at a time, and outlives clients that vanish: `service/tests.rs`.
-//! - A domain leaves nothing in /dev/shm once its creator dropped it; what a killed run left is
-//!   removed by [`sweep_leftovers`], and never what a live run still uses: `domain/tests.rs`.
+//! - A domain leaves nothing behind once its creator dropped it; what a killed run left is removed
+//!   by [`sweep_leftovers`], and never what a live run still uses: `domain/tests.rs`.
+//! - All files lie in private folders, see [`folder`]: `folder/tests.rs`. A segment exists whole or
+//!   not at all, and its memory is allocated: `segment/tests.rs`.
 //! - The answer to every iceoryx2 question is written out in [`link`] and [`domain`]; its
 //!   configuration files are never read.
 //! - Once connected there is one heap allocation per loan, made by iceoryx2 0.10.
@@ -29,14 +31,19 @@
 
 pub mod domain;
 pub mod error;
+pub mod folder;
+mod ipc;
 pub mod link;
+mod place;
 pub mod receiver;
+mod segment;
 pub mod sender;
 pub mod service;
 mod wire;
 
-pub use domain::{Cleaner, Domain, dead_instances, sweep_leftovers};
+pub use domain::{Domain, dead_instances, sweep_leftovers};
 pub use error::{OpenError, UseError};
+pub use folder::default_folder;
 pub use link::{CoordinatorLink, Sizes, WorkerLink};
 pub use receiver::Receiver;
 pub use sender::{OpenMessage, Sender};

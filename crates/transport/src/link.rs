@@ -4,19 +4,24 @@
 //! opens them. So a worker that is killed during start-up breaks nothing, and its successor gets
 //! services with new names and no messages of the dead worker.
 
-use crate::domain::Domain;
+use crate::domain::{self, Domain};
 use crate::error::OpenError;
+use crate::ipc::Ipc;
 use crate::receiver::Receiver;
 use crate::sender::Sender;
 use crate::wire::{Input, Output, Service, Wire};
+use iceoryx2::node::Node;
 use iceoryx2::prelude::{
     AllocationStrategy, AttributeSpecifier, AttributeVerifier, BackpressureStrategy,
-    MessagingPattern, ServiceName, ipc,
+    MessagingPattern, ServiceName,
 };
 use iceoryx2::service::Service as _;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::{Builder, PublishSubscribeOpenError};
 use protocol::Incarnation;
+use std::fs::{self, DirBuilder};
+use std::os::unix::fs::DirBuilderExt as _;
+use std::path::PathBuf;
 
 /// How much a link can hold; both ends must be given the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,12 +59,39 @@ pub struct CoordinatorLink {
     pub results: Receiver,
     /// Held, so that the worker's death does not remove them, and dropped after the ports.
     _services: [Service; 2],
+    _node: Node<Ipc>,
     names: [String; 2],
-    domain: Domain,
+    #[cfg_attr(not(test), expect(dead_code, reason = "removed when it is dropped"))]
+    root: LinkRoot,
+}
+
+/// iceoryx2's root for one incarnation, removed when the coordinator is done with it.
+#[derive(Debug)]
+struct LinkRoot {
+    path: PathBuf,
+    _domain: Domain,
+}
+
+impl LinkRoot {
+    fn create(domain: &Domain, peer: Incarnation) -> Result<Self, OpenError> {
+        let path = domain.root_of(peer);
+        let shown = path.display().to_string();
+        DirBuilder::new().mode(0o700).create(&path).map_err(OpenError::at("create", &shown))?;
+        Ok(Self { path, _domain: domain.clone() })
+    }
+}
+
+impl Drop for LinkRoot {
+    fn drop(&mut self) {
+        if let Err(error) = fs::remove_dir_all(&self.path) {
+            // A worker that lives a moment longer made something there.
+            tracing::debug!(path = %self.path.display(), %error, "stays until the domain ends");
+        }
+    }
 }
 
 impl CoordinatorLink {
-    /// Creates both services and this end of the channels, and commits their memory.
+    /// Creates both services and this end of the channels.
     ///
     /// `build` names the program; a worker with another one is refused.
     ///
@@ -74,21 +106,29 @@ impl CoordinatorLink {
     ) -> Result<Self, OpenError> {
         let names = names(peer);
         let [job, result] = &names;
-        let jobs = create(domain, job, sizes.job_queue, build)?;
-        let results = create(domain, result, sizes.result_queue, build)?;
-        let link = Self {
+        // Made first, so that a failure below removes it.
+        let root = LinkRoot::create(domain, peer)?;
+        let node = domain::node(&root.path, "coordinator")?;
+        let jobs = create(&node, job, sizes.job_queue, build)?;
+        let results = create(&node, result, sizes.result_queue, build)?;
+        Ok(Self {
             jobs: Sender::new(output(&jobs, job, sizes.job_words)?, sizes.job_words),
             results: Receiver::new(input(&results, result)?, domain.boot(), peer),
             _services: [jobs, results],
+            _node: node,
             names,
-            domain: domain.clone(),
-        };
-        link.domain.commit()?;
-        Ok(link)
+            root,
+        })
     }
 
-    /// Connects to the ports that the worker has opened, and commits their memory, so that neither
-    /// happens inside a request. Call it once the worker has greeted.
+    /// iceoryx2's root.
+    #[cfg(test)]
+    fn root(&self) -> &std::path::Path {
+        &self.root.path
+    }
+
+    /// Connects to the ports that the worker has opened, so that this does not happen inside a
+    /// request. Call it once the worker has greeted.
     ///
     /// # Errors
     ///
@@ -96,8 +136,7 @@ impl CoordinatorLink {
     pub fn connect(&self) -> Result<(), OpenError> {
         let [job, result] = &self.names;
         self.jobs.connect(job)?;
-        self.results.connect(result)?;
-        self.domain.commit()
+        self.results.connect(result)
     }
 }
 
@@ -109,11 +148,12 @@ pub struct WorkerLink {
     /// To the coordinator.
     pub results: Sender,
     _services: [Service; 2],
+    _node: Node<Ipc>,
     _domain: Domain,
 }
 
 impl WorkerLink {
-    /// Opens both channels, connects them, and commits their memory.
+    /// Opens both channels, and connects them.
     ///
     /// # Errors
     ///
@@ -126,17 +166,18 @@ impl WorkerLink {
         build: &str,
     ) -> Result<Self, OpenError> {
         let [job, result] = &names(peer);
-        let jobs = open(domain, job, sizes.job_queue, build)?;
-        let results = open(domain, result, sizes.result_queue, build)?;
+        let node = domain::node(&domain.root_of(peer), "worker")?;
+        let jobs = open(&node, job, sizes.job_queue, build)?;
+        let results = open(&node, result, sizes.result_queue, build)?;
         let link = Self {
             jobs: Receiver::new(input(&jobs, job)?, domain.boot(), peer),
             results: Sender::new(output(&results, result, sizes.result_words)?, sizes.result_words),
             _services: [jobs, results],
+            _node: node,
             _domain: domain.clone(),
         };
         link.jobs.connect(job)?;
         link.results.connect(result)?;
-        domain.commit()?;
         Ok(link)
     }
 }
@@ -152,13 +193,12 @@ const LAYOUT: &str = "layout";
 /// Creates or opens a service with every quality of service set explicitly: the defaults overwrite
 /// old messages and block senders.
 fn service(
-    domain: &Domain,
+    node: &Node<Ipc>,
     name: &str,
     queue: usize,
-) -> Result<Builder<[u64], Wire, ipc::Service>, OpenError> {
+) -> Result<Builder<[u64], Wire, Ipc>, OpenError> {
     let name = ServiceName::new(name).map_err(OpenError::at("name", name))?;
-    Ok(domain
-        .node()
+    Ok(node
         .service_builder(&name)
         .publish_subscribe::<[u64]>()
         .user_header::<Wire>()
@@ -171,30 +211,30 @@ fn service(
         .enable_safe_overflow(false))
 }
 
-fn create(domain: &Domain, name: &str, queue: usize, build: &str) -> Result<Service, OpenError> {
+fn create(node: &Node<Ipc>, name: &str, queue: usize, build: &str) -> Result<Service, OpenError> {
     let mut attributes = AttributeSpecifier::new();
     for (key, value) in attributes_of(name, build)? {
         attributes =
             attributes.define(&key, &value).map_err(OpenError::at("mark the build of", name))?;
     }
-    service(domain, name, queue)?
+    service(node, name, queue)?
         .create_with_attributes(&attributes)
         .map_err(OpenError::at("create channel", name))
 }
 
-fn open(domain: &Domain, name: &str, queue: usize, build: &str) -> Result<Service, OpenError> {
+fn open(node: &Node<Ipc>, name: &str, queue: usize, build: &str) -> Result<Service, OpenError> {
     let mut required = AttributeVerifier::new();
     for (key, value) in attributes_of(name, build)? {
         required =
             required.require(&key, &value).map_err(OpenError::at("check the build of", name))?;
     }
-    let opened = service(domain, name, queue)?.open_with_attributes(&required);
+    let opened = service(node, name, queue)?.open_with_attributes(&required);
     opened.map_err(|error| match error {
         PublishSubscribeOpenError::IncompatibleAttributes
         | PublishSubscribeOpenError::IncompatibleTypes => OpenError::Skew {
             channel: name.to_owned(),
             ours: build.to_owned(),
-            theirs: build_of(domain, name).unwrap_or_else(|| "unknown".to_owned()),
+            theirs: build_of(node, name).unwrap_or_else(|| "unknown".to_owned()),
         },
         other => OpenError::at("open channel", name)(other),
     })
@@ -214,10 +254,10 @@ fn attributes_of(
 }
 
 /// The build id that the creator of a service stored with it.
-fn build_of(domain: &Domain, name: &str) -> Option<String> {
+fn build_of(node: &Node<Ipc>, name: &str) -> Option<String> {
     let name = ServiceName::new(name).ok()?;
     let pattern = MessagingPattern::PublishSubscribe;
-    let details = ipc::Service::details(&name, domain.node().config(), pattern).ok()??;
+    let details = Ipc::details(&name, node.config(), pattern).ok()??;
     let key = AttributeKey::try_from(BUILD).ok()?;
     let build = details.static_details.attributes().key_value(&key, 0)?;
     Some(build.to_string())

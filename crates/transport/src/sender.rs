@@ -1,13 +1,13 @@
 //! The sending end of a channel: a message is written where the receiver will read it.
 
 use crate::error::UseError;
+use crate::ipc::Ipc;
 use crate::wire::{Output, Wire};
 use crate::{OpenError, Traffic};
 use core::cell::Cell;
 use core::fmt;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{LoanError, SendError};
-use iceoryx2::prelude::ipc;
 use iceoryx2::sample_mut::SampleMut;
 use protocol::{Head, seal};
 
@@ -76,7 +76,7 @@ impl fmt::Debug for Sender {
 /// It borrows its sender, so that the sender cannot be dropped first.
 #[must_use = "a message that is not sent is dropped"]
 pub struct OpenMessage<'s> {
-    sample: SampleMut<ipc::Service, [u64], Wire>,
+    sample: SampleMut<Ipc, [u64], Wire>,
     sender: &'s Sender,
 }
 

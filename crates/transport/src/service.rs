@@ -6,19 +6,19 @@
 //! Listener: the latest ranking, the latest health                      trolley/health/v1
 //! ```
 //!
-//! Its names are fixed, so that clients of any language find them: the root is
-//! `FOLDER/trolley-INSTANCE`, and names of memory begin with `trolley-INSTANCE.`. Unlike a domain
-//! it outlives its server: clients may stay connected while it is restarted.
+//! Its folder has a fixed name, `FOLDER/trolley-INSTANCE`, so that clients find it. Each start of
+//! the server has a place of its own in there; clients change over to it by themselves.
 //!
 //! # Invariants
 //!
-//! - One server at a time: the root is locked with flock(2) as long as it lives. What dead nodes
-//!   left is removed by the server alone: when it starts, by its [`Housekeeper`], and when it ends;
-//!   the files themselves only if no living node is left.
+//! - One server at a time: its folder is locked with flock(2) as long as it lives. What dead
+//!   clients left is removed in a process of its own, see [`Housekeeper`]; a place goes with its
+//!   last user.
 //! - A request is copied out of shared memory once, and the copy is what is checked and used.
 //! - No call blocks. A client that vanished costs its request, nothing else: `service/tests.rs`.
 
 mod client;
+mod housekeeper;
 mod listener;
 mod place;
 mod server;
@@ -27,20 +27,22 @@ mod tests;
 mod wire;
 
 pub use client::{ClientPort, Pending};
+pub use housekeeper::Housekeeper;
 pub use listener::TopicSubscriber;
-pub use server::{Housekeeper, Server, TakenRequest};
+pub use server::{Server, TakenRequest};
 
-use crate::domain::{self, is_instance};
+use crate::domain::{config, is_instance};
 use crate::error::OpenError;
-use iceoryx2::config::Config;
-use iceoryx2::node::{Node, NodeBuilder, NodeState};
-use iceoryx2::prelude::{
-    CallbackProgression, LogLevel, NodeName, SignalHandlingMode, ipc, set_log_level,
-};
+use crate::folder;
+use crate::ipc::Ipc;
+use crate::place::Place;
+use core::time::Duration;
+use iceoryx2::node::{Node, NodeState};
+use iceoryx2::prelude::CallbackProgression;
+use std::path::{Path, PathBuf};
 
-/// The default folder of services.
-pub const FOLDER: &str = domain::SHM;
-/// Longest root that iceoryx2 takes (bytes).
+/// Longest folder of an instance (bytes): the path of a socket, which lies in a place below it, has
+/// at most 107.
 const ROOT_MAX: usize = 49;
 /// Maximum number of nodes of a service: its server, its clients and listeners.
 const NODES_MAX: usize = 64;
@@ -51,24 +53,34 @@ const LISTENERS_MAX: usize = 16;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
     instance: String,
-    root: String,
+    root: PathBuf,
+    group: Option<u32>,
 }
 
 impl Address {
-    /// The service of this instance in this folder, which should be on a tmpfs.
+    /// The service of this instance in this folder, which should be on a tmpfs; without one, in the
+    /// [default folder](folder::default_folder).
     ///
     /// # Errors
     ///
     /// If the name is not 1 to 12 of a-z, 0-9 and -, or the root would be longer than 49 bytes.
-    pub fn new(folder: &str, instance: &str) -> Result<Self, OpenError> {
+    pub fn new(folder: Option<&Path>, instance: &str) -> Result<Self, OpenError> {
         if !is_instance(instance) {
             return Err(OpenError::Name { name: instance.to_owned() });
         }
-        let root = format!("{}/trolley-{instance}", folder.trim_end_matches('/'));
-        if root.len() > ROOT_MAX {
+        let folder = folder.map_or_else(folder::default_folder, Path::to_owned);
+        let root = folder.join(format!("trolley-{instance}"));
+        if root.as_os_str().len() > ROOT_MAX {
+            let root = root.display().to_string();
             return Err(OpenError::RootTooLong { root, most: ROOT_MAX });
         }
-        Ok(Self { instance: instance.to_owned(), root })
+        Ok(Self { instance: instance.to_owned(), root, group: None })
+    }
+
+    /// With a group whose members may be clients, too, by its number. Only the server needs it.
+    #[must_use]
+    pub fn with_group(self, group: Option<u32>) -> Self {
+        Self { group, ..self }
     }
 
     /// The name of the instance.
@@ -77,72 +89,66 @@ impl Address {
         &self.instance
     }
 
-    /// iceoryx2's root.
+    /// The folder of the instance.
     #[must_use]
-    pub fn root(&self) -> &str {
+    pub fn root(&self) -> &Path {
         &self.root
     }
 
-    /// What the names of its memory begin with. An instance's name holds no dot, so no two prefixes
-    /// overlap.
-    #[must_use]
-    pub fn prefix(&self) -> String {
-        format!("trolley-{}.", self.instance)
+    pub(crate) fn group(&self) -> Option<u32> {
+        self.group
     }
 
-    fn config(&self) -> Result<Config, OpenError> {
-        domain::config(&self.prefix(), &self.root)
-    }
-
-    /// A node of this process, with this name.
-    fn node(&self, name: &str) -> Result<Node<ipc::Service>, OpenError> {
-        // iceoryx2 logs what it also returns, and a returned error is enough.
-        set_log_level(LogLevel::Fatal);
-        let fail = "join";
-        let name = NodeName::new(name).map_err(OpenError::at(fail, &self.root))?;
-        NodeBuilder::new()
-            .name(&name)
-            .config(&self.config()?)
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .map_err(OpenError::at(fail, &self.root))
-    }
-
-    /// A node of a guest; it must not be the first, or the root would be unlocked.
-    fn guest(&self, name: &str) -> Result<Node<ipc::Service>, OpenError> {
-        if !std::path::Path::new(&self.root).is_dir() {
-            return Err(self.no_service());
+    /// Enters the place of the running server, as a client.
+    fn enter(&self) -> Result<Place, OpenError> {
+        let absent = || {
+            let folder = self.root.parent().unwrap_or(Path::new("/")).display().to_string();
+            OpenError::NoService { instance: self.instance.clone(), folder }
+        };
+        match folder::enter(&self.root) {
+            Err(error) if error.is_absent() => return Err(absent()),
+            checked => drop(checked?),
         }
-        self.node(name)
-    }
-
-    fn no_service(&self) -> OpenError {
-        let folder = self.root.rsplit_once('/').map_or("", |(folder, _)| folder);
-        OpenError::NoService { instance: self.instance.clone(), folder: folder.to_owned() }
+        let place = place::current(&self.root).ok_or_else(absent)?;
+        match Place::enter(&place) {
+            Err(error) if error.is_absent() => Err(absent()),
+            entered => entered,
+        }
     }
 }
 
-/// Removes what dead nodes left to iceoryx2; returns how many nodes are still alive.
-fn clean(config: &Config) -> usize {
-    let mut living = 0;
-    let listed = Node::<ipc::Service>::list(config, |state| {
-        match state {
-            NodeState::Dead(node) => {
-                let patience = core::time::Duration::from_millis(100);
-                if let Err(error) = node.blocking_remove_stale_resources(patience) {
-                    // What stays is small, and is retried later.
-                    tracing::debug!(%error, "a dead node stays");
-                }
-            }
-            NodeState::Alive(_) | NodeState::Inaccessible(_) => living += 1,
-            NodeState::Undefined(_) => {}
+/// Removes what dead nodes left to iceoryx2 in a place, so that new clients find room.
+///
+/// It opens memory that dead processes wrote: it may fail, or not return, if that is corrupt. Call
+/// it in a process that is not needed for anything else.
+pub fn clean(place: &Path) {
+    let Ok(config) = config(place) else { return };
+    let listed = Node::<Ipc>::list(&config, |state| {
+        if let NodeState::Dead(node) = state
+            && let Err(error) = node.blocking_remove_stale_resources(Duration::from_millis(100))
+        {
+            // What stays is small, and is retried later.
+            tracing::debug!(%error, "a dead node stays");
         }
         CallbackProgression::Continue
     });
     if let Err(error) = listed {
         tracing::debug!(%error, "cannot list nodes");
-        // Which nodes are alive is unknown: nothing may be removed.
-        return usize::MAX;
     }
-    living
+}
+
+/// Whether a process that had a node in a place is dead. Reads names alone.
+fn has_dead_node(place: &Path) -> bool {
+    let Ok(entries) = std::fs::read_dir(place.join("nodes")) else { return false };
+    let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    // A node goes by its number, which holds the id of its process in its third word.
+    let pids = names.filter_map(|name| {
+        let digits = name.split(|c: char| !c.is_ascii_digit()).find(|part| part.len() > 16)?;
+        let number: u128 = digits.parse().ok()?;
+        Some((number >> 64 & 0xffff_ffff) as u32)
+    });
+    let mut pids: Vec<u32> = pids.collect();
+    pids.sort_unstable();
+    pids.dedup();
+    pids.into_iter().any(|pid| !Path::new(&format!("/proc/{pid}")).exists())
 }

@@ -1,8 +1,9 @@
 //! The header as iceoryx2 carries it, and the types of a service.
 
+use crate::ipc::Ipc;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::{ZeroCopySend, ipc};
+use iceoryx2::prelude::ZeroCopySend;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use protocol::Head;
 
@@ -14,9 +15,9 @@ pub(crate) struct Wire {
     words: [u64; 8],
 }
 
-pub(crate) type Service = PortFactory<ipc::Service, [u64], Wire>;
-pub(crate) type Output = Publisher<ipc::Service, [u64], Wire>;
-pub(crate) type Input = Subscriber<ipc::Service, [u64], Wire>;
+pub(crate) type Service = PortFactory<Ipc, [u64], Wire>;
+pub(crate) type Output = Publisher<Ipc, [u64], Wire>;
+pub(crate) type Input = Subscriber<Ipc, [u64], Wire>;
 
 impl Wire {
     pub(crate) fn new(head: Head) -> Self {

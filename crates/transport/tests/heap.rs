@@ -36,7 +36,7 @@ const SIZES: Sizes = Sizes { job_words: 64, job_queue: 4, result_words: 512, res
 
 #[test]
 fn a_thousand_round_trips_allocate_once_per_loan() -> Result<(), Box<dyn std::error::Error>> {
-    let domain = Domain::create("h-loans", Boot(1))?;
+    let domain = Domain::create(None, "h-loans", Boot(1))?;
     let coordinator = CoordinatorLink::create(&domain, PEER, &SIZES, "heap")?;
     let entered = Domain::open(domain.text())?;
     let worker = WorkerLink::open(&entered, PEER, &SIZES, "heap")?;

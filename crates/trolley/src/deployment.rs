@@ -45,7 +45,7 @@ impl OpenDeployment {
         let name = path.display().to_string();
         let mut deployment = Deployment::parse(&name, &read_text(path)?)?;
         if let Some(instance) = instance {
-            transport::Address::new(&deployment.folder, instance)?;
+            transport::Address::new(deployment.folder.as_deref(), instance)?;
             instance.clone_into(&mut deployment.instance);
         }
         Ok(Self { deployment, file: path.to_owned() })

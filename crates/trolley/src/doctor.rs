@@ -17,7 +17,6 @@ use crate::BUILD;
 use runtime::{affinity, realtime};
 use serde::Serialize;
 use std::fs;
-use std::path::Path;
 
 /// Shared memory that a service of four workers and sixteen clients takes at most (bytes).
 const SHM_BYTES: u64 = 64 << 20;
@@ -238,22 +237,29 @@ fn swap() -> Finding {
 }
 
 fn shared_memory() -> Finding {
+    let folder = shared_folder();
+    // The folder itself may not exist yet.
+    let place = folder.ancestors().find(|above| above.exists()).unwrap_or(&folder);
     let remedy = "the service needs 64 MiB: mount -o remount,size=256M /dev/shm; in a container \
                   --shm-size=256m";
-    match fs::metadata("/dev/shm").and_then(|_| Ok(rustix::fs::statvfs("/dev/shm")?)) {
+    match rustix::fs::statvfs(place) {
         Ok(about) => {
             let free = about.f_bavail * about.f_frsize;
             let size = about.f_blocks * about.f_frsize;
             let level = if free >= SHM_BYTES { FindingLevel::Ok } else { FindingLevel::Problem };
-            let found = format!("{} of {} MiB free", free >> 20, size >> 20);
-            finding("/dev/shm", level, found, remedy)
+            let place = place.display();
+            let found = format!("{} of {} MiB free in {place}", free >> 20, size >> 20);
+            finding("memory", level, found, remedy)
         }
-        Err(error) => finding("/dev/shm", FindingLevel::Problem, error.to_string(), remedy),
+        Err(error) => {
+            let found = format!("{}: {error}", place.display());
+            finding("memory", FindingLevel::Problem, found, remedy)
+        }
     }
 }
 
 fn leftovers() -> Finding {
-    let dead = transport::dead_instances(Path::new("/dev/shm"));
+    let dead = transport::dead_instances(&shared_folder());
     let level = if dead.is_empty() { FindingLevel::Ok } else { FindingLevel::Note };
     let found = if dead.is_empty() { "none".to_owned() } else { dead.join(", ") };
     let remedy = "of runs that were killed; the next run of their kind removes them, or \
@@ -279,4 +285,17 @@ fn counters() -> Finding {
 fn versions() -> Finding {
     let found = format!("trolley {BUILD}, iceoryx2 0.10.0, layouts v{}", protocol::public::VERSION);
     finding("versions", FindingLevel::Ok, found, "")
+}
+
+/// The folder of all that runs and services of this user share, unless a deployment names another.
+///
+/// `$RUNTIME_DIRECTORY` under systemd, `trolley` in `$XDG_RUNTIME_DIR` if that is a tmpfs, else
+/// `/dev/shm/trolley-UID`. Nothing is created.
+///
+/// ```
+/// assert!(trolley::doctor::shared_folder().is_absolute());
+/// ```
+#[must_use]
+pub fn shared_folder() -> std::path::PathBuf {
+    transport::default_folder()
 }

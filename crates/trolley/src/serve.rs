@@ -91,6 +91,7 @@ pub fn serve(
             all_deaths: opened.deployment.restarts.all_in_60_s as usize,
             ..Intensity::default()
         },
+        folder: opened.deployment.folder.clone(),
         ..Options::new(opened.deployment.instance.clone(), BUILD, cores)
     };
     let config = ServiceConfig {

@@ -15,6 +15,7 @@ use protocol::{
 };
 use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use transport::{Domain, Sizes, UseError, WorkerLink};
 
 /// A worker cannot start or go on.
@@ -62,6 +63,10 @@ const NAP_NS: u64 = 50_000_000;
 ///
 /// If it cannot start, or its channels break.
 pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
+    if let Some(place) = launch::read_clean_word(word) {
+        transport::service::clean(Path::new(place));
+        return Ok(());
+    }
     let launch = Launch::from_word(word).ok_or(WorkerError::Launch)?;
     let store = SealedMemory::from_fd(process::inherited(launch::STORE_FD)?)?;
     let status = StatusMemory::from_fd(process::inherited(launch::STATUS_FD)?)?;

@@ -21,8 +21,6 @@ pub struct Mended {
 impl WorkerPool {
     /// Starts successors of all lost workers whose cores may have one, without waiting for them.
     ///
-    /// First cleans up after dead workers, unless some worker is starting: then the next call does.
-    ///
     /// # Errors
     ///
     /// If shared memory, a process or a core is unavailable.
@@ -34,9 +32,6 @@ impl WorkerPool {
             self.workers.iter().filter(lost).map(|worker| worker.who).collect();
         if lost.is_empty() {
             return Ok(mended);
-        }
-        if !self.workers.iter().any(WorkerHandle::is_starting) {
-            let _removed = self.domain.cleaner().run();
         }
         for who in lost {
             match self.restarts.leave(who.worker, clock::now_ns()) {

@@ -11,6 +11,8 @@ pub struct Options {
     pub program: PathBuf,
     /// Name of the instance, part of every shared name.
     pub instance: String,
+    /// The private folder of shared files; `None`: the default one.
+    pub folder: Option<PathBuf>,
     /// Build id: both ends must have the same one.
     pub build: String,
     /// The core of each worker; `None`: left to the scheduler.
@@ -53,6 +55,7 @@ impl Options {
         Self {
             program: runtime::process::self_exe().to_owned(),
             instance: instance.into(),
+            folder: None,
             build: build.into(),
             cores,
             matching: Matching::BestMatchLoad(EngineSettings::DEFAULT.alpha),

@@ -64,17 +64,21 @@ pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
     }
     let launch_sizes = sizes(options);
     let bytes = workers * (launch_sizes.pool_bytes() as u64 + SHM_PER_WORKER);
-    match machine::free_bytes("/dev/shm") {
+    let folder = options.folder.clone().unwrap_or_else(transport::default_folder);
+    // The folder itself may not exist yet.
+    let shared = folder.ancestors().find(|above| above.exists()).unwrap_or(&folder);
+    let shown = shared.display();
+    match machine::free_bytes(&shown.to_string()) {
         Err(error) => require(
             true,
-            format!("/dev/shm cannot be inspected: {error}"),
-            "mount a tmpfs there: mount -t tmpfs -o size=64m tmpfs /dev/shm".to_owned(),
+            format!("{shown} cannot be inspected: {error}"),
+            format!("mount a tmpfs there: mount -t tmpfs -o size=64m tmpfs {shown}"),
         ),
         Ok(free) if free < bytes => require(
             true,
-            format!("messages take {bytes} bytes of /dev/shm, and {free} are free"),
+            format!("messages take {bytes} bytes of {shown}, and {free} are free"),
             format!(
-                "make it larger: mount -o remount,size={}m /dev/shm; in a container, --shm-size",
+                "make it larger: mount -o remount,size={}m {shown}; in a container, --shm-size",
                 (bytes >> 20) + 64
             ),
         ),

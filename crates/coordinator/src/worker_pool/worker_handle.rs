@@ -315,7 +315,9 @@ impl WorkerHandle {
         status: &StatusMemory,
         scratch: &mut Vec<u64>,
     ) -> Result<Option<Result<Head, Reject>>, UseError> {
-        if !self.is_alive {
+        // Until it has opened its channels, it may still be making what this end would open.
+        let is_open = self.has_greeted || status.page().workers[self.line()].has_opened();
+        if !self.is_alive || !is_open {
             return Ok(None);
         }
         let taken = self.link.results.take(scratch)?;

@@ -5,6 +5,7 @@ use runtime::clock;
 use runtime::process::Held;
 use std::fs::OpenOptions;
 use std::os::unix::fs::FileExt as _;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::Duration;
@@ -121,10 +122,12 @@ fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
 
 /// Flips this many bits in each file of shared memory whose name has this end.
 pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut rng: Rng) {
-    let Ok(entries) = std::fs::read_dir("/dev/shm") else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if !name.starts_with(prefix) || !name.ends_with(suffix) {
+    let folder = |path: &Path| std::fs::read_dir(path).into_iter().flatten().flatten();
+    let runs = folder(&trolley::doctor::shared_folder())
+        .filter(|run| run.file_name().to_string_lossy().starts_with(prefix));
+    let roots = runs.flat_map(|run| folder(&run.path()));
+    for entry in roots.flat_map(|root| folder(&root.path())).collect::<Vec<_>>() {
+        if !entry.file_name().to_string_lossy().ends_with(suffix) {
             continue;
         }
         // It may be gone by now.

@@ -14,7 +14,8 @@ pub(super) fn options(plan: &Plan, instance: &str) -> Options {
 
 /// What shared memory holds of an instance.
 pub(super) fn names_of(instance: &str) -> Vec<String> {
-    let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+    let entries =
+        std::fs::read_dir(trolley::doctor::shared_folder()).into_iter().flatten().flatten();
     let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     names.filter(|name| name.starts_with(&format!("trolley.{instance}."))).collect()
 }

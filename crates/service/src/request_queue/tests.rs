@@ -14,7 +14,7 @@ impl Scene {
     fn new(number: u32, capacity: usize) -> Self {
         let folder = tempfile::Builder::new().prefix("d").tempdir_in("/dev/shm").unwrap();
         let instance = format!("d{:x}-{number}", std::process::id() & 0xff_ffff);
-        let address = Address::new(folder.path().to_str().unwrap(), &instance).unwrap();
+        let address = Address::new(Some(folder.path()), &instance).unwrap();
         let server = Server::open(&address).unwrap();
         let queue = RequestQueue::new(server, Stats::new().unwrap(), capacity);
         Self { _folder: folder, address, queue }

@@ -4,18 +4,19 @@ use super::*;
 use std::fs;
 use std::path::Path as FsPath;
 
-/// Everything in /dev/shm whose name holds this.
+/// Everything in the default folder whose name holds this.
 fn left(instance: &str) -> Vec<String> {
-    let names = place::names_in_shm().unwrap();
-    names.into_iter().filter(|name| name.contains(instance)).collect()
+    let entries = fs::read_dir(default_folder()).into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.contains(instance)).collect()
 }
 
 #[test]
 fn a_dropped_domain_leaves_nothing() {
-    let domain = Domain::create("t-leaves", Boot(1)).unwrap();
+    let domain = Domain::create(None, "t-leaves", Boot(1)).unwrap();
     let guest = Domain::open(domain.text()).unwrap();
     let copy = domain.clone();
-    assert!(left("t-leaves").len() >= 2, "a root and memory");
+    assert_eq!(left("t-leaves").len(), 1);
     drop(guest);
     drop(domain);
     assert!(!left("t-leaves").is_empty(), "a copy still lives");
@@ -26,18 +27,18 @@ fn a_dropped_domain_leaves_nothing() {
 #[test]
 fn names_are_checked() {
     for bad in ["", "Big", "a/b", "..", "thirteen-long", "ä", "a b", "a.b"] {
-        let error = Domain::create(bad, Boot(2)).unwrap_err();
+        let error = Domain::create(None, bad, Boot(2)).unwrap_err();
         assert!(matches!(error, OpenError::Name { .. }), "{bad}: {error}");
     }
     for bad in [
         "",
         "/",
         "/dev/shm",
+        "trolley.x.0000000000000001",
         "/dev/shm/trolley.x",
         "/dev/shm/trolley.x.12",
         "/dev/shm/trolley.x.00000000000000zz",
         "/dev/shm/trolley.x.0000000000000001/..",
-        "/tmp/trolley.x.0000000000000001",
         "/dev/shm/../tmp/trolley.x.0000000000000001",
     ] {
         let error = Domain::open(bad).unwrap_err();
@@ -47,28 +48,27 @@ fn names_are_checked() {
 
 #[test]
 fn the_longest_name_fits_iceoryx2() {
-    let domain = Domain::create("twelve-chars", Boot(u64::MAX)).unwrap();
-    assert_eq!(domain.text(), "/dev/shm/trolley.twelve-chars.ffffffffffffffff");
-    assert!(domain.text().len() <= 49);
+    let domain = Domain::create(None, "twelve-chars", Boot(u64::MAX)).unwrap();
+    assert!(domain.text().ends_with("/trolley.twelve-chars.ffffffffffffffff"));
     let guest = Domain::open(domain.text()).unwrap();
     assert_eq!((guest.boot(), guest.text()), (Boot(u64::MAX), domain.text()));
 }
 
 #[test]
 fn a_name_is_taken_once() {
-    let domain = Domain::create("t-once", Boot(4)).unwrap();
-    assert!(Domain::create("t-once", Boot(4)).is_err());
-    let other = Domain::create("t-once", Boot(5)).unwrap();
+    let domain = Domain::create(None, "t-once", Boot(4)).unwrap();
+    assert!(Domain::create(None, "t-once", Boot(4)).is_err());
+    let other = Domain::create(None, "t-once", Boot(5)).unwrap();
     drop(domain);
-    assert!(Domain::open("/dev/shm/trolley.t-once.0000000000000004").is_err());
+    assert!(Domain::open(&other.text().replace("0000000005", "0000000004")).is_err());
     assert!(Domain::open(other.text()).is_ok());
 }
 
 #[test]
 fn a_sweep_spares_the_living() {
-    let domain = Domain::create("t-living", Boot(6)).unwrap();
+    let domain = Domain::create(None, "t-living", Boot(6)).unwrap();
     let before = left("t-living");
-    let _other_runs = sweep_leftovers();
+    let _other_runs = sweep_leftovers(&default_folder());
     assert_eq!(left("t-living"), before);
     assert!(Domain::open(domain.text()).is_ok());
 }
@@ -76,48 +76,56 @@ fn a_sweep_spares_the_living() {
 /// What a run leaves that was killed at any point: the files without the locks.
 #[test]
 fn a_sweep_removes_what_the_dead_left() {
-    let name = "trolley.t-dead.0000000000000007";
-    let root = format!("{}/{name}", place::SHM);
-    fs::create_dir_all(format!("{root}/nodes/1")).unwrap();
-    fs::write(format!("{root}/guests"), "").unwrap();
-    fs::write(format!("{root}-pool.data"), "x").unwrap();
+    let base = default_folder();
+    // Keeps the folder.
+    let _living = Domain::create(None, "t-dead", Boot(11)).unwrap();
+    let root = base.join("trolley.t-dead.0000000000000007");
+    fs::create_dir_all(root.join("0.0/nodes/1")).unwrap();
+    fs::write(root.join("guests"), "").unwrap();
+    fs::write(root.join("0.0/pool.data"), "x").unwrap();
     // A removal that was interrupted: no guests' file any more.
-    let half = format!("{}/trolley.t-dead.0000000000000008", place::SHM);
-    fs::create_dir(&half).unwrap();
-    // Memory without a root.
-    fs::write(format!("{}/trolley.t-dead.0000000000000009-x", place::SHM), "x").unwrap();
+    fs::create_dir(base.join("trolley.t-dead.0000000000000008")).unwrap();
     // A root that was never finished, by a process that is gone.
-    let unborn = format!("{}/{}4194305.t-dead", place::SHM, place::UNBORN);
-    fs::create_dir(&unborn).unwrap();
+    fs::create_dir(base.join(".trolley-new.4194305.t-dead")).unwrap();
+    // Under the name of a root, but no folder.
+    let pipe = base.join("trolley.t-dead.0000000000000009");
+    rustix::fs::mkfifoat(rustix::fs::CWD, &pipe, rustix::fs::Mode::RUSR).unwrap();
     // Not ours, or not in our form.
-    let foreign = format!("{}/trolley.t-dead.not-a-boot", place::SHM);
+    let foreign = base.join("trolley.t-dead.not-a-boot");
     fs::write(&foreign, "x").unwrap();
 
-    let end = 50;
-    for _ in 0..end {
+    for _ in 0..50 {
         // Another test may be sweeping, too, and hold a lock for a moment.
-        let _runs = sweep_leftovers();
-        if left("t-dead").len() == 1 {
+        let _runs = sweep_leftovers(&base);
+        if left("t-dead").len() == 3 {
             break;
         }
     }
-    assert_eq!(left("t-dead"), ["trolley.t-dead.not-a-boot"]);
+    let mut stay = left("t-dead");
+    stay.sort_unstable();
+    fs::remove_file(pipe).unwrap();
     fs::remove_file(foreign).unwrap();
+    let expected = [
+        "trolley.t-dead.0000000000000009",
+        "trolley.t-dead.000000000000000b",
+        "trolley.t-dead.not-a-boot",
+    ];
+    assert_eq!(stay, expected);
 }
 
 #[test]
 fn what_a_guest_still_holds_stays() {
-    let domain = Domain::create("t-guest", Boot(10)).unwrap();
+    let domain = Domain::create(None, "t-guest", Boot(10)).unwrap();
     let text = domain.text().to_owned();
     let guest = Domain::open(&text).unwrap();
     // The owner goes first, as when it is killed; its worker lives a moment longer.
     drop(domain);
     assert!(FsPath::new(&text).exists());
-    let _other_runs = sweep_leftovers();
+    let _other_runs = sweep_leftovers(&default_folder());
     assert!(FsPath::new(&text).exists());
     drop(guest);
     for _ in 0..50 {
-        let _runs = sweep_leftovers();
+        let _runs = sweep_leftovers(&default_folder());
         if !FsPath::new(&text).exists() {
             break;
         }

@@ -13,7 +13,7 @@ const BUILD: &str = "test-build";
 
 /// A domain of its own for each test, seen from both sides.
 fn pair(instance: &str, boot: u64) -> (CoordinatorLink, WorkerLink) {
-    let domain = Domain::create(instance, Boot(boot)).unwrap();
+    let domain = Domain::create(None, instance, Boot(boot)).unwrap();
     let coordinator = CoordinatorLink::create(&domain, PEER, &SIZES, BUILD).unwrap();
     let entered = Domain::open(domain.text()).unwrap();
     assert_eq!(entered.boot(), Boot(boot));
@@ -95,7 +95,7 @@ fn a_full_queue_is_said_so_and_nobody_waits() {
 
 #[test]
 fn without_a_worker_nothing_is_handed_over() {
-    let domain = Domain::create("alone", Boot(3)).unwrap();
+    let domain = Domain::create(None, "alone", Boot(3)).unwrap();
     let link = CoordinatorLink::create(&domain, PEER, &SIZES, BUILD).unwrap();
     assert_eq!(send(&link.jobs, head(3, MessageKind::Batch), &[1]), Err(UseError::Full));
     assert!(link.results.take(&mut Vec::new()).unwrap().is_none());
@@ -155,12 +155,10 @@ fn mail_of_others_is_turned_away() {
 }
 
 /// The shared memory in which this header lies, and where.
-fn find(domain: &str, request: u64) -> (File, u64) {
-    let prefix = format!("{}-", domain.trim_start_matches("/dev/shm/"));
-    for entry in std::fs::read_dir("/dev/shm").unwrap() {
+fn find(root: &std::path::Path, request: u64) -> (File, u64) {
+    for entry in std::fs::read_dir(root).unwrap() {
         let entry = entry.unwrap();
-        let name = entry.file_name().into_string().unwrap();
-        if !name.starts_with(&prefix) {
+        if !entry.file_type().unwrap().is_file() {
             continue;
         }
         let bytes = std::fs::read(entry.path()).unwrap();
@@ -187,7 +185,7 @@ fn flip(file: &File, place: u64, bit: u64) {
 #[test]
 fn no_flipped_bit_gets_through() {
     let (coordinator, worker) = pair("flips", 8);
-    let text = coordinator.domain.text().to_owned();
+    let root = coordinator.root().to_owned();
     let mut scratch = Vec::new();
     let words = [0, u64::MAX, 0x0123_4567_89ab_cdef];
     // A pattern unlike anything else in memory.
@@ -195,7 +193,7 @@ fn no_flipped_bit_gets_through() {
     for bit in 0..8 * 64 {
         let head = Head { request: request(bit), ..head(8, MessageKind::Result) };
         send(&worker.results, head, &words).unwrap();
-        let (file, place) = find(&text, request(bit));
+        let (file, place) = find(&root, request(bit));
         flip(&file, place, bit);
         let taken = coordinator.results.take(&mut scratch).unwrap().unwrap();
         assert!(taken.is_err() && scratch.is_empty(), "bit {bit} of the header");
@@ -203,7 +201,7 @@ fn no_flipped_bit_gets_through() {
     for bit in 0..8 * size_of_val(&words) as u64 {
         let head = Head { request: request(1 << 32 | bit), ..head(8, MessageKind::Result) };
         send(&worker.results, head, &words).unwrap();
-        let (file, head_place) = find(&text, request(1 << 32 | bit));
+        let (file, head_place) = find(&root, request(1 << 32 | bit));
         let payload = head_place + payload_offset(&file, head_place, &words);
         flip(&file, payload, bit);
         let taken = coordinator.results.take(&mut scratch).unwrap();
@@ -223,7 +221,7 @@ fn payload_offset(file: &File, head: u64, words: &[u64]) -> u64 {
 
 #[test]
 fn another_build_is_refused_and_both_are_named() {
-    let domain = Domain::create("skew", Boot(9)).unwrap();
+    let domain = Domain::create(None, "skew", Boot(9)).unwrap();
     let _link = CoordinatorLink::create(&domain, PEER, &SIZES, "build-of-the-coordinator").unwrap();
     let worker = Domain::open(domain.text()).unwrap();
     let error = WorkerLink::open(&worker, PEER, &SIZES, "build-of-the-worker").unwrap_err();
@@ -235,7 +233,7 @@ fn another_build_is_refused_and_both_are_named() {
 
 #[test]
 fn a_link_that_was_not_created_is_not_there() {
-    let domain = Domain::create("absent", Boot(10)).unwrap();
+    let domain = Domain::create(None, "absent", Boot(10)).unwrap();
     let error = WorkerLink::open(&domain, PEER, &SIZES, BUILD).unwrap_err();
     assert!(!error.is_skew(), "{error}");
     let _link = CoordinatorLink::create(&domain, PEER, &SIZES, BUILD).unwrap();
@@ -245,7 +243,7 @@ fn a_link_that_was_not_created_is_not_there() {
 
 #[test]
 fn incarnations_and_workers_do_not_share_mail() {
-    let domain = Domain::create("several", Boot(11)).unwrap();
+    let domain = Domain::create(None, "several", Boot(11)).unwrap();
     let peers = [(0, 0), (0, 1), (1, 0)].map(|(worker, inc)| Incarnation { worker, inc });
     let links = peers.map(|peer| {
         let coordinator = CoordinatorLink::create(&domain, peer, &SIZES, BUILD).unwrap();
@@ -264,16 +262,15 @@ fn incarnations_and_workers_do_not_share_mail() {
     }
 }
 
-/// Otherwise a full /dev/shm would kill the process with SIGBUS in the middle of a request.
+/// Otherwise a full file system would kill the process with SIGBUS in the middle of a request.
 #[test]
 fn all_memory_is_taken_before_it_is_used() {
     let (coordinator, _worker) = pair("commit", 12);
-    let prefix = format!("{}-", coordinator.domain.text().trim_start_matches("/dev/shm/"));
     let mut bytes = 0;
-    for entry in std::fs::read_dir("/dev/shm").unwrap() {
+    for entry in std::fs::read_dir(coordinator.root()).unwrap() {
         let entry = entry.unwrap();
-        if entry.file_name().to_string_lossy().starts_with(&prefix) {
-            let file = entry.metadata().unwrap();
+        let file = entry.metadata().unwrap();
+        if file.is_file() {
             assert!(file.blocks() * 512 >= file.len(), "{:?} is sparse", entry.file_name());
             bytes += file.len();
         }

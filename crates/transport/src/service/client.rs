@@ -1,39 +1,43 @@
 //! The client end of a service.
 
-use super::Address;
 use super::server::{rank, wake};
 use super::wire::{self, read_once};
-use crate::domain::commit_all;
+use super::{Address, place};
+use crate::domain;
 use crate::error::{OpenError, UseError};
+use crate::ipc::Ipc;
+use crate::place::Place;
 use core::fmt;
 use iceoryx2::node::Node;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::{Client as Port, RequestSendError};
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::{LoanError, SendError};
-use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _, ipc};
+use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _};
 use iceoryx2::service::port_factory::{event, request_response};
 use protocol::public::{Ask, RANK, WAKE, WireAnswer};
 
 /// One client of a service. It belongs to one thread, and asks one thing at a time.
 pub struct ClientPort {
     // Dropped in this order: ports, services, node.
-    port: Port<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>,
-    notifier: Notifier<ipc::Service>,
-    rank: request_response::PortFactory<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>,
-    _wake: event::PortFactory<ipc::Service>,
-    _node: Node<ipc::Service>,
+    port: Port<Ipc, wire::Ask, (), wire::WireAnswer, ()>,
+    notifier: Notifier<Ipc>,
+    rank: request_response::PortFactory<Ipc, wire::Ask, (), wire::WireAnswer, ()>,
+    _wake: event::PortFactory<Ipc>,
+    _node: Node<Ipc>,
+    place: Place,
 }
 
 impl ClientPort {
-    /// Connects, and allocates all memory that it will need.
+    /// Connects to the server that runs.
     ///
     /// # Errors
     ///
-    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if it has the maximum
+    /// [`OpenError::NoService`] if none does; otherwise if it has the maximum
     /// number of clients, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
-        let node = address.guest("client")?;
+        let place = address.enter()?;
+        let node = domain::node(place.root(), "client")?;
         let rank = rank(&node)?;
         let wake = wake(&node)?;
         let port = rank
@@ -43,14 +47,13 @@ impl ClientPort {
             .create()
             .map_err(OpenError::at("ask at", RANK))?;
         let notifier = wake.notifier_builder().create().map_err(OpenError::at("ring at", WAKE))?;
-        commit_all(&address.prefix())?;
-        Ok(Self { port, notifier, rank, _wake: wake, _node: node })
+        Ok(Self { port, notifier, rank, _wake: wake, _node: node, place })
     }
 
-    /// Number of connected servers: one, or none during a restart.
+    /// Whether its server lives. If not, another one is found only by opening a new port.
     #[must_use]
-    pub fn servers(&self) -> usize {
-        self.rank.dynamic_config().number_of_servers()
+    pub fn is_served(&self) -> bool {
+        self.rank.dynamic_config().number_of_servers() > 0 && !place::is_dead(self.place.root())
     }
 
     /// Sends a request, and wakes the server if it sleeps.
@@ -79,13 +82,13 @@ impl ClientPort {
 
 impl fmt::Debug for ClientPort {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Client").field("servers", &self.servers()).finish_non_exhaustive()
+        f.debug_struct("Client").field("is_served", &self.is_served()).finish_non_exhaustive()
     }
 }
 
 /// A request that was sent. Dropping it withdraws the request.
 #[must_use = "a dropped request is withdrawn"]
-pub struct Pending(PendingResponse<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>);
+pub struct Pending(PendingResponse<Ipc, wire::Ask, (), wire::WireAnswer, ()>);
 
 impl Pending {
     /// The answer; `None` if it has not come yet. Never waits.

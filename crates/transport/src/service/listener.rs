@@ -1,24 +1,27 @@
 //! A subscriber to rankings and health, which asks nothing.
 
-use super::Address;
 use super::server::topic;
 use super::wire::{self, read_once};
+use super::{Address, place};
+use crate::domain;
 use crate::error::OpenError;
+use crate::ipc::Ipc;
+use crate::place::Place;
 use core::fmt;
 use iceoryx2::node::Node;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::ipc;
 use iceoryx2::service::port_factory::publish_subscribe;
 use protocol::public::{HEALTH, Health, RANKING, WireAnswer};
 
 /// A listener of both topics.
 pub struct TopicSubscriber {
     // Dropped in this order: ports, services, node.
-    rankings: Subscriber<ipc::Service, wire::WireAnswer, ()>,
-    health: Subscriber<ipc::Service, wire::Health, ()>,
-    _ranking_topic: publish_subscribe::PortFactory<ipc::Service, wire::WireAnswer, ()>,
-    _health_topic: publish_subscribe::PortFactory<ipc::Service, wire::Health, ()>,
-    _node: Node<ipc::Service>,
+    rankings: Subscriber<Ipc, wire::WireAnswer, ()>,
+    health: Subscriber<Ipc, wire::Health, ()>,
+    _ranking_topic: publish_subscribe::PortFactory<Ipc, wire::WireAnswer, ()>,
+    _health_topic: publish_subscribe::PortFactory<Ipc, wire::Health, ()>,
+    _node: Node<Ipc>,
+    place: Place,
 }
 
 impl TopicSubscriber {
@@ -29,7 +32,8 @@ impl TopicSubscriber {
     /// [`OpenError::NoService`] if nothing was ever served there; otherwise if there is the maximum
     /// number of listeners, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
-        let node = address.guest("listener")?;
+        let place = address.enter()?;
+        let node = domain::node(place.root(), "listener")?;
         let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
         let health = topic::<wire::Health>(&node, HEALTH)?;
         let rankings = ranking.subscriber_builder().create();
@@ -40,7 +44,14 @@ impl TopicSubscriber {
             _ranking_topic: ranking,
             _health_topic: health,
             _node: node,
+            place,
         })
+    }
+
+    /// Whether its server lives. If not, another one is found only by opening a new subscriber.
+    #[must_use]
+    pub fn is_served(&self) -> bool {
+        !place::is_dead(self.place.root())
     }
 
     /// The next unseen ranking, if any.

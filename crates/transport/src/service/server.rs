@@ -1,52 +1,49 @@
 //! The server end of a service.
 
-use super::place::Place;
+use super::place::ServicePlace;
 use super::wire::{self, read_once};
-use super::{Address, LISTENERS_MAX, NODES_MAX, clean};
-use crate::domain::commit_all;
+use super::{Address, Housekeeper, LISTENERS_MAX, NODES_MAX};
+use crate::domain;
 use crate::error::{OpenError, UseError};
+use crate::ipc::Ipc;
 use core::fmt;
 use iceoryx2::active_request::ActiveRequest;
-use iceoryx2::config::Config;
 use iceoryx2::node::Node;
 use iceoryx2::port::ReceiveError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::server::Server as Port;
-use iceoryx2::prelude::{
-    BackpressureStrategy, FileDescriptorBased, IceoryxSend, ZeroCopySend, ipc,
-};
+use iceoryx2::prelude::{BackpressureStrategy, FileDescriptorBased, IceoryxSend, ZeroCopySend};
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use protocol::public::{Ask, CLIENTS_MAX, HEALTH, Health, RANK, RANKING, WAKE, WireAnswer};
 use std::os::fd::BorrowedFd;
 
-type Service = request_response::PortFactory<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>;
-type Request = ActiveRequest<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>;
+type Service = request_response::PortFactory<Ipc, wire::Ask, (), wire::WireAnswer, ()>;
+type Request = ActiveRequest<Ipc, wire::Ask, (), wire::WireAnswer, ()>;
 
 /// The one server of a service.
 pub struct Server {
     // Dropped in this order: ports, services, node, files.
-    port: Port<ipc::Service, wire::Ask, (), wire::WireAnswer, ()>,
-    wake_fd: Listener<ipc::Service>,
-    rankings: Publisher<ipc::Service, wire::WireAnswer, ()>,
-    health: Publisher<ipc::Service, wire::Health, ()>,
+    port: Port<Ipc, wire::Ask, (), wire::WireAnswer, ()>,
+    wake_fd: Listener<Ipc>,
+    rankings: Publisher<Ipc, wire::WireAnswer, ()>,
+    health: Publisher<Ipc, wire::Health, ()>,
     rank: Service,
     _topics: [Box<dyn core::any::Any>; 3],
-    _node: Node<ipc::Service>,
-    place: Place,
-    config: Config,
+    _node: Node<Ipc>,
+    place: ServicePlace,
 }
 
 impl Server {
-    /// Starts serving, and allocates all memory that it will need.
+    /// Starts serving.
     ///
     /// # Errors
     ///
     /// [`OpenError::Taken`] if another process serves this instance; otherwise if the folder cannot
     /// be written to, or shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
-        let place = Place::take(address)?;
-        let node = address.node("trolley")?;
+        let place = ServicePlace::take(address)?;
+        let node = domain::node(place.root(), "trolley")?;
         let rank = rank(&node)?;
         let wake = wake(&node)?;
         let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
@@ -67,9 +64,8 @@ impl Server {
             _topics: [Box::new(wake), Box::new(ranking), Box::new(health)],
             _node: node,
             place,
-            config: address.config()?,
         };
-        commit_all(&address.prefix())?;
+        server.place.announce(address.group())?;
         Ok(server)
     }
 
@@ -137,29 +133,18 @@ impl Server {
         self.rank.dynamic_config().number_of_clients()
     }
 
-    /// Removes what dead clients left, from any thread, so that new ones can connect.
+    /// Tells, in any thread, what to clean up after dead clients, so that new ones can connect.
     #[must_use]
     pub fn housekeeper(&self) -> Housekeeper {
-        Housekeeper { config: self.config.clone() }
+        let place = self.place.root().to_owned();
+        let root = place.parent().unwrap_or(&place).to_owned();
+        Housekeeper { root, place }
     }
 }
 
 impl fmt::Debug for Server {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Server").field("place", &self.place).finish_non_exhaustive()
-    }
-}
-
-/// Removes what dead clients left. Made by [`Server::housekeeper`].
-#[derive(Clone, Debug)]
-pub struct Housekeeper {
-    config: Config,
-}
-
-impl Housekeeper {
-    /// Removes it; takes milliseconds for each dead node.
-    pub fn run(&self) {
-        let _living = clean(&self.config);
     }
 }
 
@@ -203,7 +188,7 @@ impl fmt::Debug for TakenRequest {
 }
 
 /// The request–response service; the first process creates it.
-pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
+pub(super) fn rank(node: &Node<Ipc>) -> Result<Service, OpenError> {
     let name = RANK.try_into().map_err(OpenError::at("name", RANK))?;
     node.service_builder(&name)
         .request_response::<wire::Ask, wire::WireAnswer>()
@@ -227,9 +212,7 @@ pub(super) fn rank(node: &Node<ipc::Service>) -> Result<Service, OpenError> {
 }
 
 /// The event service that wakes the server.
-pub(super) fn wake(
-    node: &Node<ipc::Service>,
-) -> Result<event::PortFactory<ipc::Service>, OpenError> {
+pub(super) fn wake(node: &Node<Ipc>) -> Result<event::PortFactory<Ipc>, OpenError> {
     let name = WAKE.try_into().map_err(OpenError::at("name", WAKE))?;
     node.service_builder(&name)
         .event()
@@ -242,9 +225,9 @@ pub(super) fn wake(
 
 /// A topic of which every listener sees the latest sample.
 pub(super) fn topic<T>(
-    node: &Node<ipc::Service>,
+    node: &Node<Ipc>,
     name: &'static str,
-) -> Result<publish_subscribe::PortFactory<ipc::Service, T, ()>, OpenError>
+) -> Result<publish_subscribe::PortFactory<Ipc, T, ()>, OpenError>
 where
     T: fmt::Debug + ZeroCopySend + IceoryxSend,
 {
@@ -264,9 +247,9 @@ where
 }
 
 fn publisher<T>(
-    topic: &publish_subscribe::PortFactory<ipc::Service, T, ()>,
+    topic: &publish_subscribe::PortFactory<Ipc, T, ()>,
     name: &'static str,
-) -> Result<Publisher<ipc::Service, T, ()>, OpenError>
+) -> Result<Publisher<Ipc, T, ()>, OpenError>
 where
     T: fmt::Debug + ZeroCopySend + IceoryxSend,
 {

@@ -17,13 +17,23 @@ impl Scene {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let instance = format!("u{:x}-{number}", std::process::id() & 0xff_ffff);
         let folder = tempfile::Builder::new().prefix("s").tempdir_in("/dev/shm").unwrap();
-        let address = Address::new(folder.path().to_str().unwrap(), &instance).unwrap();
+        let address = Address::new(Some(folder.path()), &instance).unwrap();
         Self { _folder: folder, address }
     }
 
+    /// All files below the root.
     fn left(&self) -> Vec<String> {
-        let names = domain::names_in_shm().unwrap();
-        names.into_iter().filter(|name| name.starts_with(&self.address.prefix())).collect()
+        let mut folders = vec![self.address.root().to_owned()];
+        let mut files = Vec::new();
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+                files.push(entry.path().display().to_string());
+                if entry.file_type().unwrap().is_dir() {
+                    folders.push(entry.path());
+                }
+            }
+        }
+        files
     }
 }
 
@@ -36,7 +46,7 @@ fn what_is_asked_arrives_and_its_answer_comes_back() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
     let client = ClientPort::open(&scene.address).unwrap();
-    assert_eq!(client.servers(), 1);
+    assert!(client.is_served());
     for sequence in 0..100 {
         let mut ask = Ask::new(sequence);
         ask.candidates[15].other.position_m = [1.0, f64::NEG_INFINITY, -0.0];
@@ -166,18 +176,27 @@ fn clients_that_ask_and_go_before_they_are_heard_leave_nothing() {
 }
 
 #[test]
-fn the_same_client_works_with_the_next_server() {
+fn a_client_sees_that_its_server_has_gone_and_finds_the_next_one() {
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let client = ClientPort::open(&scene.address).unwrap();
+    let old = ClientPort::open(&scene.address).unwrap();
     drop(server);
-    assert_eq!(client.servers(), 0);
+    assert!(!old.is_served());
+    let error = ClientPort::open(&scene.address).unwrap_err();
+    assert!(matches!(error, OpenError::NoService { .. }), "{error}");
     let server = Server::open(&scene.address).unwrap();
+    assert!(!old.is_served(), "its place is another one");
+    let client = ClientPort::open(&scene.address).unwrap();
     let pending = client.ask(&Ask::new(3)).unwrap();
     server.take().unwrap().unwrap().answer(&refused(3)).unwrap();
     assert_eq!(pending.receive().unwrap(), Some(refused(3)));
-    // A client that outlives its server keeps files for the next one: drop it first.
-    drop((pending, client));
+    // What the old client holds goes with it, at the next look.
+    let held = scene.left().len();
+    drop(old);
+    assert!(server.housekeeper().needs_cleaning().is_none());
+    assert!(scene.left().len() < held);
+    drop((pending, client, server));
+    assert_eq!(scene.left(), Vec::<String>::new());
 }
 
 #[test]
@@ -199,9 +218,15 @@ fn whoever_listens_hears_the_latest() {
 #[test]
 fn instances_and_folders_that_do_not_fit_are_refused() {
     for name in ["", "A", "a.b", "a/b", "..", "abcdefghijklm"] {
-        assert!(Address::new(FOLDER, name).is_err(), "{name}");
+        assert!(Address::new(None, name).is_err(), "{name}");
     }
     let long = "/".to_owned() + &"x".repeat(40);
-    assert!(matches!(Address::new(&long, "a"), Err(OpenError::RootTooLong { .. })));
-    assert_eq!(Address::new("/run/trolley/", "a").unwrap().root(), "/run/trolley/trolley-a");
+    assert!(matches!(
+        Address::new(Some(Path::new(&long)), "a"),
+        Err(OpenError::RootTooLong { .. })
+    ));
+    assert_eq!(
+        Address::new(Some(Path::new("/run/trolley/")), "a").unwrap().root(),
+        Path::new("/run/trolley/trolley-a")
+    );
 }
