@@ -37,8 +37,10 @@ use crate::folder;
 use crate::ipc::Ipc;
 use crate::place::Place;
 use core::time::Duration;
-use iceoryx2::node::{Node, NodeState};
+use iceoryx2::config::Config;
+use iceoryx2::node::{DeadNodeView, Node, NodeState, NodeView as _};
 use iceoryx2::prelude::CallbackProgression;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Longest folder of an instance (bytes): the path of a socket, which lies in a place below it, has
@@ -46,6 +48,8 @@ use std::path::{Path, PathBuf};
 const ROOT_MAX: usize = 49;
 /// Maximum number of nodes of a service: its server, its clients and listeners.
 const NODES_MAX: usize = 64;
+/// How long cleaning up after one node may wait for another process that does the same.
+const CLEAN_PATIENCE: Duration = Duration::from_millis(100);
 /// Maximum number of listeners of a topic.
 const LISTENERS_MAX: usize = 16;
 
@@ -110,6 +114,9 @@ impl Address {
             checked => drop(checked?),
         }
         let place = place::current(&self.root).ok_or_else(absent)?;
+        if place::is_dead(&place) {
+            return Err(absent());
+        }
         match Place::enter(&place) {
             Err(error) if error.is_absent() => Err(absent()),
             entered => entered,
@@ -123,32 +130,60 @@ impl Address {
 /// it in a process that is not needed for anything else.
 pub fn clean(place: &Path) {
     let Ok(config) = config(place) else { return };
-    let listed = Node::<Ipc>::list(&config, |state| {
-        if let NodeState::Dead(node) = state
-            && let Err(error) = node.blocking_remove_stale_resources(Duration::from_millis(100))
-        {
-            // What stays is small, and is retried later.
+    let clean = |dead: DeadNodeView<Ipc>| {
+        if let Err(error) = dead.blocking_remove_stale_resources(CLEAN_PATIENCE) {
             tracing::debug!(%error, "a dead node stays");
+        }
+    };
+    let mut remaining = Vec::new();
+    let remains = |dead: DeadNodeView<Ipc>| remaining.push(dead.id().value());
+    if !each_dead_node(&config, clean) || !each_dead_node(&config, remains) {
+        return;
+    }
+    // The others died while they were made, or while they were half removed: nothing refers to them.
+    for (path, node) in nodes(place) {
+        if !remaining.contains(&node) && is_dead(node) {
+            let is_folder = path.symlink_metadata().is_ok_and(|file| file.is_dir());
+            let removed =
+                if is_folder { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+            if let Err(error) = removed {
+                tracing::debug!(path = %path.display(), %error, "stays");
+            }
+        }
+    }
+}
+
+/// Calls `f` with every dead node that iceoryx2 can clean up after. `false` if they cannot be listed.
+fn each_dead_node(config: &Config, mut f: impl FnMut(DeadNodeView<Ipc>)) -> bool {
+    let listed = Node::<Ipc>::list(config, |state| {
+        // One without details has opened nothing, and iceoryx2 would look for it elsewhere.
+        if let NodeState::Dead(dead) = state
+            && dead.details().is_some()
+        {
+            f(dead);
         }
         CallbackProgression::Continue
     });
-    if let Err(error) = listed {
-        tracing::debug!(%error, "cannot list nodes");
-    }
+    listed.inspect_err(|error| tracing::debug!(%error, "cannot list nodes")).is_ok()
 }
 
 /// Whether a process that had a node in a place is dead. Reads names alone.
 fn has_dead_node(place: &Path) -> bool {
-    let Ok(entries) = std::fs::read_dir(place.join("nodes")) else { return false };
-    let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
-    // A node goes by its number, which holds the id of its process in its third word.
-    let pids = names.filter_map(|name| {
+    nodes(place).any(|(_, node)| is_dead(node))
+}
+
+/// Files and folders of nodes, with the node's number, which their names hold.
+fn nodes(place: &Path) -> impl Iterator<Item = (PathBuf, u128)> {
+    let entries = fs::read_dir(place.join("nodes")).into_iter().flatten().flatten();
+    entries.filter_map(|entry| {
+        let name = entry.file_name().into_string().ok()?;
         let digits = name.split(|c: char| !c.is_ascii_digit()).find(|part| part.len() > 16)?;
-        let number: u128 = digits.parse().ok()?;
-        Some((number >> 64 & 0xffff_ffff) as u32)
-    });
-    let mut pids: Vec<u32> = pids.collect();
-    pids.sort_unstable();
-    pids.dedup();
-    pids.into_iter().any(|pid| !Path::new(&format!("/proc/{pid}")).exists())
+        Some((entry.path(), digits.parse().ok()?))
+    })
+}
+
+/// Whether the process of a node is dead: the third word of its number is the process's id.
+fn is_dead(node: u128) -> bool {
+    let pid = node >> 64 & 0xffff_ffff;
+    !Path::new(&format!("/proc/{pid}")).exists()
 }
