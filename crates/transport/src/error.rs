@@ -32,6 +32,16 @@ pub enum OpenError {
         /// Where its folder would be.
         folder: String,
     },
+    /// The service has all the clients, or all the listeners, that it takes. Exit with 75.
+    #[error("instance '{instance}' is busy: it has all {most} {whom} that it takes")]
+    Full {
+        /// The instance.
+        instance: String,
+        /// Maximum number of them.
+        most: usize,
+        /// "clients" or "listeners".
+        whom: &'static str,
+    },
     /// The folder makes the name of the root too long for iceoryx2.
     #[error("'{root}' has more than {most} bytes: choose a shorter folder or instance")]
     RootTooLong {
@@ -91,7 +101,9 @@ impl Diagnostic for OpenError {
             Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => {
                 FailureKind::Configuration
             }
-            Self::Taken { .. } | Self::NoService { .. } => FailureKind::TryAgain,
+            Self::Taken { .. } | Self::NoService { .. } | Self::Full { .. } => {
+                FailureKind::TryAgain
+            }
             Self::Failed { .. } => FailureKind::Resources,
         }
     }
@@ -104,6 +116,9 @@ impl Diagnostic for OpenError {
             }
             Self::Taken { .. } => "stop the other one, or choose another instance",
             Self::NoService { .. } => "start it: trolley serve DEPLOYMENT.toml",
+            Self::Full { .. } => {
+                "try again later, or end one of them; a dead one goes within seconds"
+            }
             Self::Failed { .. } => "/dev/shm and the folder must be writable and large enough",
         };
         Some(remedy.into())

@@ -9,11 +9,12 @@ use core::fmt;
 use iceoryx2::node::Node;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::{Client as Port, RequestSendError};
-use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::port::{LoanError, SendError};
 use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _, ipc};
+use iceoryx2::service::port_factory::client::ClientCreateError;
 use iceoryx2::service::port_factory::{event, request_response};
-use protocol::public::{Ask, RANK, WAKE, WireAnswer};
+use protocol::public::{Ask, CLIENTS_MAX, RANK, WAKE, WireAnswer};
 
 /// One client of a service. It belongs to one thread, and asks one thing at a time.
 pub struct ClientPort {
@@ -30,10 +31,12 @@ impl ClientPort {
     ///
     /// # Errors
     ///
-    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if it has the maximum
-    /// number of clients, or shared memory or file descriptors ran out.
+    /// [`OpenError::NoService`] if nothing was ever served there; [`OpenError::Full`] if it has the
+    /// maximum number of clients; otherwise if shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let node = address.guest("client")?;
+        let instance = || address.instance().to_owned();
+        let full = || OpenError::Full { instance: instance(), most: CLIENTS_MAX, whom: "clients" };
         let rank = rank(&node)?;
         let wake = wake(&node)?;
         let port = rank
@@ -41,8 +44,14 @@ impl ClientPort {
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .max_active_requests(1)
             .create()
-            .map_err(OpenError::at("ask at", RANK))?;
-        let notifier = wake.notifier_builder().create().map_err(OpenError::at("ring at", WAKE))?;
+            .map_err(|error| match error {
+                ClientCreateError::ExceedsMaxSupportedClients => full(),
+                other => OpenError::at("ask at", RANK)(other),
+            })?;
+        let notifier = wake.notifier_builder().create().map_err(|error| match error {
+            NotifierCreateError::ExceedsMaxSupportedNotifiers => full(),
+            other => OpenError::at("ring at", WAKE)(other),
+        })?;
         commit_all(&address.prefix())?;
         Ok(Self { port, notifier, rank, _wake: wake, _node: node })
     }
