@@ -9,9 +9,7 @@ use crate::metrics;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
 use protocol::public::{Ask, Health, WireAnswer};
-use runtime::clock;
-use std::io::Write as _;
-use std::path::Path;
+use runtime::{clock, output};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use transport::service::Housekeeper;
@@ -132,11 +130,9 @@ fn housekeeping(
             && let Some(health) = shared.health.pop()
         {
             written_ns = now_ns;
-            if let Err(error) =
-                replace(&settings.file, &metrics::text(&health, &deployment.instance))
-            {
-                let file = settings.file.display();
-                tracing::warn!(%error, %file, "metrics cannot be written");
+            let text = metrics::text(&health, &deployment.instance);
+            if let Err(error) = output::publish(&settings.file, text.as_bytes()) {
+                tracing::warn!(error = diagnostic::chain(&error), "metrics cannot be written");
             }
         }
         if is_last {
@@ -144,15 +140,4 @@ fn housekeeping(
         }
         runtime::clock::nap_ns(NAP_NS);
     }
-}
-
-/// Writes a temporary file and renames it, so that no reader sees half of it.
-fn replace(path: &Path, text: &str) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
-    file.write_all(text.as_bytes())?;
-    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-    file.as_file().set_permissions(readable)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }
