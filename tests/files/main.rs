@@ -3,9 +3,11 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bounded;
 mod import;
 mod input;
 mod intersect;
+mod outputs;
 mod real;
 mod report;
 mod traffic;

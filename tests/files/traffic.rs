@@ -11,7 +11,7 @@ fn asked(args: &[&str]) -> Output {
 }
 
 /// A car stands in the ego's path, or far beside it.
-fn crossing(y_m: f64, kind: &str) -> String {
+pub(crate) fn crossing(y_m: f64, kind: &str) -> String {
     let state = |x: f64, y: f64, more: &str| {
         format!(
             "<initialState><position><point><x>{x}</x><y>{y}</y></point></position>\

@@ -233,6 +233,24 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
 }
 
 #[test]
+fn the_seventeenth_client_is_told_to_try_again_and_then_gets_its_answer() {
+    let place = Place::new();
+    let serving = serve(&deployment(&place, 1, &of_six(600)), &["--in-process"]);
+    let scenario = place.write("six.toml", &six(600));
+    let mut clients: Vec<Client> = (0..16).map(|_| connect(&serving.instance)).collect();
+    let busy = serving.query(&scenario, &[]);
+    let said = text(&busy.stderr);
+    assert_eq!(busy.status.code(), Some(75), "{said}");
+    assert!(said.contains("busy") && said.contains("16 clients"), "{said}");
+    assert!(said.contains("help: try again"), "{said}");
+    clients.pop();
+    let answered = serving.query(&scenario, &[]);
+    assert_eq!(answered.status.code(), Some(0), "{}", text(&answered.stderr));
+    drop(clients);
+    serving.end();
+}
+
+#[test]
 fn killed_workers_are_replaced_and_no_answer_is_wrong() {
     let place = Place::new();
     let scenario = place.write("six.toml", &six(2000));

@@ -12,6 +12,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
+use trolley::files::InputKind;
 use trolley::{Failure, FailureKind, OpenDeployment};
 
 /// The example of the laboratory.
@@ -90,7 +91,7 @@ struct Row<'a> {
 
 pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
     let opened = OpenDeployment::open(&options.deployment, options.instance.as_deref())?;
-    let text = trolley::read_text(&options.scenario)?;
+    let text = trolley::files::text(&options.scenario, InputKind::Scenario)?;
     let name = options.scenario.display().to_string();
     let scenario = Scenario::parse(&name, &text)?;
     let unknown_is_fixed = options.assume == Some(Assume::UnknownFixed);

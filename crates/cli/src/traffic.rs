@@ -97,6 +97,8 @@ pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<ImportedTraffic,
 
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let Verb::Import(args) = verb;
+    let out = args.out.as_deref();
+    out.map(|out| trolley::files::check(out, Some(&args.file))).transpose()?;
     let imported = import(&args.file, &args.traffic)?;
     if let (Some(out), Some(text)) = (&args.out, &imported.text) {
         trolley::files::replace(out, text.as_bytes())?;

@@ -77,8 +77,8 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// If there is no such service, it has sixteen clients already, or shared memory or file
-    /// descriptors ran out.
+    /// If there is no such service, shared memory or file descriptors ran out, or it has sixteen
+    /// clients already ([`OpenError::Full`]: try again later).
     pub fn connect(
         folder: Option<&Path>,
         instance: &str,
@@ -108,11 +108,17 @@ impl Client {
         let refused = |reason: Reason, text: &str| {
             WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, text)
         };
+        let busy = |text: &str| {
+            let (state, reason) = (WireState::Busy, Reason::QueueFull);
+            WireAnswer::without_ranking(ask.sequence, state, reason, text)
+        };
         // A restarted service has another place.
         self.port.take_if(|port| !port.is_served());
         if self.port.is_none() {
             match Port::open(&self.address) {
                 Ok(port) => self.port = Some(port),
+                // Others took the places while there was no service to connect to.
+                Err(error @ OpenError::Full { .. }) => return busy(&error.to_string()),
                 Err(error) => return refused(Reason::NoService, &error.to_string()),
             }
         }
@@ -123,13 +129,7 @@ impl Client {
         let pending = match port.ask(ask) {
             Ok(pending) => pending,
             Err(UseError::Full) => {
-                let text = "the service accepts no more requests at the moment";
-                return WireAnswer::without_ranking(
-                    ask.sequence,
-                    WireState::Busy,
-                    Reason::QueueFull,
-                    text,
-                );
+                return busy("the service accepts no more requests at the moment");
             }
             Err(error) => return refused(Reason::NoService, &error.to_string()),
         };

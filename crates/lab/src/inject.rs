@@ -50,6 +50,7 @@ pub struct InjectOptions {
 /// effects of faults are no error: see [`Injected::is_survived`].
 pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injected, Failure> {
     let plan = Plan::read(&options.plan)?;
+    options.junit.as_deref().map(|path| files::check(path, None)).transpose()?;
     let scenario = Scenario::open(&plan.scenario)?;
     let parsed = scenario.parsed();
     let engine = parsed.engine.apply(&Overrides::default())?;

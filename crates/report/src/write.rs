@@ -9,12 +9,13 @@ use crate::still::Camera;
 use crate::{Figure, MeasurementPage, glb, html, still};
 use std::path::{Path, PathBuf};
 use trolley::bodies::OnProgress;
+use trolley::files::InputKind;
 use trolley::{Failure, FailureKind, Record, files};
 
 /// Pixels of a still.
 const STILL: [usize; 2] = [1200, 800];
-/// Longest file of a measurement that goes into a page (bytes).
-const FILE_MAX: u64 = 16 << 20;
+/// Where a measurement is found.
+const FOLDER: &str = "give a folder that `trolley measure --out` wrote";
 
 /// What to write.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -83,6 +84,10 @@ fn of_record(
     wanted: &Wanted,
     progress: OnProgress<'_>,
 ) -> Result<Vec<PathBuf>, Failure> {
+    // Fail before the replay, not after it, if a file cannot be written.
+    for target in wanted.page.iter().map(PathBuf::as_path).chain(wanted.mcap()) {
+        files::check(target, Some(path))?;
+    }
     let record = Record::read(path)?;
     let made = record.replay(path, models, progress)?;
     if made.json != record.content.answer {
@@ -146,6 +151,7 @@ fn folder(path: Option<&Path>) -> Result<Option<&Path>, Failure> {
     let Some(path) = path else { return Ok(None) };
     std::fs::create_dir_all(path).map_err(|error| {
         Failure::new(FailureKind::System, format!("{}: {error}", path.display()))
+            .with_remedy("name a folder that you may write to")
     })?;
     Ok(Some(path))
 }
@@ -165,20 +171,19 @@ fn of_measurement(source: &Path, wanted: &Wanted) -> Result<Vec<PathBuf>, Failur
         return Err(Failure::setting(fault).with_remedy("add --out FILE.html"));
     };
     let wrong = |path: &Path, error: &dyn std::fmt::Display| {
-        Failure::input(format!("{}: {error}", path.display()))
-            .with_remedy("give a folder that `trolley measure --out` wrote")
+        Failure::input(format!("{}: {error}", path.display())).with_remedy(FOLDER)
     };
     let page = source.join("README.md");
-    let text = std::fs::read_to_string(&page).map_err(|error| wrong(&page, &error))?;
+    let text = files::text(&page, InputKind::Measurement)
+        .map_err(|error| Failure::input(error.what()).with_remedy(FOLDER))?;
     let mut figures = Vec::new();
     let entries = std::fs::read_dir(source).map_err(|error| wrong(source, &error))?;
     for entry in entries {
         let path = entry.map_err(|error| wrong(source, &error))?.path();
-        let about = std::fs::metadata(&path).map_err(|error| wrong(&path, &error))?;
-        if path.extension().is_none_or(|end| end != "png") || about.len() > FILE_MAX {
+        if path.extension().is_none_or(|end| end != "png") {
             continue;
         }
-        let png = std::fs::read(&path).map_err(|error| wrong(&path, &error))?;
+        let png = files::bytes(&path, InputKind::Measurement)?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
         figures.push(Figure { name: name.unwrap_or_default(), png });
     }

@@ -3,8 +3,10 @@
 //! | module | what it gives |
 //! |---|---|
 //! | [`clock`] | monotonic time, CPU time, randomness: the only clock there is |
+//! | [`input`] | files of people and strangers: regular ones, up to a limit |
 //! | [`machine`] | what the machine grants: file descriptors, shared memory |
 //! | [`memory`] | the sealed model store, the status page, files read into aligned memory |
+//! | [`output`] | files written whole, which replace regular files alone |
 //! | [`process`] | children that die with their parent and are never left as zombies |
 //! | [`affinity`] | which cores there are, and staying on one |
 //! | [`counters`] | instructions and cache misses of a process, where there are counters |
@@ -31,8 +33,10 @@ pub mod counters;
 pub mod error;
 pub mod futex;
 pub mod heap;
+pub mod input;
 pub mod machine;
 pub mod memory;
+pub mod output;
 pub mod process;
 pub mod realtime;
 #[cfg(test)]
@@ -40,6 +44,8 @@ mod testing;
 pub mod wait;
 
 pub use error::{OsError, Result};
+pub use input::{InputError, InputKind};
 pub use memory::{FileMap, SealedMemory, StatusMemory};
+pub use output::OutputError;
 pub use process::{Child, Exit, Spawn};
 pub use wait::{EventFd, Poller, Wake};

@@ -13,9 +13,11 @@ use crate::deployment::Decisions;
 use bytemuck::Zeroable as _;
 use diagnostic::{Diagnostic, FailureKind};
 use protocol::public::{Ask, WireAnswer};
+use runtime::{InputError, InputKind, input};
 use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
+use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 
 const MAGIC: [u8; 8] = *b"TROLDEC\n";
@@ -35,8 +37,8 @@ pub struct Decision {
 #[derive(Debug, thiserror::Error)]
 pub enum DecisionError {
     /// It cannot be read.
-    #[error("cannot read it: {0}")]
-    Io(#[from] io::Error),
+    #[error(transparent)]
+    Unread(#[from] InputError),
     /// It is not a file of decisions.
     #[error("this is not a file of decisions")]
     Foreign,
@@ -52,7 +54,7 @@ impl Diagnostic for DecisionError {
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         match self {
-            Self::Io(_) => None,
+            Self::Unread(error) => error.remedy(),
             Self::Foreign => Some("name a file that a service wrote".into()),
             Self::Changed(_) => Some("compare with a copy kept elsewhere".into()),
         }
@@ -66,7 +68,7 @@ impl Diagnostic for DecisionError {
 ///
 /// If the file cannot be read, is not a file of decisions, or was changed.
 pub fn read_decisions(path: &Path) -> Result<Vec<Decision>, DecisionError> {
-    let bytes = fs::read(path)?;
+    let bytes = input::bytes(path, InputKind::Decisions)?;
     let (head, body) = bytes.split_at_checked(HEAD).ok_or(DecisionError::Foreign)?;
     if head[..8] != MAGIC {
         return Err(DecisionError::Foreign);
@@ -158,11 +160,12 @@ fn begin(folder: &Path, number: u64, last: &[u8; 32]) -> io::Result<File> {
 }
 
 fn last_hash(path: &Path) -> Option<[u8; 32]> {
-    let bytes = fs::read(path).ok()?;
-    let (head, body) = bytes.split_at_checked(HEAD)?;
-    let last = body.chunks_exact(ENTRY).next_back();
-    let hash = last.map_or(&head[16..], |entry| &entry[ENTRY - 32..]);
-    hash.try_into().ok()
+    let (file, length) = input::regular(path).ok()?;
+    let entries = length.checked_sub(HEAD as u64)? / ENTRY as u64;
+    let mut hash = [0; 32];
+    // A hash ends the head, and each entry.
+    file.read_exact_at(&mut hash, (HEAD - 32) as u64 + entries * ENTRY as u64).ok()?;
+    Some(hash)
 }
 
 fn name(folder: &Path, number: u64) -> PathBuf {

@@ -17,6 +17,8 @@ pub const SCHEMA: &str = "trolley.deployment/1";
 pub const TEXT_BYTES_MAX: usize = 1 << 20;
 /// Maximum number of models in a deployment.
 const MODELS_MAX: usize = 64;
+/// Maximum number of decisions in a file: half of what is read.
+const PER_FILE_MAX: u32 = 100_000;
 /// Maximum number of waiting requests: one per client.
 const QUEUE_MAX: usize = protocol::public::CLIENTS_MAX;
 
@@ -149,7 +151,7 @@ fn one() -> u64 {
 pub struct Decisions {
     /// The folder.
     pub folder: PathBuf,
-    /// Requests per file.
+    /// Requests per file, at most 100,000: longer files are not read.
     #[serde(default = "ten_thousand")]
     pub per_file: u32,
     /// Number of files to keep; the oldest is deleted.
@@ -318,10 +320,12 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     if raw.metrics.as_ref().is_some_and(|metrics| !(1..=3600).contains(&metrics.every_s)) {
         return wrong("every_s", "every_s is out of range".to_owned(), "every_s may be 1 to 3600");
     }
-    let kept = |decisions: &Decisions| decisions.per_file >= 1 && decisions.files >= 2;
+    let kept = |decisions: &Decisions| {
+        (1..=PER_FILE_MAX).contains(&decisions.per_file) && decisions.files >= 2
+    };
     if !raw.decisions.as_ref().is_none_or(kept) {
-        let help = "per_file is at least 1, files at least 2";
-        return wrong("decisions", "nothing would be kept".to_owned(), help);
+        let help = "per_file may be 1 to 100000, files is at least 2";
+        return wrong("decisions", "per_file or files is out of range".to_owned(), help);
     }
     Ok(Deployment {
         instance: raw.instance,

@@ -9,9 +9,8 @@ use crate::metrics;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
 use protocol::public::{Ask, Health, WireAnswer};
-use runtime::clock;
 use runtime::process::{Child, Spawn, spawn};
-use std::io::Write as _;
+use runtime::{clock, output};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -137,11 +136,9 @@ fn housekeeping(
             && let Some(health) = shared.health.pop()
         {
             written_ns = now_ns;
-            if let Err(error) =
-                replace(&settings.file, &metrics::text(&health, &deployment.instance))
-            {
-                let file = settings.file.display();
-                tracing::warn!(%error, %file, "metrics cannot be written");
+            let text = metrics::text(&health, &deployment.instance);
+            if let Err(error) = output::publish(&settings.file, text.as_bytes()) {
+                tracing::warn!(error = diagnostic::chain(&error), "metrics cannot be written");
             }
         }
         if is_last {
@@ -192,15 +189,4 @@ impl Cleaning {
 
 fn worker_word(place: &Path) -> String {
     protocol::launch::clean_word(&place.display().to_string())
-}
-
-/// Writes a temporary file and renames it, so that no reader sees half of it.
-fn replace(path: &Path, text: &str) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
-    file.write_all(text.as_bytes())?;
-    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-    file.as_file().set_permissions(readable)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }

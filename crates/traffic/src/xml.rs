@@ -1,11 +1,11 @@
 //! XML elements that know where they stand and what their file is called.
 //!
-//! The reader below (roxmltree) refuses every document type declaration, so entities cannot
-//! multiply; text and nodes are bounded here. It keeps no stack while it parses, so deep nesting is
-//! only many nodes.
+//! The parser refuses every document type declaration, so entities cannot multiply; attributes and
+//! nesting are bounded by it, text and nodes here.
 
 use crate::error::TrafficError;
-use roxmltree::{Node, ParsingOptions};
+use ::xml::XmlError;
+use roxmltree::Node;
 
 /// Longer texts are refused unread: an hour of a crossing with 100 obstacles has 30 MB.
 pub const TEXT_BYTES_MAX: usize = 64 << 20;
@@ -39,26 +39,16 @@ impl<'t> Document<'t> {
             let fault = format!("not XML: it begins with {first:?}");
             return Err(wrong(1, 1, fault, "is this the right file? XML begins with <"));
         }
-        let options = ParsingOptions {
-            allow_dtd: false,
-            nodes_limit: NODES_MAX,
-            ..ParsingOptions::default()
-        };
-        let tree = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
-            let at = error.pos();
+        let tree = ::xml::parse(text, NODES_MAX).map_err(|error| {
             let help = match error {
-                roxmltree::Error::DtdDetected => {
+                XmlError::Declaration { .. } => {
                     "remove <!DOCTYPE …>: entities are not expanded, as they can fill all memory"
                 }
-                roxmltree::Error::NodesLimitReached => "is this the right file? split it",
-                _ => "the file is damaged, or no XML",
+                XmlError::TooMany { .. } => "is this the right file? split it",
+                XmlError::Syntax { .. } => "the file is damaged, or no XML",
             };
-            // The parser does not say where a declaration stands.
-            let before = text.find("<!DOCTYPE").map_or("", |byte| &text[..byte]);
-            let more = before.matches('\n').count() as u32;
-            let row =
-                if matches!(error, roxmltree::Error::DtdDetected) { 1 + more } else { at.row };
-            wrong(row, at.col, format!("not readable as XML: {error}"), help)
+            let (line, column) = error.position();
+            wrong(line, column, format!("not readable as XML: {error}"), help)
         })?;
         Ok(Self { file, tree })
     }

@@ -42,6 +42,16 @@ pub enum OpenError {
         /// What helps.
         remedy: String,
     },
+    /// The service has all the clients, or all the listeners, that it takes. Exit with 75.
+    #[error("instance '{instance}' is busy: it has all {most} {whom} that it takes")]
+    Full {
+        /// The instance.
+        instance: String,
+        /// Maximum number of them.
+        most: usize,
+        /// "clients" or "listeners".
+        whom: &'static str,
+    },
     /// The folder makes the name of the root too long for iceoryx2.
     #[error("'{root}' has more than {most} bytes: choose a shorter folder or instance")]
     RootTooLong {
@@ -110,7 +120,9 @@ impl Diagnostic for OpenError {
             | Self::Text { .. }
             | Self::RootTooLong { .. }
             | Self::Untrusted { .. } => FailureKind::Configuration,
-            Self::Taken { .. } | Self::NoService { .. } => FailureKind::TryAgain,
+            Self::Taken { .. } | Self::NoService { .. } | Self::Full { .. } => {
+                FailureKind::TryAgain
+            }
             Self::Failed { .. } => FailureKind::Resources,
         }
     }
@@ -124,6 +136,9 @@ impl Diagnostic for OpenError {
             }
             Self::Taken { .. } => "stop the other one, or choose another instance",
             Self::NoService { .. } => "start it: trolley serve DEPLOYMENT.toml",
+            Self::Full { .. } => {
+                "try again later, or end one of them; a dead one goes within seconds"
+            }
             Self::Failed { .. } => "/dev/shm and the folder must be writable and large enough",
         };
         Some(remedy.into())

@@ -22,7 +22,7 @@ use crate::Failure;
 use crate::deployment::OpenDeployment;
 use body::{BodyKind, BodyView, Fit, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
-use runtime::{FileMap, SealedMemory};
+use runtime::{FileMap, InputError, InputKind, SealedMemory};
 use scenario::{EngineSettings, FileRef, Party, Scenario, Source};
 use std::path::{Path, PathBuf};
 
@@ -104,9 +104,10 @@ impl ModelFile {
     ///
     /// If the file cannot be read or is no sound model file.
     pub fn open(path: &Path, size: Option<Fit>, options: &BuildOptions) -> Result<Self, Failure> {
-        let map = FileMap::open(path).map_err(|error| {
-            Failure::input(diagnostic::chain(&error))
-                .with_remedy("paths are relative to the scenario's folder")
+        let map = FileMap::open(path, InputKind::Model).map_err(|error| match error {
+            InputError::Missing { .. } => Failure::from(error)
+                .with_remedy("paths are relative to the folder of the file that names them"),
+            other => other.into(),
         })?;
         let bad = |error: file::FileError| Failure::from(error).at(path.display());
         let (meta, view) = file::view(map.bytes()).map_err(bad)?;
@@ -145,10 +146,7 @@ impl ModelFile {
     ///
     /// If the file cannot be read or is no sound model file.
     pub fn as_it_is(path: &Path) -> Result<Self, Failure> {
-        let map = FileMap::open(path).map_err(|error| {
-            Failure::input(diagnostic::chain(&error))
-                .with_remedy("name a model file that can be read")
-        })?;
+        let map = FileMap::open(path, InputKind::Model)?;
         // The copy is checked: a file may change while it is mapped.
         let bytes = file::Aligned::copy_of(map.bytes());
         let bad = |error: file::FileError| Failure::from(error).at(path.display());

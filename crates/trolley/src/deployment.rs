@@ -1,7 +1,7 @@
 //! A deployment file, and the files it names.
 
 use crate::Failure;
-use crate::scenario::read_text;
+use crate::files::{self, InputKind};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
@@ -43,7 +43,7 @@ impl OpenDeployment {
     /// If the file cannot be read or is not valid, or `instance` is not a valid name.
     pub fn open(path: &Path, instance: Option<&str>) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        let mut deployment = Deployment::parse(&name, &read_text(path)?)?;
+        let mut deployment = Deployment::parse(&name, &files::text(path, InputKind::Deployment)?)?;
         if let Some(instance) = instance {
             transport::Address::new(deployment.folder.as_deref(), instance)?;
             instance.clone_into(&mut deployment.instance);
@@ -79,17 +79,19 @@ impl OpenDeployment {
     ///
     /// If a file cannot be read or is not valid, or the curves lack the policy's outcome.
     pub fn rules(&self) -> Result<(Policy, Curves), Failure> {
-        let or_shipped = |path: &Option<PathBuf>, name: &str, shipped: &str| match path {
+        let or_shipped = |path: &Option<PathBuf>, kind, name: &str, shipped: &str| match path {
             None => Ok((name.to_owned(), shipped.to_owned())),
             Some(path) => {
                 let path = self.path(path);
-                Ok::<_, Failure>((path.display().to_string(), read_text(&path)?))
+                Ok::<_, Failure>((path.display().to_string(), files::text(&path, kind)?))
             }
         };
         let Deployment { policy, curves, .. } = &self.deployment;
-        let (name, policy) = or_shipped(policy, "config/policies/default.toml", DEFAULT_POLICY)?;
+        let (name, policy) =
+            or_shipped(policy, InputKind::Policy, "config/policies/default.toml", DEFAULT_POLICY)?;
         let policy = Policy::parse(&name, &policy)?;
-        let (name, curves) = or_shipped(curves, "config/curves/default.toml", DEFAULT_CURVES)?;
+        let (name, curves) =
+            or_shipped(curves, InputKind::Curves, "config/curves/default.toml", DEFAULT_CURVES)?;
         let curves = Curves::parse(&name, &curves)?;
         curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
         Ok((policy, curves))

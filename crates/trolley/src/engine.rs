@@ -9,6 +9,7 @@
 
 use crate::bodies::{Bodies, OnProgress, SILENT};
 use crate::dispatch_options::{self, DispatchOptions};
+use crate::files::InputKind;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
@@ -507,7 +508,8 @@ fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
             }
             Source::File(reference) => {
                 let path = scenario.path_of(reference);
-                let hash = file::content_hash(FileMap::open(&path).ok()?.bytes()).ok()?;
+                let hash = file::content_hash(FileMap::open(&path, InputKind::Model).ok()?.bytes())
+                    .ok()?;
                 BodySource::File { path, hash, size }
             }
         })

@@ -1,6 +1,9 @@
-//! Writing a file completely or not at all.
+//! Reading files up to a limit, and writing them completely or not at all.
 //!
-//! The bytes are written to a temporary file in the same folder, which is then renamed. Readers see
+//! Whatever this library reads is a regular file, no longer than its [`InputKind`] may be: pipes,
+//! devices, sockets and folders are refused at once. `/dev/stdin` may be a pipe; the limit holds.
+//!
+//! What is written goes to a temporary file in the same folder, which is then renamed. Readers see
 //! the old file or the new one, and a failure leaves the old one as it was.
 //!
 //! ```
@@ -16,11 +19,57 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-use diagnostic::{Failure, FailureKind};
-use std::fs::Permissions;
-use std::io::{self, Write as _};
-use std::os::unix::fs::PermissionsExt as _;
-use std::path::{Path, PathBuf};
+use diagnostic::Failure;
+use runtime::{input, output};
+use std::path::Path;
+
+/// A kind of file that is read, and its maximum length.
+///
+/// ```
+/// use trolley::files::InputKind;
+///
+/// for kind in InputKind::ALL {
+///     println!("{}: at most {} bytes", kind.name(), kind.bytes_max());
+/// }
+/// # assert_eq!(InputKind::Policy.bytes_max(), 1 << 20);
+/// ```
+pub use runtime::InputKind;
+
+/// Reads a file of this kind.
+///
+/// ```
+/// use trolley::files::{InputKind, bytes};
+///
+/// let pole = bytes("examples/data/pole.stl".as_ref(), InputKind::Mesh)?;
+/// assert!(!pole.is_empty());
+/// assert!(bytes("/dev/zero".as_ref(), InputKind::Mesh).is_err(), "it has no end");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// If it cannot be read, is no regular file, or is longer than its kind may be.
+pub fn bytes(path: &Path, kind: InputKind) -> Result<Vec<u8>, Failure> {
+    Ok(input::bytes(path, kind)?)
+}
+
+/// Reads a text of this kind.
+///
+/// ```
+/// use trolley::files::{InputKind, text};
+///
+/// let policy = text("../../config/policies/default.toml".as_ref(), InputKind::Policy)?;
+/// assert!(policy.contains("schema"));
+/// assert!(text("no-such-file.toml".as_ref(), InputKind::Policy).is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`bytes()`], or if it is not UTF-8.
+pub fn text(path: &Path, kind: InputKind) -> Result<String, Failure> {
+    Ok(input::text(path, kind)?)
+}
 
 /// Checks that a target can be written, before work is spent on it.
 ///
@@ -36,34 +85,12 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 ///
-/// If the folder does not exist, or the target is a folder, a device or the source.
+/// If the folder does not exist, or the target is a folder, pipe, socket, device or the source.
 pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
-    let refuse = |fault: &str, help: &str| {
-        let fault = format!("{}: {fault}", target.display());
-        Err(Failure::new(FailureKind::System, fault).with_remedy(help))
-    };
-    let folder = folder(target);
-    if !folder.is_dir() {
-        return refuse("its folder does not exist", "make the folder, or name another output");
-    }
-    match std::fs::metadata(target) {
-        Ok(about) if about.is_dir() => return refuse("this is a folder", "name a file in it"),
-        // Replacing /dev/null would remove it for everybody.
-        Ok(about) if !about.is_file() => {
-            return refuse("this is no regular file", "name a regular file");
-        }
-        _ => {}
-    }
-    let same = source.is_some_and(
-        |source| matches!((source.canonicalize(), target.canonicalize()), (Ok(a), Ok(b)) if a == b),
-    );
-    if same {
-        return refuse("this is the input itself", "name another output");
-    }
-    Ok(())
+    Ok(output::check(target, source)?)
 }
 
-/// Writes `bytes` to the file `target`, replacing it if it exists.
+/// Writes `bytes` to the file `target`, replacing it if it exists. A link to a file stays a link.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join(format!("trolley-replace-{}", std::process::id()));
@@ -78,34 +105,28 @@ pub fn check(target: &Path, source: Option<&Path>) -> Result<(), Failure> {
 ///
 /// # Errors
 ///
-/// If the folder cannot be written to or is full.
+/// If the target is no regular file, or the folder cannot be written to or is full.
 pub fn replace(target: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    // A link stays a link: its target is replaced.
-    let place = target.canonicalize().unwrap_or_else(|_| target.to_owned());
-    write(&place, bytes).map_err(|error| {
-        let code = match error.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => FailureKind::Resources,
-            _ => FailureKind::System,
-        };
-        Failure::new(code, format!("{}: cannot be written: {error}", target.display()))
-            .with_remedy("the folder must be writable and have room")
-    })
+    Ok(output::replace(target, bytes)?)
 }
 
-fn write(place: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = tempfile::Builder::new()
-        .prefix(".trolley-")
-        .permissions(Permissions::from_mode(0o666)) // less the umask
-        .tempfile_in(folder(place))?;
-    file.write_all(bytes)?;
-    file.as_file().sync_data()?;
-    file.persist(place).map_err(|error| error.error)?;
-    Ok(())
-}
+#[cfg(test)]
+mod tests {
+    //! Each limit of a file is that of the parser behind it.
+    use super::InputKind;
 
-fn folder(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
+    #[test]
+    fn what_a_reader_lets_pass_its_parser_accepts() {
+        for (kind, most) in [
+            (InputKind::Scenario, scenario::TEXT_BYTES_MAX),
+            (InputKind::Deployment, service::TEXT_BYTES_MAX),
+            (InputKind::Traffic, traffic::TEXT_BYTES_MAX),
+            (InputKind::Poses, crate::poses::BYTES_MAX),
+            (InputKind::Mesh, mesh::import::BYTES_MAX),
+        ] {
+            assert_eq!(kind.bytes_max(), most as u64, "{kind:?}");
+        }
+        assert!(InputKind::Record.bytes_max() >= record::file::LENGTH_MAX as u64);
+        assert!(InputKind::Record.bytes_max() < 2 * record::file::LENGTH_MAX as u64);
     }
 }

@@ -127,7 +127,7 @@ pub use bvh::kernel::Walk;
 /// ```
 pub use geometry::simd::Simd;
 
-use crate::model::open;
+use crate::files::InputKind;
 use crate::{Failure, poses};
 use bodies::Body;
 use body::{BodyView, Build};
@@ -253,7 +253,7 @@ impl Intersect {
         let poses = poses::read(&self.poses)?;
         let files = [self.files[0].as_path(), self.files[1].as_path()];
         for file in files {
-            let _there = open::bytes(file)?;
+            let _there = runtime::input::open(file, InputKind::Mesh)?;
         }
         let tree = bodies::options(files, self.build, self.leaf_size, self.threads)?;
         let a = Body::load(files[0], &tree, self.limits, progress)?;

@@ -15,6 +15,7 @@
 //! No mass, seat or file is needed. The crate `bvh` documents what is exact, in `bvh::query`.
 
 use crate::Failure;
+use crate::files::{self, InputKind};
 use mesh::import::{self, Format, ImportOptions};
 use std::path::Path;
 
@@ -278,11 +279,10 @@ pub use geometry::RelativePose;
 ///
 /// # Errors
 ///
-/// If the file cannot be read or is no mesh.
+/// If the file cannot be read, is longer than [`InputKind::Mesh`] may be, or is no mesh.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<Vec<Corners>, Failure> {
     let path = path.as_ref();
-    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(path.display());
-    let bytes = std::fs::read(path).map_err(wrong)?;
+    let bytes = files::bytes(path, InputKind::Mesh)?;
     let file = path.display().to_string();
     let format = Format::detect(&file, &bytes)?;
     let options = ImportOptions { file, ..ImportOptions::as_it_stands() };

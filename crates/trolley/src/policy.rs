@@ -9,7 +9,7 @@
 //! ```
 
 use crate::Failure;
-use crate::scenario::read_text;
+use crate::files::{self, InputKind};
 use damage::curve::Level;
 use damage::injury::Victim;
 use damage::{Curves, Policy};
@@ -62,7 +62,9 @@ pub fn check<P: AsRef<Path>>(
 ) -> Result<Vec<CheckedFile>, Failure> {
     let curves = match curves {
         None => Curves::shipped(),
-        Some(path) => Curves::parse(&path.display().to_string(), &read_text(path)?),
+        Some(path) => {
+            Curves::parse(&path.display().to_string(), &files::text(path, InputKind::Curves)?)
+        }
     };
     let curves = curves?;
     Ok(files.iter().map(|file| check_one(file.as_ref(), &curves)).collect())
@@ -70,7 +72,7 @@ pub fn check<P: AsRef<Path>>(
 
 fn check_one(path: &Path, curves: &Curves) -> CheckedFile {
     let file = path.display().to_string();
-    let text = match read_text(path) {
+    let text = match files::text(path, InputKind::Policy) {
         Ok(text) => text,
         Err(failure) => {
             let (kind, name, says) = ("file", String::new(), Vec::new());

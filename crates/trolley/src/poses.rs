@@ -18,7 +18,7 @@
 //! ```
 
 use crate::Failure;
-use crate::model::open;
+use crate::files::{self, InputKind};
 use std::path::Path;
 
 /// The pose of a body in the world.
@@ -83,13 +83,7 @@ type Refusal = (Place, String);
 ///
 /// If the file cannot be read or is too long, or its text is not valid: see [`parse`].
 pub fn read(path: &Path) -> Result<[Pose; 2], Failure> {
-    let file = open::bytes(path)?;
-    let name = path.display().to_string();
-    if file.bytes().len() > BYTES_MAX {
-        let fault = format!("{name}: {} bytes are too many for two poses", file.bytes().len());
-        return Err(Failure::input(fault).with_remedy("is this the right file?"));
-    }
-    parse(&name, file.bytes())
+    parse(&path.display().to_string(), &files::bytes(path, InputKind::Poses)?)
 }
 
 /// Reads the poses of A and B from a text; `file` is its name in messages.

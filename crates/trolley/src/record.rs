@@ -19,6 +19,7 @@
 //! ```
 
 use crate::engine::{Ranking, Recorded};
+use crate::files::{self, InputKind};
 use crate::run::Run;
 use crate::{BUILD, Failure, FailureKind};
 use record::{Chain, Edge, RecordedSpan, RecordedStage, RecordedText, Settings};
@@ -398,14 +399,7 @@ fn records(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(path.display());
-    let length = std::fs::metadata(path).map_err(wrong)?.len();
-    if length > record::file::LENGTH_MAX as u64 {
-        return Err(Failure::input(format!("{length} bytes are too many for a record"))
-            .at(path.display())
-            .with_remedy("is this the right file?"));
-    }
-    std::fs::read(path).map_err(wrong)
+    files::bytes(path, InputKind::Record)
 }
 
 /// Returns a hash as hexadecimal digits.

@@ -2,6 +2,7 @@
 //!
 //! Texts come from files, from a caller or from a decision record; all are checked alike.
 
+use crate::files::{self, InputKind};
 use crate::{Failure, FailureKind};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
@@ -137,13 +138,24 @@ impl Scenario {
     /// As [`Scenario::open`].
     pub fn parse(name: &str, text: &str) -> Result<Self, Failure> {
         let parsed = scenario::Scenario::parse(name, text)?;
-        let or_shipped = |reference: &Option<FileRef>, shipped: &str, text: &str| match reference {
-            Some(reference) => named(Path::new(name), reference),
-            None => Ok(SourceText { name: shipped.to_owned(), text: text.to_owned() }),
-        };
+        let or_shipped =
+            |reference: &Option<FileRef>, kind, shipped: &str, text: &str| match reference {
+                Some(reference) => named(Path::new(name), reference, kind),
+                None => Ok(SourceText { name: shipped.to_owned(), text: text.to_owned() }),
+            };
         let texts = Texts {
-            policy: or_shipped(&parsed.policy, "config/policies/default.toml", DEFAULT_POLICY)?,
-            curves: or_shipped(&parsed.curves, "config/curves/default.toml", DEFAULT_CURVES)?,
+            policy: or_shipped(
+                &parsed.policy,
+                InputKind::Policy,
+                "config/policies/default.toml",
+                DEFAULT_POLICY,
+            )?,
+            curves: or_shipped(
+                &parsed.curves,
+                InputKind::Curves,
+                "config/curves/default.toml",
+                DEFAULT_CURVES,
+            )?,
             scenario: SourceText { name: name.to_owned(), text: text.to_owned() },
         };
         Self::of_texts(texts)
@@ -281,7 +293,7 @@ fn beside(file: &Path, path: &str) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).join(path)
 }
 
-/// Reads a text file written by a person.
+/// Reads a text of the length of a scenario: see [`files::text`].
 ///
 /// ```
 /// let text = trolley::read_text("../../config/policies/default.toml".as_ref())?;
@@ -292,22 +304,15 @@ fn beside(file: &Path, path: &str) -> PathBuf {
 ///
 /// # Errors
 ///
-/// If it cannot be read, is too long, or is not text.
+/// If it cannot be read, is no regular file, is too long, or is not text.
 pub fn read_text(path: &Path) -> Result<String, Failure> {
-    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(path.display());
-    let length = std::fs::metadata(path).map_err(wrong)?.len();
-    if length > scenario::TEXT_BYTES_MAX as u64 {
-        return Err(Failure::input(format!("{length} bytes are too many"))
-            .at(path.display())
-            .with_remedy("is this the right file?"));
-    }
-    std::fs::read_to_string(path).map_err(wrong)
+    files::text(path, InputKind::Scenario)
 }
 
 /// The text of a file that the scenario names.
-fn named(scenario: &Path, reference: &FileRef) -> Result<SourceText, Failure> {
+fn named(scenario: &Path, reference: &FileRef, kind: InputKind) -> Result<SourceText, Failure> {
     let path = beside(scenario, &reference.path);
     let place = format!("{}:{}", scenario.display(), reference.place);
-    let text = read_text(&path).map_err(|failure| failure.at(place))?;
+    let text = files::text(&path, kind).map_err(|failure| failure.at(place))?;
     Ok(SourceText { name: path.display().to_string(), text })
 }

@@ -33,7 +33,7 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-use crate::scenario::read_text;
+use crate::files::{self, InputKind};
 use crate::{Failure, FailureKind};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -100,7 +100,7 @@ impl TrafficOptions {
             let shipped = Library::parse("config/bodies/default.toml", DEFAULT_LIBRARY);
             return shipped.map_err(Failure::internal);
         };
-        let text = read_text(path)?;
+        let text = files::text(path, InputKind::BodyLibrary)?;
         let library = Library::parse(&path.display().to_string(), &text).map_err(|fault| {
             Failure::input(fault).with_remedy("see config/bodies/default.toml for the form")
         })?;
@@ -164,29 +164,10 @@ pub fn is_traffic(path: &Path) -> bool {
         return true;
     }
     let mut head = [0; 64];
-    let read = std::fs::File::open(path).and_then(|mut file| {
-        use std::io::Read as _;
-        file.read(&mut head)
-    });
-    let head = &head[..read.unwrap_or(0)];
+    let length = runtime::input::start(path, &mut head);
+    let head = &head[..length];
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     head.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'<')
-}
-
-/// The text of a traffic file or catalogue.
-fn text(path: &Path) -> Result<String, Failure> {
-    let wrong = |fault: String| Failure::input(format!("{}: {fault}", path.display()));
-    let about = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
-    if about.len() > traffic::TEXT_BYTES_MAX as u64 {
-        let fault = format!("{} bytes are too many for a traffic file", about.len());
-        return Err(wrong(fault).with_remedy("is this the right file?"));
-    }
-    let bytes = std::fs::read(path).map_err(|error| wrong(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let byte = error.utf8_error().valid_up_to();
-        wrong(format!("not UTF-8 from byte {byte} on"))
-            .with_remedy("is this the right file? save as UTF-8")
-    })
 }
 
 /// Reads a traffic file, tries the ego's manoeuvres, and makes the scenario.
@@ -226,10 +207,10 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
     let name = path.display().to_string();
     let mut sweep = options.sweep()?;
     let library = options.library()?;
-    let source = text(path)?;
+    let source = files::text(path, InputKind::Traffic)?;
     let mut catalogs = Vec::new();
     for path in &options.catalogs {
-        catalogs.push((path.display().to_string(), text(path)?));
+        catalogs.push((path.display().to_string(), files::text(path, InputKind::Traffic)?));
     }
     let catalogs: Vec<Catalog<'_>> =
         catalogs.iter().map(|(file, text)| Catalog { file, text }).collect();

@@ -5,7 +5,8 @@ use geometry::rng::Rng;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trolley::{Failure, read_text};
+use trolley::Failure;
+use trolley::files::{self, InputKind};
 
 /// The plan as written.
 #[derive(Debug, Deserialize)]
@@ -39,7 +40,7 @@ const MOST: u32 = 1_000_000;
 
 impl Plan {
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        Self::parse(path, &read_text(path)?)
+        Self::parse(path, &files::text(path, InputKind::Plan)?)
     }
 
     fn parse(path: &Path, text: &str) -> Result<Self, Failure> {

@@ -1,5 +1,5 @@
 //! COLLADA 1.4 and 1.5 (Barnes, Finch: COLLADA Digital Asset Schema Release 1.4.1, 2008), by a
-//! custom reader based on `roxmltree`.
+//! custom reader based on `roxmltree`, whose time and memory our crate `xml` bounds.
 //!
 //! Supported are the visual scene's nodes with their matrices, translations, rotations and scales,
 //! instanced nodes and geometries, and in a mesh triangles, polylists, polygons without holes,
@@ -10,9 +10,10 @@
 
 use super::collect::Collector;
 use super::{Axis, FilePosition, ImportError, LengthUnit, MeshDefect};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use xml::XmlError;
 
 mod mesh;
 mod place;
@@ -45,12 +46,10 @@ pub(super) fn parse<'t>(file: &str, bytes: &'t [u8]) -> Result<Collada<'t>, Impo
         let fault = format!("not UTF-8 from byte {} on", error.valid_up_to());
         fail(FilePosition::Whole, MeshDefect::Syntax(fault))
     })?;
-    let options =
-        ParsingOptions { allow_dtd: false, nodes_limit: XML_NODES_MAX, ..Default::default() };
-    let document = Document::parse_with_options(text, options).map_err(|error| {
-        let line = FilePosition::Line(error.pos().row as usize);
+    let document = xml::parse(text, XML_NODES_MAX).map_err(|error| {
+        let line = FilePosition::Line(error.position().0 as usize);
         match error {
-            roxmltree::Error::DtdDetected => {
+            XmlError::Declaration { .. } => {
                 fail(line, MeshDefect::Feature("a document type declaration".to_owned()))
             }
             _ => fail(line, MeshDefect::Syntax(error.to_string())),

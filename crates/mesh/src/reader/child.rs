@@ -5,7 +5,7 @@
 
 use super::{ChildMessage, ReadRequest, Report, open};
 use crate::import::{
-    self, Axis, BYTES_MAX, Format, ImportError, ImportOptions, ImportedMesh, LengthUnit, MeshDefect,
+    self, Axis, Format, ImportError, ImportOptions, ImportedMesh, LengthUnit, MeshDefect,
 };
 use crate::side::SideFile;
 use body::{BodyKind, Mesh, Zones, defaults, file, zones};
@@ -16,13 +16,12 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use runtime::affinity::{allowed_cores, pin_self};
 use runtime::clock::now_ns;
 use runtime::realtime::Soon;
+use runtime::{InputError, InputKind, input};
 use std::io::{self, Write as _};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Maximum length of a side file, in bytes: it has nine keys.
-const SIDE_BYTES_MAX: u64 = 1 << 20;
 /// Minimum time between two progress messages. Each wakes the parent, which may take the core of a
 /// thread that builds: with two threads on two cores, without this limit, 4 % of a tree's time.
 const BETWEEN_WORDS_NS: u64 = 50_000_000;
@@ -139,8 +138,7 @@ impl ReadRequest {
     /// for a trial.
     fn read(&self, builders: Option<&ThreadPool>) -> Result<(Report, u64, Vec<u8>), Failure> {
         let path = Path::new(&self.file);
-        check_length(path)?;
-        let map = open::bytes(path)?;
+        let map = open::bytes(path, InputKind::Mesh)?;
         let side = if self.as_it_stands { None } else { self.side(path)? };
         let kind = self.kind.or_else(|| side.as_ref().and_then(SideFile::kind));
         let format = Format::detect(&self.file, map.bytes())?;
@@ -245,16 +243,11 @@ impl ReadRequest {
     /// The TOML file beside the mesh, if there is one.
     fn side(&self, path: &Path) -> Result<Option<SideFile>, Failure> {
         let name = side_path(path);
-        let Ok(about) = std::fs::metadata(&name) else { return Ok(None) };
-        if about.len() > SIDE_BYTES_MAX {
-            let fault = format!("{}: {} bytes are too many", name.display(), about.len());
-            return Err(Failure::input(fault).with_remedy("a side file has a few lines"));
-        }
-        let map = open::bytes(&name)?;
-        let text = std::str::from_utf8(map.bytes()).map_err(|error| {
-            Failure::input(format!("{}: {error}", name.display())).with_remedy("save it as UTF-8")
-        })?;
-        Ok(Some(SideFile::parse(&name.display().to_string(), text)?))
+        let text = match input::text(&name, InputKind::SideFile) {
+            Err(InputError::Missing { .. }) => return Ok(None),
+            read => read?,
+        };
+        Ok(Some(SideFile::parse(&name.display().to_string(), &text)?))
     }
 
     fn kind_missing(&self, path: &Path, imported: &ImportedMesh) -> Failure {
@@ -284,17 +277,6 @@ impl ReadRequest {
         let said = PANIC.lock().ok().and_then(|mut said| said.take()).unwrap_or_default();
         Failure::input(format!("{}: its reader failed: {said}", self.file))
             .with_remedy("export the mesh again, or in another format")
-    }
-}
-
-fn check_length(path: &Path) -> Result<(), Failure> {
-    match std::fs::metadata(path) {
-        Ok(about) if about.is_file() && about.len() > BYTES_MAX as u64 => {
-            let (found, most) = (about.len(), BYTES_MAX);
-            let fault = format!("{}: {found} bytes are above the limit of {most}", path.display());
-            Err(Failure::input(fault).with_remedy("reduce the mesh, or split it"))
-        }
-        _ => Ok(()),
     }
 }
 
@@ -341,12 +323,5 @@ fn side_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     if !real.starts_with(&root) {
         return Err(format!("it leads out of the mesh's folder, to {}", real.display()));
     }
-    let length = std::fs::metadata(&real).map_or(0, |about| about.len());
-    if length > BYTES_MAX as u64 {
-        return Err(format!("its {length} bytes are above the limit of {BYTES_MAX}"));
-    }
-    match open::bytes(&real) {
-        Ok(map) => Ok(map.bytes().to_vec()),
-        Err(failure) => Err(failure.what().to_owned()),
-    }
+    input::bytes(&real, InputKind::Mesh).map_err(|error| diagnostic::chain(&error))
 }

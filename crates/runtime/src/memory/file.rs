@@ -4,11 +4,9 @@
 //! used, whatever happens to the file meanwhile, and a file that is cut short is an error and not a
 //! SIGBUS. Pages of a mapping would have to be read once, too.
 
-use crate::error::{OsError, Result};
+use crate::input::{self, InputError, InputKind};
 use memmap2::{Mmap, MmapMut};
-use std::fs::OpenOptions;
-use std::io::{self, Read};
-use std::os::unix::fs::OpenOptionsExt;
+use std::io::Read as _;
 use std::path::Path;
 
 /// The contents of a regular file at the time of opening.
@@ -22,23 +20,12 @@ impl FileMap {
     ///
     /// # Errors
     ///
-    /// If it cannot be opened or read, is not a regular file (a pipe could block forever, a device
-    /// never end), or became shorter while it was read.
-    pub fn open(path: &Path) -> Result<Self> {
-        let name = path.to_string_lossy();
-        let fail = |source| OsError::new("read", name.clone(), source);
-        // Without O_NONBLOCK, opening a pipe waits for a writer.
-        let mut file = OpenOptions::new()
-            .read(true)
-            .custom_flags(libc::O_NONBLOCK)
-            .open(path)
-            .map_err(fail)?;
-        let metadata = file.metadata().map_err(fail)?;
-        if !metadata.is_file() {
-            return Err(fail(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
-        }
-        let len = usize::try_from(metadata.len())
-            .map_err(|_overflow| fail(io::ErrorKind::FileTooLarge.into()))?;
+    /// If it cannot be opened or read, is not a regular file, is longer than its kind may be, or
+    /// became shorter while it was read.
+    pub fn open(path: &Path, kind: InputKind) -> Result<Self, InputError> {
+        let fail = |error| InputError::of_io(path, error);
+        let (mut file, length) = input::open(path, kind)?;
+        let len = usize::try_from(length).unwrap_or(usize::MAX);
         if len == 0 {
             return Ok(Self { map: None });
         }

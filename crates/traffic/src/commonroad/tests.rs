@@ -99,9 +99,22 @@ fn what_is_not_xml_or_another_xml_is_named() {
     assert!(read("schema = 1").what.contains("not XML: it begins with \"schema = 1\""));
     assert!(read("").what.contains("not XML"));
     assert!(read("<svg/>").what.contains("<svg>, neither CommonRoad nor OpenSCENARIO"));
-    // A million elements in each other: nesting is only many nodes.
     let deep = format!("<commonRoad>{}", "<a>".repeat(1_000_000));
-    assert!(read(&deep).what.contains("not readable as XML"));
+    assert!(read(&deep).what.contains("more than 512 elements are nested"));
+}
+
+#[test]
+fn an_element_of_very_many_attributes_is_refused_and_of_some_is_read() {
+    let with = |count: usize| {
+        let all: String = (0..count).map(|i| format!(" a{i}=\"\"")).collect();
+        SMALL.replacen("<type>pedestrian</type>", &format!("<type>pedestrian</type><x{all}/>"), 1)
+    };
+    let read = |count| read("a.xml", &with(count), &ReadOptions::default());
+    read(64).expect("as many as may be");
+    // The parser would take minutes for these.
+    let error = read(300_000).expect_err("too many");
+    assert_eq!(error.line, 8, "{error}");
+    assert!(error.what.contains("more than 64 attributes") && !error.remedy.is_empty(), "{error}");
 }
 
 #[test]

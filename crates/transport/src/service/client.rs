@@ -11,11 +11,12 @@ use core::fmt;
 use iceoryx2::node::Node;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::{Client as Port, RequestSendError};
-use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::port::{LoanError, SendError};
 use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _};
+use iceoryx2::service::port_factory::client::ClientCreateError;
 use iceoryx2::service::port_factory::{event, request_response};
-use protocol::public::{Ask, RANK, WAKE, WireAnswer};
+use protocol::public::{Ask, CLIENTS_MAX, RANK, WAKE, WireAnswer};
 
 /// One client of a service. It belongs to one thread, and asks one thing at a time.
 pub struct ClientPort {
@@ -33,11 +34,13 @@ impl ClientPort {
     ///
     /// # Errors
     ///
-    /// [`OpenError::NoService`] if none does; otherwise if it has the maximum
-    /// number of clients, or shared memory or file descriptors ran out.
+    /// [`OpenError::NoService`] if none does; [`OpenError::Full`] if it has the maximum number of
+    /// clients; otherwise if shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let place = address.enter()?;
         let node = domain::node(place.root(), "client")?;
+        let instance = || address.instance().to_owned();
+        let full = || OpenError::Full { instance: instance(), most: CLIENTS_MAX, whom: "clients" };
         let rank = rank(&node)?;
         let wake = wake(&node)?;
         let port = rank
@@ -45,8 +48,14 @@ impl ClientPort {
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .max_active_requests(1)
             .create()
-            .map_err(OpenError::at("ask at", RANK))?;
-        let notifier = wake.notifier_builder().create().map_err(OpenError::at("ring at", WAKE))?;
+            .map_err(|error| match error {
+                ClientCreateError::ExceedsMaxSupportedClients => full(),
+                other => OpenError::at("ask at", RANK)(other),
+            })?;
+        let notifier = wake.notifier_builder().create().map_err(|error| match error {
+            NotifierCreateError::ExceedsMaxSupportedNotifiers => full(),
+            other => OpenError::at("ring at", WAKE)(other),
+        })?;
         Ok(Self { port, notifier, rank, _wake: wake, _node: node, place })
     }
 

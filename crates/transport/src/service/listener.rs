@@ -2,14 +2,14 @@
 
 use super::server::topic;
 use super::wire::{self, read_once};
-use super::{Address, place};
+use super::{Address, LISTENERS_MAX, place};
 use crate::domain;
 use crate::error::OpenError;
 use crate::ipc::Ipc;
 use crate::place::Place;
 use core::fmt;
 use iceoryx2::node::Node;
-use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::service::port_factory::publish_subscribe;
 use protocol::public::{HEALTH, Health, RANKING, WireAnswer};
 
@@ -29,18 +29,27 @@ impl TopicSubscriber {
     ///
     /// # Errors
     ///
-    /// [`OpenError::NoService`] if nothing was ever served there; otherwise if there is the maximum
-    /// number of listeners, or shared memory or file descriptors ran out.
+    /// [`OpenError::NoService`] if nothing was ever served there; [`OpenError::Full`] if it has the
+    /// maximum number of listeners; otherwise if shared memory or file descriptors ran out.
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let place = address.enter()?;
         let node = domain::node(place.root(), "listener")?;
         let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
         let health = topic::<wire::Health>(&node, HEALTH)?;
+        let instance = || address.instance().to_owned();
+        let failed = |topic: &'static str| {
+            move |error| match error {
+                SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
+                    OpenError::Full { instance: instance(), most: LISTENERS_MAX, whom: "listeners" }
+                }
+                other => OpenError::at("listen to", topic)(other),
+            }
+        };
         let rankings = ranking.subscriber_builder().create();
         let healths = health.subscriber_builder().create();
         Ok(Self {
-            rankings: rankings.map_err(OpenError::at("listen to", RANKING))?,
-            health: healths.map_err(OpenError::at("listen to", HEALTH))?,
+            rankings: rankings.map_err(failed(RANKING))?,
+            health: healths.map_err(failed(HEALTH))?,
             _ranking_topic: ranking,
             _health_topic: health,
             _node: node,

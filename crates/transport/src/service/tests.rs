@@ -98,7 +98,9 @@ fn sixteen_clients_find_room_and_a_place_that_is_given_up_is_taken_again() {
     let mut clients: Vec<ClientPort> =
         (0..16).map(|_| ClientPort::open(&scene.address).unwrap()).collect();
     assert_eq!(server.clients(), 16);
-    ClientPort::open(&scene.address).unwrap_err();
+    let error = ClientPort::open(&scene.address).unwrap_err();
+    assert!(matches!(error, OpenError::Full { most: 16, whom: "clients", .. }), "{error}");
+    assert_eq!(diagnostic::Diagnostic::kind(&error), diagnostic::FailureKind::TryAgain);
     clients.pop();
     clients.push(ClientPort::open(&scene.address).unwrap());
     let ask =
@@ -213,6 +215,18 @@ fn whoever_listens_hears_the_latest() {
     assert_eq!(listener.health().map(|health| health.pid), Some(19));
     assert_eq!(listener.ranking(), Some(refused(9)));
     assert_eq!((listener.ranking(), listener.health()), (None, None));
+}
+
+#[test]
+fn the_seventeenth_listener_is_told_to_try_again() {
+    let scene = Scene::new();
+    let _server = Server::open(&scene.address).unwrap();
+    let mut listeners: Vec<TopicSubscriber> =
+        (0..16).map(|_| TopicSubscriber::open(&scene.address).unwrap()).collect();
+    let error = TopicSubscriber::open(&scene.address).unwrap_err();
+    assert!(matches!(error, OpenError::Full { most: 16, whom: "listeners", .. }), "{error}");
+    listeners.pop();
+    TopicSubscriber::open(&scene.address).unwrap();
 }
 
 #[test]

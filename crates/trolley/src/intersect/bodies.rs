@@ -1,6 +1,7 @@
 //! The two bodies: meshes, read in a child process, or model files; each with its tree.
 
 use crate::Failure;
+use crate::files::InputKind;
 use crate::model::open;
 use body::{BodyView, Build, Meta, file};
 use bvh::BuildOptions;
@@ -33,7 +34,7 @@ pub(super) fn options(
 ) -> Result<BuildOptions, Failure> {
     let mut options = BuildOptions { build: Build::Sah, threads, ..BuildOptions::default() };
     if let Some(path) = files.into_iter().find(|path| open::is_model(path)) {
-        let map = open::bytes(path)?;
+        let map = open::bytes(path, InputKind::Model)?;
         let (meta, _) = open::view(path, map.bytes())?;
         (options.build, options.leaf_size) = (meta.build, meta.leaf_size);
     }

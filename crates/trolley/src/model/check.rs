@@ -2,6 +2,7 @@
 
 use super::facts::{Facts, thousands, triangles};
 use super::open;
+use crate::files::InputKind;
 use crate::{Failure, FailureKind};
 use mesh::reader::{MeshOptions, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
@@ -147,7 +148,7 @@ fn look(
     limits: ReadLimits,
 ) -> Result<(String, Vec<String>), Failure> {
     if open::is_model(path) {
-        let map = open::bytes(path)?;
+        let map = open::bytes(path, InputKind::Model)?;
         let (meta, view) = open::view(path, map.bytes())?;
         let facts = Facts::new(meta, &view, map.bytes())?;
         let [x, y, z] = facts.size_m;

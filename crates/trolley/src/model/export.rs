@@ -1,6 +1,7 @@
 //! Exporting the triangles of a model file as a mesh.
 
 use super::open;
+use crate::files::InputKind;
 use crate::{Failure, files};
 use mesh::export::{self, ExportFormat};
 use serde::{Serialize, Serializer};
@@ -93,7 +94,7 @@ impl Export {
     pub fn run(&self) -> Result<Exported, Failure> {
         let format = self.format()?;
         files::check(&self.out, Some(&self.file))?;
-        let map = open::bytes(&self.file)?;
+        let map = open::bytes(&self.file, InputKind::Model)?;
         let (meta, view) = open::view(&self.file, map.bytes())?;
         let bytes = export::write(format, &meta, &view);
         files::replace(&self.out, &bytes)?;

@@ -126,7 +126,7 @@ impl Facts {
     /// # let generated = pole.run(&|_, _| {})?;
     /// use trolley::model::{Facts, open};
     ///
-    /// let map = open::bytes(&out)?;
+    /// let map = open::bytes(&out, trolley::files::InputKind::Model)?;
     /// let (meta, view) = open::view(&out, map.bytes())?;
     /// assert_eq!(Facts::new(meta, &view, map.bytes())?.triangles, 600);
     /// # std::fs::remove_dir_all(&folder).ok();

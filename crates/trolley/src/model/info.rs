@@ -1,6 +1,7 @@
 //! What a model file or a mesh contains.
 
 use super::{Facts, open};
+use crate::files::InputKind;
 use crate::{Failure, FailureKind};
 use body::Mesh;
 use bvh::BuildOptions;
@@ -122,7 +123,7 @@ pub struct MeshInfo {
 pub fn info(path: &Path, limits: ReadLimits, progress: OnProgress<'_>) -> Result<Info, Failure> {
     let file = path.display().to_string();
     if open::is_model(path) {
-        let map = open::bytes(path)?;
+        let map = open::bytes(path, InputKind::Model)?;
         let (meta, view) = open::view(path, map.bytes())?;
         let body = Facts::new(meta, &view, map.bytes())?;
         return Ok(Info::Body(Box::new(BodyInfo { schema: SCHEMA, file, body })));

@@ -9,9 +9,10 @@
 //! # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
 //! # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
 //! # let generated = pole.run(&|_, _| {})?;
+//! use trolley::files::InputKind;
 //! use trolley::model::open;
 //!
-//! let map = open::bytes(&out)?;
+//! let map = open::bytes(&out, InputKind::Model)?;
 //! let (meta, body) = open::view(&out, map.bytes())?;
 //! assert_eq!((meta.name.as_str(), body.corners.len()), ("pole", 600));
 //! # std::fs::remove_dir_all(&folder).ok();
@@ -20,10 +21,10 @@
 
 use body::{BodyView, Meta, file};
 use diagnostic::Failure;
-use std::io::Read as _;
+use runtime::{InputKind, input};
 use std::path::Path;
 
-/// Maps a file into memory.
+/// Reads a file of this kind into memory of its own, which begins with a page.
 ///
 /// ```
 /// # use trolley::model::{self, Generate, Shape};
@@ -34,7 +35,9 @@ use std::path::Path;
 /// # let (shape, triangles, seed) = (Shape::Pole, 600, 0);
 /// # let pole = Generate { shape, triangles, seed, tree, out: out.clone() };
 /// # let generated = pole.run(&|_, _| {})?;
-/// let map = model::open::bytes(&out)?;
+/// use trolley::files::InputKind;
+///
+/// let map = model::open::bytes(&out, InputKind::Model)?;
 /// assert_eq!(map.bytes().len(), generated.body.bytes);
 /// # std::fs::remove_dir_all(&folder).ok();
 /// # Ok::<(), trolley::Failure>(())
@@ -71,7 +74,7 @@ pub use mesh::reader::open::zeroed_buffer;
 ///
 /// If the file does not exist or cannot be read.
 pub fn copy(path: &Path) -> Result<file::Aligned, Failure> {
-    let map = bytes(path)?;
+    let map = bytes(path, InputKind::Model)?;
     let mut copy = zeroed_buffer(map.bytes().len());
     copy.bytes_mut().copy_from_slice(map.bytes());
     Ok(copy)
@@ -115,16 +118,10 @@ pub fn view<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Meta, BodyView<'a>), Fa
 #[must_use]
 pub fn is_model(path: &Path) -> bool {
     let is_named = path.extension().is_some_and(|end| end == "trolley");
-    is_named || is_regular(path) && begins_like_a_model(path)
-}
-
-/// Whether it is a regular file: opening a pipe would wait for a writer.
-fn is_regular(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|about| about.is_file())
+    is_named || begins_like_a_model(path)
 }
 
 fn begins_like_a_model(path: &Path) -> bool {
     let mut start = [0; file::MAGIC.len()];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
-    read.is_ok() && start == file::MAGIC
+    input::start(path, &mut start) == start.len() && start == file::MAGIC
 }

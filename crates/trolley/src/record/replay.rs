@@ -6,7 +6,7 @@ use crate::scenario::{Scenario, SourceText, Texts};
 use crate::{BUILD, Failure, FailureKind};
 use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
 use record::RecordedSource;
-use runtime::FileMap;
+use runtime::{FileMap, InputKind};
 use scenario::{EngineSettings, Overrides};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -190,8 +190,7 @@ fn hashes(folder: &Path) -> Result<BTreeMap<String, PathBuf>, Failure> {
         if path.extension().is_none_or(|end| end != "trolley") {
             continue;
         }
-        let map =
-            FileMap::open(&path).map_err(|error| Failure::input(diagnostic::chain(&error)))?;
+        let map = FileMap::open(&path, InputKind::Model)?;
         // Files that are not model files are skipped.
         if let Ok(hash) = body::file::content_hash(map.bytes()) {
             files.insert(hash, path);

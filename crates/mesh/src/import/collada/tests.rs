@@ -177,3 +177,19 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn attributes_and_nesting_beyond_the_limits_are_refused_and_what_is_below_is_read() {
+    let with = |count: usize| {
+        let all: String = (0..count).map(|i| format!(" a{i}=''")).collect();
+        file(&format!("{INSTANCE}<extra{all}/>"), TRIANGLES)
+    };
+    assert_eq!(collect(&with(64)).expect("as many as may be").corners.len(), 2);
+    assert!(fault(&with(300_000)).contains("more than 64 attributes"));
+    let nested = |depth: usize| {
+        let (open, close) = ("<extra>".repeat(depth), "</extra>".repeat(depth));
+        file(&format!("{INSTANCE}{open}{close}"), TRIANGLES)
+    };
+    assert_eq!(collect(&nested(500)).expect("deep").corners.len(), 2);
+    assert!(fault(&nested(100_000)).contains("more than 512 elements are nested"));
+}

@@ -1,0 +1,173 @@
+//! Inputs that are no regular file, or never end, are refused at once by every command that reads
+//! one, with their name and a remedy.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use crate::support::service::shipped;
+use crate::support::{Place, six, text, trolley, wait_for};
+use std::io::Write as _;
+use std::os::unix::net::UnixListener;
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+
+/// Longer than any limit; it takes no room on the disk.
+const ENDLESS: u64 = 3 << 30;
+
+/// Output of a command that must end at once.
+fn ended(args: &[&str]) -> Output {
+    let mut child = trolley().args(args).spawn().unwrap();
+    let in_time = wait_for(20_000, || child.try_wait().unwrap());
+    if in_time.is_none() {
+        child.kill().unwrap();
+    }
+    let output = child.wait_with_output().unwrap();
+    assert!(in_time.is_some(), "{args:?} does not end: {}", text(&output.stderr));
+    output
+}
+
+fn utf8(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// What is no input: a pipe, a socket, a device, a folder, and a file without end.
+fn no_inputs(place: &Place) -> Vec<PathBuf> {
+    let (pipe, socket, long) =
+        (place.path().join("pipe"), place.path().join("socket"), place.path().join("long"));
+    let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+    rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+    drop(UnixListener::bind(&socket).unwrap());
+    std::fs::File::create(&long).unwrap().set_len(ENDLESS).unwrap();
+    vec![pipe, socket, "/dev/zero".into(), place.path().join("folder"), long]
+}
+
+/// Each command line that reads a file; `?` is the file.
+const COMMANDS: &[&str] = &[
+    "rank ? --in-process",
+    "measure --scenario ? --in-process",
+    "measure --pair ?,pole:600,deep --out OUT",
+    "measure --pair pole:600,pole:600,? --out OUT",
+    "certify budget --body ? --body pole:600 --jobs 1",
+    "inject ?",
+    "policy check ?",
+    "policy check DEFAULT.toml --curves ?",
+    "scenario import ?",
+    "scenario import CROSSING.xml --bodies ?",
+    "scenario import CROSSING.xml --catalog ?",
+    "record show ?",
+    "record replay ?",
+    "record verify ?",
+    "report ? --out OUT.html",
+    "serve ?",
+    "top ? --times 1",
+    "query ? SIX.toml",
+    "query DEPLOYMENT.toml ?",
+    "intersect ? MESH.obj --poses POSES",
+    "intersect MESH.obj MESH.obj --poses ?",
+    "model info ?",
+    "model check ?",
+    "model export ? -o OUT.stl",
+    "model import ? --kind pole -o OUT.trolley",
+];
+
+/// Folders are an input of these.
+const OF_FOLDERS: [&str; 3] = ["record verify ?", "report ? --out OUT.html", "model check ?"];
+
+#[test]
+fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
+    let place = Place::new();
+    std::fs::create_dir(place.path().join("folder")).unwrap();
+    place.write("SIX.toml", &six(600));
+    place.write("POSES", &"1 0 0 0\n0 1 0 0\n0 0 1 0\n".repeat(2));
+    place.write("MESH.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    place.write("CROSSING.xml", "<commonRoad/>");
+    for (name, from) in [
+        ("DEFAULT.toml", "config/policies/default.toml"),
+        ("DEPLOYMENT.toml", "config/deployments/minimal.toml"),
+    ] {
+        std::fs::copy(shipped(from), place.path().join(name)).unwrap();
+    }
+    for file in &no_inputs(&place) {
+        for line in COMMANDS {
+            if file.is_dir() && OF_FOLDERS.contains(line) {
+                continue;
+            }
+            let word = |word: &str| match word {
+                "?" => utf8(file).to_owned(),
+                _ if word.contains('?') => word.replace('?', utf8(file)),
+                _ if word.starts_with(|c: char| c.is_uppercase()) => {
+                    utf8(&place.path().join(word)).to_owned()
+                }
+                _ => word.to_owned(),
+            };
+            let args: Vec<String> = line.split(' ').map(word).collect();
+            let args: Vec<&str> = args.iter().map(String::as_str).collect();
+            let output = ended(&args);
+            let said = text(&output.stdout) + &text(&output.stderr);
+            assert_eq!(output.status.code(), Some(65), "{args:?}: {said}");
+            assert!(said.contains(utf8(file)) && said.contains("help: "), "{args:?}: {said}");
+        }
+    }
+}
+
+#[test]
+fn what_a_file_names_is_read_with_the_same_care() {
+    let place = Place::new();
+    std::fs::create_dir(place.path().join("folder")).unwrap();
+    let minimal = std::fs::read_to_string(shipped("config/deployments/minimal.toml")).unwrap();
+    let ego = "generate = { shape = \"sedan\", triangles = 600 }";
+    for file in &no_inputs(&place) {
+        let name = utf8(file);
+        let key = |key: &str| format!("{key} = \"{name}\"\n[parties.ego]");
+        for (number, scenario) in [
+            six(600).replacen("[parties.ego]", &key("policy"), 1),
+            six(600).replacen("[parties.ego]", &key("curves"), 1),
+            six(600).replacen(ego, &format!("file = \"{name}\""), 1),
+        ]
+        .iter()
+        .enumerate()
+        {
+            let scenario = place.write("scenario.toml", scenario);
+            let output = ended(&["rank", utf8(&scenario), "--in-process"]);
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(65), "{number}: {said}");
+            for part in ["scenario.toml:", name, "help: "] {
+                assert!(said.contains(part), "{number}: {said}");
+            }
+        }
+        for (from, to) in [
+            ("[engine]", format!("policy = \"{name}\"\n[engine]")),
+            ("[engine]", format!("curves = \"{name}\"\n[engine]")),
+            ("generate = { shape = \"wall\", triangles = 2000 }", format!("model = \"{name}\"")),
+        ] {
+            assert!(minimal.contains(from));
+            let deployment = place.write("deployment.toml", &minimal.replacen(from, &to, 1));
+            let output = ended(&["serve", utf8(&deployment)]);
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(65), "{to}: {said}");
+            assert!(said.contains(name) && said.contains("help: "), "{to}: {said}");
+        }
+    }
+}
+
+#[test]
+fn stdin_is_read_up_to_the_limit_whatever_it_is() {
+    let check = |stdin: Stdio| {
+        let mut child = trolley();
+        child.args(["policy", "check", "/dev/stdin"]).stdin(stdin).spawn().unwrap()
+    };
+    let policy = std::fs::read(shipped("config/policies/default.toml")).unwrap();
+    let mut piped = check(Stdio::piped());
+    let mut pipe = piped.stdin.take().unwrap();
+    pipe.write_all(&policy).unwrap();
+    drop(pipe);
+    let output = piped.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let file = std::fs::File::open(shipped("config/policies/default.toml")).unwrap();
+    let output = check(file.into()).wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+
+    let zero = std::fs::File::open("/dev/zero").unwrap();
+    let output = check(zero.into()).wait_with_output().unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(65), "{said}");
+    assert!(said.contains("/dev/stdin: more than 1048576 bytes"), "{said}");
+}
