@@ -79,7 +79,8 @@ const COMMAND_LINE_MAX: usize = 5_000;
 /// External crates, with their companions, that only a few crates of the workspace may use.
 const ALONE: &[(&str, &[&str])] = &[
     ("iceoryx2", &["transport"]),
-    ("libc", &["runtime"]),
+    // transport: its test that kills at each system call.
+    ("libc", &["runtime", "transport"]),
     ("bincode", &["body"]),
     ("tobj", &["mesh"]),
     ("stl_io", &["mesh"]),

@@ -1,7 +1,7 @@
 //! Real processes that live, die and talk to one another: runs, services, clients, measurements.
 //!
 //! They run side by side: each names its own runs (`support::instance`), counts what those alone
-//! left in /dev/shm, and ends processes that it started and no others.
+//! left in shared memory, and ends processes that it started and no others.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -11,3 +11,4 @@ mod inject;
 mod kill;
 mod measure;
 mod serve;
+mod strangers;

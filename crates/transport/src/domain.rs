@@ -111,9 +111,12 @@ impl fmt::Debug for Domain {
 }
 
 /// Removes what dead runs of every instance left in a folder; returns the number of runs. Files of
-/// other programs stay.
+/// other programs stay. Nothing is removed from a folder that cannot be trusted.
 #[must_use]
 pub fn sweep_leftovers(folder: &Path) -> usize {
+    if crate::folder::enter(folder).is_err() {
+        return 0;
+    }
     sweep_places(folder, |name| boot_of(name).is_some(), GUEST_LOOKS)
 }
 

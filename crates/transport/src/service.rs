@@ -140,7 +140,7 @@ pub fn clean(place: &Path) {
     if !each_dead_node(&config, clean) || !each_dead_node(&config, remains) {
         return;
     }
-    // The others died while they were made, or while they were half removed: nothing refers to them.
+    // The others died while they were made, or were half removed: nothing refers to them.
     for (path, node) in nodes(place) {
         if !remaining.contains(&node) && is_dead(node) {
             let is_folder = path.symlink_metadata().is_ok_and(|file| file.is_dir());
@@ -153,7 +153,7 @@ pub fn clean(place: &Path) {
     }
 }
 
-/// Calls `f` with every dead node that iceoryx2 can clean up after. `false` if they cannot be listed.
+/// Calls `f` with every dead node that iceoryx2 can clean up after; `false` if none can be listed.
 fn each_dead_node(config: &Config, mut f: impl FnMut(DeadNodeView<Ipc>)) -> bool {
     let listed = Node::<Ipc>::list(config, |state| {
         // One without details has opened nothing, and iceoryx2 would look for it elsewhere.

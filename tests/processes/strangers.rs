@@ -1,0 +1,159 @@
+//! What another user of the machine can plant where this program shares its files.
+//!
+//! The stranger is the user `nobody`, and needs root to become that; without, these are skipped.
+
+use crate::support::{self, Place, instance, json, skipped, text, trolley};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
+
+const NOBODY: &str = "65534";
+/// What a refusal may take: far more than it needs, far less than forever.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A folder in which every user may make files, as in /dev/shm itself, on a tmpfs.
+struct Open(tempfile::TempDir);
+
+impl Open {
+    fn new() -> Self {
+        let folder = tempfile::Builder::new().prefix("o").tempdir_in("/dev/shm").unwrap();
+        std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(0o1777)).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// What a stranger makes there.
+    fn plant(&self, script: &str) {
+        let planted = as_nobody().args(["/bin/sh", "-c", script]).current_dir(self.path()).output();
+        let planted = planted.unwrap();
+        assert!(planted.status.success(), "{script}: {}", text(&planted.stderr));
+    }
+}
+
+fn as_nobody() -> Command {
+    let mut command = Command::new("setpriv");
+    command.args(["--reuid", NOBODY, "--regid", NOBODY, "--clear-groups"]);
+    command
+}
+
+fn is_possible() -> bool {
+    let possible = as_nobody().arg("/bin/true").output().is_ok_and(|done| done.status.success());
+    if !possible {
+        skipped("strangers: this user may not become another one");
+    }
+    possible
+}
+
+/// Runs the program with its default folder in this one. A run that hangs is killed.
+fn run_in(folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new("timeout");
+    command.args(["--signal=KILL", &PATIENCE.as_secs().to_string()]);
+    command.arg(env!("CARGO_BIN_EXE_trolley")).args(args).env("XDG_RUNTIME_DIR", folder);
+    command.output().unwrap()
+}
+
+fn minimal() -> String {
+    support::service::shipped("config/scenarios/minimal.toml").display().to_string()
+}
+
+/// Everything that can stand under a name.
+const PLANTS: [(&str, &str); 5] = [
+    ("mkfifo NAME; chmod 666 NAME", "a pipe"),
+    ("ln -s precious NAME", "a link"),
+    ("mkdir -m 777 NAME", "belongs to user 65534"),
+    ("mkdir -m 700 NAME", "belongs to user 65534"),
+    ("echo x > NAME; chmod 666 NAME", "a file"),
+];
+
+#[test]
+fn what_strangers_plant_under_the_folder_of_all_is_refused_with_its_name() {
+    if !is_possible() {
+        return;
+    }
+    let alone =
+        json(&trolley().args(["rank", &minimal(), "--in-process", "--json"]).output().unwrap());
+    for (plant, what) in PLANTS {
+        let open = Open::new();
+        let precious = open.path().join("precious");
+        let kept = precious.join("trolley.victim.0000000000000001");
+        std::fs::create_dir_all(&kept).unwrap();
+        open.plant(&plant.replace("NAME", "trolley"));
+        let refused = run_in(open.path(), &["rank", &minimal(), "--instance", &instance()]);
+        let said = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(78), "{plant}: {said}");
+        let name = open.path().join("trolley");
+        assert!(said.contains(name.to_str().unwrap()) && said.contains(what), "{plant}: {said}");
+        assert!(said.contains("remove it"), "a remedy: {said}");
+        assert!(kept.exists(), "{plant}: nothing is removed through a link");
+        // Without workers it shares nothing, and looks at no shared name.
+        let output = run_in(open.path(), &["rank", &minimal(), "--in-process", "--json"]);
+        assert_eq!(json(&output)["ranking"], alone["ranking"], "{plant}");
+        std::fs::remove_dir_all(&precious).unwrap();
+    }
+}
+
+#[test]
+fn what_strangers_plant_under_the_name_of_a_service_is_refused_by_it_and_by_its_clients() {
+    if !is_possible() {
+        return;
+    }
+    let place = Place::new();
+    let deployment =
+        support::service::deployment(&place, 1, &[("sedan", 500, 1), ("wall", 500, 1)]);
+    let written = std::fs::read_to_string(&deployment).unwrap();
+    for (plant, what) in PLANTS {
+        let open = Open::new();
+        std::fs::create_dir(open.path().join("precious")).unwrap();
+        let folder = format!("folder = {:?}\n[engine]", open.path());
+        let here: PathBuf = place.write("here.toml", &written.replacen("[engine]", &folder, 1));
+        let here = here.to_str().unwrap();
+        let instance = instance();
+        let name = format!("trolley-{instance}");
+        open.plant(&plant.replace("NAME", &name));
+        for args in [
+            vec!["serve", here, "--instance", &instance],
+            vec!["top", here, "--times", "1", "--instance", &instance],
+        ] {
+            let refused = run_in(open.path(), &args);
+            let said = text(&refused.stderr);
+            assert_eq!(refused.status.code(), Some(78), "{plant}, {args:?}: {said}");
+            assert!(said.contains(&name) && said.contains(what), "{plant}, {args:?}: {said}");
+        }
+    }
+}
+
+#[test]
+fn no_shared_file_of_a_service_can_be_opened_by_others() {
+    let place = Place::new();
+    let deployment =
+        support::service::deployment(&place, 1, &[("sedan", 500, 1), ("wall", 500, 1)]);
+    let serving = support::service::serve(&deployment, &[]);
+    let mut folders = vec![trolley::doctor::shared_folder()];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        let mode = std::fs::metadata(&folder).unwrap().permissions().mode();
+        let is_top = folder == trolley::doctor::shared_folder();
+        assert!(!is_top || mode & 0o077 == 0, "{}: {mode:o}", folder.display());
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            // Other tests' files come and go.
+            let Ok(about) = entry.metadata() else { continue };
+            files += 1;
+            let mode = about.permissions().mode();
+            assert_eq!(mode & 0o022, 0, "{}: {mode:o}", entry.path().display());
+            if about.is_dir() && entry.path().to_string_lossy().contains(&serving.instance) {
+                folders.push(entry.path());
+            }
+        }
+    }
+    assert!(files > 10, "a service has files");
+    if is_possible() {
+        let folder = trolley::doctor::shared_folder();
+        let listed = as_nobody().arg("ls").arg(&folder).output().unwrap();
+        assert!(!listed.status.success(), "{}", text(&listed.stdout));
+    }
+    serving.end();
+}
