@@ -9,5 +9,6 @@ mod input;
 mod intersect;
 mod outputs;
 mod real;
+mod references;
 mod report;
 mod traffic;

@@ -19,6 +19,7 @@ mod progress;
 mod query;
 mod rank;
 mod record;
+mod reference_args;
 mod report;
 mod serve;
 mod table;

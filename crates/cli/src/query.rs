@@ -2,6 +2,7 @@
 
 use crate::answer_args::Assume;
 use crate::output::Output;
+use crate::reference_args::ReferenceArgs;
 use crate::{print, table};
 use clap::Args;
 use client::public::{Reason, WireAnswer, WirePlace, WireState, flag};
@@ -49,6 +50,8 @@ pub(crate) struct QueryArgs {
     /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
+    #[command(flatten)]
+    references: ReferenceArgs,
     /// How long to wait for the answer (ms).
     #[arg(long, value_name = "MS", default_value_t = 1000.0)]
     deadline_ms: f64,
@@ -90,7 +93,8 @@ struct Row<'a> {
 }
 
 pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let opened = OpenDeployment::open(&options.deployment, options.instance.as_deref())?;
+    let (instance, references) = (options.instance.as_deref(), options.references.references());
+    let opened = OpenDeployment::open_with(&options.deployment, instance, references)?;
     let text = trolley::files::text(&options.scenario, InputKind::Scenario)?;
     let name = options.scenario.display().to_string();
     let scenario = Scenario::parse(&name, &text)?;

@@ -3,6 +3,7 @@
 use crate::answer_args::{AnswerArgs, Assume};
 use crate::engine_args::EngineArgs;
 use crate::output::Output;
+use crate::reference_args::ReferenceArgs;
 use crate::traffic::TrafficArgs;
 use crate::{print, table, traffic};
 use clap::Args;
@@ -10,7 +11,8 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::{
-    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, Run, Scenario,
+    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, References,
+    Run, Scenario,
 };
 
 /// The arguments of `rank`.
@@ -18,6 +20,8 @@ use trolley::{
 pub(crate) struct RankArgs {
     /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
     scenario: PathBuf,
+    #[command(flatten)]
+    references: ReferenceArgs,
     #[command(flatten)]
     traffic: TrafficArgs,
     #[command(flatten)]
@@ -45,15 +49,18 @@ pub(crate) fn demo(
 }
 
 pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let RankArgs { scenario: path, traffic, answer: asked, options } = args;
+    let RankArgs { scenario: path, references, traffic, answer: asked, options } = args;
+    let references = references.references();
     if !trolley::traffic::is_traffic(path) {
-        return answer(Scenario::open(path)?, asked, options, output);
+        return answer(Scenario::open_with(path, references)?, asked, options, output);
     }
-    let imported = traffic::import(path, traffic)?;
+    let imported = traffic::import(path, traffic, references)?;
     output.say(&imported.summary());
     match &imported.text {
         Some(text) => {
-            let scenario = Scenario::parse(&path.display().to_string(), text)?;
+            // Its models are those of the library, which was asked already.
+            let name = path.display().to_string();
+            let scenario = Scenario::parse_with(&name, text, References::Anywhere)?;
             answer(scenario, asked, options, output)
         }
         None => nothing(path, &imported, output),

@@ -1,6 +1,7 @@
 //! `trolley serve`: a service from a deployment file.
 
 use crate::output::Output;
+use crate::reference_args::ReferenceArgs;
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,6 +23,8 @@ pub(crate) struct ServeArgs {
     /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
+    #[command(flatten)]
+    references: ReferenceArgs,
     /// What to do while idle, overriding the file's: park (sleep) or spin.
     #[arg(long, value_name = "HOW", value_parser = idle)]
     idle: Option<Idle>,
@@ -43,7 +46,8 @@ fn idle(text: &str) -> Result<Idle, String> {
 }
 
 pub(crate) fn run(args: &ServeArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let deployment = OpenDeployment::open(&args.deployment, args.instance.as_deref())?;
+    let (instance, references) = (args.instance.as_deref(), args.references.references());
+    let deployment = OpenDeployment::open_with(&args.deployment, instance, references)?;
     let options = ServeOptions {
         idle: args.idle,
         require_realtime: args.require_rt,

@@ -2,11 +2,12 @@
 
 use crate::output::Output;
 use crate::print;
+use crate::reference_args::ReferenceArgs;
 use clap::{Args as ClapArgs, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::Failure;
 use trolley::traffic::{ImportedTraffic, TrafficOptions};
+use trolley::{Failure, References};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -30,7 +31,10 @@ pub(crate) struct ImportArgs {
     file: PathBuf,
     #[command(flatten)]
     traffic: TrafficArgs,
-    /// Scenario to write.
+    #[command(flatten)]
+    references: ReferenceArgs,
+    /// Scenario to write. It names models of --bodies where they are: to rank it from another
+    /// folder, use --allow-outside there.
     #[arg(short, long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
 }
@@ -79,7 +83,11 @@ fn within<const LEAST: i32, const MOST: i32>(text: &str) -> Result<f64, String> 
 }
 
 /// Reads a traffic file, sweeps the manoeuvres, and makes the scenario's text.
-pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<ImportedTraffic, Failure> {
+pub(crate) fn import(
+    path: &Path,
+    args: &TrafficArgs,
+    references: References,
+) -> Result<ImportedTraffic, Failure> {
     let args = args.clone();
     let options = TrafficOptions {
         ego: args.ego,
@@ -91,6 +99,7 @@ pub(crate) fn import(path: &Path, args: &TrafficArgs) -> Result<ImportedTraffic,
         grip_m_s2: args.grip,
         bodies: args.bodies,
         catalogs: args.catalog,
+        references,
     };
     trolley::traffic::import(path, &options)
 }
@@ -99,7 +108,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let Verb::Import(args) = verb;
     let out = args.out.as_deref();
     out.map(|out| trolley::files::check(out, Some(&args.file))).transpose()?;
-    let imported = import(&args.file, &args.traffic)?;
+    let imported = import(&args.file, &args.traffic, args.references.references())?;
     if let (Some(out), Some(text)) = (&args.out, &imported.text) {
         trolley::files::replace(out, text.as_bytes())?;
     }

@@ -25,7 +25,7 @@ use report::Report;
 use scenario::{FileRef, Overrides};
 use std::path::PathBuf;
 use trolley::bodies::{Bodies, SILENT};
-use trolley::{Failure, Limits, Scenario, files};
+use trolley::{Failure, Limits, References, Scenario, files};
 
 pub use report::Injected;
 
@@ -34,6 +34,8 @@ pub use report::Injected;
 pub struct InjectOptions {
     /// Plan, TOML: which faults, how often, against which scenario.
     pub plan: PathBuf,
+    /// Which files the scenario may name.
+    pub references: References,
     /// Seed of the order and places of the faults; equal seeds give equal plans, not equal times.
     pub seed: u64,
     /// Where to write the report as JUnit XML, with a test case for each kind of fault.
@@ -51,7 +53,7 @@ pub struct InjectOptions {
 pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injected, Failure> {
     let plan = Plan::read(&options.plan)?;
     options.junit.as_deref().map(|path| files::check(path, None)).transpose()?;
-    let scenario = Scenario::open(&plan.scenario)?;
+    let scenario = Scenario::open_with(&plan.scenario, options.references)?;
     let parsed = scenario.parsed();
     let engine = parsed.engine.apply(&Overrides::default())?;
     let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
@@ -81,7 +83,8 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         let stage = live::Stage { plan: &plan, store, reference: &reference };
         live::run(&stage, &work, &live, options.seed, &mut report, &progress)?;
     }
-    let rank = child::Rank { program: &options.program, plan: &plan };
+    let rank =
+        child::Rank { program: &options.program, plan: &plan, references: options.references };
     for (number, kind) in runs.iter().enumerate() {
         if report.is_interrupted {
             break;

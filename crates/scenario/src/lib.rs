@@ -8,8 +8,8 @@
 //!
 //! Text goes in, values come out. This crate opens no file: the paths that a scenario names are
 //! returned with their [`TextPosition`], so that the caller who opens them can report where the
-//! name was written. It names a policy and does not read it; it knows no mesh, no contact and no
-//! harm.
+//! name was written, and refuse files outside of the scenario's folder. It names a policy and does
+//! not read it; it knows no mesh, no contact and no harm.
 //!
 //! # Invariants
 //!

@@ -32,10 +32,12 @@ pub(crate) struct Scenario {
     /// What people call the scenario.
     #[schemars(length(min = limit::NAME_CHARS.least, max = limit::NAME_CHARS.most))]
     pub(crate) name: String,
-    /// Policy file, relative to this file. Default: the policy that comes with the program.
+    /// Policy file, relative to this file and in its folder (else: --allow-outside). Default: the
+    /// policy that comes with the program.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) policy: Option<String>,
-    /// File of injury risk curves, relative to this file. Default: the curves of the program.
+    /// File of injury risk curves, relative to this file and in its folder. Default: the curves of
+    /// the program.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) curves: Option<String>,
     /// Time for the answer [ms], from the acceptance of the request. Default: none.
@@ -60,7 +62,7 @@ pub(crate) struct Scenario {
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [{"required": ["file"]}, {"required": ["generate"]}]))]
 pub(crate) struct Party {
-    /// Model file, relative to this file.
+    /// Model file, relative to this file and in its folder.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) file: Option<String>,
     pub(crate) generate: Option<Table<Generate>>,

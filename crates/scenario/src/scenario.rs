@@ -53,7 +53,8 @@ pub struct PartyIndex(pub usize);
 /// A path as written, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileRef {
-    /// The path, relative to the scenario's file unless it is absolute.
+    /// The path, relative to the scenario's file unless it is absolute. Whoever opens it makes sure
+    /// that it does not lead out of the scenario's folder, unless the user allows that.
     pub path: String,
     /// Where it was written, for the error if it cannot be opened.
     pub place: TextPosition,

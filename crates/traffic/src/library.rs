@@ -91,9 +91,9 @@ impl Library {
 
     /// This library with every file name mapped.
     #[must_use]
-    pub fn with_files(mut self, change: impl Fn(&str) -> String) -> Self {
+    pub fn with_files(mut self, mut change: impl FnMut(&str) -> String) -> Self {
         for entry in self.bodies.values_mut() {
-            entry.file = entry.file.as_deref().map(&change);
+            entry.file = entry.file.as_deref().map(&mut change);
         }
         self
     }

@@ -363,12 +363,15 @@ impl Bodies {
     ///
     /// # Errors
     ///
-    /// If a model cannot be opened or generated.
+    /// If a model cannot be opened or generated, or leads out of the deployment's folder.
     pub fn of_deployment(opened: &OpenDeployment) -> Result<Self, Failure> {
         let options = build_options(&opened.deployment.engine);
         let load = |model: &service::Model| match &model.source {
-            service::ModelSource::File(path) => ModelFile::open(&opened.path(path), None, &options)
-                .map_err(|failure| failure.at(format!("model \"{}\"", model.name))),
+            service::ModelSource::File(path) => {
+                let key = format!("model \"{}\"", model.name);
+                let path = opened.checked(&key, path)?;
+                ModelFile::open(&path, None, &options).map_err(|failure| failure.at(key))
+            }
             service::ModelSource::Generate { shape, triangles, seed } => {
                 ModelFile::generate(*shape, *triangles, *seed, &options)
             }

@@ -2,6 +2,8 @@
 
 use crate::Failure;
 use crate::files::{self, InputKind};
+use crate::references::{References, beside};
+use crate::scenario::check_models;
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
@@ -24,10 +26,12 @@ pub struct OpenDeployment {
     /// What the file says.
     pub deployment: Deployment,
     file: PathBuf,
+    references: References,
 }
 
 impl OpenDeployment {
-    /// Reads a deployment file; `instance` replaces the name of the instance in it.
+    /// Reads a deployment file; `instance` replaces the name of the instance in it. Policy, curves
+    /// and models that it names must be in its folder: see [`References`].
     ///
     /// ```
     /// use trolley::OpenDeployment;
@@ -42,13 +46,36 @@ impl OpenDeployment {
     ///
     /// If the file cannot be read or is not valid, or `instance` is not a valid name.
     pub fn open(path: &Path, instance: Option<&str>) -> Result<Self, Failure> {
+        Self::open_with(path, instance, References::Inside)
+    }
+
+    /// As [`OpenDeployment::open`], which lets the deployment, and the scenarios of
+    /// [`OpenDeployment::ask`], name files of their own folders alone.
+    ///
+    /// ```
+    /// use trolley::{OpenDeployment, References};
+    ///
+    /// let file = "../../config/deployments/minimal.toml";
+    /// let opened = OpenDeployment::open_with(file.as_ref(), None, References::Anywhere)?;
+    /// # assert_eq!(opened.deployment.models.len(), 3);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`OpenDeployment::open`].
+    pub fn open_with(
+        path: &Path,
+        instance: Option<&str>,
+        references: References,
+    ) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let mut deployment = Deployment::parse(&name, &files::text(path, InputKind::Deployment)?)?;
         if let Some(instance) = instance {
             transport::Address::new(deployment.folder.as_deref(), instance)?;
             instance.clone_into(&mut deployment.instance);
         }
-        Ok(Self { deployment, file: path.to_owned() })
+        Ok(Self { deployment, file: path.to_owned(), references })
     }
 
     /// Returns the path of a file that the deployment names.
@@ -65,6 +92,13 @@ impl OpenDeployment {
         beside(&self.file, written)
     }
 
+    /// The path of a file that the deployment names with this key, if it may.
+    pub(crate) fn checked(&self, key: &str, written: &Path) -> Result<PathBuf, Failure> {
+        let place = format!("{}: {key}", self.file.display());
+        self.references.check(&self.file, &place, written)?;
+        Ok(self.path(written))
+    }
+
     /// Reads the policy and the curves: those of the deployment, else the built-in ones.
     ///
     /// ```
@@ -77,21 +111,31 @@ impl OpenDeployment {
     ///
     /// # Errors
     ///
-    /// If a file cannot be read or is not valid, or the curves lack the policy's outcome.
+    /// If a file cannot be read, leads out of the folder or is not valid, or the curves lack the
+    /// policy's outcome.
     pub fn rules(&self) -> Result<(Policy, Curves), Failure> {
-        let or_shipped = |path: &Option<PathBuf>, kind, name: &str, shipped: &str| match path {
+        let or_shipped = |path: &Option<PathBuf>, (key, kind), name: &str, shipped: &str| match path
+        {
             None => Ok((name.to_owned(), shipped.to_owned())),
             Some(path) => {
-                let path = self.path(path);
+                let path = self.checked(key, path)?;
                 Ok::<_, Failure>((path.display().to_string(), files::text(&path, kind)?))
             }
         };
         let Deployment { policy, curves, .. } = &self.deployment;
-        let (name, policy) =
-            or_shipped(policy, InputKind::Policy, "config/policies/default.toml", DEFAULT_POLICY)?;
+        let (name, policy) = or_shipped(
+            policy,
+            ("policy", InputKind::Policy),
+            "config/policies/default.toml",
+            DEFAULT_POLICY,
+        )?;
         let policy = Policy::parse(&name, &policy)?;
-        let (name, curves) =
-            or_shipped(curves, InputKind::Curves, "config/curves/default.toml", DEFAULT_CURVES)?;
+        let (name, curves) = or_shipped(
+            curves,
+            ("curves", InputKind::Curves),
+            "config/curves/default.toml",
+            DEFAULT_CURVES,
+        )?;
         let curves = Curves::parse(&name, &curves)?;
         curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
         Ok((policy, curves))
@@ -113,13 +157,15 @@ impl OpenDeployment {
     ///
     /// # Errors
     ///
-    /// If the deployment lacks the model of a party, or the scenario is too large for a request.
+    /// If the deployment lacks the model of a party, a model file leads out of its folder, or the
+    /// scenario is too large for a request.
     pub fn ask(
         &self,
         file: &Path,
         scenario: &Scenario,
         unknown_is_fixed: bool,
     ) -> Result<Ask, Failure> {
+        check_models(scenario, file, self.references)?;
         let mut models = Vec::new();
         for party in &scenario.parties {
             let is_same = |model: &&Model| self.is_body_of(file, party, model);
@@ -149,9 +195,4 @@ impl OpenDeployment {
             _ => false,
         }
     }
-}
-
-/// A path that a file names, relative to the folder of that file.
-fn beside(file: &Path, path: &Path) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).join(path)
 }

@@ -469,6 +469,7 @@ fn loaded<'l>(
     settings: &Settings,
     progress: OnProgress<'_>,
 ) -> Result<&'l mut Loaded, Failure> {
+    scenario.check_references()?;
     let sources = sources(scenario);
     let is_same = kept
         .as_ref()

@@ -160,6 +160,7 @@ pub mod model;
 pub mod policy;
 pub mod poses;
 pub mod record;
+mod references;
 pub mod run;
 mod scenario;
 mod serve;
@@ -361,6 +362,7 @@ pub use ::scenario::Overrides;
 /// ```
 pub use protocol::public::Ask;
 pub use record::Record;
+pub use references::References;
 pub use run::Run;
 
 /// A program that serves may use it, so that the service can report memory taken from the heap.

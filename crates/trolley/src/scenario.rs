@@ -3,11 +3,12 @@
 //! Texts come from files, from a caller or from a decision record; all are checked alike.
 
 use crate::files::{self, InputKind};
+use crate::references::{References, beside};
 use crate::{Failure, FailureKind};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
-use scenario::FileRef;
+use scenario::{FileRef, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -76,6 +77,7 @@ pub struct Scenario {
     pub(crate) policy: Arc<Policy>,
     pub(crate) curves: Arc<Curves>,
     pub(crate) unknown_is_fixed: bool,
+    references: References,
 }
 
 impl Scenario {
@@ -94,7 +96,8 @@ impl Scenario {
         Self::parse(DEMO_NAME, DEMO)
     }
 
-    /// Reads a scenario file, and the policy and curves that it names.
+    /// Reads a scenario file, and the policy and curves that it names. All files that it names must
+    /// be in its folder: see [`References`].
     ///
     /// ```
     /// use trolley::Scenario;
@@ -106,14 +109,33 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// If a file cannot be read or is not valid: the error has file, place, fault and remedy.
+    /// If a file cannot be read, leads out of the folder, or is not valid: the error has file,
+    /// place, fault and remedy.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Failure> {
-        let path = path.as_ref();
-        Self::parse(&path.display().to_string(), &read_text(path)?)
+        Self::open_with(path, References::Inside)
     }
 
-    /// Reads a scenario from a text. Paths in it are relative to the folder of `name`. If it names
-    /// no policy or curves, the built-in ones are used.
+    /// As [`Scenario::open`], which lets the scenario name files of its own folder alone.
+    ///
+    /// ```
+    /// use trolley::{References, Scenario};
+    ///
+    /// let file = "../../config/scenarios/small.toml";
+    /// let scenario = Scenario::open_with(file, References::Anywhere)?;
+    /// # assert_eq!(scenario.parsed().candidates.len(), 4);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::open`].
+    pub fn open_with(path: impl AsRef<Path>, references: References) -> Result<Self, Failure> {
+        let path = path.as_ref();
+        Self::parse_with(&path.display().to_string(), &read_text(path)?, references)
+    }
+
+    /// Reads a scenario from a text. Paths in it are relative to the folder of `name`, and must not
+    /// lead out of it. If it names no policy or curves, the built-in ones are used.
     ///
     /// ```
     /// use trolley::Scenario;
@@ -137,7 +159,32 @@ impl Scenario {
     ///
     /// As [`Scenario::open`].
     pub fn parse(name: &str, text: &str) -> Result<Self, Failure> {
+        Self::parse_with(name, text, References::Inside)
+    }
+
+    /// As [`Scenario::parse`], which lets the scenario name files of its own folder alone.
+    ///
+    /// ```
+    /// use trolley::{References, Scenario};
+    ///
+    /// let small = trolley::read_text("../../config/scenarios/small.toml".as_ref())?;
+    /// let text = format!("policy = \"../policies/weighted.toml\"\n{small}");
+    /// let name = "../../config/scenarios/weighted.toml";
+    /// let scenario = Scenario::parse_with(name, &text, References::Anywhere)?;
+    /// assert_eq!(scenario.rules().0.name, "weighted");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::open`].
+    pub fn parse_with(name: &str, text: &str, references: References) -> Result<Self, Failure> {
         let parsed = scenario::Scenario::parse(name, text)?;
+        let keys = [("policy", &parsed.policy), ("curves", &parsed.curves)];
+        for (key, reference) in keys {
+            let Some(FileRef { path, place }) = reference else { continue };
+            references.check(name.as_ref(), &format!("{name}:{place}: {key}"), path.as_ref())?;
+        }
         let or_shipped =
             |reference: &Option<FileRef>, kind, shipped: &str, text: &str| match reference {
                 Some(reference) => named(Path::new(name), reference, kind),
@@ -158,7 +205,9 @@ impl Scenario {
             )?,
             scenario: SourceText { name: name.to_owned(), text: text.to_owned() },
         };
-        Self::of_texts(texts)
+        let scenario = Self::of_texts(texts)?.with_references(references);
+        scenario.check_references()?;
+        Ok(scenario)
     }
 
     /// Reads a scenario, a policy and curves from their texts.
@@ -189,7 +238,21 @@ impl Scenario {
         let covered = curves.covers(policy.outcome);
         covered.map_err(|missing| Failure::input(missing.to_string()))?;
         let (policy, curves) = (Arc::new(policy), Arc::new(curves));
-        Ok(Self { texts, parsed, policy, curves, unknown_is_fixed: false })
+        let references = References::Inside;
+        Ok(Self { texts, parsed, policy, curves, unknown_is_fixed: false, references })
+    }
+
+    /// Sets which model files the scenario may name; otherwise those of its folder alone.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// let scenario = scenario.with_references(trolley::References::Anywhere);
+    /// # assert_eq!(scenario.parsed().candidates.len(), 4);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn with_references(self, references: References) -> Self {
+        Self { references, ..self }
     }
 
     /// Takes parties of unknown kind as fixed to the ground, with nobody in them; the answer says
@@ -259,7 +322,9 @@ impl Scenario {
     /// ```
     /// # let small = trolley::read_text("../../config/scenarios/small.toml".as_ref())?;
     /// # let text = format!("policy = \"../policies/weighted.toml\"\n{small}");
-    /// # let scenario = trolley::Scenario::parse("../../config/scenarios/weighted.toml", &text)?;
+    /// # let name = "../../config/scenarios/weighted.toml";
+    /// # let anywhere = trolley::References::Anywhere;
+    /// # let scenario = trolley::Scenario::parse_with(name, &text, anywhere)?;
     /// // The scenario says: policy = "../policies/weighted.toml"
     /// let policy = scenario.parsed().policy.as_ref().map(|reference| scenario.path_of(reference));
     /// assert!(policy.is_some_and(|path| path.exists()));
@@ -267,7 +332,12 @@ impl Scenario {
     /// ```
     #[must_use]
     pub fn path_of(&self, reference: &FileRef) -> PathBuf {
-        beside(Path::new(self.file()), &reference.path)
+        beside(Path::new(self.file()), reference.path.as_ref())
+    }
+
+    /// Refuses model files that this scenario may not name.
+    pub(crate) fn check_references(&self) -> Result<(), Failure> {
+        check_models(&self.parsed, Path::new(self.file()), self.references)
     }
 
     /// Refuses parties of unknown kind, unless they may be taken as fixed.
@@ -288,9 +358,18 @@ impl Scenario {
     }
 }
 
-/// A path that a file names, relative to the folder of that file.
-fn beside(file: &Path, path: &str) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).join(path)
+/// Refuses model files of a scenario that it may not name.
+pub(crate) fn check_models(
+    scenario: &scenario::Scenario,
+    file: &Path,
+    references: References,
+) -> Result<(), Failure> {
+    for party in &scenario.parties {
+        let Source::File(FileRef { path, place }) = &party.source else { continue };
+        let place = format!("{}:{place}: party \"{}\": file", file.display(), party.name);
+        references.check(file, &place, path.as_ref())?;
+    }
+    Ok(())
 }
 
 /// Reads a text of the length of a scenario: see [`files::text`].
@@ -311,7 +390,7 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 
 /// The text of a file that the scenario names.
 fn named(scenario: &Path, reference: &FileRef, kind: InputKind) -> Result<SourceText, Failure> {
-    let path = beside(scenario, &reference.path);
+    let path = beside(scenario, reference.path.as_ref());
     let place = format!("{}:{}", scenario.display(), reference.place);
     let text = files::text(&path, kind).map_err(|failure| failure.at(place))?;
     Ok(SourceText { name: path.display().to_string(), text })

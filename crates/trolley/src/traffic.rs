@@ -34,6 +34,7 @@
 //! ```
 
 use crate::files::{self, InputKind};
+use crate::references::References;
 use crate::{Failure, FailureKind};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -74,6 +75,8 @@ pub struct TrafficOptions {
     pub bodies: Option<PathBuf>,
     /// OpenSCENARIO catalogues.
     pub catalogs: Vec<PathBuf>,
+    /// Which model files the library of bodies may name.
+    pub references: References,
 }
 
 impl TrafficOptions {
@@ -109,7 +112,13 @@ impl TrafficOptions {
             .ok()
             .and_then(|inside| inside.parent().map(Path::to_owned))
             .unwrap_or_else(|| folder.to_owned());
-        Ok(library.with_files(|file| folder.join(file).display().to_string()))
+        let mut refused = Ok(());
+        let library = library.with_files(|file| {
+            let checked = self.references.check(path, &path.display().to_string(), file.as_ref());
+            refused = core::mem::replace(&mut refused, Ok(())).and(checked);
+            folder.join(file).display().to_string()
+        });
+        refused.map(|()| library)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::shown::show;
 use crate::output::Output;
+use crate::reference_args::ReferenceArgs;
 use ::lab::inject::{InjectOptions, inject};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,6 +20,8 @@ Exit codes: 0 survived; 1 a wrong answer, a hang, a false kill, or something lef
 pub(crate) struct InjectArgs {
     /// Plan, TOML: which faults, how often, against which scenario.
     plan: PathBuf,
+    #[command(flatten)]
+    references: ReferenceArgs,
     /// Seed of the order and places of the faults; equal seeds give equal plans, not equal times.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -28,12 +31,13 @@ pub(crate) struct InjectArgs {
 }
 
 pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let InjectArgs { plan, seed, junit } = args.clone();
+    let InjectArgs { plan, references, seed, junit } = args.clone();
+    let references = references.references();
     let program = std::env::current_exe()
         .map_err(|error| Failure::new(FailureKind::System, format!("this program: {error}")))?;
     let progress = output.progress("faults");
     let told = |done, total| progress.set(done, total);
-    let injected = inject(&InjectOptions { plan, seed, junit, program }, &told)?;
+    let injected = inject(&InjectOptions { plan, references, seed, junit, program }, &told)?;
     drop(progress);
     let shown = show(&injected, || injected.text(), output)?;
     Ok(match (injected.is_interrupted(), injected.is_survived()) {

@@ -5,6 +5,7 @@ use super::shown::show;
 use crate::answer_args::LimitArgs;
 use crate::engine_args::EngineArgs;
 use crate::output::Output;
+use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;
 use ::lab::measure::{ALPHA, RankOptions, SweepOptions, rank, sweep};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -41,6 +42,8 @@ pub(crate) struct MeasureArgs {
     /// Measure one ranking of this scenario instead.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "pair", "out"])]
     scenario: Option<PathBuf>,
+    #[command(flatten)]
+    references: ReferenceArgs,
     /// How jobs are matched to workers; a list for a sweep [default: all, or the scenario's].
     #[arg(long, value_name = "NAME", value_delimiter = ',',
           value_parser = named(Scheme::ALL, Scheme::name))]
@@ -151,6 +154,7 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
         args.search_order.map_or(limits, |search_order| limits.with_search_order(search_order));
     let options = RankOptions {
         scenario,
+        references: args.references.references(),
         overrides: Overrides { scheme, alpha: args.alpha, ..args.engine.overrides()? },
         dispatch_options: args.dispatch_options(),
         limits,

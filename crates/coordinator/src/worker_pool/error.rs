@@ -62,12 +62,9 @@ impl Diagnostic for WorkerPoolError {
     fn kind(&self) -> FailureKind {
         match self {
             Self::System(error) => error.kind(),
-            Self::Open(open) if open.is_skew() => FailureKind::Skew,
-            // A bad name is the user's fault, all else the machine's.
-            Self::Open(OpenError::Name { .. }) => FailureKind::Configuration,
+            Self::Open(open) => open.kind(),
             Self::MissingRequirement(missing) => missing.kind(),
-            Self::Open(_)
-            | Self::ExitedAtStart { .. }
+            Self::ExitedAtStart { .. }
             | Self::HandshakeTimeout { .. }
             | Self::NobodyLeft { .. }
             | Self::Thrashed(_) => FailureKind::Resources,
@@ -77,10 +74,7 @@ impl Diagnostic for WorkerPoolError {
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         match self {
-            Self::Open(OpenError::Skew { .. } | OpenError::Name { .. }) => None,
-            Self::Open(_) => {
-                Some("shared memory must be writable and large enough: df -h /dev/shm".into())
-            }
+            Self::Open(open) => open.remedy(),
             Self::Thrashed(_) => Some(
                 "more --depth makes sections smaller, --memory-budget allows more memory".into(),
             ),

@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::fd::AsFd as _;
 use std::path::{Path, PathBuf};
-use trolley::Failure;
+use trolley::{Failure, References};
 
 /// How long a client waits for an answer before it reports "refused" itself (ms).
 const PATIENCE_MS: u64 = 20_000;
@@ -29,6 +29,7 @@ fn instance() -> String {
 pub(super) struct Rank<'r> {
     pub(super) program: &'r Path,
     pub(super) plan: &'r Plan,
+    pub(super) references: References,
 }
 
 /// Such a run, its output in a file.
@@ -42,7 +43,8 @@ impl Run {
     fn start(rank: &Rank<'_>, wrap: &[&str]) -> Result<Self, Failure> {
         let internal =
             |error: std::io::Error| Failure::new(trolley::FailureKind::System, error.to_string());
-        let Rank { program, plan } = rank;
+        let Rank { program, plan, references } = rank;
+        let outside = (*references == References::Anywhere).then_some("--allow-outside");
         let own = program.display().to_string();
         let scenario = plan.scenario.display().to_string();
         let (workers, depth) = (plan.workers.to_string(), plan.depth.to_string());
@@ -60,7 +62,8 @@ impl Run {
             "--instance",
             &name,
         ];
-        let line: Vec<String> = wrap.iter().copied().chain(line).map(str::to_owned).collect();
+        let line: Vec<String> =
+            wrap.iter().copied().chain(line).chain(outside).map(str::to_owned).collect();
         let out = tempfile::tempfile().map_err(internal)?;
         let null = File::open("/dev/null").map_err(internal)?;
         let child = process::spawn(Spawn {

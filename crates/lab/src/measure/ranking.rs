@@ -6,13 +6,15 @@ use scenario::Overrides;
 use serde::Serialize;
 use std::path::PathBuf;
 use trolley::dispatch_options::{DispatchOptions, log_csv};
-use trolley::{Answer, Engine, Failure, Limits, Run, Scenario, files};
+use trolley::{Answer, Engine, Failure, Limits, References, Run, Scenario, files};
 
 /// What to rank, and how.
 #[derive(Clone, Debug, Default)]
 pub struct RankOptions {
     /// Scenario, TOML.
     pub scenario: PathBuf,
+    /// Which files the scenario may name.
+    pub references: References,
     /// Engine settings that override the scenario's.
     pub overrides: Overrides,
     /// How jobs reach the workers.
@@ -62,7 +64,7 @@ impl RankedRun {
 pub fn rank(options: &RankOptions, told: SyncProgress<'_>) -> Result<RankedRun, Failure> {
     // Fail before the work, not after it, if the file cannot be written.
     options.job_log.as_deref().map(|path| files::check(path, None)).transpose()?;
-    let scenario = Scenario::open(&options.scenario)?;
+    let scenario = Scenario::open_with(&options.scenario, options.references)?;
     let dispatch_options =
         DispatchOptions { log: options.job_log.is_some(), ..options.dispatch_options };
     let mut builder =
