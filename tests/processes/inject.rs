@@ -39,6 +39,19 @@ fn faults_of_all_sorts_are_survived_and_leave_nothing() {
     assert!(std::fs::read_to_string(report).unwrap().contains("name=\"garble-batch\""));
 }
 
+/// Regression: a flipped bit in a count of messages kept the coordinator from ever sleeping, or a
+/// worker from ever sending.
+#[test]
+fn flipped_bits_of_the_status_page_are_survived() {
+    let place = Place::new();
+    let plan = plan(&place, "flip-status = 150\n");
+    let document = json(&inject(&[&plan, "--json", "--seed", "9"]));
+    for zero in ["wrong_answers", "hangs", "false_kills", "leaks"] {
+        assert_eq!(document[zero], 0, "{zero}: {document}");
+    }
+    assert!(document["injected"].as_u64().unwrap() >= 150, "{document}");
+}
+
 /// Regression: stopped workers were never detected if each request ended before the first check of
 /// them, and the greeting of a replacement between two requests was missed.
 #[test]

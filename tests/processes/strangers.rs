@@ -2,6 +2,8 @@
 //!
 //! The stranger is the user `nobody`, and needs root to become that; without, these are skipped.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use crate::support::{self, Place, instance, json, skipped, text, trolley};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};

@@ -92,6 +92,8 @@ pub struct WorkerPool {
     ended: Vec<usize>,
     /// When all heartbeats were last checked (ns): kept across requests, which may be short.
     looked_ns: u64,
+    /// The last request that was cancelled.
+    cancelled: u64,
     scratch: Vec<u64>,
     effects: Vec<Effect>,
     batch: BatchWriter,
@@ -142,6 +144,7 @@ impl WorkerPool {
             duty: Duty::default(),
             ended: Vec::new(),
             looked_ns: 0,
+            cancelled: 0,
             scratch: Vec::with_capacity(protocol::launch::RESULT_WORDS),
             effects: Vec::new(),
             batch: BatchWriter::default(),
@@ -162,7 +165,8 @@ impl WorkerPool {
     }
 
     /// Tells the workers that the request is cancelled.
-    fn cancel(&self) {
+    fn cancel(&mut self) {
+        self.cancelled = self.request;
         for line in &self.status.page().coordinator {
             line.cancelled.store(self.request, Ordering::SeqCst);
         }
@@ -268,6 +272,7 @@ impl WorkerPool {
             outgoing.clear();
         }
         for worker in &mut self.workers {
+            worker.restore(&self.status, self.cancelled);
             worker.begin(&self.status);
         }
         for worker in self.workers.iter().filter(|worker| worker.is_ready()) {

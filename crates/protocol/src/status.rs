@@ -114,6 +114,28 @@ pub fn read_started(word: u64, from: Incarnation, request: RequestId) -> Option<
     (word == started(from, request, job, attempt)).then_some((job, attempt))
 }
 
+#[cfg(feature = "faults")]
+impl StatusPage {
+    /// Flips one bit of the two lines of a worker: bit `bit / 16` of word `bit % 16`, modulo their
+    /// numbers. The words of fault commands stay.
+    pub fn flip(&self, worker: usize, bit: u64) {
+        let (Some(theirs), Some(ours)) = (self.workers.get(worker), self.coordinator.get(worker))
+        else {
+            return;
+        };
+        let WorkerLine { beat, started, sent, bytes, tests, jobs, answered, .. } = theirs;
+        let long =
+            [beat, started, sent, bytes, tests, jobs, answered, &ours.consumed, &ours.cancelled];
+        let WorkerLine { state, sleeping, cpu, inc, .. } = theirs;
+        let short = [state, sleeping, cpu, inc, &ours.wake, &ours.stop, &ours.sleeping];
+        let (word, bit) = ((bit % 16) as usize, bit / 16);
+        match long.get(word) {
+            Some(word) => _ = word.fetch_xor(1 << (bit % 64), Ordering::SeqCst),
+            None => _ = short[word - long.len()].fetch_xor(1 << (bit % 32), Ordering::SeqCst),
+        }
+    }
+}
+
 impl WorkerLine {
     /// The state, if it is one.
     #[must_use]

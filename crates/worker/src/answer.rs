@@ -23,6 +23,8 @@ pub(crate) struct Outlet<'w> {
     pub(crate) wake_event: &'w runtime::EventFd,
     pub(crate) who: Incarnation,
     pub(crate) boot: protocol::Boot,
+    /// Messages sent. The status page only shows it: other processes can write there.
+    pub(crate) sent: Cell<u64>,
     /// Corruption of the next result, where faults are injected.
     #[cfg(feature = "faults")]
     pub(crate) corruption: Cell<Option<Corruption>>,
@@ -33,9 +35,11 @@ impl<'w> Outlet<'w> {
     pub(crate) fn open(&self) -> Result<Option<OpenMessage<'w>>, UseError> {
         let backoff = Backoff::new();
         loop {
-            let sent = self.line.sent.load(Ordering::Relaxed);
+            // More taken than sent is a corrupted count, which the coordinator restores. A message too
+            // many finds the queue full, and this worker ends.
             let taken = self.coordinator.consumed.load(Ordering::Acquire);
-            if sent.wrapping_sub(taken) < launch::RESULTS as u64 {
+            let waiting = self.sent.get().wrapping_sub(taken).cast_signed();
+            if waiting < launch::RESULTS as i64 {
                 return self.sender.loan().map(Some);
             }
             if self.coordinator.stop.load(Ordering::Acquire) == 1 {
@@ -64,7 +68,7 @@ impl<'w> Outlet<'w> {
         head: Head,
         used: usize,
     ) -> Result<(), UseError> {
-        let seq = self.line.sent.load(Ordering::Relaxed) as u32;
+        let seq = (self.sent.get() & 0xffff_ffff) as u32;
         let head = Head { seq, ..head };
         #[cfg(not(feature = "faults"))]
         message.send(head, used)?;
@@ -72,7 +76,8 @@ impl<'w> Outlet<'w> {
         fault::send(self.corruption.take(), message, head, used)?;
         self.line.bytes.fetch_add(64 + 8 * used as u64, Ordering::Relaxed);
         // A coordinator that counts this message sees all that preceded it.
-        self.line.sent.fetch_add(1, Ordering::SeqCst);
+        self.sent.set(self.sent.get() + 1);
+        self.line.sent.store(self.sent.get(), Ordering::SeqCst);
         Ok(())
     }
 

@@ -91,6 +91,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
         wake_event: &wake_event,
         who: launch.who,
         boot: launch.boot,
+        sent: core::cell::Cell::new(0),
         #[cfg(feature = "faults")]
         corruption: core::cell::Cell::new(None),
     };

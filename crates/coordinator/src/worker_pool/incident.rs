@@ -38,6 +38,8 @@ pub enum Observation {
     Full,
     /// It did this too often, and was killed.
     Distrusted(Why),
+    /// Its line on the status page said what cannot be, and it was killed.
+    Impossible,
 }
 
 impl WorkerPool {

@@ -53,6 +53,11 @@ impl WorkerPool {
         line.map_or(0, |line| line.obeyed_ns.load(Ordering::SeqCst))
     }
 
+    /// Flips one bit of the two lines of a worker on the status page; which one, `bit` says.
+    pub fn flip_status(&self, worker: u8, bit: u64) {
+        self.status.page().flip(usize::from(worker), bit);
+    }
+
     /// Corrupts the next batch to a worker: for fault injection.
     pub fn corrupt_next(&mut self, worker: u8, how: Corruption) {
         if let Some(worker) = self.workers.get_mut(usize::from(worker)) {

@@ -74,6 +74,13 @@ impl WorkerPool {
     /// Checks a heartbeat, and kills the worker if it makes no progress while it has work.
     fn kill_if_still(&mut self, number: usize, now: u64) -> bool {
         let worker = &mut self.workers[number];
+        worker.restore(&self.status, self.cancelled);
+        if let Some(why) = worker.impossible(&self.status) {
+            tracing::warn!(worker = number, why, "killing a worker whose status is impossible");
+            worker.kill(why);
+            self.observe(self.workers[number].who, Observation::Impossible);
+            return true;
+        }
         let Some(verdict) = worker.pulse(&self.status, now, &self.options.patience) else {
             return false;
         };

@@ -26,6 +26,8 @@ pub(super) struct WorkerHandle {
     /// Corruption of the next batch, where faults are injected.
     #[cfg(feature = "faults")]
     pub(super) corruption: Option<super::Corruption>,
+    /// Messages taken. The status page only shows it: other processes can write there.
+    taken: u64,
     /// Batches known to be answered.
     answered: u64,
     /// Number of the next batch: all below were sent.
@@ -130,6 +132,7 @@ impl WorkerHandle {
             handshake_deadline_ns: runtime::clock::now_ns() + super::GREETING_NS,
             #[cfg(feature = "faults")]
             corruption: None,
+            taken: 0,
             answered: 0,
             batches: 0,
             seq: 0,
@@ -167,7 +170,8 @@ impl WorkerHandle {
     pub(super) fn newly_answered(&self, status: &StatusMemory) -> Option<u64> {
         let line = &status.page().workers[self.line()];
         let answered = line.answered.load(Ordering::SeqCst);
-        (self.is_alive && answered != self.answered).then_some(answered)
+        let is_new = answered > self.answered && answered <= self.batches;
+        (self.is_alive && is_new).then_some(answered)
     }
 
     /// Notes that this number of answered batches was passed on.
@@ -205,8 +209,8 @@ impl WorkerHandle {
     pub(super) fn report(&self, status: &StatusMemory) -> WorkerReport {
         let (now, before) = (self.counted(status), &self.before);
         WorkerReport {
-            jobs: now.jobs - before.jobs,
-            tests: now.tests - before.tests,
+            jobs: now.jobs.saturating_sub(before.jobs),
+            tests: now.tests.saturating_sub(before.tests),
             batches: now.sent.messages - before.sent.messages,
             batch_bytes: now.sent.bytes - before.sent.bytes,
             batch_lines: now.sent.lines - before.sent.lines,
@@ -228,7 +232,7 @@ impl WorkerHandle {
             worker: report.worker,
             pid: report.pid,
             core: report.core,
-            jobs: now.jobs - before.jobs,
+            jobs: now.jobs.saturating_sub(before.jobs),
             messages: messages(|traffic| traffic.messages),
             message_bytes: messages(|traffic| traffic.bytes),
             busy_ns: report.busy_ns,
@@ -302,11 +306,39 @@ impl WorkerHandle {
     pub(super) fn has_mail(&self, status: &StatusMemory) -> bool {
         let page = status.page();
         let sent = page.workers[self.line()].sent.load(Ordering::SeqCst);
-        let taken = page.coordinator[self.line()].consumed.load(Ordering::Relaxed);
+        let waiting = sent.wrapping_sub(self.taken).cast_signed();
         // A worker sends, and then counts. Interrupted in between, it has sent one more than it
         // says: if that were mail, a coordinator of higher priority would look for it forever, and
         // on the same core it would never let the worker run.
-        self.is_alive && sent.wrapping_sub(taken).cast_signed() > 0
+        //
+        // A count that is too high is no mail, or a corrupted one would never let this sleep.
+        self.is_alive && (1..=launch::RESULTS as i64).contains(&waiting)
+    }
+
+    /// What is impossible about its line on the status page, which any process of the run can
+    /// write.
+    pub(super) fn impossible(&self, status: &StatusMemory) -> Option<&'static str> {
+        let line = &status.page().workers[self.line()];
+        let waiting = line.sent.load(Ordering::SeqCst).wrapping_sub(self.taken).cast_signed();
+        if !self.is_alive {
+            None
+        } else if waiting > launch::RESULTS as i64 {
+            Some("it says that it sent more than fits in its queue")
+        } else if line.answered.load(Ordering::SeqCst) > self.batches {
+            Some("it says that it answered more than it was sent")
+        } else {
+            None
+        }
+    }
+
+    /// Writes the coordinator's line again: whatever else was written there is gone.
+    pub(super) fn restore(&self, status: &StatusMemory, cancelled: u64) {
+        let line = &status.page().coordinator[self.line()];
+        line.consumed.store(self.taken, Ordering::Release);
+        line.cancelled.store(cancelled, Ordering::SeqCst);
+        if self.is_alive {
+            line.stop.store(0, Ordering::SeqCst);
+        }
     }
 
     /// Takes one message, giving its credit back.
@@ -322,7 +354,8 @@ impl WorkerHandle {
         }
         let taken = self.link.results.take(scratch)?;
         if taken.is_some() {
-            status.page().coordinator[self.line()].consumed.fetch_add(1, Ordering::Release);
+            self.taken += 1;
+            status.page().coordinator[self.line()].consumed.store(self.taken, Ordering::Release);
         }
         Ok(taken)
     }

@@ -42,6 +42,7 @@ kinds! {
     LoanExhausted = "loan-exhausted",
     GarbleBatch = "garble-batch",
     QueueFull = "queue-full",
+    FlipStatus = "flip-status",
     FlipPayload = "flip-payload",
     FlipQueue = "flip-queue",
     CoordinatorKill = "coordinator-kill",
@@ -119,6 +120,7 @@ impl Kind {
                 | Self::LoseResult
                 | Self::GarbleBatch
                 | Self::QueueFull
+                | Self::FlipStatus
         )
     }
 }

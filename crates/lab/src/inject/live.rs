@@ -216,7 +216,10 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             }
             let is_end = matches!(
                 incident.observation,
-                Observation::Ended | Observation::StoodStill(_) | Observation::Distrusted(_)
+                Observation::Ended
+                    | Observation::StoodStill(_)
+                    | Observation::Distrusted(_)
+                    | Observation::Impossible
             );
             if is_end && !is_known && report.note_end(incident.who) {
                 report.false_kills += 1;
@@ -370,6 +373,10 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                     Corruption::Garbled(bit)
                 };
                 self.worker_pool.corrupt_next(who.worker, how);
+                self.open[number].struck_ns = Some(clock::now_ns());
+            }
+            Kind::FlipStatus => {
+                self.worker_pool.flip_status(who.worker, self.rng.bits());
                 self.open[number].struck_ns = Some(clock::now_ns());
             }
             _ => {

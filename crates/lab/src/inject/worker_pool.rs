@@ -12,10 +12,22 @@ pub(super) fn options(plan: &Plan, instance: &str) -> Options {
     Options { intensity: Intensity::UNLIMITED, obeys: true, ..Options::new(instance, BUILD, cores) }
 }
 
-/// What shared memory holds of an instance.
+/// All files and folders that an instance shares.
 pub(super) fn names_of(instance: &str) -> Vec<String> {
-    let entries =
-        std::fs::read_dir(trolley::doctor::shared_folder()).into_iter().flatten().flatten();
-    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    names.filter(|name| name.starts_with(&format!("trolley.{instance}."))).collect()
+    let shared = trolley::doctor::shared_folder();
+    let mut folders = vec![shared.clone()];
+    let mut names = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if folder == shared && !name.starts_with(&format!("trolley.{instance}.")) {
+                continue;
+            }
+            names.push(name);
+            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                folders.push(entry.path());
+            }
+        }
+    }
+    names
 }
