@@ -3,7 +3,6 @@
 #[cfg(feature = "faults")]
 use crate::fault::{self, Corruption};
 use bvh::{NodePair, Sink};
-#[cfg(feature = "faults")]
 use core::cell::Cell;
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering;
@@ -35,8 +34,8 @@ impl<'w> Outlet<'w> {
     pub(crate) fn open(&self) -> Result<Option<OpenMessage<'w>>, UseError> {
         let backoff = Backoff::new();
         loop {
-            // More taken than sent is a corrupted count, which the coordinator restores. A message too
-            // many finds the queue full, and this worker ends.
+            // More taken than sent is a corrupted count, which the coordinator restores. A message
+            // too many finds the queue full, and this worker ends.
             let taken = self.coordinator.consumed.load(Ordering::Acquire);
             let waiting = self.sent.get().wrapping_sub(taken).cast_signed();
             if waiting < launch::RESULTS as i64 {
