@@ -150,9 +150,6 @@ impl Client {
             if looks {
                 looked_ns = now_ns;
             }
-            if !pending.is_served() {
-                return refused(Reason::NoService, "the service closed the request");
-            }
             if looks && !port.is_served() {
                 return refused(Reason::NoService, "the service ended during the request");
             }

@@ -81,6 +81,10 @@ impl ClientPort {
             RequestSendError::SendError(_) => UseError::Broken,
         };
         let pending = self.port.send_copy(wire::Ask(*ask)).map_err(full)?;
+        // Its queue is full, of requests that were given up and that it has not seen yet.
+        if pending.number_of_server_connections() == 0 {
+            return Err(UseError::Full);
+        }
         if let Err(error) = self.notifier.notify() {
             // The server also polls, a little later.
             tracing::debug!(?error, "cannot wake the server");
@@ -112,16 +116,10 @@ impl Pending {
             Err(_) => Err(UseError::Broken),
         }
     }
-
-    /// Whether a server is there to answer it.
-    #[must_use]
-    pub fn is_served(&self) -> bool {
-        self.0.number_of_server_connections() > 0
-    }
 }
 
 impl fmt::Debug for Pending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Pending").field("is_served", &self.is_served()).finish_non_exhaustive()
+        f.debug_struct("Pending").finish_non_exhaustive()
     }
 }

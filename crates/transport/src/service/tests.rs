@@ -51,7 +51,7 @@ fn what_is_asked_arrives_and_its_answer_comes_back() {
         let mut ask = Ask::new(sequence);
         ask.candidates[15].other.position_m = [1.0, f64::NEG_INFINITY, -0.0];
         let pending = client.ask(&ask).unwrap();
-        assert!(pending.is_served() && pending.receive().unwrap().is_none());
+        assert!(pending.receive().unwrap().is_none());
         assert_eq!(client.ask(&ask).unwrap_err(), UseError::Full, "one at a time");
         let asked = server.take().unwrap().unwrap();
         assert!(asked.is_wanted());
@@ -243,4 +243,18 @@ fn instances_and_folders_that_do_not_fit_are_refused() {
         Address::new(Some(Path::new("/run/trolley/")), "a").unwrap().root(),
         Path::new("/run/trolley/trolley-a")
     );
+}
+
+/// Regression: what did not fit in the server's queue counted as sent, and then as refused.
+#[test]
+fn a_request_that_finds_no_room_is_not_sent() {
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let client = ClientPort::open(&scene.address).unwrap();
+    let refusal = (0..8).find_map(|sequence| client.ask(&Ask::new(sequence)).map(drop).err());
+    assert_eq!(refusal, Some(UseError::Full));
+    while server.take().unwrap().is_some() {}
+    let pending = client.ask(&Ask::new(9)).unwrap();
+    server.take().unwrap().unwrap().answer(&refused(9)).unwrap();
+    assert_eq!(pending.receive().unwrap(), Some(refused(9)));
 }
