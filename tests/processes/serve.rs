@@ -54,6 +54,24 @@ fn who_is_told_to_end_again_and_again_cleans_up_all_the_same() {
 }
 
 #[test]
+fn every_signal_that_ends_a_program_by_default_ends_it_cleanly() {
+    // Under nohup(1) SIGHUP is ignored, and stays so.
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap();
+    let ignored = u64::from_str_radix(ignored.trim(), 16).unwrap();
+    let is_heard = |signal: &Signal| ignored >> (signal.as_raw() - 1) & 1 == 0;
+    let all = [Signal::HUP, Signal::INT, Signal::QUIT, Signal::TERM];
+    for number in all.into_iter().filter(is_heard) {
+        let place = Place::new();
+        let mut serving = serve(&deployment(&place, 1, WALL), &[]);
+        signal(serving.child.id(), number);
+        let ended = wait_for(20_000, || serving.child.try_wait().unwrap());
+        assert!(ended.is_some_and(|status| status.success()), "{number:?}: {ended:?}");
+        serving.end();
+    }
+}
+
+#[test]
 fn the_service_ranks_as_rank_does_in_every_bit_with_workers_and_without() {
     let place = Place::new();
     let scenario = place.write("six.toml", &six(2000));

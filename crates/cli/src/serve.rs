@@ -13,7 +13,8 @@ Examples:
   trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
   trolley serve /etc/trolley/deployment.toml --require-rt  as the systemd unit does
 
-SIGTERM and SIGINT end it; nothing is left in shared memory, unless a client still uses it.";
+SIGTERM, SIGINT, SIGQUIT and SIGHUP end it; nothing is left in shared memory, unless a client \
+still uses it.";
 
 /// The arguments of `serve`.
 #[derive(Clone, Debug, Args)]

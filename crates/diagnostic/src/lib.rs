@@ -38,7 +38,7 @@ pub enum FailureKind {
     NoRealtime = 77,
     /// A setting is at fault.
     Configuration = 78,
-    /// SIGINT or SIGTERM.
+    /// SIGINT, SIGTERM, SIGQUIT or SIGHUP.
     Interrupted = 130,
 }
 

@@ -209,7 +209,8 @@ impl Poller {
         Ok(())
     }
 
-    /// Reports SIGINT and SIGTERM instead of dying of them, until the poller is dropped.
+    /// Reports SIGINT, SIGTERM, SIGQUIT and SIGHUP instead of dying of them, until the poller is
+    /// dropped. SIGHUP stays ignored where it was (nohup(1)).
     ///
     /// They are blocked in the calling thread and in the threads that it starts from now on. A
     /// thread that was started before still dies of them, and takes the process along: call this
@@ -220,7 +221,11 @@ impl Poller {
     /// If file descriptors ran out.
     pub fn catch_signals(&mut self) -> Result<()> {
         if self.signals.is_none() {
-            let signals = Signals::catch(&[libc::SIGINT, libc::SIGTERM])?;
+            let mut numbers = vec![libc::SIGINT, libc::SIGTERM, libc::SIGQUIT];
+            if !signals::is_ignored(libc::SIGHUP) {
+                numbers.push(libc::SIGHUP);
+            }
+            let signals = Signals::catch(&numbers)?;
             self.watch(signals.fd(), Source::Signals, EventFlags::IN)?;
             self.signals = Some(signals);
         }

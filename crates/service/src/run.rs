@@ -119,7 +119,7 @@ impl Diagnostic for ServiceError {
     }
 }
 
-/// Serves until SIGTERM or SIGINT. `ready` is called once, when the first request can be answered,
+/// Serves until a signal ends it. `ready` is called once, when the first request can be answered,
 /// with the real-time settings that were refused.
 ///
 /// # Errors

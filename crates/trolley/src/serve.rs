@@ -47,7 +47,8 @@ pub struct Greeting<'s> {
     pub missing: &'s [MissingRealtime],
 }
 
-/// Runs the service until SIGTERM or SIGINT. Calls `ready` once, when it can answer requests.
+/// Runs the service until a signal ends it (TERM, INT, QUIT, HUP). Calls `ready` once, when it can
+/// answer requests.
 ///
 /// ```no_run
 /// use trolley::{OpenDeployment, ServeOptions};

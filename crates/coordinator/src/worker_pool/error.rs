@@ -53,7 +53,7 @@ pub enum WorkerPoolError {
         core = .0.core, held = .0.held, budget = .0.budget, bytes = .0.bytes
     )]
     Thrashed(dispatch::Thrash),
-    /// SIGINT or SIGTERM came.
+    /// SIGINT, SIGTERM, SIGQUIT or SIGHUP came.
     #[error("interrupted")]
     Interrupted,
 }

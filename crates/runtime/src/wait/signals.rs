@@ -79,6 +79,15 @@ impl Drop for Signals {
     }
 }
 
+/// Whether this process ignores a signal.
+pub(super) fn is_ignored(number: i32) -> bool {
+    let mut action = MaybeUninit::<libc::sigaction>::zeroed();
+    // SAFETY: without a new action it only writes the present one, for which there is room.
+    let got = unsafe { libc::sigaction(number, ptr::null(), action.as_mut_ptr()) };
+    // SAFETY: written by the call above, and all zeros is an action, too.
+    got == 0 && unsafe { action.assume_init() }.sa_sigaction == libc::SIG_IGN
+}
+
 fn mask_of(numbers: &[i32]) -> libc::sigset_t {
     let mut set = MaybeUninit::<libc::sigset_t>::uninit();
     // SAFETY: `set` is a place for a set, and this call writes all of it.
