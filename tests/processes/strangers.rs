@@ -55,6 +55,7 @@ fn run_in(folder: &Path, args: &[&str]) -> Output {
     let mut command = Command::new("timeout");
     command.args(["--signal=KILL", &PATIENCE.as_secs().to_string()]);
     command.arg(env!("CARGO_BIN_EXE_trolley")).args(args).env("XDG_RUNTIME_DIR", folder);
+    command.env_remove("RUNTIME_DIRECTORY");
     command.output().unwrap()
 }
 

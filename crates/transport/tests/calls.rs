@@ -39,6 +39,10 @@ fn main() -> Outcome {
         "server" => server(Path::new(text(1))),
         // What a test runner asks a program.
         "--list" => Ok(()),
+        _ if !may_trace() => {
+            writeln!(std::io::stdout(), "SKIPPED: this machine does not permit ptrace")?;
+            Ok(())
+        }
         _ => {
             let mut out = std::io::stdout().lock();
             for (role, with) in
@@ -210,6 +214,20 @@ fn run_to(role: &str, argument: &str, call: usize) -> Outcome<bool> {
             return Ok(true);
         }
     }
+}
+
+/// Whether children may be traced here.
+fn may_trace() -> bool {
+    let mut command = Command::new("/bin/true");
+    // SAFETY: one system call, between fork and exec.
+    unsafe { command.pre_exec(be_traced) };
+    let Ok(child) = command.spawn() else { return false };
+    let pid = child.id().cast_signed();
+    let is_stopped = wait(pid).is_ok_and(|status| libc::WIFSTOPPED(status));
+    // SAFETY: `pid` is a stopped child that is traced here.
+    unsafe { libc::ptrace(libc::PTRACE_CONT, pid, 0, 0) };
+    let _ended = wait(pid);
+    is_stopped
 }
 
 fn be_traced() -> std::io::Result<()> {
