@@ -26,7 +26,7 @@ fn faults_of_all_sorts_are_survived_and_leave_nothing() {
         &place,
         "kill = 4\nkill-idle = 1\nkill-all = 1\nabort = 2\npanic = 3\nquit = 1\ngarble-result = 4\n\
          wrong-length = 2\nmasquerade = 1\nrepeat-result = 3\nlose-result = 3\ngarble-batch = 4\n\
-         queue-full = 3\nstop = 1\ncoordinator-kill = 1\nstale-memory = 1\n",
+         queue-full = 3\nstop = 1\nstop-before-exec = 3\ncoordinator-kill = 1\nstale-memory = 1\n",
     );
     let report = place.path().join("faults.xml");
     let output = inject(&[&plan, "--json", "--seed", "3", "--junit", report.to_str().unwrap()]);

@@ -50,8 +50,6 @@ use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
 use transport::{Domain, UseError};
 use worker_handle::WorkerHandle;
 
-/// How long workers may take to greet (ns): time to start a process and open a few files.
-const GREETING_NS: u64 = 20_000_000_000;
 /// Longest sleep of the coordinator before it checks the workers' heartbeats (ns).
 const NAP_NS: u64 = 20_000_000;
 /// How long a worker may take to end by itself (ms).
@@ -99,14 +97,19 @@ pub struct WorkerPool {
     batch: BatchWriter,
     /// Called while a request is worked on.
     idle_hook: Option<IdleHook>,
+    /// How many of the next workers stop themselves before exec.
+    #[cfg(feature = "faults")]
+    stopped_starts: u32,
 }
 
 impl WorkerPool {
-    /// Starts the workers and waits until each has greeted.
+    /// Starts the workers and waits until each has greeted. One that does not is replaced once;
+    /// then one that has greeted is enough.
     ///
     /// # Errors
     ///
-    /// If shared memory, a process or a core is unavailable, or a worker does not greet.
+    /// If shared memory, a process or a core is unavailable, or no worker greets. That takes less
+    /// than 2 s, unless workers visibly progress: then up to the longest start of the options.
     pub fn start(store: &SealedMemory, options: &Options) -> Result<Self, WorkerPoolError> {
         let workers = options.cores.len();
         if let Some(missing) = preflight(options).into_iter().find(|missing| missing.is_fatal) {
@@ -149,12 +152,14 @@ impl WorkerPool {
             effects: Vec::new(),
             batch: BatchWriter::default(),
             idle_hook: None,
+            #[cfg(feature = "faults")]
+            stopped_starts: options.stopped_starts,
         };
         for worker in 0..workers {
             let worker = worker_pool.spawn(Incarnation { worker: worker as u8, inc: 0 }, store)?;
             worker_pool.workers.push(worker);
         }
-        worker_pool.await_greetings()?;
+        worker_pool.await_greetings(Some(store))?;
         Ok(worker_pool)
     }
 

@@ -35,4 +35,4 @@ pub use restart::{Intensity, Leave, Restarts};
 pub use scheme::{
     BestMatchLoad, CoreView, LowestMatch, MatchScheme, Matching, RandomMatch, RoundRobin,
 };
-pub use supervise::{Liveness, Patience, Pulse, Watch};
+pub use supervise::{Liveness, Patience, Pulse, StartPatience, StartPulse, StartWatch, Watch};

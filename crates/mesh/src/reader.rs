@@ -33,6 +33,8 @@ pub const ROLE: [&str; 2] = ["model", "import-child"];
 /// Called with the number of triangles in the tree so far and their total.
 pub type OnProgress<'p> = &'p dyn Fn(u64, u64);
 
+/// How long the child may take to begin (ms).
+const EXEC_MS: u64 = 10_000;
 /// How the operating system reports ENOMEM.
 const NO_MEMORY: &str = "(os error 12)";
 /// A megabyte of `--memory-mb`.
@@ -272,7 +274,8 @@ impl ReadRequest {
             args: &[ROLE[0].to_owned(), ROLE[1].to_owned(), request],
             fds: &[(says.as_fd(), 1), (complains.as_fd(), 2)],
             core: None,
-        })?;
+        })?
+        .await_exec(EXEC_MS)?;
         Ok((child, words, std::thread::spawn(move || start_of(complaints))))
     }
 

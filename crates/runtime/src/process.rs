@@ -5,10 +5,13 @@
 //! with the *thread* that spawned it (PR_SET_PDEATHSIG is per thread): spawn from a thread that
 //! lives as long as the process. It is reaped by [`Child::try_wait`], [`Child::wait_ms`] or drop.
 
+mod exec;
 mod spawn;
 mod stat;
 
-pub use spawn::{Spawn, spawn};
+#[cfg(feature = "faults")]
+pub use spawn::spawn_stopped;
+pub use spawn::{Spawn, spawn, spawn_with_env};
 pub use stat::{ProcStat, stat};
 
 use crate::clock;
@@ -67,6 +70,7 @@ pub struct Child {
     pid: Pid,
     pidfd: OwnedFd,
     exit: Option<Exit>,
+    exec: exec::ExecPipe,
 }
 
 impl Child {
@@ -116,7 +120,7 @@ impl Child {
     ///
     /// If it was reaped elsewhere.
     pub fn try_wait(&mut self) -> Result<Option<Exit>> {
-        self.reap(WaitOptions::NOHANG)
+        self.reap()
     }
 
     /// Waits until it ends, at most `timeout_ms`.
@@ -144,9 +148,9 @@ impl Child {
         }
     }
 
-    fn reap(&mut self, options: WaitOptions) -> Result<Option<Exit>> {
+    fn reap(&mut self) -> Result<Option<Exit>> {
         while self.exit.is_none() {
-            match rustix::process::waitpid(Some(self.pid), options) {
+            match rustix::process::waitpid(Some(self.pid), WaitOptions::NOHANG) {
                 Ok(None) => return Ok(None),
                 Ok(Some((_, status))) => {
                     self.exit = match (status.exit_status(), status.terminating_signal()) {
@@ -165,12 +169,16 @@ impl Child {
 }
 
 impl Drop for Child {
-    /// Leaves neither an orphan nor a zombie. SIGKILL cannot be refused, so the wait is short.
+    /// Leaves neither an orphan nor a zombie. SIGKILL cannot be refused, so the wait is short; a
+    /// process that the kernel itself cannot end, as one that waits for a dead disk, is left to it.
     fn drop(&mut self) {
-        if self.exit.is_none()
-            && let Err(error) = self.kill().and_then(|()| self.reap(WaitOptions::empty()))
-        {
-            tracing::warn!(pid = self.pid(), %error, "a child may be left");
+        if self.exit.is_some() {
+            return;
+        }
+        match self.kill().and_then(|()| self.wait_ms(exec::REAP_MS)) {
+            Ok(Some(_)) => {}
+            Ok(None) => tracing::warn!(pid = self.pid(), "a killed child does not end"),
+            Err(error) => tracing::warn!(pid = self.pid(), %error, "a child may be left"),
         }
     }
 }

@@ -321,7 +321,7 @@ impl Engine {
                     .transpose()?;
                 backend
             }
-            None => self.settings.backend(&settings, &loaded.bodies)?,
+            None => self.settings.backend(&settings, &loaded.bodies, request_limits.deadline_ns)?,
         };
         let started_ns = clock::now_ns();
         let views = loaded.bodies.views()?;
@@ -462,6 +462,9 @@ fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failu
     applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::FailureKind::Configuration))
 }
 
+/// The shortest time that workers get to start (ns), whatever the deadline of the first request.
+const START_NS: u64 = 2_000_000_000;
+
 /// The bodies of a scenario: the kept ones if they are the same, else newly loaded ones.
 fn loaded<'l>(
     kept: &'l mut Option<Loaded>,
@@ -519,8 +522,14 @@ fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
 }
 
 impl EngineBuilder {
-    /// What runs the jobs, ready to start.
-    fn backend(&self, settings: &Settings, bodies: &Bodies) -> Result<Backend, Failure> {
+    /// What runs the jobs, ready to start. Workers that make visible progress may take as long to
+    /// start as the first request may take (ns), but no less than those that make none.
+    fn backend(
+        &self,
+        settings: &Settings,
+        bodies: &Bodies,
+        deadline_ns: Option<u64>,
+    ) -> Result<Backend, Failure> {
         if self.in_process {
             return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(
                 &bodies.views()?,
@@ -528,7 +537,11 @@ impl EngineBuilder {
         }
         let cores = worker_cores(settings, &affinity::allowed_cores())?;
         pin_coordinator(settings)?;
-        let options = self.options(settings, bodies, cores)?;
+        let mut options = self.options(settings, bodies, cores)?;
+        let patience = &mut options.start_patience;
+        let deadline_ns = deadline_ns.unwrap_or(patience.longest_ns);
+        patience.longest_ns =
+            deadline_ns.clamp(START_NS.min(patience.longest_ns), patience.longest_ns);
         Ok(Backend::Workers(Box::new(WorkerPool::start(bodies.store(), &options)?)))
     }
 

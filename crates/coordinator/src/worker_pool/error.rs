@@ -26,12 +26,17 @@ pub enum WorkerPoolError {
         exit: Exit,
     },
     /// A worker did not greet in time.
-    #[error("worker {worker} did not greet within {seconds} s: is the machine overloaded?")]
+    #[error(
+        "worker {worker} did not greet ({how}), {ms} ms after the start: is the machine \
+             overloaded, or was the process stopped?"
+    )]
     HandshakeTimeout {
         /// Which one.
         worker: u8,
-        /// How long was waited (s).
-        seconds: u64,
+        /// What it was seen to do: stopped, silent, hung.
+        how: &'static str,
+        /// How long was waited (ms).
+        ms: u64,
     },
     /// All workers are lost and jobs are open.
     #[error(

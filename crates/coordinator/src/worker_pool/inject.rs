@@ -6,6 +6,7 @@
 use super::WorkerPool;
 use core::sync::atomic::Ordering;
 use protocol::{FaultCommand, Head};
+use runtime::{Child, OsError, Spawn, process};
 use transport::{OpenMessage, UseError};
 
 /// What is done to a batch on its way.
@@ -37,7 +38,19 @@ pub(super) fn send(
     }
 }
 
+/// How the next worker is started: some stop themselves before exec.
+pub(super) fn how_to_spawn(stopped: &mut u32) -> fn(Spawn<'_>) -> Result<Child, OsError> {
+    let stops = *stopped > 0;
+    *stopped = stopped.saturating_sub(1);
+    if stops { process::spawn_stopped } else { process::spawn }
+}
+
 impl WorkerPool {
+    /// Lets this many of the next workers stop themselves before exec.
+    pub fn stop_next_starts(&mut self, count: u32) {
+        self.stopped_starts = count;
+    }
+
     /// Commands a fault of a worker, which must have been started with `obeys`.
     pub fn command_fault(&self, worker: u8, order: Option<FaultCommand>) {
         let line = self.status.page().coordinator.get(usize::from(worker));

@@ -57,7 +57,7 @@ impl WorkerPool {
     ///
     /// If no worker greets.
     pub fn rally(&mut self) -> Result<(), WorkerPoolError> {
-        self.await_greetings()
+        self.await_greetings(None)
     }
 
     /// Number of workers that take jobs.
@@ -98,9 +98,13 @@ impl WorkerPool {
         };
         let wake_fd = self.poller.add_event(key)?;
         let core = options.cores.get(usize::from(who.worker)).copied().flatten();
-        let status = &self.status;
-        let worker =
-            WorkerHandle::start(&launch, &self.domain, options, core, store, status, wake_fd)?;
+        let memory = (store, &self.status);
+        #[cfg(not(feature = "faults"))]
+        let spawn = runtime::process::spawn;
+        #[cfg(feature = "faults")]
+        let spawn = super::inject::how_to_spawn(&mut self.stopped_starts);
+        let domain = &self.domain;
+        let worker = WorkerHandle::start(&launch, domain, options, core, memory, wake_fd, spawn)?;
         self.poller.add_process(worker.child(), key)?;
         Ok(worker)
     }

@@ -1,6 +1,6 @@
 //! How a worker pool is started: with which program, on which cores, with which queues.
 
-use dispatch::{Cache, Intensity, Matching, Patience, Queues};
+use dispatch::{Cache, Intensity, Matching, Patience, Queues, StartPatience};
 use scenario::EngineSettings;
 use std::path::PathBuf;
 
@@ -29,11 +29,16 @@ pub struct Options {
     pub log: bool,
     /// How long a busy worker may make no progress.
     pub patience: Patience,
+    /// How long a worker may take to greet.
+    pub start_patience: StartPatience,
     /// How often workers are replaced.
     pub intensity: Intensity,
     /// Whether workers obey fault commands: for fault injection only.
     #[cfg(feature = "faults")]
     pub obeys: bool,
+    /// How many of the first workers stop themselves before exec: for fault injection only.
+    #[cfg(feature = "faults")]
+    pub stopped_starts: u32,
 }
 
 impl Options {
@@ -64,9 +69,12 @@ impl Options {
             copies: false,
             log: false,
             patience: Patience::default(),
+            start_patience: StartPatience::default(),
             intensity: Intensity::default(),
             #[cfg(feature = "faults")]
             obeys: false,
+            #[cfg(feature = "faults")]
+            stopped_starts: 0,
         }
     }
 }

@@ -4,42 +4,36 @@
 //! core gets a successor is decided elsewhere.
 
 use super::worker_handle::WorkerHandle;
-use super::{GREETING_NS, Observation, WorkerPool, WorkerPoolError};
+use super::{Observation, WorkerPool, WorkerPoolError};
 use crate::work::TaskSource;
-use dispatch::{Effect, Event, Progress};
+use dispatch::{Effect, Event, Liveness, Progress};
 use protocol::{Incarnation, JobId, MessageKind};
-use runtime::clock;
+use runtime::{Exit, SealedMemory, clock};
 use transport::UseError;
 
 impl WorkerPool {
-    /// Waits until every worker has greeted or ended; one greeting is enough.
-    pub(super) fn await_greetings(&mut self) -> Result<(), WorkerPoolError> {
+    /// Waits until every worker has greeted or ended; one greeting is enough. With a store, a
+    /// worker that is lost on the way is replaced, once.
+    pub(super) fn await_greetings(
+        &mut self,
+        store: Option<&SealedMemory>,
+    ) -> Result<(), WorkerPoolError> {
         let mut failed = None;
-        loop {
-            let now = clock::now_ns();
+        let begun_ns = clock::now_ns();
+        let mut replaced = 0_u32;
+        while self.workers.iter().any(WorkerHandle::is_starting) {
             for number in 0..self.workers.len() {
-                let worker = &mut self.workers[number];
-                if let Ok(Some(Ok(head))) = worker.take(&self.status, &mut self.scratch) {
-                    worker.has_greeted |= head.kind == MessageKind::Hello as u8;
-                }
-                if !worker.is_starting() {
+                let Some((error, may_help)) = self.lost_at_start(number, begun_ns)? else {
                     continue;
+                };
+                tracing::warn!(worker = number, %error, "lost a worker at start-up");
+                failed.get_or_insert(error);
+                if let (Some(store), 0, true) = (store, replaced >> number & 1, may_help) {
+                    replaced |= 1 << number;
+                    let who = self.workers[number].who;
+                    let successor = Incarnation { inc: who.inc.wrapping_add(1), ..who };
+                    self.workers[number] = self.spawn(successor, store)?;
                 }
-                let id = number as u8;
-                if let Some(exit) = worker.exit()? {
-                    failed.get_or_insert(WorkerPoolError::ExitedAtStart { worker: id, exit });
-                    tracing::warn!(worker = id, %exit, "a worker ended at start-up");
-                    self.miss(number)?;
-                    self.workers[number].report.lost = Some(format!("{exit} at start-up"));
-                } else if now > worker.handshake_deadline_ns {
-                    let seconds = GREETING_NS / 1_000_000_000;
-                    failed.get_or_insert(WorkerPoolError::HandshakeTimeout { worker: id, seconds });
-                    worker.kill("did not greet");
-                    self.miss(number)?;
-                }
-            }
-            if !self.workers.iter().any(WorkerHandle::is_starting) {
-                break;
             }
             self.sleep(1_000_000)?;
         }
@@ -47,6 +41,41 @@ impl WorkerPool {
             Some(error) if !self.workers.iter().any(WorkerHandle::is_ready) => Err(error),
             _ => Ok(()),
         }
+    }
+
+    /// Takes a worker's greeting; if it is lost instead, why, and whether another might fare
+    /// better.
+    fn lost_at_start(
+        &mut self,
+        number: usize,
+        begun_ns: u64,
+    ) -> Result<Option<(WorkerPoolError, bool)>, WorkerPoolError> {
+        let id = number as u8;
+        let worker = &mut self.workers[number];
+        if let Ok(Some(Ok(head))) = worker.take(&self.status, &mut self.scratch) {
+            worker.has_greeted |= head.kind == MessageKind::Hello as u8;
+        }
+        if !worker.is_starting() {
+            return Ok(None);
+        }
+        if let Some(exit) = worker.exit()? {
+            let error = worker.exec_error();
+            self.miss(number)?;
+            self.workers[number].report.lost = Some(format!("{exit} at start-up"));
+            let may_help = matches!(exit, Exit::Signal(_));
+            let exited = WorkerPoolError::ExitedAtStart { worker: id, exit };
+            return Ok(Some((error.map_or(exited, WorkerPoolError::System), may_help)));
+        }
+        let now = clock::now_ns();
+        // A successor has what is left of the time of both.
+        let is_late = now.saturating_sub(begun_ns) >= self.options.start_patience.longest_ns;
+        let verdict = worker.start_pulse(now, &self.options.start_patience);
+        let Some(verdict) = verdict.or(is_late.then_some(Liveness::Hung)) else { return Ok(None) };
+        worker.kill(&format!("did not greet: {}", verdict.name()));
+        self.miss(number)?;
+        let ms = now.saturating_sub(begun_ns) / 1_000_000;
+        let how = verdict.name();
+        Ok(Some((WorkerPoolError::HandshakeTimeout { worker: id, how, ms }, !is_late)))
     }
 
     /// Checks every worker's heartbeat, and kills workers that make no progress.
@@ -59,8 +88,11 @@ impl WorkerPool {
     ) -> Result<Progress, WorkerPoolError> {
         for number in 0..self.workers.len() {
             let worker = &mut self.workers[number];
-            if worker.is_starting() && now > worker.handshake_deadline_ns {
-                worker.kill("did not greet");
+            if worker.is_starting()
+                && let Some(verdict) = worker.start_pulse(now, &self.options.start_patience)
+            {
+                worker.kill(&format!("did not greet: {}", verdict.name()));
+                self.observe(self.workers[number].who, Observation::StoodStill(verdict));
                 progress = self.reap(number, work, effects)?;
                 continue;
             }
@@ -136,7 +168,15 @@ impl WorkerPool {
         for number in 0..self.workers.len() {
             let worker = &mut self.workers[number];
             let has_ended = worker.is_alive() && worker.exit()?.is_some();
-            if has_ended || self.kill_if_still(number, now) {
+            let start = match worker.is_starting() && !has_ended {
+                true => worker.start_pulse(now, &self.options.start_patience),
+                false => None,
+            };
+            if let Some(verdict) = start {
+                worker.kill(&format!("did not greet: {}", verdict.name()));
+                self.observe(self.workers[number].who, Observation::StoodStill(verdict));
+            }
+            if has_ended || start.is_some() || self.kill_if_still(number, now) {
                 self.miss(number)?;
             }
         }

@@ -2,7 +2,7 @@
 
 use super::{Hardware, Options, WorkerReport, WorkerShare};
 use core::sync::atomic::Ordering;
-use dispatch::{Liveness, Patience, Pulse, Watch};
+use dispatch::{Liveness, Patience, Pulse, StartPatience, StartPulse, StartWatch, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
 use protocol::{Head, Incarnation, JobId, Launch, MessageKind, Reject, RequestId};
@@ -21,8 +21,8 @@ pub(super) struct WorkerHandle {
     is_alive: bool,
     /// Whether its channels work and it takes jobs.
     pub(super) has_greeted: bool,
-    /// When it must have greeted at the latest (ns).
-    pub(super) handshake_deadline_ns: u64,
+    /// How its start goes, until it has greeted.
+    start_watch: StartWatch,
     /// Corruption of the next batch, where faults are injected.
     #[cfg(feature = "faults")]
     pub(super) corruption: Option<super::Corruption>,
@@ -85,9 +85,9 @@ impl WorkerHandle {
         domain: &Domain,
         options: &Options,
         core: Option<usize>,
-        store: &SealedMemory,
-        status: &StatusMemory,
+        (store, status): (&SealedMemory, &StatusMemory),
         wake_fd: EventFd,
+        spawn: fn(Spawn<'_>) -> Result<Child, OsError>,
     ) -> Result<Self, StartError> {
         let sizes = Sizes {
             job_words: launch.batch_words(),
@@ -97,12 +97,9 @@ impl WorkerHandle {
         };
         let link = CoordinatorLink::create(domain, launch.who, &sizes, &options.build)?;
         let args = ["worker".to_owned(), launch.to_word()];
-        let child = process::spawn(Spawn {
-            program: &options.program,
-            args: &args,
-            fds: &[(store.fd(), STORE_FD), (status.fd(), STATUS_FD), (wake_fd.fd(), EVENT_FD)],
-            core,
-        })?;
+        let fds = [(store.fd(), STORE_FD), (status.fd(), STATUS_FD), (wake_fd.fd(), EVENT_FD)];
+        // Nobody waits until it runs: its greeting shows that.
+        let child = spawn(Spawn { program: &options.program, args: &args, fds: &fds, core })?;
         let report = WorkerReport {
             worker: launch.who.worker,
             pid: child.pid(),
@@ -129,7 +126,7 @@ impl WorkerHandle {
             watch: Watch::default(),
             is_alive: true,
             has_greeted: false,
-            handshake_deadline_ns: runtime::clock::now_ns() + super::GREETING_NS,
+            start_watch: StartWatch::new(runtime::clock::now_ns()),
             #[cfg(feature = "faults")]
             corruption: None,
             taken: 0,
@@ -248,6 +245,24 @@ impl WorkerHandle {
             instructions: now.instructions.saturating_sub(before.instructions),
             cache_misses: now.cache_misses.saturating_sub(before.cache_misses),
         })
+    }
+
+    /// Why its program could not be run, if that is so.
+    pub(super) fn exec_error(&mut self) -> Option<OsError> {
+        self.child.exec_error()
+    }
+
+    /// The verdict on a worker that has not greeted and must be killed.
+    pub(super) fn start_pulse(&mut self, now: u64, patience: &StartPatience) -> Option<Liveness> {
+        // One that has ended is reported by its pidfd.
+        let stat = process::stat(self.report.pid)?;
+        let pulse = StartPulse {
+            cpu_ns: stat.cpu_ns,
+            stopped: matches!(stat.state, 'T' | 't'),
+            runnable: matches!(stat.state, 'R' | 'D'),
+        };
+        let verdict = self.start_watch.look(pulse, now, patience);
+        (verdict != Liveness::Alive).then_some(verdict)
     }
 
     /// How it ended, if it has.

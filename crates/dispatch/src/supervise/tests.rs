@@ -53,3 +53,34 @@ fn a_worker_that_waits_for_its_core_is_given_time() {
         assert_eq!(watch.look(pulse, now, &Patience::default()), Liveness::Alive);
     }
 }
+
+/// When a start is given up that looks the same every `every_ms` from its beginning, and why.
+fn given_up(pulse: impl Fn(u64) -> StartPulse, every_ms: u64) -> (u64, Liveness) {
+    let (mut watch, patience) = (StartWatch::new(0), StartPatience::default());
+    (0..)
+        .map(|look| look * every_ms * MS)
+        .map(|now| (now, watch.look(pulse(now), now, &patience)))
+        .find(|(_, verdict)| *verdict != Liveness::Alive)
+        .expect("every start ends")
+}
+
+proptest! {
+    #[test]
+    fn every_start_ends_and_sooner_the_less_it_moves(every_ms in 1_u64..50, from in 0_u64..2_000) {
+        let most = every_ms * MS;
+        let still = |stopped, runnable| move |_| StartPulse { cpu_ns: 7, stopped, runnable };
+        let (at, why) = given_up(still(true, false), every_ms);
+        prop_assert!(why == Liveness::Stopped && at <= 100 * MS + most, "{at}");
+        let (at, why) = given_up(still(false, false), every_ms);
+        prop_assert!(why == Liveness::Silent && 2 * at <= 2_000 * MS && at >= 800 * MS, "{at}");
+        // One that waits for its core, or runs, has time, but not for ever.
+        let (at, why) = given_up(still(false, true), every_ms);
+        prop_assert!(why == Liveness::Hung && (20_000 * MS..20_000 * MS + most).contains(&at));
+        let runs = |now| StartPulse { cpu_ns: now / 100, stopped: false, runnable: false };
+        prop_assert_eq!(given_up(runs, every_ms), (at, Liveness::Hung));
+        // Whatever it did before, being stopped is noticed at once.
+        let later = |now| StartPulse { cpu_ns: now, stopped: now >= from * MS, runnable: true };
+        let (at, why) = given_up(later, every_ms);
+        prop_assert!(why == Liveness::Stopped && at <= (from + 100) * MS + 2 * most, "{at}");
+    }
+}

@@ -71,7 +71,8 @@ impl Run {
             args: &line[1..],
             fds: &[(out.as_fd(), 1), (null.as_fd(), 2)],
             core: None,
-        })?;
+        })?
+        .await_exec(PATIENCE_MS)?;
         Ok(Self { child, out })
     }
 
@@ -263,7 +264,8 @@ fn is_granted(kind: Kind) -> Result<bool, Failure> {
         .map_err(|error| Failure::new(trolley::FailureKind::System, error.to_string()))?;
     let program = Path::new("/usr/bin/unshare");
     let mut child =
-        process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?;
+        process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?
+            .await_exec(PATIENCE_MS)?;
     Ok(child.wait_ms(5_000)? == Some(Exit::Code(0)))
 }
 

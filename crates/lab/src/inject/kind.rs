@@ -22,6 +22,7 @@ kinds! {
     KillIdle = "kill-idle",
     KillAtStart = "kill-at-start",
     KillAll = "kill-all",
+    StopBeforeExec = "stop-before-exec",
     Stop = "stop",
     StopContinue = "stop-continue",
     Slow = "slow",

@@ -359,6 +359,17 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                     }
                 }
             }
+            Kind::StopBeforeExec => {
+                // Its replacement stops on its way from fork to exec.
+                Held::of(pid)?.signal(super::signals::KILL)?;
+                self.worker_pool.stop_next_starts(1);
+                let mended = self.worker_pool.mend(self.stage.store)?;
+                self.worker_pool.stop_next_starts(0);
+                if let Some(next) = mended.started.iter().find(|next| next.worker == who.worker) {
+                    self.open[number].who = *next;
+                    self.open[number].struck_ns = Some(clock::now_ns());
+                }
+            }
             Kind::Stop => shoot(within_ns, Deed::Stop),
             Kind::StopContinue => {
                 let ns = 1_000_000 + self.rng.below(250_000_000);

@@ -5,8 +5,12 @@
 //!
 //! Between fork and exec the child has one thread and a copy of locks that others may have held:
 //! it makes system calls and nothing else. No allocation, no lock, no panic.
+//!
+//! The parent does not wait for exec: a child can be stopped, or wait for a slow disk, on the way.
+//! Whether exec failed comes through a pipe that [`Child`] keeps.
 
 use super::Child;
+use super::exec::ExecPipe;
 use crate::affinity;
 use crate::error::{OsError, Result};
 use core::ffi::{c_char, c_int};
@@ -14,9 +18,9 @@ use core::ptr;
 use rustix::io::Errno;
 use rustix::process::{Pid, PidfdFlags, Signal};
 use rustix::thread::CpuSet;
-use std::ffi::{CStr, CString};
+use std::ffi::{CString, OsString};
 use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd, RawFd};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
@@ -40,29 +44,58 @@ pub struct Spawn<'a> {
 /// It dies with the calling thread, is alone in its process group (a Ctrl-C at the terminal is for
 /// the parent, who decides what becomes of its children), and blocks no signal.
 ///
+/// Returns after the fork, without waiting for the program to run: see [`Child::await_exec`] and
+/// [`Child::exec_error`].
+///
 /// # Errors
 ///
-/// If the program cannot be run or the core is not to be had; then there is no child.
+/// If there can be no child: no process, no file descriptors, no such core.
 pub fn spawn(what: Spawn<'_>) -> Result<Child> {
+    start(what, None, false)
+}
+
+/// [`spawn`], with these variables as the child's whole environment.
+///
+/// # Errors
+///
+/// As [`spawn`]; also if a variable contains a zero byte.
+pub fn spawn_with_env(what: Spawn<'_>, env: &[(OsString, OsString)]) -> Result<Child> {
+    start(what, Some(env), false)
+}
+
+/// [`spawn`], but the child stops itself before exec: for fault injection.
+///
+/// # Errors
+///
+/// As [`spawn`].
+#[cfg(feature = "faults")]
+pub fn spawn_stopped(what: Spawn<'_>) -> Result<Child> {
+    start(what, None, true)
+}
+
+fn start(what: Spawn<'_>, env: Option<&[(OsString, OsString)]>, stops: bool) -> Result<Child> {
     let name = what.program.to_string_lossy().into_owned();
-    let plan = Plan::new(what).map_err(|source| OsError::new("prepare", name.clone(), source))?;
+    let plan = Plan::new(what, env, stops)
+        .map_err(|source| OsError::new("prepare", name.clone(), source))?;
     let failed = |source: io::Error| OsError::new("start", name.clone(), source);
-    let (hear, low) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
-        .map_err(|errno| failed(errno.into()))?;
+    let (hear, low) = rustix::pipe::pipe_with(
+        rustix::pipe::PipeFlags::CLOEXEC.union(rustix::pipe::PipeFlags::NONBLOCK),
+    )
+    .map_err(|errno| failed(errno.into()))?;
     // The child's end must not lie on a number that it is about to overwrite.
     let tell =
         rustix::io::fcntl_dupfd_cloexec(&low, plan.above).map_err(|errno| failed(errno.into()))?;
     drop(low);
-    let parent = rustix::process::getpid();
+    let (parent, thread) = (rustix::process::getpid(), rustix::thread::gettid());
 
     // SAFETY: the child calls `Plan::run` alone, which keeps to what is allowed after a fork.
     let pid = unsafe { libc::fork() };
     if pid == 0 {
-        plan.run(parent, tell.as_raw_fd());
+        plan.run((parent, thread), tell.as_raw_fd());
     }
     let pid = Pid::from_raw(pid).filter(|_| pid > 0);
     let pid = pid.ok_or_else(|| failed(io::Error::last_os_error()))?;
-    // Else the read below would wait for this end, too.
+    // The pipe must end when the child's copy is closed.
     drop(tell);
     // Not reaped yet, so the number is the child's even if it is dead.
     let opened = rustix::process::pidfd_open(pid, PidfdFlags::empty());
@@ -71,14 +104,7 @@ pub fn spawn(what: Spawn<'_>) -> Result<Child> {
         let _reaped = rustix::process::waitpid(Some(pid), rustix::process::WaitOptions::empty());
         failed(errno.into())
     })?;
-    let child = Child { pid, pidfd, exit: None };
-    let mut errno = [0; 4];
-    match File::from(hear).read_exact(&mut errno) {
-        // Exec closed the pipe: the program runs. (Or the child was killed on the way: its pidfd
-        // says so.)
-        Err(_) => Ok(child),
-        Ok(()) => Err(failed(io::Error::from_raw_os_error(i32::from_ne_bytes(errno)))),
-    }
+    Ok(Child { pid, pidfd, exit: None, exec: ExecPipe::new(name, hear) })
 }
 
 /// All that the child needs, made before the fork.
@@ -88,22 +114,38 @@ struct Plan {
     _args: Vec<CString>,
     /// Ends with a null pointer, as exec wants it.
     argv: Vec<*const c_char>,
+    /// Owns what `envp` points to.
+    _env: Vec<CString>,
+    /// Ends with a null pointer; `None`: the parent's.
+    envp: Option<Vec<*const c_char>>,
     /// Copies of the file descriptors, all with numbers above all targets, so that none is
     /// overwritten before it was copied; and the targets.
     fds: Vec<(OwnedFd, RawFd)>,
     /// Above all targets and the three standard ones.
     above: RawFd,
     core: Option<CpuSet>,
+    /// Whether it stops itself before exec.
+    stops: bool,
 }
 
 impl Plan {
-    fn new(what: Spawn<'_>) -> io::Result<Self> {
+    fn new(what: Spawn<'_>, env: Option<&[(OsString, OsString)]>, stops: bool) -> io::Result<Self> {
         let program = CString::new(what.program.as_os_str().as_bytes())?;
         let mut args = vec![program.clone()];
         for arg in what.args {
             args.push(CString::new(arg.as_bytes())?);
         }
         let argv = args.iter().map(|arg| arg.as_ptr()).chain([ptr::null()]).collect();
+        let mut variables = Vec::new();
+        for (name, value) in env.unwrap_or_default() {
+            let mut variable = name.as_bytes().to_vec();
+            variable.push(b'=');
+            variable.extend_from_slice(value.as_bytes());
+            variables.push(CString::new(variable)?);
+        }
+        let envp = env.map(|_| {
+            variables.iter().map(|variable| variable.as_ptr()).chain([ptr::null()]).collect()
+        });
         if what.fds.iter().any(|(_, target)| *target < 0) {
             return Err(io::ErrorKind::InvalidInput.into());
         }
@@ -116,22 +158,22 @@ impl Plan {
             .map(|(fd, target)| Ok((rustix::io::fcntl_dupfd_cloexec(fd, above)?, target)))
             .collect::<io::Result<Vec<_>>>()?;
         let core = what.core.map(affinity::only).transpose()?;
-        Ok(Self { program, _args: args, argv, fds, above, core })
+        Ok(Self { program, _args: args, argv, _env: variables, envp, fds, above, core, stops })
     }
 
     /// The child's code before exec. If anything fails, it reports what and exits.
-    fn run(&self, parent: Pid, tell: RawFd) -> ! {
-        let errno = self.prepare(parent).err().unwrap_or_else(|| exec(&self.program, &self.argv));
+    fn run(&self, parent: (Pid, Pid), tell: RawFd) -> ! {
+        let errno = self.prepare(parent).err().unwrap_or_else(|| self.exec());
         let bytes = errno.raw_os_error().to_ne_bytes();
         // SAFETY: pointer and length are those of `bytes`. If nothing reads them, nothing is lost.
         unsafe { libc::write(tell, bytes.as_ptr().cast(), bytes.len()) };
         exit(127)
     }
 
-    fn prepare(&self, parent: Pid) -> core::result::Result<(), Errno> {
+    fn prepare(&self, (parent, thread): (Pid, Pid)) -> core::result::Result<(), Errno> {
         rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
-        // If the parent died before that call, the signal is never sent.
-        if rustix::process::getppid() != Some(parent) {
+        // If the parent, or its thread, died before that call, the signal is never sent.
+        if rustix::process::getppid() != Some(parent) || !is_alive(parent, thread) {
             exit(127);
         }
         rustix::process::setpgid(None, None)?;
@@ -149,8 +191,32 @@ impl Plan {
         // The Rust runtime ignores SIGPIPE, and exec would hand that on.
         // SAFETY: no handler is installed, and the child has one thread.
         unsafe { libc::signal(libc::SIGPIPE, libc::SIG_DFL) };
-        unblock_signals()
+        unblock_signals()?;
+        if self.stops {
+            rustix::process::kill_process(rustix::process::getpid(), Signal::STOP)?;
+        }
+        Ok(())
     }
+
+    /// Returns only if it failed.
+    fn exec(&self) -> Errno {
+        let (program, argv) = (self.program.as_ptr(), self.argv.as_ptr());
+        match &self.envp {
+            // SAFETY: `program` and all of `argv` but its last are strings that `self` owns, and
+            // the last is null.
+            None => unsafe { libc::execv(program, argv) },
+            // SAFETY: as above, and `envp` is like `argv`.
+            Some(envp) => unsafe { libc::execve(program, argv, envp.as_ptr()) },
+        };
+        last_errno()
+    }
+}
+
+/// Whether a process has this thread. Does not allocate.
+fn is_alive(process: Pid, thread: Pid) -> bool {
+    let (process, thread) = (process.as_raw_nonzero().get(), thread.as_raw_nonzero().get());
+    // SAFETY: signal 0 is none: the kernel only looks for the thread.
+    unsafe { libc::syscall(libc::SYS_tgkill, process, thread, 0) == 0 }
 }
 
 /// Marks what other libraries left open across exec, from this number on. Kernels before 5.11
@@ -169,14 +235,6 @@ fn unblock_signals() -> core::result::Result<(), Errno> {
     // SAFETY: `none` was written above; the old set is not asked for.
     let done = unsafe { libc::sigprocmask(libc::SIG_SETMASK, none.as_ptr(), ptr::null_mut()) };
     if done == 0 { Ok(()) } else { Err(last_errno()) }
-}
-
-/// Returns only if it failed.
-fn exec(program: &CStr, argv: &[*const c_char]) -> Errno {
-    // SAFETY: `program` and all of `argv` but its last are strings that `Plan` owns, and the last
-    // is null.
-    unsafe { libc::execv(program.as_ptr(), argv.as_ptr()) };
-    last_errno()
 }
 
 /// Does not allocate.

@@ -9,7 +9,9 @@ use std::sync::mpsc;
 
 fn shell_on(core: Option<usize>, script: &str, fds: &[(BorrowedFd<'_>, RawFd)]) -> Child {
     let args = ["-c", script].map(str::to_owned);
-    spawn(Spawn { program: Path::new("/bin/sh"), args: &args, fds, core }).unwrap()
+    spawn(Spawn { program: Path::new("/bin/sh"), args: &args, fds, core })
+        .and_then(|child| child.await_exec(30_000))
+        .unwrap()
 }
 
 fn shell(script: &str, fds: &[(BorrowedFd<'_>, RawFd)]) -> Child {
@@ -138,14 +140,20 @@ fn what_cannot_be_started_is_an_error_and_leaves_nobody() {
     let absent = Path::new("/absent/program");
     let fds = [];
     let what = Spawn { program: absent, args: &[], fds: &fds, core: None };
-    let error = spawn(what).unwrap_err();
+    let error = spawn(what).unwrap().await_exec(30_000).unwrap_err();
     assert_eq!(error.io_kind(), std::io::ErrorKind::NotFound);
     assert!(error.to_string().contains("/absent/program"), "{error}");
+    // Who does not wait finds the same.
+    let mut child = spawn(what).unwrap();
+    assert_eq!(child.wait_ms(30_000).unwrap(), Some(Exit::Code(127)));
+    assert!(child.has_executed());
+    assert_eq!(child.exec_error().unwrap().to_string(), error.to_string());
 
     let shell = Path::new("/bin/sh");
     for core in [1_000, usize::MAX] {
         let what = Spawn { program: shell, args: &[], fds: &fds, core: Some(core) };
-        assert_eq!(spawn(what).unwrap_err().io_kind(), std::io::ErrorKind::InvalidInput);
+        let error = spawn(what).and_then(|child| child.await_exec(30_000)).unwrap_err();
+        assert_eq!(error.io_kind(), std::io::ErrorKind::InvalidInput);
     }
     let nul = ["a\0b".to_owned()];
     assert!(spawn(Spawn { program: shell, args: &nul, fds: &fds, core: None }).is_err());
@@ -211,4 +219,44 @@ fn a_limited_process_runs_out_of_memory_and_time_alone() {
 fn what_was_not_inherited_is_not_there() {
     assert!(inherited(901).is_err());
     assert!(inherited(-1).is_err());
+}
+
+#[test]
+fn a_child_has_the_environment_it_was_given_and_no_other() {
+    let (mut read, write) = std::io::pipe().unwrap();
+    let fds = [(write.as_fd(), 1)];
+    let what = Spawn { program: Path::new("/usr/bin/env"), args: &[], fds: &fds, core: None };
+    let env = [("WORD".into(), "a=b".into())];
+    let child = spawn_with_env(what, &env).unwrap().await_exec(30_000).unwrap();
+    drop(write);
+    let mut text = String::new();
+    read.read_to_string(&mut text).unwrap();
+    testing::must_pass(child);
+    assert_eq!(text, "WORD=a=b\n");
+}
+
+#[cfg(feature = "faults")]
+#[test]
+fn a_child_that_stops_before_exec_holds_nobody_up() {
+    let begun_ns = clock::now_ns();
+    let args = ["1000".to_owned()];
+    let what = Spawn { program: Path::new("/bin/sleep"), args: &args, fds: &[], core: None };
+    let mut child = spawn_stopped(what).unwrap();
+    let pid = child.pid();
+    while stat(pid).unwrap().state != 'T' {
+        assert!(clock::now_ns() - begun_ns < 10_000_000_000);
+        std::thread::yield_now();
+    }
+    assert!(!child.has_executed() && child.exec_error().is_none());
+    let error = child.await_exec(50).unwrap_err();
+    assert_eq!(error.io_kind(), std::io::ErrorKind::TimedOut);
+    assert_eq!(stat(pid), None, "killed and reaped");
+    // One that goes on runs.
+    let child = spawn_stopped(what).unwrap();
+    while stat(child.pid()).unwrap().state != 'T' {
+        std::thread::yield_now();
+    }
+    child.signal(libc::SIGCONT).unwrap();
+    let child = child.await_exec(30_000).unwrap();
+    child.kill().unwrap();
 }
