@@ -4,7 +4,8 @@
 use crate::support::{self, Place, instance, left_in_shm, wait_for};
 use ::trolley::bodies::{Bodies, SILENT};
 use ::trolley::{BUILD, Scenario};
-use coordinator::{Options, WorkerPool, WorkerPoolError};
+use coordinator::{Options, PairWork, WorkerPool, WorkerPoolError};
+use geometry::RelativePose;
 use runtime::clock;
 use rustix::process::Signal;
 use scenario::{FileRef, Overrides};
@@ -12,7 +13,11 @@ use scenario::{FileRef, Overrides};
 const MS: u64 = 1_000_000;
 
 fn bodies(place: &Place) -> Bodies {
-    let scenario = Scenario::open(place.write("small.toml", &support::six(600))).unwrap();
+    bodies_of(place, 600)
+}
+
+fn bodies_of(place: &Place, triangles: u32) -> Bodies {
+    let scenario = Scenario::open(place.write("small.toml", &support::six(triangles))).unwrap();
     let parsed = scenario.parsed();
     let engine = parsed.engine.apply(&Overrides::default()).unwrap();
     let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
@@ -91,6 +96,31 @@ fn a_worker_stopped_at_rest_is_no_loss() {
     wait_for(300, || None::<()>);
     assert!(pool.mend(bodies.store()).unwrap().started.is_empty());
     support::signal(pid, Signal::CONT);
+    drop(pool);
+    assert_eq!(left_in_shm(&instance), Vec::<String>::new());
+}
+
+/// Sections are larger than the queue of a worker: with a worker that takes none, batches never go
+/// out, and it is not busy by what it was sent.
+#[test]
+fn a_stopped_worker_that_should_copy_is_replaced_without_a_deadline() {
+    let place = Place::new();
+    let bodies = bodies_of(&place, 60_000);
+    let views = bodies.views().unwrap();
+    let instance = instance();
+    let options = Options { copies: true, ..options(&instance, 2) };
+    let mut pool = WorkerPool::start(bodies.store(), &options).unwrap();
+    let rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let poses = [RelativePose { rotation, translation: [0.0; 3] }];
+    let mut usual = PairWork::new([views[0].1, views[1].1], &poses, 3);
+    pool.work_off(&mut usual).unwrap();
+    support::signal(pool.pids()[0], Signal::STOP);
+    let begun_ns = clock::now_ns();
+    let mut work = PairWork::new([views[0].1, views[1].1], &poses, 3);
+    pool.work_off(&mut work).unwrap();
+    let took_ms = (clock::now_ns() - begun_ns) / MS;
+    assert_eq!(work.found().unwrap()[0].hash, usual.found().unwrap()[0].hash);
+    assert!(took_ms < 2_000, "{took_ms} ms");
     drop(pool);
     assert_eq!(left_in_shm(&instance), Vec::<String>::new());
 }

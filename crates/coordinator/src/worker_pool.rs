@@ -52,6 +52,8 @@ use worker_handle::WorkerHandle;
 
 /// Longest sleep of the coordinator before it checks the workers' heartbeats (ns).
 const NAP_NS: u64 = 20_000_000;
+/// Maximum sleep while sections wait for capacity: a worker that takes some does not ring.
+const BACKLOG_NAP_NS: u64 = 100_000;
 /// How long a worker may take to end by itself (ms).
 const FAREWELL_MS: u64 = 200;
 
@@ -245,12 +247,13 @@ impl WorkerPool {
                 self.cancel();
                 break;
             }
-            if taken || waits {
+            if taken {
                 backoff.reset();
             } else if self.shares_core || backoff.is_completed() {
                 let due_ns = [due_ns, work.deadline_ns()].into_iter().flatten().min();
-                let nap_ns = due_ns.map_or(NAP_NS, |due_ns| due_ns.saturating_sub(now).min(NAP_NS));
-                self.sleep(nap_ns)?;
+                let nap_ns = if waits { BACKLOG_NAP_NS } else { NAP_NS };
+                let due_ns = due_ns.map_or(nap_ns, |due_ns| due_ns.saturating_sub(now));
+                self.sleep(due_ns.min(nap_ns))?;
             } else {
                 backoff.snooze();
             }
@@ -273,8 +276,8 @@ impl WorkerPool {
         self.duty = Duty::default();
         self.incidents.clear();
         self.dispatcher.begin(RequestId(self.request));
-        for outgoing in self.outgoing.iter_mut().flatten() {
-            outgoing.clear();
+        for (outgoing, worker) in self.outgoing.iter_mut().flatten().zip(&mut self.workers) {
+            outgoing.clear(worker);
         }
         for worker in &mut self.workers {
             worker.restore(&self.status, self.cancelled);

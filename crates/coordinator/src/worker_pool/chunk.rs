@@ -29,8 +29,10 @@ impl Outgoing {
         self.0.is_empty()
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Forgets what waits for a worker.
+    pub(super) fn clear(&mut self, worker: &mut WorkerHandle) {
         self.0.clear();
+        worker.has_backlog = false;
     }
 
     /// Sends as much as the channel takes.
@@ -43,10 +45,14 @@ impl Outgoing {
             match worker.send(status, *head, words) {
                 Ok(()) => drop(self.0.pop_front()),
                 // The worker is still busy with what it has.
-                Err(UseError::Full) => return Ok(()),
+                Err(UseError::Full) => {
+                    worker.has_backlog = true;
+                    return Ok(());
+                }
                 Err(error) => return Err(error),
             }
         }
+        worker.has_backlog = false;
         Ok(())
     }
 }

@@ -85,7 +85,7 @@ impl WorkerPool {
         for (number, outgoing) in outgoing.iter_mut().enumerate() {
             let worker = &mut self.workers[number];
             if !worker.is_alive() {
-                outgoing.clear();
+                outgoing.clear(worker);
             } else if let Err(error) = outgoing.flush(worker, &self.status) {
                 broken.push((number, error));
             }

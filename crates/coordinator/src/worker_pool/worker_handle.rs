@@ -32,6 +32,8 @@ pub(super) struct WorkerHandle {
     answered: u64,
     /// Number of the next batch: all below were sent.
     batches: u64,
+    /// Whether messages wait until it takes some of what it was sent.
+    pub(super) has_backlog: bool,
     seq: u32,
     /// Counts before this request: of the worker, and at both ends of its channels.
     before: Before,
@@ -132,6 +134,7 @@ impl WorkerHandle {
             taken: 0,
             answered: 0,
             batches: 0,
+            has_backlog: false,
             seq: 0,
             before: Before::default(),
             counters: counters.map(|counters| (counters, HardwareCounts::default())),
@@ -157,10 +160,11 @@ impl WorkerHandle {
         self.is_alive && !self.has_greeted
     }
 
-    /// Whether it holds batches that it has not answered, of this request or an earlier one.
+    /// Whether it holds batches that it has not answered, of this request or an earlier one, or
+    /// its queue is full.
     pub(super) fn is_busy(&self, status: &StatusMemory) -> bool {
         let answered = status.page().workers[self.line()].answered.load(Ordering::SeqCst);
-        self.is_alive && answered < self.batches
+        self.is_alive && (answered < self.batches || self.has_backlog)
     }
 
     /// Number of batches answered, if not yet passed on.
