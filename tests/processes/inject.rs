@@ -126,3 +126,40 @@ fn too_few_descriptors_are_found_before_anything_is_made() {
     let fine = run(&["rank", path.to_str().unwrap(), "--json"]);
     assert!(fine.status.success());
 }
+
+/// What a report says of one kind; `None` if it was skipped, which is said.
+fn row<'d>(document: &'d serde_json::Value, kind: &str) -> Option<&'d serde_json::Value> {
+    let skipped = document["skipped"].as_array().unwrap();
+    let is_it = |said: &&serde_json::Value| said.as_str().unwrap().contains(kind);
+    if let Some(said) = skipped.iter().find(is_it) {
+        support::skipped(said.as_str().unwrap());
+        return None;
+    }
+    let rows = document["kinds"].as_array().unwrap();
+    let found = rows.iter().find(|row| row["fault"] == kind);
+    assert!(found.is_some(), "{kind} is neither injected nor skipped: {document}");
+    found
+}
+
+#[track_caller]
+fn assert_survived(document: &serde_json::Value) {
+    for zero in ["wrong_answers", "hangs", "false_kills", "leaks"] {
+        assert_eq!(document[zero], 0, "{zero}: {document}");
+    }
+}
+
+#[test]
+fn successors_and_coordinators_are_killed_at_any_call_of_their_start() {
+    let place = Place::new();
+    let plan = plan(&place, "kill-at-call = 12\ncoordinator-kill-at-call = 8\n");
+    let document = json(&inject(&[&plan, "--json", "--seed", "11"]));
+    assert_survived(&document);
+    if let Some(row) = row(&document, "kill-at-call") {
+        assert!(row["injected"].as_u64().unwrap() >= 6, "{document}");
+        assert_eq!(row["detected"], row["injected"], "{document}");
+    }
+    if let Some(row) = row(&document, "coordinator-kill-at-call") {
+        assert!(row["injected"].as_u64().unwrap() >= 4, "{document}");
+        assert_eq!(row["answers"]["complete"], row["injected"], "the next run: {document}");
+    }
+}

@@ -10,11 +10,15 @@
 //! byte for byte; the intervals of a degraded one must hold its values; anything else must be a
 //! reported error.
 
+mod arm;
+mod calls;
 mod child;
 mod kind;
 mod live;
+mod live_pool;
 mod plan;
 mod report;
+mod run;
 mod signals;
 mod worker_pool;
 
@@ -75,16 +79,20 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
     let begun_ns = runtime::clock::now_ns();
     let mut report = Report::new(options.seed);
     report.deadline_ms = plan.deadline_ms;
-    let (runs, live): (Vec<_>, Vec<_>) =
-        plan.shuffled(options.seed).into_iter().partition(|kind| kind.is_whole_run());
+    let mut all = plan.shuffled(options.seed);
+    if all.iter().any(|kind| kind.traces()) && !runtime::process::may_trace() {
+        for kind in all.extract_if(.., |kind| kind.traces()) {
+            report.skip(kind, "this machine does not permit ptrace");
+        }
+    }
+    let (runs, live): (Vec<_>, Vec<_>) = all.into_iter().partition(|kind| kind.is_whole_run());
     let progress = Progress::new((runs.len() + live.len()) as u64, told);
     let store = bodies.store();
     if !live.is_empty() {
-        let stage = live::Stage { plan: &plan, store, reference: &reference };
+        let stage = live_pool::Stage { plan: &plan, store, reference: &reference };
         live::run(&stage, &work, &live, options.seed, &mut report, &progress)?;
     }
-    let rank =
-        child::Rank { program: &options.program, plan: &plan, references: options.references };
+    let rank = run::Rank { program: &options.program, plan: &plan, references: options.references };
     for (number, kind) in runs.iter().enumerate() {
         if report.is_interrupted {
             break;

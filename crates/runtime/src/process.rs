@@ -8,11 +8,15 @@
 mod exec;
 mod spawn;
 mod stat;
+#[cfg(feature = "faults")]
+mod trace;
 
 #[cfg(feature = "faults")]
 pub use spawn::spawn_stopped;
 pub use spawn::{Spawn, spawn, spawn_with_env};
 pub use stat::{ProcStat, stat};
+#[cfg(feature = "faults")]
+pub use trace::{Traced, may_trace, trace};
 
 use crate::clock;
 use crate::error::{OsError, Result};

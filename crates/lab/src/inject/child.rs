@@ -1,114 +1,19 @@
 //! Faults that take a whole run: starts a program that ranks, and disturbs it.
 
+use super::calls;
 use super::kind::Kind;
-use super::plan::Plan;
 use super::report::{Report, State};
-use super::signals::flip;
+use super::run::{PATIENCE_MS, Rank, Run, instance};
+use super::signals::{flip, still_alive};
 use super::worker_pool::{names_of, options};
 use coordinator::{Answer, WorkerPool, WorkerPoolError};
 use geometry::rng::Rng;
 use runtime::process::{self, Held, Spawn};
-use runtime::{Child, Exit, SealedMemory, clock};
+use runtime::{Exit, SealedMemory, clock};
 use std::fs::File;
-use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::fd::AsFd as _;
-use std::path::{Path, PathBuf};
-use trolley::{Failure, References};
-
-/// How long a client waits for an answer before it reports "refused" itself (ms).
-const PATIENCE_MS: u64 = 20_000;
-/// How long orphans may live (ms).
-const ORPHANS_MS: u64 = 1_000;
-
-fn instance() -> String {
-    format!("c{}", std::process::id())
-}
-
-/// The program to run, which ranks the scenario of a plan.
-#[derive(Clone, Copy)]
-pub(super) struct Rank<'r> {
-    pub(super) program: &'r Path,
-    pub(super) plan: &'r Plan,
-    pub(super) references: References,
-}
-
-/// Such a run, its output in a file.
-struct Run {
-    child: Child,
-    out: File,
-}
-
-impl Run {
-    /// Starts it; `wrap`: a program, with arguments, to run it under.
-    fn start(rank: &Rank<'_>, wrap: &[&str]) -> Result<Self, Failure> {
-        let internal =
-            |error: std::io::Error| Failure::new(trolley::FailureKind::System, error.to_string());
-        let Rank { program, plan, references } = rank;
-        let outside = (*references == References::Anywhere).then_some("--allow-outside");
-        let own = program.display().to_string();
-        let scenario = plan.scenario.display().to_string();
-        let (workers, depth) = (plan.workers.to_string(), plan.depth.to_string());
-        let name = instance();
-        let line = [
-            own.as_str(),
-            "-q",
-            "rank",
-            &scenario,
-            "--json",
-            "--workers",
-            &workers,
-            "--depth",
-            &depth,
-            "--instance",
-            &name,
-        ];
-        let line: Vec<String> =
-            wrap.iter().copied().chain(line).chain(outside).map(str::to_owned).collect();
-        let out = tempfile::tempfile().map_err(internal)?;
-        let null = File::open("/dev/null").map_err(internal)?;
-        let child = process::spawn(Spawn {
-            program: &PathBuf::from(&line[0]),
-            args: &line[1..],
-            fds: &[(out.as_fd(), 1), (null.as_fd(), 2)],
-            core: None,
-        })?
-        .await_exec(PATIENCE_MS)?;
-        Ok(Self { child, out })
-    }
-
-    fn workers(&self) -> Vec<u32> {
-        let pid = self.child.pid();
-        let path = format!("/proc/{pid}/task/{pid}/children");
-        let list = std::fs::read_to_string(path).unwrap_or_default();
-        list.split_whitespace().filter_map(|word| word.parse().ok()).collect()
-    }
-
-    /// Waits for its end, and returns its output.
-    fn end(mut self, reference: &Answer) -> Result<State, Failure> {
-        let exit = self.child.wait_ms(PATIENCE_MS)?;
-        if exit.is_none() {
-            self.child.kill()?;
-        }
-        let mut text = String::new();
-        let read =
-            self.out.seek(SeekFrom::Start(0)).and_then(|_| self.out.read_to_string(&mut text));
-        let answer: Option<serde_json::Value> = match (exit, read) {
-            (Some(Exit::Code(0)), Ok(_)) => serde_json::from_str(&text).ok(),
-            _ => None,
-        };
-        Ok(match answer {
-            None => State::Refused,
-            Some(document) => {
-                // As text as well: parsing a number may round it.
-                let expected = serde_json::to_string(reference).ok();
-                let expected: Option<serde_json::Value> =
-                    expected.and_then(|text| serde_json::from_str(&text).ok());
-                let is_same = document.get("answer") == expected.as_ref();
-                if is_same { State::Complete } else { State::Wrong }
-            }
-        })
-    }
-}
+use std::path::Path;
+use trolley::Failure;
 
 /// Injects one fault.
 pub(super) fn run(
@@ -125,6 +30,7 @@ pub(super) fn run(
         Kind::CoordinatorKill | Kind::KillInStop | Kind::StaleMemory => {
             kill_coordinator(rank, kind, rng, reference, report)
         }
+        Kind::CoordinatorKillAtCall => calls::kill_at_call(rank, rng, reference, report),
         Kind::FlipQueue | Kind::FlipPayload => flip_bits(rank, kind, rng, reference, report),
         Kind::VersionSkew => skew(rank, kind, store, report),
         Kind::SmallShm | Kind::FewFiles | Kind::ClockShift => {
@@ -156,12 +62,7 @@ fn kill_coordinator(
     let struck_ns = clock::now_ns();
     run.child.kill()?;
     run.child.wait_ms(PATIENCE_MS)?;
-    let mut alive = workers.len();
-    while alive > 0 && clock::now_ns() - struck_ns < ORPHANS_MS * 1_000_000 {
-        alive = workers.iter().filter(|held| held.is_alive()).count();
-        run.child.wait_ms(0)?;
-    }
-    report.orphans += alive as u64;
+    report.orphans += still_alive(&workers, struck_ns);
     let gone_ns = clock::now_ns() - struck_ns;
     if ended.is_some() {
         report.missed += 1;
@@ -267,22 +168,6 @@ fn is_granted(kind: Kind) -> Result<bool, Failure> {
         process::spawn(Spawn { program, args: &args, fds: &[(null.as_fd(), 2)], core: None })?
             .await_exec(PATIENCE_MS)?;
     Ok(child.wait_ms(5_000)? == Some(Exit::Code(0)))
-}
-
-impl Run {
-    /// Waits until the workers were there and begin to end.
-    fn until_it_stops(&mut self) -> u64 {
-        let mut most = 0;
-        let end = clock::now_ns() + PATIENCE_MS * 1_000_000;
-        while clock::now_ns() < end {
-            let now = self.workers().len();
-            if now < most || !matches!(self.child.wait_ms(1), Ok(None)) {
-                break;
-            }
-            most = most.max(now);
-        }
-        0
-    }
 }
 
 /// What killed runs leave behind after the next run has cleaned up.

@@ -21,6 +21,7 @@ kinds! {
     Kill = "kill",
     KillIdle = "kill-idle",
     KillAtStart = "kill-at-start",
+    KillAtCall = "kill-at-call",
     KillAll = "kill-all",
     StopBeforeExec = "stop-before-exec",
     Stop = "stop",
@@ -47,6 +48,7 @@ kinds! {
     FlipPayload = "flip-payload",
     FlipQueue = "flip-queue",
     CoordinatorKill = "coordinator-kill",
+    CoordinatorKillAtCall = "coordinator-kill-at-call",
     KillInStop = "kill-in-stop",
     VersionSkew = "version-skew",
     SmallShm = "small-shm",
@@ -77,6 +79,7 @@ impl Kind {
             Self::FlipPayload
                 | Self::FlipQueue
                 | Self::CoordinatorKill
+                | Self::CoordinatorKillAtCall
                 | Self::KillInStop
                 | Self::VersionSkew
                 | Self::SmallShm
@@ -84,6 +87,11 @@ impl Kind {
                 | Self::ClockShift
                 | Self::StaleMemory
         )
+    }
+
+    /// Whether it needs ptrace(2).
+    pub(crate) fn traces(self) -> bool {
+        matches!(self, Self::KillAtCall | Self::CoordinatorKillAtCall)
     }
 
     /// The order that makes a worker fail this way.

@@ -1,16 +1,18 @@
 //! Faults in a worker pool that answers requests in turn, and is repaired in between.
 
+use super::arm::Planned;
+use super::calls::Trace;
 use super::kind::Kind;
-use super::plan::Plan;
-use super::report::{GUARD_NS, Report, State, judge};
-use super::signals::{Deed, Gunner, Shot};
+use super::live_pool::{Live, Open, Stage};
+use super::report::{Report, State};
+use super::signals::{Gunner, KILL};
 use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
-use coordinator::{Answer, Corruption, Observation, RankingRun, WorkerPool, WorkerPoolError};
+use coordinator::{RankingRun, WorkerPool};
+use core::sync::atomic::{AtomicBool, Ordering};
 use geometry::rng::Rng;
-use protocol::{FaultCommand, Incarnation, InjectedFault};
+use runtime::clock;
 use runtime::process::Held;
-use runtime::{SealedMemory, clock, machine};
 use trolley::Failure;
 
 /// For how long plain requests follow one in which a fault was not detected, until it must be (ns):
@@ -18,46 +20,8 @@ use trolley::Failure;
 const CHASE_NS: u64 = 3_000_000_000;
 /// Maximum number of plain requests where a job must reach a worker that has an order.
 const CHASES: usize = 12;
-/// No request without a deadline may take longer (ns): the longest silence, the longest sleep, and
-/// twice that for consecutive faults.
-const HANG_NS: u64 = 6_000_000_000;
 /// Growth of resident memory that is no leak (bytes): heaps do not shrink.
 const GROWTH_BYTES: u64 = 32 << 20;
-
-/// State shared by all requests.
-pub(super) struct Stage<'s> {
-    pub(super) plan: &'s Plan,
-    pub(super) store: &'s SealedMemory,
-    pub(super) reference: &'s Answer,
-}
-
-/// A fault that is scheduled or has taken effect, and whose end is open.
-#[derive(Clone, Copy, Debug)]
-struct Open {
-    /// Index among the request's faults.
-    number: usize,
-    kind: Kind,
-    who: Incarnation,
-    struck_ns: Option<u64>,
-    seen_ns: Option<u64>,
-}
-
-struct Live<'s, F> {
-    stage: &'s Stage<'s>,
-    make: F,
-    worker_pool: WorkerPool,
-    instance: String,
-    rng: Rng,
-    sequence: u16,
-    /// Duration of a request without faults (ns), and its number of jobs.
-    usual_ns: u64,
-    jobs: u64,
-    open: Vec<Open>,
-    /// Targets of the previous round's faults, which may still end them.
-    before: Vec<Incarnation>,
-    /// When replacements were started that are not ready yet (ns).
-    mended_ns: Option<u64>,
-}
 
 pub(super) fn run<'w>(
     stage: &Stage<'_>,
@@ -81,6 +45,7 @@ pub(super) fn run<'w>(
         open: Vec::new(),
         before: Vec::new(),
         mended_ns: None,
+        calls_of_start: None,
     };
     let mut times = Vec::new();
     for _ in 0..20 {
@@ -125,109 +90,6 @@ pub(super) fn run<'w>(
 }
 
 impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
-    /// Descriptors, files in shared memory, resident memory (bytes).
-    fn footprint(&self) -> (usize, usize, u64) {
-        (
-            machine::files_open().unwrap_or(0),
-            names_of(&self.instance).len(),
-            machine::resident_bytes().unwrap_or(0),
-        )
-    }
-
-    /// Restores all workers, and cleans up.
-    fn settle(&mut self, report: &mut Report) -> Result<(), Failure> {
-        for _ in 0..3 {
-            self.mend(true, report)?;
-            self.request(report)?;
-        }
-        Ok(())
-    }
-
-    /// Replaces lost workers.
-    fn mend(&mut self, waits: bool, report: &mut Report) -> Result<(), Failure> {
-        let begun_ns = clock::now_ns();
-        let mended = self.worker_pool.mend(self.stage.store)?;
-        self.look(report);
-        report.restarts += mended.started.len() as u64;
-        if !mended.started.is_empty() {
-            self.mended_ns = Some(begun_ns);
-        }
-        if waits {
-            while self.worker_pool.ready() < usize::from(self.stage.plan.workers) {
-                self.worker_pool.rally()?;
-                let again = self.worker_pool.mend(self.stage.store)?;
-                self.look(report);
-                report.restarts += again.started.len() as u64;
-            }
-            if let Some(mended_ns) = self.mended_ns.take() {
-                report.whole_ns.push(clock::now_ns() - mended_ns);
-            }
-        }
-        Ok(())
-    }
-
-    /// Runs one request, and judges the answer.
-    fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
-        let begun_ns = clock::now_ns();
-        let mut work = (self.make)();
-        let ran = self.worker_pool.run(&mut work);
-        let took_ns = clock::now_ns() - begun_ns;
-        report.requests += 1;
-        report.slowest_ns = report.slowest_ns.max(took_ns);
-        let due_ns = self.stage.plan.deadline_ms.map(|ms| u64::from(ms) * 1_000_000);
-        report.late += u64::from(due_ns.is_some_and(|due_ns| took_ns > due_ns));
-        report.hangs += u64::from(took_ns > due_ns.map_or(HANG_NS, |due_ns| due_ns + GUARD_NS));
-        let state = match ran {
-            Ok(ran) => {
-                self.jobs = ran.counts.jobs.max(1);
-                report.reissued += ran.counts.reissued;
-                report.fenced += ran.counts.fence.sum();
-                report.rejected += ran.rejected;
-                let answer = work.answer()?;
-                let state = judge(&answer, self.stage.reference);
-                if state == State::Wrong {
-                    let kinds: Vec<&str> = self.open.iter().map(|open| open.kind.name()).collect();
-                    let work = |answer: &Answer| {
-                        let row = |row: &coordinator::Row| (row.name.clone(), row.work);
-                        answer.ranking.iter().map(row).collect::<Vec<_>>()
-                    };
-                    let (ours, right) = (work(&answer), work(self.stage.reference));
-                    tracing::error!(?kinds, state = ?answer.state, ?ours, ?right, "wrong answer");
-                }
-                state
-            }
-            Err(WorkerPoolError::NobodyLeft { .. }) => State::Refused,
-            Err(error) => return Err(error.into()),
-        };
-        report.count(state);
-        self.look(report);
-        Ok(state)
-    }
-
-    /// Determines which open faults were detected, and which workers were killed without cause.
-    fn look(&mut self, report: &mut Report) {
-        for incident in self.worker_pool.incidents() {
-            let mut is_known = self.before.contains(&incident.who);
-            for open in self.open.iter_mut().filter(|open| open.who == incident.who) {
-                is_known = true;
-                if open.struck_ns.is_none_or(|struck_ns| struck_ns <= incident.at_ns) {
-                    open.seen_ns.get_or_insert(incident.at_ns);
-                }
-            }
-            let is_end = matches!(
-                incident.observation,
-                Observation::Ended
-                    | Observation::StoodStill(_)
-                    | Observation::Distrusted(_)
-                    | Observation::Impossible
-            );
-            if is_end && !is_known && report.note_end(incident.who) {
-                report.false_kills += 1;
-                tracing::warn!(?incident, "a healthy worker was killed");
-            }
-        }
-    }
-
     /// Takes some of the remaining faults. One that takes all workers stays alone.
     fn choose(&mut self, left: &mut Vec<(Kind, u32)>) -> Vec<(Kind, u32)> {
         let most = 1 + self.rng.below(self.stage.plan.at_once.into()) as usize;
@@ -254,7 +116,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             workers.swap(at, self.rng.below(at as u64 + 1) as usize);
         }
         let begun_ns = clock::now_ns();
-        let mut shots = Vec::new();
+        let mut planned = Planned::default();
         self.before = self.open.drain(..).map(|open| open.who).collect();
         for (number, (kind, _)) in chosen.iter().enumerate() {
             let (who, pid) = roster[workers[number % workers.len()]];
@@ -262,14 +124,20 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             for (who, pid) in targets {
                 let open = Open { number, kind: *kind, who, struck_ns: None, seen_ns: None };
                 self.open.push(open);
-                self.arm(*kind, who, pid, &mut shots)?;
+                self.arm(*kind, who, pid, &mut planned, report)?;
             }
         }
+        let is_over = &AtomicBool::new(false);
         let state = std::thread::scope(|scope| {
             let gunner = Gunner::start(scope);
-            shots.into_iter().for_each(|shot| gunner.add(shot));
+            planned.shots.into_iter().for_each(|shot| gunner.add(shot));
+            let start = |trace: Trace| scope.spawn(move || trace.run(is_over));
+            let tracers: Vec<_> = planned.traces.into_iter().map(start).collect();
             let state = self.request(report);
-            for (number, at_ns) in gunner.end() {
+            is_over.store(true, Ordering::SeqCst);
+            let killed = tracers.into_iter().filter_map(|tracer| tracer.join().ok().flatten());
+            let killed: Vec<(usize, u64)> = killed.collect();
+            for (number, at_ns) in gunner.end().into_iter().chain(killed) {
                 if let Some(open) = self.open.get_mut(number) {
                     open.struck_ns = Some(at_ns);
                 }
@@ -314,115 +182,11 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             if self.open.iter().any(is_armed)
                 && let Ok(held) = Held::of(pid)
             {
-                held.signal(super::signals::KILL)?;
+                held.signal(KILL)?;
                 report.note_end(who);
             }
         }
         self.mend(true, report)
-    }
-
-    /// Prepares a fault.
-    fn arm(
-        &mut self,
-        kind: Kind,
-        who: Incarnation,
-        pid: u32,
-        shots: &mut Vec<Shot>,
-    ) -> Result<(), Failure> {
-        let number = self.open.len() - 1;
-        let within_ns = self.rng.below(self.usual_ns);
-        let mut shoot = |after_ns: u64, deed: Deed| {
-            // A worker that has ended by itself cannot be signalled.
-            if let Ok(at) = Held::of(pid) {
-                shots.push(Shot { number, at, after_ns, deed });
-            }
-        };
-        match kind {
-            Kind::Kill | Kind::KillAll => shoot(within_ns, Deed::Kill),
-            Kind::KillIdle | Kind::KillAtStart => {
-                if let Ok(held) = Held::of(pid) {
-                    self.open[number].struck_ns = Some(clock::now_ns());
-                    held.signal(super::signals::KILL)?;
-                }
-                if kind == Kind::KillAtStart {
-                    // Its replacement is killed before it greets, or shortly after.
-                    let _mended = self.worker_pool.mend(self.stage.store)?;
-                    self.look_at_start(number);
-                    let next = self.worker_pool.roster()[usize::from(who.worker)];
-                    let after_ns = self.rng.below(20_000_000);
-                    if next.0 != who
-                        && let Ok(at) = Held::of(next.1)
-                    {
-                        self.open[number].who = next.0;
-                        self.open[number].seen_ns = None;
-                        shots.push(Shot { number, at, after_ns, deed: Deed::Kill });
-                    }
-                }
-            }
-            Kind::StopBeforeExec => {
-                // Its replacement stops on its way from fork to exec.
-                Held::of(pid)?.signal(super::signals::KILL)?;
-                self.worker_pool.stop_next_starts(1);
-                let mended = self.worker_pool.mend(self.stage.store)?;
-                self.worker_pool.stop_next_starts(0);
-                if let Some(next) = mended.started.iter().find(|next| next.worker == who.worker) {
-                    self.open[number].who = *next;
-                    self.open[number].struck_ns = Some(clock::now_ns());
-                }
-            }
-            Kind::Stop => shoot(within_ns, Deed::Stop),
-            Kind::StopContinue => {
-                let ns = 1_000_000 + self.rng.below(250_000_000);
-                shoot(within_ns, Deed::Pause(ns));
-            }
-            Kind::Slow => shoot(within_ns / 2, Deed::Choke(20)),
-            Kind::GarbleBatch | Kind::QueueFull => {
-                let bit = self.rng.bits() as u32;
-                let how = if kind == Kind::QueueFull {
-                    Corruption::Refused
-                } else {
-                    Corruption::Garbled(bit)
-                };
-                self.worker_pool.corrupt_next(who.worker, how);
-                self.open[number].struck_ns = Some(clock::now_ns());
-            }
-            Kind::FlipStatus => {
-                self.worker_pool.flip_status(who.worker, self.rng.bits());
-                self.open[number].struck_ns = Some(clock::now_ns());
-            }
-            _ => {
-                let Some(fault) = kind.commanded() else { return Ok(()) };
-                self.sequence = self.sequence.wrapping_add(1).max(1);
-                let share = self.jobs / u64::from(self.stage.plan.workers) / 2;
-                let argument = match fault {
-                    // All get the same job.
-                    InjectedFault::Poison => {
-                        (Rng::new(self.usual_ns ^ u64::from(self.sequence / 16)).bits() % self.jobs)
-                            as u32
-                    }
-                    _ => self.rng.bits() as u32,
-                };
-                let after = self.rng.below(share.clamp(1, 20)) as u8;
-                let order = FaultCommand { sequence: self.sequence, fault, after, argument };
-                self.worker_pool.command_fault(who.worker, Some(order));
-            }
-        }
-        Ok(())
-    }
-
-    /// The death of the first worker at start-up does not count.
-    fn look_at_start(&mut self, number: usize) {
-        self.open[number].seen_ns = None;
-    }
-
-    /// When orders were obeyed.
-    fn obeyed(&mut self, since_ns: u64) {
-        for open in self.open.iter_mut().filter(|open| open.kind.commanded().is_some()) {
-            let at_ns = self.worker_pool.obeyed_ns(open.who.worker);
-            if at_ns >= since_ns && open.struck_ns.is_none() {
-                open.struck_ns = Some(at_ns);
-            }
-        }
     }
 
     /// Records the outcome of each fault; one that did not take effect is retried a few times.

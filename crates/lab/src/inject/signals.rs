@@ -14,6 +14,9 @@ pub(crate) const KILL: i32 = 9;
 const CONTINUE: i32 = 18;
 const STOP: i32 = 19;
 
+/// How long a killed process may live (ns).
+const ORPHAN_NS: u64 = 1_000_000_000;
+
 /// What to do to a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Deed {
@@ -117,6 +120,17 @@ fn shoot(orders: &Receiver<Shot>) -> Vec<(usize, u64)> {
                 }
             }
         }
+    }
+}
+
+/// Number of processes that still live a while after this moment (ns).
+pub(super) fn still_alive(held: &[Held], since_ns: u64) -> u64 {
+    loop {
+        let alive = held.iter().filter(|held| held.is_alive()).count();
+        if alive == 0 || clock::now_ns() - since_ns >= ORPHAN_NS {
+            return alive as u64;
+        }
+        std::thread::yield_now();
     }
 }
 
