@@ -16,17 +16,22 @@ mod child;
 mod kind;
 mod live;
 mod live_pool;
+mod management;
 mod plan;
 mod report;
 mod run;
+mod serving;
 mod signals;
 mod worker_pool;
 
 use crate::progress::{Progress, SyncProgress};
-use coordinator::{RankingRun, Request, run_in_process};
+use coordinator::{Answer, RankingRun, Request, run_in_process};
+use geometry::rng::Rng;
+use kind::Kind;
 use plan::Plan;
 use report::Report;
 use scenario::{FileRef, Overrides};
+use serving::Serving;
 use std::path::PathBuf;
 use trolley::bodies::{Bodies, SILENT};
 use trolley::{Failure, Limits, References, Scenario, files};
@@ -97,6 +102,12 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         if report.is_interrupted {
             break;
         }
+        if kind.is_of_service() {
+            let seed = options.seed ^ (number as u64) << 20;
+            service_fault(&rank, parsed, *kind, Rng::new(seed), &reference, &mut report)?;
+            progress.add(1);
+            continue;
+        }
         let known = (&reference, store);
         child::run(&rank, *kind, options.seed, number as u64, known, &mut report)?;
         progress.add(1);
@@ -109,4 +120,20 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         files::replace(path, report::junit(&injected).as_bytes())?;
     }
     Ok(injected)
+}
+
+/// Injects one fault into a service.
+fn service_fault(
+    rank: &run::Rank<'_>,
+    scenario: &scenario::Scenario,
+    kind: Kind,
+    rng: Rng,
+    reference: &Answer,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let Some(mut serving) = Serving::prepare(rank, scenario)? else {
+        report.skip(kind, "not all bodies of the scenario are generated");
+        return Ok(());
+    };
+    management::flip(&mut serving, rng, reference, report)
 }

@@ -47,6 +47,7 @@ kinds! {
     FlipStatus = "flip-status",
     FlipPayload = "flip-payload",
     FlipQueue = "flip-queue",
+    FlipManagement = "flip-management",
     CoordinatorKill = "coordinator-kill",
     CoordinatorKillAtCall = "coordinator-kill-at-call",
     KillInStop = "kill-in-stop",
@@ -78,6 +79,7 @@ impl Kind {
             self,
             Self::FlipPayload
                 | Self::FlipQueue
+                | Self::FlipManagement
                 | Self::CoordinatorKill
                 | Self::CoordinatorKillAtCall
                 | Self::KillInStop
@@ -87,6 +89,11 @@ impl Kind {
                 | Self::ClockShift
                 | Self::StaleMemory
         )
+    }
+
+    /// Whether it strikes a service and its clients.
+    pub(crate) fn is_of_service(self) -> bool {
+        matches!(self, Self::FlipManagement)
     }
 
     /// Whether it needs ptrace(2).

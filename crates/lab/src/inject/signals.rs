@@ -144,17 +144,19 @@ pub(crate) fn flip(prefix: &str, suffix: &str, bits: u64, mut rng: Rng) {
         if !entry.file_name().to_string_lossy().ends_with(suffix) {
             continue;
         }
-        // It may be gone by now.
-        let Ok(file) = OpenOptions::new().read(true).write(true).open(entry.path()) else {
-            continue;
-        };
-        let len = file.metadata().map_or(0, |meta| meta.len());
-        for _ in 0..if len > 0 { bits } else { 0 } {
-            let (at, mut byte) = (rng.below(len), [0]);
-            if file.read_at(&mut byte, at).is_ok() {
-                byte[0] ^= 1 << rng.below(8);
-                let _gone = file.write_at(&byte, at);
-            }
+        flip_in(&entry.path(), bits, &mut rng);
+    }
+}
+
+/// Flips this many bits of a file, which may be gone by now.
+pub(crate) fn flip_in(path: &Path, bits: u64, rng: &mut Rng) {
+    let Ok(file) = OpenOptions::new().read(true).write(true).open(path) else { return };
+    let len = file.metadata().map_or(0, |meta| meta.len());
+    for _ in 0..if len > 0 { bits } else { 0 } {
+        let (at, mut byte) = (rng.below(len), [0]);
+        if file.read_at(&mut byte, at).is_ok() {
+            byte[0] ^= 1 << rng.below(8);
+            let _gone = file.write_at(&byte, at);
         }
     }
 }
