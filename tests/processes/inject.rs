@@ -174,3 +174,15 @@ fn flipped_bits_in_what_iceoryx2_manages_mislead_and_hold_up_nobody() {
     assert_eq!(row["injected"], 10, "{document}");
     assert!(row["answers"]["complete"].as_u64().unwrap() > 0, "most bits do no harm: {document}");
 }
+
+/// Regression: with a full file system a killed worker was never replaced.
+#[test]
+fn a_full_file_system_costs_neither_answers_nor_workers() {
+    let place = Place::new();
+    let plan = plan(&place, "full-shm = 3\n");
+    let document = json(&inject(&[&plan, "--json", "--seed", "6"]));
+    assert_survived(&document);
+    if let Some(row) = row(&document, "full-shm") {
+        assert_eq!((&row["injected"], &row["detected"]), (&3.into(), &3.into()), "{document}");
+    }
+}

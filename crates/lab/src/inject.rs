@@ -13,6 +13,7 @@
 mod arm;
 mod calls;
 mod child;
+mod full;
 mod kind;
 mod live;
 mod live_pool;
@@ -135,5 +136,12 @@ fn service_fault(
         report.skip(kind, "not all bodies of the scenario are generated");
         return Ok(());
     };
-    management::flip(&mut serving, rng, reference, report)
+    match kind {
+        Kind::FullShm if !child::is_granted(Kind::SmallShm)? => {
+            report.skip(kind, "this machine does not permit to mount file systems");
+            Ok(())
+        }
+        Kind::FullShm => full::strike(&mut serving, rng, reference, report),
+        _ => management::flip(&mut serving, rng, reference, report),
+    }
 }

@@ -98,6 +98,11 @@ impl Domain {
         self.0.boot
     }
 
+    /// Its folder.
+    pub(crate) fn folder(&self) -> &Path {
+        self.0.place.root()
+    }
+
     /// iceoryx2's root for an incarnation.
     pub(crate) fn root_of(&self, who: Incarnation) -> PathBuf {
         self.0.place.root().join(format!("{}.{}", who.worker, who.inc))

@@ -20,6 +20,8 @@
 //!   by [`sweep_leftovers`], and never what a live run still uses: `domain/tests.rs`.
 //! - All files lie in private folders, see [`folder`]: `folder/tests.rs`. A segment exists whole or
 //!   not at all, and its memory is allocated: `segment/tests.rs`.
+//! - A full file system is an error, and leaves a pool the memory of one more link:
+//!   [`SegmentReserve`].
 //! - The answer to every iceoryx2 question is written out in [`link`] and [`domain`]; its
 //!   configuration files are never read.
 //! - Once connected there is one heap allocation per loan, made by iceoryx2 0.10.
@@ -36,6 +38,7 @@ mod ipc;
 pub mod link;
 mod place;
 pub mod receiver;
+mod reserve;
 mod segment;
 pub mod sender;
 pub mod service;
@@ -46,6 +49,7 @@ pub use error::{OpenError, UseError};
 pub use folder::default_folder;
 pub use link::{CoordinatorLink, Sizes, WorkerLink};
 pub use receiver::Receiver;
+pub use reserve::SegmentReserve;
 pub use sender::{OpenMessage, Sender};
 pub use service::{Address, ClientPort, Pending, Server, TakenRequest, TopicSubscriber};
 

@@ -334,7 +334,7 @@ impl<T: Debug + Send + Sync + ZeroCopySend> SegmentBuilder<'_, T> {
 }
 
 /// A file of zeros without a name, all of it allocated.
-fn unnamed(folder: &Path, length: usize) -> Result<File, Errno> {
+pub(crate) fn unnamed(folder: &Path, length: usize) -> Result<File, Errno> {
     let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
     let file = rustix::fs::open(folder, flags, Mode::RUSR | Mode::WUSR)?;
     loop {

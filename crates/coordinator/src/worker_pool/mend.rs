@@ -2,6 +2,10 @@
 //!
 //! A successor is a new incarnation, with channels of new names and a blank line on the status
 //! page. It greets when it is ready, whatever the coordinator is doing.
+//!
+//! Its shared memory is held back while there is none to start, see [`transport::SegmentReserve`]:
+//! whoever fills the file system then keeps no worker from being replaced. One reserve is enough
+//! for any number of losses, because each predecessor gives back what its successor takes.
 
 use super::worker_handle::WorkerHandle;
 use super::{Incarnation, WorkerPool, WorkerPoolError};
@@ -23,9 +27,11 @@ impl WorkerPool {
     ///
     /// # Errors
     ///
-    /// If shared memory, a process or a core is unavailable.
+    /// If shared memory, a process or a core is unavailable. Those that are lost stay so until a
+    /// later call.
     pub fn mend(&mut self, store: &SealedMemory) -> Result<Mended, WorkerPoolError> {
         self.notice_the_dead()?;
+        self.hold_back();
         let mut mended = Mended::default();
         let lost = |worker: &&WorkerHandle| !worker.is_alive();
         let lost: Vec<Incarnation> =
@@ -37,8 +43,7 @@ impl WorkerPool {
             match self.restarts.leave(who.worker, clock::now_ns()) {
                 Leave::Granted => {
                     let successor = Incarnation { inc: who.inc.wrapping_add(1), ..who };
-                    let worker = self.spawn(successor, store)?;
-                    self.workers[usize::from(who.worker)] = worker;
+                    self.replace(successor, store)?;
                     mended.started.push(successor);
                 }
                 Leave::CoreOff | Leave::AllOff => {
@@ -48,6 +53,31 @@ impl WorkerPool {
             }
         }
         Ok(mended)
+    }
+
+    /// Holds memory for a successor, if there is room.
+    pub(super) fn hold_back(&mut self) {
+        if let Err(error) = self.reserve.hold() {
+            tracing::debug!(%error, "no memory is held back");
+        }
+    }
+
+    /// Starts a successor with the memory that was held back for it.
+    fn replace(
+        &mut self,
+        successor: Incarnation,
+        store: &SealedMemory,
+    ) -> Result<(), WorkerPoolError> {
+        // Without room for both ends it would begin, fail, and count as one more death.
+        self.reserve.hold()?;
+        self.reserve.release();
+        let started = self.spawn(successor, store);
+        let started = started.map(|worker| {
+            // What the predecessor had is free from here on.
+            self.workers[usize::from(successor.worker)] = worker;
+        });
+        self.hold_back();
+        started
     }
 
     /// Waits until all live workers have greeted. Those that end instead are lost, as are those

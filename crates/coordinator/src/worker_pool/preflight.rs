@@ -63,7 +63,8 @@ pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
         _ => {}
     }
     let launch_sizes = sizes(options);
-    let bytes = workers * (launch_sizes.pool_bytes() as u64 + SHM_PER_WORKER);
+    let reserve = launch_sizes.link_bytes() as u64;
+    let bytes = workers * (launch_sizes.pool_bytes() as u64 + SHM_PER_WORKER) + reserve;
     let folder = options.folder.clone().unwrap_or_else(transport::default_folder);
     // The folder itself may not exist yet.
     let shared = folder.ancestors().find(|above| above.exists()).unwrap_or(&folder);
@@ -103,7 +104,8 @@ pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
     missing
 }
 
-fn sizes(options: &Options) -> Sizes {
+/// What the channels of a worker hold.
+pub(super) fn sizes(options: &Options) -> Sizes {
     let batch = options.queues.batch as usize;
     let words = protocol::job::batch_words(batch, batch);
     let chunk = if options.copies { protocol::launch::CHUNK_WORDS } else { 0 };

@@ -154,7 +154,7 @@ fn confine(
 }
 
 /// Whether the namespaces that a kind needs are available.
-fn is_granted(kind: Kind) -> Result<bool, Failure> {
+pub(super) fn is_granted(kind: Kind) -> Result<bool, Failure> {
     let test: &[&str] = match kind {
         Kind::SmallShm => &["-m", "/bin/sh", "-c", "mount -t tmpfs tmpfs /dev/shm"],
         Kind::ClockShift => &["-T", "--monotonic", "864000", "--fork", "/bin/true"],

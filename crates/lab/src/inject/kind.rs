@@ -53,6 +53,7 @@ kinds! {
     KillInStop = "kill-in-stop",
     VersionSkew = "version-skew",
     SmallShm = "small-shm",
+    FullShm = "full-shm",
     FewFiles = "few-files",
     ClockShift = "clock-shift",
     StaleMemory = "stale-memory",
@@ -85,6 +86,7 @@ impl Kind {
                 | Self::KillInStop
                 | Self::VersionSkew
                 | Self::SmallShm
+                | Self::FullShm
                 | Self::FewFiles
                 | Self::ClockShift
                 | Self::StaleMemory
@@ -93,7 +95,7 @@ impl Kind {
 
     /// Whether it strikes a service and its clients.
     pub(crate) fn is_of_service(self) -> bool {
-        matches!(self, Self::FlipManagement)
+        matches!(self, Self::FlipManagement | Self::FullShm)
     }
 
     /// Whether it needs ptrace(2).

@@ -45,8 +45,8 @@ pub(super) struct Serving {
     scenario: PathBuf,
     place: tempfile::TempDir,
     deployment: PathBuf,
-    /// A program, with arguments, to run services under.
-    wrap: Vec<String>,
+    /// Size of the file system of shared files, which it then has for itself (bytes).
+    own_bytes: Option<u64>,
     service: Option<Child>,
 }
 
@@ -82,10 +82,34 @@ impl Serving {
         }
         let deployment = place.path().join("deployment.toml");
         std::fs::write(&deployment, text).map_err(system)?;
-        let scenario = rank.plan.scenario.clone();
+        // Clients may have another working directory.
+        let scenario = rank.plan.scenario.canonicalize().map_err(system)?;
         let rank = rank.program.to_owned();
-        let (wrap, service) = (Vec::new(), None);
-        Ok(Some(Self { rank, scenario, place, deployment, wrap, service }))
+        let (own_bytes, service) = (None, None);
+        Ok(Some(Self { rank, scenario, place, deployment, own_bytes, service }))
+    }
+
+    /// Gives the next service a file system of this size (bytes) for its shared files, which takes
+    /// mount namespaces.
+    pub(super) fn confine(&mut self, bytes: u64) {
+        self.own_bytes = Some(bytes);
+    }
+
+    /// Where this process sees the shared files of a confined service.
+    pub(super) fn seen_folder(&self) -> Option<PathBuf> {
+        let pid = self.pid()?;
+        Some(PathBuf::from(format!("/proc/{pid}/root{}", self.folder().display())))
+    }
+
+    pub(super) fn pid(&self) -> Option<u32> {
+        self.service.as_ref().map(Child::pid)
+    }
+
+    /// Process ids of its workers.
+    pub(super) fn workers(&self) -> Vec<u32> {
+        let Some(pid) = self.pid() else { return Vec::new() };
+        let list = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"));
+        list.unwrap_or_default().split_whitespace().filter_map(|word| word.parse().ok()).collect()
     }
 
     /// The folder of shared files.
@@ -96,8 +120,19 @@ impl Serving {
     /// Starts a service, which may take a while until it serves.
     pub(super) fn start(&mut self) -> Result<(), Failure> {
         let deployment = self.deployment.display().to_string();
+        let script = self.own_bytes.map(|bytes| {
+            let folder = self.folder();
+            format!(
+                "mount -t tmpfs -o size={bytes},mode=700 tmpfs {} && exec \"$0\" \"$@\"",
+                folder.display()
+            )
+        });
+        let wrap: Vec<&str> = match &script {
+            Some(script) => vec!["/usr/bin/unshare", "-m", "/bin/sh", "-c", script],
+            None => Vec::new(),
+        };
         let line = ["-q", "serve", deployment.as_str()];
-        let (child, _output) = self.run(&line)?;
+        let (child, _output) = self.run(&wrap, &line)?;
         self.service = Some(child);
         Ok(())
     }
@@ -107,9 +142,9 @@ impl Serving {
         self.service.as_mut().map_or(Ok(None), |service| Ok(service.try_wait()?))
     }
 
-    fn run(&self, args: &[&str]) -> Result<(Child, File), Failure> {
+    fn run(&self, wrap: &[&str], args: &[&str]) -> Result<(Child, File), Failure> {
         let own = self.rank.display().to_string();
-        let words = self.wrap.iter().map(String::as_str).chain([own.as_str()]);
+        let words = wrap.iter().copied().chain([own.as_str()]);
         let line: Vec<String> = words.chain(args.iter().copied()).map(str::to_owned).collect();
         let out = tempfile::tempfile().map_err(system)?;
         let null = File::open("/dev/null").map_err(system)?;
@@ -124,10 +159,22 @@ impl Serving {
 
     /// Starts a client.
     pub(super) fn ask(&self, deadline_ms: u64) -> Result<Asking, Failure> {
+        self.ask_with(deadline_ms, &[])
+    }
+
+    /// Starts a client that asks this many times, and compares the answers itself.
+    pub(super) fn ask_again_and_again(&self, times: u32) -> Result<Asking, Failure> {
+        self.ask_with(START_MS, &["--repeat", &times.to_string()])
+    }
+
+    fn ask_with(&self, deadline_ms: u64, more: &[&str]) -> Result<Asking, Failure> {
         let files = [&self.deployment, &self.scenario].map(|path| path.display().to_string());
         let due = deadline_ms.to_string();
-        let line = ["-q", "query", &files[0], &files[1], "--json", "--deadline-ms", &due];
-        let (child, out) = self.run(&line)?;
+        let mut line = vec!["-q", "query", &files[0], &files[1], "--json", "--deadline-ms", &due];
+        line.extend(more);
+        let pid = self.pid().filter(|_| self.own_bytes.is_some()).map(|pid| pid.to_string());
+        let wrap = pid.as_ref().map(|pid| ["/usr/bin/nsenter", "-m", "-t", pid]);
+        let (child, out) = self.run(wrap.as_ref().map_or(&[], |words| words), &line)?;
         Ok(Asking { child, out, deadline_ms })
     }
 
@@ -163,8 +210,8 @@ impl Asking {
         Ok(self.child.wait_ms(ms)?)
     }
 
-    /// Waits for what it is told.
-    pub(super) fn told(mut self, reference: &Answer) -> Result<Told, Failure> {
+    /// Waits for its end, at most for so long after its deadline as a client may take.
+    pub(super) fn document(mut self) -> Result<(Option<Exit>, Option<Value>), Failure> {
         let exit = self.child.wait_ms(self.deadline_ms + CLIENT_MS)?;
         if exit.is_none() {
             self.child.kill()?;
@@ -172,7 +219,12 @@ impl Asking {
         let mut text = String::new();
         let read =
             self.out.seek(SeekFrom::Start(0)).and_then(|_| self.out.read_to_string(&mut text));
-        let document = read.ok().and_then(|_| serde_json::from_str::<Value>(&text).ok());
+        Ok((exit, read.ok().and_then(|_| serde_json::from_str(&text).ok())))
+    }
+
+    /// Waits for what it is told.
+    pub(super) fn told(self, reference: &Answer) -> Result<Told, Failure> {
+        let (exit, document) = self.document()?;
         let known = serde_json::to_value(reference).map_err(system)?;
         let state = document.map_or(State::Refused, |document| judge(&document, &known));
         Ok(Told { state, exit })

@@ -278,3 +278,28 @@ fn all_memory_is_taken_before_it_is_used() {
     assert!(bytes >= (SIZES.job_words * 8 * 6 + SIZES.result_words * 8 * 4) as u64);
     assert!(bytes <= SIZES.pool_bytes() as u64 + 200_000, "{bytes} bytes");
 }
+
+/// What both ends of a link take, in whole pages; `real` are those of the default engine.
+#[test]
+fn a_link_takes_no_more_memory_than_is_held_back_for_one() {
+    let real = Sizes { job_words: 190, job_queue: 8, result_words: 2_048, result_queue: 32 };
+    for (boot, sizes) in [(70, SIZES), (71, real)] {
+        let domain = Domain::create(None, "bytes", Boot(boot)).unwrap();
+        let coordinator = CoordinatorLink::create(&domain, PEER, &sizes, BUILD).unwrap();
+        let worker = WorkerLink::open(&Domain::open(domain.text()).unwrap(), PEER, &sizes, BUILD);
+        let worker = worker.unwrap();
+        coordinator.connect().unwrap();
+        let (mut folders, mut bytes) = (vec![coordinator.root().to_owned()], 0);
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).unwrap() {
+                let entry = entry.unwrap();
+                let stat = entry.metadata().unwrap();
+                bytes += stat.blocks() * 512;
+                folders.extend(stat.is_dir().then(|| entry.path()));
+            }
+        }
+        let (bytes, most) = (usize::try_from(bytes).unwrap(), sizes.link_bytes());
+        assert!(bytes <= most && bytes * 4 >= sizes.pool_bytes(), "{bytes} of {most}");
+        drop(worker);
+    }
+}
