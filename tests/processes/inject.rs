@@ -186,3 +186,13 @@ fn a_full_file_system_costs_neither_answers_nor_workers() {
         assert_eq!((&row["injected"], &row["detected"]), (&3.into(), &3.into()), "{document}");
     }
 }
+
+#[test]
+fn what_strangers_plant_around_a_service_holds_up_nobody_and_is_touched_by_nobody() {
+    let place = Place::new();
+    let plan = plan(&place, "strangers-files = 8\n");
+    let document = json(&inject(&[&plan, "--json", "--seed", "2"]));
+    assert_survived(&document);
+    let row = row(&document, "strangers-files").unwrap();
+    assert_eq!((&row["injected"], &row["answers"]["complete"]), (&8.into(), &8.into()));
+}

@@ -129,6 +129,27 @@ fn what_strangers_plant_under_the_name_of_a_service_is_refused_by_it_and_by_its_
     }
 }
 
+/// Regression: it served from a folder that another user owns, and can exchange.
+#[test]
+fn a_service_without_workers_makes_nothing_in_a_folder_of_a_stranger() {
+    if !is_possible() {
+        return;
+    }
+    let place = Place::new();
+    let bodies = [("sedan", 500, 1), ("wall", 500, 1)];
+    let deployment = support::service::deployment(&place, 1, &bodies);
+    let open = Open::new();
+    open.plant("mkdir -m 755 trolley");
+    let instance = instance();
+    let args = ["serve", deployment.to_str().unwrap(), "--in-process", "--instance", &instance];
+    let refused = run_in(open.path(), &args);
+    let said = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(78), "{said}");
+    assert!(said.contains("belongs to user 65534") && said.contains("remove it"), "{said}");
+    let left: Vec<_> = std::fs::read_dir(open.path().join("trolley")).unwrap().collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
 #[test]
 fn no_shared_file_of_a_service_can_be_opened_by_others() {
     let place = Place::new();

@@ -23,6 +23,7 @@ mod report;
 mod run;
 mod serving;
 mod signals;
+mod strangers;
 mod worker_pool;
 
 use crate::progress::{Progress, SyncProgress};
@@ -142,6 +143,7 @@ fn service_fault(
             Ok(())
         }
         Kind::FullShm => full::strike(&mut serving, rng, reference, report),
+        Kind::StrangersFiles => strangers::strike(&mut serving, rng, reference, report),
         _ => management::flip(&mut serving, rng, reference, report),
     }
 }

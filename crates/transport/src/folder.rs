@@ -8,7 +8,8 @@
 //!
 //! - all shared files lie in a folder that its owner alone may enter (0700), made here, or found
 //!   and then checked: a folder, not a link to one, of this user, not writable by others;
-//! - every folder above it is checked as well, since whoever may write there can exchange it;
+//! - every folder above it is checked as well, since whoever may write there can exchange it; the
+//!   one in which a service makes its own belongs to this user or to root, or is for all;
 //! - what is found is never waited for, and nothing is removed through a link.
 //!
 //! A group of clients, where one is set, is inside the trust domain as far as the folder of its
@@ -66,6 +67,8 @@ pub fn default_folder() -> PathBuf {
 pub(crate) fn make(path: &Path, group: Option<u32>) -> Result<File, OpenError> {
     let shown = path.display().to_string();
     let mode = Mode::from_raw_mode(PRIVATE);
+    // Before anything is made where it cannot stay.
+    checked_above(path)?;
     let is_new = match rustix::fs::mkdir(path, mode) {
         Ok(()) => true,
         Err(Errno::EXIST) => false,
@@ -123,6 +126,27 @@ pub(crate) fn enter(path: &Path) -> Result<File, OpenError> {
         });
     }
     checked_above(path).map(|()| folder)
+}
+
+/// Refuses a folder that belongs to a stranger, who can exchange what is made in it; but for one
+/// like /dev/shm, to which every user may write and which keeps what belongs to whom.
+///
+/// # Errors
+///
+/// If it is not there, no folder, or a stranger's.
+pub(crate) fn check_owner(path: &Path) -> Result<(), OpenError> {
+    let shown = path.display().to_string();
+    let stat = fstat(&open(path)?).map_err(OpenError::at("examine", &shown))?;
+    let is_known = stat.st_uid == geteuid().as_raw() || stat.st_uid == Uid::ROOT.as_raw();
+    let is_public = stat.st_mode & OTHERS_WRITE != 0 && stat.st_mode & STICKY != 0;
+    if !is_known && !is_public {
+        return Err(OpenError::Untrusted {
+            path: shown,
+            why: format!("it belongs to user {}", stat.st_uid),
+            remedy: remedy_elsewhere(),
+        });
+    }
+    Ok(())
 }
 
 /// Opens a folder, whatever lies under that name.

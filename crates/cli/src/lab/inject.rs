@@ -13,6 +13,9 @@ Examples:
   trolley inject config/faults/quick.toml
   trolley inject config/faults/campaign.toml --seed 7 --json --junit faults.xml
 
+Kinds of faults: config/faults/campaign.toml has every one. Those that this machine does not permit
+(ptrace, mount namespaces) are reported as not injected.
+
 Exit codes: 0 survived; 1 a wrong answer, a hang, a false kill, or something left behind;
 65 the plan cannot be read.";
 

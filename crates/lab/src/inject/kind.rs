@@ -1,4 +1,16 @@
 //! The kinds of faults that can be injected, by the names of plans and reports.
+//!
+//! | what they strike | kinds |
+//! |---|---|
+//! | workers of a pool, by signals | `kill` to `slow`; `kill-at-call`: at a call of their start |
+//! | workers of a pool, by orders | `abort` to `loan-exhausted` |
+//! | messages and the status page | `garble-batch` to `flip-status` |
+//! | whole runs | `flip-payload`, `flip-queue`, `coordinator-kill` to `stale-memory` |
+//! | a service and its clients | `flip-management`, `full-shm`, `strangers-files` |
+//!
+//! `full-shm`, `small-shm` and `clock-shift` need namespaces, the kinds at a system call need
+//! ptrace(2), and `strangers-files` strikes as another user only if it may: what this machine does
+//! not permit is reported as not injected.
 
 use protocol::InjectedFault;
 
@@ -54,6 +66,7 @@ kinds! {
     VersionSkew = "version-skew",
     SmallShm = "small-shm",
     FullShm = "full-shm",
+    StrangersFiles = "strangers-files",
     FewFiles = "few-files",
     ClockShift = "clock-shift",
     StaleMemory = "stale-memory",
@@ -87,6 +100,7 @@ impl Kind {
                 | Self::VersionSkew
                 | Self::SmallShm
                 | Self::FullShm
+                | Self::StrangersFiles
                 | Self::FewFiles
                 | Self::ClockShift
                 | Self::StaleMemory
@@ -95,7 +109,7 @@ impl Kind {
 
     /// Whether it strikes a service and its clients.
     pub(crate) fn is_of_service(self) -> bool {
-        matches!(self, Self::FlipManagement | Self::FullShm)
+        matches!(self, Self::FlipManagement | Self::FullShm | Self::StrangersFiles)
     }
 
     /// Whether it needs ptrace(2).

@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::fd::AsFd as _;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use trolley::{Failure, FailureKind};
 
@@ -47,6 +48,8 @@ pub(super) struct Serving {
     deployment: PathBuf,
     /// Size of the file system of shared files, which it then has for itself (bytes).
     own_bytes: Option<u64>,
+    /// The folder that stands in for the user's runtime folder.
+    open: Option<PathBuf>,
     service: Option<Child>,
 }
 
@@ -85,8 +88,8 @@ impl Serving {
         // Clients may have another working directory.
         let scenario = rank.plan.scenario.canonicalize().map_err(system)?;
         let rank = rank.program.to_owned();
-        let (own_bytes, service) = (None, None);
-        Ok(Some(Self { rank, scenario, place, deployment, own_bytes, service }))
+        let (own_bytes, open, service) = (None, None, None);
+        Ok(Some(Self { rank, scenario, place, deployment, own_bytes, open, service }))
     }
 
     /// Gives the next service a file system of this size (bytes) for its shared files, which takes
@@ -114,7 +117,32 @@ impl Serving {
 
     /// The folder of shared files.
     pub(super) fn folder(&self) -> PathBuf {
-        self.place.path().join("shm")
+        self.open
+            .as_ref()
+            .map_or_else(|| self.place.path().join("shm"), |open| open.join("trolley"))
+    }
+
+    /// Moves to the default folder of a user whose runtime folder everybody may write to, which is
+    /// returned: as /dev/shm is.
+    pub(super) fn open_to_strangers(&mut self) -> Result<PathBuf, Failure> {
+        let with_mode = |path: &Path, mode: u32| {
+            std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).map_err(system)
+        };
+        let open = self.place.path().join("open");
+        std::fs::create_dir(&open).map_err(system)?;
+        with_mode(&open, 0o1777)?;
+        with_mode(self.place.path(), 0o711)?;
+        let text = std::fs::read_to_string(&self.deployment).map_err(system)?;
+        let is_kept = |line: &&str| !line.starts_with("folder = ");
+        let lines: Vec<&str> = text.lines().filter(is_kept).collect();
+        std::fs::write(&self.deployment, lines.join("\n")).map_err(system)?;
+        self.open = Some(open.clone());
+        Ok(open)
+    }
+
+    /// Waits for the end of a service that should not start.
+    pub(super) fn await_end(&mut self, ms: u64) -> Result<Option<Exit>, Failure> {
+        self.service.as_mut().map_or(Ok(None), |service| Ok(service.wait_ms(ms)?))
     }
 
     /// Starts a service, which may take a while until it serves.
@@ -144,7 +172,9 @@ impl Serving {
 
     fn run(&self, wrap: &[&str], args: &[&str]) -> Result<(Child, File), Failure> {
         let own = self.rank.display().to_string();
-        let words = wrap.iter().copied().chain([own.as_str()]);
+        let runtime = self.open.as_ref().map(|open| format!("XDG_RUNTIME_DIR={}", open.display()));
+        let env = runtime.as_ref().map(|set| ["/usr/bin/env", "-u", "RUNTIME_DIRECTORY", set]);
+        let words = wrap.iter().copied().chain(env.into_iter().flatten()).chain([own.as_str()]);
         let line: Vec<String> = words.chain(args.iter().copied()).map(str::to_owned).collect();
         let out = tempfile::tempfile().map_err(system)?;
         let null = File::open("/dev/null").map_err(system)?;

@@ -49,8 +49,10 @@ impl ServicePlace {
         let group = address.group();
         let mut attempt = 0;
         let lock = loop {
-            let above = root.parent().filter(|above| !above.exists());
-            let above = above.map_or(Ok(()), |above| folder::make(above, group).map(drop));
+            let above = root.parent().map_or(Ok(()), |above| match above.exists() {
+                true => folder::check_owner(above),
+                false => folder::make(above, group).map(drop),
+            });
             match lock(above.and_then(|()| folder::make(&root, group))) {
                 Ok(Some(lock)) => break lock,
                 Ok(None) => {
