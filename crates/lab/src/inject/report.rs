@@ -294,15 +294,15 @@ fn page(document: &Injected) -> String {
         text.push('\n');
     };
     line(format!(
-        "{:<17} {:>8} {:>8}  {:^26}  {:^26}  {:^23}",
+        "{:<24} {:>8} {:>8}  {:^26}  {:^26}  {:^23}",
         "fault", "injected", "seen", "seen after, ms", "over after, ms", "C / D / R / wrong"
     ));
     let heads = format!("{:>8} {:>8} {:>8}", "median", "p99", "max");
-    line(format!("{:<17} {:>8} {:>8}  {heads}  {heads}", "", "", ""));
+    line(format!("{:<24} {:>8} {:>8}  {heads}  {heads}", "", "", ""));
     for row in &document.kinds {
         let Answers { complete, degraded, refused, wrong } = row.answers;
         line(format!(
-            "{:<17} {:>8} {:>8}  {}  {}  {complete} / {degraded} / {refused} / {wrong}",
+            "{:<24} {:>8} {:>8}  {}  {}  {complete} / {degraded} / {refused} / {wrong}",
             row.fault,
             row.injected,
             row.detected,
