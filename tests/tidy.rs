@@ -82,6 +82,8 @@ const ALONE: &[(&str, &[&str])] = &[
     // transport: its test that kills at each system call.
     ("libc", &["runtime", "transport"]),
     ("bincode", &["body"]),
+    ("ed25519-dalek", &["record"]),
+    ("humantime", &["record"]),
     ("tobj", &["mesh"]),
     ("stl_io", &["mesh"]),
     ("ply-rs-bw", &["mesh"]),

@@ -11,4 +11,5 @@ mod oracle;
 mod policy;
 mod record;
 mod refine;
+mod sign;
 mod transfer;

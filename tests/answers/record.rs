@@ -174,3 +174,58 @@ fn what_is_cut_foreign_of_another_version_or_removed_is_told_apart() {
     assert_eq!(output.status.code(), Some(65), "{error}");
     assert!(error.contains("number 2") && error.contains("1 should come"), "{error}");
 }
+
+/// A record that was changed and hashed again is intact as a file: its inputs are compared, too.
+#[test]
+fn a_replay_is_of_the_recorded_inputs_alone() {
+    let place = Place::new();
+    let records = recorded(&place, &[&["--in-process", "--depth", "2"]]);
+    let file = records.join("000000.record");
+    let good = trolley::Record::read(&file).unwrap();
+    let models = Some(place.path());
+    let replayed = |record: &trolley::Record| record.replay(&file, models, trolley::bodies::SILENT);
+    assert_eq!(replayed(&good).unwrap().json, good.content.answer);
+    let slower = |text: &mut String| *text = text.replacen("speed_m_s = 16", "speed_m_s = 15", 1);
+    type Change<'c> = (&'c str, &'c dyn Fn(&mut trolley::record::RecordContent));
+    let changes: [Change<'_>; 5] = [
+        ("the scenario in it is not the one", &|content| slower(&mut content.scenario.text)),
+        ("the policy in it is not the one", &|content| content.policy.text.push('\n')),
+        ("the set of curves in it is not the one", &|content| content.curves.text.push('\n')),
+        ("it holds the bodies of", &|content| drop(content.bodies.pop())),
+        ("it holds the bodies of", &|content| content.bodies[1].party = "p9".into()),
+    ];
+    for (says, change) in changes {
+        let mut changed = good.clone();
+        change(&mut changed.content);
+        assert_ne!(changed.content, good.content, "{says}");
+        let failure = replayed(&changed).unwrap_err();
+        assert!(failure.what().contains(says) && failure.remedy().is_some(), "{failure}");
+        assert!(failure.what().contains("000000.record"), "{failure}");
+        assert_eq!(failure.kind().exit_code(), 65);
+    }
+    // Files that are named to be compared.
+    let scenario = place.path().join("six.toml");
+    let replay = |scenario: &Path| {
+        let models = path(place.path());
+        let args = ["record", "replay", path(&file), "--models", models, "--scenario"];
+        command(&[&args[..], &[path(scenario)]].concat())
+    };
+    let output = replay(&scenario);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let mut other = std::fs::read_to_string(&scenario).unwrap();
+    slower(&mut other);
+    let refused = |scenario: &Path, says: &str| {
+        let output = replay(scenario);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(65), "{error}");
+        assert!(error.contains(says) && error.contains("000000.record"), "{error}");
+        assert!(error.contains("help: name the file that was ranked"), "{error}");
+    };
+    refused(&place.write("slower.toml", &other), "slower.toml is not the one of");
+    let suv = place.path().join("suv.trolley");
+    let args = ["model", "generate", "suv", "--triangles", "600", "-o", path(&suv)];
+    std::fs::copy(&suv, place.path().join("kept.trolley")).unwrap();
+    std::fs::remove_file(&suv).unwrap();
+    assert!(command(&args).status.success());
+    refused(&scenario, "suv.trolley is not the one of");
+}

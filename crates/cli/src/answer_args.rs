@@ -17,6 +17,10 @@ pub(crate) struct AnswerArgs {
     /// Add a decision record to this folder: the request, the answer, and what produced it.
     #[arg(long, value_name = "DIR", conflicts_with = "budget")]
     pub(crate) record: Option<PathBuf>,
+    /// Sign the record with this secret key: Ed25519, PEM, as `openssl genpkey -algorithm ed25519`
+    /// writes it. Nobody else may read the file.
+    #[arg(long, value_name = "KEY", requires = "record")]
+    pub(crate) sign: Option<PathBuf>,
     #[command(flatten)]
     limits: LimitArgs,
 }

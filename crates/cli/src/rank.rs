@@ -10,6 +10,7 @@ use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::record::Signer;
 use trolley::{
     Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, References,
     Run, Scenario,
@@ -98,7 +99,7 @@ fn answer(
         Some(Assume::UnknownFixed) => scenario.assuming_unknown_is_fixed(),
         None => scenario,
     };
-    asked.record.as_deref().map(Record::prepare).transpose()?;
+    let records = Records::prepare(asked, options)?;
     let limits = asked.limits()?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
@@ -109,7 +110,7 @@ fn answer(
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();
     }
-    let recorded = asked.record.as_deref().map(|folder| Record::write(folder, &ranking));
+    let recorded = records.as_ref().map(|records| records.write(&ranking));
     show(&scenario, &ranking, asked.explain, output)?;
     drop(engine);
     // If recording fails, the answer is shown before the failure.
@@ -121,6 +122,36 @@ fn answer(
         AnswerState::Degraded => FailureKind::Degraded.into(),
         AnswerState::Refused => FailureKind::Refused.into(),
     })
+}
+
+/// Where a record is written, and the key that signs it.
+struct Records<'a> {
+    folder: &'a Path,
+    signer: Option<Signer>,
+}
+
+impl<'a> Records<'a> {
+    /// Checks that a record can be added, before work is spent.
+    fn prepare(asked: &'a AnswerArgs, options: &EngineArgs) -> Result<Option<Self>, Failure> {
+        let Some(folder) = asked.record.as_deref() else { return Ok(None) };
+        let signer = asked.sign.as_deref().map(Signer::open).transpose()?;
+        let signer = match (signer, &options.instance) {
+            (Some(signer), Some(name)) => Some(signer.with_instance(name)),
+            (signer, _) => signer,
+        };
+        match &signer {
+            Some(signer) => signer.prepare(folder)?,
+            None => Record::prepare(folder)?,
+        }
+        Ok(Some(Self { folder, signer }))
+    }
+
+    fn write(&self, ranking: &Ranking) -> Result<PathBuf, Failure> {
+        match &self.signer {
+            Some(signer) => signer.write(self.folder, ranking),
+            None => Record::write(self.folder, ranking),
+        }
+    }
 }
 
 /// The engine configured by the command line.

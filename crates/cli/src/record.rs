@@ -2,14 +2,19 @@
 
 use crate::output::Output;
 use crate::print;
+use crate::reference_args::ReferenceArgs;
 use clap::Subcommand;
+use report::text::wrap;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::record::hex;
-use trolley::{BUILD, Failure, FailureKind, Record};
+use trolley::record::{VerifyOptions, hex};
+use trolley::{BUILD, Failure, FailureKind, Record, Scenario};
 
 mod show;
+mod stated;
+
+use stated::Stated;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -18,9 +23,15 @@ Examples:
   trolley record show decisions/000000.record
   trolley record replay decisions/000000.record --models bodies
 
+Signed with a key of openssl, and checked:
+  openssl genpkey -algorithm ed25519 -out key.pem
+  openssl pkey -in key.pem -pubout -out key.pub
+  trolley demo --record signed --sign key.pem
+  trolley record verify signed --key key.pub
+
 A record complements the recorders of UN R157 (DSSAD) and R160 (EDR); it does not claim to comply
-with them. Removing the last records of a chain cannot be detected from the rest: keep the hash that
-verify prints elsewhere.";
+with them. Unsigned records show accidents, not forgery. Signed ones show forgery, but not that a
+folder as a whole was replaced by an older state of itself: keep copies of chain.head elsewhere.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
@@ -30,11 +41,18 @@ pub(crate) enum Verb {
         /// A decision record.
         file: PathBuf,
     },
-    /// Check every byte of records, and that each continues the one before it.
+    /// Check every byte of records, that each continues the one before it, and their signatures.
     #[command(after_help = EXAMPLES)]
     Verify {
         /// A folder of records, or one record.
         path: PathBuf,
+        /// Public key of the signer: everything must be signed with it. Without it, verify shows
+        /// accidents, not forgery.
+        #[arg(long, value_name = "PUBLIC")]
+        key: Option<PathBuf>,
+        /// A copy of an earlier chain.head: what it counts must still be there.
+        #[arg(long, value_name = "COPY")]
+        head: Option<PathBuf>,
     },
     /// Compute the recorded answer again and compare it, byte for byte.
     #[command(after_help = EXAMPLES)]
@@ -44,37 +62,68 @@ pub(crate) enum Verb {
         /// Folder with the record's model files, which are found by their hash.
         #[arg(long, value_name = "DIR")]
         models: Option<PathBuf>,
+        /// Check first that this scenario file, and what it names, is what was recorded.
+        #[arg(long, value_name = "SCENARIO")]
+        scenario: Option<PathBuf>,
+        #[command(flatten)]
+        references: ReferenceArgs,
     },
 }
 
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         Verb::Show { file } => show::run(file, output),
-        Verb::Verify { path } => verify(path, output),
-        Verb::Replay { file, models } => replay(file, models.as_deref(), output),
+        Verb::Verify { path, key, head } => verify(path, key.as_deref(), head.clone(), output),
+        Verb::Replay { file, models, scenario, references } => {
+            let scenario = scenario.as_ref().map(|path| (path, references.references()));
+            let open = |(path, allowed)| Scenario::open_with(path, allowed);
+            replay(file, models.as_deref(), scenario.map(open).transpose()?.as_ref(), output)
+        }
     }
 }
 
-fn verify(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
+fn verify(
+    path: &Path,
+    key: Option<&Path>,
+    head: Option<PathBuf>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
     #[derive(Serialize)]
     struct Document {
         schema: &'static str,
-        records: usize,
+        records: u64,
         last: Option<String>,
+        proof: &'static str,
+        shows: String,
+        signed: Option<Stated>,
     }
-    let (records, last) = Record::verify(path)?;
-    let last = last.map(|link| hex(&link.hash));
+    let key = key.map(trolley::record::public_key).transpose()?;
+    let copy = head.as_ref().map(|copy| format!("{}: what it counts is here", copy.display()));
+    let found = Record::verify(path, &VerifyOptions { key, head })?;
+    let (records, proof) = (found.count, &found.proof);
+    let last = found.last.map(|link| hex(&link.hash));
+    let signed = found.statement.as_ref().map(Stated::of);
     if output.json {
-        let document = Document { schema: "trolley.record-verify/1", records, last };
+        let (schema, shows) = ("trolley.record-verify/1", proof.to_string());
+        let document = Document { schema, records, last, proof: proof.name(), shows, signed };
         return print::out(&print::json(&document)?);
     }
-    match last {
-        None => print::out(&format!("{}: no records", path.display())),
-        Some(hash) => print::out(&format!(
-            "{}: {records} records are intact\nhash of the last: {hash}",
-            path.display()
-        )),
-    }
+    let path = path.display();
+    let mut lines = match (last, records) {
+        (None, _) => vec![format!("{path}: no records")],
+        (Some(hash), 1) => vec![format!("{path}: 1 record is intact"), of_last(&hash)],
+        (Some(hash), _) => vec![format!("{path}: {records} records are intact"), of_last(&hash)],
+    };
+    lines.extend(signed.map(|stated| format!("last signed {stated}")));
+    lines.extend(copy);
+    lines.push(proof.to_string());
+    // The first line begins with a path, which is not broken.
+    lines.iter_mut().skip(1).for_each(|line| *line = wrap(line));
+    print::out(&lines.join("\n"))
+}
+
+fn of_last(hash: &str) -> String {
+    format!("hash of the last: {hash}")
 }
 
 /// What `--json` prints of a replay.
@@ -87,8 +136,14 @@ struct Replayed<'r> {
     jobs: u64,
 }
 
-fn replay(path: &Path, models: Option<&Path>, output: &Output) -> Result<ExitCode, Failure> {
+fn replay(
+    path: &Path,
+    models: Option<&Path>,
+    scenario: Option<&Scenario>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
     let record = Record::read(path)?;
+    scenario.map(|scenario| record.check_scenario(path, scenario)).transpose()?;
     let progress = output.progress("building bodies: triangles");
     let replay = record.replay(path, models, &|done, total| progress.set(done, total))?;
     drop(progress);

@@ -18,19 +18,31 @@
 //! # Invariants
 //!
 //! - Every changed byte of a file is detected, and so is truncation: `file/tests.rs`.
-//! - A record that is missing, exchanged or out of order is detected, except at the end of a chain,
-//!   where no later record refers to it: `chain/tests.rs`.
+//! - A record that is missing, exchanged, renamed or out of order is detected, except at the end of
+//!   an unsigned chain, where no later record refers to it: `chain/tests.rs`.
+//! - Whoever lacks the key can change nothing of a signed chain, but replace it as a whole by an
+//!   older state of it or by another chain of the same signer: `chain/tests/forgery.rs`.
+//! - Whatever ends a writer, the chain passes the check and can be continued:
+//!   `chain/tests/forgery.rs`.
 //! - Nothing in a file is trusted before its hash is checked.
 
 pub mod chain;
 pub mod content;
 pub mod file;
+pub mod key;
 mod named;
+pub mod proof;
+pub mod statement;
 
-pub use chain::{Chain, ChainError};
+pub use chain::{Chain, ChainError, HEAD_FILE, Resume};
 pub use content::{
     Edge, Mode, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob,
     RecordedMoment, RecordedSource, RecordedSpan, RecordedStage, RecordedText, Settings,
     hash_of_text,
 };
-pub use file::{Link, RecordError, decode, encode};
+pub use file::{Link, RecordError, RecordSigner, decode, encode};
+pub use key::{KeyError, SigningKey, VerifyingKey};
+pub use proof::{HeadProof, Proof};
+pub use statement::{
+    ChainId, Provenance, RecordedDeployment, SignedStatement, Statement, StatementKind,
+};

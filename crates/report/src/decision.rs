@@ -89,7 +89,7 @@ fn candidate(row: &Row) -> CandidateRow {
 
 /// The contents of the page of a replayed record.
 pub(crate) fn decision(made: &Replay, record: &Record) -> DecisionPage {
-    let Record { content: record, link } = record;
+    let Record { content: record, link, .. } = record;
     let Replay { answer, explanation, .. } = made;
     let count = |end: RecordedEnd| record.jobs.iter().filter(|job| job.end == end).count() as u64;
     let mut jobs_of: BTreeMap<u32, (u64, u64)> = BTreeMap::new();

@@ -1,6 +1,6 @@
 //! The only clock: CLOCK_MONOTONIC and CPU time in nanoseconds; and the only source of randomness.
 //!
-//! It does not know what the time of day is.
+//! The time of day is for signed statements alone: it may jump, and no answer depends on it.
 
 use crate::error::{OsError, Result};
 use rustix::time::{ClockId, Timespec, clock_gettime};
@@ -9,6 +9,12 @@ use rustix::time::{ClockId, Timespec, clock_gettime};
 #[must_use]
 pub fn now_ns() -> u64 {
     nanoseconds(clock_gettime(ClockId::Monotonic))
+}
+
+/// The time of day, for people: nanoseconds since 1970-01-01 (UTC), as the machine's clock is set.
+#[must_use]
+pub fn time_of_day_ns() -> u64 {
+    nanoseconds(clock_gettime(ClockId::Realtime))
 }
 
 /// CPU time that the calling thread has used \[ns\].

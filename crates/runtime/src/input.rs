@@ -19,7 +19,7 @@ use rustix::fs::OFlags;
 use rustix::io::Errno;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
-use std::os::unix::fs::OpenOptionsExt as _;
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 use std::path::Path;
 
 /// A kind of input. All limits on the length of files are here.
@@ -53,6 +53,10 @@ pub enum InputKind {
     SideFile,
     /// A model file.
     Model,
+    /// A key, secret or public.
+    Key,
+    /// The head of a chain of records.
+    ChainHead,
 }
 
 const KIB: u64 = 1 << 10;
@@ -60,7 +64,7 @@ const MIB: u64 = 1 << 20;
 
 impl InputKind {
     /// All kinds.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::Policy,
         Self::Curves,
         Self::Scenario,
@@ -75,14 +79,16 @@ impl InputKind {
         Self::Mesh,
         Self::SideFile,
         Self::Model,
+        Self::Key,
+        Self::ChainHead,
     ];
 
     /// Maximum length (bytes).
     #[must_use]
     pub const fn bytes_max(self) -> u64 {
         match self {
-            // 24 numbers and comments.
-            Self::Poses => 64 * KIB,
+            // 24 numbers and comments; three lines; ten.
+            Self::Poses | Self::Key | Self::ChainHead => 64 * KIB,
             // What people write by hand has a few hundred lines.
             Self::Policy
             | Self::Curves
@@ -121,6 +127,8 @@ impl InputKind {
             Self::Mesh => "a mesh",
             Self::SideFile => "the settings of a mesh",
             Self::Model => "a model file",
+            Self::Key => "a key",
+            Self::ChainHead => "the head of a chain of records",
         }
     }
 }
@@ -204,7 +212,27 @@ fn bounded(
 ///
 /// As [`bytes()`], or if it is not UTF-8.
 pub fn text(path: &Path, kind: InputKind) -> Result<String, InputError> {
-    String::from_utf8(bytes(path, kind)?).map_err(|error| {
+    utf8(path, bytes(path, kind)?)
+}
+
+/// Reads a text that nobody but its owner may read: a secret key.
+///
+/// # Errors
+///
+/// As [`text`], or if others may read or change it.
+pub fn secret_text(path: &Path, kind: InputKind) -> Result<String, InputError> {
+    let (mut file, length) = open(path, kind)?;
+    // Of the file that is open, whatever its path names meanwhile.
+    let about = file.metadata().map_err(|error| InputError::of_io(path, error))?;
+    let mode = about.mode() & 0o777;
+    if mode & 0o077 != 0 {
+        return Err(InputError::Exposed { path: path.to_owned(), mode });
+    }
+    utf8(path, bounded(&mut file, path, length, kind)?)
+}
+
+fn utf8(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
+    String::from_utf8(bytes).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
         InputError::NotText { path: path.to_owned(), byte }
     })

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`clock`] | monotonic time, CPU time, randomness: the only clock there is |
 //! | [`input`] | files of people and strangers: regular ones, up to a limit |
-//! | [`machine`] | what the machine grants: file descriptors, shared memory |
+//! | [`machine`] | its name, and what it grants: file descriptors, shared memory |
 //! | [`memory`] | the sealed model store, the status page, files read into aligned memory |
 //! | [`output`] | files written whole, which replace regular files alone |
 //! | [`process`] | children that die with their parent and are never left as zombies |
@@ -17,7 +17,7 @@
 //!
 //! # Invariants
 //!
-//! - Time is CLOCK_MONOTONIC: the wall clock may jump, nothing here sees it.
+//! - Time is CLOCK_MONOTONIC: the wall clock may jump, and is read for signed statements alone.
 //! - No process can change what is sealed: `memory/tests.rs`.
 //! - A [`process::Child`] is dead and reaped once it was dropped, and dies when the thread that
 //!   spawned it ends, whatever ended it: `process/tests.rs`.

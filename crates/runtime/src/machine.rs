@@ -1,4 +1,4 @@
-//! What the machine grants this process: file descriptors, shared memory.
+//! The machine: its name, and what it grants this process: file descriptors, shared memory.
 
 use crate::error::{OsError, Result};
 use rustix::process::{Resource, getrlimit};
@@ -34,6 +34,12 @@ pub fn free_bytes(path: &str) -> Result<u64> {
     Ok(found.f_bavail.saturating_mul(found.f_frsize))
 }
 
+/// The host name, as the kernel has it.
+#[must_use]
+pub fn host_name() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
+}
+
 #[cfg(test)]
 mod tests {
     //! What is said of this process is so.
@@ -48,5 +54,7 @@ mod tests {
         assert!(resident_bytes().unwrap() > 100_000);
         assert!(free_bytes("/dev/shm").is_ok());
         assert!(free_bytes("/no/such/path").is_err());
+        let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap();
+        assert_eq!(host_name(), name.trim_end());
     }
 }

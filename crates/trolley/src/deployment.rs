@@ -26,6 +26,7 @@ pub struct OpenDeployment {
     /// What the file says.
     pub deployment: Deployment,
     file: PathBuf,
+    hash: [u8; 32],
     references: References,
 }
 
@@ -70,12 +71,19 @@ impl OpenDeployment {
         references: References,
     ) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        let mut deployment = Deployment::parse(&name, &files::text(path, InputKind::Deployment)?)?;
+        let text = files::text(path, InputKind::Deployment)?;
+        let mut deployment = Deployment::parse(&name, &text)?;
         if let Some(instance) = instance {
             transport::Address::new(deployment.folder.as_deref(), instance)?;
             instance.clone_into(&mut deployment.instance);
         }
-        Ok(Self { deployment, file: path.to_owned(), references })
+        let hash = *blake3::hash(text.as_bytes()).as_bytes();
+        Ok(Self { deployment, file: path.to_owned(), hash, references })
+    }
+
+    /// BLAKE3 of the file.
+    pub(crate) fn hash(&self) -> [u8; 32] {
+        self.hash
     }
 
     /// Returns the path of a file that the deployment names.

@@ -2,7 +2,8 @@
 //!
 //! The records of a folder are `000000.record`, `000001.record`, ...: one chain. A record is
 //! written under a temporary name and then renamed, so a folder never holds half a record, and two
-//! writers never use the same number.
+//! writers never use the same number. A [`Signer`] signs each, and how many there are, in
+//! `chain.head`. Without one, the chain shows accidents, not forgery.
 //!
 //! ```
 //! # use trolley::{Engine, Limits, Record, Scenario};
@@ -18,15 +19,16 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-use crate::engine::{Ranking, Recorded};
+use crate::engine::Ranking;
 use crate::files::{self, InputKind};
-use crate::run::Run;
-use crate::{BUILD, Failure, FailureKind};
-use record::{Chain, Edge, RecordedSpan, RecordedStage, RecordedText, Settings};
-use std::io::Write as _;
+use crate::{Failure, FailureKind};
 use std::path::{Path, PathBuf};
 
+mod content;
 mod replay;
+mod sign;
+mod verify;
+mod write;
 
 /// The place of a [`Record`] in its chain.
 ///
@@ -122,7 +124,62 @@ pub use record::RecordedEnd;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use record::RecordedSource;
+
+/// What [`Record::verify`] has proved, and what not, in words.
+///
+/// ```
+/// use trolley::record::Proof;
+///
+/// let words = Proof::Unsigned.to_string();
+/// assert!(words.contains("shows accidents, not forgery"));
+/// ```
+pub use record::Proof;
+
+/// What the signer of a [`Record`] states: which record it is, and when, where and by what program
+/// it was written.
+///
+/// ```
+/// # use trolley::{Engine, Limits, Scenario};
+/// # use trolley::{Record, record::Signer};
+/// # let folder = std::env::temp_dir().join(format!("trolley-stated-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// # let key = folder.join("key.pem");
+/// # std::fs::copy("examples/data/rfc8032.pem", &key).ok();
+/// # use std::os::unix::fs::PermissionsExt;
+/// # std::fs::set_permissions(&key, PermissionsExt::from_mode(0o600)).ok();
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+/// # let records = folder.join("records");
+/// # let signer = Signer::open(&key)?;
+/// # signer.prepare(&records)?;
+/// let path = signer.write(&records, &ranking)?;
+/// let stated = Record::read(&path)?.statement.map(|signed| signed.statement);
+/// let provenance = stated.expect("it is signed").provenance;
+/// println!("{} on {}", provenance.time(), provenance.host);
+/// assert_eq!(provenance.build, trolley::BUILD);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::SignedStatement;
+
+/// The public key of a signer, from [`public_key`].
+///
+/// ```
+/// # let file = std::env::temp_dir().join(format!("trolley-public-{}", std::process::id()));
+/// // What `openssl pkey -in key.pem -pubout` wrote.
+/// std::fs::write(&file, "-----BEGIN PUBLIC KEY-----\n\
+///     MCowBQYDK2VwAyEA11qYAYKxCrfVS/7TyWQHOg7hcvPapiMlrwIaaPcHURo=\n\
+///     -----END PUBLIC KEY-----\n").expect("written");
+/// let key: trolley::record::VerifyingKey = trolley::record::public_key(&file)?;
+/// assert!(key.to_string().starts_with("d75a980182b10ab7"));
+/// # std::fs::remove_file(&file).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use record::VerifyingKey;
 pub use replay::Replay;
+pub use sign::{Signer, public_key};
+pub use verify::{Verified, VerifyOptions};
 
 /// A decision record, and its place in its chain.
 ///
@@ -145,6 +202,9 @@ pub struct Record {
     pub content: RecordContent,
     /// Its number and hash, and the hash of the one before it.
     pub link: Link,
+    /// What its signer states; `None`: nobody signed it. [`Record::read`] checks the signature
+    /// against the key that the statement names; whose key that is, [`Record::verify`] checks.
+    pub statement: Option<SignedStatement>,
 }
 
 impl Record {
@@ -163,11 +223,10 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// If the folder cannot be written to, or its last record cannot be read.
+    /// If the folder cannot be written to, its last record cannot be read, or it is signed: see
+    /// [`Signer::prepare`].
     pub fn prepare(folder: &Path) -> Result<(), Failure> {
-        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-        tempfile::tempfile_in(folder).map_err(|error| unwritable(folder, &error))?;
-        end(folder).map(drop)
+        write::prepare(folder, None)
     }
 
     /// Adds a ranking to a folder's records, and returns the path of the new one. The ranking must
@@ -192,25 +251,7 @@ impl Record {
     ///
     /// If the ranking holds no record, or the folder cannot be written to.
     pub fn write(folder: &Path, ranking: &Ranking) -> Result<PathBuf, Failure> {
-        let record = content(ranking)?;
-        // Another process may take the number meanwhile: then take the next one.
-        for _ in 0..100 {
-            let (number, last) = end(folder)?;
-            let (bytes, _) = record::encode(&record, last.as_ref())?;
-            let mut file = tempfile::NamedTempFile::new_in(folder)
-                .map_err(|error| unwritable(folder, &error))?;
-            let written = file.write_all(&bytes).and_then(|()| file.as_file().sync_all());
-            written.map_err(|error| unwritable(folder, &error))?;
-            let path = folder.join(name(number));
-            match file.persist_noclobber(&path) {
-                Ok(_) => return Ok(path),
-                Err(error) if error.error.kind() == std::io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(unwritable(&path, &error.error)),
-            }
-        }
-        Err(Failure::new(FailureKind::Resources, "other processes keep writing records here")
-            .at(folder.display())
-            .with_remedy("give each process its own folder"))
+        write::write(folder, ranking, None)
     }
 
     /// Reads a record, and checks every byte of it.
@@ -231,52 +272,14 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// If it cannot be read, is not a record, or was changed since it was written.
+    /// If it cannot be read, is not a record, was changed since it was written, or has the name of
+    /// another one.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let read = record::decode(&bytes(path)?);
-        let (content, link) = read.map_err(|error| Failure::from(error).at(path.display()))?;
-        Ok(Self { content, link })
-    }
-
-    /// Checks every byte of a record, or of all records of a folder and that each follows the one
-    /// before it. Returns how many there are, and the link of the last one.
-    ///
-    /// ```
-    /// # use trolley::{Engine, Limits, Record, Scenario};
-    /// # let folder = std::env::temp_dir().join(format!("trolley-verify-{}", std::process::id()));
-    /// # std::fs::create_dir_all(&folder).ok();
-    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
-    /// # let mut engine = Engine::builder().in_process().build()?;
-    /// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
-    /// # let path = Record::write(&folder, &ranking)?;
-    /// let (count, last) = Record::verify(&folder)?;
-    /// assert_eq!((count, last.map(|link| link.number)), (1, Some(0)));
-    /// # std::fs::remove_dir_all(&folder).ok();
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// If one was changed, replaced or removed.
-    pub fn verify(path: &Path) -> Result<(usize, Option<Link>), Failure> {
-        if !path.is_dir() {
-            return Ok((1, Some(Self::read(path)?.link)));
-        }
-        let files = records(path)?;
-        let (mut chain, mut last) = (Chain::default(), None);
-        for file in &files {
-            let name = file.display().to_string();
-            let link = chain.next(&name, &bytes(file)?).map_err(|error| {
-                Failure::input(diagnostic::chain(&error))
-                    .with_remedy("compare with another copy of the records")
-            })?;
-            last = Some(link);
-        }
-        // The content must decode, too.
-        for file in &files {
-            Self::read(file)?;
-        }
-        Ok((files.len(), last))
+        let (content, link, statement) =
+            read.map_err(|error| Failure::from(error).at(path.display()))?;
+        record::chain::named_alike(&path.to_string_lossy(), link.number)?;
+        Ok(Self { content, link, statement })
     }
 }
 
@@ -286,101 +289,9 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
         .with_remedy("--record needs a folder that can be written to")
 }
 
-fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
-    let Ranking { run, .. } = ranking;
-    let (Some(recorded), Some(explanation)) = (&ranking.recorded, &ranking.explanation) else {
-        let what = "a ranking without job history and explanation cannot be recorded";
-        return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
-    };
-    let Recorded { scenario, job_history, settings: engine, bodies } = recorded;
-    let text = |text: &crate::scenario::SourceText| RecordedText::new(&text.name, &text.text);
-    let lost = run.workers.iter().filter_map(|worker| {
-        worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
-    });
-    Ok(RecordContent {
-        build: BUILD.to_owned(),
-        scenario: text(&scenario.texts.scenario),
-        policy: text(&scenario.texts.policy),
-        curves: text(&scenario.texts.curves),
-        settings: Settings {
-            mode: run.mode,
-            workers: engine.workers as u32,
-            depth: run.depth,
-            tree: engine.build,
-            leaf_size: engine.leaf_size,
-            scheme: engine.scheme,
-            alpha: engine.alpha,
-            batch: engine.batch as u32,
-            queue: engine.queue as u32,
-            seed: engine.seed,
-            unknown_is_fixed: scenario.unknown_is_fixed,
-        },
-        bodies: bodies.clone(),
-        places: job_history.places.clone(),
-        jobs: job_history.jobs.clone(),
-        moments: job_history.moments.clone(),
-        spans: spans(run),
-        edges: edges(run),
-        stages: stages(run),
-        faults: lost.chain(run.remarks.iter().cloned()).collect(),
-        answer: line(&ranking.answer)?,
-        explanation: line(explanation)?,
-    })
-}
-
 /// A document as JSON on one line.
 pub(crate) fn line(document: &impl serde::Serialize) -> Result<String, Failure> {
     serde_json::to_string(document).map_err(|error| Failure::internal(error.to_string()))
-}
-
-fn stages(run: &Run) -> Vec<RecordedStage> {
-    let s = &run.stages;
-    let all = [
-        ("load", s.load_ms),
-        ("plan", s.plan_ms),
-        ("start", s.start_ms),
-        ("work", s.work_ms),
-        ("assess", s.assess_ms),
-        ("stop", s.stop_ms),
-    ];
-    all.into_iter().map(|(name, ms)| RecordedStage { name: name.to_owned(), ms }).collect()
-}
-
-/// When each job ran on its worker, counted from the start of the first.
-fn spans(run: &Run) -> Vec<RecordedSpan> {
-    let begun = |[end, wall]: &[u64; 2]| end.saturating_sub(*wall);
-    let all = || run.workers.iter().flat_map(|w| w.spans.iter().map(move |span| (w.worker, span)));
-    let first = all().map(|(_, span)| begun(span)).min().unwrap_or(0);
-    let span = |(worker, span): (u8, &[u64; 2])| RecordedSpan {
-        worker,
-        from_ns: begun(span) - first,
-        to_ns: span[0] - first,
-    };
-    all().map(span).collect()
-}
-
-/// The messages between coordinator and workers.
-fn edges(run: &Run) -> Vec<Edge> {
-    let both_ways = |worker: &coordinator::WorkerReport| {
-        let name = format!("worker {}", worker.worker);
-        let coordinator = || "coordinator".to_owned();
-        let (messages, bytes) = (worker.batches, worker.batch_bytes);
-        let out = Edge { from: coordinator(), to: name.clone(), messages, bytes };
-        let (messages, bytes) = (worker.results, worker.result_bytes);
-        [out, Edge { from: name, to: coordinator(), messages, bytes }]
-    };
-    run.workers.iter().flat_map(both_ways).collect()
-}
-
-fn name(number: u64) -> String {
-    format!("{number:06}.record")
-}
-
-/// The next number in a folder, and the link of the last record.
-fn end(folder: &Path) -> Result<(u64, Option<Link>), Failure> {
-    let Some(last) = records(folder)?.pop() else { return Ok((0, None)) };
-    let link = Record::read(&last)?.link;
-    Ok((link.number + 1, Some(link)))
 }
 
 /// The records of a folder, by name.

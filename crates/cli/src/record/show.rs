@@ -2,15 +2,17 @@
 
 use crate::output::Output;
 use crate::print;
+use crate::record::stated::Stated;
 use report::text::wrap;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
-use trolley::record::{Link, RecordContent, RecordedEnd, RecordedSource, hex};
+use trolley::record::{Link, RecordContent, RecordedEnd, RecordedSource, SignedStatement, hex};
 use trolley::{Failure, Record};
 
 pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
-    let Record { content: record, link } = Record::read(path)?;
+    let Record { content: record, link, statement } = Record::read(path)?;
+    let statement = statement.as_ref();
     let answer = parsed(&record.answer)?;
     if output.json {
         let explanation = parsed(&record.explanation)?;
@@ -20,18 +22,25 @@ pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
         document["number"] = json!(link.number);
         document["previous"] = json!(hex(&link.previous));
         document["hash"] = json!(hex(&link.hash));
+        document["signed"] = json!(statement.map(Stated::of));
         document["answer"] = answer;
         document["explanation"] = explanation;
         return print::out(&print::json(&document)?);
     }
-    print::out(&words(path, &record, &link, &answer))
+    print::out(&words(path, &record, &link, statement, &answer))
 }
 
 fn parsed(text: &str) -> Result<Value, Failure> {
     serde_json::from_str(text).map_err(|error| Failure::internal(error.to_string()))
 }
 
-fn words(path: &Path, record: &RecordContent, link: &Link, answer: &Value) -> String {
+fn words(
+    path: &Path,
+    record: &RecordContent,
+    link: &Link,
+    statement: Option<&SignedStatement>,
+    answer: &Value,
+) -> String {
     let s = &record.settings;
     let count = |end: RecordedEnd| record.jobs.iter().filter(|job| job.end == end).count();
     let ms: f64 = record.stages.iter().map(|stage| stage.ms).sum();
@@ -43,6 +52,13 @@ fn words(path: &Path, record: &RecordContent, link: &Link, answer: &Value) -> St
             hex(&link.hash)
         ),
         format!("after {}", hex(&link.previous)),
+        match statement.map(Stated::of) {
+            None => "signed    no".to_owned(),
+            Some(stated) => format!(
+                "signed    {stated}, with the key {}; `record verify --key` checks whose it is",
+                stated.key
+            ),
+        },
         format!("build     {}", record.build),
         format!("scenario  {} ({})", record.scenario.name, record.scenario.hash),
         format!("policy    {} ({})", record.policy.name, record.policy.hash),

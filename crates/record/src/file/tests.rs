@@ -5,6 +5,8 @@ use crate::content::{
     Edge, Mode, PoseQuestion, RecordedBody, RecordedEnd, RecordedJob, RecordedMoment,
     RecordedSource, RecordedSpan, RecordedStage, RecordedText, Settings,
 };
+use crate::key::tests::SECRET_PEM;
+use crate::statement::tests::provenance;
 use proptest::prelude::*;
 
 pub(crate) fn record(name: &str) -> RecordContent {
@@ -59,18 +61,18 @@ pub(crate) fn record(name: &str) -> RecordContent {
 
 #[test]
 fn a_record_comes_back_with_its_link() {
-    let (bytes, first) = encode(&record("a.toml"), None).expect("short");
-    assert_eq!(decode(&bytes), Ok((record("a.toml"), first)));
+    let (bytes, first) = encode(&record("a.toml"), None, None).expect("short");
+    assert_eq!(decode(&bytes), Ok((record("a.toml"), first, None)));
     assert_eq!((first.number, first.previous), (0, [0; 32]));
-    let (bytes, second) = encode(&record("b.toml"), Some(&first)).expect("short");
-    assert_eq!(link(&bytes), Ok(second));
+    let (bytes, second) = encode(&record("b.toml"), Some(&first), None).expect("short");
+    assert_eq!(link(&bytes), Ok((second, None)));
     assert_eq!((second.number, second.previous), (1, first.hash));
 }
 
 /// A change of the layout or the codec must change [`VERSION`] too.
 #[test]
 fn the_bytes_are_pinned() {
-    let (bytes, link) = encode(&record("a.toml"), None).expect("short");
+    let (bytes, link) = encode(&record("a.toml"), None, None).expect("short");
     let hash: String = link.hash.iter().map(|byte| format!("{byte:02x}")).collect();
     assert_eq!((bytes.len(), VERSION), (GOLDEN.0, 3));
     assert_eq!(hash, GOLDEN.1);
@@ -81,7 +83,7 @@ const GOLDEN: (usize, &str) =
 
 #[test]
 fn every_changed_byte_and_every_cut_is_found() {
-    let (good, _) = encode(&record("a.toml"), None).expect("short");
+    let (good, _) = encode(&record("a.toml"), None, None).expect("short");
     for at in 0..good.len() {
         for flip in [1, 0x80, 0xff] {
             let mut bad = good.clone();
@@ -95,9 +97,77 @@ fn every_changed_byte_and_every_cut_is_found() {
     assert_eq!(decode(&longer), Err(RecordError::Length { stated, found: stated + 1 }));
 }
 
+/// A record of a chain of this identity, signed with this key.
+pub(crate) fn signed(
+    name: &str,
+    previous: Option<&Link>,
+    key: &SigningKey,
+    chain: ChainId,
+) -> (Vec<u8>, Link) {
+    let signer = RecordSigner { key, chain, provenance: provenance() };
+    encode(&record(name), previous, Some(&signer)).expect("short")
+}
+
+#[test]
+fn a_signed_record_comes_back_with_its_statement() {
+    let key = SigningKey::from_pem(SECRET_PEM).expect("a key");
+    let (bytes, first) = signed("a.toml", None, &key, [9; 16]);
+    let (content, place, statement) = decode(&bytes).expect("signed");
+    assert_eq!((content, place), (record("a.toml"), first));
+    let SignedStatement { statement, signer } = statement.expect("signed");
+    assert_eq!(signer, key.verifying_key());
+    assert_eq!((statement.number, statement.hash, statement.chain), (0, first.hash, [9; 16]));
+    assert_eq!(statement.provenance, provenance());
+}
+
+/// Every byte, even without the key: the statement is checked against the key that it names.
+#[test]
+fn every_changed_byte_and_every_cut_of_a_signed_record_is_found() {
+    let key = SigningKey::from_seed(&[1; 32]);
+    let (good, _) = signed("a.toml", None, &key, [9; 16]);
+    for at in 0..good.len() {
+        for flip in [1, 0x20, 0x80, 0xff] {
+            let mut bad = good.clone();
+            bad[at] ^= flip;
+            assert!(link(&bad).is_err(), "byte {at} ^ {flip}");
+        }
+        assert!(link(&good[..at]).is_err(), "cut at {at}");
+    }
+}
+
+/// With a new hash and a new length, as a forger would who lacks the key.
+#[test]
+fn what_was_changed_and_hashed_again_does_not_have_the_statement() {
+    let key = SigningKey::from_seed(&[1; 32]);
+    let (good, _) = signed("a.toml", None, &key, [9; 16]);
+    let head: Head = bytemuck::pod_read_unaligned(&good[..HEAD]);
+    let end = good.len() - head.statement as usize;
+    let with = |head: Head, body: &[u8], statement: &[u8]| {
+        let length = (HEAD + body.len() + statement.len()) as u64;
+        let mut head = Head { length, statement: statement.len() as u32, ..head };
+        head.hash = hash_of(&head, body);
+        link(&[bytemuck::bytes_of(&head), body, statement].concat())
+    };
+    let (body, statement) = (&good[HEAD..end], &good[end..]);
+    assert!(with(head, body, statement).is_ok());
+    let mut other = body.to_vec();
+    other[40] ^= 1;
+    assert_eq!(with(head, &other, statement), Err(RecordError::NotSigned));
+    let moved = Head { number: 1, ..head };
+    assert_eq!(with(moved, body, statement), Err(RecordError::NotSigned));
+    assert_eq!(with(head, body, b""), Err(RecordError::Statement(StatementError::Form)));
+    let unsigned = Head { version: VERSION, ..head };
+    let form = Err(RecordError::Statement(StatementError::Form));
+    assert_eq!(with(unsigned, body, statement), form);
+    // A statement of something else, by the right key.
+    let signer = RecordSigner { key: &key, chain: [9; 16], provenance: provenance() };
+    let of_head = signer.sign(StatementKind::Head, 0, head.hash);
+    assert_eq!(with(head, body, of_head.as_bytes()), Err(RecordError::NotSigned));
+}
+
 #[test]
 fn each_fault_is_told_apart_and_has_a_remedy() {
-    let (good, _) = encode(&record("a.toml"), None).expect("short");
+    let (good, _) = encode(&record("a.toml"), None, None).expect("short");
     let with = |at: usize, byte: u8| {
         let mut bad = good.clone();
         bad[at] = byte;
@@ -121,7 +191,7 @@ proptest! {
         let mut head = Head {
             magic: MAGIC,
             version: VERSION,
-            spare: 0,
+            statement: 0,
             length: (HEAD + tail.len()) as u64,
             number: 0,
             previous: [0; 32],

@@ -43,3 +43,10 @@ fn no_two_random_numbers_are_the_same() {
     drawn.dedup();
     assert_eq!(drawn.len(), 100);
 }
+
+#[test]
+fn the_time_of_day_is_that_of_the_system() {
+    let now = || std::time::SystemTime::UNIX_EPOCH.elapsed().unwrap().as_nanos() as u64;
+    let (before, read, after) = (now(), time_of_day_ns(), now());
+    assert!((before..=after).contains(&read), "{before} {read} {after}");
+}

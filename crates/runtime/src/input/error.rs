@@ -43,6 +43,15 @@ pub enum InputError {
         /// What it was to be.
         kind: InputKind,
     },
+    /// It is secret, and others may read it.
+    #[error("{}: this key is secret, and others may read or change it: its mode is {mode:04o}",
+        path.display())]
+    Exposed {
+        /// The path.
+        path: PathBuf,
+        /// Its mode.
+        mode: u32,
+    },
     /// It is not UTF-8.
     #[error("{}: not UTF-8 from byte {byte} on", path.display())]
     NotText {
@@ -86,7 +95,10 @@ impl InputError {
 
 impl Diagnostic for InputError {
     fn kind(&self) -> FailureKind {
-        FailureKind::Input
+        match self {
+            Self::Exposed { .. } => FailureKind::Configuration,
+            _ => FailureKind::Input,
+        }
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
@@ -97,6 +109,10 @@ impl Diagnostic for InputError {
             Self::Irregular { .. } => "name a regular file: save its content to one first".into(),
             Self::TooLong { kind: InputKind::Mesh, .. } => "reduce the mesh, or split it".into(),
             Self::TooLong { .. } => "is this the right file?".into(),
+            Self::Exposed { path, .. } => {
+                format!("chmod 600 {}; if others had access to it, make a new key", path.display())
+                    .into()
+            }
             Self::NotText { .. } => "is this the right file? save it as UTF-8".into(),
             Self::System { .. } => "name a regular file that can be read".into(),
         })

@@ -87,3 +87,24 @@ fn every_kind_has_a_limit_and_a_name_of_its_own() {
         assert!((1 << 16..=1 << 30).contains(&kind.bytes_max()), "{kind:?}");
     }
 }
+
+/// Every mode that lets group or others in is refused, also one that lets them write alone.
+#[test]
+fn a_secret_that_others_may_read_or_change_is_refused() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("key.pem");
+    fs::write(&path, "x").unwrap();
+    for mode in (0..0o1000).filter(|mode| mode & 0o400 != 0) {
+        fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+        let read = secret_text(&path, InputKind::Key);
+        if mode & 0o077 == 0 {
+            assert_eq!(read.unwrap(), "x", "{mode:04o}");
+        } else {
+            let failure = Failure::from(read.expect_err("exposed"));
+            assert!(failure.what().contains("key.pem: this key is secret"), "{failure}");
+            assert!(failure.what().contains(&format!("{mode:04o}")), "{failure}");
+            assert!(failure.remedy().unwrap().contains("chmod 600"), "{failure}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! From a scenario to an answer and back from its record, without a process or a channel.
 
 use super::*;
-use crate::record::Record;
+use crate::record::{Record, VerifyOptions};
 
 fn in_process() -> Engine {
     Engine::builder().in_process().build().unwrap()
@@ -63,7 +63,8 @@ fn a_ranking_is_recorded_and_made_again() {
         let ranking = in_process().rank(&scenario, &Limits::default().with_record()).unwrap();
         paths.push(Record::write(folder.path(), &ranking).unwrap());
     }
-    assert_eq!(Record::verify(folder.path()).unwrap().0, 2);
+    let verified = Record::verify(folder.path(), &VerifyOptions::default()).unwrap();
+    assert_eq!(verified.count, 2);
     let record = Record::read(&paths[1]).unwrap();
     assert!(record.is_of_this_build() && record.link.number == 1);
     let replay = record.replay(&paths[1], None, SILENT).unwrap();

@@ -86,8 +86,9 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// If a body is missing or differs. A different answer is not an error: compare
-    /// [`Replay::json`] with [`RecordContent::answer`](super::RecordContent::answer).
+    /// If a text or a body is not the recorded one, or a body is missing. A different answer is not
+    /// an error: compare [`Replay::json`] with
+    /// [`RecordContent::answer`](super::RecordContent::answer).
     pub fn replay(
         &self,
         file: &Path,
@@ -95,6 +96,7 @@ impl Record {
         progress: OnProgress<'_>,
     ) -> Result<Replay, Failure> {
         let content = &self.content;
+        self.check_texts(file)?;
         let text = |text: &record::RecordedText| SourceText {
             name: text.name.clone(),
             text: text.text.clone(),
@@ -168,10 +170,105 @@ impl Record {
         Ok(files)
     }
 
+    /// Checks that a scenario is the recorded one: its text, its policy, its curves, and the files
+    /// of its bodies. `file` is the record's name in messages.
+    ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Record, Scenario};
+    /// # let folder = std::env::temp_dir().join(format!("trolley-same-{}", std::process::id()));
+    /// # std::fs::create_dir_all(&folder).ok();
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = Engine::builder().in_process().build()?;
+    /// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
+    /// # let path = Record::write(&folder, &ranking)?;
+    /// # let record = Record::read(&path)?;
+    /// assert!(record.check_scenario(&path, &scenario).is_ok());
+    /// assert!(record.check_scenario(&path, &Scenario::demo()?).is_err());
+    /// # std::fs::remove_dir_all(&folder).ok();
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If one of them differs, or a body's file cannot be read.
+    pub fn check_scenario(&self, file: &Path, scenario: &Scenario) -> Result<(), Failure> {
+        let (texts, content) = (&scenario.texts, &self.content);
+        let other = |what: &str, name: &str, is: &str, was: &str| {
+            Err(Failure::input(format!(
+                "{what} {name} is not the one of {}: its BLAKE3 is {is}, and was {was}",
+                file.display()
+            ))
+            .with_remedy("name the file that was ranked, or replay without --scenario"))
+        };
+        for (what, now, then) in [
+            ("the scenario", &texts.scenario, &content.scenario),
+            ("the policy", &texts.policy, &content.policy),
+            ("the set of curves", &texts.curves, &content.curves),
+        ] {
+            let hash = record::hash_of_text(&now.text);
+            if hash != then.hash {
+                return other(what, &now.name, &hash, &then.hash);
+            }
+        }
+        // The same text has the same parties, in the same order.
+        for (party, body) in scenario.parsed.parties.iter().zip(&content.bodies) {
+            let (scenario::Source::File(reference), RecordedSource::File { hash: was, .. }) =
+                (&party.source, &body.source)
+            else {
+                continue;
+            };
+            let path = scenario.path_of(reference);
+            let map = FileMap::open(&path, InputKind::Model)?;
+            let is = body::file::content_hash(map.bytes())
+                .map_err(|error| Failure::from(error).at(path.display()))?;
+            if is != *was {
+                return other("the model file", &path.display().to_string(), &is, was);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the texts are those whose hashes are recorded beside them.
+    fn check_texts(&self, file: &Path) -> Result<(), Failure> {
+        let content = &self.content;
+        for (what, text) in [
+            ("scenario", &content.scenario),
+            ("policy", &content.policy),
+            ("set of curves", &content.curves),
+        ] {
+            let is = record::hash_of_text(&text.text);
+            if is != text.hash {
+                let was = &text.hash;
+                let what = format!(
+                    "the {what} in it is not the one that was ranked: its BLAKE3 is {is}, and the \
+                     recorded one is {was}"
+                );
+                return Err(Failure::input(what).at(file.display()).with_remedy(
+                    "it was changed and hashed again: use another copy, and sign records to see \
+                     who wrote them",
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether the bodies are those of the record.
     fn compare(&self, file: &Path, scenario: &Scenario, bodies: &Bodies) -> Result<(), Failure> {
-        let now = bodies.recorded(&scenario.parsed);
-        let other = now.iter().zip(&self.content.bodies).find(|(now, then)| now.hash != then.hash);
+        let (now, then) = (bodies.recorded(&scenario.parsed), &self.content.bodies);
+        let names = |bodies: &[record::RecordedBody]| -> Vec<String> {
+            bodies.iter().map(|body| body.party.clone()).collect()
+        };
+        if names(&now) != names(then) {
+            let what = format!(
+                "its scenario has the parties {}, and it holds the bodies of {}",
+                names(&now).join(", "),
+                names(then).join(", ")
+            );
+            return Err(Failure::input(what)
+                .at(file.display())
+                .with_remedy("it was changed and hashed again: use another copy"));
+        }
+        let other = now.iter().zip(then).find(|(now, then)| now.hash != then.hash);
         let Some((now, then)) = other else { return Ok(()) };
         let what =
             format!("the body of \"{}\" is {} here, and was {}", now.party, now.hash, then.hash);
