@@ -55,6 +55,9 @@ const COMMANDS: &[&str] = &[
     "record show ?",
     "record replay ?",
     "record verify ?",
+    "record verify RECORDS --key ?",
+    "record verify RECORDS --head ?",
+    "rank SIX.toml --in-process --record RECORDS --sign ?",
     "report ? --out OUT.html",
     "serve ?",
     "top ? --times 1",
@@ -76,6 +79,7 @@ fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
     let place = Place::new();
     std::fs::create_dir(place.path().join("folder")).unwrap();
     place.write("SIX.toml", &six(600));
+    std::fs::create_dir(place.path().join("RECORDS")).unwrap();
     place.write("POSES", &"1 0 0 0\n0 1 0 0\n0 0 1 0\n".repeat(2));
     place.write("MESH.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     place.write("CROSSING.xml", "<commonRoad/>");

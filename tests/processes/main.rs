@@ -12,4 +12,5 @@ mod inject;
 mod kill;
 mod measure;
 mod serve;
+mod sign;
 mod strangers;

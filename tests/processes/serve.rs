@@ -9,7 +9,7 @@ use client::{Client, Waiting};
 use rustix::process::Signal;
 use std::time::Duration;
 
-const PATIENCE: Duration = Duration::from_secs(20);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The bodies of [`six`].
 fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
@@ -23,12 +23,12 @@ fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
     scenario.parties.iter().map(body).collect()
 }
 
-fn connect(instance: &str) -> Client {
+pub(crate) fn connect(instance: &str) -> Client {
     Client::connect(None, instance, Waiting::Nap(Duration::from_micros(100))).unwrap()
 }
 
 /// An ego at 10 m/s and a wall ahead; models 1 and 2.
-fn into_a_wall() -> Ask {
+pub(crate) fn into_a_wall() -> Ask {
     let mut ask = Ask::new(0);
     ask.ego = ask.add_party(WireParty::of_model(1)).unwrap();
     let party = ask.add_party(WireParty::of_model(2)).unwrap();
@@ -39,7 +39,7 @@ fn into_a_wall() -> Ask {
     ask
 }
 
-const WALL: &[(&str, u32, u32)] = &[("sedan", 2000, 0), ("wall", 600, 0)];
+pub(crate) const WALL: &[(&str, u32, u32)] = &[("sedan", 2000, 0), ("wall", 600, 0)];
 
 #[test]
 fn who_is_told_to_end_again_and_again_cleans_up_all_the_same() {

@@ -21,7 +21,12 @@ pub(crate) fn shipped(name: &str) -> PathBuf {
 
 /// Starts a service and waits until it answers.
 pub(crate) fn serve(deployment: &Path, extra: &[&str]) -> Serving {
-    let instance = instance();
+    serve_as(deployment, &instance(), extra)
+}
+
+/// As [`serve`], in the place of an instance that was killed.
+pub(crate) fn serve_as(deployment: &Path, instance: &str, extra: &[&str]) -> Serving {
+    let instance = instance.to_owned();
     let mut child = trolley()
         .args(["serve", deployment.to_str().unwrap(), "--instance", &instance])
         .args(extra)

@@ -8,7 +8,9 @@ use report::text::wrap;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::record::{VerifyOptions, hex};
+use trolley::record::{
+    Proof, SignedStatement, Verified, VerifyOptions, hex, holds_decisions, verify_decisions,
+};
 use trolley::{BUILD, Failure, FailureKind, Record, Scenario};
 
 mod show;
@@ -44,7 +46,7 @@ pub(crate) enum Verb {
     /// Check every byte of records, that each continues the one before it, and their signatures.
     #[command(after_help = EXAMPLES)]
     Verify {
-        /// A folder of records, or one record.
+        /// A folder of records, one record, or a folder of decisions that a service kept.
         path: PathBuf,
         /// Public key of the signer: everything must be signed with it. Without it, verify shows
         /// accidents, not forgery.
@@ -73,7 +75,10 @@ pub(crate) enum Verb {
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         Verb::Show { file } => show::run(file, output),
-        Verb::Verify { path, key, head } => verify(path, key.as_deref(), head.clone(), output),
+        Verb::Verify { path, key, head } => {
+            let key = key.as_deref().map(trolley::record::public_key).transpose()?;
+            verify(path, &VerifyOptions { key, head: head.clone() }, output)
+        }
         Verb::Replay { file, models, scenario, references } => {
             let scenario = scenario.as_ref().map(|path| (path, references.references()));
             let open = |(path, allowed)| Scenario::open_with(path, allowed);
@@ -82,48 +87,73 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     }
 }
 
-fn verify(
-    path: &Path,
-    key: Option<&Path>,
-    head: Option<PathBuf>,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
-    #[derive(Serialize)]
-    struct Document {
-        schema: &'static str,
-        records: u64,
-        last: Option<String>,
-        proof: &'static str,
-        shows: String,
-        signed: Option<Stated>,
+/// What was found in records, or in decisions.
+struct Found {
+    what: &'static str,
+    count: u64,
+    last: Option<String>,
+    proof: Proof,
+    signed: Option<Stated>,
+    /// What else there is to say.
+    notes: Vec<String>,
+}
+
+fn found(path: &Path, options: &VerifyOptions) -> Result<Found, Failure> {
+    let stated = |signed: &Option<SignedStatement>| signed.as_ref().map(Stated::of);
+    if !holds_decisions(path) {
+        let Verified { count, last, proof, statement } = Record::verify(path, options)?;
+        let (last, signed) = (last.map(|link| hex(&link.hash)), stated(&statement));
+        return Ok(Found { what: "record", count, last, proof, signed, notes: Vec::new() });
     }
-    let key = key.map(trolley::record::public_key).transpose()?;
-    let copy = head.as_ref().map(|copy| format!("{}: what it counts is here", copy.display()));
-    let found = Record::verify(path, &VerifyOptions { key, head })?;
-    let (records, proof) = (found.count, &found.proof);
-    let last = found.last.map(|link| hex(&link.hash));
-    let signed = found.statement.as_ref().map(Stated::of);
+    let found = verify_decisions(path, options)?;
+    let mut notes = Vec::new();
+    if found.first > 0 {
+        notes.push(format!(
+            "decisions before number {} are gone: a service deletes its oldest files; nothing \
+             shows who did",
+            found.first
+        ));
+    }
+    if found.torn_bytes > 0 {
+        let bytes = found.torn_bytes;
+        notes.push(format!(
+            "{bytes} bytes after whole decisions are none: a service was killed while it wrote"
+        ));
+    }
+    Ok(Found {
+        what: "decision",
+        count: found.count,
+        last: (found.count > 0).then(|| hex(&found.last)),
+        proof: found.proof,
+        signed: stated(&found.statement),
+        notes,
+    })
+}
+
+fn verify(path: &Path, options: &VerifyOptions, output: &Output) -> Result<ExitCode, Failure> {
+    let Found { what, count, last, proof, signed, notes } = found(path, options)?;
     if output.json {
-        let (schema, shows) = ("trolley.record-verify/1", proof.to_string());
-        let document = Document { schema, records, last, proof: proof.name(), shows, signed };
+        let document = serde_json::json!({
+            "schema": "trolley.record-verify/1", "of": what, "records": count, "last": last,
+            "proof": proof.name(), "shows": proof.to_string(), "signed": signed, "notes": notes,
+        });
         return print::out(&print::json(&document)?);
     }
     let path = path.display();
-    let mut lines = match (last, records) {
-        (None, _) => vec![format!("{path}: no records")],
-        (Some(hash), 1) => vec![format!("{path}: 1 record is intact"), of_last(&hash)],
-        (Some(hash), _) => vec![format!("{path}: {records} records are intact"), of_last(&hash)],
-    };
+    let mut lines = vec![match count {
+        0 => format!("{path}: no {what}s"),
+        1 => format!("{path}: 1 {what} is intact"),
+        _ => format!("{path}: {count} {what}s are intact"),
+    }];
+    lines.extend(last.map(|hash| format!("hash of the last: {hash}")));
     lines.extend(signed.map(|stated| format!("last signed {stated}")));
-    lines.extend(copy);
+    lines.extend(notes);
+    let copy = options.head.as_ref();
+    lines.extend(copy.map(|copy| format!("{}: what it counts is here", copy.display())));
     lines.push(proof.to_string());
     // The first line begins with a path, which is not broken.
     lines.iter_mut().skip(1).for_each(|line| *line = wrap(line));
     print::out(&lines.join("\n"))
-}
-
-fn of_last(hash: &str) -> String {
-    format!("hash of the last: {hash}")
 }
 
 /// What `--json` prints of a replay.

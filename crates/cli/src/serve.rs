@@ -5,6 +5,7 @@ use crate::reference_args::ReferenceArgs;
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::record::Signer;
 use trolley::{Failure, Greeting, Idle, OpenDeployment, ServeOptions};
 
 pub(crate) const EXAMPLES: &str = "\
@@ -36,6 +37,10 @@ pub(crate) struct ServeArgs {
     /// service.
     #[arg(long)]
     in_process: bool,
+    /// Sign the decisions that the deployment keeps with this secret key: Ed25519, PEM, as
+    /// `openssl genpkey -algorithm ed25519` writes it. Nobody else may read the file.
+    #[arg(long, value_name = "KEY")]
+    sign: Option<PathBuf>,
 }
 
 fn idle(text: &str) -> Result<Idle, String> {
@@ -53,6 +58,7 @@ pub(crate) fn run(args: &ServeArgs, output: &Output) -> Result<ExitCode, Failure
         idle: args.idle,
         require_realtime: args.require_rt,
         in_process: args.in_process,
+        signer: args.sign.as_deref().map(Signer::open).transpose()?,
     };
     trolley::serve(deployment, options, |greeting| greet(greeting, output))?;
     Ok(ExitCode::SUCCESS)

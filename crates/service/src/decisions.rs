@@ -3,26 +3,49 @@
 //! ```text
 //! decisions-00000007.bin: [magic 8] [number of the file 8] [hash before 32]  then per decision
 //!                         [Ask 3536] [Answer 2016] [hash 32]
+//! signed:                 [the same 48] [length 8] [statement, signed]       then per decision
+//!                         [Ask 3536] [Answer 2016] [number 8] [time 8] [hash 32] [signature 64]
+//! decisions.head:         of signed ones: how many there are, and the hash of the last; signed
 //! ```
 //!
-//! A hash is BLAKE3 over the hash before it and the two structs; the first of a file continues the
+//! A hash is BLAKE3 over the hash before it and what is between; the first of a file continues the
 //! last of the file before. When a file is full, the next begins, and the oldest is deleted.
-//! Removing whole files from either end cannot be detected from the rest.
+//! Removing whole files from the front cannot be detected from the rest, and from the end only in a
+//! signed chain. A statement of a file is of its first decision's number and the hash of its first
+//! 48 bytes.
+//!
+//! The head is written each second, after the decisions that it counts are on the disk. So a
+//! service that is killed leaves decisions after its head, and maybe half a decision at the end of
+//! a file; the next one begins a new file after the last whole decision.
 
-use crate::deployment::Decisions;
+mod book;
+mod verify;
+
+pub(crate) use book::Book;
+pub use book::DecisionSigner;
+pub use verify::{VerifiedDecisions, verify_decisions};
+
 use bytemuck::Zeroable as _;
 use diagnostic::{Diagnostic, FailureKind};
 use protocol::public::{Ask, WireAnswer};
-use runtime::{InputError, InputKind, input};
+use record::{ChainError, SignedStatement, StatementKind, VerifyingKey};
+use runtime::{InputError, InputKind, OutputError, input};
 use std::borrow::Cow;
-use std::fs::{self, File};
-use std::io::{self, Write as _};
-use std::os::unix::fs::FileExt as _;
+use std::io;
 use std::path::{Path, PathBuf};
 
+/// Name of the file of a signed head, beside the decisions.
+pub const DECISION_HEAD: &str = "decisions.head";
+
 const MAGIC: [u8; 8] = *b"TROLDEC\n";
-const HEAD: usize = 8 + 8 + 32;
-const ENTRY: usize = size_of::<Ask>() + size_of::<WireAnswer>() + 32;
+const MAGIC_SIGNED: [u8; 8] = *b"TROLDSG\n";
+/// Magic, number of the file, hash before it.
+const START: usize = 8 + 8 + 32;
+const DECISION: usize = size_of::<Ask>() + size_of::<WireAnswer>();
+const ENTRY: usize = DECISION + 32;
+const ENTRY_SIGNED: usize = DECISION + 8 + 8 + 32 + 64;
+/// What a decision's signature is of, before its hash: nothing else that is signed begins so.
+const SIGNED: &[u8] = b"trolley decision 1\n";
 
 /// A stored decision.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,24 +62,80 @@ pub enum DecisionError {
     /// It cannot be read.
     #[error(transparent)]
     Unread(#[from] InputError),
+    /// The folder cannot be read, or a file not be written.
+    #[error("decisions cannot be read or written: {0}")]
+    System(#[from] io::Error),
+    /// The head cannot be written.
+    #[error(transparent)]
+    Unwritten(#[from] OutputError),
     /// It is not a file of decisions.
     #[error("this is not a file of decisions")]
     Foreign,
+    /// As [`DecisionError::Foreign`], of a folder.
+    #[error("{}: this is not a file of decisions", path.display())]
+    ForeignIn {
+        /// The file.
+        path: PathBuf,
+    },
     /// It has been changed since it was written.
     #[error("decision {0} was changed since it was written: its hash does not match")]
     Changed(usize),
+    /// It has been changed since it was written, and the file is one of a folder.
+    #[error(
+        "{}: decision {number} of this file was changed since it was written{}", path.display(),
+        if *is_after_head { ", or torn by a loss of power: the head does not count it yet" }
+        else { "" }
+    )]
+    ChangedIn {
+        /// The file.
+        path: PathBuf,
+        /// Its place in the file, from 0.
+        number: usize,
+        /// Whether the head does not count it.
+        is_after_head: bool,
+    },
+    /// The file has the name of another one.
+    #[error("{}: this is file {found} of its chain: it was renamed or exchanged", path.display())]
+    Renamed {
+        /// The file.
+        path: PathBuf,
+        /// The number in it.
+        found: u64,
+    },
+    /// Files before it are missing, and others before them are not.
+    #[error("{}: the file before it is missing, and older ones are not", path.display())]
+    Gap {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Its statement is of another file.
+    #[error("{}: the signed statement in it is of another file", path.display())]
+    OtherStatement {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It does not fit its chain.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
 }
 
 impl Diagnostic for DecisionError {
     fn kind(&self) -> FailureKind {
-        FailureKind::Input
+        match self {
+            Self::System(_) => FailureKind::System,
+            Self::Unwritten(error) => error.kind(),
+            _ => FailureKind::Input,
+        }
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         match self {
             Self::Unread(error) => error.remedy(),
+            Self::Unwritten(error) => error.remedy(),
+            Self::System(_) => Some("`decisions` needs a folder that may be written to".into()),
             Self::Foreign => Some("name a file that a service wrote".into()),
-            Self::Changed(_) => Some("compare with a copy kept elsewhere".into()),
+            Self::Chain(error) => error.remedy(),
+            _ => Some("compare with a copy kept elsewhere".into()),
         }
     }
 }
@@ -69,103 +148,110 @@ impl Diagnostic for DecisionError {
 /// If the file cannot be read, is not a file of decisions, or was changed.
 pub fn read_decisions(path: &Path) -> Result<Vec<Decision>, DecisionError> {
     let bytes = input::bytes(path, InputKind::Decisions)?;
-    let (head, body) = bytes.split_at_checked(HEAD).ok_or(DecisionError::Foreign)?;
-    if head[..8] != MAGIC {
-        return Err(DecisionError::Foreign);
-    }
-    let mut before = [0; 32];
-    before.copy_from_slice(&head[16..]);
-    let mut entries = Vec::new();
-    for (number, bytes) in body.chunks_exact(ENTRY).enumerate() {
-        let (ask_bytes, rest) = bytes.split_at(size_of::<Ask>());
-        let (answer_bytes, hash) = rest.split_at(size_of::<WireAnswer>());
-        let mut entry = Decision { ask: Ask::zeroed(), answer: WireAnswer::zeroed() };
-        bytemuck::bytes_of_mut(&mut entry.ask).copy_from_slice(ask_bytes);
-        bytemuck::bytes_of_mut(&mut entry.answer).copy_from_slice(answer_bytes);
-        before = link(&before, &entry.ask, &entry.answer);
-        if hash != before {
-            return Err(DecisionError::Changed(number));
-        }
-        entries.push(entry);
+    let file = DecisionFile::parse(&path.display().to_string(), &bytes)?;
+    let (mut before, mut entries) = (file.before, Vec::new());
+    for (number, entry) in file.entries().enumerate() {
+        before = entry.checked(&before).ok_or(DecisionError::Changed(number))?;
+        entries.push(entry.decision());
     }
     Ok(entries)
 }
 
-fn link(before: &[u8; 32], ask: &Ask, answer: &WireAnswer) -> [u8; 32] {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(before).update(bytemuck::bytes_of(ask)).update(bytemuck::bytes_of(answer));
-    *hasher.finalize().as_bytes()
-}
-
-/// Writes decisions.
-#[derive(Debug)]
-pub(crate) struct Book {
-    settings: Decisions,
-    file: File,
+/// The bytes of a file of decisions.
+struct DecisionFile<'b> {
     number: u64,
-    entries: u32,
-    last: [u8; 32],
+    before: [u8; 32],
+    /// Who signed it; `None`: nobody.
+    statement: Option<SignedStatement>,
+    body: &'b [u8],
 }
 
-impl Book {
-    /// Continues the chain of the files in the folder, in a new file.
-    pub(crate) fn open(settings: &Decisions) -> io::Result<Self> {
-        fs::create_dir_all(&settings.folder)?;
-        let files = numbers(&settings.folder)?;
-        let number = files.last().map_or(0, |last| last + 1);
-        // Cut by a crash or not, the last file's chain ends with its last whole entry.
-        let last = files.last().and_then(|last| last_hash(&name(&settings.folder, *last)));
-        let last = last.unwrap_or_default();
-        let file = begin(&settings.folder, number, &last)?;
-        let book = Self { settings: settings.clone(), file, number, entries: 0, last };
-        book.forget()?;
-        Ok(book)
-    }
+/// The bytes of one decision.
+#[derive(Clone, Copy)]
+struct Entry<'b> {
+    bytes: &'b [u8],
+    signer: Option<VerifyingKey>,
+}
 
-    /// Adds a decision.
-    pub(crate) fn add(&mut self, ask: &Ask, answer: &WireAnswer) -> io::Result<()> {
-        if self.entries >= self.settings.per_file {
-            let file = begin(&self.settings.folder, self.number + 1, &self.last)?;
-            (self.file, self.number, self.entries) = (file, self.number + 1, 0);
-            self.forget()?;
+impl<'b> DecisionFile<'b> {
+    /// Reads the beginning of a file; `name` is its path.
+    fn parse(name: &str, bytes: &'b [u8]) -> Result<Self, DecisionError> {
+        let (start, rest) = bytes.split_at_checked(START).ok_or(DecisionError::Foreign)?;
+        let (mut number, mut before) = ([0; 8], [0; 32]);
+        number.copy_from_slice(&start[8..16]);
+        before.copy_from_slice(&start[16..]);
+        let number = u64::from_le_bytes(number);
+        if start[..8] == MAGIC {
+            return Ok(Self { number, before, statement: None, body: rest });
         }
-        let hash = link(&self.last, ask, answer);
-        let mut bytes = Vec::with_capacity(ENTRY);
-        bytes.extend_from_slice(bytemuck::bytes_of(ask));
-        bytes.extend_from_slice(bytemuck::bytes_of(answer));
-        bytes.extend_from_slice(&hash);
-        self.file.write_all(&bytes)?;
-        self.last = hash;
-        self.entries += 1;
-        Ok(())
-    }
-
-    /// Removes the oldest files.
-    fn forget(&self) -> io::Result<()> {
-        let files = numbers(&self.settings.folder)?;
-        let keep = self.settings.files as usize;
-        for number in &files[..files.len().saturating_sub(keep)] {
-            fs::remove_file(name(&self.settings.folder, *number))?;
+        if start[..8] != MAGIC_SIGNED {
+            return Err(DecisionError::Foreign);
         }
-        Ok(())
+        let (length, rest) = rest.split_at_checked(8).ok_or(DecisionError::Foreign)?;
+        let mut length_bytes = [0; 8];
+        length_bytes.copy_from_slice(length);
+        let length = usize::try_from(u64::from_le_bytes(length_bytes)).unwrap_or(usize::MAX);
+        let (text, body) = rest.split_at_checked(length).ok_or(DecisionError::Foreign)?;
+        let statement = record::chain::parse_head(name, text, StatementKind::DecisionFile)?;
+        if statement.statement.hash != *blake3::hash(start).as_bytes() {
+            return Err(DecisionError::OtherStatement { path: name.into() });
+        }
+        Ok(Self { number, before, statement: Some(statement), body })
+    }
+
+    /// Its whole entries.
+    fn entries(&self) -> impl ExactSizeIterator<Item = Entry<'b>> + use<'b> {
+        let signer = self.statement.as_ref().map(|signed| signed.signer);
+        self.body.chunks_exact(entry_length(signer)).map(move |bytes| Entry { bytes, signer })
     }
 }
 
-fn begin(folder: &Path, number: u64, last: &[u8; 32]) -> io::Result<File> {
-    let mut file = File::create_new(name(folder, number))?;
-    file.write_all(&MAGIC)?;
-    file.write_all(&number.to_le_bytes())?;
-    file.write_all(last)?;
-    Ok(file)
+fn entry_length(signer: Option<VerifyingKey>) -> usize {
+    if signer.is_some() { ENTRY_SIGNED } else { ENTRY }
 }
 
-fn last_hash(path: &Path) -> Option<[u8; 32]> {
-    let (file, length) = input::regular(path).ok()?;
-    let entries = length.checked_sub(HEAD as u64)? / ENTRY as u64;
-    let mut hash = [0; 32];
-    // A hash ends the head, and each entry.
-    file.read_exact_at(&mut hash, (HEAD - 32) as u64 + entries * ENTRY as u64).ok()?;
-    Some(hash)
+impl Entry<'_> {
+    fn decision(&self) -> Decision {
+        let (ask, rest) = self.bytes.split_at(size_of::<Ask>());
+        let mut decision = Decision { ask: Ask::zeroed(), answer: WireAnswer::zeroed() };
+        bytemuck::bytes_of_mut(&mut decision.ask).copy_from_slice(ask);
+        let answer = &rest[..size_of::<WireAnswer>()];
+        bytemuck::bytes_of_mut(&mut decision.answer).copy_from_slice(answer);
+        decision
+    }
+
+    /// Its number in its chain; `None` if it is not signed.
+    fn number(&self) -> Option<u64> {
+        let mut number = [0; 8];
+        number.copy_from_slice(&self.bytes[DECISION..DECISION + 8]);
+        self.signer.map(|_| u64::from_le_bytes(number))
+    }
+
+    /// The hash that it states, and its signature.
+    fn stated(&self) -> ([u8; 32], [u8; 64]) {
+        let at = if self.signer.is_some() { DECISION + 16 } else { DECISION };
+        let (mut hash, mut signature) = ([0; 32], [0; 64]);
+        hash.copy_from_slice(&self.bytes[at..at + 32]);
+        if self.signer.is_some() {
+            signature.copy_from_slice(&self.bytes[at + 32..]);
+        }
+        (hash, signature)
+    }
+
+    /// Its hash, if it is that of its bytes after the one before, and was signed by its file's
+    /// signer, if there is one.
+    fn checked(&self, before: &[u8; 32]) -> Option<[u8; 32]> {
+        let (stated, signature) = self.stated();
+        let end = if self.signer.is_some() { DECISION + 16 } else { DECISION };
+        let hash = link(before, &self.bytes[..end]);
+        let is_signed =
+            || self.signer.is_none_or(|key| key.has_signed(&[SIGNED, &hash].concat(), &signature));
+        (hash == stated && is_signed()).then_some(hash)
+    }
+}
+
+fn link(before: &[u8; 32], bytes: &[u8]) -> [u8; 32] {
+    *blake3::Hasher::new().update(before).update(bytes).finalize().as_bytes()
 }
 
 fn name(folder: &Path, number: u64) -> PathBuf {
@@ -175,7 +261,7 @@ fn name(folder: &Path, number: u64) -> PathBuf {
 /// Numbers of the files there are, ascending.
 fn numbers(folder: &Path) -> io::Result<Vec<u64>> {
     let mut numbers = Vec::new();
-    for entry in fs::read_dir(folder)? {
+    for entry in std::fs::read_dir(folder)? {
         let name = entry?.file_name();
         let number = name.to_str().and_then(|name| {
             name.strip_prefix("decisions-")?.strip_suffix(".bin")?.parse::<u64>().ok()
@@ -187,45 +273,4 @@ fn numbers(folder: &Path) -> io::Result<Vec<u64>> {
 }
 
 #[cfg(test)]
-mod tests {
-    //! Requests and answers are kept unchanged; every changed byte is found; files are bounded.
-
-    use super::*;
-    use protocol::public::{Reason, WireState};
-
-    fn answer(number: u64) -> WireAnswer {
-        WireAnswer::without_ranking(number, WireState::Refused, Reason::Internal, "x")
-    }
-
-    #[test]
-    fn decisions_rotate_follow_on_each_other_and_are_found_changed() {
-        let folder = tempfile::tempdir().unwrap();
-        let settings = Decisions { folder: folder.path().join("d"), per_file: 3, files: 2 };
-        let mut book = Book::open(&settings).unwrap();
-        for number in 0..8 {
-            book.add(&Ask::new(number), &answer(number)).unwrap();
-        }
-        drop(book);
-        assert_eq!(numbers(&settings.folder).unwrap(), [1, 2]);
-        let entries = read_decisions(&name(&settings.folder, 2)).unwrap();
-        assert_eq!(entries.len(), 2);
-        assert_eq!((entries[0].ask, entries[0].answer), (Ask::new(6), answer(6)));
-        // The next run continues the chain.
-        Book::open(&settings).unwrap().add(&Ask::new(8), &answer(8)).unwrap();
-        assert_eq!(numbers(&settings.folder).unwrap(), [2, 3]);
-        let path = name(&settings.folder, 3);
-        assert_eq!(
-            fs::read(&path).unwrap()[16..48],
-            last_hash(&name(&settings.folder, 2)).unwrap()
-        );
-        let whole = fs::read(&path).unwrap();
-        for at in (HEAD..whole.len()).step_by(97) {
-            let mut changed = whole.clone();
-            changed[at] ^= 0x10;
-            fs::write(&path, &changed).unwrap();
-            assert!(matches!(read_decisions(&path), Err(DecisionError::Changed(0))), "byte {at}");
-        }
-        fs::write(&path, b"TROLDEX\n and more than a head would have, of other bytes").unwrap();
-        assert!(matches!(read_decisions(&path), Err(DecisionError::Foreign)));
-    }
-}
+mod tests;

@@ -3,9 +3,10 @@
 //! The service hands it work through a queue of fixed length, and so never waits for a disk. A
 //! decision that finds the queue full is lost, with a warning.
 
-use crate::decisions::Book;
-use crate::deployment::Deployment;
+use crate::decisions::{Book, DecisionSigner};
+use crate::deployment::{Decisions, Deployment};
 use crate::metrics;
+use crate::run::ServiceError;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
 use protocol::public::{Ask, Health, WireAnswer};
@@ -47,10 +48,16 @@ impl Housekeeping {
     /// Starts the thread.
     pub(crate) fn start(
         deployment: &Deployment,
+        signer: Option<&DecisionSigner>,
         housekeeper: Housekeeper,
         program: PathBuf,
-    ) -> std::io::Result<Self> {
-        let book = deployment.decisions.as_ref().map(Book::open).transpose()?;
+    ) -> Result<Self, ServiceError> {
+        let open = |kept: &Decisions| {
+            let folder = kept.folder.display().to_string();
+            let book = Book::open(kept, signer.cloned());
+            book.map_err(|source| ServiceError::Files { folder, source })
+        };
+        let book = deployment.decisions.as_ref().map(open).transpose()?;
         let keeps_decisions = book.is_some();
         let shared = Arc::new(Shared {
             decisions: ArrayQueue::new(WAITING),
@@ -70,7 +77,8 @@ impl Housekeeping {
             std::thread::Builder::new().name("trolley-house".to_owned()).spawn(move || {
                 let cleaning = Cleaning { program, housekeeper, child: None, begun_ns: 0 };
                 housekeeping(&theirs, &deployment, book, cleaning);
-            })?;
+            });
+        let thread = thread.map_err(ServiceError::Thread)?;
         Ok(Self { shared, keeps_decisions, thread: Some(thread) })
     }
 
@@ -121,6 +129,11 @@ fn housekeeping(
                 book = None;
             }
             let _never_full = shared.empty.push(entry);
+        }
+        if let Some(open) = &mut book
+            && let Err(error) = open.mark(is_last)
+        {
+            tracing::error!(%error, "the head of the decisions cannot be written");
         }
         let lost = shared.lost.load(Ordering::Relaxed);
         if lost > said {

@@ -31,7 +31,10 @@ mod run;
 mod stats;
 
 pub use ask::{of_scenario, seat_number};
-pub use decisions::{Decision, DecisionError, read_decisions};
+pub use decisions::{
+    DECISION_HEAD, Decision, DecisionError, DecisionSigner, VerifiedDecisions, read_decisions,
+    verify_decisions,
+};
 pub use deployment::{
     Decisions, Deployment, DeploymentError, Idle, Metrics, Model, ModelSource, Realtime, SCHEMA,
     TEXT_BYTES_MAX,

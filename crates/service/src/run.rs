@@ -1,7 +1,12 @@
 //! The main loop: open, notify systemd, answer one request after the other, end on a signal.
 
+mod error;
+
+pub use error::{MissingRealtime, ServiceError};
+
 use crate::ask::Refusal;
 use crate::backend::ServiceBackend;
+use crate::decisions::DecisionSigner;
 use crate::deployment::{Deployment, Idle};
 use crate::housekeeping::Housekeeping;
 use crate::ranker::{Ranker, Unranked};
@@ -12,13 +17,12 @@ use coordinator::{IdleHook, Options, RequestLimits, SearchOrder, WorkerPoolError
 use core::cell::RefCell;
 use core::time::Duration;
 use damage::{Curves, Policy};
-use diagnostic::{Diagnostic, FailureKind, chain};
+use diagnostic::chain;
 use protocol::public::{Ask, Condition, LatencyStage, Reason, WireAnswer, WireState};
 use runtime::{SealedMemory, clock, heap, process, realtime};
-use std::borrow::Cow;
 use std::rc::Rc;
 use std::sync::Arc;
-use transport::{Address, OpenError, Server};
+use transport::{Address, Server};
 
 /// Longest sleep (ns), after which a client that cannot ring is noticed.
 const NAP_NS: u64 = 10_000_000;
@@ -50,73 +54,8 @@ pub struct ServiceConfig<'s> {
     pub options: Option<&'s Options>,
     /// Distribution depth.
     pub depth: u32,
-}
-
-/// A real-time setting that the operating system refused.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MissingRealtime {
-    /// What.
-    pub what: String,
-    /// Why.
-    pub why: String,
-}
-
-/// The service cannot start or continue.
-#[derive(Debug, thiserror::Error)]
-pub enum ServiceError {
-    /// Its channels cannot be opened.
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    /// Its workers cannot be started.
-    #[error(transparent)]
-    WorkerPool(#[from] WorkerPoolError),
-    /// The operating system refused.
-    #[error(transparent)]
-    System(#[from] runtime::OsError),
-    /// Files cannot be written.
-    #[error("cannot keep decisions in {folder}: {source}")]
-    Files {
-        /// Where.
-        folder: String,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// Real time is required, but not available.
-    #[error("no real time: {}", .0.iter()
-        .map(|missing| format!("{} ({})", missing.what, missing.why))
-        .collect::<Vec<_>>().join("; "))]
-    NoRealtime(Vec<MissingRealtime>),
-    /// Memory for the histograms ran out.
-    #[error("no memory is left for histograms")]
-    Memory,
-}
-
-impl Diagnostic for ServiceError {
-    fn kind(&self) -> FailureKind {
-        match self {
-            Self::Open(error) => error.kind(),
-            Self::WorkerPool(error) => error.kind(),
-            Self::System(error) => error.kind(),
-            Self::Files { .. } => FailureKind::System,
-            Self::NoRealtime(_) => FailureKind::NoRealtime,
-            Self::Memory => FailureKind::Resources,
-        }
-    }
-
-    fn remedy(&self) -> Option<Cow<'_, str>> {
-        match self {
-            Self::Open(error) => error.remedy(),
-            Self::WorkerPool(error) => error.remedy(),
-            Self::System(error) => error.remedy(),
-            Self::Files { .. } => Some("`decisions` needs a folder that may be written to".into()),
-            Self::NoRealtime(_) => Some(
-                "raise LimitRTPRIO and LimitMEMLOCK (see tools/systemd), or start without \
-                 --require-rt"
-                    .into(),
-            ),
-            Self::Memory => None,
-        }
-    }
+    /// Who signs the decisions that are kept; `None`: nobody.
+    pub signer: Option<DecisionSigner>,
 }
 
 /// Serves until a signal ends it. `ready` is called once, when the first request can be answered,
@@ -161,10 +100,7 @@ pub fn serve(
     let program = config
         .options
         .map_or_else(|| process::self_exe().to_owned(), |options| options.program.clone());
-    let house = Housekeeping::start(deployment, housekeeper, program).map_err(|source| {
-        let folder = deployment.decisions.as_ref().map(|kept| kept.folder.display().to_string());
-        ServiceError::Files { folder: folder.unwrap_or_default(), source }
-    })?;
+    let house = Housekeeping::start(deployment, config.signer.as_ref(), housekeeper, program)?;
     let mut service = Service {
         config,
         ranker: Ranker::new(

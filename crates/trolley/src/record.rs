@@ -179,7 +179,22 @@ pub use record::SignedStatement;
 pub use record::VerifyingKey;
 pub use replay::Replay;
 pub use sign::{Signer, public_key};
-pub use verify::{Verified, VerifyOptions};
+pub use verify::{Verified, VerifyOptions, holds_decisions, verify_decisions};
+
+/// What [`verify_decisions`] has found.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-kept-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// use trolley::record::{VerifiedDecisions, VerifyOptions, verify_decisions};
+///
+/// let options = VerifyOptions::default();
+/// let VerifiedDecisions { count, first, .. } = verify_decisions(&folder, &options)?;
+/// assert_eq!((count, first), (0, 0), "the folder is empty");
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use service::VerifiedDecisions;
 
 /// A decision record, and its place in its chain.
 ///

@@ -3,6 +3,7 @@
 use crate::bodies::Bodies;
 use crate::deployment::OpenDeployment;
 use crate::engine::{pin_coordinator, worker_cores};
+use crate::record::Signer;
 use crate::{BUILD, Failure, dispatch_options};
 use coordinator::Options;
 use dispatch::{Intensity, Queues};
@@ -16,7 +17,7 @@ use service::{Idle, MissingRealtime, ServiceConfig};
 /// let options = ServeOptions { require_realtime: true, ..ServeOptions::default() };
 /// assert!(options.idle.is_none(), "as the deployment says");
 /// ```
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct ServeOptions {
     /// What the service does between requests; `None`: as the deployment says.
     pub idle: Option<Idle>,
@@ -24,6 +25,8 @@ pub struct ServeOptions {
     pub require_realtime: bool,
     /// Whether all work is done in this process. A body that crashes the kernel then crashes it.
     pub in_process: bool,
+    /// Signs the decisions that the deployment keeps; `None`: nobody does.
+    pub signer: Option<Signer>,
 }
 
 /// What a service reports when it has started.
@@ -62,7 +65,8 @@ pub struct Greeting<'s> {
 ///
 /// # Errors
 ///
-/// If a body, a policy or the curves cannot be used, or the machine refuses what it needs.
+/// If a body, a policy or the curves cannot be used, or the machine refuses what it needs; with a
+/// signer, if the deployment keeps no decisions, or in a folder whose chain another key signs.
 pub fn serve(
     mut opened: OpenDeployment,
     options: ServeOptions,
@@ -78,6 +82,11 @@ pub fn serve(
         let folder = opened.path(&kept.folder);
         opened.deployment.decisions = Some(service::Decisions { folder, ..kept.clone() });
     }
+    if options.signer.is_some() && opened.deployment.decisions.is_none() {
+        return Err(Failure::setting("the deployment keeps no decisions that could be signed")
+            .with_remedy("add to it: [decisions] folder = \"…\", per_file = 10000, files = 16"));
+    }
+    let signer = options.signer.map(|signer| signer.with_deployment(&opened).of_decisions());
     let (policy, curves) = opened.rules()?;
     let bodies = Bodies::of_deployment(&opened)?;
     let views = bodies.views()?;
@@ -103,6 +112,7 @@ pub fn serve(
         store: bodies.store(),
         options: (!options.in_process).then_some(&worker_pool),
         depth: engine.depth,
+        signer,
     };
     runtime::process::set_name("trolley-serve");
     service::serve(&config, |missing| {

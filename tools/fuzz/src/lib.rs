@@ -26,7 +26,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("traffic", |bytes| text(bytes, traffic)),
     ("settings", |bytes| text(bytes, settings)),
     ("model-file", model_file),
-    ("record", |bytes| drop(record::file::decode(bytes))),
+    ("record", record_files),
     ("wire", wire),
     ("ask", ask),
 ];
@@ -54,6 +54,16 @@ fn mesh(format: Format, bytes: &[u8]) {
     let mut nothing = |name: &str| Err(format!("{name}: no side files here"));
     let read = || drop(mesh::import::read(format, bytes, &mut nothing, &options));
     drop(std::panic::catch_unwind(core::panic::AssertUnwindSafe(read)));
+}
+
+/// A record, the head of a chain, and keys.
+fn record_files(bytes: &[u8]) {
+    drop(record::file::decode(bytes));
+    drop(record::SignedStatement::parse(bytes));
+    text(bytes, |text| {
+        drop(record::SigningKey::from_pem(text));
+        let _refused = record::VerifyingKey::from_pem(text);
+    });
 }
 
 /// Whatever a person writes down, as everything that it could be.

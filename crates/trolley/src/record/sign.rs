@@ -159,6 +159,11 @@ impl Signer {
         write::write(folder, ranking, Some(self))
     }
 
+    /// The signer of a service's decisions.
+    pub(crate) fn of_decisions(&self) -> service::DecisionSigner {
+        service::DecisionSigner { key: self.key.clone(), provenance: self.provenance() }
+    }
+
     pub(crate) fn key(&self) -> &SigningKey {
         &self.key
     }

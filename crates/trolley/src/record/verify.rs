@@ -5,6 +5,7 @@ use crate::files::{self, InputKind};
 use crate::{Failure, FailureKind};
 use record::chain::{Chain, HEAD_FILE};
 use record::{Proof, SignedStatement, VerifyingKey};
+use service::VerifiedDecisions;
 use std::path::{Path, PathBuf};
 
 /// What [`Record::verify`] compares records with.
@@ -103,6 +104,46 @@ impl Record {
         let proof = chain.finish(&name)?;
         Ok(Verified { count, last, statement: stated, proof })
     }
+}
+
+/// Whether a folder holds the decisions of a service, and no records.
+///
+/// ```
+/// assert!(!trolley::record::holds_decisions("../../config".as_ref()));
+/// ```
+#[must_use]
+pub fn holds_decisions(folder: &Path) -> bool {
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names: Vec<String> =
+        names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let any = |is: &dyn Fn(&String) -> bool| names.iter().any(is);
+    any(&|name| {
+        name.starts_with("decisions") && (name.ends_with(".bin") || name.ends_with(".head"))
+    }) && !any(&|name| name.ends_with(".record") || *name == HEAD_FILE)
+}
+
+/// Checks a folder of decisions that a service kept: every byte, their chain, and their signatures.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join(format!("trolley-decided-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).ok();
+/// use trolley::record::{Proof, VerifyOptions, verify_decisions};
+///
+/// let verified = verify_decisions(&folder, &VerifyOptions::default())?;
+/// assert_eq!(verified.proof, Proof::Unsigned);
+/// # std::fs::remove_dir_all(&folder).ok();
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`Record::verify`]; that whole files are missing from the front is no error, since the
+/// service deletes its oldest ones.
+pub fn verify_decisions(
+    folder: &Path,
+    options: &VerifyOptions,
+) -> Result<VerifiedDecisions, Failure> {
+    Ok(service::verify_decisions(folder, options.key, options.head.as_deref())?)
 }
 
 /// The head of a folder and its records, as they were at one time: a writer may add to them.
