@@ -1,6 +1,7 @@
 //! `cargo x check`: the steps that a change must pass, fastest first.
 
 use crate::step::Step;
+use crate::unpacked;
 use anyhow::Result;
 use std::io::Write as _;
 use std::path::Path;
@@ -56,12 +57,15 @@ pub(crate) const STEPS: &[Step] = &[
         ],
         env: &[],
     },
-    Step {
-        name: "package",
-        args: &["package", "--workspace", "--quiet", "--allow-dirty"],
-        env: &[],
-    },
+    PACKAGE,
 ];
+
+/// Every package built from what it would publish, with its own features alone.
+const PACKAGE: Step = Step {
+    name: "package",
+    args: &["package", "--workspace", "--quiet", "--allow-dirty"],
+    env: &[],
+};
 
 /// Third-party files beside the checkout.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
@@ -78,7 +82,12 @@ pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitC
     let mut out = std::io::stdout().lock();
     let data = Path::new(DATA).is_dir().then_some(&WITH_DATA);
     for step in steps.into_iter().chain(data) {
-        if let Some(code) = step.run(&mut out)?.failure() {
+        let outcome = if step.name == PACKAGE.name {
+            unpacked::run_fresh(step, &mut out)?
+        } else {
+            step.run(&mut out)?
+        };
+        if let Some(code) = outcome.failure() {
             return Ok(code);
         }
     }

@@ -13,6 +13,7 @@ mod machine;
 mod oracle;
 mod scenarios;
 mod step;
+mod unpacked;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};

@@ -39,8 +39,18 @@ impl Outcome {
 impl Step {
     /// Runs it to its end, reporting to `out`.
     pub(crate) fn run(&self, out: &mut impl Write) -> Result<Outcome> {
+        self.run_with(|_cargo| {}, out)
+    }
+
+    /// Like [`Self::run`], with what `adapt` adds to the command, which is not printed.
+    pub(crate) fn run_with(
+        &self,
+        adapt: impl FnOnce(&mut Command),
+        out: &mut impl Write,
+    ) -> Result<Outcome> {
         let mut command = cargo();
         command.args(self.args).envs(self.env.iter().copied());
+        adapt(&mut command);
         let line = self.args.join(" ");
 
         write!(out, "{:<7} cargo {line} ... ", self.name)?;
