@@ -68,7 +68,8 @@ def names():
     user = os.environ.get("XDG_RUNTIME_DIR")
     folder = pathlib.Path(user, "trolley") if user else pathlib.Path(f"/dev/shm/trolley-{os.getuid()}")
     mine = [path for path in folder.glob("*") if INSTANCE in path.name]
-    return sum(1 + sum(1 for _ in path.rglob("*")) for path in mine)
+    # Unlike rglob, os.walk passes by what goes while it looks.
+    return sum(1 + sum(len(folders) + len(files) for _, folders, files in os.walk(path)) for path in mine)
 
 
 def top(program, deployment):

@@ -33,10 +33,8 @@ pub(crate) fn run_fresh(step: &Step, out: &mut impl Write) -> Result<Outcome> {
 
 /// The workspace's own target directory.
 fn target() -> Result<PathBuf> {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../target"),
-        PathBuf::from,
-    );
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../target"), PathBuf::from);
     std::fs::create_dir_all(&target)
         .with_context(|| format!("cannot make {}", target.display()))?;
     target.canonicalize().with_context(|| format!("cannot find {}", target.display()))

@@ -51,7 +51,7 @@ pub(super) fn kill_at_call(
     let is_late = |_| clock::now_ns() - begun_ns > PATIENCE_MS * 1_000_000;
     let counted = Run::start_by(rank, &[], process::spawn_stopped)?;
     let traced = process::trace(counted.child.pid(), None, is_late)?;
-    let state = counted.end(reference)?;
+    let state = counted.end(reference, report)?;
     report.count(state);
     let Traced::Ended { calls: calls @ 1.. } = traced else {
         report.hangs += 1;
@@ -62,7 +62,8 @@ pub(super) fn kill_at_call(
     let is_late = |_| clock::now_ns() - begun_ns > PATIENCE_MS * 1_000_000;
     let traced = process::trace(run.child.pid(), Some(1 + rng.below(calls)), is_late)?;
     let Traced::Killed { at_ns } = traced else {
-        report.count(run.end(reference)?);
+        let state = run.end(reference, report)?;
+        report.count(state);
         report.missed += 1;
         return Ok(());
     };
@@ -71,7 +72,7 @@ pub(super) fn kill_at_call(
     run.child.wait_ms(PATIENCE_MS)?;
     report.orphans += still_alive(&workers, at_ns);
     let gone_ns = clock::now_ns() - at_ns;
-    let state = Run::start(rank, &[])?.end(reference)?;
+    let state = Run::start(rank, &[])?.end(reference, report)?;
     // Whatever was left half made, the next run has cleaned it up and is not misled.
     let state = if state == State::Complete { state } else { State::Wrong };
     report.left_behind += names_of(&instance()).len() as u64;

@@ -71,7 +71,7 @@ fn kill_coordinator(
     let mut state = State::Refused;
     if kind == Kind::StaleMemory {
         // The next run of the same name finds the leftovers, and must be right.
-        state = Run::start(rank, &[])?.end(reference)?;
+        state = Run::start(rank, &[])?.end(reference, report)?;
         report.left_behind += names_of(&instance()).len() as u64;
     }
     report.count(state);
@@ -97,7 +97,7 @@ fn flip_bits(
         _ => (".dynamic", 16),
     };
     flip(&prefix, suffix, bits, rng);
-    let state = run.end(reference)?;
+    let state = run.end(reference, report)?;
     report.count(state);
     let took_ns = clock::now_ns() - struck_ns;
     report.add(kind, state, None, took_ns);
@@ -143,7 +143,7 @@ fn confine(
         report.skip(kind, "this machine does not permit it");
         return Ok(());
     }
-    let state = Run::start(rank, wrap)?.end(reference)?;
+    let state = Run::start(rank, wrap)?.end(reference, report)?;
     // Without memory or files there may be no answer; with another clock there must be one.
     let is_due = (kind == Kind::ClockShift) == (state == State::Complete);
     let state = if is_due { state } else { State::Wrong };

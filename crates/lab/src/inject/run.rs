@@ -1,7 +1,7 @@
 //! A run of the program that ranks the plan's scenario once, for faults that take a whole run.
 
 use super::plan::Plan;
-use super::report::State;
+use super::report::{Report, State};
 use coordinator::Answer;
 use runtime::process::{self, Spawn};
 use runtime::{Child, Exit, clock};
@@ -85,10 +85,12 @@ impl Run {
         list.split_whitespace().filter_map(|word| word.parse().ok()).collect()
     }
 
-    /// Waits for its end, and returns its output.
-    pub(super) fn end(mut self, reference: &Answer) -> Result<State, Failure> {
+    /// Waits for its end, and judges its answer. A run that does not end is killed, and counted as
+    /// a hang.
+    pub(super) fn end(mut self, reference: &Answer, report: &mut Report) -> Result<State, Failure> {
         let exit = self.child.wait_ms(PATIENCE_MS)?;
         if exit.is_none() {
+            report.hangs += 1;
             self.child.kill()?;
         }
         let mut text = String::new();
