@@ -14,8 +14,9 @@ Examples:
   trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
   trolley serve /etc/trolley/deployment.toml --require-rt  as the systemd unit does
 
-SIGTERM, SIGINT, SIGQUIT and SIGHUP end it; nothing is left in shared memory, unless a client \
-still uses it.";
+SIGTERM, SIGINT, SIGQUIT and SIGHUP end it within 2 s, whatever hangs; nothing is left in shared \
+memory, unless a client still uses it. If it does not end in order within 1.6 s, or a second \
+signal comes, it ends by force, with exit code 128 + signal.";
 
 /// The arguments of `serve`.
 #[derive(Clone, Debug, Args)]

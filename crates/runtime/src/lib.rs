@@ -11,6 +11,7 @@
 //! | [`affinity`] | which cores there are, and staying on one |
 //! | [`counters`] | instructions and cache misses of a process, where there are counters |
 //! | [`wait`] | one epoll over eventfds, children, a timer and signals |
+//! | [`guard`] | the end of a process within a bound, whatever hangs in it |
 //! | [`futex`] | sleeping on a word of the status page |
 //! | [`realtime`] | locked memory, fixed priority, page faults; and what is missing for them |
 //! | [`heap`] | an allocator that counts |
@@ -21,6 +22,8 @@
 //! - No process can change what is sealed: `memory/tests.rs`.
 //! - A [`process::Child`] is dead and reaped once it was dropped, and dies when the thread that
 //!   spawned it ends, whatever ended it: `process/tests.rs`.
+//! - A process with a [`Guard`] ends within 2 s of the first signal, whatever hangs in it:
+//!   `tests/processes/guard.rs`.
 //! - No call on the way of a request blocks without a bound that the caller named.
 //! - This crate knows nothing of iceoryx2, of messages, or of triangles; of `protocol` it knows the
 //!   layout of the status page alone.
@@ -32,6 +35,7 @@ pub mod clock;
 pub mod counters;
 pub mod error;
 pub mod futex;
+pub mod guard;
 pub mod heap;
 pub mod input;
 pub mod machine;
@@ -44,6 +48,7 @@ mod testing;
 pub mod wait;
 
 pub use error::{OsError, Result};
+pub use guard::Guard;
 pub use input::{InputError, InputKind};
 pub use memory::{FileMap, SealedMemory, StatusMemory};
 pub use output::OutputError;

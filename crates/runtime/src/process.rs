@@ -5,6 +5,7 @@
 //! with the *thread* that spawned it (PR_SET_PDEATHSIG is per thread): spawn from a thread that
 //! lives as long as the process. It is reaped by [`Child::try_wait`], [`Child::wait_ms`] or drop.
 
+pub(crate) mod children;
 mod exec;
 mod spawn;
 mod stat;
@@ -16,7 +17,7 @@ pub use spawn::spawn_stopped;
 pub use spawn::{Spawn, spawn, spawn_with_env};
 pub use stat::{ProcStat, stat};
 #[cfg(feature = "faults")]
-pub use trace::{Traced, may_trace, trace};
+pub use trace::{Frozen, Traced, may_trace, trace};
 
 use crate::clock;
 use crate::error::{OsError, Result};
@@ -176,6 +177,7 @@ impl Drop for Child {
     /// Leaves neither an orphan nor a zombie. SIGKILL cannot be refused, so the wait is short; a
     /// process that the kernel itself cannot end, as one that waits for a dead disk, is left to it.
     fn drop(&mut self) {
+        children::forget(&self.pidfd);
         if self.exit.is_some() {
             return;
         }

@@ -6,18 +6,19 @@
 //! | descriptor ([`Poller::add_fd`]) | it can be read | until its owner has read it empty |
 //! | child ([`Poller::add_process`]) | it ended | once |
 //! | timer ([`Poller::arm_ns`]) | its time came | once per arming |
-//! | signals ([`Poller::catch_signals`]) | one came | each |
+//! | signals ([`Poller::catch_signals`]) | one came | each; with a [guard](crate::guard) always |
 //!
 //! Keys are the caller's, and separate for events and processes. A [`Poller`] holds copies of the
 //! file descriptors, so dropping a child or an eventfd elsewhere neither wakes nor confuses it.
 
-mod event;
-mod signals;
+pub(crate) mod event;
+pub(crate) mod signals;
 
 pub use event::EventFd;
 
 use crate::clock;
 use crate::error::{OsError, Result};
+use crate::guard;
 use crate::process::Child;
 use core::fmt;
 use rustix::event::epoll::{self, EventData, EventFlags};
@@ -113,6 +114,8 @@ pub struct Poller {
     epoll: OwnedFd,
     timer: OwnedFd,
     signals: Option<Signals>,
+    /// Hears of signals from the guard.
+    is_guarded: bool,
     watched: BTreeMap<Source, OwnedFd>,
     /// Kept, so that waiting allocates nothing.
     arrived: Vec<epoll::Event>,
@@ -134,6 +137,7 @@ impl Poller {
             epoll,
             timer,
             signals: None,
+            is_guarded: false,
             watched: BTreeMap::new(),
             arrived: Vec::with_capacity(WAKES_MAX),
         };
@@ -216,16 +220,21 @@ impl Poller {
     /// thread that was started before still dies of them, and takes the process along: call this
     /// first. Children start with nothing blocked.
     ///
+    /// In a process that has a [guard](crate::guard), that one owns the signals: all pollers hear
+    /// from it that one came, and from then on every wait reports it.
+    ///
     /// # Errors
     ///
     /// If file descriptors ran out.
     pub fn catch_signals(&mut self) -> Result<()> {
-        if self.signals.is_none() {
-            let mut numbers = vec![libc::SIGINT, libc::SIGTERM, libc::SIGQUIT];
-            if !signals::is_ignored(libc::SIGHUP) {
-                numbers.push(libc::SIGHUP);
-            }
-            let signals = Signals::catch(&numbers)?;
+        if self.signals.is_some() || self.is_guarded {
+            return Ok(());
+        }
+        if let Some(told) = guard::listen() {
+            self.watch(told, Source::Signals, EventFlags::IN)?;
+            self.is_guarded = true;
+        } else {
+            let signals = Signals::catch(&signals::ending())?;
             self.watch(signals.fd(), Source::Signals, EventFlags::IN)?;
             self.signals = Some(signals);
         }
@@ -285,7 +294,8 @@ impl Poller {
                     }
                 }
                 Source::Signals => {
-                    if let Some(number) = self.signals.as_ref().and_then(Signals::take) {
+                    let taken = self.signals.as_ref().map_or_else(guard::told, Signals::take);
+                    if let Some(number) = taken {
                         wakes.push(Wake::Signal(number));
                     }
                 }

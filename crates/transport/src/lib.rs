@@ -48,6 +48,7 @@ pub use domain::{Domain, dead_instances, sweep_leftovers};
 pub use error::{OpenError, UseError};
 pub use folder::default_folder;
 pub use link::{CoordinatorLink, Sizes, WorkerLink};
+pub use place::remove_own_files;
 pub use receiver::Receiver;
 pub use reserve::SegmentReserve;
 pub use sender::{OpenMessage, Sender};

@@ -9,8 +9,11 @@
 //! Locks are flock(2): the kernel gives them back however a process ends. So any process that finds
 //! both locks free may remove the folder. Nothing here asks iceoryx2 whether somebody is alive.
 
+mod forced;
 mod sweep;
 
+pub(crate) use forced::OwnFiles;
+pub use forced::remove_own_files;
 pub(crate) use sweep::{dead_places, sweep_places};
 
 use crate::error::OpenError;
@@ -45,6 +48,8 @@ enum Role {
 pub(crate) struct Place {
     root: PathBuf,
     role: Role,
+    /// Before the lock: what a forced end removes must still be locked.
+    _own: Option<OwnFiles>,
     /// The folder itself for its owner, the guests' file for a guest. Closing it unlocks.
     _lock: File,
 }
@@ -65,7 +70,11 @@ impl Place {
                 create_locked(folder, &root, group).map_err(OpenError::at("create", &shown))
             });
             match made {
-                Ok(lock) => return Ok(Self { root, role: Role::Owner { looks }, _lock: lock }),
+                Ok(lock) => {
+                    let own = OwnFiles::note(&[], Some(&root), folder, &lock);
+                    let role = Role::Owner { looks };
+                    return Ok(Self { root, role, _own: own, _lock: lock });
+                }
                 // The last user of the folder removed it at this moment.
                 Err(error) if error.is_absent() && attempt < ATTEMPTS_MAX => attempt += 1,
                 Err(error) => return Err(error),
@@ -78,7 +87,7 @@ impl Place {
         let _checked = folder::enter(root)?;
         let shown = root.display().to_string();
         let lock = lock_as_guest(root).map_err(OpenError::at("enter", &shown))?;
-        Ok(Self { root: root.to_owned(), role: Role::Guest, _lock: lock })
+        Ok(Self { root: root.to_owned(), role: Role::Guest, _own: None, _lock: lock })
     }
 
     pub(crate) fn root(&self) -> &Path {

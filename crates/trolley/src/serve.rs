@@ -53,6 +53,11 @@ pub struct Greeting<'s> {
 /// Runs the service until a signal ends it (TERM, INT, QUIT, HUP). Calls `ready` once, when it can
 /// answer requests.
 ///
+/// The signal ends the process, within 2 s of it and whatever hangs: if the service and the rest of
+/// the program have not ended after 1.6 s, or a second signal comes, a thread of the service's own
+/// kills the workers, removes the files, and exits with 128 + signal. That works for threads that
+/// were started after this call; call it before there are any.
+///
 /// ```no_run
 /// use trolley::{OpenDeployment, ServeOptions};
 ///
@@ -65,13 +70,16 @@ pub struct Greeting<'s> {
 ///
 /// # Errors
 ///
-/// If a body, a policy or the curves cannot be used, or the machine refuses what it needs; with a
-/// signer, if the deployment keeps no decisions, or in a folder whose chain another key signs.
+/// If a body, a policy or the curves cannot be used, the machine refuses what it needs, or this
+/// process runs a service already; with a signer, if the deployment keeps no decisions, or in a
+/// folder whose chain another key signs.
 pub fn serve(
     mut opened: OpenDeployment,
     options: ServeOptions,
     ready: impl FnOnce(&Greeting<'_>),
 ) -> Result<(), Failure> {
+    // Before any other thread is started, here or in what follows.
+    let _guard = runtime::Guard::start(transport::remove_own_files)?;
     opened.deployment.idle = options.idle.unwrap_or(opened.deployment.idle);
     opened.deployment.realtime.require |= options.require_realtime;
     if let Some(metrics) = &opened.deployment.metrics {

@@ -10,6 +10,7 @@
 //! Whether exec failed comes through a pipe that [`Child`] keeps.
 
 use super::Child;
+use super::children;
 use super::exec::ExecPipe;
 use crate::affinity;
 use crate::error::{OsError, Result};
@@ -104,6 +105,7 @@ fn start(what: Spawn<'_>, env: Option<&[(OsString, OsString)]>, stops: bool) -> 
         let _reaped = rustix::process::waitpid(Some(pid), rustix::process::WaitOptions::empty());
         failed(errno.into())
     })?;
+    children::note(&pidfd);
     Ok(Child { pid, pidfd, exit: None, exec: ExecPipe::new(name, hear) })
 }
 

@@ -9,6 +9,7 @@ use crate::clock;
 use crate::error::{OsError, Result};
 use crate::process::Spawn;
 use core::ffi::{c_int, c_uint};
+use rustix::io::Errno;
 use std::io;
 use std::path::Path;
 
@@ -130,6 +131,7 @@ impl Stop {
 
 /// A child that is traced, by its process id: it was not reaped when it was seized, and a call for
 /// one that this thread does not trace fails.
+#[derive(Debug)]
 struct Tracee(c_int);
 
 impl Tracee {
@@ -177,6 +179,60 @@ impl Tracee {
             // Killed meanwhile, or stopped without a signal.
             _ => Stop::Event(event),
         })
+    }
+}
+
+/// A thread of another process that stands still while the others of that process run: as one that
+/// waits for a lock, a device or a bug. It goes on when this is dropped.
+///
+/// It belongs to the thread that made it.
+#[derive(Debug)]
+pub struct Frozen {
+    tracee: Tracee,
+    here: core::marker::PhantomData<*const ()>,
+}
+
+impl Frozen {
+    /// Stops the first thread of a process that this one started, or that its children did.
+    ///
+    /// # Errors
+    ///
+    /// If the kernel does not permit to trace it, or it does not stop within 1 s.
+    pub fn first_thread(pid: u32) -> Result<Self> {
+        let tracee = Tracee(pid.cast_signed());
+        tracee.seize().map_err(|source| OsError::new("trace process", pid.to_string(), source))?;
+        let frozen = Self { tracee, here: core::marker::PhantomData };
+        frozen.tracee.interrupt();
+        let end_ns = clock::now_ns() + STOP_NS;
+        // The report of the stop is taken, too: the parent of the process waits for its end alone.
+        while !frozen.has_reported() {
+            if clock::now_ns() > end_ns {
+                return Err(OsError::new("stop process", pid.to_string(), Errno::TIMEDOUT));
+            }
+            rustix::thread::sched_yield();
+        }
+        Ok(frozen)
+    }
+
+    /// Takes the report that it has ended, so that its parent gets it; `false` if it has not.
+    ///
+    /// Until then a process that was killed stays a zombie. For one whose parent is another
+    /// process: a child of this one is reaped by it.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.has_reported()
+    }
+
+    fn has_reported(&self) -> bool {
+        let flags = libc::WNOHANG | libc::__WALL;
+        // SAFETY: the status is not asked for.
+        unsafe { libc::waitpid(self.tracee.0, core::ptr::null_mut(), flags) == self.tracee.0 }
+    }
+}
+
+impl Drop for Frozen {
+    fn drop(&mut self) {
+        self.tracee.resume(libc::PTRACE_DETACH, 0);
     }
 }
 

@@ -17,7 +17,7 @@ static TOLD: AtomicBool = AtomicBool::new(false);
 /// Blocks some signals in this thread for as long as it lives, and permanently once one of them was
 /// taken: a process that is ending must not be interrupted by a second signal.
 #[derive(Debug)]
-pub(super) struct Signals {
+pub(crate) struct Signals {
     fd: OwnedFd,
     before: Mask,
     /// The mask belongs to a thread, so this must be dropped where it was made.
@@ -33,7 +33,7 @@ impl core::fmt::Debug for Mask {
 }
 
 impl Signals {
-    pub(super) fn catch(numbers: &[i32]) -> Result<Self> {
+    pub(crate) fn catch(numbers: &[i32]) -> Result<Self> {
         let mask = mask_of(numbers);
         // SAFETY: `mask` is a set; -1 asks for a new descriptor.
         let fd =
@@ -53,18 +53,32 @@ impl Signals {
         Ok(Self { fd, before: Mask(before), here: PhantomData })
     }
 
-    pub(super) fn fd(&self) -> BorrowedFd<'_> {
+    pub(crate) fn fd(&self) -> BorrowedFd<'_> {
         self.fd.as_fd()
     }
 
     /// The next signal that came, if one did.
     pub(super) fn take(&self) -> Option<i32> {
-        let mut info = [0_u8; INFO_LEN];
-        let got = rustix::io::read(&self.fd, &mut info).ok()?;
-        let number = info.first_chunk::<4>().filter(|_| got == INFO_LEN)?;
-        TOLD.store(true, Ordering::Relaxed);
-        i32::try_from(u32::from_ne_bytes(*number)).ok()
+        take(self.fd())
     }
+}
+
+/// The next signal that came to a signalfd, if one did.
+pub(crate) fn take(fd: BorrowedFd<'_>) -> Option<i32> {
+    let mut info = [0_u8; INFO_LEN];
+    let got = rustix::io::read(fd, &mut info).ok()?;
+    let number = info.first_chunk::<4>().filter(|_| got == INFO_LEN)?;
+    TOLD.store(true, Ordering::Relaxed);
+    i32::try_from(u32::from_ne_bytes(*number)).ok()
+}
+
+/// The signals that end a process. SIGHUP is not among them where it is ignored (nohup(1)).
+pub(crate) fn ending() -> Vec<i32> {
+    let mut numbers = vec![libc::SIGINT, libc::SIGTERM, libc::SIGQUIT];
+    if !is_ignored(libc::SIGHUP) {
+        numbers.push(libc::SIGHUP);
+    }
+    numbers
 }
 
 impl Drop for Signals {
@@ -80,7 +94,7 @@ impl Drop for Signals {
 }
 
 /// Whether this process ignores a signal.
-pub(super) fn is_ignored(number: i32) -> bool {
+fn is_ignored(number: i32) -> bool {
     let mut action = MaybeUninit::<libc::sigaction>::zeroed();
     // SAFETY: without a new action it only writes the present one, for which there is room.
     let got = unsafe { libc::sigaction(number, ptr::null(), action.as_mut_ptr()) };

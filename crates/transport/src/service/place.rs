@@ -13,7 +13,7 @@
 use super::Address;
 use crate::error::OpenError;
 use crate::folder::{self, default_folder};
-use crate::place::{Place, lock_dead, remove_if_empty, sweep_places};
+use crate::place::{OwnFiles, Place, lock_dead, remove_if_empty, sweep_places};
 use rustix::fs::{CWD, FlockOperation, Mode, OFlags, flock, openat};
 use rustix::rand::{GetRandomFlags, getrandom};
 use std::fs::{self, File};
@@ -34,9 +34,10 @@ const ATTEMPTS_MAX: usize = 16;
 /// A service's folder, which is this process's as long as this lives.
 #[derive(Debug)]
 pub(super) struct ServicePlace {
-    // Dropped in this order: the place, then the lock.
+    // Dropped in this order: the place, what a forced end would remove, then the lock.
     place: Option<Place>,
     root: PathBuf,
+    _own: Option<OwnFiles>,
     _lock: File,
 }
 
@@ -70,7 +71,9 @@ impl ServicePlace {
         getrandom(&mut random, GetRandomFlags::empty()).map_err(OpenError::at("name", &shown))?;
         let name = format!("{:08x}", u32::from_ne_bytes(random));
         let place = Place::create(&root, &name, 1, group)?;
-        let place = Self { place: Some(place), root, _lock: lock };
+        let files = [CURRENT, PID].map(|name| root.join(name));
+        let own = OwnFiles::note(&files, None, &root, &lock);
+        let place = Self { place: Some(place), root, _own: own, _lock: lock };
         place.write(PID, &std::process::id().to_string(), group)?;
         Ok(place)
     }
