@@ -4,9 +4,10 @@
 
 use crate::support::service::{Serving, deployment, left_behind, serve};
 use crate::support::{Place, children, signal, skipped, wait_for};
+use runtime::clock;
 use runtime::process::{Frozen, may_trace};
 use rustix::process::Signal;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const BODIES: &[(&str, u32, u32)] = &[("sedan", 2000, 0), ("wall", 600, 0)];
 /// How long a service may take to end, whatever hangs in it.
@@ -19,10 +20,10 @@ fn frozen_and_told(extra: &[&str], tell: impl Fn(&Serving)) -> (Option<i32>, Dur
     let workers = children(serving.child.id());
     assert_eq!(workers.len(), if extra.is_empty() { 2 } else { 0 });
     let frozen = Frozen::first_thread(serving.child.id()).unwrap();
-    let told = Instant::now();
+    let told_ns = clock::now_ns();
     tell(&serving);
     let status = wait_for(10_000, || serving.child.try_wait().unwrap());
-    let lasted = told.elapsed();
+    let lasted = Duration::from_nanos(clock::now_ns() - told_ns);
     drop(frozen);
     // One that has ended is a zombie until the first process of the machine reaps it.
     let alive = |pid: &u32| {

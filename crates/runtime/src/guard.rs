@@ -92,7 +92,9 @@ impl Guard {
     pub fn start(clean: fn()) -> Result<Self> {
         let told = EventFd::create()?;
         let turned = STATE.compare_exchange(OFF, ON, Ordering::AcqRel, Ordering::Relaxed);
-        turned.map_err(|_| OsError::new("guard", "this process a second time", Errno::BUSY))?;
+        if turned.is_err() {
+            return Err(OsError::new("guard", "this process a second time", Errno::BUSY));
+        }
         // The same one for as long as the process lives: pollers have it.
         let _first = TOLD.set(told);
         Self::start_thread(clean).inspect_err(|_| STATE.store(OFF, Ordering::Release))

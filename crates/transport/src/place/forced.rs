@@ -91,5 +91,5 @@ pub fn remove_own_files() {
     remove_if_empty(&default_folder());
     // What is freed may belong to a region of the heap whose lock somebody holds; the locks of the
     // files are the kernel's, and last as long as the process.
-    std::mem::forget(entries);
+    let _leaked = entries.leak();
 }
