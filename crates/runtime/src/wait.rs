@@ -6,7 +6,7 @@
 //! | descriptor ([`Poller::add_fd`]) | it can be read | until its owner has read it empty |
 //! | child ([`Poller::add_process`]) | it ended | once |
 //! | timer ([`Poller::arm_ns`]) | its time came | once per arming |
-//! | signals ([`Poller::catch_signals`]) | one came | each; with a [guard](crate::guard) always |
+//! | signals ([`Poller::catch_signals`]) | one came | each; with a [guard] always |
 //!
 //! Keys are the caller's, and separate for events and processes. A [`Poller`] holds copies of the
 //! file descriptors, so dropping a child or an eventfd elsewhere neither wakes nor confuses it.
@@ -220,7 +220,7 @@ impl Poller {
     /// thread that was started before still dies of them, and takes the process along: call this
     /// first. Children start with nothing blocked.
     ///
-    /// In a process that has a [guard](crate::guard), that one owns the signals: all pollers hear
+    /// In a process that has a [guard], that one owns the signals: all pollers hear
     /// from it that one came, and from then on every wait reports it.
     ///
     /// # Errors
