@@ -31,6 +31,7 @@ pub use patch::{Patch, Posed};
 pub use pose::{Pose, RelativePose};
 pub use support::{Directions, Supports};
 pub use triangle::Triangle;
+pub use triangle::sweep::{self, Sweep};
 
 /// A stored triangle: three corners of three coordinates, in metres, in its body's own frame.
 pub type Corners = [[f32; 3]; 3];

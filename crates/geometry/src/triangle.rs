@@ -30,6 +30,7 @@ mod exact;
 mod lattice;
 mod orient;
 mod planar;
+pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod wide;

@@ -12,7 +12,11 @@ use super::{Corner, Sign};
 use crate::DVec3;
 
 /// The six corners of a pair, in units of 2ᴸ, modulo 2⁶⁴.
-pub(super) struct Lattice([[i64; 3]; 6]);
+pub(super) struct Lattice {
+    corners: [[i64; 3]; 6],
+    /// L.
+    unit: i32,
+}
 
 /// A determinant: `high·2⁶⁴ + low`.
 #[derive(Clone, Copy)]
@@ -27,44 +31,59 @@ impl Lattice {
         // Rounded or not, no difference exceeds 2^53 times the extent's last place.
         let (_, _, exponent) = wide::parts(extent);
         let unit = exponent - 7;
-        let mut lattice = Self([[0; 3]; 6]);
-        for (whole, corner) in lattice.0.iter_mut().zip(corners) {
+        let mut lattice = Self { corners: [[0; 3]; 6], unit };
+        for (whole, corner) in lattice.corners.iter_mut().zip(corners) {
             let [x, y, z] = corner.to_array();
             *whole = [multiple(x, unit)?, multiple(y, unit)?, multiple(z, unit)?];
         }
         Some(lattice)
     }
 
+    /// L: coordinates are multiples of 2ᴸ m.
+    pub(super) fn unit(&self) -> i32 {
+        self.unit
+    }
+
     /// The vector from corner a to corner p.
     #[inline]
-    fn difference(&self, a: Corner, p: Corner) -> [i128; 3] {
-        let ([ax, ay, az], [px, py, pz]) = (self.0[a], self.0[p]);
+    pub(super) fn difference(&self, a: Corner, p: Corner) -> [i128; 3] {
+        let ([ax, ay, az], [px, py, pz]) = (self.corners[a], self.corners[p]);
         [px.wrapping_sub(ax).into(), py.wrapping_sub(ay).into(), pz.wrapping_sub(az).into()]
     }
 
     /// The normal (b − a) × (c − a).
     #[inline]
     pub(super) fn normal(&self, [a, b, c]: [Corner; 3]) -> [i128; 3] {
-        let ([bx, by, bz], [cx, cy, cz]) = (self.difference(a, b), self.difference(a, c));
-        [by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx]
+        cross(self.difference(a, b), self.difference(a, c))
     }
 
     /// The distance of d along a normal at a: det(b − a, c − a, d − a) for that of abc.
     #[inline]
     pub(super) fn height(&self, normal: &[i128; 3], a: Corner, d: Corner) -> Whole {
-        let ([nx, ny, nz], [dx, dy, dz]) = (*normal, self.difference(a, d));
-        // Each product in two parts: below 2^117 and 2^124.
-        let low = |n: i128| i128::from(n as u64);
-        let high = (nx >> 64) * dx + (ny >> 64) * dy + (nz >> 64) * dz;
-        let low = low(nx) * dx + low(ny) * dy + low(nz) * dz;
-        Whole { high: high + (low >> 64), low: low as u64 }
+        dot(*normal, self.difference(a, d))
     }
 
     /// The corners without the coordinate `drop`.
     pub(super) fn without(&self, drop: usize) -> [[i64; 2]; 6] {
         let (x, y) = kept(drop);
-        self.0.map(|corner| [corner[x], corner[y]])
+        self.corners.map(|corner| [corner[x], corner[y]])
     }
+}
+
+/// The product of two vectors of coordinates below 2⁶¹.
+#[inline]
+pub(super) fn cross([bx, by, bz]: [i128; 3], [cx, cy, cz]: [i128; 3]) -> [i128; 3] {
+    [by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx]
+}
+
+/// The dot product of a normal, as [`cross`] returns it, and a vector of coordinates below 2⁶¹.
+#[inline]
+pub(super) fn dot([nx, ny, nz]: [i128; 3], [dx, dy, dz]: [i128; 3]) -> Whole {
+    // Each product in two parts: below 2^119 and 2^125.
+    let low = |n: i128| i128::from(n as u64);
+    let high = (nx >> 64) * dx + (ny >> 64) * dy + (nz >> 64) * dz;
+    let low = low(nx) * dx + low(ny) * dy + low(nz) * dz;
+    Whole { high: high + (low >> 64), low: low as u64 }
 }
 
 /// det(b − a, c − a) of points of a projection.

@@ -21,6 +21,9 @@ const EXPONENT_MIN: i32 = -1074;
 pub(super) struct Wide([u64; LIMBS]);
 
 impl Wide {
+    /// 0.
+    pub(super) const ZERO: Self = Self([0; LIMBS]);
+
     /// det(b − a, c − a, d − a), expanded into products of coordinates, so without differences.
     pub(super) fn orient3d([a, b, c, d]: [DVec3; 4]) -> Self {
         let mut sum = Self([0; LIMBS]);
@@ -42,7 +45,7 @@ impl Wide {
     }
 
     /// Adds (or subtracts) det(u, v, w).
-    fn add_volume(&mut self, u: DVec3, v: DVec3, w: DVec3, negative: bool) {
+    pub(super) fn add_volume(&mut self, u: DVec3, v: DVec3, w: DVec3, negative: bool) {
         self.add([u.x, v.y, w.z], negative);
         self.add([u.y, v.z, w.x], negative);
         self.add([u.z, v.x, w.y], negative);
@@ -52,7 +55,7 @@ impl Wide {
     }
 
     /// Adds (or subtracts) a product.
-    fn add(&mut self, factors: [f64; 3], negative: bool) {
+    pub(super) fn add(&mut self, factors: [f64; 3], negative: bool) {
         let [(nx, mx, ex), (ny, my, ey), (nz, mz, ez)] = factors.map(parts);
         if mx == 0 || my == 0 || mz == 0 {
             return;
@@ -127,6 +130,16 @@ impl Magnitude {
         let zeros = digits.leading_zeros();
         let m = (digits.checked_shl(zeros).unwrap_or(0) >> 64) as u64 as f64;
         Self { m, exponent: exponent - zeros as i32 }
+    }
+
+    /// p / q, within a few units in the last place; q is not 0.
+    pub(super) fn quotient(p: Self, q: Self) -> f64 {
+        libm::scalbn(p.m / q.m, p.exponent - q.exponent)
+    }
+
+    /// p times two to the power of `exponent`.
+    pub(super) fn scaled(self, exponent: i32) -> Self {
+        Self { exponent: self.exponent + exponent, ..self }
     }
 
     /// p / (p + q), within a few units in the last place; 0 if both are 0.

@@ -1,0 +1,468 @@
+//! First contact of two closed triangles, one of which moves along a straight line.
+//!
+//! B's corners are b + s·d: d is a direction and s the *travel* (m). These are real numbers, not
+//! rounded ones: the motion is its own input. The travels at which A and B share a point form one
+//! closed interval, because {s : s·d ∈ A ⊖ B} is the intersection of a line with a convex set. Its
+//! least travel is that of a corner of one triangle on the other, or of two crossing edges.
+//!
+//! ```text
+//! projection along d, f64 --> apart, certainly
+//!                         \-> all signs certain: corners inside, edges crossing --> start and end
+//!                         \-> a doubtful sign, or a bracket above 1 nm: exact, by whole numbers
+//! ```
+//!
+//! # Errors of the projection
+//!
+//! Let ε = 2⁻⁵², all corners be seen from A's first, and M bound the sum of the magnitudes of a
+//! corner's coordinates.
+//!
+//! - Two coordinates across the motion and one along it, products with rows of a matrix, are each
+//!   off by at most 2εM: a difference, three products, two sums. The rows are only nearly
+//!   perpendicular, and d is only nearly of length 1: 8εM. E = 16εM covers both.
+//! - An orientation in the plane across the motion is off by 9EW + 8E², where W ≤ 2M bounds all
+//!   differences of coordinates: 16E(W + E) are allowed ([`Projected::error`]).
+//! - Where a corner lies inside the other triangle, its height there is a mean of three heights with
+//!   weights that are off by that error each: 3·error·H/(|Σw| − 3·error), H being the extent of the
+//!   triangle along d. Where two edges cross, each height is off by error·H/(|Δ| − 2·error), Δ being
+//!   the difference of the two orientations that the fraction comes from. Heights add 8E.
+//!
+//! # Invariants
+//!
+//! - The result is a function of both triangles and the motion alone. Whether and where there is
+//!   contact is exact but for 1 nm of travel; the search compares with rational arithmetic in
+//!   `tests/oracle`.
+//! - No answer comes from vector instructions: [`crate::patch`] only leaves out what cannot be it.
+
+mod exact;
+mod numbers;
+#[cfg(test)]
+mod tests;
+
+use super::Triangle;
+use crate::DVec3;
+use core::fmt;
+use diagnostic::{Diagnostic, FailureKind};
+
+/// The greatest travel of a motion, in either sense (m).
+pub const TRAVEL_MAX: f64 = 1e6;
+
+/// How far the travel at first contact may be from the true one (m).
+pub const TOLERANCE_M: f64 = 1e-9;
+
+/// Components of a direction are multiples of this: 2⁻⁶⁰. So directions are whole numbers.
+const DIRECTION_UNIT: i32 = -60;
+
+/// 16 ε.
+const ERROR: f64 = 16.0 * f64::EPSILON;
+
+/// More than all underflow errors of a product of two: 2⁻⁹⁰⁰.
+const UNDERFLOW: f64 = f64::from_bits((1023 - 900) << 52);
+
+/// Beyond this width (m) a product of two could overflow: all signs are doubtful. 2⁵⁰⁰.
+const WIDTH_MAX: f64 = f64::from_bits((1023 + 500) << 52);
+
+/// A motion along a straight line: a direction in A's frame, and the travels from where to where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    direction: DVec3,
+    /// Two unit vectors across the direction.
+    across: [DVec3; 2],
+    from_m: f64,
+    to_m: f64,
+}
+
+/// A motion that is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SweepError {
+    /// The direction has no length, or a component is not finite.
+    Direction,
+    /// The travels are not ascending numbers within ±[`TRAVEL_MAX`].
+    Travel(f64, f64),
+}
+
+/// The contact of two triangles on their way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The first travel within the motion at which they share a point (m).
+    pub travel_m: f64,
+    /// A point of A where they touch then (m), in A's frame, rounded.
+    pub point: DVec3,
+}
+
+/// What touches at an end of the interval: corners of a triangle by number, edges by their first
+/// corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Feature {
+    /// A corner of A on B.
+    CornerOfA(usize),
+    /// A corner of B on A.
+    CornerOfB(usize),
+    /// An edge of A and one of B.
+    Edges(usize, usize),
+}
+
+/// The travels at which two triangles touch, unlimited.
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    start: f64,
+    end: f64,
+    /// What touches at the start.
+    first: Feature,
+}
+
+impl Sweep {
+    /// A motion along `direction`, of any length but 0, from travel `from_m` to `to_m`.
+    ///
+    /// The direction is scaled to length 1, and its components are rounded to multiples of 2⁻⁶⁰
+    /// ([`Sweep::direction`]): over [`TRAVEL_MAX`] that moves nothing by more than a picometre.
+    ///
+    /// # Errors
+    ///
+    /// The direction has no length or is not finite; the travels are not ascending, or beyond
+    /// [`TRAVEL_MAX`].
+    pub fn new(direction: DVec3, from_m: f64, to_m: f64) -> Result<Self, SweepError> {
+        // Scaled by a power of two first, so that no square over- or underflows.
+        let largest = direction.abs().max_element();
+        if !(direction.is_finite() && largest > 0.0) {
+            return Err(SweepError::Direction);
+        }
+        let scaled = direction * libm::scalbn(1.0, -libm::ilogb(largest));
+        let scaled = if scaled.is_finite() { scaled } else { direction * (1.0 / largest) };
+        let unit = scaled * (1.0 / libm::sqrt(scaled.dot(scaled)));
+        let whole =
+            |x: f64| libm::scalbn(libm::rint(libm::scalbn(x, -DIRECTION_UNIT)), DIRECTION_UNIT);
+        let d = DVec3::new(whole(unit.x), whole(unit.y), whole(unit.z));
+        let least = d.abs().min_element();
+        let axis = DVec3::AXES.into_iter().find(|axis| (d * *axis).abs().element_sum() <= least);
+        let side = d.cross(axis.unwrap_or(DVec3::Z));
+        let u = side * (1.0 / libm::sqrt(side.dot(side)));
+        let sweep = Self { direction: d, across: [u, d.cross(u)], from_m: 0.0, to_m: 0.0 };
+        sweep.between(from_m, to_m)
+    }
+
+    /// The same motion between other travels (m).
+    ///
+    /// # Errors
+    ///
+    /// They are not ascending, or beyond [`TRAVEL_MAX`].
+    pub fn between(&self, from_m: f64, to_m: f64) -> Result<Self, SweepError> {
+        if !(-TRAVEL_MAX <= from_m && from_m <= to_m && to_m <= TRAVEL_MAX) {
+            return Err(SweepError::Travel(from_m, to_m));
+        }
+        Ok(Self { from_m, to_m, ..*self })
+    }
+
+    /// The same motion, ended at `to_m` (m) if that is earlier.
+    #[must_use]
+    #[inline]
+    pub fn until(&self, to_m: f64) -> Self {
+        Self { to_m: if to_m < self.to_m { to_m } else { self.to_m }, ..*self }
+    }
+
+    /// The direction d, as used: a vector of length 1 up to rounding, in A's frame.
+    #[must_use]
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// The rows of the projection: two directions across the motion, and d.
+    #[must_use]
+    pub fn axes(&self) -> [DVec3; 3] {
+        let [u, v] = self.across;
+        [u, v, self.direction]
+    }
+
+    /// The travel where the motion begins (m).
+    #[must_use]
+    pub fn from_m(&self) -> f64 {
+        self.from_m
+    }
+
+    /// The travel where the motion ends (m).
+    #[must_use]
+    pub fn to_m(&self) -> f64 {
+        self.to_m
+    }
+}
+
+/// The first contact of `a` with `b` as it moves, if it lies within the motion: the ends of the
+/// motion included, and triangles that touch at its begin.
+///
+/// A pure function of its arguments, the same bits on every machine. Contact is missed or reported
+/// by mistake only if it begins within 1 nm of the end of the motion, or ends within 1 nm of its
+/// begin; the travel is within 1 nm of the true one. For coordinates that are not finite the result
+/// is unspecified.
+#[must_use]
+pub fn first_contact(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Option<Touch> {
+    let projected = Projected::of(a, b, sweep);
+    if projected.is_early(sweep.from_m) || projected.is_late(sweep.to_m) || projected.are_apart() {
+        return None;
+    }
+    let interval = match projected.interval(sweep) {
+        Ok(interval) => interval?,
+        Err(Doubt) => exact::interval(a, b, sweep.direction)?,
+    };
+    if interval.start > sweep.to_m || interval.end < sweep.from_m {
+        return None;
+    }
+    let travel_m = if interval.start > sweep.from_m { interval.start } else { sweep.from_m };
+    Some(Touch { travel_m, point: projected.point(a, b, sweep, interval.first, travel_m) })
+}
+
+/// f64 does not decide.
+struct Doubt;
+
+/// Both triangles along and across the motion, seen from A's first corner, at travel 0.
+struct Projected {
+    a: [[f64; 3]; 3],
+    b: [[f64; 3]; 3],
+    /// E (m).
+    coordinate_error: f64,
+    /// The error of an orientation (m²).
+    error: f64,
+    /// Least and greatest x, y and height of each (m).
+    box_a: [[f64; 2]; 3],
+    box_b: [[f64; 2]; 3],
+    /// `[i][k]`: on which side of A's edge i B's corner k lies; twice an area (m²).
+    b_to_a: [[f64; 3]; 3],
+    /// `[k][i]`: on which side of B's edge k A's corner i lies.
+    a_to_b: [[f64; 3]; 3],
+    /// Twice the area of each, signed.
+    areas: [f64; 2],
+}
+
+impl Projected {
+    fn of(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Self {
+        let [u, v, d] = sweep.axes();
+        let origin = a.0[0];
+        let mut magnitude = 0.0_f64;
+        let mut seen = |p: DVec3| {
+            let p = p - origin;
+            magnitude = magnitude.max(p.x.abs() + p.y.abs() + p.z.abs());
+            let along = |w: DVec3| (w.x * p.x + w.y * p.y) + w.z * p.z;
+            [along(u), along(v), along(d)]
+        };
+        let (a, b) = (a.0.map(&mut seen), b.0.map(&mut seen));
+        let (box_a, box_b) = (bounds(&a), bounds(&b));
+        let extent = |k: usize| box_a[k][1].max(box_b[k][1]) - box_a[k][0].min(box_b[k][0]);
+        let coordinate_error = ERROR * magnitude;
+        let width = extent(0).max(extent(1));
+        let error = 16.0 * coordinate_error * (width + coordinate_error) + UNDERFLOW;
+        let error = if width < WIDTH_MAX { error } else { f64::INFINITY };
+        Self {
+            b_to_a: sides(&a, &b),
+            a_to_b: sides(&b, &a),
+            areas: [side(&a[0], &a[1], &a[2]), side(&b[0], &b[1], &b[2])],
+            a,
+            b,
+            coordinate_error,
+            error,
+            box_a,
+            box_b,
+        }
+    }
+
+    /// What heights may be off by together (m).
+    fn height_error(&self) -> f64 {
+        8.0 * self.coordinate_error
+    }
+
+    /// Whether all contact certainly ends before this travel (m).
+    fn is_early(&self, from_m: f64) -> bool {
+        self.box_a[2][1] - self.box_b[2][0] + self.height_error() < from_m
+    }
+
+    /// Whether all contact certainly begins after this travel (m).
+    fn is_late(&self, to_m: f64) -> bool {
+        self.box_a[2][0] - self.box_b[2][1] - self.height_error() > to_m
+    }
+
+    /// Whether the projections are certainly apart: one lies beyond an edge of the other.
+    fn are_apart(&self) -> bool {
+        let margin = 2.0 * self.coordinate_error;
+        let is_beyond = |p: &[f64; 2], q: &[f64; 2]| p[0] > q[1] + margin || q[0] > p[1] + margin;
+        if (0..2).any(|k| is_beyond(&self.box_a[k], &self.box_b[k])) {
+            return true;
+        }
+        let separates = |sides: &[f64; 3], area: f64| {
+            let [p, q, r] = *sides;
+            let margin = 2.0 * self.error;
+            p.min(q).min(r) > area.max(0.0) + margin || p.max(q).max(r) < area.min(0.0) - margin
+        };
+        self.b_to_a.iter().any(|sides| separates(sides, self.areas[0]))
+            || self.a_to_b.iter().any(|sides| separates(sides, self.areas[1]))
+    }
+
+    /// The travels of contact, if f64 decides them within the tolerance.
+    fn interval(&self, sweep: &Sweep) -> Result<Option<Interval>, Doubt> {
+        let is_certain = |side: &f64| side.abs() > self.error;
+        let mut signs = self.b_to_a.as_flattened().iter().chain(self.a_to_b.as_flattened());
+        if !signs.all(is_certain) {
+            return Err(Doubt);
+        }
+        let mut found = Found::NOTHING;
+        for k in 0..3 {
+            let of_b = [self.b_to_a[0][k], self.b_to_a[1][k], self.b_to_a[2][k]];
+            if let Some((height, error)) = self.height_inside(&self.a, &self.box_a, of_b) {
+                found.add(Feature::CornerOfB(k), height - self.b[k][2], error);
+            }
+            let of_a = [self.a_to_b[0][k], self.a_to_b[1][k], self.a_to_b[2][k]];
+            if let Some((height, error)) = self.height_inside(&self.b, &self.box_b, of_a) {
+                found.add(Feature::CornerOfA(k), self.a[k][2] - height, error);
+            }
+        }
+        for i in 0..3 {
+            for k in 0..3 {
+                let (next_i, next_k) = ((i + 1) % 3, (k + 1) % 3);
+                let of_a = [self.a_to_b[k][i], self.a_to_b[k][next_i]];
+                let of_b = [self.b_to_a[i][k], self.b_to_a[i][next_k]];
+                if (of_a[0] > 0.0) == (of_a[1] > 0.0) || (of_b[0] > 0.0) == (of_b[1] > 0.0) {
+                    continue;
+                }
+                let (on_a, error_a) = self.height_on(&self.a[i], &self.a[next_i], of_a);
+                let (on_b, error_b) = self.height_on(&self.b[k], &self.b[next_k], of_b);
+                found.add(Feature::Edges(i, k), on_a - on_b, error_a + error_b);
+            }
+        }
+        found.interval(sweep, self.height_error())
+    }
+
+    /// The height of a triangle at a point with these sides to its edges, and its error (m), if the
+    /// point lies inside.
+    fn height_inside(
+        &self,
+        of: &[[f64; 3]; 3],
+        box_: &[[f64; 2]; 3],
+        sides: [f64; 3],
+    ) -> Option<(f64, f64)> {
+        // The weight of a corner is the side to the edge opposite.
+        let [of_last, of_first, of_second] = sides;
+        let is_inside = (of_last > 0.0) == (of_first > 0.0) && (of_last > 0.0) == (of_second > 0.0);
+        is_inside.then(|| {
+            let [low, second, last] = [of[0][2], of[1][2], of[2][2]];
+            let sum = (of_last + of_first) + of_second;
+            let rise = (second - low) * of_second + (last - low) * of_last;
+            let error = 3.0 * self.error * (box_[2][1] - box_[2][0]);
+            (low + rise / sum, error / (sum.abs() - 3.0 * self.error))
+        })
+    }
+
+    /// The height on an edge whose ends lie on these sides of a line, and its error (m).
+    fn height_on(&self, p: &[f64; 3], q: &[f64; 3], [side_p, side_q]: [f64; 2]) -> (f64, f64) {
+        let between = side_p - side_q;
+        let rise = q[2] - p[2];
+        let error = self.error * rise.abs() / (between.abs() - 2.0 * self.error);
+        (p[2] + rise * (side_p / between), error)
+    }
+
+    /// The point of A that touches, rounded (m).
+    fn point(&self, a: &Triangle, b: &Triangle, sweep: &Sweep, first: Feature, at_m: f64) -> DVec3 {
+        let point = match first {
+            Feature::CornerOfA(i) => a.0[i],
+            Feature::CornerOfB(k) => b.0[k] + sweep.direction * at_m,
+            Feature::Edges(i, k) => {
+                let [p, q] = [self.a_to_b[k][i], self.a_to_b[k][(i + 1) % 3]];
+                let share = p / (p - q);
+                // Edges that lie one upon the other: any point of A's will do.
+                let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+                let (from, to) = (a.0[i], a.0[(i + 1) % 3]);
+                from + (to - from) * share
+            }
+        };
+        let bounds = a.bounds();
+        point.max(bounds.min).min(bounds.max)
+    }
+}
+
+/// Candidates for the ends of the interval.
+struct Found {
+    start: f64,
+    /// The true start lies between these, but for the error of heights.
+    start_within: [f64; 2],
+    end: f64,
+    end_within: [f64; 2],
+    first: Feature,
+}
+
+impl Found {
+    const NOTHING: Self = Self {
+        start: f64::INFINITY,
+        start_within: [f64::INFINITY; 2],
+        end: f64::NEG_INFINITY,
+        end_within: [f64::NEG_INFINITY; 2],
+        first: Feature::CornerOfA(0),
+    };
+
+    fn add(&mut self, feature: Feature, travel_m: f64, error_m: f64) {
+        if travel_m < self.start {
+            (self.start, self.first) = (travel_m, feature);
+        }
+        self.end = self.end.max(travel_m);
+        let [low, high] = [travel_m - error_m, travel_m + error_m];
+        self.start_within = [self.start_within[0].min(low), self.start_within[1].min(high)];
+        self.end_within = [self.end_within[0].max(low), self.end_within[1].max(high)];
+    }
+
+    /// The interval, if its start is known well enough, and its end where that matters.
+    fn interval(&self, sweep: &Sweep, height_error: f64) -> Result<Option<Interval>, Doubt> {
+        if self.start > self.end {
+            return Ok(None);
+        }
+        let [low, high] = self.start_within;
+        if low - height_error > sweep.to_m {
+            return Ok(None);
+        }
+        let [end_low, end_high] = self.end_within;
+        if end_high + height_error < sweep.from_m {
+            return Ok(None);
+        }
+        let is_wide = |low: f64, high: f64| !(high - low + 2.0 * height_error <= TOLERANCE_M);
+        let matters = end_low - height_error < sweep.from_m;
+        if is_wide(low, high) || (matters && is_wide(end_low, end_high)) {
+            return Err(Doubt);
+        }
+        Ok(Some(Interval { start: self.start, end: self.end, first: self.first }))
+    }
+}
+
+/// Least and greatest x, y and height.
+fn bounds(of: &[[f64; 3]; 3]) -> [[f64; 2]; 3] {
+    let [p, q, r] = of;
+    [0, 1, 2].map(|k| [p[k].min(q[k]).min(r[k]), p[k].max(q[k]).max(r[k])])
+}
+
+/// On which side of the line pq, in the plane across the motion, r lies: twice the area of pqr,
+/// positive if they turn counter-clockwise.
+#[inline]
+fn side(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> f64 {
+    (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+}
+
+/// `[i][k]`: on which side of edge i of one triangle corner k of the other lies.
+#[inline]
+fn sides(of: &[[f64; 3]; 3], other: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let to = |i: usize| [0, 1, 2].map(|k| side(&of[i], &of[(i + 1) % 3], &other[k]));
+    [to(0), to(1), to(2)]
+}
+
+impl fmt::Display for SweepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Direction => {
+                f.write_str("the direction of motion has no length, or is not finite")
+            }
+            Self::Travel(from, to) => write!(
+                f,
+                "the motion goes from {from} to {to} m: travels ascend, and lie within ±{TRAVEL_MAX} m"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SweepError {}
+
+impl Diagnostic for SweepError {
+    fn kind(&self) -> FailureKind {
+        FailureKind::Input
+    }
+}
