@@ -9,7 +9,7 @@ use geometry::RelativePose;
 pub(crate) struct Descent<'a> {
     pub(crate) nodes_a: &'a [Node],
     pub(crate) nodes_b: &'a [Node],
-    placement: Placement,
+    pub(crate) placement: Placement,
 }
 
 impl<'a> Descent<'a> {

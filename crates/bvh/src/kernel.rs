@@ -17,6 +17,7 @@ use std::ops::ControlFlow;
 mod boxes;
 mod found;
 mod plain;
+pub mod sweep;
 mod wide;
 
 pub use found::BEAT_TESTS;

@@ -5,7 +5,7 @@
 //! (1996). The remaining nine cost more than they save.
 
 use body::BodyView;
-use geometry::{Aabb, DVec3, RelativePose};
+use geometry::{Aabb, DVec3, RelativePose, Sweep};
 
 /// Box tests between A and B.
 ///
@@ -116,6 +116,58 @@ impl Placement {
             return true;
         }
         combine(&self.rows, between).abs().cmpgt(a.reach + b.half).any()
+    }
+}
+
+/// When boxes meet as B moves along a line: the slab test along the six axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    /// Inverses of the components of the direction along A's axes and along B's.
+    inverse: [DVec3; 2],
+    /// What box sides are moved out by (m).
+    slack: f64,
+    /// What travels are widened by (m).
+    tolerance_m: f64,
+    from_m: f64,
+}
+
+/// Components of directions are taken as at least this great.
+const COMPONENT_MIN: f64 = 1e-9;
+
+impl Passage {
+    pub(crate) fn new(placement: &Placement, sweep: &Sweep) -> Self {
+        let longest = sweep.from_m().abs().max(sweep.to_m().abs());
+        let ahead = sweep.direction();
+        let inverse = |d: DVec3| {
+            let component = |x: f64| x.abs().max(COMPONENT_MIN).copysign(x);
+            1.0 / DVec3::new(component(d.x), component(d.y), component(d.z))
+        };
+        Self {
+            inverse: [inverse(ahead), inverse(combine(&placement.rows, ahead))],
+            // Where a component is taken as greater, a box moves too far by that.
+            slack: 2.0 * COMPONENT_MIN * longest + 2.0 * placement.slack_b,
+            tolerance_m: 8.0 * f64::EPSILON * longest + 2.0 * geometry::sweep::TOLERANCE_M,
+            from_m: sweep.from_m(),
+        }
+    }
+
+    /// From when to when the boxes may share a point (m); `None` if they do not within the motion,
+    /// whatever its end.
+    pub(crate) fn travels(&self, placement: &Placement, a: &BoxA, b: &BoxB) -> Option<[f64; 2]> {
+        let between = a.centre - b.centre;
+        let slabs = [
+            (between, a.half + b.reach, self.inverse[0]),
+            (combine(&placement.rows, between), a.reach + b.half, self.inverse[1]),
+        ];
+        let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (between, reach, inverse) in slabs {
+            let (middle, half) = (between * inverse, (reach + self.slack) * inverse.abs());
+            first = first.max((middle - half).max_element());
+            last = last.min((middle + half).min_element());
+        }
+        let (first, last) = (first - self.tolerance_m, last + self.tolerance_m);
+        let never = first > last || last < self.from_m;
+        (!never).then_some([first, last])
     }
 }
 

@@ -1,4 +1,5 @@
-//! Which triangles of two bodies intersect: all pairs, the sets of triangles, or whether any do.
+//! Which triangles of two bodies intersect: all pairs, the sets of triangles, or whether any do; and
+//! when those of a body that moves first touch another one.
 //!
 //! ```text
 //! triangles of A --Tree::build--> tree ─┐               ┌─▶ touches: yes or no, at the first hit
@@ -56,6 +57,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod first;
+
 use crate::{End, Kernel, NodePair, Question, Side, Sink, Task};
 use body::BodyView;
 use diagnostic::{Diagnostic, FailureKind};
@@ -65,9 +68,12 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 // All names that a query takes: callers need no other crate.
+pub use crate::kernel::sweep::Witness;
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
+pub use first::{SweepEffort, SweepWorkspace, earliest_pairs, first_contact};
 pub use geometry::simd::Level;
-pub use geometry::{Corners, Pose, RelativePose};
+pub use geometry::sweep::SweepError;
+pub use geometry::{Corners, Pose, RelativePose, Sweep};
 
 /// Greatest magnitude of a number in a pose: beyond it, points of B might not have finite
 /// coordinates.

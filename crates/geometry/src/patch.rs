@@ -39,6 +39,7 @@ mod boxes;
 mod one;
 mod pairs;
 mod places;
+mod swept;
 #[cfg(test)]
 mod tests;
 
@@ -53,6 +54,7 @@ pub use boxes::Boxes;
 pub use one::{OneBox, side_by_side};
 pub use pairs::Pairs;
 pub use places::{Places, WORDS};
+pub use swept::{Inverse, SweptPairs, Window, down, travels, up};
 
 /// Triangles per vector.
 pub const LANES: usize = 8;

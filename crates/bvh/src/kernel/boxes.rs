@@ -28,8 +28,10 @@ use geometry::patch::{Boxes, OneBox, Vector, same, side_by_side};
 use geometry::{Aabb, DVec3, RelativePose};
 
 mod leaves;
+mod passing;
 
 pub(super) use leaves::LEAF_MAX;
+pub(super) use passing::Passing;
 
 /// 32 u.
 const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
@@ -94,6 +96,16 @@ impl Frames {
         })
     }
 
+    /// The same, with more slack (m) on all sides.
+    fn slackened(self, by: f64) -> Self {
+        let more = |motion: Motion| {
+            let slack =
+                motion.slack.map(|slack| (f64::from(slack) + by) as f32 * (1.0 + f32::EPSILON));
+            Motion { slack, ..motion }
+        };
+        Self { to_a: more(self.to_a), to_b: more(self.to_b), slack: self.slack + by }
+    }
+
     /// Which boxes of `a` can overlap which of `b`: bit 8i + j for lane i of A and lane j of B.
     #[simd]
     pub(super) fn meet<S: Simd>(&self, simd: S, a: &WideNode, b: &WideNode) -> u64 {
@@ -153,6 +165,20 @@ impl Motion {
         let middle = combined(&self.columns, middle, side_by_side(simd, self.shift));
         let reach = combined(&self.columns_abs, reach, side_by_side(simd, self.slack));
         OneBox { min: middle - reach, max: middle + reach }
+    }
+
+    /// [`Motion::moved_one`] without vectors.
+    fn moved_plainly(&self, Aabb { min, max }: &Aabb) -> Aabb {
+        let row = |k: usize| {
+            let ([p, q, r], [s, t, u]) = (self.rows[k], self.rows_abs[k]);
+            let middle = [0, 1, 2].map(|i| (max[i] + min[i]) * 0.5);
+            let reach = [0, 1, 2].map(|i| (max[i] - min[i]) * 0.5);
+            let middle = p * middle[0] + q * middle[1] + r * middle[2] + self.shift[k];
+            let reach = s * reach[0] + t * reach[1] + u * reach[2] + self.slack[k];
+            [middle - reach, middle + reach]
+        };
+        let [[x, u], [y, v], [z, w]] = [row(0), row(1), row(2)];
+        Aabb { min: [x, y, z], max: [u, v, w] }
     }
 
     /// The boxes in the other frame, enlarged: never too small. Empty boxes become NaN and overlap

@@ -24,13 +24,13 @@ use geometry::{Aabb, Directions, Patch, Posed, Supports, triangle};
 use std::ops::ControlFlow;
 
 /// Pairs of lanes of two wide nodes.
-const LANE_PAIRS: usize = LANES * LANES;
+pub(super) const LANE_PAIRS: usize = LANES * LANES;
 
 /// Wide nodes of a leaf.
-const BLOCKS: usize = LEAF_MAX.div_ceil(LEAF_LANES);
+pub(super) const BLOCKS: usize = LEAF_MAX.div_ceil(LEAF_LANES);
 
 /// The number of the first node where a job starts inside a wide node or wide leaf.
-const START: u32 = u32::MAX - BLOCKS as u32;
+pub(super) const START: u32 = u32::MAX - BLOCKS as u32;
 
 /// Maximum number of stack entries for trees with this many levels together.
 ///
@@ -80,21 +80,28 @@ struct Walk<'w, 'a> {
 }
 
 /// The wide nodes of one body, and the one where a job starts.
-struct Tree<'w> {
-    nodes: &'w [WideNode],
-    start: &'w [WideNode],
+#[derive(Clone, Copy)]
+pub(super) struct Tree<'w> {
+    pub(super) nodes: &'w [WideNode],
+    pub(super) start: &'w [WideNode],
 }
 
 impl<'w> Tree<'w> {
     /// The node with this number, and those after it.
     #[inline(always)]
-    fn from(&self, number: u32) -> &'w [WideNode] {
+    pub(super) fn from(&self, number: u32) -> &'w [WideNode] {
         if number == START { self.start } else { &self.nodes[number as usize..] }
     }
 
     #[inline(always)]
-    fn node(&self, number: u32) -> &'w WideNode {
+    pub(super) fn node(&self, number: u32) -> &'w WideNode {
         &self.from(number)[0]
+    }
+
+    /// Prefetches a node.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(&self, simd: S, number: u32) {
+        prefetch(simd, self.nodes, number as usize);
     }
 }
 
@@ -164,7 +171,7 @@ fn measure<S: Simd>(
 
 /// The number of the wide node that corresponds to `root` of the binary tree; if there is none,
 /// `start` is built for it: the lanes below `root` of the wide node or leaf that contains it.
-fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
+pub(super) fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
     let at = body.wide_of[root as usize];
     let holder = &body.wide[at as usize];
     if holder.root == root {
@@ -196,7 +203,7 @@ fn entrance(body: &BodyView<'_>, root: u32, start: &mut [WideNode]) -> u32 {
 
 /// The leaf that begins here: one or several nodes.
 #[inline(always)]
-fn leaf(nodes: &[WideNode]) -> &[WideLeaf] {
+pub(super) fn leaf(nodes: &[WideNode]) -> &[WideLeaf] {
     WideLeaf::all(&nodes[..nodes[0].run() as usize])
 }
 
@@ -211,8 +218,8 @@ impl Walk<'_, '_> {
             self.stack.pop();
             // The next pair on the stack, unless this one pushes something above it.
             if let Some(next) = self.stack.last() {
-                prefetch(simd, self.tree_a.nodes, next.a as usize);
-                prefetch(simd, self.tree_b.nodes, next.b as usize);
+                self.tree_a.prefetch(simd, next.a);
+                self.tree_b.prefetch(simd, next.b);
             }
             let (a, b) = (self.tree_a.node(pair.a), self.tree_b.node(pair.b));
             match (a.leaf(), b.leaf()) {

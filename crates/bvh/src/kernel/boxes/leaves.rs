@@ -125,7 +125,7 @@ fn sum<S: Simd>(of: f32x4<S>) -> f32 {
 
 /// Which triangles of a leaf may overlap a box of its body's frame.
 #[inline(always)]
-fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> Places {
+pub(super) fn cells<S: Simd>(simd: S, leaf: &[WideLeaf], box_: &OneBox<S>) -> Places {
     let [min, max] = cells_of(box_, &OneBox::of(simd, &leaf[0].bounds));
     let mut meeting = Places::default();
     for (i, leaf) in leaf.iter().enumerate() {
