@@ -165,11 +165,10 @@ impl Answer {
 fn open(state: &CandidateState) -> String {
     match &state.stage {
         SearchStage::Settled => "the bodies overlap at the start of the path".to_owned(),
-        SearchStage::Searching { search, .. } => {
-            let (from, to) = search.bracket();
+        SearchStage::Searching { bracket, .. } => {
             // Not "-0.000".
-            let [from, to] = [from, to].map(|m| (m * 1e3).round() / 1e3 + 0.0);
-            let touch = if search.has_touched() { "begins" } else { "would begin" };
+            let [from, to] = [bracket.from_m, bracket.to_m].map(|m| (m * 1e3).round() / 1e3 + 0.0);
+            let touch = if bracket.has_touched { "begins" } else { "would begin" };
             format!("where contact {touch}: between {from:.3} m and {to:.3} m of travel")
         }
         SearchStage::Surveying { stops, .. } => {

@@ -1,23 +1,45 @@
 //! The state of one candidate: find first contact, then survey the crush path from there.
 //!
-//! Which tasks follow depends on what earlier ones found, never on the order in which they were
-//! answered: [`damage::Search`] ensures that.
+//! Which tasks follow depends on what earlier ones found, never on the order in which their jobs
+//! were done: first contact is a minimum over all pairs of triangles.
 
 use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
 use body::{BodyView, Zones};
-use damage::{Evidence, First, Meeting, Search, Seen, Stop, Stops, Travels};
+use bvh::Witness;
+use damage::{Evidence, Meeting, Seen, Stop};
 use geometry::Supports;
 use protocol::WireQuestion;
 
 /// What a task is for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose {
-    /// Does it touch at this travel?
-    Probe { travel_m: f64 },
+    /// When do the bodies first touch, and where?
+    FirstContact,
     /// What is hit at this stop of the survey?
     Survey { stop: usize },
+}
+
+/// What is known of the travel at first contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bracket {
+    /// Before this travel nothing touches (m).
+    pub(crate) from_m: f64,
+    /// After it first contact is not (m): something touches then, or the path ends.
+    pub(crate) to_m: f64,
+    /// Whether something is known to touch.
+    pub(crate) has_touched: bool,
+}
+
+/// The triangles that touch first, and what harm needs of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FirstContact {
+    pub(crate) witness: Witness,
+    /// Zones of A's triangle and of B's.
+    pub(crate) zones: [Zones; 2],
+    /// The point where they touch, as supports in A's frame.
+    pub(crate) supports: Supports,
 }
 
 /// A finished pose of the survey.
@@ -35,11 +57,16 @@ pub(crate) struct Surveyed {
 pub(crate) enum SearchStage {
     /// Nothing to search: the hulls never meet, or overlap from the start.
     Settled,
-    /// First contact is sought; `asked` are the travels that have a task.
-    Searching { search: Search, asked: Travels },
+    /// First contact is sought; `is_asked`: there is a task for it.
+    Searching { bracket: Bracket, is_asked: bool },
     /// First contact is known, or known not to exist. `task` is the number of the first stop's
     /// task; the others follow.
-    Surveying { search: Search, stops: Vec<(Stop, Option<Surveyed>)>, task: u32 },
+    Surveying {
+        first: Option<FirstContact>,
+        bracket: Bracket,
+        stops: Vec<(Stop, Option<Surveyed>)>,
+        task: u32,
+    },
 }
 
 /// One candidate while its request is worked on.
@@ -75,62 +102,61 @@ impl CandidateState {
     ) -> Self {
         let stage = match &candidate.meeting {
             Meeting::Path(path) => {
-                SearchStage::Searching { search: Search::new(path), asked: Travels::new() }
+                let (from_m, to_m) = (path.from_m, path.to_m);
+                let bracket = Bracket { from_m, to_m, has_touched: false };
+                SearchStage::Searching { bracket, is_asked: false }
             }
             Meeting::Never(_) | Meeting::AlreadyOverlapping => SearchStage::Settled,
         };
         Self { stage, hit, spare }
     }
 
-    /// The tasks that are needed now and were not asked for before; they are numbered from `task`
-    /// on.
-    pub(crate) fn advance(
+    /// The task that is needed first, if any was not asked for yet.
+    pub(crate) fn begin(
         &mut self,
         candidate: &Candidate,
+        purposes: &mut Vec<(Purpose, f64, WireQuestion)>,
+    ) {
+        let SearchStage::Searching { is_asked, .. } = &mut self.stage else { return };
+        let Meeting::Path(path) = &candidate.meeting else { return };
+        if !core::mem::replace(is_asked, true) {
+            purposes.push((Purpose::FirstContact, path.from_m, WireQuestion::FirstContact));
+        }
+    }
+
+    /// Notes what is known of the first contact while it is sought. Never widens it.
+    pub(crate) fn narrow(&mut self, from_m: f64, touching_m: Option<f64>) {
+        let SearchStage::Searching { bracket, .. } = &mut self.stage else { return };
+        if let Some(to_m) = touching_m {
+            bracket.to_m = bracket.to_m.min(to_m);
+            bracket.has_touched = true;
+        }
+        bracket.from_m = bracket.from_m.max(from_m.min(bracket.to_m));
+    }
+
+    /// Takes the first contact, or that there is none. The tasks of the survey, which follow, are
+    /// numbered from `task` on.
+    pub(crate) fn settle(
+        &mut self,
+        candidate: &Candidate,
+        first: Option<FirstContact>,
         task: u32,
         purposes: &mut Vec<(Purpose, f64, WireQuestion)>,
     ) {
-        let SearchStage::Searching { search, asked } = &mut self.stage else { return };
+        let SearchStage::Searching { mut bracket, .. } = self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
-        let Some(first) = search.outcome() else {
-            for travel_m in search.wanted() {
-                if !asked.iter().any(|s| s.to_bits() == travel_m.to_bits()) {
-                    asked.push(travel_m);
-                    purposes.push((Purpose::Probe { travel_m }, travel_m, WireQuestion::Touches));
-                }
-            }
-            return;
-        };
-        let stops = match first {
-            First::None => Stops::new(),
-            First::At(first_m) => path.survey(first_m),
-        };
-        for (number, stop) in stops.iter().enumerate() {
+        let mut stops = std::mem::take(&mut self.spare);
+        if let Some(FirstContact { witness, .. }) = &first {
+            let at_m = witness.travel_m;
+            bracket = Bracket { from_m: at_m, to_m: at_m, has_touched: true };
+            stops.extend(path.survey(at_m).into_iter().map(|stop| (stop, None)));
+        }
+        for (number, (stop, _)) in stops.iter().enumerate() {
             let question =
                 if stop.patch || stop.depth { WireQuestion::Pairs } else { WireQuestion::Sets };
             purposes.push((Purpose::Survey { stop: number }, stop.travel_m, question));
         }
-        let search = search.clone();
-        let mut list = std::mem::take(&mut self.spare);
-        list.extend(stops.into_iter().map(|stop| (stop, None)));
-        self.stage = SearchStage::Surveying { search, stops: list, task };
-    }
-
-    /// Whether the answer at a probe can still matter.
-    pub(crate) fn needs(&self, purpose: Purpose) -> bool {
-        match (purpose, &self.stage) {
-            (Purpose::Probe { travel_m }, SearchStage::Searching { search, .. }) => {
-                search.is_needed(travel_m)
-            }
-            (Purpose::Probe { .. }, _) => false,
-            (Purpose::Survey { .. }, _) => true,
-        }
-    }
-
-    pub(crate) fn learn(&mut self, travel_m: f64, touches: bool) {
-        if let SearchStage::Searching { search, .. } = &mut self.stage {
-            search.learn(travel_m, touches);
-        }
+        self.stage = SearchStage::Surveying { first, bracket, stops, task };
     }
 
     pub(crate) fn surveyed(
@@ -162,19 +188,26 @@ impl CandidateState {
     /// What is known of the contact so far. `open` gives, for a stop whose task is not done, what
     /// it has found and what it may still find.
     pub(crate) fn evidence(&self, mut open: impl FnMut(u32, &Stop) -> Open) -> Evidence {
-        let (search, stops, task) = match &self.stage {
+        let (first, bracket, stops, task) = match &self.stage {
             SearchStage::Settled => return Evidence::none((0.0, 0.0)),
-            SearchStage::Searching { search, .. } => (search, &[][..], None),
-            SearchStage::Surveying { search, stops, task } => (search, &stops[..], Some(*task)),
+            SearchStage::Searching { bracket, .. } => (&None, bracket, &[][..], None),
+            SearchStage::Surveying { first, bracket, stops, task } => {
+                (first, bracket, &stops[..], Some(*task))
+            }
         };
-        let mut evidence = Evidence::none(search.bracket());
-        if search.has_touched() {
+        let mut evidence = Evidence::none((bracket.from_m, bracket.to_m));
+        if bracket.has_touched {
             evidence.touched();
         }
         let Some(task) = task else {
             evidence.add_open_everywhere();
             return evidence;
         };
+        // Contact may be so slight, or so brief, that no pose of the survey meets it.
+        if let Some(FirstContact { witness, zones: [zones_a, zones_b], supports }) = *first {
+            let seen = Seen { patch: supports, zones_a, zones_b, ..Seen::NOTHING };
+            evidence.add_hits(witness.travel_m, &seen);
+        }
         for (number, (stop, surveyed)) in stops.iter().enumerate() {
             if let Some(surveyed) = surveyed {
                 evidence.add_hits(stop.travel_m, &surveyed.seen);

@@ -7,7 +7,7 @@ use crate::candidate_state::Purpose;
 use crate::work::TaskState;
 use dispatch::{Closed, Job};
 use protocol::TaskId;
-use record::{PoseQuestion, RecordedEnd, RecordedJob, RecordedMoment};
+use record::{PoseQuestion, RecordedEnd, RecordedFirst, RecordedJob, RecordedMoment};
 use runtime::clock;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,6 +45,14 @@ impl JobHistory {
         self.places.push(state.place());
     }
 
+    /// Notes what is known of the first contact that a question asks for.
+    pub(crate) fn narrow(&mut self, task: TaskId, first: RecordedFirst) {
+        let place = self.of_task.get(task.0 as usize).copied().flatten();
+        if let Some(place) = place.and_then(|place| self.places.get_mut(place as usize)) {
+            place.first = Some(first);
+        }
+    }
+
     /// Notes that a job of a question that was asked has ended.
     pub(crate) fn close(&mut self, job: &Job, how: Closed) {
         let Some(place) = self.of_task.get(job.task.0 as usize).copied().flatten() else { return };
@@ -66,7 +74,8 @@ impl TaskState {
     /// The question of this state, without its task number.
     fn place(&self) -> PoseQuestion {
         let is_survey = matches!(self.purpose, Purpose::Survey { .. });
-        PoseQuestion { candidate: self.candidate as u32, is_survey, travel_m: self.travel_m }
+        let candidate = self.candidate as u32;
+        PoseQuestion { candidate, is_survey, travel_m: self.travel_m, first: None }
     }
 
     fn key(&self) -> Key {
@@ -94,6 +103,21 @@ impl Asked {
     /// Whether it was asked.
     pub(crate) fn has(&self, state: &TaskState) -> bool {
         self.0.contains(&state.key())
+    }
+}
+
+/// What a recorded job history knows of first contacts, by question.
+#[derive(Clone, Debug)]
+pub(crate) struct Firsts(BTreeMap<Key, RecordedFirst>);
+
+impl Firsts {
+    pub(crate) fn of(places: &[PoseQuestion]) -> Self {
+        Self(places.iter().filter_map(|place| Some((key(place), place.first?))).collect())
+    }
+
+    /// What is known of the one that a question asks for.
+    pub(crate) fn of_state(&self, state: &TaskState) -> Option<RecordedFirst> {
+        self.0.get(&state.key()).copied()
     }
 }
 

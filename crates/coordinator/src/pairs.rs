@@ -72,6 +72,7 @@ impl<'w> PairWork<'w> {
             translation: pose.translation,
             u: DVec3::X.to_array(),
             z: DVec3::Z.to_array(),
+            travels_m: [0.0; 2],
         };
         let wires = poses.iter().enumerate().map(wire);
         Self {
@@ -159,7 +160,7 @@ impl dispatch::JobSource for PairWork<'_> {
         self.spent.descent_ns += clock::now_ns() - begun_ns;
     }
 
-    fn is_obsolete(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: &Job) -> bool {
         false
     }
 

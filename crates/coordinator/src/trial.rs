@@ -129,7 +129,7 @@ pub fn trial(
             break;
         }
         let job = open.swap_remove(rng.below(open.len() as u64) as usize);
-        if work.is_obsolete(job.task) {
+        if work.is_obsolete(&job) {
             work.close(&job, Closed::Cut);
         } else if loses > 0 && rng.below(loses) == 0 {
             work.close(&job, Closed::Abandoned);

@@ -7,7 +7,7 @@ use crate::request_limits::RequestLimits;
 use crate::strategy::Strategy;
 use body::{BodyView, Meta};
 use buffers::BufferPool;
-use bvh::{Counters, NodePair, front, section};
+use bvh::{Counters, NodePair, OpenPair, SweepBounds, front, section};
 use dispatch::{Closed, Job};
 use geometry::RelativePose;
 use geometry::hash::splitmix64;
@@ -17,6 +17,7 @@ use std::collections::VecDeque;
 
 mod buffers;
 mod choose;
+mod first;
 mod judge;
 mod outlook;
 mod recording;
@@ -48,12 +49,17 @@ pub trait TaskSource: for<'p> dispatch::JobSource<Part<'p> = PartOf<'p>> {
     fn budget(&self) -> u64 {
         u64::MAX
     }
+    /// The travel (m) at which a job that seeks first contact gives back what it has left, as
+    /// another one is more urgent from there on.
+    fn yield_after_m(&self, _job: &Job) -> f32 {
+        f32::INFINITY
+    }
 }
 
 /// The effort of a request, as the cost model counts it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Tasks: questions about poses.
+    /// Tasks: questions about ways and poses.
     pub tasks: u64,
     /// Tests of the traversals to the distribution depth.
     pub descent: Counters,
@@ -129,8 +135,9 @@ impl<'w> RankingRun<'w> {
             job_history: None,
             asked: None,
         };
-        for k in 0..work.candidate_states.len() {
-            work.advance(k);
+        for (k, candidate) in request.candidates.iter().enumerate() {
+            work.candidate_states[k].begin(candidate, &mut work.purposes);
+            work.ask(k);
         }
         work
     }
@@ -164,16 +171,20 @@ impl<'w> RankingRun<'w> {
         self.effort
     }
 
-    /// Asks for what a candidate needs next.
-    fn advance(&mut self, k: usize) {
+    /// Asks for what a candidate needs next: one task for each purpose.
+    fn ask(&mut self, k: usize) {
         let candidate = &self.request.candidates[k];
-        let task = self.tasks.len() as u32;
-        self.candidate_states[k].advance(candidate, task, &mut self.purposes);
         let mut purposes = std::mem::take(&mut self.purposes);
         for (purpose, travel_m, question) in purposes.drain(..) {
             let u = candidate.approach.directions.d[0];
             let z = candidate.approach.directions.d[damage::approach::UP];
-            let pose = candidate.pose.moved(-u * travel_m);
+            // A search begins at the given pose, whatever travel that is: it states travels itself.
+            let (pose, travels_m) = match (purpose, &candidate.meeting) {
+                (Purpose::FirstContact, damage::Meeting::Path(path)) => {
+                    (candidate.pose, [path.from_m, path.to_m])
+                }
+                _ => (candidate.pose.moved(-u * travel_m), [0.0; 2]),
+            };
             let task = self.tasks.len() as u32;
             let wire = WireTask {
                 model_a: candidate.model_a,
@@ -184,6 +195,7 @@ impl<'w> RankingRun<'w> {
                 translation: pose.translation,
                 u: u.to_array(),
                 z: z.to_array(),
+                travels_m,
             };
             let state = self.spare.state(k, (purpose, travel_m), wire);
             self.effort.tasks += 1;
@@ -203,16 +215,23 @@ impl<'w> RankingRun<'w> {
     fn descend(&mut self, number: u32) {
         let wire = self.tasks[number as usize].wire;
         let (a, b) = self.views(&wire);
-        let pose = pose_of(&wire);
-        self.pairs.clear();
         let descent = &mut self.effort.descent;
-        front(a, b, &pose, self.depth, &mut self.pairs, descent);
-        self.slots += self.pairs.len();
         let state = &mut self.tasks[number as usize];
         state.is_descended = true;
         if let Some(job_history) = &mut self.job_history {
             job_history.ask(TaskId(number), state);
         }
+        if state.is_first_contact() {
+            // Opened bit by bit, as its jobs are handed out.
+            if let Some(task) = state.sweep_task((a, b)) {
+                state.front.begin(&SweepBounds::new(&task), descent);
+            }
+            return;
+        }
+        self.pairs.clear();
+        front(a, b, &pose_of(&wire), self.depth, &mut self.pairs, descent);
+        self.slots += self.pairs.len();
+        let state = &mut self.tasks[number as usize];
         state.found = Some(self.spare.gathered(a.corners.len(), b.corners.len()));
         state.todo.extend(self.pairs.iter().rev());
     }
@@ -223,11 +242,14 @@ impl<'w> RankingRun<'w> {
             self.descend(number);
         }
         let stride = self.strategy.stride();
+        if self.tasks[number as usize].is_first_contact() {
+            return self.hand_out_first(number, stride, jobs);
+        }
         let state = &mut self.tasks[number as usize];
         let section = |model, node| Section { model, node };
         let keep = state.todo.len().saturating_sub(stride);
         for pair in state.todo.drain(keep..).rev() {
-            state.out.push_back(pair);
+            state.out.push_back(OpenPair { pair, from_m: f32::NEG_INFINITY });
             jobs.push(Job {
                 task: TaskId(number),
                 a: section(state.wire.model_a, pair.a),
@@ -241,26 +263,12 @@ impl<'w> RankingRun<'w> {
         }
     }
 
-    /// Drops jobs of a task that cannot matter and were never handed out.
-    fn drop_obsolete(&mut self, number: u32) {
-        let state = &mut self.tasks[number as usize];
-        let mut dropped = std::mem::take(&mut state.todo);
-        if let Some(job_history) = &mut self.job_history {
-            let section = |model, node| Section { model, node };
-            for pair in dropped.iter().rev() {
-                let a = section(state.wire.model_a, pair.a);
-                let b = section(state.wire.model_b, pair.b);
-                job_history.close(&Job { task: TaskId(number), a, b }, Closed::Cut);
-            }
-        }
-        dropped.clear();
-        state.todo = dropped;
-        self.finish_if_closed(number);
-    }
-
     /// If all jobs of a task are closed, draws the conclusion and asks for what follows.
     fn finish_if_closed(&mut self, number: u32) {
         let state = &mut self.tasks[number as usize];
+        if state.is_first_contact() {
+            return self.finish_first_if_closed(number);
+        }
         if !state.todo.is_empty() || !state.out.is_empty() || !state.is_descended {
             return;
         }
@@ -271,60 +279,54 @@ impl<'w> RankingRun<'w> {
             return;
         }
         if !state.lost.is_empty() {
-            // Its bound stays as wide as it is: nothing is known of a probe; of a stop, what was
-            // found.
+            // Its bound stays as wide as it is: of a stop, what was found.
             return;
         }
         let Some(found) = state.found.take() else { return };
         let wire = state.wire;
-        match purpose {
-            Purpose::Probe { travel_m } => self.learn(k, travel_m, false),
-            Purpose::Survey { stop } => {
-                let views = self.views(&wire);
-                self.candidate_states[k].surveyed(stop, &found, views);
-                if self.candidate_states[k].is_done() {
-                    self.note();
-                }
+        if let Purpose::Survey { stop } = purpose {
+            let views = self.views(&wire);
+            self.candidate_states[k].surveyed(stop, &found, views);
+            if self.candidate_states[k].is_done() {
+                self.note();
             }
         }
         self.spare.gathered.push(found);
     }
 
-    fn learn(&mut self, k: usize, travel_m: f64, touches: bool) {
-        self.candidate_states[k].learn(travel_m, touches);
-        self.advance(k);
-        self.outlook.touch(k, true);
-        for number in 0..self.tasks.len() {
-            let state = &mut self.tasks[number];
-            if state.candidate == k
-                && !state.is_obsolete
-                && !self.candidate_states[k].needs(state.purpose)
-            {
-                state.is_obsolete = true;
-                self.waiting.retain(|waiting| *waiting != number as u32);
-                self.drop_obsolete(number as u32);
-            }
-        }
-    }
-
     /// Notes a job as lost: its result stays unknown.
-    fn lose(&mut self, number: u32, pair: NodePair) {
+    fn lose(&mut self, number: u32, open: OpenPair) {
         let state = &mut self.tasks[number as usize];
-        if !state.lost.contains(&pair) {
-            state.lost.push(pair);
+        if !state.lost.iter().any(|lost| lost.pair == open.pair) {
+            state.lost.push(open);
         }
     }
 
-    /// Turns what a job left open into jobs of the same task, which go out first.
-    fn divide(&mut self, number: u32, rest: &[NodePair]) {
+    /// Turns what a job left open into jobs of the same task, which go out first, or in a search for
+    /// first contact in their turn.
+    fn divide(&mut self, number: u32, job: OpenPair, rest: &[NodePair]) {
+        let state = &self.tasks[number as usize];
+        let views = self.views(&state.wire);
+        let is_first_contact = state.is_first_contact();
         let state = &mut self.tasks[number as usize];
         if self.slots + rest.len() > SLOTS_MAX {
-            state.lost.extend(rest);
+            state.lost.extend(rest.iter().map(|pair| OpenPair { pair: *pair, ..job }));
             return;
         }
         self.slots += rest.len();
-        state.todo.extend(rest);
-        if !state.todo.is_empty() && !self.waiting.contains(&number) {
+        if is_first_contact {
+            let bounds = state.sweep_task(views).map(|task| SweepBounds::new(&task));
+            for pair in rest {
+                let Some(bounds) = &bounds else { break };
+                let Some(from_m) = bounds.first_m(*pair) else { continue };
+                // Bounds only narrow on the way down.
+                state.front.push(OpenPair { pair: *pair, from_m: from_m.max(job.from_m) });
+            }
+        } else {
+            state.todo.extend(rest);
+        }
+        let has_more = !state.todo.is_empty() || !state.front.is_empty();
+        if has_more && !self.waiting.contains(&number) {
             self.waiting.push_front(number);
         }
     }
@@ -362,6 +364,11 @@ impl TaskSource for RankingRun<'_> {
     fn budget(&self) -> u64 {
         self.limits.budget
     }
+
+    fn yield_after_m(&self, job: &Job) -> f32 {
+        let state = self.tasks.get(job.task.0 as usize);
+        state.and_then(|state| state.front.first_m()).unwrap_or(f32::INFINITY)
+    }
 }
 
 impl dispatch::JobSource for RankingRun<'_> {
@@ -374,42 +381,38 @@ impl dispatch::JobSource for RankingRun<'_> {
         }
     }
 
-    fn is_obsolete(&self, task: TaskId) -> bool {
-        self.outlook.is_decided() || self.tasks[task.0 as usize].is_obsolete
+    fn is_obsolete(&self, job: &Job) -> bool {
+        self.outlook.is_decided() || self.is_job_obsolete(job)
     }
 
     fn fold(&mut self, job: &Job, part: PartOf<'_>) {
         let Some(state) = self.tasks.get_mut(job.task.0 as usize) else { return };
-        let Some(found) = &mut state.found else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
-        let sound = found.fold(part.0, &mut self.effort.jobs);
-        let touched = found.touched;
+        let sound = if state.is_first_contact() {
+            self.fold_first(job.task.0, &part.0)
+        } else if let Some(found) = &mut state.found {
+            found.fold(part.0, &mut self.effort.jobs)
+        } else {
+            return;
+        };
+        let state = &mut self.tasks[job.task.0 as usize];
         state.store_rest(pair, &part.0, &mut self.spare.rests);
         if !sound || !state.is_whole(pair, &part.0) {
-            self.lose(job.task.0, pair);
-        }
-        let state = &mut self.tasks[job.task.0 as usize];
-        if let Purpose::Probe { travel_m } = state.purpose
-            && touched
-            && !state.is_obsolete
-        {
-            // One hit answers the probe: the rest of the task is obsolete.
-            let k = state.candidate;
-            state.is_obsolete = true;
-            self.waiting.retain(|waiting| *waiting != job.task.0);
-            self.drop_obsolete(job.task.0);
-            self.learn(k, travel_m, true);
+            let open = state.handed(pair);
+            self.lose(job.task.0, open);
         }
     }
 
     fn close(&mut self, job: &Job, how: Closed) {
+        let is_obsolete =
+            self.tasks.get(job.task.0 as usize).is_some() && self.is_job_obsolete(job);
         let Some(state) = self.tasks.get_mut(job.task.0 as usize) else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
+        let open = state.handed(pair);
         // Jobs end roughly in the order in which they went out.
-        if let Some(at) = state.out.iter().position(|out| *out == pair) {
+        if let Some(at) = state.out.iter().position(|out| out.pair == pair) {
             state.out.remove(at);
         }
-        let is_obsolete = state.is_obsolete;
         state.done += u64::from(how == Closed::Done);
         let rest = state.rests.iter().position(|(of, _)| *of == pair);
         let rest = rest.map(|at| state.rests.swap_remove(at).1);
@@ -419,9 +422,9 @@ impl dispatch::JobSource for RankingRun<'_> {
             job_history.close(job, how);
         }
         if matches!(how, Closed::Abandoned | Closed::Late) || is_open {
-            self.lose(job.task.0, pair);
+            self.lose(job.task.0, open);
         } else if let Some(rest) = rest.as_ref().filter(|_| how == Closed::Done && !is_obsolete) {
-            self.divide(job.task.0, rest);
+            self.divide(job.task.0, open, rest);
         }
         self.spare.rests.extend(rest);
         self.outlook.touch(self.tasks[job.task.0 as usize].candidate, false);

@@ -17,7 +17,7 @@ pub const HORIZONTAL: usize = 72;
 pub const QUARTER: usize = HORIZONTAL / 4;
 /// The direction upwards, and the one after it downwards.
 pub const UP: usize = HORIZONTAL;
-/// How far before or after the given pose contact is sought (m).
+/// How far before the given pose contact is sought (m).
 pub const REACH_M: f64 = 10.0;
 /// Below this closing speed u leads from A's centre to B's (m/s).
 pub const STANDSTILL_M_S: f64 = 0.1;
@@ -176,13 +176,13 @@ impl Approach {
             && (0..HORIZONTAL).all(|i| self.penetration(i, travel_m) >= -TOUCH_M)
     }
 
-    /// Where the hulls come nearest, within [`REACH_M`] of the given pose.
+    /// Where the hulls come nearest, from [`REACH_M`] before the given pose on.
     ///
     /// The distance is the greatest of linear functions of travel, so convex: halving by the slope
     /// of the greatest finds the first least place. 60 halvings end below 1e-16 of the reach.
     #[must_use]
     pub fn nearest(&self) -> Nearest {
-        let (mut lo, mut hi) = (-REACH_M, REACH_M);
+        let (mut lo, mut hi) = (-REACH_M, REACH_M.max(self.exit()));
         for _ in 0..60 {
             let mid = 0.5 * (lo + hi);
             let (_, falls) = self.gap(mid);

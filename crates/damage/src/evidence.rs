@@ -79,8 +79,8 @@ impl Seen {
 }
 
 impl Evidence {
-    /// No hit, no open work; first contact, if any, at a travel between these two (m), as
-    /// [`crate::Search::bracket`] gives it. This is the evidence of bodies that do not touch.
+    /// No hit, no open work; first contact, if any, at a travel between these two (m). This is the
+    /// evidence of bodies that do not touch.
     #[must_use]
     pub fn none(first_m: (f64, f64)) -> Self {
         Self {

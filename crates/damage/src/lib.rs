@@ -1,7 +1,7 @@
 //! From contact to harm to a ranking under a policy.
 //!
 //! ```text
-//! Approach --plan--> Path --Search, survey--> poses to intersect         (before and between jobs)
+//! Approach --plan--> Path: first contact is sought there, --survey--> poses to intersect
 //! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates  (at any time)
 //! Curves::parse, Policy::parse: texts of config/curves and config/policies
 //! ```
@@ -55,7 +55,7 @@
 //! let Meeting::Path(path) = &meeting else { return Err("they meet".into()) };
 //!
 //! // Suppose that the search found contact at the first pose, and workers these two points of it.
-//! let f = path.first_m(); let mut hits = Seen::NOTHING; for y in [-0.9, 0.9] {
+//! let f = path.from_m; let mut hits = Seen::NOTHING; for y in [-0.9, 0.9] {
 //!     hits.patch.add(&directions, DVec3::new(2.25, y, 0.5));
 //! }
 //! let mut evidence = Evidence::none((f, f));
@@ -108,7 +108,6 @@ pub mod path;
 pub mod policy;
 pub mod rank;
 pub mod rule;
-pub mod search;
 
 #[cfg(test)]
 mod scene;
@@ -126,7 +125,7 @@ pub use harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 pub use injury::{Curves, MissingCurve, Victim};
 pub use interval::{Interval, Range};
 pub use party::{Aboard, CollisionParty, PartyError, PersonId, occupants};
-pub use path::{Apart, Meeting, Path, Stop, Stops, Travels, plan};
+pub use path::{Apart, Meeting, Path, Stop, Stops, plan};
 pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::standing::{Standing, needs_high, standing, standing_in};
@@ -134,4 +133,3 @@ pub use rank::{
     AnswerState, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank, rank_in,
 };
 pub use rule::{Rule, Stake};
-pub use search::{First, Search};

@@ -1,26 +1,27 @@
-//! The poses at which the bodies are intersected: where the path starts, ends, and how finely.
+//! Where first contact is sought, and the poses at which the bodies are intersected from there on.
 //!
 //! A given pose may lie before the first touch, or so deep that one body is inside the other and
-//! *no triangles cross*. So B is moved along the relative velocity (see [`crate::approach`]) from
-//! where the plan-view hulls meet to 0.6 m past that, or to the given pose if that is later. At
-//! most [`POSES_MAX`] poses; where that forces a larger step, the path says that it is coarse.
+//! *no triangles cross*. So B is moved along the relative velocity (see [`crate::approach`]), from
+//! where the plan-view hulls meet until they have parted for good: first contact is sought on all of
+//! that way, continuously. From there on at most [`POSES_MAX`] poses are surveyed; where that forces
+//! a larger step, the path says that it is coarse.
 //!
-//! It does not know triangles: [`crate::Search`] finds the first contact on a path,
-//! [`Path::survey`] says which poses form the contact patch from there on.
+//! It does not know triangles: `bvh` finds the first contact on a path, [`Path::survey`] says which
+//! poses form the contact patch from there on.
 
-use crate::approach::{Approach, ApproachError, REACH_M, STANDSTILL_M_S};
+use crate::approach::{Approach, ApproachError, REACH_M, ROUNDING_M, STANDSTILL_M_S};
 use serde::Serialize;
 use smallvec::SmallVec;
 
-/// Greatest number of poses on a grid.
+/// Greatest number of poses of a survey.
 pub const POSES_MAX: usize = 16;
 /// Finest and coarsest step (m) before the limit on poses coarsens it.
 const STEP_M: [f64; 2] = [0.02, 0.10];
-/// How far the path continues after the hulls meet (m).
-const PAST_M: f64 = 0.6;
+/// Zones and depth cover at most this travel after first contact (m).
+const CRUSH_M: f64 = 0.6;
 /// The contact patch covers this much travel after first contact (m).
 pub(crate) const PATCH_M: f64 = 0.2;
-/// Zones and depth cover this time after first contact (s), and at most [`PAST_M`].
+/// Zones and depth cover this time after first contact (s), and at most [`CRUSH_M`].
 const CRUSH_S: f64 = 0.05;
 /// Two poses closer than this are one (m).
 const SAME_M: f64 = 1e-9;
@@ -44,22 +45,19 @@ pub enum Meeting {
 pub enum Apart {
     /// They pass each other, stand apart, or parted more than 10 m before the given pose.
     Passing,
-    /// They would meet, but more than 10 m after the given pose.
-    BeyondReach,
 }
-
-/// Travels (m): those of a grid, and the 14 that halving it may ask for besides.
-pub type Travels = SmallVec<[f64; POSES_MAX + 2 + 14]>;
 
 /// The poses of a survey.
 pub type Stops = SmallVec<[Stop; POSES_MAX + 2]>;
 
-/// A grid of poses along the relative path.
-#[derive(Clone, Debug, PartialEq)]
+/// The way on which contact is sought, and how finely it is surveyed.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
-    /// Travels (m), ascending, at least two and at most [`POSES_MAX`].
-    pub travels: Travels,
-    /// Distance between neighbours (m); the last may be nearer.
+    /// Where the hulls meet, but for rounding: before, nothing touches (m).
+    pub from_m: f64,
+    /// Where they have parted for good: from there on, nothing touches (m).
+    pub to_m: f64,
+    /// Distance between neighbours of a survey (m); the last may be nearer.
     pub step_m: f64,
     /// Whether the limit on poses made the step larger than it should be.
     pub coarse: bool,
@@ -103,18 +101,20 @@ pub fn plan(approach: &Approach) -> Result<Meeting, ApproachError> {
     if start < -REACH_M {
         return Ok(Meeting::AlreadyOverlapping);
     }
-    if start > REACH_M {
-        return Ok(Meeting::Never(Apart::BeyondReach));
-    }
-    let end = (start + PAST_M).max(0.0);
     let wanted = (0.5 * approach.smaller_extent()).clamp(STEP_M[0], STEP_M[1]);
-    let (step_m, coarse) = fit(end - start, wanted, POSES_MAX - 1);
+    let (step_m, coarse) = fit(PATCH_M.max(crush_m(closing)), wanted, POSES_MAX - 2);
     Ok(Meeting::Path(Path {
-        travels: grid(start, end, step_m),
+        from_m: start - ROUNDING_M,
+        to_m: approach.exit().max(start) + ROUNDING_M,
         step_m,
         coarse,
         closing_m_s: closing,
     }))
+}
+
+/// How far zones and depth reach after first contact, at a closing speed (m).
+fn crush_m(closing_m_s: f64) -> f64 {
+    CRUSH_M.min(CRUSH_S * closing_m_s)
 }
 
 /// The step of at least `wanted` that covers `length` in at most `steps`, and whether it had to
@@ -125,8 +125,8 @@ fn fit(length: f64, wanted: f64, steps: usize) -> (f64, bool) {
 }
 
 /// Travels from `start` in equal steps, and `end` itself; at least one.
-fn grid(start: f64, end: f64, step: f64) -> Travels {
-    let mut travels: Travels = (0..POSES_MAX)
+fn grid(start: f64, end: f64, step: f64) -> SmallVec<[f64; POSES_MAX + 2]> {
+    let mut travels: SmallVec<_> = (0..POSES_MAX)
         .map(|k| start + k as f64 * step + 0.0)
         .take_while(|s| *s < end - SAME_M)
         .collect();
@@ -135,28 +135,16 @@ fn grid(start: f64, end: f64, step: f64) -> Travels {
 }
 
 impl Path {
-    /// The first pose: where the hulls meet (m).
-    #[must_use]
-    pub fn first_m(&self) -> f64 {
-        self.travels.first().copied().unwrap_or(0.0)
-    }
-
-    /// The last pose (m).
-    #[must_use]
-    pub fn last_m(&self) -> f64 {
-        self.travels.last().copied().unwrap_or(0.0)
-    }
-
     /// r: the end of the contact patch, given first contact at `first_m` (m).
     #[must_use]
     pub fn patch_end(&self, first_m: f64) -> f64 {
-        (first_m + PATCH_M).min(self.last_m())
+        first_m + PATCH_M
     }
 
     /// e: the end of the zones, and where depth is measured (m).
     #[must_use]
     pub fn crush_end(&self, first_m: f64) -> f64 {
-        (first_m + PAST_M.min(CRUSH_S * self.closing_m_s)).min(self.last_m())
+        first_m + crush_m(self.closing_m_s)
     }
 
     /// The poses from first contact on: a grid with the path's step that starts at `first_m`, with

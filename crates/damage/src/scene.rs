@@ -12,7 +12,6 @@ use crate::harm::CandidateHarm;
 use crate::injury::Curves;
 use crate::party::{Aboard, CollisionParty, PersonId};
 use crate::path::{Meeting, Path, plan};
-use crate::search::{First, Search};
 use body::{BodyKind, Seat, Zones};
 use geometry::{DVec3, Directions, Supports};
 
@@ -189,23 +188,32 @@ impl Scene {
         self.a.crossings(&self.b_at(travel_m, approach))
     }
 
-    pub(crate) fn first(&self, path: &Path, approach: &Approach) -> (Search, First) {
-        let mut search = Search::new(path);
-        loop {
-            if let Some(first) = search.outcome() {
-                return (search, first);
+    /// First contact, by small steps and halving to 0.1 mm.
+    pub(crate) fn first(&self, path: &Path, approach: &Approach) -> Option<f64> {
+        let touches = |s: f64| !self.hits(s, approach).is_empty();
+        let steps = ((path.to_m - path.from_m) / 0.02).ceil() as usize;
+        let travels = (0..=steps).map(|k| (path.from_m + 0.02 * k as f64).min(path.to_m));
+        let mut apart = path.from_m;
+        for s in travels {
+            if touches(s) {
+                let mut touching = s;
+                while touching - apart > 1e-4 {
+                    let middle = 0.5 * (apart + touching);
+                    if touches(middle) { touching = middle } else { apart = middle }
+                }
+                return Some(touching);
             }
-            for s in search.wanted() {
-                search.learn(s, !self.hits(s, approach).is_empty());
-            }
+            apart = s;
         }
+        None
     }
 
     /// Evidence with all work done.
     pub(crate) fn evidence(&self, approach: &Approach, path: &Path) -> Evidence {
-        let (search, first) = self.first(path, approach);
-        let mut evidence = Evidence::none(search.bracket());
-        let First::At(f) = first else { return evidence };
+        let Some(f) = self.first(path, approach) else {
+            return Evidence::none((path.from_m, path.to_m));
+        };
+        let mut evidence = Evidence::none((f, f));
         for stop in path.survey(f) {
             let mut seen = Seen::NOTHING;
             for point in self.hits(stop.travel_m, approach) {

@@ -394,7 +394,7 @@ impl<S: MatchScheme> Dispatcher<S> {
             && self.ledger.thrash().is_none()
         {
             let spec = self.slots[job.0 as usize].spec;
-            if work.is_obsolete(spec.task) {
+            if work.is_obsolete(&spec) {
                 self.pending.pop_front();
                 self.close(job, Closed::Cut, work);
                 // Closing a job may have made more available.

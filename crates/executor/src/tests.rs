@@ -23,7 +23,8 @@ impl Sink for Ear {
     }
 }
 
-const ALL: JobInput = JobInput { start: NodePair::ROOTS, budget: u64::MAX };
+const ALL: JobInput =
+    JobInput { start: NodePair::ROOTS, budget: u64::MAX, yield_after_m: f64::INFINITY };
 
 fn bodies() -> [Body; 2] {
     [40, 24].map(|count| body_of(&mesh_of(strip(count))))
@@ -39,6 +40,7 @@ fn task(question: protocol::WireQuestion, u: [f64; 3]) -> WireTask {
         translation: [2.03, -0.52, 0.01],
         u,
         z: [0.0, 0.0, 1.0],
+        travels_m: [-10.0, 10.0],
     }
 }
 
@@ -59,7 +61,7 @@ fn what_does_not_exist_is_refused() {
     let good = task(protocol::WireQuestion::Sets, [1.0, 0.0, 0.0]);
     let nodes = bodies.each_ref().map(|body| body.nodes.len() as u32);
     let mut executor = Executor::with_room_for(&[]);
-    let start = |a, b| JobInput { start: NodePair { a, b }, budget: 100 };
+    let start = |a, b| JobInput { start: NodePair { a, b }, budget: 100, ..ALL };
     for (task, job) in [
         (WireTask { model_a: 2, ..good }, ALL),
         (WireTask { model_b: u32::MAX, ..good }, ALL),
@@ -89,6 +91,7 @@ fn a_job_finds_the_same_whatever_was_done_before_it() {
             for question in [
                 protocol::WireQuestion::Pairs,
                 protocol::WireQuestion::Touches,
+                protocol::WireQuestion::FirstContact,
                 protocol::WireQuestion::Sets,
                 protocol::WireQuestion::Pairs,
             ] {

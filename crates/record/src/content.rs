@@ -104,8 +104,22 @@ pub struct PoseQuestion {
     pub candidate: u32,
     /// Whether a survey asked, or else the search for first contact.
     pub is_survey: bool,
-    /// Travel along the relative path (m).
+    /// Travel along the relative path (m); of a search, where it begins.
     pub travel_m: f64,
+    /// What was known of the first contact in the end; `None` for a survey.
+    pub first: Option<RecordedFirst>,
+}
+
+/// What was known of a first contact when the answer was given.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecordedFirst {
+    /// Before this travel nothing touches (m).
+    pub from_m: f64,
+    /// The triangles that touch first as far as was known, of the ego and of the other, in leaf
+    /// order; `None`: none was found.
+    pub triangles: Option<[u32; 2]>,
+    /// Whether nothing was open that could touch earlier.
+    pub is_settled: bool,
 }
 
 /// How a job ended.

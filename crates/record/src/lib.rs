@@ -36,7 +36,7 @@ pub mod statement;
 
 pub use chain::{Chain, ChainError, HEAD_FILE, Resume};
 pub use content::{
-    Edge, Mode, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob,
+    Edge, Mode, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedFirst, RecordedJob,
     RecordedMoment, RecordedSource, RecordedSpan, RecordedStage, RecordedText, Settings,
     hash_of_text,
 };

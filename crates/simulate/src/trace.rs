@@ -72,7 +72,7 @@ impl JobSource for Replay<'_> {
         }
     }
 
-    fn is_obsolete(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: &Job) -> bool {
         false
     }
 

@@ -113,13 +113,16 @@ impl SweepSink for Silent {
     }
 }
 
+/// Number of tests before which a job does not yield.
+pub const YIELD_TESTS: u64 = 2 * super::BEAT_TESTS;
+
 /// Limits of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepLimits {
     /// Maximum number of tests of boxes and triangles, but for those of one step.
     pub budget: u64,
-    /// The job ends as soon as all that it has left begins after this travel (m): another one may
-    /// be more urgent. At least one step is made.
+    /// The job ends once all that it has left begins after this travel (m), as another one is more
+    /// urgent; but not before [`YIELD_TESTS`] tests, which giving the rest back costs.
     pub yield_after_m: f64,
 }
 
@@ -304,10 +307,10 @@ impl Search<'_, '_> {
             }
         };
         let tests = self.counters.tests();
-        let is_late = f64::from(next.from_m) > self.limits.yield_after_m;
+        let is_late = tests >= YIELD_TESTS && f64::from(next.from_m) > self.limits.yield_after_m;
         // The first step is always made: so every job makes progress.
         let may_end = self.steps > 0;
-        if may_end && (is_late || tests >= self.limits.budget || !self.frontier.has_room()) {
+        if may_end && (is_late || tests >= self.limits.budget) || !self.frontier.has_room() {
             return ControlFlow::Break(End::OutOfBudget);
         }
         self.steps += 1;

@@ -33,7 +33,7 @@ fn run_badly(
             return;
         }
         while let Some(job) = open.pop() {
-            if work.is_obsolete(job.task) {
+            if work.is_obsolete(&job) {
                 work.close(&job, Closed::Cut);
                 continue;
             }

@@ -12,7 +12,7 @@ use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
 use body::{BodyView, Meta};
-use bvh::NodePair;
+use bvh::{NodePair, SweptFront};
 use protocol::{WireQuestion, WireTask};
 use std::collections::VecDeque;
 
@@ -79,11 +79,15 @@ impl BufferPool {
         (purpose, travel_m): (Purpose, f64),
         wire: WireTask,
     ) -> TaskState {
-        let [mut todo, mut lost] = [Vec::new(), Vec::new()];
+        let mut todo = Vec::new();
         let (mut out, mut rests) = (VecDeque::new(), Vec::new());
+        let mut lost = Vec::new();
+        let mut front = SweptFront::default();
         if let Some(used) = self.tasks.pop() {
-            (todo, out, lost, rests) = (used.todo, used.out, used.lost, used.rests);
+            (todo, front, out, lost, rests) =
+                (used.todo, used.front, used.out, used.lost, used.rests);
             todo.clear();
+            front.clear();
             out.clear();
             lost.clear();
         }
@@ -94,12 +98,14 @@ impl BufferPool {
             wire,
             is_descended: false,
             todo,
+            front,
             out,
             lost,
             rests,
             done: 0,
             is_obsolete: false,
             found: None,
+            best: None,
             reach: None,
         }
     }

@@ -59,25 +59,21 @@ impl RankingRun<'_> {
         for task in &self.waiting {
             let state = &self.tasks[*task as usize];
             let ranks = match state.purpose {
-                Purpose::Probe { .. } => true,
+                Purpose::FirstContact => true,
                 Purpose::Survey { stop } => self.candidate_states[state.candidate].is_patch(stop),
             };
             prospects[state.candidate].has_work |= ranks || all_rank;
         }
     }
 
-    /// Lower goes first: the probe that splits the open poses best, then the deepest pose of the
-    /// patch, then what only zones and depth need.
+    /// Lower goes first: first contact, then the deepest pose of the patch, then what only zones and
+    /// depth need.
     fn eagerness(&self, task: u32) -> (u32, i64) {
         let state = &self.tasks[task as usize];
         let candidate = &self.candidate_states[state.candidate];
         let micrometres = |metres: f64| (metres * 1e6) as i64;
         match state.purpose {
-            Purpose::Probe { travel_m } => {
-                // A task already begun goes first: half a probe yields nothing.
-                let begun = u32::from(!state.is_descended);
-                (begun, micrometres((travel_m - candidate.middle_m()).abs()))
-            }
+            Purpose::FirstContact => (0, 0),
             Purpose::Survey { stop } if candidate.is_patch(stop) => {
                 (2 + u32::from(!state.is_descended), -micrometres(state.travel_m))
             }
@@ -94,17 +90,6 @@ impl CandidateState {
                 stops.get(number).is_some_and(|(stop, _)| stop.patch)
             }
             SearchStage::Settled | SearchStage::Searching { .. } => false,
-        }
-    }
-
-    /// The middle of where first contact may be (m).
-    fn middle_m(&self) -> f64 {
-        match &self.stage {
-            SearchStage::Searching { search, .. } => {
-                let (from, to) = search.bracket();
-                f64::midpoint(from, to)
-            }
-            SearchStage::Settled | SearchStage::Surveying { .. } => 0.0,
         }
     }
 }

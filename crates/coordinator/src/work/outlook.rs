@@ -238,7 +238,8 @@ impl RankingRun<'_> {
     fn reach_of(&self, task: u32) -> geometry::Supports {
         let state = &self.tasks[task as usize];
         let candidate = &self.request.candidates[state.candidate];
-        let open = state.todo.iter().chain(&state.out).chain(&state.lost).copied();
+        let handed = state.out.iter().chain(&state.lost).map(|open| open.pair);
+        let open = state.todo.iter().copied().chain(handed);
         let pose = super::pose_of(&state.wire);
         bound::boxes(candidate, self.views(&state.wire), &pose, state.open(), open)
     }

@@ -8,7 +8,6 @@ use crate::contact::ContactPatch;
 use crate::harm::PersonHarm;
 use crate::path::plan;
 use crate::scene::{Prism, Scene, car, fixed, head_on, walker};
-use crate::search::{First, Search};
 use body::{BodyKind, Zones};
 use geometry::{DVec3, Supports};
 use proptest::prelude::*;

@@ -3,14 +3,13 @@
 use super::*;
 use crate::path::{Meeting, plan};
 use crate::scene::{Prism, Scene, car, head_on};
-use crate::search::First;
 use proptest::prelude::*;
 
 /// Angles of N from u, least and greatest, at pose r after first contact.
 fn normals(scene: &Scene) -> (f64, f64) {
     let approach = scene.approach();
     let Ok(Meeting::Path(path)) = plan(&approach) else { panic!("no path") };
-    let (_, First::At(f)) = scene.first(&path, &approach) else { panic!("no contact") };
+    let f = scene.first(&path, &approach).expect("contact");
     let r = path.patch_end(f);
     let normals = Normals::between(&approach, r, r, 0.0);
     let angles = || normals.possible.iter().map(|&i| 5.0 * turn(i) as f64);

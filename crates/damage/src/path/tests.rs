@@ -5,7 +5,6 @@ use crate::approach::HORIZONTAL;
 use crate::contact::Normals;
 use crate::evidence::{Evidence, Seen};
 use crate::scene::{Prism, Scene, car, head_on};
-use crate::search::First;
 use proptest::prelude::*;
 use smallvec::smallvec;
 
@@ -42,8 +41,8 @@ fn a_body_inside_another_meets_it_on_the_way_in() {
     let approach = scene.approach();
     assert!(scene.hits(0.0, &approach).is_empty());
     let path = path_of(&scene);
-    assert!((path.first_m() + 1.0).abs() < 1e-9, "{path:?}");
-    let (_, First::At(f)) = scene.first(&path, &approach) else { panic!("no contact") };
+    assert!((path.from_m + 1.0).abs() < 1e-6, "{path:?}");
+    let f = scene.first(&path, &approach).expect("contact");
     assert!((f + 1.0).abs() <= 0.002, "{f}");
 }
 
@@ -85,7 +84,7 @@ fn bodies_at_rest_apart_or_far_away_never_meet() {
     let away = Scene { velocity: [-9.0, 0.0], ..apart };
     assert!(matches!(plan(&away.approach()), Ok(Meeting::Path(_))));
     let far = Scene { b: Prism::cuboid(4.5, 1.8, [15.0, 0.0], 0.0), ..head_on(0.0) };
-    assert_eq!(plan(&far.approach()), Ok(Meeting::Never(Apart::BeyondReach)));
+    assert!(matches!(plan(&far.approach()), Ok(Meeting::Path(path)) if path.from_m > 10.0));
     let long_past = Scene { velocity: [-9.0, 0.0], ..far };
     assert_eq!(plan(&long_past.approach()), Ok(Meeting::Never(Apart::Passing)));
     let above = Prism { height: [3.0, 4.0], ..head_on(0.0).b };
@@ -94,33 +93,31 @@ fn bodies_at_rest_apart_or_far_away_never_meet() {
 }
 
 #[test]
-fn a_thin_body_on_a_long_path_makes_it_coarse() {
+fn a_thin_body_makes_a_long_survey_coarse() {
     let path = path_of(&head_on(0.0));
-    assert_eq!((path.travels.len(), path.coarse), (7, false));
+    assert_eq!((path.step_m, path.coarse), (0.1, false));
     let pole = Prism::round(0.02, [2.3, 0.0]);
     let thin = Scene { b: pole, party_b: car(1, 900.0, [2.3, 0.0], 0.0), ..head_on(0.0) };
     let path = path_of(&thin);
-    assert_eq!((path.travels.len(), path.coarse), (POSES_MAX, true));
-    assert!((path.step_m - 0.04).abs() < 1e-9);
+    assert!(path.coarse && path.survey(0.0).len() <= POSES_MAX, "{path:?}");
+    assert!((path.step_m - 0.6 / 14.0).abs() < 1e-9);
 }
 
 proptest! {
-    /// From where hulls meet to the given pose or beyond, in even steps, never too many.
+    /// Before it the hulls are apart, behind it they are apart for good.
     #[test]
-    fn a_path_covers_first_touch_and_the_given_pose(
-        x in -6.0..12.0_f64,
+    fn a_path_covers_all_travels_at_which_hulls_meet(
+        x in -6.0..40.0_f64,
         y in -3.0..3.0_f64,
         turned in -180.0..180.0_f64,
     ) {
         let scene = Scene { b: Prism::cuboid(4.0, 1.7, [x, y], turned), ..head_on(0.0) };
         let approach = scene.approach();
         if let Meeting::Path(path) = plan(&approach)? {
-            let (first, last) = (path.first_m(), path.last_m());
-            prop_assert!(approach.hulls_meet(first) && !approach.hulls_meet(first - 0.001));
-            prop_assert!(last >= 0.0 && last >= first + 0.6 - 1e-9);
-            prop_assert!(path.travels.len() <= POSES_MAX);
-            for pair in path.travels.windows(2) {
-                prop_assert!(pair[0] < pair[1] && pair[1] - pair[0] <= path.step_m + 1e-9);
+            prop_assert!(approach.hulls_meet(path.from_m + 1e-6));
+            prop_assert!(!approach.hulls_meet(path.from_m - 0.001));
+            for k in 0..20 {
+                prop_assert!(!approach.hulls_meet(path.to_m + 0.001 + 0.3 * f64::from(k)));
             }
         }
     }
@@ -130,8 +127,8 @@ proptest! {
         start in -9.0..9.0_f64, length in 0.6..12.0_f64, step in 0.02..0.1_f64,
         part in 0.0..1.0_f64, closing in 0.0..60.0_f64,
     ) {
-        let travels = vec![start, start + length].into();
-        let path = Path { travels, step_m: step, coarse: false, closing_m_s: closing };
+        let to_m = start + length;
+        let path = Path { from_m: start, to_m, step_m: step, coarse: false, closing_m_s: closing };
         let f = start + part * length;
         let stops = path.survey(f);
         let (r, e) = (path.patch_end(f), path.crush_end(f));
@@ -144,6 +141,6 @@ proptest! {
         for s in &stops {
             prop_assert!(s.patch == (s.travel_m <= r) && s.zones == (s.travel_m <= e));
         }
-        prop_assert!(r <= path.last_m() && e <= path.last_m() && e <= f + 0.6 + 1e-12);
+        prop_assert!(e <= f + 0.6 + 1e-12);
     }
 }

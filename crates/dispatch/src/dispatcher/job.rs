@@ -34,8 +34,8 @@ pub trait JobSource {
 
     /// Appends more jobs, if there are any by now.
     fn more(&mut self, jobs: &mut Vec<Job>);
-    /// Whether the rest of a task can no longer matter.
-    fn is_obsolete(&self, task: TaskId) -> bool;
+    /// Whether a job can no longer matter.
+    fn is_obsolete(&self, job: &Job) -> bool;
     /// Folds one part of a result. May be called again with parts that were folded before.
     fn fold(&mut self, job: &Job, part: Self::Part<'_>);
     /// Called when a job is closed: exactly once per job.

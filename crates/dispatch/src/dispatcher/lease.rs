@@ -174,7 +174,7 @@ impl<S: MatchScheme> Dispatcher<S> {
         effects: &mut Vec<Effect>,
     ) -> Option<usize> {
         while let Some(&job) = self.suspects.front() {
-            if work.is_obsolete(self.slots[job.0 as usize].spec.task) {
+            if work.is_obsolete(&self.slots[job.0 as usize].spec) {
                 self.suspects.pop_front();
                 self.close(job, Closed::Cut, work);
                 self.refill(now_ns, work);

@@ -38,8 +38,8 @@ impl JobSource for Waves {
             self.open += 1;
         }
     }
-    fn is_obsolete(&self, task: TaskId) -> bool {
-        self.obsolete.is_some_and(|every| task.0 % every == 1)
+    fn is_obsolete(&self, job: &Job) -> bool {
+        self.obsolete.is_some_and(|every| job.task.0 % every == 1)
     }
     fn fold(&mut self, job: &Job, part: u16) {
         *self.folded.entry((job.task.0, part)).or_default() += 1;
@@ -343,7 +343,7 @@ impl JobSource for Grid {
             jobs.push(Job { task: TaskId(0), a, b });
         }
     }
-    fn is_obsolete(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: &Job) -> bool {
         false
     }
     fn fold(&mut self, _: &Job, (): ()) {}

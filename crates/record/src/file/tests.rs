@@ -40,7 +40,7 @@ pub(crate) fn record(name: &str) -> RecordContent {
                 hash: "cc".into(),
             },
         ],
-        places: vec![PoseQuestion { candidate: 0, is_survey: true, travel_m: -0.25 }],
+        places: vec![PoseQuestion { candidate: 0, is_survey: true, travel_m: -0.25, first: None }],
         jobs: [RecordedEnd::Done, RecordedEnd::Cut, RecordedEnd::Abandoned]
             .map(|end| RecordedJob { place: 0, a: 3, b: 5, end })
             .to_vec(),

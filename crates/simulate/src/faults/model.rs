@@ -55,7 +55,7 @@ impl JobSource for Sums {
             jobs.push(Job { task: TaskId(0), a: section, b: section });
         }
     }
-    fn is_obsolete(&self, _: TaskId) -> bool {
+    fn is_obsolete(&self, _: &Job) -> bool {
         false
     }
     fn fold(&mut self, job: &Job, (): ()) {

@@ -196,8 +196,8 @@ impl JobSource for Request {
         }
     }
 
-    fn is_obsolete(&self, task: TaskId) -> bool {
-        let task = &self.tasks[task.0 as usize];
+    fn is_obsolete(&self, job: &Job) -> bool {
+        let task = &self.tasks[job.task.0 as usize];
         task.is_probe && (task.found.bits != 0 || task.found.sum != 0)
     }
 

@@ -112,22 +112,23 @@ proptest! {
         let meeting = plan(&approach)?;
         let Meeting::Path(path) = &meeting else { return Ok(()) };
         let mut stages = Vec::new();
-        let mut search = Search::new(path);
-        while search.outcome().is_none() {
-            let mut evidence = Evidence::none(search.bracket());
+        let first = scene.first(path, &approach);
+        // The search comes nearer from both sides, and knows of contact before it knows the first.
+        let end = first.unwrap_or(path.to_m);
+        for part in [0.0, 0.3, 0.7, 0.99] {
+            let lo = path.from_m + part * (end - path.from_m);
+            let hi = if part < 0.5 { path.to_m } else { end + (1.0 - part) * (path.to_m - end) };
+            let mut evidence = Evidence::none((lo, hi));
             evidence.add_open_everywhere();
-            if search.has_touched() {
+            if first.is_some() && part >= 0.5 {
                 evidence.touched();
             }
             stages.push(evidence);
-            let wanted = search.wanted();
-            let s = wanted[order as usize % wanted.len()];
-            search.learn(s, !scene.hits(s, &approach).is_empty());
         }
-        if let Some(First::At(f)) = search.outcome() {
+        if let Some(f) = first {
             let stops = path.survey(f);
             for done in 0..=stops.len() {
-                let mut evidence = Evidence::none(search.bracket());
+                let mut evidence = Evidence::none((f, f));
                 evidence.touched();
                 for k in 0..stops.len() {
                     // Some permutation of the stops, by the drawn number.
@@ -160,7 +161,7 @@ proptest! {
                 stages.push(evidence);
             }
         } else {
-            stages.push(Evidence::none(search.bracket()));
+            stages.push(Evidence::none((path.from_m, path.to_m)));
         }
         let mut harms = Vec::new();
         for evidence in &stages {

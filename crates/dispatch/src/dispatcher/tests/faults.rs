@@ -161,7 +161,7 @@ fn a_job_that_took_two_workers_down_is_left_alone_by_the_next_request() {
         fn more(&mut self, jobs: &mut Vec<Job>) {
             self.0.more(jobs);
         }
-        fn is_obsolete(&self, _: TaskId) -> bool {
+        fn is_obsolete(&self, _: &Job) -> bool {
             false
         }
         fn fold(&mut self, job: &Job, part: u16) {
