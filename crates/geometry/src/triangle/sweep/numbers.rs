@@ -32,6 +32,12 @@ impl Number {
         let quotient = Magnitude::quotient(self.magnitude, divisor.magnitude);
         if self.sign == divisor.sign { quotient } else { -quotient }
     }
+
+    /// The share that this is of itself less another number, which is not of the same sign; 0 if
+    /// both are 0.
+    pub(super) fn share(self, other: Self) -> f64 {
+        Magnitude::share(self.magnitude, other.magnitude)
+    }
 }
 
 /// The corners of a pair and a direction, as exact numbers.

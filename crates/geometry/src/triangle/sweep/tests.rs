@@ -68,3 +68,36 @@ proptest! {
         }
     }
 }
+
+fn assert_near(point: DVec3, expected: DVec3) {
+    assert!((point - expected).abs().max_element() < 1e-8, "{point} instead of {expected}");
+}
+
+/// A rod that passes through a plate: where it is, not where it came in.
+#[test]
+fn the_point_is_common_to_both_while_contact_lasts() {
+    let plate = Triangle([DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0]);
+    let (low, high) = (DVec3::new(-1.0, 1.0, -1.0), DVec3::new(-1.0, 1.0, 1.0));
+    let rod = Triangle([low, high, high]);
+    let sweep = Sweep::new(DVec3::X, -9.0, 9.0).unwrap();
+    for (from_m, x) in [(-9.0, 0.0), (1.0, 0.0), (2.0, 1.0), (3.5, 2.5), (4.0, 3.0)] {
+        let touch = first_contact(&plate, &rod, &sweep.between(from_m, 9.0).unwrap()).unwrap();
+        assert_near(touch.point, DVec3::new(x, 1.0, 0.0));
+    }
+}
+
+/// Edges that seem parallel to f64, seen along the motion, and cross at an end of B's.
+#[test]
+fn the_point_is_common_to_both_where_edges_are_nearly_parallel() {
+    let a = [[-1.0, -3.0, -2.0], [0.0, 1.0, 0.0], [0.0, 3.0, 1.0]];
+    let b = [
+        [-0.75, -1.500_000_000_000_021_5, -1.250_000_000_000_010_9],
+        [-1.681_922_192_505_741_3, -2.953_290_311_862_346_6, -1.976_645_155_931_173_5],
+        [0.018_773_550_188_220_69, -2.598_110_667_570_580_1, -1.799_055_333_785_290_1],
+    ];
+    let [a, b] = [a, b].map(|corners| Triangle(corners.map(DVec3::from_array)));
+    let sweep = Sweep::new(DVec3::X, -9.0, 9.0).unwrap();
+    let touch = first_contact(&a, &b, &sweep).unwrap();
+    // A corner of B, on the edge of A.
+    assert_near(touch.point, b.0[2] + sweep.direction() * touch.travel_m);
+}
