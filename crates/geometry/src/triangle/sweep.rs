@@ -58,8 +58,8 @@ const ERROR: f64 = 16.0 * f64::EPSILON;
 /// More than all underflow errors of a product of two: 2⁻⁹⁰⁰.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 900) << 52);
 
-/// Beyond this width (m) a product of two could overflow: all signs are doubtful. 2⁵⁰⁰.
-const WIDTH_MAX: f64 = f64::from_bits((1023 + 500) << 52);
+/// From this M (m) on, a product of three lengths could overflow: all signs are doubtful. 2³⁰⁰.
+const MAGNITUDE_MAX: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// A motion along a straight line: a direction in A's frame, and the travels from where to where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -270,10 +270,11 @@ impl Projected {
         let (a, b) = (a.0.map(&mut seen), b.0.map(&mut seen));
         let (box_a, box_b) = (bounds(&a), bounds(&b));
         let extent = |k: usize| box_a[k][1].max(box_b[k][1]) - box_a[k][0].min(box_b[k][0]);
-        let coordinate_error = ERROR * magnitude;
+        // Below the normal range, errors are not relative.
+        let coordinate_error = ERROR * magnitude + f64::MIN_POSITIVE;
         let width = extent(0).max(extent(1));
         let error = 16.0 * coordinate_error * (width + coordinate_error) + UNDERFLOW;
-        let error = if width < WIDTH_MAX { error } else { f64::INFINITY };
+        let error = if magnitude < MAGNITUDE_MAX { error } else { f64::INFINITY };
         Self {
             b_to_a: sides(&a, &b),
             a_to_b: sides(&b, &a),

@@ -20,6 +20,11 @@ fn triangle() -> impl Strategy<Value = Triangle> {
     [point(), point(), point()].prop_map(Triangle)
 }
 
+fn whole() -> impl Strategy<Value = Triangle> {
+    let point = || [-4_i8..=4, -4..=4, -4..=4].prop_map(|p| DVec3::from_array(p.map(f64::from)));
+    [point(), point(), point()].prop_map(Triangle)
+}
+
 fn direction() -> impl Strategy<Value = DVec3> {
     point().prop_filter("it has a length", |d| *d != DVec3::ZERO)
 }
@@ -48,6 +53,24 @@ proptest! {
             None => for k in -200..=200 {
                 prop_assert!(!at(0.05 * f64::from(k) + 1e-3));
             }
+        }
+    }
+
+    /// Down to the least number and up to where squares overflow: what touches at rest is found,
+    /// what never touches is not.
+    #[test]
+    fn is_the_same_at_any_scale(a in whole(), b in whole(), d in direction()) {
+        let sweep = Sweep::new(d, -TRAVEL_MAX, TRAVEL_MAX).unwrap();
+        let (touches, at_rest) = (first_contact(&a, &b, &sweep).is_some(), intersect(&a, &b));
+        for exponent in [-1074, -1060, -500, -30, 30, 300, 450, 1000] {
+            let scaled = |t: &Triangle| {
+                Triangle(t.0.map(|p| {
+                    DVec3::from_array(p.to_array().map(|x| libm::scalbn(x, exponent)))
+                }))
+            };
+            let found = first_contact(&scaled(&a), &scaled(&b), &sweep).is_some();
+            prop_assert!(found || !at_rest, "missed at 2^{exponent}");
+            prop_assert!(touches || !found, "reported at 2^{exponent}");
         }
     }
 
