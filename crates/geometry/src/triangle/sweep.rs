@@ -21,10 +21,11 @@
 //!   perpendicular, and d is only nearly of length 1: 8εM. E = 16εM covers both.
 //! - An orientation in the plane across the motion is off by 9EW + 8E², where W ≤ 2M bounds all
 //!   differences of coordinates: 16E(W + E) are allowed ([`Projected::error`]).
-//! - Where a corner lies inside the other triangle, its height there is a mean of three heights with
-//!   weights that are off by that error each: 3·error·H/(|Σw| − 3·error), H being the extent of the
-//!   triangle along d. Where two edges cross, each height is off by error·H/(|Δ| − 2·error), Δ being
-//!   the difference of the two orientations that the fraction comes from. Heights add 8E.
+//! - Where a corner lies inside the other triangle, its height there is a mean of three heights
+//!   with weights that are off by that error each: 3·error·H/(|Σw| − 3·error), H being the extent
+//!   of the triangle along d. Where two edges cross, each height is off by error·H/(|Δ| − 2·error),
+//!   Δ being the difference of the two orientations that the fraction comes from; for A's edge, H
+//!   is its length, so that the point is as certain as the travel. Heights add 8E.
 //!
 //! # Invariants
 //!
@@ -472,7 +473,8 @@ impl fmt::Display for SweepError {
             }
             Self::Travel(from, to) => write!(
                 f,
-                "the motion goes from {from} to {to} m: travels ascend, and lie within ±{TRAVEL_MAX} m"
+                "the motion goes from {from} to {to} m: \
+                 travels ascend, and lie within ±{TRAVEL_MAX} m"
             ),
         }
     }

@@ -1,8 +1,8 @@
 //! Numbered pairs of triangles with a direction, on which a careless first contact fails.
 //!
 //! Directions are scaled to length 1 and rounded, so few planes contain one exactly. Those whose
-//! components are 0 or powers of two keep their ratios, and a corner at 0 can be moved by a power of
-//! two times a direction without any rounding: so faces and edges lie along the motion exactly.
+//! components are 0 or powers of two keep their ratios, and a corner at 0 can be moved by a power
+//! of two times a direction without any rounding: so faces and edges lie along the motion exactly.
 
 use crate::cases::{self, Corners, FAMILIES, Pair, RandomPoints};
 use trolley_geometry::hash::splitmix64;
@@ -205,8 +205,8 @@ fn degenerate(random: &mut RandomPoints) -> (Corners, Corners, DVec3) {
         1 => even(random),
         // From a point of one to a point of the other: it meets it, or misses it by rounding.
         _ => nonzero(|| {
-            let at = |corners: &Corners, k: u64| corners[k as usize];
-            let offset = at(&a, random.below(3)) - at(&b, random.below(3));
+            let numbered = |corners: &Corners, k: u64| corners[k as usize];
+            let offset = numbered(&a, random.below(3)) - numbered(&b, random.below(3));
             if random.below(4) == 0 { random.real_point() } else { offset }
         }),
     };

@@ -133,11 +133,11 @@ fn over_zero(places: &[[BigInt; 2]], heights: &[BigInt], add: &mut impl FnMut(Bi
     }
     let sign = |x: &BigInt| i32::from(x.is_positive()) - i32::from(x.is_negative());
     let signs: Vec<i32> = areas.iter().map(sign).collect();
-    let at = |i: usize, j: usize| j * (j - 1) / 2 + i;
+    let index = |i: usize, j: usize| j * (j - 1) / 2 + i;
     for k in 0..n {
         for j in 0..k {
             for i in 0..j {
-                let [ij, jk, ik] = [at(i, j), at(j, k), at(i, k)];
+                let [ij, jk, ik] = [index(i, j), index(j, k), index(i, k)];
                 // If 0 lies on a side of the triangle, that side has been added above.
                 if signs[ij] != 0 && signs[jk] == signs[ij] && signs[ik] == -signs[ij] {
                     let [p, q, r] = [&areas[jk], &areas[ik], &areas[ij]];

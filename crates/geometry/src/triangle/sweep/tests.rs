@@ -41,17 +41,17 @@ proptest! {
     #[test]
     fn is_where_intersection_begins(a in triangle(), b in triangle(), d in direction()) {
         let sweep = Sweep::new(d, -20.0, 20.0).unwrap();
-        let at = |s: f64| intersect(&a, &moved(&b, sweep.direction() * s));
+        let touch_at = |s: f64| intersect(&a, &moved(&b, sweep.direction() * s));
         match first_contact(&a, &b, &sweep) {
             Some(touch) => {
                 for k in 1..20 {
-                    prop_assert!(!at(touch.travel_m - 1e-6 * f64::from(k * k * k * k)));
+                    prop_assert!(!touch_at(touch.travel_m - 1e-6 * f64::from(k * k * k * k)));
                 }
                 let alone = sweep.between(touch.travel_m, touch.travel_m).unwrap();
                 prop_assert!(first_contact(&a, &b, &alone).is_some());
             }
             None => for k in -200..=200 {
-                prop_assert!(!at(0.05 * f64::from(k) + 1e-3));
+                prop_assert!(!touch_at(0.05 * f64::from(k) + 1e-3));
             }
         }
     }
