@@ -40,7 +40,8 @@ enum Task {
     /// Compare the triangle test and first contact with exact rational arithmetic, on any number of
     /// pairs.
     ///
-    /// Equal seeds give equal pairs. A million pairs take one core about two and a half minutes.
+    /// Equal seeds give equal pairs. A million pairs take one core about three and a half minutes,
+    /// one of them for first contact.
     Oracle {
         /// Number of pairs of triangles; `cargo x check` includes 20,000.
         #[arg(long, value_name = "N", default_value_t = 1_000_000)]
