@@ -37,9 +37,11 @@ enum Task {
         #[arg(long)]
         quick: bool,
     },
-    /// Compare the triangle test with exact rational arithmetic, on any number of pairs.
+    /// Compare the triangle test and first contact with exact rational arithmetic, on any number of
+    /// pairs.
     ///
-    /// Equal seeds give equal pairs. A million pairs take one core about two and a half minutes.
+    /// Equal seeds give equal pairs. A million pairs take one core about three and a half minutes,
+    /// one of them for first contact.
     Oracle {
         /// Number of pairs of triangles; `cargo x check` includes 20,000.
         #[arg(long, value_name = "N", default_value_t = 1_000_000)]
@@ -47,6 +49,9 @@ enum Task {
         /// Seed of the pairs.
         #[arg(long, value_name = "S", default_value_t = 1)]
         seed: u64,
+        /// Only first contact along a straight line.
+        #[arg(long)]
+        first_contact: bool,
     },
     /// Time the kernels with criterion: triangle tests, queries, tree builds.
     Bench {
@@ -99,7 +104,10 @@ fn main() -> Result<ExitCode> {
         Task::Check { quick: true } => {
             check::run(check::STEPS.iter().filter(|step| !check::THOROUGH.contains(&step.name)))
         }
-        Task::Oracle { pairs, seed } => oracle::run(pairs, seed),
+        Task::Oracle { pairs, seed, first_contact } => {
+            let part = if first_contact { oracle::Part::FirstContact } else { oracle::Part::All };
+            oracle::run(part, pairs, seed)
+        }
         Task::Bench { quick, filter } => bench::run(quick, filter.as_deref()),
         Task::Count { record } => count::run(record),
         Task::Compare(options) => compare::run(&options),

@@ -1,11 +1,13 @@
-//! The triangle test by kind of pair: one at a time, and in patches at every level.
+//! The triangle test by kind of pair: one at a time, and in patches at every level. Then first
+//! contact along a straight line.
 //!
-//! All pairs have overlapping boxes, like those that a traversal leaves over.
+//! All pairs of the test have overlapping boxes, like those that a traversal leaves over.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use fearless_simd::dispatch;
 use std::hint::black_box;
 use trolley_geometry::patch::{LANES, Patches, meet_all};
+use trolley_geometry::sweep::{self, Sweep};
 use trolley_geometry::{
     Aabb, Corners, DVec3, Pose, Posed, RelativePose, Triangle, hash, simd, triangle,
 };
@@ -34,6 +36,32 @@ const KINDS: &[(&str, Kind)] = &[
     ("hit", Kind::Hit),
     ("corner", Kind::Corner),
     ("coplanar", Kind::Coplanar),
+];
+
+/// The kind of a pair and its motion.
+#[derive(Clone, Copy)]
+enum Way {
+    /// They touch on the way.
+    Touch,
+    /// They pass each other, with overlapping boxes across the motion.
+    Pass,
+    /// Their boxes across the motion are apart.
+    Beside,
+    /// The motion ends too early.
+    Early,
+    /// A corner in common at the end, on a lattice: decided by whole numbers.
+    Whole,
+    /// The same with a minute coordinate: decided by wide sums.
+    Wide,
+}
+
+const WAYS: &[(&str, Way)] = &[
+    ("touch", Way::Touch),
+    ("pass", Way::Pass),
+    ("beside", Way::Beside),
+    ("early", Way::Early),
+    ("whole numbers", Way::Whole),
+    ("wide sums", Way::Wide),
 ];
 
 fn main() {
@@ -68,7 +96,50 @@ fn main() {
             });
         }
     }
+    let mut group = criterion.benchmark_group("first contact");
+    group.throughput(Throughput::Elements(PAIRS as u64));
+    for (name, way) in WAYS {
+        let (sweep, pairs) = motions(*way);
+        group.bench_function(*name, |bencher| {
+            let touch =
+                |pair: &&[Triangle; 2]| sweep::first_contact(&pair[0], &pair[1], &sweep).is_some();
+            bencher.iter(|| black_box(&pairs).iter().filter(touch).count());
+        });
+    }
+    group.finish();
     criterion.final_summary();
+}
+
+/// A motion over 4 m, and random pairs for it.
+fn motions(way: Way) -> (Sweep, Vec<[Triangle; 2]>) {
+    let mut random = Random(way as u64);
+    let direction = match way {
+        Way::Whole | Way::Wide => DVec3::X,
+        _ => DVec3::new(0.36, 0.48, 0.8),
+    };
+    let to_m = if let Way::Early = way { 0.5 } else { 4.0 };
+    let sweep = Sweep::new(direction, 0.0, to_m).expect("a direction and ascending travels");
+    let back = match way {
+        Way::Beside => sweep.direction() * -2.0 + DVec3::new(0.0, 1.5, -0.9),
+        Way::Early => sweep.direction() * -3.0,
+        _ => sweep.direction() * -2.0,
+    };
+    let mut pairs = Vec::new();
+    while pairs.len() < PAIRS {
+        let (mut a, mut b) = (wide(&random.triangle()), wide(&random.triangle()));
+        if let Way::Whole | Way::Wide = way {
+            b.0[1] = a.0[2];
+        }
+        if let Way::Wide = way {
+            a.0[0].y = 1e-30;
+        }
+        b = Triangle(b.0.map(|corner| corner + back));
+        let touches = sweep::first_contact(&a, &b, &sweep).is_some();
+        if touches != matches!(way, Way::Pass | Way::Beside | Way::Early) {
+            pairs.push([a, b]);
+        }
+    }
+    (sweep, pairs)
 }
 
 /// Random pairs of a kind; those of other kinds are discarded.

@@ -21,10 +21,11 @@
 //!   perpendicular, and d is only nearly of length 1: 8εM. E = 16εM covers both.
 //! - An orientation in the plane across the motion is off by 9EW + 8E², where W ≤ 2M bounds all
 //!   differences of coordinates: 16E(W + E) are allowed ([`Projected::error`]).
-//! - Where a corner lies inside the other triangle, its height there is a mean of three heights with
-//!   weights that are off by that error each: 3·error·H/(|Σw| − 3·error), H being the extent of the
-//!   triangle along d. Where two edges cross, each height is off by error·H/(|Δ| − 2·error), Δ being
-//!   the difference of the two orientations that the fraction comes from. Heights add 8E.
+//! - Where a corner lies inside the other triangle, its height there is a mean of three heights
+//!   with weights that are off by that error each: 3·error·H/(|Σw| − 3·error), H being the extent
+//!   of the triangle along d. Where two edges cross, each height is off by error·H/(|Δ| − 2·error),
+//!   Δ being the difference of the two orientations that the fraction comes from; for A's edge, H
+//!   is its length, so that the point is as certain as the travel. Heights add 8E.
 //!
 //! # Invariants
 //!
@@ -58,8 +59,8 @@ const ERROR: f64 = 16.0 * f64::EPSILON;
 /// More than all underflow errors of a product of two: 2⁻⁹⁰⁰.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 900) << 52);
 
-/// Beyond this width (m) a product of two could overflow: all signs are doubtful. 2⁵⁰⁰.
-const WIDTH_MAX: f64 = f64::from_bits((1023 + 500) << 52);
+/// From this M (m) on, a product of three lengths could overflow: all signs are doubtful. 2³⁰⁰.
+const MAGNITUDE_MAX: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// A motion along a straight line: a direction in A's frame, and the travels from where to where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,20 +86,20 @@ pub enum SweepError {
 pub struct Touch {
     /// The first travel within the motion at which they share a point (m).
     pub travel_m: f64,
-    /// A point of A where they touch then (m), in A's frame, rounded.
+    /// A point where they touch then (m), in A's frame, rounded: within a few nanometres of A, and
+    /// of B as moved.
     pub point: DVec3,
 }
 
-/// What touches at an end of the interval: corners of a triangle by number, edges by their first
-/// corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What touches at an end of the interval: corners of a triangle by number.
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Feature {
     /// A corner of A on B.
     CornerOfA(usize),
     /// A corner of B on A.
     CornerOfB(usize),
-    /// An edge of A and one of B.
-    Edges(usize, usize),
+    /// The edge of A from this corner to the next, on one of B; the share of the way to the next.
+    EdgeOfA(usize, f64),
 }
 
 /// The travels at which two triangles touch, unlimited.
@@ -106,8 +107,9 @@ enum Feature {
 struct Interval {
     start: f64,
     end: f64,
-    /// What touches at the start.
+    /// What touches at the start, and at the end.
     first: Feature,
+    last: Feature,
 }
 
 impl Sweep {
@@ -206,7 +208,31 @@ pub fn first_contact(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Option<Touch>
         return None;
     }
     let travel_m = if interval.start > sweep.from_m { interval.start } else { sweep.from_m };
-    Some(Touch { travel_m, point: projected.point(a, b, sweep, interval.first, travel_m) })
+    Some(Touch { travel_m, point: interval.point(a, b, sweep.direction, travel_m) })
+}
+
+impl Interval {
+    /// A point that touches at a travel of the interval, rounded (m).
+    ///
+    /// The places of contact and their travels form a convex set: between those at both ends lie
+    /// others.
+    fn point(&self, a: &Triangle, b: &Triangle, direction: DVec3, at_m: f64) -> DVec3 {
+        let place = |feature: Feature, travel_m: f64| match feature {
+            Feature::CornerOfA(i) => a.0[i],
+            Feature::CornerOfB(k) => b.0[k] + direction * travel_m,
+            Feature::EdgeOfA(i, share) => {
+                let (from, to) = (a.0[i], a.0[(i + 1) % 3]);
+                from + (to - from) * share
+            }
+        };
+        let mut point = place(self.first, self.start);
+        if at_m > self.start && self.end > self.start {
+            let share = (at_m - self.start) / (self.end - self.start);
+            point += (place(self.last, self.end) - point) * share;
+        }
+        let bounds = a.bounds();
+        point.max(bounds.min).min(bounds.max)
+    }
 }
 
 /// f64 does not decide.
@@ -245,10 +271,11 @@ impl Projected {
         let (a, b) = (a.0.map(&mut seen), b.0.map(&mut seen));
         let (box_a, box_b) = (bounds(&a), bounds(&b));
         let extent = |k: usize| box_a[k][1].max(box_b[k][1]) - box_a[k][0].min(box_b[k][0]);
-        let coordinate_error = ERROR * magnitude;
+        // Below the normal range, errors are not relative.
+        let coordinate_error = ERROR * magnitude + f64::MIN_POSITIVE;
         let width = extent(0).max(extent(1));
         let error = 16.0 * coordinate_error * (width + coordinate_error) + UNDERFLOW;
-        let error = if width < WIDTH_MAX { error } else { f64::INFINITY };
+        let error = if magnitude < MAGNITUDE_MAX { error } else { f64::INFINITY };
         Self {
             b_to_a: sides(&a, &b),
             a_to_b: sides(&b, &a),
@@ -319,9 +346,14 @@ impl Projected {
                 if (of_a[0] > 0.0) == (of_a[1] > 0.0) || (of_b[0] > 0.0) == (of_b[1] > 0.0) {
                     continue;
                 }
-                let (on_a, error_a) = self.height_on(&self.a[i], &self.a[next_i], of_a);
-                let (on_b, error_b) = self.height_on(&self.b[k], &self.b[next_k], of_b);
-                found.add(Feature::Edges(i, k), on_a - on_b, error_a + error_b);
+                let ((share_a, error_a), (share_b, error_b)) = (self.share(of_a), self.share(of_b));
+                let [x, y, rise_a] = [0, 1, 2].map(|c| self.a[next_i][c] - self.a[i][c]);
+                let rise_b = self.b[next_k][2] - self.b[k][2];
+                let travel = (self.a[i][2] + rise_a * share_a) - (self.b[k][2] + rise_b * share_b);
+                // The place on A's edge is to be as certain as the travel.
+                let length = (x.abs() + y.abs()) + rise_a.abs();
+                let error = length * error_a + rise_b.abs() * error_b;
+                found.add(Feature::EdgeOfA(i, share_a), travel, error);
             }
         }
         found.interval(sweep, self.height_error())
@@ -347,30 +379,11 @@ impl Projected {
         })
     }
 
-    /// The height on an edge whose ends lie on these sides of a line, and its error (m).
-    fn height_on(&self, p: &[f64; 3], q: &[f64; 3], [side_p, side_q]: [f64; 2]) -> (f64, f64) {
-        let between = side_p - side_q;
-        let rise = q[2] - p[2];
-        let error = self.error * rise.abs() / (between.abs() - 2.0 * self.error);
-        (p[2] + rise * (side_p / between), error)
-    }
-
-    /// The point of A that touches, rounded (m).
-    fn point(&self, a: &Triangle, b: &Triangle, sweep: &Sweep, first: Feature, at_m: f64) -> DVec3 {
-        let point = match first {
-            Feature::CornerOfA(i) => a.0[i],
-            Feature::CornerOfB(k) => b.0[k] + sweep.direction * at_m,
-            Feature::Edges(i, k) => {
-                let [p, q] = [self.a_to_b[k][i], self.a_to_b[k][(i + 1) % 3]];
-                let share = p / (p - q);
-                // Edges that lie one upon the other: any point of A's will do.
-                let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-                let (from, to) = (a.0[i], a.0[(i + 1) % 3]);
-                from + (to - from) * share
-            }
-        };
-        let bounds = a.bounds();
-        point.max(bounds.min).min(bounds.max)
+    /// The share of an edge, whose ends lie on these sides of a line, that lies before the line;
+    /// and its error.
+    fn share(&self, [p, q]: [f64; 2]) -> (f64, f64) {
+        let between = p - q;
+        (p / between, self.error / (between.abs() - 2.0 * self.error))
     }
 }
 
@@ -382,6 +395,7 @@ struct Found {
     end: f64,
     end_within: [f64; 2],
     first: Feature,
+    last: Feature,
 }
 
 impl Found {
@@ -391,13 +405,18 @@ impl Found {
         end: f64::NEG_INFINITY,
         end_within: [f64::NEG_INFINITY; 2],
         first: Feature::CornerOfA(0),
+        last: Feature::CornerOfA(0),
     };
 
     fn add(&mut self, feature: Feature, travel_m: f64, error_m: f64) {
+        // Its divisor may have been rounded down to 0.
+        let error_m = if error_m >= 0.0 { error_m } else { f64::INFINITY };
         if travel_m < self.start {
             (self.start, self.first) = (travel_m, feature);
         }
-        self.end = self.end.max(travel_m);
+        if travel_m > self.end {
+            (self.end, self.last) = (travel_m, feature);
+        }
         let [low, high] = [travel_m - error_m, travel_m + error_m];
         self.start_within = [self.start_within[0].min(low), self.start_within[1].min(high)];
         self.end_within = [self.end_within[0].max(low), self.end_within[1].max(high)];
@@ -417,11 +436,12 @@ impl Found {
             return Ok(None);
         }
         let is_wide = |low: f64, high: f64| !(high - low + 2.0 * height_error <= TOLERANCE_M);
-        let matters = end_low - height_error < sweep.from_m;
+        // Where contact is under way at the begin, the end tells how far.
+        let matters = low.min(end_low) - height_error < sweep.from_m;
         if is_wide(low, high) || (matters && is_wide(end_low, end_high)) {
             return Err(Doubt);
         }
-        Ok(Some(Interval { start: self.start, end: self.end, first: self.first }))
+        Ok(Some(Interval { start: self.start, end: self.end, first: self.first, last: self.last }))
     }
 }
 
@@ -453,7 +473,8 @@ impl fmt::Display for SweepError {
             }
             Self::Travel(from, to) => write!(
                 f,
-                "the motion goes from {from} to {to} m: travels ascend, and lie within ±{TRAVEL_MAX} m"
+                "the motion goes from {from} to {to} m: \
+                 travels ascend, and lie within ±{TRAVEL_MAX} m"
             ),
         }
     }

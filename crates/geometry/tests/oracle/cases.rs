@@ -21,10 +21,10 @@ pub(crate) struct Pair {
 /// A way of generating pairs.
 pub(crate) struct Family {
     pub(crate) name: &'static str,
-    make: fn(&mut RandomPoints) -> [Corners; 2],
+    pub(crate) make: fn(&mut RandomPoints) -> [Corners; 2],
 }
 
-type Corners = [DVec3; 3];
+pub(crate) type Corners = [DVec3; 3];
 
 /// All families; pair n is of family n modulo their number.
 pub(crate) const FAMILIES: &[Family] = &[
@@ -125,42 +125,42 @@ pub(crate) fn group(seed: u64, number: u64) -> Group {
 }
 
 /// Random numbers and points.
-struct RandomPoints(Rng);
+pub(crate) struct RandomPoints(pub(crate) Rng);
 
 impl RandomPoints {
-    fn below(&mut self, n: u64) -> u64 {
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
         self.0.below(n)
     }
 
     /// A whole number in [−n, n].
-    fn whole(&mut self, n: i64) -> f64 {
+    pub(crate) fn whole(&mut self, n: i64) -> f64 {
         (self.below(2 * n as u64 + 1) as i64 - n) as f64
     }
 
     /// In [−1, 1).
-    fn real(&mut self) -> f64 {
+    pub(crate) fn real(&mut self) -> f64 {
         (self.0.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    fn whole_point(&mut self, n: i64) -> DVec3 {
+    pub(crate) fn whole_point(&mut self, n: i64) -> DVec3 {
         DVec3::new(self.whole(n), self.whole(n), self.whole(n))
     }
 
-    fn real_point(&mut self) -> DVec3 {
+    pub(crate) fn real_point(&mut self) -> DVec3 {
         DVec3::new(self.real(), self.real(), self.real())
     }
 
-    fn grid(&mut self, n: i64) -> Corners {
+    pub(crate) fn grid(&mut self, n: i64) -> Corners {
         core::array::from_fn(|_| self.whole_point(n))
     }
 
-    fn real_corners(&mut self) -> Corners {
+    pub(crate) fn real_corners(&mut self) -> Corners {
         core::array::from_fn(|_| self.real_point())
     }
 }
 
 /// Multiplies each axis by a power of two: within the range of `robust`, or far out of it.
-fn stretch(random: &mut RandomPoints, corners: &mut [Corners; 2]) {
+pub(crate) fn stretch(random: &mut RandomPoints, corners: &mut [Corners; 2]) {
     let far = random.below(3) == 0;
     let even = random.below(2) == 0;
     let mut exponent = || if far { random.whole(1000) as i32 } else { random.whole(60) as i32 };
@@ -208,7 +208,7 @@ fn edge_on_edge(random: &mut RandomPoints) -> [Corners; 2] {
 }
 
 /// Whole steps along two directions of one plane.
-fn coplanar(random: &mut RandomPoints) -> [Corners; 2] {
+pub(crate) fn coplanar(random: &mut RandomPoints) -> [Corners; 2] {
     let (origin, u, v) = (random.whole_point(9), random.whole_point(9), random.whole_point(9));
     let mut corners =
         || core::array::from_fn(|_| origin + u * random.whole(3) + v * random.whole(3));
@@ -216,14 +216,14 @@ fn coplanar(random: &mut RandomPoints) -> [Corners; 2] {
 }
 
 /// All corners on one line.
-fn collinear(random: &mut RandomPoints) -> [Corners; 2] {
+pub(crate) fn collinear(random: &mut RandomPoints) -> [Corners; 2] {
     let (origin, along) = (random.whole_point(9), random.whole_point(9));
     let mut corners = || core::array::from_fn(|_| origin + along * random.whole(6));
     [corners(), corners()]
 }
 
 /// Points and segments, against each other and against proper triangles.
-fn degenerate(random: &mut RandomPoints) -> [Corners; 2] {
+pub(crate) fn degenerate(random: &mut RandomPoints) -> [Corners; 2] {
     let mut corners = || {
         let mut corners = random.grid(1);
         match random.below(4) {
@@ -238,7 +238,7 @@ fn degenerate(random: &mut RandomPoints) -> [Corners; 2] {
 }
 
 /// Third corners almost on the edge between the first two, the edges crossing or nearly so.
-fn needle(random: &mut RandomPoints) -> [Corners; 2] {
+pub(crate) fn needle(random: &mut RandomPoints) -> [Corners; 2] {
     let meeting = random.real_point();
     let mut corners = || {
         let along = random.real_point();
@@ -276,7 +276,7 @@ fn nearly_coplanar(random: &mut RandomPoints) -> [Corners; 2] {
 }
 
 /// A large triangle, and a small one at one of its points.
-fn unequal_sizes(random: &mut RandomPoints) -> [Corners; 2] {
+pub(crate) fn unequal_sizes(random: &mut RandomPoints) -> [Corners; 2] {
     let [large, small] = unrelated(random);
     let (v, w) = (random.real().abs(), random.real().abs());
     let at = large[0] + (large[1] - large[0]) * v + (large[2] - large[0]) * w;

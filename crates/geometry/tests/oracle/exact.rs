@@ -13,7 +13,10 @@ use trolley_geometry::{DVec3, Triangle};
 
 type Vector<T> = [T; 3];
 
-fn difference<T: Clone + core::ops::Sub<Output = T>>(p: &Vector<T>, q: &Vector<T>) -> Vector<T> {
+pub(crate) fn difference<T: Clone + core::ops::Sub<Output = T>>(
+    p: &Vector<T>,
+    q: &Vector<T>,
+) -> Vector<T> {
     core::array::from_fn(|i| p[i].clone() - q[i].clone())
 }
 
@@ -38,7 +41,7 @@ where
 
 /// Whether the closed triangles share a point.
 pub(crate) fn meet(pair: &Pair) -> bool {
-    let points = integers(pair);
+    let (points, _) = integers(pair);
     // Differences of 29 bits, products of four of them: below 2^122 with all sums.
     let small = |x: &BigInt| if x.bits() <= 28 { x.to_i128() } else { None };
     let all: Option<Vec<Vector<i128>>> =
@@ -111,12 +114,12 @@ where
         && !dot(uv, &normal).is_negative()
 }
 
-/// The corners of both triangles, times a common power of two that makes them whole.
-fn integers(pair: &Pair) -> Vec<Vector<BigInt>> {
+/// The corners of both triangles as multiples of a common power of two, and its exponent.
+pub(crate) fn integers(pair: &Pair) -> (Vec<Vector<BigInt>>, i16) {
     let corners = || pair.a.0.iter().chain(&pair.b.0).map(|corner| corner.to_array());
     let decoded = |x: f64| num_traits::float::FloatCore::integer_decode(x);
     let lowest = corners().flatten().filter(|x| *x != 0.0).map(|x| decoded(x).1).min().unwrap_or(0);
-    corners()
+    let whole = corners()
         .map(|corner| {
             corner.map(|x| {
                 let (mantissa, exponent, sign) = decoded(x);
@@ -127,7 +130,8 @@ fn integers(pair: &Pair) -> Vec<Vector<BigInt>> {
                     * sign
             })
         })
-        .collect()
+        .collect();
+    (whole, lowest)
 }
 
 /// The corners of the intersection, each rounded once; none if there is no common point.

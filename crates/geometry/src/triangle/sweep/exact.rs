@@ -37,11 +37,12 @@ impl Search<'_> {
     fn run(&mut self) {
         let side = |[p, q]: [Corner; 2], r: Corner| {
             let arms = [Arm::Between(p, q), Arm::Between(p, r), Arm::Direction];
-            self.numbers.determinant(arms).sign
+            self.numbers.determinant(arms)
         };
-        let b_sides = [0, 1, 2].map(|i| B.map(|r| side(edge(A, i), r)));
-        let a_sides = [0, 1, 2].map(|k| A.map(|r| side(edge(B, k), r)));
-        let (area_a, area_b) = (side(edge(A, 0), A[2]), side(edge(B, 0), B[2]));
+        let to_b = [0, 1, 2].map(|k| A.map(|r| side(edge(B, k), r)));
+        let b_sides = [0, 1, 2].map(|i| B.map(|r| side(edge(A, i), r).sign));
+        let a_sides = to_b.map(|sides| sides.map(|side| side.sign));
+        let (area_a, area_b) = (side(edge(A, 0), A[2]).sign, side(edge(B, 0), B[2]).sign);
         for k in 0..3 {
             if area_a != 0 && is_inside(b_sides.map(|sides| sides[k])) {
                 self.corner_on_face(A, B[k], Feature::CornerOfB(k));
@@ -55,7 +56,7 @@ impl Search<'_> {
                 let do_cross = b_to_edge[k] * b_to_edge[(k + 1) % 3] <= 0
                     && a_to_edge[i] * a_to_edge[(i + 1) % 3] <= 0;
                 if do_cross {
-                    self.edges(i, k);
+                    self.edges(i, k, to_b[k][i].share(to_b[k][(i + 1) % 3]));
                 }
             }
         }
@@ -80,12 +81,18 @@ impl Search<'_> {
     /// Takes a travel: that of B, as a quotient.
     fn add(&mut self, feature: Feature, travel: Number, over: Number) {
         let travel = travel.over(over);
-        let found =
-            self.found.get_or_insert(Interval { start: travel, end: travel, first: feature });
+        let found = self.found.get_or_insert(Interval {
+            start: travel,
+            end: travel,
+            first: feature,
+            last: feature,
+        });
         if travel < found.start {
             (found.start, found.first) = (travel, feature);
         }
-        found.end = found.end.max(travel);
+        if travel > found.end {
+            (found.end, found.last) = (travel, feature);
+        }
     }
 
     /// A corner that lies in a triangle's projection, which has an area.
@@ -98,14 +105,14 @@ impl Search<'_> {
         self.add(feature, travel, over);
     }
 
-    /// Two edges whose projections share a point, unless these are parallel.
-    fn edges(&mut self, i: usize, k: usize) {
+    /// Two edges whose projections share a point, at this share of A's, unless these are parallel.
+    fn edges(&mut self, i: usize, k: usize, share: f64) {
         let ([p, q], [r, s]) = (edge(A, i), edge(B, k));
         let [u, v] = [Arm::Between(p, q), Arm::Between(r, s)];
         let over = self.numbers.determinant([u, v, Arm::Direction]);
         if over.sign != 0 {
             let travel = self.numbers.determinant([u, v, Arm::Between(r, p)]);
-            self.add(Feature::Edges(i, k), travel, over);
+            self.add(Feature::EdgeOfA(i, share), travel, over);
         }
     }
 

@@ -32,6 +32,12 @@ impl Number {
         let quotient = Magnitude::quotient(self.magnitude, divisor.magnitude);
         if self.sign == divisor.sign { quotient } else { -quotient }
     }
+
+    /// The share that this is of itself less another number, which is not of the same sign; 0 if
+    /// both are 0.
+    pub(super) fn share(self, other: Self) -> f64 {
+        Magnitude::share(self.magnitude, other.magnitude)
+    }
 }
 
 /// The corners of a pair and a direction, as exact numbers.
@@ -67,9 +73,9 @@ impl<'t> Numbers<'t> {
             }
             Self::Float(corners, direction) => {
                 let mut sum = Wide::ZERO;
-                for (p, minus_p) in terms(corners, *direction, p) {
-                    for (q, minus_q) in terms(corners, *direction, q) {
-                        for (r, minus_r) in terms(corners, *direction, r) {
+                for (p, minus_p) in summands(corners, *direction, p) {
+                    for (q, minus_q) in summands(corners, *direction, q) {
+                        for (r, minus_r) in summands(corners, *direction, r) {
                             sum.add_volume(p, q, r, minus_p ^ minus_q ^ minus_r);
                         }
                     }
@@ -91,8 +97,8 @@ impl<'t> Numbers<'t> {
             }
             Self::Float(corners, direction) => {
                 let mut sum = Wide::ZERO;
-                for (p, minus_p) in terms(corners, *direction, p) {
-                    for (q, minus_q) in terms(corners, *direction, q) {
+                for (p, minus_p) in summands(corners, *direction, p) {
+                    for (q, minus_q) in summands(corners, *direction, q) {
                         sum.add([p[i], q[j], 1.0], minus_p ^ minus_q);
                         sum.add([p[j], q[i], 1.0], !(minus_p ^ minus_q));
                     }
@@ -112,7 +118,7 @@ impl<'t> Numbers<'t> {
             }
             Self::Float(corners, direction) => {
                 let mut sum = Wide::ZERO;
-                for (p, minus) in terms(corners, *direction, p) {
+                for (p, minus) in summands(corners, *direction, p) {
                     sum.add([p[k], 1.0, 1.0], minus);
                 }
                 Number { sign: sum.sign(), magnitude: sum.magnitude() }
@@ -130,7 +136,7 @@ fn whole(lattice: &Lattice, direction: &[i128; 3], arm: Arm) -> ([i128; 3], i32)
 }
 
 /// The points that add up to a vector, and whether each is subtracted.
-fn terms(
+fn summands(
     corners: &[&DVec3; 6],
     direction: DVec3,
     arm: Arm,

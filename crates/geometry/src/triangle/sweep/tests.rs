@@ -20,6 +20,11 @@ fn triangle() -> impl Strategy<Value = Triangle> {
     [point(), point(), point()].prop_map(Triangle)
 }
 
+fn whole() -> impl Strategy<Value = Triangle> {
+    let point = || [-4_i8..=4, -4..=4, -4..=4].prop_map(|p| DVec3::from_array(p.map(f64::from)));
+    [point(), point(), point()].prop_map(Triangle)
+}
+
 fn direction() -> impl Strategy<Value = DVec3> {
     point().prop_filter("it has a length", |d| *d != DVec3::ZERO)
 }
@@ -36,18 +41,36 @@ proptest! {
     #[test]
     fn is_where_intersection_begins(a in triangle(), b in triangle(), d in direction()) {
         let sweep = Sweep::new(d, -20.0, 20.0).unwrap();
-        let at = |s: f64| intersect(&a, &moved(&b, sweep.direction() * s));
+        let touch_at = |s: f64| intersect(&a, &moved(&b, sweep.direction() * s));
         match first_contact(&a, &b, &sweep) {
             Some(touch) => {
                 for k in 1..20 {
-                    prop_assert!(!at(touch.travel_m - 1e-6 * f64::from(k * k * k * k)));
+                    prop_assert!(!touch_at(touch.travel_m - 1e-6 * f64::from(k * k * k * k)));
                 }
                 let alone = sweep.between(touch.travel_m, touch.travel_m).unwrap();
                 prop_assert!(first_contact(&a, &b, &alone).is_some());
             }
             None => for k in -200..=200 {
-                prop_assert!(!at(0.05 * f64::from(k) + 1e-3));
+                prop_assert!(!touch_at(0.05 * f64::from(k) + 1e-3));
             }
+        }
+    }
+
+    /// Down to the least number and up to where squares overflow: what touches at rest is found,
+    /// what never touches is not.
+    #[test]
+    fn is_the_same_at_any_scale(a in whole(), b in whole(), d in direction()) {
+        let sweep = Sweep::new(d, -TRAVEL_MAX, TRAVEL_MAX).unwrap();
+        let (touches, at_rest) = (first_contact(&a, &b, &sweep).is_some(), intersect(&a, &b));
+        for exponent in [-1074, -1060, -500, -30, 30, 300, 450, 1000] {
+            let scaled = |t: &Triangle| {
+                Triangle(t.0.map(|p| {
+                    DVec3::from_array(p.to_array().map(|x| libm::scalbn(x, exponent)))
+                }))
+            };
+            let found = first_contact(&scaled(&a), &scaled(&b), &sweep).is_some();
+            prop_assert!(found || !at_rest, "missed at 2^{exponent}");
+            prop_assert!(touches || !found, "reported at 2^{exponent}");
         }
     }
 
@@ -67,4 +90,37 @@ proptest! {
             }
         }
     }
+}
+
+fn assert_near(point: DVec3, expected: DVec3) {
+    assert!((point - expected).abs().max_element() < 1e-8, "{point} instead of {expected}");
+}
+
+/// A rod that passes through a plate: where it is, not where it came in.
+#[test]
+fn the_point_is_common_to_both_while_contact_lasts() {
+    let plate = Triangle([DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0]);
+    let (low, high) = (DVec3::new(-1.0, 1.0, -1.0), DVec3::new(-1.0, 1.0, 1.0));
+    let rod = Triangle([low, high, high]);
+    let sweep = Sweep::new(DVec3::X, -9.0, 9.0).unwrap();
+    for (from_m, x) in [(-9.0, 0.0), (1.0, 0.0), (2.0, 1.0), (3.5, 2.5), (4.0, 3.0)] {
+        let touch = first_contact(&plate, &rod, &sweep.between(from_m, 9.0).unwrap()).unwrap();
+        assert_near(touch.point, DVec3::new(x, 1.0, 0.0));
+    }
+}
+
+/// Edges that seem parallel to f64, seen along the motion, and cross at an end of B's.
+#[test]
+fn the_point_is_common_to_both_where_edges_are_nearly_parallel() {
+    let a = [[-1.0, -3.0, -2.0], [0.0, 1.0, 0.0], [0.0, 3.0, 1.0]];
+    let b = [
+        [-0.75, -1.500_000_000_000_021_5, -1.250_000_000_000_010_9],
+        [-1.681_922_192_505_741_3, -2.953_290_311_862_346_6, -1.976_645_155_931_173_5],
+        [0.018_773_550_188_220_69, -2.598_110_667_570_580_1, -1.799_055_333_785_290_1],
+    ];
+    let [a, b] = [a, b].map(|corners| Triangle(corners.map(DVec3::from_array)));
+    let sweep = Sweep::new(DVec3::X, -9.0, 9.0).unwrap();
+    let touch = first_contact(&a, &b, &sweep).unwrap();
+    // A corner of B, on the edge of A.
+    assert_near(touch.point, b.0[2] + sweep.direction() * touch.travel_m);
 }
