@@ -144,7 +144,9 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     lines.extend(run.winner_certain.as_ref().and_then(|certain| early(answer, certain)));
     lines.extend(run.deadline.as_ref().map(kept));
     if first.contact.touch == Touch::No {
-        lines.push("It touches nothing: not one triangle of either body, at any pose.".to_owned());
+        lines.push(
+            "It touches nothing: not one triangle of either body, anywhere on its way.".to_owned(),
+        );
     }
     lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
     if answer.tie_class.len() > 1 {

@@ -22,6 +22,8 @@ mod judge;
 mod outlook;
 mod recording;
 mod task;
+#[cfg(test)]
+mod tests;
 
 pub use buffers::RunBuffers;
 pub use outlook::Certainty;

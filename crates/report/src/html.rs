@@ -229,7 +229,7 @@ fn first_screen(decision: &DecisionPage, title: &str, body: &mut String) {
             let depth = first.depth_m.map_or(String::new(), |m| format!(", {m:.2} m deep"));
             format!("{}{depth}.{worst}", escape(&first.contact))
         } else {
-            "It touches nothing: not one triangle of either body, at any pose.".to_owned()
+            "It touches nothing: not one triangle of either body, anywhere on its way.".to_owned()
         };
         say("What happens", what);
         say("How sure", sureness(decision));
