@@ -1,16 +1,24 @@
 //! Workloads whose instructions `cargo x count` counts: without arguments, prints their names, one
 //! per line; with a name, runs that one, once to warm up and once inside [`measured`].
 
+#[expect(dead_code, reason = "one family is enough")]
+mod encounter;
+#[expect(dead_code, reason = "one way to halve is enough")]
+mod halving;
 mod posed;
 mod scene;
+mod search;
 
 use body::Build;
+use encounter::{Encounter, Family};
 use fearless_simd::dispatch;
 use geometry::patch::{self, Patches, meet_all};
 use geometry::simd::Level;
 use geometry::{DVec3, Directions, triangle};
+use halving::Grid;
 use posed::Posed;
 use scene::Scene;
+use search::{Ready, Search};
 use std::hint::black_box;
 use trolley_bvh::build::LEAF_SIZE_MAX;
 use trolley_bvh::{BuildOptions, Question, build};
@@ -65,6 +73,9 @@ const WORKLOADS: &[(&str, Prepare)] = &[
             candidates.iter().filter(hit).count() as u64
         })
     }),
+    ("first contact", || first_contact("deep-180")),
+    ("first contact by halving", || halve("deep-180")),
+    ("pass at 1 mm", || first_contact("pass-oncoming-3deg-1mm")),
     ("build, paper's split", || grow(Build::Paper)),
     ("build, sah", || grow(Build::Sah)),
 ];
@@ -72,6 +83,25 @@ const WORKLOADS: &[(&str, Prepare)] = &[
 fn ask(build: Build, question: Question) -> Box<dyn FnMut() -> u64> {
     let mut posed = Posed::new(SCENE, build, 4);
     Box::new(move || posed.ask(question, None).counters.tests())
+}
+
+fn first_contact(ending: &str) -> Box<dyn FnMut() -> u64> {
+    let (encounter, mut search) = encounter(ending);
+    Box::new(move || search.first(encounter).1.counters.tests())
+}
+
+fn halve(ending: &str) -> Box<dyn FnMut() -> u64> {
+    let (encounter, mut search) = encounter(ending);
+    Box::new(move || search.halving(encounter, Grid::Whole).1.tests())
+}
+
+/// An encounter of two cars of 10,000 triangles, and searches for it.
+fn encounter(ending: &str) -> (&'static Encounter, Search<'static>) {
+    // Workloads own what they need: this one's bodies last until the program ends.
+    let bodies: &'static Ready = Box::leak(Box::new(Ready::new(Family::named("cars-10k"))));
+    let mut encounters = bodies.family.encounters.iter();
+    let encounter = encounters.find(|of| of.name.ends_with(ending)).expect("one of the family");
+    (encounter, bodies.search(encounter))
 }
 
 fn grow(split: Build) -> Box<dyn FnMut() -> u64> {

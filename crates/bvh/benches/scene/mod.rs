@@ -44,12 +44,12 @@ pub(crate) const NAMES: &[&str] = &[
 ];
 
 /// The pose of the SUV in the sedan's frame: yaw, pitch, roll (degrees), position (m).
-type Stand = (f64, f64, f64, [f64; 3]);
+pub(crate) type Stand = (f64, f64, f64, [f64; 3]);
 
 /// Head-on, turned by 26 degrees with a small lateral offset: one corner about a metre deep.
-const DEEP: Stand = (154.0, 1.7, -2.3, [3.9, 0.5, 0.05]);
+pub(crate) const DEEP: Stand = (154.0, 1.7, -2.3, [3.9, 0.5, 0.05]);
 /// Side by side, nose outwards: a few millimetres.
-const SCRATCH: Stand = (7.0, 0.9, 1.1, [0.8, 2.14, 0.03]);
+pub(crate) const SCRATCH: Stand = (7.0, 0.9, 1.1, [0.8, 2.14, 0.03]);
 /// Side by side with a gap of a few millimetres: boxes overlap, triangles do not.
 const MISS: Stand = (7.0, 0.9, 1.1, [0.8, 2.15, 0.03]);
 
