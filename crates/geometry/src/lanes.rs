@@ -69,8 +69,14 @@ pub fn turned<S: Simd, V: Lanes<S>>(
 /// `matrix · v`.
 #[inline(always)]
 pub fn rotated<S: Simd, V: Lanes<S>>(simd: S, rows: &[[f32; 3]; 3], v: [V; 3]) -> [V; 3] {
-    let same = |[x, y, z]: [f32; 3]| [V::splat(simd, x), V::splat(simd, y), V::splat(simd, z)];
-    [dot(same(rows[0]), v), dot(same(rows[1]), v), dot(same(rows[2]), v)]
+    let [p, q, r] = rows;
+    [dot(splat(simd, p), v), dot(splat(simd, q), v), dot(splat(simd, r), v)]
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+fn splat<S: Simd, V: Lanes<S>>(simd: S, [x, y, z]: &[f32; 3]) -> [V; 3] {
+    [V::splat(simd, *x), V::splat(simd, *y), V::splat(simd, *z)]
 }
 
 /// `row · v + last`.

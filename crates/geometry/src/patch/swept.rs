@@ -21,10 +21,13 @@
 //! - A coordinate across or along the motion is a product of a position with a rounded row: 35uL for
 //!   the position, 12uL for products and sums, 4u of the way of below 7L. 128uL are allowed.
 //! - An orientation across the motion is off as in [`crate::sweep`], with that coordinate error.
+//! - A plane is computed from corners that are off by e = 128uL, and misses them by what is measured,
+//!   r. Within the triangle it is a mean of its values at the true corners, so it is off by at most
+//!   e + r + e·(sum of slopes); 3e times that sum are allowed, as it is also evaluated with rounding.
 
 use super::{Boxes, Close, LANES, Patch, Posed, Vector, eight, same};
 use crate::Sweep;
-use crate::lanes::{dot, gather, minus, plus};
+use crate::lanes::{cross, gather, minus, plus, rotated};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 
@@ -57,13 +60,23 @@ impl Inverse {
 /// inverse spread over all lanes.
 #[inline(always)]
 pub fn travels<S: Simd>(of_a: &Boxes<S>, of_b: &Boxes<S>, inverse: &Vector<S>) -> [f32x8<S>; 2] {
-    let along = |k: usize| {
-        let p = (of_a.min[k] - of_b.max[k]) * inverse[k];
-        let q = (of_a.max[k] - of_b.min[k]) * inverse[k];
-        [p.min(q), p.max(q)]
-    };
-    let [[x, u], [y, v], [z, w]] = [along(0), along(1), along(2)];
+    let [x, u] = along(of_a, of_b, inverse, 0);
+    let [y, v] = along(of_a, of_b, inverse, 1);
+    let [z, w] = along(of_a, of_b, inverse, 2);
     [x.max(y).max(z), u.min(v).min(w)]
+}
+
+/// [`travels`] along one axis.
+#[inline(always)]
+fn along<S: Simd>(
+    of_a: &Boxes<S>,
+    of_b: &Boxes<S>,
+    inverse: &Vector<S>,
+    axis: usize,
+) -> [f32x8<S>; 2] {
+    let p = (of_a.min[axis] - of_b.max[axis]) * inverse[axis];
+    let q = (of_a.max[axis] - of_b.min[axis]) * inverse[axis];
+    [p.min(q), p.max(q)]
 }
 
 /// A motion seen from a close frame at the reference travel.
@@ -259,30 +272,94 @@ impl SweptPairs {
     ) -> (mask32x8<S>, f32x8<S>) {
         let (of_a, of_b) = (&self.a[at..at + LANES], &self.b[at..at + LANES]);
         let origin = same(simd, &close.origin());
-        let a = gather(simd, posed.a, of_a).map(|corner| minus(corner, origin));
+        let [a0, a1, a2]: [Vector<S>; 3] = gather(simd, posed.a, of_a);
         let [b0, b1, b2]: [Vector<S>; 3] = gather(simd, posed.b, of_b);
         let placed = close.placed(simd, posed, b0, [minus(b1, b0), minus(b2, b0)]);
         let [f, g] = placed.edges;
-        let b = [placed.corner, plus(placed.corner, f), plus(placed.corner, g)];
-
-        let rows = [0, 1, 2].map(|k| same(simd, &window.rows[k]));
-        let seen = |p: Vector<S>| [dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)];
-        let (a, b) = (a.map(seen), b.map(seen));
+        let corner = placed.corner;
+        // What follows is written out: closures over vectors are not always inlined, and then slow.
+        let rows = &window.rows;
+        let a = [
+            rotated(simd, rows, minus(a0, origin)),
+            rotated(simd, rows, minus(a1, origin)),
+            rotated(simd, rows, minus(a2, origin)),
+        ];
+        let b = [
+            rotated(simd, rows, corner),
+            rotated(simd, rows, plus(corner, f)),
+            rotated(simd, rows, plus(corner, g)),
+        ];
         let (box_a, box_b) = (Boxes::around(&a), Boxes::around(&b));
         let error = window.coordinate_error;
-        let beyond = |k: usize| {
-            (box_a.min[k] - box_b.max[k]).simd_gt(2.0 * error)
-                | (box_b.min[k] - box_a.max[k]).simd_gt(2.0 * error)
-        };
+        let low = [box_a.min[0].max(box_b.min[0]), box_a.min[1].max(box_b.min[1])];
+        let high = [box_a.max[0].min(box_b.max[0]), box_a.max[1].min(box_b.max[1])];
         let first = box_a.min[2] - box_b.max[2] - 2.0 * error;
         let last = box_a.max[2] - box_b.min[2] + 2.0 * error;
-        let apart = beyond(0) | beyond(1) | first.simd_gt(window.to) | last.simd_lt(window.from);
+        let apart = (low[0] - high[0]).simd_gt(2.0 * error)
+            | (low[1] - high[1]).simd_gt(2.0 * error)
+            | first.simd_gt(window.to)
+            | last.simd_lt(window.from);
+        if apart.to_bitmask() & ALL == ALL {
+            return (!apart, first);
+        }
 
-        let width = |k: usize| box_a.max[k].max(box_b.max[k]) - box_a.min[k].min(box_b.min[k]);
-        let side_error = (width(0).max(width(1)) + error) * (16.0 * error) + UNDERFLOW;
+        let width_x = box_a.max[0].max(box_b.max[0]) - box_a.min[0].min(box_b.min[0]);
+        let width_y = box_a.max[1].max(box_b.max[1]) - box_a.min[1].min(box_b.min[1]);
+        let side_error = (width_x.max(width_y) + error) * (16.0 * error) + UNDERFLOW;
         let apart =
             apart | separated(simd, &a, &b, side_error) | separated(simd, &b, &a, side_error);
-        (!apart, first)
+
+        // The distance of both planes along the motion is linear: least at a corner of the box that
+        // holds all points of both projections.
+        let (plane_a, plane_b) = (Plane::of(&a), Plane::of(&b));
+        let (low_x, high_x) = (low[0] - error, high[0] + error);
+        let (low_y, high_y) = (low[1] - error, high[1] + error);
+        let (x, half_x) = ((low_x + high_x) * 0.5, (high_x - low_x) * 0.5);
+        let (y, half_y) = ((low_y + high_y) * 0.5, (high_y - low_y) * 0.5);
+        let steep = plane_a.steepness() + plane_b.steepness();
+        let off = plane_a.off + plane_b.off + (steep * 3.0 + 2.0) * error;
+        let middle = plane_a.height(x, y) - plane_b.height(x, y);
+        let least = middle
+            - (plane_a.slope_x - plane_b.slope_x).abs() * half_x
+            - (plane_a.slope_y - plane_b.slope_y).abs() * half_y
+            - off;
+        // Planes along the motion have no slope: then the bound is infinite or NaN, and unused.
+        let first = least.simd_gt(first).select(least, first);
+        (!(apart | first.simd_gt(window.to)), first)
+    }
+}
+
+/// Eight lanes.
+const ALL: u64 = 0xff;
+
+/// The height of a triangle's plane over the plane across the motion.
+struct Plane<S: Simd> {
+    corner: Vector<S>,
+    slope_x: f32x8<S>,
+    slope_y: f32x8<S>,
+    /// By how much the plane misses the corners, as computed (m).
+    off: f32x8<S>,
+}
+
+impl<S: Simd> Plane<S> {
+    #[inline(always)]
+    fn of([p, q, r]: &[Vector<S>; 3]) -> Self {
+        let normal = cross(minus(*q, *p), minus(*r, *p));
+        let (slope_x, slope_y) = (-normal[0] / normal[2], -normal[1] / normal[2]);
+        let plane = Self { corner: *p, slope_x, slope_y, off: normal[2] };
+        let miss_q = (plane.height(q[0], q[1]) - q[2]).abs();
+        let miss_r = (plane.height(r[0], r[1]) - r[2]).abs();
+        Self { off: miss_q.max(miss_r), ..plane }
+    }
+
+    #[inline(always)]
+    fn height(&self, x: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
+        self.corner[2] + self.slope_x * (x - self.corner[0]) + self.slope_y * (y - self.corner[1])
+    }
+
+    #[inline(always)]
+    fn steepness(&self) -> f32x8<S> {
+        self.slope_x.abs() + self.slope_y.abs()
     }
 }
 
@@ -293,21 +370,34 @@ const UNDERFLOW: f32 = f32::from_bits((127 - 100) << 23);
 #[inline(always)]
 fn separated<S: Simd>(
     simd: S,
-    of: &[Vector<S>; 3],
+    [p, q, r]: &[Vector<S>; 3],
     other: &[Vector<S>; 3],
     error: f32x8<S>,
 ) -> mask32x8<S> {
     let zero = f32x8::splat(simd, 0.0);
     let margin = error + error;
-    let side = |i: usize, r: &Vector<S>| {
-        let (p, q) = (&of[i], &of[(i + 1) % 3]);
-        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-    };
-    let area = side(0, &of[2]);
+    let area = side(p, q, r);
     let (most, least) = (area.max(zero) + margin, area.min(zero) - margin);
-    let beyond = |i: usize| {
-        let [p, q, r] = [side(i, &other[0]), side(i, &other[1]), side(i, &other[2])];
-        p.min(q).min(r).simd_gt(most) | p.max(q).max(r).simd_lt(least)
-    };
-    beyond(0) | beyond(1) | beyond(2)
+    beyond(p, q, other, most, least)
+        | beyond(q, r, other, most, least)
+        | beyond(r, p, other, most, least)
+}
+
+/// Twice the area of a projected triangle, positive if its corners turn counter-clockwise.
+#[inline(always)]
+fn side<S: Simd>(p: &Vector<S>, q: &Vector<S>, r: &Vector<S>) -> f32x8<S> {
+    (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+}
+
+/// Where a whole triangle lies on one side of the line pq, beyond these areas.
+#[inline(always)]
+fn beyond<S: Simd>(
+    p: &Vector<S>,
+    q: &Vector<S>,
+    [u, v, w]: &[Vector<S>; 3],
+    most: f32x8<S>,
+    least: f32x8<S>,
+) -> mask32x8<S> {
+    let (u, v, w) = (side(p, q, u), side(p, q, v), side(p, q, w));
+    u.min(v).min(w).simd_gt(most) | u.max(v).max(w).simd_lt(least)
 }

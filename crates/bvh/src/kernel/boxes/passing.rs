@@ -10,20 +10,23 @@
 
 use super::leaves::cells;
 use super::{Frames, lanes};
-use body::wide::LANES;
+use body::wide::{LANES, Slab};
 use body::{BodyView, WideLeaf, WideNode};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use fearless_simd_macros::simd;
 use geometry::patch::{Boxes, Choice, Close, Inverse, OneBox, Vector, Window, down, same};
 use geometry::patch::{side_by_side, travels, up};
-use geometry::{Aabb, Patch, Posed, RelativePose, Sweep};
+use geometry::{Aabb, DVec3, Patch, Posed, RelativePose, Sweep};
 
 /// Two unit roundings for each of four operations: 8u.
 const ROUNDING: f64 = 1.0 / (1 << 21) as f64;
 
 /// Twice the least component of a direction.
 const COMPONENT: f64 = 2e-9;
+
+/// Below this component of the motion along its normal, a slab bounds no travel.
+const SLAB_ALONG_MIN: f64 = 1e-6;
 
 /// More than the travel of two triangles is off by (m).
 const TOLERANCE_M: f64 = 2.0 * geometry::sweep::TOLERANCE_M;
@@ -32,6 +35,9 @@ const TOLERANCE_M: f64 = 2.0 * geometry::sweep::TOLERANCE_M;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::kernel) struct Passing {
     frames: Frames,
+    pose: RelativePose,
+    /// The direction in A's frame.
+    ahead: DVec3,
     /// The direction in A's frame and in B's.
     directions: [[f32; 3]; 2],
     inverses: [Inverse; 2],
@@ -55,6 +61,8 @@ impl Passing {
         let directions = [direction, pose.direction_to_b(direction)].map(|d| d.to_array());
         Some(Self {
             frames,
+            pose: *pose,
+            ahead: direction,
             directions: directions.map(|d| d.map(|x| x as f32)),
             inverses: directions.map(Inverse::of),
             from: down(sweep.from_m()),
@@ -78,7 +86,8 @@ impl Passing {
         let Boxes { min: [x, y, z], max: [u, v, w] } = self.frames.to_b.moved(simd, &of_a);
         let (min, max): ([[f32; LANES]; 3], [[f32; LANES]; 3]) =
             ([x.into(), y.into(), z.into()], [u.into(), v.into(), w.into()]);
-        let [inverse_a, inverse_b] = [0, 1].map(|k| same(simd, &self.inverses[k].0));
+        let inverse_a = same(simd, &self.inverses[0].0);
+        let inverse_b = same(simd, &self.inverses[1].0);
         let mut meeting = 0;
         let mut open = used_a;
         while open != 0 {
@@ -129,7 +138,8 @@ impl Passing {
         of_b: &Boxes<S>,
         limit: f32,
     ) -> (u64, [f32; LANES]) {
-        let [inverse_a, inverse_b] = [0, 1].map(|k| same(simd, &self.inverses[k].0));
+        let inverse_a = same(simd, &self.inverses[0].0);
+        let inverse_b = same(simd, &self.inverses[1].0);
         let [p, q] = travels(of_a, &self.frames.to_a.moved(simd, of_b), &inverse_a);
         let [r, s] = travels(&self.frames.to_b.moved(simd, of_a), of_b, &inverse_b);
         let (here, begin) = self.within(simd, [p.max(r), q.min(s)], limit);
@@ -154,16 +164,59 @@ impl Passing {
         let b_in_a = self.frames.to_a.moved_plainly(b);
         let a_in_b = self.frames.to_b.moved_plainly(a);
         let [mut first, mut last] = [f32::NEG_INFINITY, f32::INFINITY];
-        for (a, b, Inverse(inverse)) in
-            [(a, &b_in_a, self.inverses[0]), (&a_in_b, b, self.inverses[1])]
-        {
-            for k in 0..3 {
-                let p = (a.min[k] - b.max[k]) * inverse[k];
-                let q = (a.max[k] - b.min[k]) * inverse[k];
+        let frames = [(a, &b_in_a, &self.inverses[0]), (&a_in_b, b, &self.inverses[1])];
+        for (a, b, Inverse(inverse)) in frames {
+            for (k, inverse) in inverse.iter().enumerate() {
+                let (p, q) = ((a.min[k] - b.max[k]) * inverse, (a.max[k] - b.min[k]) * inverse);
                 (first, last) = (first.max(p.min(q)), last.min(p.max(q)));
             }
         }
         [first - self.tolerance, last + self.tolerance]
+    }
+
+    /// From when to when each of two leaves may meet the slab of the other (m), within two travels:
+    /// patches of a surface that is oblique to all axes come near each other much later than their
+    /// boxes.
+    pub(in crate::kernel) fn slabs_travels(
+        &self,
+        a: &WideLeaf,
+        b: &WideLeaf,
+        [mut first, mut last]: [f64; 2],
+    ) -> [f64; 2] {
+        let RelativePose { rotation: [p, q, r], translation } = self.pose;
+        let (p, q, r) = (DVec3::from_array(p), DVec3::from_array(q), DVec3::from_array(r));
+        let shift = DVec3::from_array(translation);
+        let normal = |slab: &Slab| DVec3::from_array(slab.normal.map(f64::from));
+        let reach = |bounds: &Aabb, normal: DVec3| {
+            let bounds = bounds.bounds();
+            let (middle, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+            [normal.dot(middle), normal.abs().dot(half)]
+        };
+        // What B's leaf reaches along the normal of A's slab, and A's along that of B's, which
+        // moves.
+        let of_a = normal(&a.slab);
+        let [middle, half] = reach(&b.bounds, p * of_a.x + q * of_a.y + r * of_a.z);
+        let middle = middle + of_a.dot(shift);
+        let (low, high) = (f64::from(a.slab.low), f64::from(a.slab.high));
+        let meets_a = [low - middle - half, high - middle + half, of_a.dot(self.ahead)];
+        let own = normal(&b.slab);
+        let of_b = DVec3::new(p.dot(own), q.dot(own), r.dot(own));
+        let [middle, half] = reach(&a.bounds, of_b);
+        let middle = middle - of_b.dot(shift);
+        let (low, high) = (f64::from(b.slab.low), f64::from(b.slab.high));
+        let meets_b = [middle - half - high, middle + half - low, of_b.dot(self.ahead)];
+        for [least, most, along] in [meets_a, meets_b] {
+            // A slab along the motion is met at all travels, or at none.
+            if along.abs() < SLAB_ALONG_MIN {
+                continue;
+            }
+            let inverse = 1.0 / along;
+            let (p, q) =
+                ((least - self.frames.slack) * inverse, (most + self.frames.slack) * inverse);
+            (first, last) = (first.max(p.min(q)), last.min(p.max(q)));
+        }
+        let tolerance = f64::from(self.tolerance);
+        [first - tolerance, last + tolerance]
     }
 
     /// Adds those triangles of two leaves that may meet one of the other leaf between two travels
@@ -233,13 +286,14 @@ fn swept<S: Simd>(
 #[inline(always)]
 fn one<S: Simd>(
     simd: S,
-    min: &[[f32; LANES]; 3],
-    max: &[[f32; LANES]; 3],
+    [u, v, w]: &[[f32; LANES]; 3],
+    [x, y, z]: &[[f32; LANES]; 3],
     lane: usize,
 ) -> Boxes<S> {
-    let of =
-        |[x, y, z]: &[[f32; LANES]; 3]| -> Vector<S> { same(simd, &[x[lane], y[lane], z[lane]]) };
-    Boxes { min: of(min), max: of(max) }
+    Boxes {
+        min: same(simd, &[u[lane], v[lane], w[lane]]),
+        max: same(simd, &[x[lane], y[lane], z[lane]]),
+    }
 }
 
 /// The triangles of B that meet a box of A on their way.

@@ -103,7 +103,7 @@ impl Frontier {
     /// Puts the pairs pushed last, from number `from` of the stack on, in order: the earliest on
     /// top.
     pub(super) fn sort_stack(&mut self, from: usize) {
-        self.stack[from..].sort_unstable_by(|p, q| Ordered(*p).cmp(&Ordered(*q)));
+        self.stack[from..].sort_unstable_by_key(|open| Ordered(*open));
     }
 
     /// Number of pairs on the stack.

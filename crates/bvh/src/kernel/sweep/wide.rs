@@ -13,7 +13,7 @@ use body::WideNode;
 use body::wide::LANES;
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
-use geometry::patch::{LANES as EIGHT, SweptPairs, up};
+use geometry::patch::{LANES as EIGHT, SweptPairs, down, up};
 use geometry::{Aabb, Patch, Posed};
 use std::ops::ControlFlow;
 
@@ -129,7 +129,7 @@ impl Walk<'_, '_, '_, '_> {
                 (None, None) => self.open_both(simd, a, b),
                 (None, Some(leaf)) => self.open_a(simd, a, &leaf.bounds, pair.b),
                 (Some(leaf), None) => self.open_b(simd, &leaf.bounds, b, pair.a),
-                (Some(_), Some(_)) => self.collect(simd, pair),
+                (Some(_), Some(_)) => self.collect(simd, open),
             }
             self.search.frontier.sort_stack(stacked);
         }
@@ -191,16 +191,28 @@ impl Walk<'_, '_, '_, '_> {
         up(self.search.limit_m())
     }
 
-    /// Decides the triangles of two leaves.
+    /// Decides the triangles of two leaves, unless others are more urgent on a closer look.
     #[inline(always)]
-    fn collect<S: Simd>(&mut self, simd: S, pair: NodePair) {
+    fn collect<S: Simd>(&mut self, simd: S, OpenPair { pair, from_m }: OpenPair) {
         let (a, b) = (leaf(self.tree_a.from(pair.a)), leaf(self.tree_b.from(pair.b)));
         let task = self.search.task;
         let limit_m = self.search.limit_m();
         let [first, last] = self.frames.travels_of(&a[0].bounds, &b[0].bounds);
-        let begin_m = f64::from(first).max(task.sweep.from_m());
-        let end_m = f64::from(last).min(limit_m);
+        let travels = [f64::from(first), f64::from(last)];
+        self.search.counters.nb += 2;
+        let [first_m, last_m] = self.frames.slabs_travels(&a[0], &b[0], travels);
+        let begin_m = first_m.max(task.sweep.from_m());
+        let end_m = last_m.min(limit_m);
         if begin_m > end_m {
+            return;
+        }
+        // The bound of its boxes is lower: it comes up again with that of its slabs, and is then
+        // decided.
+        let bound = down(first_m);
+        let is_later =
+            bound > from_m && self.search.frontier.peek().is_some_and(|next| next.from_m < bound);
+        if is_later {
+            self.search.frontier.push(OpenPair { pair, from_m: bound });
             return;
         }
         self.search.counters.nb += u64::from(a[0].count + b[0].count);
