@@ -20,6 +20,7 @@
 mod client;
 mod housekeeper;
 mod listener;
+mod notify_socket;
 mod place;
 mod server;
 #[cfg(test)]
@@ -29,6 +30,8 @@ mod wire;
 pub use client::{ClientPort, Pending};
 pub use housekeeper::Housekeeper;
 pub use listener::TopicSubscriber;
+pub use notify_socket::{Notice, NotifySocket};
+pub use place::remove_dead_service;
 pub use server::{Server, TakenRequest};
 
 use crate::domain::{config, is_instance};
