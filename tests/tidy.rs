@@ -5,6 +5,8 @@
 //! A fault names file and line. The checks read text, and understand as much Rust as
 //! `tidy/code.rs`.
 
+#[path = "tidy/bounds.rs"]
+mod bounds;
 #[path = "tidy/circles.rs"]
 mod circles;
 #[path = "tidy/code.rs"]
@@ -278,6 +280,11 @@ fn orders_to_misbehave_and_deliberate_flaws_stand_behind_a_feature() {
     }
     none(&all);
     assert!(gated > 100, "only {gated} names: are they called something else by now?");
+}
+
+#[test]
+fn every_loop_and_wait_stands_on_the_page_of_bounds() {
+    none(&bounds::faults(&packages()));
 }
 
 #[test]

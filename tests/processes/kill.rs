@@ -3,35 +3,13 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{
-    self, Crash, Place, answer, builder, children, cpu_ticks, instance, json, left_in_shm,
-    library_answer, run, scenario, signal, text, trolley, wait_for, workers_at_work,
+    self, DEPTH, Place, answer, builder, children, cpu_ticks, heavy, instance, json, left_in_shm,
+    library_answer, run, signal, text, trolley, wait_for, workers_at_work,
 };
 use ::trolley::dispatch_options::{DispatchOptions, TransferMode};
 use ::trolley::{Limits, Scenario};
 use rustix::process::Signal;
-use std::fmt::Write as _;
 use std::process::{Child, Output};
-
-/// Deep enough for tens of thousands of jobs: the run takes long on any machine.
-const DEPTH: &str = "17";
-
-/// Work for a while: sixteen deep contacts of the same two bodies.
-fn heavy(triangles: u32) -> String {
-    let crash = Crash { shape: "sedan", triangles, at: [4.4, 0.0, 175.0], speeds: [15.0, 12.0] };
-    let mut text = scenario(triangles, &[crash]);
-    for number in 1..16 {
-        let y = 0.05 * f64::from(number);
-        write!(
-            text,
-            "\n[[candidates]]\nname = \"more {number}\"\n\
-             ego = {{ position_m = [0, 0, 0], speed_m_s = 15 }}\n\
-             other = {{ party = \"p0\", position_m = [4.4, {y:?}, 0], yaw_deg = 175, \
-             speed_m_s = 12 }}\n"
-        )
-        .unwrap();
-    }
-    text
-}
 
 struct Started {
     child: Child,

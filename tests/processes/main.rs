@@ -15,3 +15,4 @@ mod measure;
 mod serve;
 mod sign;
 mod strangers;
+mod supervise;

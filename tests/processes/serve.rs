@@ -2,7 +2,7 @@
 //! invalid requests, vanish or are killed; and nothing is left behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::service::{deployment, left_behind, ranked, ranking, serve, shipped};
+use crate::support::service::{deployment, left_behind, of_six, ranked, ranking, serve, shipped};
 use crate::support::{self, Place, children, run, signal, six, text, trolley, wait_for};
 use client::public::{Ask, Motion, Reason, WireCandidate, WireParty, WireState};
 use client::{Client, Waiting};
@@ -10,18 +10,6 @@ use rustix::process::Signal;
 use std::time::Duration;
 
 pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
-
-/// The bodies of [`six`].
-fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
-    let scenario = scenario::Scenario::parse("six.toml", &six(triangles)).unwrap();
-    let body = |party: &scenario::Party| match party.source {
-        scenario::Source::Generate { shape, triangles, seed } => {
-            (shape.name(), triangles, seed as u32)
-        }
-        scenario::Source::File(_) => panic!("generated bodies alone"),
-    };
-    scenario.parties.iter().map(body).collect()
-}
 
 pub(crate) fn connect(instance: &str) -> Client {
     Client::connect(None, instance, Waiting::Nap(Duration::from_micros(100))).unwrap()

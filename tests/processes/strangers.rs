@@ -1,6 +1,7 @@
 //! What another user of the machine can plant where this program shares its files.
 //!
-//! The stranger is the user `nobody`, and needs root to become that; without, these are skipped.
+//! The stranger is a user of this test's own, without an account, and needs root to become that;
+//! without, these are skipped.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -10,7 +11,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
-const NOBODY: &str = "65534";
+/// The first of a thousand user ids that neither useradd nor systemd gives away.
+const STRANGERS: u32 = 60_000;
 /// What a refusal may take: far more than it needs, far less than forever.
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -30,20 +32,29 @@ impl Open {
 
     /// What a stranger makes there.
     fn plant(&self, script: &str) {
-        let planted = as_nobody().args(["/bin/sh", "-c", script]).current_dir(self.path()).output();
+        let planted =
+            as_stranger().args(["/bin/sh", "-c", script]).current_dir(self.path()).output();
         let planted = planted.unwrap();
         assert!(planted.status.success(), "{script}: {}", text(&planted.stderr));
     }
 }
 
-fn as_nobody() -> Command {
-    let mut command = Command::new("setpriv");
-    command.args(["--reuid", NOBODY, "--regid", NOBODY, "--clear-groups"]);
+/// A user id that no account has, and no other test process.
+fn stranger() -> String {
+    let accounts = std::fs::read_to_string("/etc/passwd").unwrap_or_default();
+    let first = std::process::id() % 1_000;
+    let mut ids = (0..1_000).map(|number| (STRANGERS + (first + number) % 1_000).to_string());
+    ids.find(|id| !accounts.contains(&format!(":{id}:"))).expect("a user id without an account")
+}
+
+fn as_stranger() -> Command {
+    let (mut command, id) = (Command::new("setpriv"), stranger());
+    command.args(["--reuid", &id, "--regid", &id, "--clear-groups"]);
     command
 }
 
 fn is_possible() -> bool {
-    let possible = as_nobody().arg("/bin/true").output().is_ok_and(|done| done.status.success());
+    let possible = as_stranger().arg("/bin/true").output().is_ok_and(|done| done.status.success());
     if !possible {
         skipped("strangers: this user may not become another one");
     }
@@ -67,8 +78,8 @@ fn minimal() -> String {
 const PLANTS: [(&str, &str); 5] = [
     ("mkfifo NAME; chmod 666 NAME", "a pipe"),
     ("ln -s precious NAME", "a link"),
-    ("mkdir -m 777 NAME", "belongs to user 65534"),
-    ("mkdir -m 700 NAME", "belongs to user 65534"),
+    ("mkdir -m 777 NAME", "belongs to user STRANGER"),
+    ("mkdir -m 700 NAME", "belongs to user STRANGER"),
     ("echo x > NAME; chmod 666 NAME", "a file"),
 ];
 
@@ -80,6 +91,7 @@ fn what_strangers_plant_under_the_folder_of_all_is_refused_with_its_name() {
     let alone =
         json(&trolley().args(["rank", &minimal(), "--in-process", "--json"]).output().unwrap());
     for (plant, what) in PLANTS {
+        let what = &what.replace("STRANGER", &stranger());
         let open = Open::new();
         let precious = open.path().join("precious");
         let kept = precious.join("trolley.victim.0000000000000001");
@@ -109,6 +121,7 @@ fn what_strangers_plant_under_the_name_of_a_service_is_refused_by_it_and_by_its_
         support::service::deployment(&place, 1, &[("sedan", 500, 1), ("wall", 500, 1)]);
     let written = std::fs::read_to_string(&deployment).unwrap();
     for (plant, what) in PLANTS {
+        let what = &what.replace("STRANGER", &stranger());
         let open = Open::new();
         std::fs::create_dir(open.path().join("precious")).unwrap();
         let folder = format!("folder = {:?}\n[engine]", open.path());
@@ -145,7 +158,10 @@ fn a_service_without_workers_makes_nothing_in_a_folder_of_a_stranger() {
     let refused = run_in(open.path(), &args);
     let said = text(&refused.stderr);
     assert_eq!(refused.status.code(), Some(78), "{said}");
-    assert!(said.contains("belongs to user 65534") && said.contains("remove it"), "{said}");
+    assert!(
+        said.contains(&format!("belongs to user {}", stranger())) && said.contains("remove it"),
+        "{said}"
+    );
     let left: Vec<_> = std::fs::read_dir(open.path().join("trolley")).unwrap().collect();
     assert!(left.is_empty(), "{left:?}");
 }
@@ -176,7 +192,7 @@ fn no_shared_file_of_a_service_can_be_opened_by_others() {
     assert!(files > 10, "a service has files");
     if is_possible() {
         let folder = trolley::doctor::shared_folder();
-        let listed = as_nobody().arg("ls").arg(&folder).output().unwrap();
+        let listed = as_stranger().arg("ls").arg(&folder).output().unwrap();
         assert!(!listed.status.success(), "{}", text(&listed.stdout));
     }
     serving.end();

@@ -158,6 +158,27 @@ pub(crate) fn six(triangles: u32) -> String {
     )
 }
 
+/// Deep enough for tens of thousands of jobs: the run takes long on any machine.
+pub(crate) const DEPTH: &str = "17";
+
+/// Work for a while: sixteen deep contacts of the same two bodies.
+pub(crate) fn heavy(triangles: u32) -> String {
+    let crash = Crash { shape: "sedan", triangles, at: [4.4, 0.0, 175.0], speeds: [15.0, 12.0] };
+    let mut text = scenario(triangles, &[crash]);
+    for number in 1..16 {
+        let y = 0.05 * f64::from(number);
+        write!(
+            text,
+            "\n[[candidates]]\nname = \"more {number}\"\n\
+             ego = {{ position_m = [0, 0, 0], speed_m_s = 15 }}\n\
+             other = {{ party = \"p0\", position_m = [4.4, {y:?}, 0], yaw_deg = 175, \
+             speed_m_s = 12 }}\n"
+        )
+        .unwrap();
+    }
+    text
+}
+
 /// Process ids of the children of a process.
 pub(crate) fn children(pid: u32) -> Vec<u32> {
     let path = format!("/proc/{pid}/task/{pid}/children");

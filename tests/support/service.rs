@@ -120,6 +120,18 @@ pub(crate) fn deployment(place: &Place, workers: u32, bodies: &[(&str, u32, u32)
     place.write("deployment.toml", &file)
 }
 
+/// The bodies of [`six`].
+pub(crate) fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
+    let scenario = scenario::Scenario::parse("six.toml", &super::six(triangles)).unwrap();
+    let body = |party: &scenario::Party| match party.source {
+        scenario::Source::Generate { shape, triangles, seed } => {
+            (shape.name(), triangles, seed as u32)
+        }
+        scenario::Source::File(_) => panic!("generated bodies alone"),
+    };
+    scenario.parties.iter().map(body).collect()
+}
+
 /// The ranking of `trolley query --json`: names, work and range.
 pub(crate) fn ranking(output: &Output) -> Vec<(String, [u64; 4])> {
     rows(&super::json(output)["ranking"], output)

@@ -1,10 +1,10 @@
 //! Packages built from what they would publish, and never from what they published before.
 //!
-//! cargo takes a package from a registry for unchanged if its version is. `cargo package --workspace`
-//! makes such a registry below the target directory, and unpacks it below the home of cargo, in a
-//! folder named by the registry's path: a second run with the same target directory, or a second
-//! clone at the same place, verifies the sources of the first. A target directory that no run had
-//! before has neither.
+//! cargo takes a package from a registry for unchanged if its version is. `cargo package
+//! --workspace` makes such a registry below the target directory, and unpacks it below the home of
+//! cargo, in a folder named by the registry's path: a second run with the same target directory, or
+//! a second clone at the same place, verifies the sources of the first. A target directory that no
+//! run had before has neither.
 
 use crate::step::{Outcome, Step};
 use anyhow::{Context as _, Result};

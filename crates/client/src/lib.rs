@@ -137,9 +137,9 @@ impl Client {
         loop {
             match pending.receive() {
                 Ok(Some(answer)) if answer.sequence == ask.sequence => return answer,
-                // An answer to an earlier request that was withdrawn.
-                Ok(Some(_)) => continue,
-                Ok(None) => {}
+                // None, or one to an earlier request that was withdrawn: however many come, the
+                // deadline holds.
+                Ok(Some(_) | None) => {}
                 Err(error) => return refused(Reason::NoService, &error.to_string()),
             }
             let now_ns = now_ns();

@@ -2,6 +2,7 @@
 
 use crate::gather::{Part, Rest};
 use crate::work::{PartOf, TaskSource};
+use crate::worker_pool::IdleHook;
 use body::{BodyView, Meta};
 use bvh::{NodePair, Sink};
 use core::ops::ControlFlow;
@@ -10,6 +11,9 @@ use executor::{Executor, JobInput, NotDone, hit};
 use protocol::Summary;
 use protocol::result::Last;
 use runtime::clock;
+
+/// Interval between calls of the idle hook (ns), as with workers.
+const LOOK_NS: u64 = 20_000_000;
 
 /// Hits of a job, which stops when the answer is due.
 #[derive(Debug)]
@@ -39,6 +43,8 @@ pub struct InProcessExecutor {
     executor: Executor,
     hits: Vec<u32>,
     jobs: Vec<Job>,
+    /// Called while a request is worked on.
+    idle_hook: Option<IdleHook>,
 }
 
 /// Runs a request in this process, to its end or as far as its limits ask. Returns the number of
@@ -61,7 +67,13 @@ impl InProcessExecutor {
     #[must_use]
     pub fn with_room_for(bodies: &[(Meta, BodyView<'_>)]) -> Self {
         let executor = Executor::with_room_for(bodies);
-        Self { executor, hits: Vec::new(), jobs: Vec::new() }
+        Self { executor, hits: Vec::new(), jobs: Vec::new(), idle_hook: None }
+    }
+
+    /// Calls this hook between jobs, some 20 ms apart.
+    #[must_use]
+    pub fn with_idle_hook(self, idle_hook: IdleHook) -> Self {
+        Self { idle_hook: Some(idle_hook), ..self }
     }
 
     /// Sizes the buffers for jobs of other bodies; allocates only if these are larger.
@@ -81,7 +93,8 @@ impl InProcessExecutor {
     ) -> u64 {
         let mut jobs = std::mem::take(&mut self.jobs);
         let mut count = 0;
-        work.accept(clock::now_ns());
+        let mut looked_ns = clock::now_ns();
+        work.accept(looked_ns);
         'work: loop {
             jobs.clear();
             work.more(&mut jobs);
@@ -89,8 +102,13 @@ impl InProcessExecutor {
                 break;
             }
             for job in &jobs {
-                if work.is_over(clock::now_ns()) {
+                let now_ns = clock::now_ns();
+                if work.is_over(now_ns) {
                     break 'work;
+                }
+                if now_ns - looked_ns >= LOOK_NS {
+                    looked_ns = now_ns;
+                    self.idle_hook.iter_mut().for_each(IdleHook::call);
                 }
                 count += 1;
                 if work.is_obsolete(job) {

@@ -40,7 +40,10 @@ impl<'s> ServiceBackend<'s> {
                 worker_pool.listen(wake_fd, idle_hook)?;
                 Backend::Workers(Box::new(worker_pool))
             }
-            None => Backend::InProcess(Box::new(InProcessExecutor::with_room_for(bodies))),
+            None => {
+                let executor = InProcessExecutor::with_room_for(bodies);
+                Backend::InProcess(Box::new(executor.with_idle_hook(idle_hook)))
+            }
         };
         Ok(Self { guard, backend, store })
     }

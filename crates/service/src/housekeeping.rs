@@ -121,7 +121,9 @@ fn housekeeping(
     let every_ns = deployment.metrics.as_ref().map_or(0, |m| m.every_s * 1_000_000_000);
     loop {
         let is_last = shared.stop.load(Ordering::Acquire);
-        while let Some(entry) = shared.decisions.pop() {
+        // No more than the queue holds: however fast decisions come, the rest is done as well.
+        for _ in 0..WAITING {
+            let Some(entry) = shared.decisions.pop() else { break };
             if let Some(open) = &mut book
                 && let Err(error) = open.add(&entry.0, &entry.1)
             {

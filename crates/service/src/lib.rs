@@ -15,6 +15,9 @@
 //! - The queue, the pools and the files are bounded: nothing grows with the number of requests.
 //! - While a request is executed, no file is written and nothing is waited for but workers.
 //!
+//! Whoever watches it, systemd or [`supervise`], hears from the thread that answers, also while a
+//! request is worked on: `manager.rs`, `tests/processes/supervise.rs`.
+//!
 //! It reads no files: its caller hands over checked settings and sealed bodies.
 
 mod answer;
@@ -24,11 +27,13 @@ mod decisions;
 mod deployment;
 mod housekeeping;
 mod in_process;
+mod manager;
 mod metrics;
 mod ranker;
 mod request_queue;
 mod run;
 mod stats;
+mod supervisor;
 
 pub use ask::{of_scenario, seat_number};
 pub use decisions::{
@@ -41,3 +46,4 @@ pub use deployment::{
 };
 pub use in_process::InProcess;
 pub use run::{MissingRealtime, ServiceConfig, ServiceError, serve};
+pub use supervisor::{SupervisorError, supervise};

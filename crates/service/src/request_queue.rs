@@ -5,10 +5,14 @@
 //! safe because no two clients choose the same sequence numbers.
 
 use crate::stats::Stats;
-use protocol::public::{Ask, Reason, WireAnswer, WireState};
+use protocol::public::{Ask, CLIENTS_MAX, Reason, WireAnswer, WireState};
 use runtime::clock;
 use std::collections::VecDeque;
 use transport::{Server, TakenRequest, UseError};
+
+/// Most requests that are taken at once: some for each client. What is left finds the queue full,
+/// so the service does not sleep before it takes them.
+const TAKEN_MAX: usize = 4 * CLIENTS_MAX;
 
 /// A request to execute.
 pub(crate) struct Taken {
@@ -36,7 +40,7 @@ impl RequestQueue {
 
     /// Receives every pending request; those that find the queue full are answered *busy* at once.
     pub(crate) fn drain(&mut self) {
-        loop {
+        for _ in 0..TAKEN_MAX {
             // Before iceoryx2 updates its connections: it identifies a client by its slot in a
             // table and a request by a number that every client counts afresh, so a request of a
             // client that is gone would pass for one of its successor.

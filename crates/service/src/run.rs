@@ -1,4 +1,4 @@
-//! The main loop: open, notify systemd, answer one request after the other, end on a signal.
+//! The main loop: open, notify the manager, answer one request after the other, end on a signal.
 
 mod error;
 
@@ -9,6 +9,7 @@ use crate::backend::ServiceBackend;
 use crate::decisions::DecisionSigner;
 use crate::deployment::{Deployment, Idle};
 use crate::housekeeping::Housekeeping;
+use crate::manager::Manager;
 use crate::ranker::{Ranker, Unranked};
 use crate::request_queue::{RequestQueue, Taken};
 use crate::stats::{Stats, Times};
@@ -74,11 +75,11 @@ pub fn serve(
     let housekeeper = server.housekeeper();
     let stats = Stats::new().ok_or(ServiceError::Memory)?;
     let queue = Rc::new(RefCell::new(RequestQueue::new(server, stats, deployment.queue)));
-    let watchdog = Rc::new(Watchdog::new());
+    let manager = Rc::new(Manager::from_environment());
     let idle_hook = {
-        let (queue, watchdog) = (queue.clone(), watchdog.clone());
+        let (queue, manager) = (queue.clone(), manager.clone());
         IdleHook::new(move || {
-            watchdog.kick();
+            manager.ping();
             // Borrowed only while a request is answered: never at the same time as here.
             if let Ok(mut queue) = queue.try_borrow_mut() {
                 // A wake fd that stays readable would keep the coordinator awake.
@@ -112,7 +113,7 @@ pub fn serve(
         queue,
         backend,
         house,
-        watchdog,
+        manager,
         missing: Vec::new(),
         request: 0,
         told_ns: 0,
@@ -128,43 +129,13 @@ pub fn serve(
     let pids = service.backend.pids();
     service.queue.borrow_mut().stats.replaced(&pids, true);
     service.tell(Condition::Ready);
+    // Whoever reads that it serves may rely on its being watched.
+    service.manager.ready();
     ready(&service.missing);
-    notify(&[sd_notify::NotifyState::Ready]);
     let done = service.turn_until_told();
-    notify(&[sd_notify::NotifyState::Stopping]);
+    service.manager.stopping();
     service.refuse_waiting();
     done
-}
-
-fn notify(states: &[sd_notify::NotifyState<'_>]) {
-    // Without systemd there is no one to notify.
-    if let Err(error) = sd_notify::notify(states) {
-        tracing::debug!(%error, "systemd cannot be notified");
-    }
-}
-
-/// Systemd's watchdog, if it is enabled.
-struct Watchdog {
-    every_ns: Option<u64>,
-    kicked_ns: core::cell::Cell<u64>,
-}
-
-impl Watchdog {
-    fn new() -> Self {
-        let length = sd_notify::watchdog_enabled();
-        // A third of the time: two kicks may be late.
-        let every_ns = length.map(|length| length.as_nanos() as u64 / 3);
-        Self { every_ns, kicked_ns: core::cell::Cell::new(0) }
-    }
-
-    fn kick(&self) {
-        let Some(every_ns) = self.every_ns else { return };
-        let now_ns = clock::now_ns();
-        if now_ns - self.kicked_ns.get() >= every_ns {
-            self.kicked_ns.set(now_ns);
-            notify(&[sd_notify::NotifyState::Watchdog]);
-        }
-    }
 }
 
 /// The limits of a request with this deadline (ns; 0: none), given the time that recent requests
@@ -189,7 +160,7 @@ struct Service<'s> {
     backend: ServiceBackend<'s>,
     house: Housekeeping,
     queue: Rc<RefCell<RequestQueue>>,
-    watchdog: Rc<Watchdog>,
+    manager: Rc<Manager>,
     missing: Vec<MissingRealtime>,
     request: u64,
     told_ns: u64,
@@ -262,7 +233,7 @@ impl Service<'_> {
                 continue;
             }
             looked_ns = now_ns;
-            self.watchdog.kick();
+            self.manager.ping();
             if self.backend.idle(sleep_ns)?.is_some() {
                 self.is_stopping = true;
             } else {

@@ -134,9 +134,10 @@ pub(crate) fn enter(path: &Path) -> Result<File, OpenError> {
 /// # Errors
 ///
 /// If it is not there, no folder, or a stranger's.
-pub(crate) fn check_owner(path: &Path) -> Result<(), OpenError> {
+pub(crate) fn check_owner(path: &Path) -> Result<File, OpenError> {
     let shown = path.display().to_string();
-    let stat = fstat(&open(path)?).map_err(OpenError::at("examine", &shown))?;
+    let folder = open(path)?;
+    let stat = fstat(&folder).map_err(OpenError::at("examine", &shown))?;
     let is_known = stat.st_uid == geteuid().as_raw() || stat.st_uid == Uid::ROOT.as_raw();
     let is_public = stat.st_mode & OTHERS_WRITE != 0 && stat.st_mode & STICKY != 0;
     if !is_known && !is_public {
@@ -146,7 +147,7 @@ pub(crate) fn check_owner(path: &Path) -> Result<(), OpenError> {
             remedy: remedy_elsewhere(),
         });
     }
-    Ok(())
+    Ok(folder)
 }
 
 /// Opens a folder, whatever lies under that name.

@@ -20,6 +20,7 @@
 mod client;
 mod housekeeper;
 mod listener;
+mod notify_socket;
 mod place;
 mod server;
 #[cfg(test)]
@@ -29,6 +30,8 @@ mod wire;
 pub use client::{ClientPort, Pending};
 pub use housekeeper::Housekeeper;
 pub use listener::TopicSubscriber;
+pub use notify_socket::{Notice, NotifySocket};
+pub use place::remove_dead_service;
 pub use server::{Server, TakenRequest};
 
 use crate::domain::{config, is_instance};
@@ -40,8 +43,8 @@ use core::time::Duration;
 use iceoryx2::config::Config;
 use iceoryx2::node::{DeadNodeView, Node, NodeState, NodeView as _};
 use iceoryx2::prelude::CallbackProgression;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// Longest folder of an instance (bytes): the path of a socket, which lies in a place below it, has
 /// at most 107.
@@ -50,6 +53,10 @@ const ROOT_MAX: usize = 49;
 const NODES_MAX: usize = 64;
 /// How long cleaning up after one node may wait for another process that does the same.
 const CLEAN_PATIENCE: Duration = Duration::from_millis(100);
+/// Channels of dead clients that are no reason to clean up: a few for each client.
+const DEAD_CHANNELS_MAX: usize = 4 * protocol::public::CLIENTS_MAX;
+/// What the names of channels end with.
+const CHANNEL: &str = ".connection";
 /// Maximum number of listeners of a topic.
 const LISTENERS_MAX: usize = 16;
 
@@ -151,6 +158,19 @@ pub fn clean(place: &Path) {
             }
         }
     }
+    // A port that dies between making a channel and entering itself in it, or between leaving it
+    // and removing it, is not known to it: iceoryx2 then keeps its file for ever.
+    let remains = |port: &u128| remaining.iter().any(|node| process_of(*node) == process_of(*port));
+    for (path, ports) in channels(place) {
+        if ports.iter().any(|port| is_dead(*port)) && !ports.iter().any(remains) {
+            match fs::remove_file(&path) {
+                // The server has let go of it at this moment.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => tracing::debug!(path = %path.display(), %error, "stays"),
+                Ok(()) => tracing::debug!(path = %path.display(), "removed a channel of nobody"),
+            }
+        }
+    }
 }
 
 /// Calls `f` with every dead node that iceoryx2 can clean up after; `false` if none can be listed.
@@ -167,9 +187,13 @@ fn each_dead_node(config: &Config, mut f: impl FnMut(DeadNodeView<Ipc>)) -> bool
     listed.inspect_err(|error| tracing::debug!(%error, "cannot list nodes")).is_ok()
 }
 
-/// Whether a process that had a node in a place is dead. Reads names alone.
-fn has_dead_node(place: &Path) -> bool {
+/// Whether a process that had a node in a place is dead, or too many that had channels. Reads names
+/// alone.
+fn has_dead(place: &Path) -> bool {
+    let is_of_dead = |(_, ports): &(PathBuf, [u128; 2])| ports.iter().any(|port| is_dead(*port));
     nodes(place).any(|(_, node)| is_dead(node))
+        // Some are let go of by the server when it hears from the next client.
+        || channels(place).filter(is_of_dead).nth(DEAD_CHANNELS_MAX).is_some()
 }
 
 /// Files and folders of nodes, with the node's number, which their names hold.
@@ -182,8 +206,23 @@ fn nodes(place: &Path) -> impl Iterator<Item = (PathBuf, u128)> {
     })
 }
 
-/// Whether the process of a node is dead: the third word of its number is the process's id.
-fn is_dead(node: u128) -> bool {
-    let pid = node >> 64 & 0xffff_ffff;
-    !Path::new(&format!("/proc/{pid}")).exists()
+/// Files of channels, with the numbers of their sender and receiver, which end their names.
+fn channels(place: &Path) -> impl Iterator<Item = (PathBuf, [u128; 2])> {
+    let entries = fs::read_dir(place).into_iter().flatten().flatten();
+    entries.filter_map(|entry| {
+        let name = entry.file_name().into_string().ok()?;
+        let mut ports = name.strip_suffix(CHANNEL)?.rsplit('_').map(str::parse);
+        let (receiver, sender) = (ports.next()?.ok()?, ports.next()?.ok()?);
+        Some((entry.path(), [sender, receiver]))
+    })
+}
+
+/// Whether the process of a node or port is dead.
+fn is_dead(number: u128) -> bool {
+    !Path::new(&format!("/proc/{}", process_of(number))).exists()
+}
+
+/// The process of a node or port: the third word of its number.
+fn process_of(number: u128) -> u32 {
+    (number >> 64 & 0xffff_ffff) as u32
 }

@@ -11,7 +11,7 @@ use protocol::{Boot, Head, Incarnation, MessageKind, RequestId};
 use std::fs;
 use std::io::Write as _;
 use std::os::unix::process::CommandExt as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 use trolley_transport::service::clean;
@@ -148,7 +148,26 @@ fn kill_client(folder: &Path, call: usize) -> Outcome<bool> {
     }
     ask_and_answer(&server, &address)?;
     assert_eq!(server.clients(), 0);
+    // Now that the server has seen that all have gone.
+    assert!(server.take()?.is_none());
+    let place = place_of(folder).ok_or("the server has no place")?;
+    clean(&place);
+    let left = connections(&place)?;
+    assert!(left.is_empty(), "channels of nobody: {left:?}");
     Ok(was_killed)
+}
+
+/// Where the one server of a folder has its files.
+fn place_of(folder: &Path) -> Option<PathBuf> {
+    let root = folder.join("trolley-calls");
+    let name = fs::read_to_string(root.join("current")).ok()?;
+    Some(root.join(name.trim()))
+}
+
+/// Files of channels between clients and the server.
+fn connections(place: &Path) -> Outcome<Vec<PathBuf>> {
+    let files = fs::read_dir(place)?.flatten().map(|entry| entry.path());
+    Ok(files.filter(|path| path.extension().is_some_and(|end| end == "connection")).collect())
 }
 
 /// The next server takes over.

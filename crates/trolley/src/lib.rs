@@ -375,7 +375,7 @@ pub use run::Run;
 /// ```
 pub use runtime::heap::Counting as CountingAllocator;
 pub use scenario::{Scenario, SourceText, Texts, read_text};
-pub use serve::{Greeting, ServeOptions, serve};
+pub use serve::{Greeting, ServeOptions, serve, supervise};
 
 /// What the service does between requests.
 ///

@@ -7,7 +7,7 @@ use crate::record::Signer;
 use crate::{BUILD, Failure, dispatch_options};
 use coordinator::Options;
 use dispatch::{Intensity, Queues};
-use service::{Idle, MissingRealtime, ServiceConfig};
+use service::{Deployment, Idle, MissingRealtime, ServiceConfig};
 
 /// Options of [`serve`], in place of what the deployment says.
 ///
@@ -133,4 +133,33 @@ pub fn serve(
         });
     })?;
     Ok(())
+}
+
+/// Runs the service of a deployment in a child process, and starts it again whenever it dies or
+/// falls silent: what systemd does, where there is no systemd.
+///
+/// `args` are the arguments with which this program serves that deployment, without supervision.
+/// Every signal that ends a service ends it and this function, within 2 s. Returns the exit code
+/// with which this process should end.
+///
+/// ```no_run
+/// use std::process::ExitCode;
+/// use trolley::{Failure, OpenDeployment};
+///
+/// fn watched(file: &str) -> Result<ExitCode, Failure> {
+///     let deployment = OpenDeployment::open(file.as_ref(), None)?;
+///     let code = trolley::supervise(&deployment, &["serve".to_owned(), file.to_owned()])?;
+///     Ok(code.into())
+/// }
+/// ```
+///
+/// # Errors
+///
+/// If a manager watches this process already, the service was started ten times within a minute, or
+/// the operating system refuses a process or a socket.
+pub fn supervise(opened: &OpenDeployment, args: &[String]) -> Result<u8, Failure> {
+    let Deployment { folder, instance, .. } = &opened.deployment;
+    let address = transport::Address::new(folder.as_deref(), instance)?;
+    runtime::process::set_name("trolley-watch");
+    Ok(service::supervise(&address, runtime::process::self_exe(), args)?)
 }

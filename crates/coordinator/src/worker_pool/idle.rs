@@ -7,7 +7,7 @@ use runtime::Wake;
 use std::os::fd::BorrowedFd;
 
 /// Called repeatedly while a request is worked on: whenever the coordinator is about to sleep, and
-/// at least every 20 ms.
+/// at least every 20 ms; in-process, between two jobs.
 pub struct IdleHook(Box<dyn FnMut()>);
 
 impl IdleHook {
@@ -16,14 +16,14 @@ impl IdleHook {
         Self(Box::new(attend))
     }
 
-    pub(super) fn call(&mut self) {
+    pub(crate) fn call(&mut self) {
         (self.0)();
     }
 }
 
 impl fmt::Debug for IdleHook {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Attendant")
+        f.write_str("IdleHook")
     }
 }
 

@@ -9,7 +9,7 @@ use crate::gather::{Part, Rest};
 use crate::work::{PartOf, TaskSource};
 use dispatch::{Effect, Event, Progress};
 use protocol::result::{read_hits, read_last};
-use protocol::{Head, JobId, MessageKind, Reject, RequestId};
+use protocol::{Head, JobId, MessageKind, Reject, RequestId, launch};
 use runtime::clock;
 
 impl WorkerPool {
@@ -24,7 +24,9 @@ impl WorkerPool {
         for number in 0..self.workers.len() {
             // Read before the channel is drained: what was sent for these batches is already in it.
             let answered = self.workers[number].newly_answered(&self.status);
-            while let Some(after) = self.take_one(number, work, effects) {
+            // At most what the channel holds: a worker that sends without end keeps nobody waiting.
+            for _ in 0..launch::RESULTS {
+                let Some(after) = self.take_one(number, work, effects) else { break };
                 (any, progress) = (true, after);
                 // However fast results come, the deadline holds.
                 if work.is_over(clock::now_ns()) {

@@ -7,7 +7,7 @@ use super::worker_handle::WorkerHandle;
 use super::{Observation, WorkerPool, WorkerPoolError};
 use crate::work::TaskSource;
 use dispatch::{Effect, Event, Liveness, Progress};
-use protocol::{Incarnation, JobId, MessageKind};
+use protocol::{Incarnation, JobId, MessageKind, launch};
 use runtime::{Exit, SealedMemory, clock};
 use transport::UseError;
 
@@ -132,7 +132,9 @@ impl WorkerPool {
         if !self.workers[number].is_alive() || self.workers[number].wait_end()?.is_none() {
             return Ok(self.step(Event::Poll, work, effects));
         }
-        while self.take_one(number, work, effects).is_some() {}
+        // It is dead: what its channel holds is all that there is.
+        let mut left = 0..launch::RESULTS;
+        while left.next().is_some() && self.take_one(number, work, effects).is_some() {}
         let (who, started) = self.workers[number].close(&self.status, self.request);
         self.detach(number);
         let lost = self.workers[number].report.lost.clone().unwrap_or_default();

@@ -10,6 +10,9 @@ use runtime::counters::{HardwareCounters, HardwareCounts};
 use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
+/// How long a worker that has ended, or was killed, is waited for (ms).
+const END_MS: u64 = 1_000;
+
 /// The coordinator's handle of one worker.
 #[derive(Debug)]
 pub(super) struct WorkerHandle {
@@ -276,7 +279,7 @@ impl WorkerHandle {
 
     /// Waits for the end of a process that was reported ended or killed; `None`: it is still alive.
     pub(super) fn wait_end(&mut self) -> Result<Option<Exit>, OsError> {
-        let exit = self.child.wait_ms(1_000)?;
+        let exit = self.child.wait_ms(END_MS)?;
         if let (Some(exit), None) = (exit, &self.report.lost) {
             self.report.lost = Some(exit.to_string());
         }

@@ -80,7 +80,6 @@ impl Child {
     /// reaped.
     pub fn await_exec(mut self, timeout_ms: u64) -> Result<Self> {
         let end = clock::now_ns().saturating_add(timeout_ms.saturating_mul(1_000_000));
-        // Bound: Child::await_exec
         loop {
             self.exec.look();
             let left_ns = end.saturating_sub(clock::now_ns());
@@ -96,7 +95,6 @@ impl Child {
                 );
                 return Err(OsError::new("start", self.exec.program.clone(), why));
             }
-            // Bound: Child::await_exec
             let mut fds = [PollFd::new(hear, PollFlags::IN)];
             match rustix::event::poll(&mut fds, Some(&clock::timespec(left_ns))) {
                 Ok(_) | Err(Errno::INTR) => {}

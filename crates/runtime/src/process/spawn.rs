@@ -102,11 +102,21 @@ fn start(what: Spawn<'_>, env: Option<&[(OsString, OsString)]>, stops: bool) -> 
     let opened = rustix::process::pidfd_open(pid, PidfdFlags::empty());
     let pidfd = opened.map_err(|errno| {
         let _nobody_to_tell = rustix::process::kill_process(pid, Signal::KILL);
-        let _reaped = rustix::process::waitpid(Some(pid), rustix::process::WaitOptions::empty());
+        reap_killed(pid);
         failed(errno.into())
     })?;
     children::note(&pidfd);
     Ok(Child { pid, pidfd, exit: None, exec: ExecPipe::new(name, hear) })
+}
+
+/// Reaps a child without a pidfd that was killed. One that the kernel cannot end is left to it.
+fn reap_killed(pid: Pid) {
+    for _ in 0..super::exec::REAP_MS {
+        match rustix::process::waitpid(Some(pid), rustix::process::WaitOptions::NOHANG) {
+            Ok(None) | Err(Errno::INTR) => crate::clock::nap_ns(1_000_000),
+            Ok(Some(_)) | Err(_) => return,
+        }
+    }
 }
 
 /// All that the child needs, made before the fork.

@@ -1,6 +1,6 @@
 //! Cleaning up after dead clients, which the server itself never does.
 
-use super::{has_dead_node, place};
+use super::{has_dead, place};
 use std::path::{Path, PathBuf};
 
 /// Knows what to clean up after dead clients. Made by [`Server::housekeeper`](super::Server).
@@ -17,6 +17,6 @@ impl Housekeeper {
     #[must_use]
     pub fn needs_cleaning(&self) -> Option<&Path> {
         place::sweep(&self.root);
-        has_dead_node(&self.place).then_some(&*self.place)
+        has_dead(&self.place).then_some(&*self.place)
     }
 }

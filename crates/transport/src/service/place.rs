@@ -50,11 +50,7 @@ impl ServicePlace {
         let group = address.group();
         let mut attempt = 0;
         let lock = loop {
-            let above = root.parent().map_or(Ok(()), |above| match above.exists() {
-                true => folder::check_owner(above),
-                false => folder::make(above, group).map(drop),
-            });
-            match lock(above.and_then(|()| folder::make(&root, group))) {
+            match lock(above(address).and_then(|_checked| folder::make(&root, group))) {
                 Ok(Some(lock)) => break lock,
                 Ok(None) => {
                     let pid = read_short(&root.join(PID)).unwrap_or_default();
@@ -120,6 +116,32 @@ impl Drop for ServicePlace {
             remove_if_empty(folder);
         }
     }
+}
+
+/// The folder in which a service makes its own: made, or found and checked.
+pub(super) fn above(address: &Address) -> Result<File, OpenError> {
+    let above = address.root().parent().unwrap_or(address.root());
+    match above.exists() {
+        true => folder::check_owner(above),
+        false => folder::make(above, address.group()),
+    }
+}
+
+/// Removes what a service left that was killed: for the process that did it. `false` if the service
+/// is alive, or its folder cannot be trusted.
+///
+/// Nothing that it wrote is opened, and nothing is waited for: what its clients still hold stays.
+#[must_use]
+pub fn remove_dead_service(address: &Address) -> bool {
+    let root = address.root();
+    let checked = match folder::enter(root) {
+        Err(error) if error.is_absent() => return true,
+        checked => checked,
+    };
+    let Ok(Some(lock)) = lock(checked) else { return false };
+    // The same as at the end of a server that was not killed.
+    drop(ServicePlace { place: None, root: root.to_owned(), _own: None, _lock: lock });
+    true
 }
 
 /// Removes the places of dead servers that no client holds any more.
