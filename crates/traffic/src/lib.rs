@@ -16,7 +16,7 @@
 //!   what was taken for something else stands in [`Recording::notes`]. `commonroad/tests.rs`.
 //! - Outlines overlap exactly if they share a point, for any rectangles, circles and polygons:
 //!   `outline/tests.rs`.
-//! - No manoeuvre asks the tyres for more than [`Sweep::grip_m_s2`]: `sweep/tests.rs`.
+//! - No manoeuvre asks the tyres for more than [`ManoeuvreSweep::grip_m_s2`]: `sweep/tests.rs`.
 //! - What is written is a scenario: `write/tests.rs`.
 
 mod commonroad;
@@ -33,7 +33,7 @@ pub use error::TrafficError;
 pub use library::{DEFAULT_LIBRARY, Library};
 pub use outline::{Outline, OutlinePart, Placed, overlap};
 pub use recording::{Ego, Obstacle, Recording, TimedState};
-pub use sweep::{Conflict, Manoeuvre, Sweep, Swept};
+pub use sweep::{Conflict, Manoeuvre, ManoeuvreSweep, Swept};
 pub use write::scenario_text;
 pub use xml::TEXT_BYTES_MAX;
 

@@ -12,7 +12,7 @@ use crate::recording::{Ego, Obstacle, Recording, TimedState, at};
 
 /// Which manoeuvres are tried.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
+pub struct ManoeuvreSweep {
     /// Decelerations (m/s²), each at most [`Self::grip_m_s2`].
     pub brakes_m_s2: Vec<f64>,
     /// Lateral accelerations (m/s²); positive: to the left.
@@ -27,7 +27,7 @@ pub struct Sweep {
     pub after_s: f64,
 }
 
-impl Default for Sweep {
+impl Default for ManoeuvreSweep {
     /// Coasting, half and full braking, each straight, with a firm and with a hard turn either way;
     /// grip of a dry road; three seconds, after which a plan is a guess. All of them assumed.
     fn default() -> Self {
@@ -113,7 +113,7 @@ impl Recording {
 
     /// Tries every manoeuvre.
     #[must_use]
-    pub fn sweep(&self, sweep: &Sweep) -> Swept {
+    pub fn sweep(&self, sweep: &ManoeuvreSweep) -> Swept {
         let outline = self.ego_outline();
         let begin_s = self.ego.start.time_s + sweep.after_s;
         let start = began(&self.ego, begin_s);
@@ -205,7 +205,7 @@ fn arc(
     start: &TimedState,
     brake_m_s2: f64,
     lateral_m_s2: f64,
-    sweep: &Sweep,
+    sweep: &ManoeuvreSweep,
     steps: u32,
 ) -> Vec<TimedState> {
     let dt = sweep.step_s;

@@ -40,7 +40,8 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use traffic::{
-    Catalog, Conflict, DEFAULT_LIBRARY, Library, Manoeuvre, ReadOptions, Recording, Sweep, Swept,
+    Catalog, Conflict, DEFAULT_LIBRARY, Library, Manoeuvre, ManoeuvreSweep, ReadOptions, Recording,
+    Swept,
 };
 
 /// If the recorded ego collides too late for manoeuvres from its start, they begin this long before
@@ -80,9 +81,9 @@ pub struct TrafficOptions {
 }
 
 impl TrafficOptions {
-    fn sweep(&self) -> Result<Sweep, Failure> {
-        let usual = Sweep::default();
-        let sweep = Sweep {
+    fn sweep(&self) -> Result<ManoeuvreSweep, Failure> {
+        let usual = ManoeuvreSweep::default();
+        let sweep = ManoeuvreSweep {
             brakes_m_s2: self.brakes_m_s2.clone().unwrap_or(usual.brakes_m_s2),
             laterals_m_s2: self.laterals_m_s2.clone().unwrap_or(usual.laterals_m_s2),
             grip_m_s2: self.grip_m_s2.unwrap_or(usual.grip_m_s2),

@@ -80,7 +80,7 @@ fn traffic(text: &str) {
     let Ok(recording) = traffic::read("fuzz", text, &traffic::ReadOptions::default()) else {
         return;
     };
-    let swept = recording.sweep(&traffic::Sweep::default());
+    let swept = recording.sweep(&traffic::ManoeuvreSweep::default());
     let library = LIBRARY.get_or_init(|| {
         traffic::Library::parse("default", traffic::DEFAULT_LIBRARY).expect("it is shipped")
     });

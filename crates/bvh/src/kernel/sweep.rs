@@ -25,7 +25,7 @@ use body::BodyView;
 use fearless_simd::dispatch;
 use frontier::Frontier;
 use geometry::simd::Level;
-use geometry::sweep::{Touch, first_contact};
+use geometry::sweep::{FirstTouch, first_contact};
 use geometry::{DVec3, RelativePose, Sweep};
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
@@ -78,7 +78,7 @@ impl Witness {
     fn within(task: &SweepTask<'_>, sweep: &Sweep, [a, b]: [u32; 2]) -> Option<Self> {
         let corners_a = &task.a.corners[a as usize];
         let moved = task.pose.triangle(&task.b.corners[b as usize]);
-        let Touch { travel_m, point } =
+        let FirstTouch { travel_m, point } =
             first_contact(&geometry::Triangle::stored(corners_a), &moved, sweep)?;
         let ids = [task.a.source_ids[a as usize], task.b.source_ids[b as usize]];
         Some(Self { travel_m, ids, triangles: [a, b], point })

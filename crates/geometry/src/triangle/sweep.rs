@@ -83,7 +83,7 @@ pub enum SweepError {
 
 /// The contact of two triangles on their way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct FirstTouch {
     /// The first travel within the motion at which they share a point (m).
     pub travel_m: f64,
     /// A point where they touch then (m), in A's frame, rounded: within a few nanometres of A, and
@@ -195,7 +195,7 @@ impl Sweep {
 /// begin; the travel is within 1 nm of the true one. For coordinates that are not finite the result
 /// is unspecified.
 #[must_use]
-pub fn first_contact(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Option<Touch> {
+pub fn first_contact(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Option<FirstTouch> {
     let projected = Projected::of(a, b, sweep);
     if projected.is_early(sweep.from_m) || projected.is_late(sweep.to_m) || projected.are_apart() {
         return None;
@@ -208,7 +208,7 @@ pub fn first_contact(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Option<Touch>
         return None;
     }
     let travel_m = if interval.start > sweep.from_m { interval.start } else { sweep.from_m };
-    Some(Touch { travel_m, point: interval.point(a, b, sweep.direction, travel_m) })
+    Some(FirstTouch { travel_m, point: interval.point(a, b, sweep.direction, travel_m) })
 }
 
 impl Interval {

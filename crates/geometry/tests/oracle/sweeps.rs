@@ -10,7 +10,7 @@ use crate::travels::Travels;
 use crate::{campaign, count, exact, report, setting};
 use trolley_geometry::hash::splitmix64;
 use trolley_geometry::rng::Rng;
-use trolley_geometry::sweep::{TOLERANCE_M, TRAVEL_MAX, Touch, first_contact};
+use trolley_geometry::sweep::{FirstTouch, TOLERANCE_M, TRAVEL_MAX, first_contact};
 use trolley_geometry::{DVec3, Sweep, Triangle};
 
 #[test]
@@ -96,7 +96,7 @@ fn check(
     pair: &Pair,
     sweep: &Sweep,
     truth: Option<&Travels>,
-    found: Option<Touch>,
+    found: Option<FirstTouch>,
 ) -> Result<(), String> {
     let (from, to) = (sweep.from_m(), sweep.to_m());
     let wrong = |what: &str| {
@@ -112,7 +112,7 @@ fn check(
     if found.is_some() != touches && !is_open {
         return wrong(if touches { "contact is missed" } else { "there is no contact" });
     }
-    let Some(Touch { travel_m, point }) = found else { return Ok(()) };
+    let Some(FirstTouch { travel_m, point }) = found else { return Ok(()) };
     // Beyond the later of the true start and the begin.
     let late = truth.after_start(travel_m).min(travel_m - from);
     if !(late.abs() <= TOLERANCE_M && from <= travel_m && travel_m <= to) {

@@ -2,7 +2,7 @@
 
 mod shared_data;
 
-use crate::{ReadOptions, Recording, Sweep, TrafficError, read};
+use crate::{ManoeuvreSweep, ReadOptions, Recording, TrafficError, read};
 use proptest::prelude::*;
 
 /// One of everything, a line each: what is replaced in a test is a line of it.
@@ -161,7 +161,7 @@ proptest! {
         }
         let text = String::from_utf8(bytes).expect("ASCII");
         match read("s.xml", &text, &ReadOptions::default()) {
-            Ok(recording) => drop(recording.sweep(&Sweep { horizon_s: 0.2, ..Sweep::default() })),
+            Ok(recording) => drop(recording.sweep(&ManoeuvreSweep { horizon_s: 0.2, ..ManoeuvreSweep::default() })),
             Err(error) => prop_assert!(error.line >= 1 && !error.remedy.is_empty()),
         }
     }

@@ -23,7 +23,7 @@ proptest! {
     fn no_arc_asks_for_more_than_grip(
         speed in 0.0..60.0_f64, brake in 0.0..9.0_f64, lateral in -9.0..9.0_f64,
     ) {
-        let sweep = Sweep::default();
+        let sweep = ManoeuvreSweep::default();
         let start = moment(3.0, -2.0, 0.7, speed);
         let way = arc(&start, brake, lateral, &sweep, 150);
         let mut before = start;
@@ -43,7 +43,7 @@ proptest! {
     fn arcs_end_where_integrals_say(
         speed in 15.0..40.0_f64, brake in 1.0..8.0_f64, lateral in -4.0..4.0_f64,
     ) {
-        let sweep = Sweep::default();
+        let sweep = ManoeuvreSweep::default();
         let way = arc(&moment(0.0, 0.0, 0.0, speed), brake, lateral, &sweep, 50);
         let end = way[49];
         let run: f64 = [moment(0.0, 0.0, 0.0, speed)].iter().chain(&way).zip(&way)
@@ -61,7 +61,8 @@ proptest! {
 fn the_first_overlap_is_the_meeting() {
     // Front bumper at 2.254 m, the other's rear at 20 − 2 m: 15.746 m at 10 m/s.
     let other = parked("7", moment(20.0, 0.0, 0.0, 0.0));
-    let swept = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other]).sweep(&Sweep::default());
+    let swept =
+        recording(moment(0.0, 0.0, 0.0, 10.0), vec![other]).sweep(&ManoeuvreSweep::default());
     let straight = Manoeuvre::Arc { brake_m_s2: 0.0, lateral_m_s2: 0.0 };
     let meeting = swept.meetings.iter().find(|m| m.manoeuvre == straight).expect("it meets");
     assert!((meeting.ego.time_s - 1.58).abs() < 1e-9, "{}", meeting.ego.time_s);
@@ -73,7 +74,8 @@ fn the_first_overlap_is_the_meeting() {
 #[test]
 fn who_overlaps_at_the_start_is_named_and_nothing_is_tried() {
     let other = parked("7", moment(1.0, 0.5, 0.0, 0.0));
-    let swept = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other]).sweep(&Sweep::default());
+    let swept =
+        recording(moment(0.0, 0.0, 0.0, 10.0), vec![other]).sweep(&ManoeuvreSweep::default());
     assert_eq!((swept.overlapped, swept.meetings.len(), swept.free.len()), (Some(0), 0, 0));
 }
 
@@ -83,10 +85,10 @@ fn what_is_gone_or_not_there_yet_is_not_met() {
     let parked_at = |time_s| TimedState { time_s, ..moment(10.0, 0.0, 0.0, 0.0) };
     other.track = vec![parked_at(0.0), parked_at(0.3)];
     let gone = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other.clone()]);
-    assert!(gone.sweep(&Sweep::default()).meetings.is_empty());
+    assert!(gone.sweep(&ManoeuvreSweep::default()).meetings.is_empty());
     other.track = vec![parked_at(0.3), parked_at(9.0)];
     let coming = recording(moment(0.0, 0.0, 0.0, 10.0), vec![other]);
-    assert!(!coming.sweep(&Sweep::default()).meetings.is_empty());
+    assert!(!coming.sweep(&ManoeuvreSweep::default()).meetings.is_empty());
 }
 
 #[test]
@@ -104,9 +106,9 @@ fn a_recorded_way_is_tried_and_left_where_manoeuvres_begin() {
     recording.ego.went = (0..8).map(moment_at).collect();
     let meets_s = recording.recorded_meeting_s(0.02).expect("it meets");
     assert!((meets_s - 4.76).abs() < 1e-9, "{meets_s}");
-    let late = recording.sweep(&Sweep { after_s: 4.0, ..Sweep::default() });
+    let late = recording.sweep(&ManoeuvreSweep { after_s: 4.0, ..ManoeuvreSweep::default() });
     assert_eq!(late.began_s, 4.0);
     assert_eq!(late.meetings[0].manoeuvre, Manoeuvre::Recorded);
     assert!((late.meetings[0].ego.time_s - 4.76).abs() < 1e-9);
-    assert!(recording.sweep(&Sweep::default()).meetings.is_empty(), "too far within 3 s");
+    assert!(recording.sweep(&ManoeuvreSweep::default()).meetings.is_empty(), "too far within 3 s");
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::library::DEFAULT_LIBRARY;
 use crate::outline::OutlinePart;
 use crate::recording::{Ego, Obstacle};
-use crate::sweep::Sweep;
+use crate::sweep::ManoeuvreSweep;
 use scenario::Scenario;
 
 fn moment(x: f64, y: f64, speed_m_s: f64) -> TimedState {
@@ -30,7 +30,7 @@ fn library() -> Library {
 fn what_is_written_is_a_scenario_with_a_candidate_for_each_meeting() {
     for kind in crate::commonroad::TYPES {
         let recording = scene(kind, Outline::rectangle(4.0, 1.8), 0.0);
-        let swept = recording.sweep(&Sweep::default());
+        let swept = recording.sweep(&ManoeuvreSweep::default());
         let text = match scenario_text("a.xml", &recording, &swept, &library()) {
             Ok((text, _)) => text,
             Err(fault) => {
@@ -49,7 +49,7 @@ fn what_is_written_is_a_scenario_with_a_candidate_for_each_meeting() {
 fn bodies_stand_in_the_middle_of_their_outlines() {
     let ahead = OutlinePart::Polygon(crate::outline::corners(2.0, 1.0, [1.5, 0.25], 0.0));
     let recording = scene("car", Outline { parts: vec![ahead] }, 0.0);
-    let swept = recording.sweep(&Sweep::default());
+    let swept = recording.sweep(&ManoeuvreSweep::default());
     let (text, _) = scenario_text("a.xml", &recording, &swept, &library()).expect("written");
     let read = Scenario::parse("a.toml", &text).expect("a scenario");
     let at = read.candidates[0].other.state.pose.translation;
@@ -61,7 +61,7 @@ fn bodies_stand_in_the_middle_of_their_outlines() {
 fn a_circle_gives_its_longest_side() {
     let round = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 0.3)] };
     let recording = scene("pedestrian", round, 0.0);
-    let swept = recording.sweep(&Sweep::default());
+    let swept = recording.sweep(&ManoeuvreSweep::default());
     let (text, _) = scenario_text("a.xml", &recording, &swept, &library()).expect("written");
     assert!(text.contains("size_m = [0.6]"), "{text}");
 }
@@ -69,7 +69,7 @@ fn a_circle_gives_its_longest_side() {
 #[test]
 fn maps_far_from_the_origin_are_moved() {
     let recording = scene("car", Outline::rectangle(4.0, 2.0), 5_300_000.0);
-    let swept = recording.sweep(&Sweep::default());
+    let swept = recording.sweep(&ManoeuvreSweep::default());
     let (text, _) = scenario_text("a.xml", &recording, &swept, &library()).expect("written");
     let read = Scenario::parse("a.toml", &text).expect("a scenario");
     assert!(read.candidates[0].ego.pose.translation[0].abs() < 30.0, "{text}");
@@ -79,7 +79,7 @@ fn maps_far_from_the_origin_are_moved() {
 fn nothing_met_is_nothing_to_rank() {
     let mut recording = scene("car", Outline::rectangle(4.0, 2.0), 0.0);
     recording.others.clear();
-    let swept = recording.sweep(&Sweep::default());
+    let swept = recording.sweep(&ManoeuvreSweep::default());
     let fault = scenario_text("a.xml", &recording, &swept, &library()).expect_err("nothing");
     assert!(fault.contains("nothing to rank"));
 }
