@@ -114,7 +114,7 @@ impl SweepSink for Silent {
 }
 
 /// Number of tests before which a job does not yield.
-pub const YIELD_TESTS: u64 = 2 * super::BEAT_TESTS;
+pub const YIELD_TESTS: u64 = 8 * super::BEAT_TESTS;
 
 /// Limits of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]

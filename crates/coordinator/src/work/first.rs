@@ -9,11 +9,12 @@ use crate::candidate_state::FirstContact;
 use crate::gather::Part;
 use body::Zones;
 use bvh::query::{SweepWorkspace, first_contact};
-use bvh::{Counters, NodePair, SweepBounds, Witness};
+use bvh::{Counters, NodePair, SweepBounds, SweepTask, Witness};
+use damage::Meeting;
 use dispatch::Job;
 use geometry::Supports;
 use protocol::result::read_hit;
-use protocol::{Section, TaskId, WireSide};
+use protocol::{Section, TaskId, WireSide, WireTask};
 use record::RecordedFirst;
 
 /// Maximum number of jobs of one search that are handed out at once. More would mostly be in vain,
@@ -79,9 +80,10 @@ impl RankingRun<'_> {
         let state = &self.tasks[number as usize];
         let views = self.views(&state.wire);
         let exist = (a as usize) < views.0.corners.len() && (b as usize) < views.1.corners.len();
-        let Some(task) = state.sweep_task(views).filter(|_| exist) else { return false };
-        // A job that was sent before an earlier contact was found may name a later one.
-        let Some(witness) = Witness::of(&task, [a, b]) else { return true };
+        // On the whole way: a job that was sent before an earlier contact was found may name a later
+        // one, but none that is not.
+        let Some(task) = self.whole_way(number).filter(|_| exist) else { return false };
+        let Some(witness) = Witness::of(&task, [a, b]) else { return false };
         let state = &mut self.tasks[number as usize];
         if state.improve(witness) {
             state.front.drop_after(witness.travel_m);
@@ -90,6 +92,17 @@ impl RankingRun<'_> {
             self.outlook.touch(candidate, true);
         }
         true
+    }
+
+    /// The question of a search as it was asked first.
+    fn whole_way(&self, number: u32) -> Option<SweepTask<'_>> {
+        let state = &self.tasks[number as usize];
+        let candidate = &self.request.candidates[state.candidate];
+        let Meeting::Path(path) = &candidate.meeting else { return None };
+        let wire = WireTask { travels_m: [path.from_m, path.to_m], ..state.wire };
+        let (a, b) = self.views(&wire);
+        let sweep = executor::sweep(&wire)?;
+        Some(SweepTask { a: *a, b: *b, pose: super::pose_of(&wire), sweep })
     }
 
     /// Passes on what the jobs of a search have shown so far.
