@@ -4,6 +4,7 @@
 mod support;
 
 mod bounded;
+mod cast;
 mod import;
 mod input;
 mod intersect;

@@ -57,6 +57,25 @@ pub(crate) const STEPS: &[Step] = &[
         ],
         env: &[],
     },
+    Step {
+        name: "example",
+        args: &[
+            "run",
+            "--quiet",
+            "--package",
+            "trolley",
+            "--example",
+            "sweep",
+            "--",
+            "crates/trolley/examples/data/step.stl",
+            "crates/trolley/examples/data/pole.stl",
+            "-1",
+            "0",
+            "0",
+            "10",
+        ],
+        env: &[],
+    },
     PACKAGE,
 ];
 

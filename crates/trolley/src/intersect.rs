@@ -6,6 +6,8 @@
 //! poses --> poses::read --> RelativePose ------'
 //! ```
 //!
+//! With a [`Cast`], B moves along a straight line, and the query is when they first touch.
+//!
 //! There is no scenario, no worker and no harm. A mesh is taken as it is: no unit, no axes, nothing
 //! dropped or merged, and a triangle's id is its number in the file. So the results and times of
 //! other programs can be compared.
@@ -32,8 +34,10 @@
 
 mod answer;
 mod bodies;
+mod cast;
 
 pub use answer::{Found, Intersected, QueryResult, hex};
+pub use cast::{Cast, FirstContact, NEAREST_MAX};
 
 /// The counts of a [`QueryResult`].
 ///
@@ -127,6 +131,15 @@ pub use bvh::kernel::Walk;
 /// ```
 pub use geometry::simd::Simd;
 
+/// The greatest travel of a [`Cast`], in either sense (m).
+///
+/// ```
+/// use trolley::intersect::{Cast, TRAVEL_MAX};
+///
+/// let far = Cast::new([-1.0, 0.0, 0.0], TRAVEL_MAX);
+/// ```
+pub use geometry::sweep::TRAVEL_MAX;
+
 use crate::files::InputKind;
 use crate::{Failure, poses};
 use bodies::Body;
@@ -174,8 +187,10 @@ pub struct Intersect {
     pub files: [PathBuf; 2],
     /// A file with their [poses].
     pub poses: PathBuf,
-    /// What to find.
+    /// What to find, unless there is a cast.
     pub question: Question,
+    /// How B moves, to find when it first touches A; `None`: not at all.
+    pub cast: Option<Cast>,
     /// How trees are built; `None`: as in the first model file, else by surface area.
     pub build: Option<Build>,
     /// Most triangles in a leaf; `None`: as in the first model file, else the default.
@@ -186,7 +201,7 @@ pub struct Intersect {
     pub cold: bool,
     /// Whether to move B by some millimetres for each timed query.
     pub moving: bool,
-    /// Threads that build and query.
+    /// Threads that build and query; the query of a cast takes one.
     pub threads: usize,
     /// Vector instructions of the kernel.
     pub simd: Simd,
@@ -211,6 +226,7 @@ impl Intersect {
             files: [a.into(), b.into()],
             poses: poses.into(),
             question: Question::Pairs,
+            cast: None,
             build: None,
             leaf_size: None,
             repeat: 1,
@@ -245,12 +261,13 @@ impl Intersect {
     ///
     /// # Errors
     ///
-    /// If this machine lacks the vector instructions, a file is not valid, or reading a mesh
-    /// exceeds its limits.
+    /// If this machine lacks the vector instructions, the cast is no motion, a file is not valid,
+    /// or reading a mesh exceeds its limits.
     pub fn run(&self, progress: OnProgress<'_>) -> Result<Intersected, Failure> {
         // Cheap checks come first.
         let level = self.simd.level()?;
         let poses = poses::read(&self.poses)?;
+        self.cast.as_ref().map(|cast| cast.sweep(&poses[0])).transpose()?;
         let files = [self.files[0].as_path(), self.files[1].as_path()];
         for file in files {
             let _there = runtime::input::open(file, InputKind::Mesh)?;
@@ -258,6 +275,10 @@ impl Intersect {
         let tree = bodies::options(files, self.build, self.leaf_size, self.threads)?;
         let a = Body::load(files[0], &tree, self.limits, progress)?;
         let b = Body::load(files[1], &tree, self.limits, progress)?;
+        let (asked, first) = match &self.cast {
+            Some(cast) => cast::ask(self, cast, level, [&a, &b], &poses)?,
+            None => (ask(self, level, [&a, &b], &poses)?, None),
+        };
         Ok(Intersected {
             files: self.files.clone(),
             triangles: [a.view()?.corners.len(), b.view()?.corners.len()],
@@ -269,7 +290,8 @@ impl Intersect {
             moving: self.moving,
             build_ns: a.build_ns + b.build_ns,
             repeat: self.repeat,
-            asked: ask(self, level, [&a, &b], &poses)?,
+            asked,
+            first,
         })
     }
 }
@@ -296,33 +318,46 @@ fn ask(
         while it.threads > 1 && now_ns() - begun_ns < WARM_UP_NS {
             query(parallel, views, poses, question);
         }
-        let mut streamed = vec![0_u64; if it.cold { STREAMED_BYTES / 8 } else { 0 }];
-        let mut timed = Vec::new();
-        for turn in (0..it.repeat.max(1)).rev() {
-            let place = if it.moving { place_m(turn) } else { 0.0 };
-            // One word per cache line.
-            streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
-            black_box(&mut streamed);
-            timed.push((place, query(parallel, views, &moved(*poses, place), question)));
-        }
-        let mut at_its_pose = timed.iter().filter(|(place, _)| *place == 0.0);
-        let (Some((_, last)), true) =
-            (timed.last(), at_its_pose.all(|(_, asked)| asked.found == first.found))
-        else {
-            let fault = "internal error: the same query gave different results";
-            return Err(Failure::internal(fault));
+        let query = |poses: &[Pose; 2]| {
+            let asked = query(parallel, views, poses, question);
+            Ok((asked, asked.found))
         };
-        let median = |time: fn(&QueryResult) -> u64| {
-            let mut times: Vec<u64> = timed.iter().map(|(_, asked)| time(asked)).collect();
-            times.sort_unstable();
-            times[times.len() / 2].midpoint(times[(times.len() - 1) / 2])
-        };
-        Ok(QueryResult {
-            pose_ns: median(|asked| asked.pose_ns),
-            query_ns: median(|asked| asked.query_ns),
-            ..*last
-        })
+        Ok(repeated(it, poses, &first.found, query)?.0)
     })
+}
+
+/// Runs a query as often as it is timed; the result of the last, with the medians of the times.
+fn repeated<T: PartialEq>(
+    it: &Intersect,
+    poses: &[Pose; 2],
+    first: &T,
+    mut query: impl FnMut(&[Pose; 2]) -> Result<(QueryResult, T), Failure>,
+) -> Result<(QueryResult, T), Failure> {
+    let mut streamed = vec![0_u64; if it.cold { STREAMED_BYTES / 8 } else { 0 }];
+    let (mut pose_ns, mut query_ns) = (Vec::new(), Vec::new());
+    let mut last = None;
+    for turn in (0..it.repeat.max(1)).rev() {
+        let place = if it.moving { place_m(turn) } else { 0.0 };
+        // One word per cache line.
+        streamed.iter_mut().step_by(8).for_each(|word| *word += 1);
+        black_box(&mut streamed);
+        let (asked, found) = query(&moved(*poses, place))?;
+        pose_ns.push(asked.pose_ns);
+        query_ns.push(asked.query_ns);
+        if place == 0.0 && found != *first {
+            break;
+        }
+        last = (turn == 0).then_some((asked, found));
+    }
+    let Some((asked, found)) = last else {
+        return Err(Failure::internal("internal error: the same query gave different results"));
+    };
+    let median = |mut times: Vec<u64>| {
+        times.sort_unstable();
+        times[times.len() / 2].midpoint(times[(times.len() - 1) / 2])
+    };
+    let (pose_ns, query_ns) = (median(pose_ns), median(query_ns));
+    Ok((QueryResult { pose_ns, query_ns, ..asked }, found))
 }
 
 /// With `--moving`, how far B is moved along the world's x (m) for the last query (turn 0), the

@@ -1,4 +1,5 @@
-//! The intersection kernel for your own triangles: which triangles of two bodies intersect.
+//! The intersection kernel for your own triangles: which triangles of two bodies intersect, and
+//! when those of a body that moves first touch another one.
 //!
 //! ```
 //! use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace, pairs};
@@ -236,6 +237,124 @@ pub use bvh::query::sets;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use bvh::query::touches;
+
+/// Returns when a body that moves along a straight line first touches another one, and which
+/// triangles touch then; `None` if they never do on that way.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Sweep, SweepWorkspace, Tree};
+/// # let options = BuildOptions::default();
+/// # let wall = [[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
+/// # let ball = [[[3.0, 0.25, 0.25], [3.1, 0.3, 0.25], [3.1, 0.25, 0.3]]];
+/// # let (wall, ball) = (Tree::build(&wall, &options)?, Tree::build(&ball, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// # let mut workspace = SweepWorkspace::new();
+/// use trolley::kernel::first_contact;
+///
+/// // The ball starts 3 m ahead of the wall, and comes towards it for up to 10 m.
+/// let sweep = Sweep::new([-1.0, 0.0, 0.0].into(), 0.0, 10.0)?;
+/// let first = first_contact(&wall, &ball, &pose, &sweep, &mut workspace)?;
+/// assert_eq!(first.map(|first| (first.travel_m, first.ids)), Some((3.0, [0, 0])));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::first_contact;
+
+/// Returns the pairs of triangles that touch first, ascending by travel and ids.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Sweep, SweepWorkspace, Tree};
+/// # let options = BuildOptions::default();
+/// # let wall = [[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
+/// # let ball = [[[3.0, 0.25, 0.25], [3.1, 0.3, 0.25], [3.1, 0.25, 0.3]]];
+/// # let (wall, ball) = (Tree::build(&wall, &options)?, Tree::build(&ball, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// # let mut workspace = SweepWorkspace::new();
+/// use trolley::kernel::earliest_pairs;
+///
+/// let sweep = Sweep::new([-1.0, 0.0, 0.0].into(), 0.0, 10.0)?;
+/// let pairs = earliest_pairs(&wall, &ball, &pose, &sweep, 16, &mut workspace)?;
+/// assert_eq!(pairs.len(), 1, "there is one pair only");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::earliest_pairs;
+
+/// A motion along a straight line, in A's frame.
+///
+/// ```
+/// use trolley::kernel::Sweep;
+///
+/// // Of any length but 0, from 1 m before the pose to 10 m after it.
+/// let sweep = Sweep::new([-2.0, 0.5, 0.0].into(), -1.0, 10.0)?;
+/// assert_eq!((sweep.from_m(), sweep.to_m()), (-1.0, 10.0));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::Sweep;
+
+/// The error of [`Sweep::new`].
+///
+/// ```
+/// use trolley::kernel::{Sweep, SweepError};
+///
+/// assert_eq!(Sweep::new([0.0; 3].into(), 0.0, 10.0), Err(SweepError::Direction));
+/// ```
+pub use bvh::query::SweepError;
+
+/// Buffers for [`first_contact`] and [`earliest_pairs`].
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Sweep, SweepWorkspace, Tree};
+/// # let options = BuildOptions::default();
+/// # let wall = [[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
+/// # let ball = [[[3.0, 0.25, 0.25], [3.1, 0.3, 0.25], [3.1, 0.25, 0.3]]];
+/// # let (wall, ball) = (Tree::build(&wall, &options)?, Tree::build(&ball, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// let mut workspace = SweepWorkspace::new();
+/// workspace.set_walk(trolley::kernel::Walk::Plain); // the answers are the same
+/// let sweep = Sweep::new([-1.0, 0.0, 0.0].into(), 0.0, 10.0)?;
+/// assert!(trolley::kernel::first_contact(&wall, &ball, &pose, &sweep, &mut workspace)?.is_some());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::SweepWorkspace;
+
+/// What the last query of a [`SweepWorkspace`] took.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Sweep, SweepWorkspace, Tree};
+/// # let options = BuildOptions::default();
+/// # let wall = [[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
+/// # let ball = [[[3.0, 0.25, 0.25], [3.1, 0.3, 0.25], [3.1, 0.25, 0.3]]];
+/// # let (wall, ball) = (Tree::build(&wall, &options)?, Tree::build(&ball, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// # let mut workspace = SweepWorkspace::new();
+/// use trolley::kernel::{SweepEffort, first_contact};
+///
+/// let sweep = Sweep::new([-1.0, 0.0, 0.0].into(), 0.0, 10.0)?;
+/// first_contact(&wall, &ball, &pose, &sweep, &mut workspace)?;
+/// let SweepEffort { counters, exact_tests } = workspace.effort();
+/// println!("{} box tests, {exact_tests} pairs decided one by one", counters.nb);
+/// # assert_eq!(exact_tests, 1);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::SweepEffort;
+
+/// Two triangles, and the first travel at which they touch.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Sweep, SweepWorkspace, Tree};
+/// # let options = BuildOptions::default();
+/// # let wall = [[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
+/// # let ball = [[[3.0, 0.25, 0.25], [3.1, 0.3, 0.25], [3.1, 0.25, 0.3]]];
+/// # let (wall, ball) = (Tree::build(&wall, &options)?, Tree::build(&ball, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// # let mut workspace = SweepWorkspace::new();
+/// use trolley::kernel::{Witness, first_contact};
+///
+/// let sweep = Sweep::new([-1.0, 0.0, 0.0].into(), 0.0, 10.0)?;
+/// let first: Option<Witness> = first_contact(&wall, &ball, &pose, &sweep, &mut workspace)?;
+/// assert_eq!(first.map(|first| first.point.to_array()), Some([0.0, 0.25, 0.25]));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::Witness;
 
 /// A triangle: three corners of three coordinates.
 ///

@@ -4,7 +4,7 @@
 //! same names. All are in A's frame, and generated; sines of the platform make some of their
 //! numbers, so last bits may differ between machines.
 //!
-//! - `deep`, `scratch`: the cars of the scenes of these names. B comes from eight sides, all around,
+//! - `deep`, `scratch`: the cars of the scenes of these names. B comes from eight sides, all round,
 //!   and goes 2 m beyond where it stands in the scene.
 //! - `pass`: B passes A with a gap of 10 cm, 1 cm and 1 mm between all that lies beside the line of
 //!   motion. It stands as an oncoming car or turned by 26 degrees from that, and moves parallel to

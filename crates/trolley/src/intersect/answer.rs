@@ -1,5 +1,6 @@
 //! What a query found, and its line of JSON.
 
+use super::FirstContact;
 use body::Build;
 use bvh::kernel::Walk;
 use bvh::{BuildOptions, Counters, Question};
@@ -100,7 +101,7 @@ pub struct Intersected {
     pub files: [PathBuf; 2],
     /// Triangles of A and of B.
     pub triangles: [usize; 2],
-    /// What was asked.
+    /// What was asked, unless there was a cast.
     pub question: Question,
     /// How the trees are built.
     pub tree: BuildOptions,
@@ -118,6 +119,8 @@ pub struct Intersected {
     pub moving: bool,
     /// What was found.
     pub asked: QueryResult,
+    /// What was found for a cast.
+    pub first: Option<FirstContact>,
 }
 
 #[derive(Serialize)]
@@ -133,6 +136,8 @@ struct Line<'a> {
     hash: Option<String>,
     #[serde(flatten)]
     sets: Option<Sets>,
+    #[serde(flatten)]
+    first: Option<&'a FirstContact>,
     nb: u64,
     np: u64,
     question: &'static str,
@@ -161,6 +166,7 @@ impl Serialize for Intersected {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Found { pairs, hash, hits, hashes } = self.asked.found;
         let (pairs, hash, sets) = match self.question {
+            _ if self.first.is_some() => (None, None, None),
             Question::Pairs => (Some(pairs), Some(hex(hash)), None),
             Question::Touches => (Some(pairs), Some(String::new()), None),
             Question::Sets => {
@@ -179,9 +185,11 @@ impl Serialize for Intersected {
             pairs,
             hash,
             sets,
+            first: self.first.as_ref(),
             nb: self.asked.counters.nb,
             np: self.asked.counters.np,
             question: match self.question {
+                _ if self.first.is_some() => "first-contact",
                 Question::Pairs => "pairs",
                 Question::Sets => "sets",
                 Question::Touches => "touches",
