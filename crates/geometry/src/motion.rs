@@ -30,12 +30,22 @@
 //! deviation is of first order, |Ω| δ r/2: 1 mm at 1 rad/s would take intervals of 0.7 ms instead
 //! of about 10.) The motion of A in B's frame is bounded in the same way, with y and v negated.
 //!
+//! # Parts of an interval
+//!
+//! Within an interval the curve is off its chord by up to f = K t (δ − t)/2, and the chord of a part
+//! is off that of the whole by no more than the chord of f there, at most K δ²/8. With M = 4/3 K δ²/8
+//! as the margin, the chord of a half has the margin M/4, and is off by 3/4 M: together M. So a gap
+//! of more than M along a fixed axis in an interval is a gap of more than its margin in each half,
+//! and in theirs. (K is at most that of the whole: it has the same form with ends further in.) What
+//! axes that do not change exclude stays excluded, whether or not the halves are looked at.
+//!
 //! # Invariants
 //!
 //! - Poses have the same bits on every machine: sines, cosines and arc tangents come from `libm`,
 //!   and nothing is fused.
 //! - An [`Interval`] never calls two triangles apart that touch within it, neither in the motion nor
 //!   at a pose that [`Motion::pose_at`] returns: `motion/tests.rs`.
+//! - What is clearly apart in an interval is apart in all parts of it: `motion/tests.rs`.
 
 mod interval;
 mod path;

@@ -15,10 +15,10 @@
 //!
 //! # What is decided
 //!
-//! A pair of triangles is *open* in a short interval if neither this interval nor any that contains
-//! it calls the pair apart ([`Interval::are_apart`]). Boxes of nodes are passed over only if that
-//! would call all their pairs apart. So the answer depends on triangles alone: trees, leaves, the
-//! order of tests and memory do not matter. The first interval with an open pair decides: if a pair
+//! A pair of triangles is *open* in a short interval if that does not call it apart
+//! ([`Interval::are_apart`]). In longer intervals, and for boxes of nodes, only such axes are tried
+//! along which what is apart is so in each short interval within, for the same test of triangles. So
+//! the answer depends on triangles alone: trees, leaves, the order of tests and memory do not matter. The first interval with an open pair decides: if a pair
 //! touches exactly at one of a few poses, contact is certain; else it is possible, and a little
 //! further on certain contact is sought still.
 //!
@@ -34,8 +34,14 @@ use std::ops::ControlFlow;
 /// Maximum number of pairs of nodes that are kept for later intervals.
 const PAIRS_MAX: usize = 1 << 18;
 
-/// Nodes are opened while they are larger than this share of what B moves in the interval.
-const SIZE_SHARE: f64 = 0.25;
+/// Nodes are opened while they are larger than this many times what B moves in the interval. With a
+/// quarter as much, contacts of cars took twice as long: what touches late in an interval is then
+/// visited at every size.
+const NODE_TRAVELS: f64 = 2.0;
+
+/// The triangles of two leaves are looked at if one of these is larger than this many times what B
+/// moves in the interval; else later.
+const LEAF_TRAVELS: f64 = 4.0;
 
 /// After an interval in which contact is possible, certain contact is sought for this many times its
 /// length.
@@ -244,7 +250,7 @@ impl<'a> Search<'_, 'a> {
         self.kernel.pairs.clear();
         self.kernel.pairs.push(NodePair::ROOTS);
         self.kernel.frames.clear();
-        self.enter(Interval::of(&self.task.motion, &self.bodies, piece), [0, 1]);
+        self.enter(&Interval::of(&self.task.motion, &self.bodies, piece), [0, 1]);
         while let Some(mut frame) = self.kernel.frames.pop() {
             match frame.stage {
                 Stage::Fresh => {
@@ -260,13 +266,13 @@ impl<'a> Search<'_, 'a> {
                         continue;
                     }
                     self.kernel.frames.push(Frame { stage: Stage::FirstHalf, ..frame });
-                    self.enter(half, frame.left);
+                    self.enter(&half, frame.left);
                 }
                 Stage::FirstHalf => {
                     self.kernel.frames.push(Frame { stage: Stage::SecondHalf, ..frame });
                     let halves = frame.interval.halves(&self.task.motion, &self.bodies, piece);
                     if let Some([_, half]) = halves {
-                        self.enter(half, frame.left);
+                        self.enter(&half, frame.left);
                     }
                 }
                 Stage::SecondHalf => self.kernel.pairs.truncate(frame.left[0]),
@@ -275,8 +281,8 @@ impl<'a> Search<'_, 'a> {
         ControlFlow::Continue(())
     }
 
-    fn enter(&mut self, interval: Interval, begin: [usize; 2]) {
-        let frame = Frame { interval, begin, left: [0; 2], stage: Stage::Fresh };
+    fn enter(&mut self, interval: &Interval, begin: [usize; 2]) {
+        let frame = Frame { interval: *interval, begin, left: [0; 2], stage: Stage::Fresh };
         self.kernel.frames.push(frame);
     }
 
@@ -309,7 +315,8 @@ impl<'a> Search<'_, 'a> {
             self.counters.nb += 1;
             return ControlFlow::Continue(());
         }
-        let least = (interval.travel_m() * SIZE_SHARE) as f32;
+        let least = (interval.travel_m() * NODE_TRAVELS) as f32;
+        let least_leaf = (interval.travel_m() * LEAF_TRAVELS) as f32;
         let is_small = |node: &Node| size(node) < least;
         for at in frame.begin[0]..frame.begin[1] {
             self.kernel.open.push(self.kernel.pairs[at]);
@@ -322,7 +329,7 @@ impl<'a> Search<'_, 'a> {
                     self.open(pair, side, (a, b));
                     continue;
                 }
-                let are_leaves = a.is_leaf() && b.is_leaf() && !(small_a && small_b);
+                let are_leaves = a.is_leaf() && b.is_leaf() && size(a).max(size(b)) >= least_leaf;
                 if are_leaves && !self.any_open(&interval, (a, b)) {
                     continue;
                 }
@@ -436,8 +443,7 @@ impl<'a> Search<'_, 'a> {
         let _all = self.each_open(interval, leaves, |search, [a, b]| {
             let task = search.task;
             let [of_a, of_b] = task.corners([a, b]);
-            let are_apart = |within: &Interval| within.are_apart(of_a, of_b, &within.moved_b(of_b));
-            if !search.kernel.frames.iter().any(|frame| are_apart(&frame.interval)) {
+            if !interval.are_apart(of_a, of_b, &interval.moved_b(of_b)) {
                 verdict.take(task, interval, [a, b]);
                 if search.kernel.touching.len() < TOUCHING_MAX {
                     search.kernel.touching.push([a, b]);
@@ -464,7 +470,7 @@ impl<'a> Search<'_, 'a> {
             }
             for of_a in a.link..a.link + a.count {
                 self.counters.np += 1;
-                if !interval.are_apart(&task.a.corners[of_a as usize], corners_b, &moved) {
+                if !interval.are_clearly_apart(&task.a.corners[of_a as usize], corners_b, &moved) {
                     each(self, [of_a, of_b])?;
                 }
             }

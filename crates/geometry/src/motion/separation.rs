@@ -13,14 +13,21 @@ use super::{Interval, Moved};
 use crate::{Corners, DVec3, Triangle};
 
 impl Interval {
-    /// Whether a triangle of A and one of B certainly share no point all the time. `moved_b` is B's.
+    /// Whether a triangle of A and one of B certainly share no point all the time, by few axes: those
+    /// of both frames and both normals. `moved_b` is B's triangle.
     ///
-    /// If it is false in an interval that is [short](Interval::is_short) for a resolution, then the
-    /// triangles come within about that distance (m) of each other.
+    /// These axes stay the same in parts of the interval. So what is apart here is apart in them too,
+    /// for [`Interval::are_apart`].
     #[must_use]
-    pub fn are_apart(&self, a: &Corners, b: &Corners, moved_b: &Moved) -> bool {
+    #[inline]
+    pub fn are_clearly_apart(&self, a: &Corners, b: &Corners, moved_b: &Moved) -> bool {
         let stored_a = Triangle::stored(a);
         if self.is_far() || !stored_a.bounds().overlaps(&moved_b.bounds) {
+            return true;
+        }
+        let margins_m = self.lasting_margins_m();
+        let in_a = Pair { still: stored_a.0, moved: &moved_b.ends, margin_m: margins_m[0] };
+        if in_a.is_split(normal(&stored_a.0)) {
             return true;
         }
         let moved_a = self.moved_a(a);
@@ -28,10 +35,30 @@ impl Interval {
         if !stored_b.bounds().overlaps(&moved_a.bounds) {
             return true;
         }
+        let in_b = Pair { still: stored_b.0, moved: &moved_a.ends, margin_m: margins_m[1] };
+        in_b.is_split(normal(&stored_b.0))
+    }
+
+    /// Whether a triangle of A and one of B certainly share no point all the time, by all axes.
+    /// `moved_b` is B's triangle.
+    ///
+    /// If it is false in an interval that is [short](Interval::is_short) for a resolution, then the
+    /// triangles come within about that distance (m) of each other.
+    #[must_use]
+    pub fn are_apart(&self, a: &Corners, b: &Corners, moved_b: &Moved) -> bool {
+        if self.is_just_far() {
+            return true;
+        }
+        let (stored_a, stored_b) = (Triangle::stored(a), Triangle::stored(b));
+        let moved_a = self.moved_a(a);
         let [margin_a, margin_b] = self.margins_m();
         let in_a = Pair { still: stored_a.0, moved: &moved_b.ends, margin_m: margin_a };
         let in_b = Pair { still: stored_b.0, moved: &moved_a.ends, margin_m: margin_b };
-        if in_a.is_split(normal(&stored_a.0)) || in_b.is_split(normal(&stored_b.0)) {
+        let is_split_along = |axis: DVec3| in_a.is_split(axis) || in_b.is_split(axis);
+        if DVec3::AXES.into_iter().any(is_split_along)
+            || in_a.is_split(normal(&stored_a.0))
+            || in_b.is_split(normal(&stored_b.0))
+        {
             return true;
         }
         let [begin, end] = &moved_b.ends;

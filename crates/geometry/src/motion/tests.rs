@@ -147,6 +147,27 @@ proptest! {
             }
         }
     }
+
+    /// What is clearly apart in an interval is apart in its parts.
+    #[test]
+    fn what_is_clearly_apart_stays_apart(
+        (a, b) in (path(), path()),
+        (of_a, of_b) in (corners(), corners()),
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 1..14),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let Some(motion) = motion(&a, &b) else { return Ok(()) };
+        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
+        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let whole = some_interval(&motion, &bodies, piece, &ways[..cut.index(ways.len())]);
+        let part = some_interval(&motion, &bodies, piece, &ways);
+        let clearly = |of: &Interval| of.are_clearly_apart(&of_a, &of_b, &of.moved_b(&of_b));
+        let apart = part.are_apart(&of_a, &of_b, &part.moved_b(&of_b));
+        prop_assert!(!clearly(&whole) || apart, "{:?} {:?}", whole, part);
+        prop_assert!(!clearly(&part) || apart, "{:?}", part);
+        prop_assert!(!whole.is_far() || part.is_just_far());
+    }
 }
 
 /// Most random triangles that are a little apart are called so: the axes are worth their time.

@@ -105,7 +105,11 @@ fn brute_force(a: &Tree, b: &Tree, motion: &Motion<'_>, resolution_m: f64) -> Mo
             }
             pairs.retain(|[of_a, of_b]| {
                 let corners = (&a.corners()[*of_a], &b.corners()[*of_b]);
-                !interval.are_apart(corners.0, corners.1, &interval.moved_b(corners.1))
+                let moved = interval.moved_b(corners.1);
+                if interval.is_short(resolution_m) {
+                    return !interval.are_apart(corners.0, corners.1, &moved);
+                }
+                !interval.are_clearly_apart(corners.0, corners.1, &moved)
             });
             if pairs.is_empty() {
                 continue;
