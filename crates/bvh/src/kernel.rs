@@ -18,6 +18,7 @@ mod boxes;
 mod found;
 mod plain;
 pub mod sweep;
+pub mod turning;
 mod wide;
 
 pub use found::BEAT_TESTS;

@@ -58,6 +58,7 @@
 //! ```
 
 mod first;
+mod turning;
 
 use crate::{End, Kernel, NodePair, Question, Side, Sink, Task};
 use body::BodyView;
@@ -71,9 +72,12 @@ use std::ops::ControlFlow;
 pub use crate::kernel::sweep::Witness;
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
 pub use first::{SweepEffort, SweepWorkspace, earliest_pairs, first_contact};
+pub use geometry::motion::{Motion, Orientation, Path, PathError, State};
 pub use geometry::simd::Level;
 pub use geometry::sweep::SweepError;
 pub use geometry::{Corners, Pose, RelativePose, Sweep};
+pub use turning::{MotionContact, MotionEffort, MotionLimits, MotionWorkspace};
+pub use turning::{RESOLUTION_MIN, ResolutionError, first_contact_in_motion};
 
 /// Greatest magnitude of a number in a pose: beyond it, points of B might not have finite
 /// coordinates.

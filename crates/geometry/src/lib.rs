@@ -17,6 +17,7 @@ pub mod aabb;
 
 pub mod hash;
 pub mod lanes;
+pub mod motion;
 pub mod patch;
 pub mod pose;
 pub mod rng;

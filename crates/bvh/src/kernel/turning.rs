@@ -1,0 +1,485 @@
+//! First contact of two bodies that both move and turn: when they touch, may touch, or do not.
+//!
+//! ```text
+//! pieces of the motion, earliest first
+//!   interval ──▶ pairs of nodes whose boxes may overlap meanwhile ──none──▶ excluded
+//!      ▲              │                               │ short interval: pairs of triangles
+//!      └── halves ◀───┘ are handed down               └──▶ exact tests at poses ──▶ certain
+//!                                                                └──none──▶ possible
+//! ```
+//!
+//! Time and space are divided together: nodes are opened until they are about as large as what they
+//! move in the interval; then the interval is halved, and its halves begin with the pairs that it
+//! left. So what was excluded once is not visited again. The halves are those of
+//! [`geometry::motion::Interval`].
+//!
+//! # What is decided
+//!
+//! A pair of triangles is *open* in a short interval if that does not call it apart
+//! ([`Interval::are_apart`]). In longer intervals, and for boxes of nodes, only such axes are tried
+//! along which what is apart is so in each short interval within, for the same test of triangles. So
+//! the answer depends on triangles alone: trees, leaves, the order of tests and memory do not matter. The first interval with an open pair decides: if a pair
+//! touches exactly at one of a few poses, contact is certain; else it is possible, and a little
+//! further on certain contact is sought still.
+//!
+//! Memory is bounded: where an interval leaves too many pairs, its halves begin with the roots.
+
+use crate::descent::side_to_open;
+use crate::{Counters, NodePair, Side};
+use body::{BodyView, Node};
+use geometry::motion::{Bodies, Interval, Motion, Piece};
+use geometry::{Corners, Triangle, triangle};
+use std::ops::ControlFlow;
+
+/// Maximum number of pairs of nodes that are kept for later intervals.
+const PAIRS_MAX: usize = 1 << 18;
+
+/// Nodes are opened while they are larger than this many times what B moves in the interval. With a
+/// quarter as much, contacts of cars took twice as long: what touches late in an interval is then
+/// visited at every size.
+const NODE_TRAVELS: f64 = 2.0;
+
+/// The triangles of two leaves are looked at if one of these is larger than this many times what B
+/// moves in the interval; else later.
+const LEAF_TRAVELS: f64 = 4.0;
+
+/// After an interval in which contact is possible, certain contact is sought for this many times its
+/// length.
+const PATIENCE: f64 = 32.0;
+
+/// Maximum number of open pairs among which an earlier touch is sought by bisection.
+const TOUCHING_MAX: usize = 1 << 12;
+
+/// Steps of that bisection: an interval of 1 mm is resolved to 1 nm.
+const BISECTIONS: u32 = 20;
+
+/// When do B and A first touch?
+#[derive(Clone, Copy, Debug)]
+pub struct TurningTask<'a> {
+    /// The body in whose frame triangles are tested: the ego.
+    pub a: BodyView<'a>,
+    /// The other body.
+    pub b: BodyView<'a>,
+    /// The motion of both.
+    pub motion: Motion<'a>,
+    /// Contact that is not certain is possible within this distance (m).
+    pub resolution_m: f64,
+}
+
+/// When bodies touch, as far as triangles tell; times in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum First {
+    /// Never: a proof.
+    Never,
+    /// Triangles touch exactly at a pose of the motion, and not before another time.
+    Certain {
+        /// The time of the pose.
+        time_s: f64,
+        /// Nothing touches before.
+        clear_before_s: f64,
+        /// Source ids of two triangles that touch then, of A's and of B's.
+        ids: [u32; 2],
+    },
+    /// Triangles come within the resolution of each other, but no pose was found at which any touch.
+    Possible {
+        /// Nothing touches before.
+        clear_before_s: f64,
+        /// Where the interval ends in which contact is possible.
+        to_s: f64,
+        /// The least source ids, of A's triangle and of B's, of a pair that is open then.
+        ids: [u32; 2],
+    },
+    /// The budget did not suffice.
+    Open {
+        /// Nothing touches before.
+        clear_before_s: f64,
+    },
+}
+
+/// How a search ended, and what it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurningOutcome {
+    /// What was found.
+    pub first: First,
+    /// Tests of boxes, and of triangles whose boxes overlap.
+    pub counters: Counters,
+    /// Intervals of time that were looked at.
+    pub intervals: u64,
+}
+
+/// Scratch of the search, reusable: at most some 3 MB.
+#[derive(Clone, Debug, Default)]
+pub struct TurningKernel {
+    /// Pairs that intervals left, those of an interval before those of its halves.
+    pairs: Vec<NodePair>,
+    frames: Vec<Frame>,
+    /// Pairs to be tested in the interval at hand.
+    open: Vec<NodePair>,
+    /// Pairs of triangles, by their numbers in leaf order, that are open in a short interval.
+    touching: Vec<[u32; 2]>,
+}
+
+/// An interval whose halves are being searched.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    interval: Interval,
+    /// The pairs it began with, and those it left: positions in [`TurningKernel::pairs`].
+    begin: [usize; 2],
+    left: [usize; 2],
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Fresh,
+    FirstHalf,
+    SecondHalf,
+}
+
+impl TurningKernel {
+    /// Scratch without capacity; it grows as needed.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Searches all of both bodies and the whole motion with at most `budget` tests, but for those
+    /// of one pair of leaves.
+    ///
+    /// # Panics
+    ///
+    /// A number in a tree is out of range: a damaged tree must not produce an answer.
+    pub fn run(&mut self, task: &TurningTask<'_>, budget: u64) -> TurningOutcome {
+        let boxes = [task.a.bounds(), task.b.bounds()];
+        let mut search = Search {
+            task,
+            bodies: Bodies::new(&task.motion, [&boxes[0], &boxes[1]]),
+            kernel: self,
+            budget,
+            counters: Counters::default(),
+            intervals: 0,
+            possible: None,
+        };
+        let first = if task.a.nodes.is_empty() || task.b.nodes.is_empty() {
+            First::Never
+        } else {
+            search.run()
+        };
+        TurningOutcome { first, counters: search.counters, intervals: search.intervals }
+    }
+}
+
+/// The first interval in which contact is possible.
+#[derive(Clone, Copy, Debug)]
+struct Possible {
+    from_s: f64,
+    to_s: f64,
+    ids: [u32; 2],
+}
+
+impl Possible {
+    /// When certain contact is no longer sought.
+    fn give_up_s(&self) -> f64 {
+        self.to_s + PATIENCE * (self.to_s - self.from_s)
+    }
+
+    fn first(&self) -> First {
+        First::Possible { clear_before_s: self.from_s, to_s: self.to_s, ids: self.ids }
+    }
+}
+
+/// What the open pairs of a short interval say.
+#[derive(Clone, Copy, Debug, Default)]
+struct Verdict {
+    /// The earliest exact touch, and whose.
+    touch: Option<(f64, [u32; 2])>,
+    /// The least source ids of an open pair.
+    ids: Option<[u32; 2]>,
+    /// The number of open pairs: that, too, depends on triangles alone.
+    count: usize,
+}
+
+impl Verdict {
+    /// Takes an open pair of triangles, by their numbers in leaf order.
+    fn take(&mut self, task: &TurningTask<'_>, interval: &Interval, pair: [u32; 2]) {
+        let ids = task.ids(pair);
+        self.count += 1;
+        self.ids = Some(self.ids.map_or(ids, |least| least.min(ids)));
+        let [a, b] = task.corners(pair);
+        let until_s = self.touch.map_or(f64::INFINITY, |(time_s, _)| time_s);
+        let touch = interval.first_touch(&task.motion, a, b, until_s);
+        self.touch = touch.map(|time_s| (time_s, ids)).or(self.touch);
+    }
+}
+
+impl<'a> TurningTask<'a> {
+    /// Source ids of two triangles.
+    fn ids(&self, [a, b]: [u32; 2]) -> [u32; 2] {
+        [self.a.source_ids[a as usize], self.b.source_ids[b as usize]]
+    }
+
+    fn corners(&self, [a, b]: [u32; 2]) -> [&'a Corners; 2] {
+        [&self.a.corners[a as usize], &self.b.corners[b as usize]]
+    }
+}
+
+/// The state of one search, apart from its scratch.
+struct Search<'s, 'a> {
+    task: &'s TurningTask<'a>,
+    bodies: Bodies,
+    kernel: &'s mut TurningKernel,
+    budget: u64,
+    counters: Counters,
+    intervals: u64,
+    possible: Option<Possible>,
+}
+
+impl<'a> Search<'_, 'a> {
+    fn run(&mut self) -> First {
+        let motion = self.task.motion;
+        for piece in motion.pieces() {
+            if let ControlFlow::Break(first) = self.piece(&piece) {
+                return first;
+            }
+        }
+        self.possible.map_or(First::Never, |possible| possible.first())
+    }
+
+    /// Searches one piece: its intervals depth first, so that they come in the order of time.
+    fn piece(&mut self, piece: &Piece) -> ControlFlow<First> {
+        self.kernel.pairs.clear();
+        self.kernel.pairs.push(NodePair::ROOTS);
+        self.kernel.frames.clear();
+        self.enter(&Interval::of(&self.task.motion, &self.bodies, piece), [0, 1]);
+        while let Some(mut frame) = self.kernel.frames.pop() {
+            match frame.stage {
+                Stage::Fresh => {
+                    self.check_time(&frame.interval)?;
+                    let halves = frame.interval.halves(&self.task.motion, &self.bodies, piece);
+                    let is_short = frame.interval.is_short(self.task.resolution_m);
+                    let Some([half, _]) = halves.filter(|_| !is_short) else {
+                        self.decide(&frame)?;
+                        continue;
+                    };
+                    self.refine(&mut frame)?;
+                    if frame.left[0] == frame.left[1] {
+                        continue;
+                    }
+                    self.kernel.frames.push(Frame { stage: Stage::FirstHalf, ..frame });
+                    self.enter(&half, frame.left);
+                }
+                Stage::FirstHalf => {
+                    self.kernel.frames.push(Frame { stage: Stage::SecondHalf, ..frame });
+                    let halves = frame.interval.halves(&self.task.motion, &self.bodies, piece);
+                    if let Some([_, half]) = halves {
+                        self.enter(&half, frame.left);
+                    }
+                }
+                Stage::SecondHalf => self.kernel.pairs.truncate(frame.left[0]),
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn enter(&mut self, interval: &Interval, begin: [usize; 2]) {
+        let frame = Frame { interval: *interval, begin, left: [0; 2], stage: Stage::Fresh };
+        self.kernel.frames.push(frame);
+    }
+
+    /// Ends the search if what is possible was followed for long enough, or without budget.
+    fn check_time(&mut self, interval: &Interval) -> ControlFlow<First> {
+        self.intervals += 1;
+        match self.possible {
+            Some(possible) if interval.from_s >= possible.give_up_s() => {
+                ControlFlow::Break(possible.first())
+            }
+            _ => self.check_budget(interval),
+        }
+    }
+
+    fn check_budget(&self, interval: &Interval) -> ControlFlow<First> {
+        if self.counters.tests() < self.budget {
+            return ControlFlow::Continue(());
+        }
+        let clear_before_s = self.possible.map_or(interval.from_s, |possible| possible.from_s);
+        ControlFlow::Break(First::Open { clear_before_s })
+    }
+
+    /// Appends the pairs that an interval leaves to those kept.
+    fn refine(&mut self, frame: &mut Frame) -> ControlFlow<First> {
+        let interval = frame.interval;
+        self.kernel.open.clear();
+        let from = self.kernel.pairs.len();
+        frame.left = [from, from];
+        if interval.is_far() {
+            self.counters.nb += 1;
+            return ControlFlow::Continue(());
+        }
+        let least = (interval.travel_m() * NODE_TRAVELS) as f32;
+        let least_leaf = (interval.travel_m() * LEAF_TRAVELS) as f32;
+        let is_small = |node: &Node| size(node) < least;
+        for at in frame.begin[0]..frame.begin[1] {
+            self.kernel.open.push(self.kernel.pairs[at]);
+            while let Some(pair) = self.kernel.open.pop() {
+                self.check_budget(&interval)?;
+                let Some((a, b)) = self.meeting(&interval, pair) else { continue };
+                let (small_a, small_b) = (is_small(a), is_small(b));
+                let side = side_to_open(a, a.is_leaf() || small_a, b, b.is_leaf() || small_b);
+                if let Some(side) = side {
+                    self.open(pair, side, (a, b));
+                    continue;
+                }
+                let are_leaves = a.is_leaf() && b.is_leaf() && size(a).max(size(b)) >= least_leaf;
+                if are_leaves && !self.any_open(&interval, (a, b)) {
+                    continue;
+                }
+                if self.kernel.pairs.len() < PAIRS_MAX {
+                    self.kernel.pairs.push(pair);
+                } else {
+                    self.kernel.pairs.truncate(from);
+                    self.kernel.pairs.push(NodePair::ROOTS);
+                    self.kernel.open.clear();
+                    frame.left[1] = self.kernel.pairs.len();
+                    return ControlFlow::Continue(());
+                }
+            }
+        }
+        frame.left[1] = self.kernel.pairs.len();
+        ControlFlow::Continue(())
+    }
+
+    /// Decides a short interval.
+    fn decide(&mut self, frame: &Frame) -> ControlFlow<First> {
+        let interval = frame.interval;
+        self.kernel.open.clear();
+        self.kernel.touching.clear();
+        let mut verdict = Verdict::default();
+        for at in frame.begin[0]..frame.begin[1] {
+            self.kernel.open.push(self.kernel.pairs[at]);
+            while let Some(pair) = self.kernel.open.pop() {
+                self.check_budget(&interval)?;
+                let Some((a, b)) = self.meeting(&interval, pair) else { continue };
+                match side_to_open(a, a.is_leaf(), b, b.is_leaf()) {
+                    Some(side) => self.open(pair, side, (a, b)),
+                    None => self.judge(&interval, (a, b), &mut verdict),
+                }
+            }
+        }
+        let possible = self.possible;
+        match verdict {
+            Verdict { touch: Some(touch), count, .. } => {
+                let (time_s, ids) = match count {
+                    0..=TOUCHING_MAX => self.earlier(interval.from_s, touch),
+                    _ => touch,
+                };
+                let clear_before_s = possible.map_or(interval.from_s, |possible| possible.from_s);
+                return ControlFlow::Break(First::Certain { time_s, clear_before_s, ids });
+            }
+            Verdict { ids: Some(ids), .. } if possible.is_none() => {
+                let (from_s, to_s) = (interval.from_s, interval.to_s);
+                self.possible = Some(Possible { from_s, to_s, ids });
+            }
+            Verdict { .. } => {}
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// An earlier touch of the open pairs, by bisection between a time and that of a touch.
+    fn earlier(
+        &mut self,
+        mut from_s: f64,
+        (mut to_s, mut ids): (f64, [u32; 2]),
+    ) -> (f64, [u32; 2]) {
+        let task = self.task;
+        let pairs = &mut self.kernel.touching;
+        for step in 0..=BISECTIONS {
+            // First, which pairs touch at the time that is known.
+            let time_s = if step == 0 { to_s } else { from_s + (to_s - from_s) * 0.5 };
+            if !(from_s < time_s && time_s <= to_s) {
+                break;
+            }
+            let pose = task.motion.pose_at(time_s);
+            let touch = |pair: &[u32; 2]| {
+                let [a, b] = task.corners(*pair);
+                triangle::intersect(&Triangle::stored(a), &pose.triangle(b))
+            };
+            if !pairs.iter().any(touch) {
+                from_s = time_s;
+                continue;
+            }
+            pairs.retain(touch);
+            (to_s, ids) = (time_s, pairs.iter().map(|pair| task.ids(*pair)).min().unwrap_or(ids));
+        }
+        (to_s, ids)
+    }
+
+    /// The nodes of a pair, if their boxes may overlap in the interval.
+    fn meeting(&mut self, interval: &Interval, pair: NodePair) -> Option<(&'a Node, &'a Node)> {
+        let TurningTask { a, b, .. } = *self.task;
+        let (a, b) = (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize]);
+        self.counters.nb += 1;
+        let meet = a.bounds.bounds().overlaps(&interval.bounds_of_b(&b.bounds))
+            && b.bounds.bounds().overlaps(&interval.bounds_of_a(&a.bounds));
+        meet.then_some((a, b))
+    }
+
+    fn open(&mut self, pair: NodePair, side: Side, (a, b): (&Node, &Node)) {
+        let children = match side {
+            Side::A => [NodePair { a: a.link, ..pair }, NodePair { a: pair.a + 1, ..pair }],
+            Side::B => [NodePair { b: b.link, ..pair }, NodePair { b: pair.b + 1, ..pair }],
+        };
+        self.kernel.open.extend_from_slice(&children);
+    }
+
+    /// Whether any pair of triangles of two leaves may touch in the interval.
+    fn any_open(&mut self, interval: &Interval, leaves: (&Node, &Node)) -> bool {
+        let each = |_: &mut Self, _: [u32; 2]| ControlFlow::Break(());
+        self.each_open(interval, leaves, each).is_break()
+    }
+
+    /// Takes the pairs of triangles of two leaves that are open in a short interval: not apart in it
+    /// nor in any that contains it.
+    fn judge(&mut self, interval: &Interval, leaves: (&Node, &Node), verdict: &mut Verdict) {
+        let _all = self.each_open(interval, leaves, |search, [a, b]| {
+            let task = search.task;
+            let [of_a, of_b] = task.corners([a, b]);
+            if !interval.are_apart(of_a, of_b, &interval.moved_b(of_b)) {
+                verdict.take(task, interval, [a, b]);
+                if search.kernel.touching.len() < TOUCHING_MAX {
+                    search.kernel.touching.push([a, b]);
+                }
+            }
+            ControlFlow::Continue(())
+        });
+    }
+
+    fn each_open(
+        &mut self,
+        interval: &Interval,
+        (a, b): (&Node, &Node),
+        mut each: impl FnMut(&mut Self, [u32; 2]) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let task = self.task;
+        let box_a = a.bounds.bounds();
+        for of_b in b.link..b.link + b.count {
+            let corners_b = &task.b.corners[of_b as usize];
+            let moved = interval.moved_b(corners_b);
+            self.counters.nb += 1;
+            if !moved.bounds.overlaps(&box_a) {
+                continue;
+            }
+            for of_a in a.link..a.link + a.count {
+                self.counters.np += 1;
+                if !interval.are_clearly_apart(&task.a.corners[of_a as usize], corners_b, &moved) {
+                    each(self, [of_a, of_b])?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The longest side of a node's box (m).
+fn size(node: &Node) -> f32 {
+    [0, 1, 2].map(|axis| node.bounds.extent(axis)).into_iter().fold(0.0, f32::max)
+}

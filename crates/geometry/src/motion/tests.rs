@@ -1,0 +1,220 @@
+//! Paths keep their states; chords keep their margins; what is called apart never touches.
+
+use super::*;
+use crate::{Aabb, Bounds, Corners, Triangle, triangle};
+use proptest::prelude::*;
+
+fn orientation() -> impl Strategy<Value = Orientation> {
+    let turn = -180.0..180.0;
+    (turn.clone(), -89.0..89.0, turn).prop_map(|(y, p, r)| Orientation::from_degrees(y, p, r))
+}
+
+/// Two or three states over some seconds, with turns up to several rad/s about any axis.
+fn path() -> impl Strategy<Value = Path> {
+    let state = (0.2..2.0_f64, prop::array::uniform3(-5.0..5.0_f64), orientation());
+    prop::collection::vec(state, 2..4).prop_map(|steps| {
+        let mut time_s = -1.0;
+        let states: Vec<State> = steps
+            .into_iter()
+            .map(|(step_s, position_m, orientation)| {
+                time_s += step_s;
+                State { time_s, position_m, orientation }
+            })
+            .collect();
+        Path::new(&states).unwrap()
+    })
+}
+
+fn corners() -> impl Strategy<Value = Corners> {
+    prop::array::uniform3(prop::array::uniform3(-2.0..2.0_f32))
+}
+
+/// An interval of the tree over the motion: the halves taken are told by `ways`.
+fn some_interval(motion: &Motion<'_>, bodies: &Bodies, piece: usize, ways: &[bool]) -> Interval {
+    let pieces: Vec<Piece> = motion.pieces().collect();
+    let piece = &pieces[piece % pieces.len()];
+    ways.iter().fold(Interval::of(motion, bodies, piece), |interval, way| {
+        interval.halves(motion, bodies, piece).unwrap()[usize::from(*way)]
+    })
+}
+
+fn motion<'p>(a: &'p Path, b: &'p Path) -> Option<Motion<'p>> {
+    Motion::new(a, b).ok()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// The path passes through its states; in between it turns by the share of the angle.
+    #[test]
+    fn passes_through_its_states(path in path()) {
+        for state in path.states() {
+            let pose = path.pose_at(state.time_s);
+            let difference = (0..3).map(|k| (pose.translation[k] - state.position_m[k]).abs());
+            prop_assert!(difference.fold(0.0, f64::max) < 1e-13);
+            prop_assert_eq!(pose.rotation, state.orientation.rotation());
+        }
+        for legs in path.states().windows(2) {
+            let near = legs[1].time_s - 1e-13;
+            let (before, at) = (path.pose_at(near), path.pose_at(legs[1].time_s));
+            for i in 0..3 {
+                for j in 0..3 {
+                    prop_assert!((before.rotation[i][j] - at.rotation[i][j]).abs() < 1e-11);
+                }
+            }
+        }
+    }
+
+    /// Points stay within the margin of their chords, and boxes contain what passes.
+    #[test]
+    fn points_stay_close_to_their_chords(
+        (a, b) in (path(), path()),
+        point in prop::array::uniform3(-2.0..2.0_f32),
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 0..9),
+    ) {
+        let Some(motion) = motion(&a, &b) else { return Ok(()) };
+        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
+        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let interval = some_interval(&motion, &bodies, piece, &ways);
+        let moved = interval.moved_b(&[point; 3]);
+        let small = Aabb { min: point, max: point };
+        let all = interval.bounds_of_b(&small);
+        for step in 0..=20 {
+            let share = f64::from(step) / 20.0;
+            let time_s = interval.from_s + (interval.to_s - interval.from_s) * share;
+            let at = motion.pose_at(time_s).point(point);
+            let chord = moved.ends[0][0] * (1.0 - share) + moved.ends[1][0] * share;
+            let off = (at - chord).length();
+            prop_assert!(off <= interval.margins_m()[0], "{} of {:?}", off, interval.margins_m());
+            let here = Bounds { min: at, max: at };
+            prop_assert!(all.overlaps(&here));
+            let begin = moved.ends[0][0];
+            prop_assert!((at - begin).length() <= interval.travel_m());
+        }
+    }
+
+    /// The same for points of A in B's frame.
+    #[test]
+    fn points_of_a_stay_close_too(
+        (a, b) in (path(), path()),
+        point in prop::array::uniform3(-2.0..2.0_f32),
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 0..9),
+    ) {
+        let Some(motion) = motion(&a, &b) else { return Ok(()) };
+        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
+        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let interval = some_interval(&motion, &bodies, piece, &ways);
+        let moved = interval.moved_a(&[point; 3]);
+        for step in 0..=20 {
+            let share = f64::from(step) / 20.0;
+            let time_s = interval.from_s + (interval.to_s - interval.from_s) * share;
+            let [of_a, of_b] = motion.poses_at(time_s);
+            let at = crate::RelativePose::between(&of_b, &of_a).point(point);
+            let chord = moved.ends[0][0] * (1.0 - share) + moved.ends[1][0] * share;
+            let off = (at - chord).length();
+            prop_assert!(off <= interval.margins_m()[1], "{} of {:?}", off, interval.margins_m());
+        }
+    }
+
+    /// Triangles that are called apart do not touch at any pose, and lie in the boxes of their boxes.
+    #[test]
+    fn what_is_apart_never_touches(
+        (a, b) in (path(), path()),
+        (of_a, of_b) in (corners(), corners()),
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 0..9),
+    ) {
+        let Some(motion) = motion(&a, &b) else { return Ok(()) };
+        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
+        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let interval = some_interval(&motion, &bodies, piece, &ways);
+        let moved = interval.moved_b(&of_b);
+        let all = interval.bounds_of_b(&Aabb::of(&of_b));
+        prop_assert!(all.min.cmple(moved.bounds.min).all() && moved.bounds.max.cmple(all.max).all());
+        let apart = interval.are_apart(&of_a, &of_b, &moved);
+        let stored = Triangle::stored(&of_a);
+        for step in 0..=50 {
+            let share = f64::from(step) / 50.0;
+            let time_s = interval.from_s + (interval.to_s - interval.from_s) * share;
+            let touches = triangle::intersect(&stored, &motion.pose_at(time_s).triangle(&of_b));
+            prop_assert!(!(apart && touches), "at {} of {:?}", time_s, interval);
+            let found = interval.first_touch(&motion, &of_a, &of_b, f64::INFINITY);
+            if let Some(time_s) = found {
+                let pose = motion.pose_at(time_s);
+                prop_assert!(triangle::intersect(&stored, &pose.triangle(&of_b)) && !apart);
+            }
+        }
+    }
+
+    /// What is clearly apart in an interval is apart in its parts.
+    #[test]
+    fn what_is_clearly_apart_stays_apart(
+        (a, b) in (path(), path()),
+        (of_a, of_b) in (corners(), corners()),
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 1..14),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let Some(motion) = motion(&a, &b) else { return Ok(()) };
+        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
+        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let whole = some_interval(&motion, &bodies, piece, &ways[..cut.index(ways.len())]);
+        let part = some_interval(&motion, &bodies, piece, &ways);
+        let clearly = |of: &Interval| of.are_clearly_apart(&of_a, &of_b, &of.moved_b(&of_b));
+        let apart = part.are_apart(&of_a, &of_b, &part.moved_b(&of_b));
+        prop_assert!(!clearly(&whole) || apart, "{:?} {:?}", whole, part);
+        prop_assert!(!clearly(&part) || apart, "{:?}", part);
+        prop_assert!(!whole.is_far() || part.is_just_far());
+    }
+}
+
+/// Most random triangles that are a little apart are called so: the axes are worth their time.
+#[test]
+fn most_that_are_apart_are_called_so() {
+    let mut random = crate::rng::Rng::new(5);
+    let mut unit = || random.between(-0.5, 0.5) as f32;
+    let at = |time_s, x, yaw| State {
+        time_s,
+        position_m: [x, 0.0, 0.0],
+        orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
+    };
+    let still = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, 1e-2]).unwrap();
+    let moving = Path::new(&[at(0.0, 0.0, 0.0), at(1e-2, 0.05, 1.0)]).unwrap();
+    let motion = Motion::new(&still, &moving).unwrap();
+    let box_ = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+    let bodies = Bodies::new(&motion, [&box_, &box_]);
+    let piece = motion.pieces().next().unwrap();
+    let interval = Interval::of(&motion, &bodies, &piece);
+    let (mut apart, mut called) = (0, 0);
+    for _ in 0..4_000 {
+        let [a, b]: [Corners; 2] = [0; 2].map(|_| [0; 3].map(|_| [0; 3].map(|_| unit())));
+        let stored = Triangle::stored(&a);
+        let touches = (0..=20).any(|step| {
+            let pose = motion.pose_at(f64::from(step) * 5e-4);
+            triangle::intersect(&stored, &pose.triangle(&b))
+        });
+        apart += u32::from(!touches);
+        called += u32::from(interval.are_apart(&a, &b, &interval.moved_b(&b)));
+    }
+    assert!(called <= apart && called * 100 > apart * 97, "{called} of {apart}");
+}
+
+/// States that are no path are refused, and say why.
+#[test]
+fn refuses_what_is_no_path() {
+    let state =
+        |time_s, x| State { time_s, position_m: [x, 0.0, 0.0], orientation: Orientation::IDENTITY };
+    assert_eq!(Path::new(&[state(0.0, 0.0)]), Err(PathError::Short));
+    assert_eq!(Path::new(&[state(0.0, 0.0), state(0.0, 1.0)]), Err(PathError::State(1)));
+    assert_eq!(Path::new(&[state(0.0, f64::NAN), state(1.0, 1.0)]), Err(PathError::State(0)));
+    assert_eq!(Path::new(&[state(0.0, 0.0), state(1.0, 1e5)]), Err(PathError::Fast(0)));
+    let nowhere = Orientation::from_quaternion([0.0; 4]);
+    assert_eq!(Path::still([0.0; 3], nowhere, [0.0, 1.0]), Err(PathError::State(0)));
+    let [early, late, long] = [[0.0, 1.0], [2.0, 3.0], [0.0, 31.0]]
+        .map(|times| Path::still([0.0; 3], Orientation::IDENTITY, times).unwrap());
+    assert!(matches!(Motion::new(&early, &late), Err(PathError::Span { .. })));
+    assert!(matches!(Motion::new(&long, &long), Err(PathError::Span { .. })));
+    assert!(Motion::new(&long, &late).is_ok());
+}
