@@ -139,14 +139,14 @@ impl CandidateState {
     pub(crate) fn settle(
         &mut self,
         candidate: &Candidate,
-        first: Option<FirstContact>,
+        first: Option<&FirstContact>,
         task: u32,
         purposes: &mut Vec<(Purpose, f64, WireQuestion)>,
     ) {
         let SearchStage::Searching { mut bracket, .. } = self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
         let mut stops = std::mem::take(&mut self.spare);
-        if let Some(FirstContact { witness, .. }) = &first {
+        if let Some(FirstContact { witness, .. }) = first {
             let at_m = witness.travel_m;
             bracket = Bracket { from_m: at_m, to_m: at_m, has_touched: true };
             stops.extend(path.survey(at_m).into_iter().map(|stop| (stop, None)));
@@ -156,7 +156,7 @@ impl CandidateState {
                 if stop.patch || stop.depth { WireQuestion::Pairs } else { WireQuestion::Sets };
             purposes.push((Purpose::Survey { stop: number }, stop.travel_m, question));
         }
-        self.stage = SearchStage::Surveying { first, bracket, stops, task };
+        self.stage = SearchStage::Surveying { first: first.copied(), bracket, stops, task };
     }
 
     pub(crate) fn surveyed(

@@ -28,7 +28,6 @@ const SAME_M: f64 = 1e-9;
 
 /// Whether and where the hulls of two bodies meet.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a box would come from the heap on every request")]
 pub enum Meeting {
     /// They never meet: no contact, proven without a job.
     Never(Apart),

@@ -170,7 +170,7 @@ impl RankingRun<'_> {
             FirstContact { witness, zones, supports }
         });
         let task = self.tasks.len() as u32;
-        self.candidate_states[k].settle(candidate, first, task, &mut self.purposes);
+        self.candidate_states[k].settle(candidate, first.as_ref(), task, &mut self.purposes);
         self.ask(k);
         self.outlook.touch(k, true);
         if first.is_none() {

@@ -1,6 +1,6 @@
 //! The recordings of others, which are no part of this project, read and swept.
 
-use crate::{ReadOptions, Recording, Sweep, read};
+use crate::{ManoeuvreSweep, ReadOptions, Recording, read};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ fn derived_alternatives_are_found_again() {
     let (mut found, mut all, mut report) = (0, 0, String::new());
     for (file, cases) in &list {
         let recording = recorded(file);
-        let swept = recording.sweep(&Sweep::default());
+        let swept = recording.sweep(&ManoeuvreSweep::default());
         for case in cases {
             all += 1;
             let number = |at: &Value, key: &str| at[key].as_f64().expect("a number");
