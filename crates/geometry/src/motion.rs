@@ -6,8 +6,8 @@
 //! states of B --Path::new--> path ─┘       └───▶ pose_at: B in A's frame, the input of exact tests
 //! ```
 //!
-//! Between two states position is linear in time, and orientation turns at a constant rate about one
-//! axis, the shorter way: spherical linear interpolation (K. Shoemake, *Animating Rotation with
+//! Between two states position is linear in time, and orientation turns at a constant rate about
+//! one axis, the shorter way: spherical linear interpolation (K. Shoemake, *Animating Rotation with
 //! Quaternion Curves*, SIGGRAPH 1985). This is the motion; what [`Path::pose_at`] returns differs
 //! from it by rounding, and defines the input of exact tests.
 //!
@@ -32,19 +32,20 @@
 //!
 //! # Parts of an interval
 //!
-//! Within an interval the curve is off its chord by up to f = K t (δ − t)/2, and the chord of a part
-//! is off that of the whole by no more than the chord of f there, at most K δ²/8. With M = 4/3 K δ²/8
-//! as the margin, the chord of a half has the margin M/4, and is off by 3/4 M: together M. So a gap
-//! of more than M along a fixed axis in an interval is a gap of more than its margin in each half,
-//! and in theirs. (K is at most that of the whole: it has the same form with ends further in.) What
-//! axes that do not change exclude stays excluded, whether or not the halves are looked at.
+//! Within an interval the curve is off its chord by up to f = K t (δ − t)/2, and the chord of a
+//! part is off that of the whole by no more than the chord of f there, at most K δ²/8. With M = 4/3
+//! K δ²/8 as the margin, the chord of a half has the margin M/4, and is off by 3/4 M: together M.
+//! So a gap of more than M along a fixed axis in an interval is a gap of more than its margin in
+//! each half, and in theirs. (K is at most that of the whole: it has the same form with ends
+//! further in.) What axes that do not change exclude stays excluded, whether or not the halves are
+//! looked at.
 //!
 //! # Invariants
 //!
 //! - Poses have the same bits on every machine: sines, cosines and arc tangents come from `libm`,
 //!   and nothing is fused.
-//! - An [`Interval`] never calls two triangles apart that touch within it, neither in the motion nor
-//!   at a pose that [`Motion::pose_at`] returns: `motion/tests.rs`.
+//! - An [`Interval`] never calls two triangles apart that touch within it, neither in the motion
+//!   nor at a pose that [`Motion::pose_at`] returns: `motion/tests.rs`.
 //! - What is clearly apart in an interval is apart in all parts of it: `motion/tests.rs`.
 
 mod interval;
@@ -69,8 +70,8 @@ pub struct Motion<'p> {
     to_s: f64,
 }
 
-/// A span of time between two states of which neither path has one within: both bodies move and turn
-/// steadily.
+/// A span of time between two states of which neither path has one within: both bodies move and
+/// turn steadily.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// Its begin (s).

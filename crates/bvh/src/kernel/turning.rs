@@ -17,19 +17,22 @@
 //!
 //! A pair of triangles is *open* in a short interval if that does not call it apart
 //! ([`Interval::are_apart`]). In longer intervals, and for boxes of nodes, only such axes are tried
-//! along which what is apart is so in each short interval within, for the same test of triangles. So
-//! the answer depends on triangles alone: trees, leaves, the order of tests and memory do not matter. The first interval with an open pair decides: if a pair
-//! touches exactly at one of a few poses, contact is certain; else it is possible, and a little
-//! further on certain contact is sought still.
+//! along which what is apart is so in each short interval within, for the same test of triangles.
+//! So the answer depends on triangles alone: trees, leaves, the order of tests and memory do not
+//! matter. The first interval with an open pair decides: if a pair touches exactly at one of a few
+//! poses, contact is certain; else it is possible, and a little further on certain contact is
+//! sought still.
 //!
 //! Memory is bounded: where an interval leaves too many pairs, its halves begin with the roots.
 
 use crate::descent::side_to_open;
 use crate::{Counters, NodePair, Side};
 use body::{BodyView, Node};
+use geometry::Corners;
 use geometry::motion::{Bodies, Interval, Motion, Piece};
-use geometry::{Corners, Triangle, triangle};
 use std::ops::ControlFlow;
+
+mod triangles;
 
 /// Maximum number of pairs of nodes that are kept for later intervals.
 const PAIRS_MAX: usize = 1 << 18;
@@ -43,15 +46,9 @@ const NODE_TRAVELS: f64 = 2.0;
 /// moves in the interval; else later.
 const LEAF_TRAVELS: f64 = 4.0;
 
-/// After an interval in which contact is possible, certain contact is sought for this many times its
-/// length.
+/// After an interval in which contact is possible, certain contact is sought for this many times
+/// its length.
 const PATIENCE: f64 = 32.0;
-
-/// Maximum number of open pairs among which an earlier touch is sought by bisection.
-const TOUCHING_MAX: usize = 1 << 12;
-
-/// Steps of that bisection: an interval of 1 mm is resolved to 1 nm.
-const BISECTIONS: u32 = 20;
 
 /// When do B and A first touch?
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +77,8 @@ pub enum First {
         /// Source ids of two triangles that touch then, of A's and of B's.
         ids: [u32; 2],
     },
-    /// Triangles come within the resolution of each other, but no pose was found at which any touch.
+    /// Triangles come within the resolution of each other, but no pose was found at which any
+    /// touch.
     Possible {
         /// Nothing touches before.
         clear_before_s: f64,
@@ -185,30 +183,6 @@ impl Possible {
 
     fn first(&self) -> First {
         First::Possible { clear_before_s: self.from_s, to_s: self.to_s, ids: self.ids }
-    }
-}
-
-/// What the open pairs of a short interval say.
-#[derive(Clone, Copy, Debug, Default)]
-struct Verdict {
-    /// The earliest exact touch, and whose.
-    touch: Option<(f64, [u32; 2])>,
-    /// The least source ids of an open pair.
-    ids: Option<[u32; 2]>,
-    /// The number of open pairs: that, too, depends on triangles alone.
-    count: usize,
-}
-
-impl Verdict {
-    /// Takes an open pair of triangles, by their numbers in leaf order.
-    fn take(&mut self, task: &TurningTask<'_>, interval: &Interval, pair: [u32; 2]) {
-        let ids = task.ids(pair);
-        self.count += 1;
-        self.ids = Some(self.ids.map_or(ids, |least| least.min(ids)));
-        let [a, b] = task.corners(pair);
-        let until_s = self.touch.map_or(f64::INFINITY, |(time_s, _)| time_s);
-        let touch = interval.first_touch(&task.motion, a, b, until_s);
-        self.touch = touch.map(|time_s| (time_s, ids)).or(self.touch);
     }
 }
 
@@ -348,71 +322,6 @@ impl<'a> Search<'_, 'a> {
         ControlFlow::Continue(())
     }
 
-    /// Decides a short interval.
-    fn decide(&mut self, frame: &Frame) -> ControlFlow<First> {
-        let interval = frame.interval;
-        self.kernel.open.clear();
-        self.kernel.touching.clear();
-        let mut verdict = Verdict::default();
-        for at in frame.begin[0]..frame.begin[1] {
-            self.kernel.open.push(self.kernel.pairs[at]);
-            while let Some(pair) = self.kernel.open.pop() {
-                self.check_budget(&interval)?;
-                let Some((a, b)) = self.meeting(&interval, pair) else { continue };
-                match side_to_open(a, a.is_leaf(), b, b.is_leaf()) {
-                    Some(side) => self.open(pair, side, (a, b)),
-                    None => self.judge(&interval, (a, b), &mut verdict),
-                }
-            }
-        }
-        let possible = self.possible;
-        match verdict {
-            Verdict { touch: Some(touch), count, .. } => {
-                let (time_s, ids) = match count {
-                    0..=TOUCHING_MAX => self.earlier(interval.from_s, touch),
-                    _ => touch,
-                };
-                let clear_before_s = possible.map_or(interval.from_s, |possible| possible.from_s);
-                return ControlFlow::Break(First::Certain { time_s, clear_before_s, ids });
-            }
-            Verdict { ids: Some(ids), .. } if possible.is_none() => {
-                let (from_s, to_s) = (interval.from_s, interval.to_s);
-                self.possible = Some(Possible { from_s, to_s, ids });
-            }
-            Verdict { .. } => {}
-        }
-        ControlFlow::Continue(())
-    }
-
-    /// An earlier touch of the open pairs, by bisection between a time and that of a touch.
-    fn earlier(
-        &mut self,
-        mut from_s: f64,
-        (mut to_s, mut ids): (f64, [u32; 2]),
-    ) -> (f64, [u32; 2]) {
-        let task = self.task;
-        let pairs = &mut self.kernel.touching;
-        for step in 0..=BISECTIONS {
-            // First, which pairs touch at the time that is known.
-            let time_s = if step == 0 { to_s } else { from_s + (to_s - from_s) * 0.5 };
-            if !(from_s < time_s && time_s <= to_s) {
-                break;
-            }
-            let pose = task.motion.pose_at(time_s);
-            let touch = |pair: &[u32; 2]| {
-                let [a, b] = task.corners(*pair);
-                triangle::intersect(&Triangle::stored(a), &pose.triangle(b))
-            };
-            if !pairs.iter().any(touch) {
-                from_s = time_s;
-                continue;
-            }
-            pairs.retain(touch);
-            (to_s, ids) = (time_s, pairs.iter().map(|pair| task.ids(*pair)).min().unwrap_or(ids));
-        }
-        (to_s, ids)
-    }
-
     /// The nodes of a pair, if their boxes may overlap in the interval.
     fn meeting(&mut self, interval: &Interval, pair: NodePair) -> Option<(&'a Node, &'a Node)> {
         let TurningTask { a, b, .. } = *self.task;
@@ -429,53 +338,6 @@ impl<'a> Search<'_, 'a> {
             Side::B => [NodePair { b: b.link, ..pair }, NodePair { b: pair.b + 1, ..pair }],
         };
         self.kernel.open.extend_from_slice(&children);
-    }
-
-    /// Whether any pair of triangles of two leaves may touch in the interval.
-    fn any_open(&mut self, interval: &Interval, leaves: (&Node, &Node)) -> bool {
-        let each = |_: &mut Self, _: [u32; 2]| ControlFlow::Break(());
-        self.each_open(interval, leaves, each).is_break()
-    }
-
-    /// Takes the pairs of triangles of two leaves that are open in a short interval: not apart in it
-    /// nor in any that contains it.
-    fn judge(&mut self, interval: &Interval, leaves: (&Node, &Node), verdict: &mut Verdict) {
-        let _all = self.each_open(interval, leaves, |search, [a, b]| {
-            let task = search.task;
-            let [of_a, of_b] = task.corners([a, b]);
-            if !interval.are_apart(of_a, of_b, &interval.moved_b(of_b)) {
-                verdict.take(task, interval, [a, b]);
-                if search.kernel.touching.len() < TOUCHING_MAX {
-                    search.kernel.touching.push([a, b]);
-                }
-            }
-            ControlFlow::Continue(())
-        });
-    }
-
-    fn each_open(
-        &mut self,
-        interval: &Interval,
-        (a, b): (&Node, &Node),
-        mut each: impl FnMut(&mut Self, [u32; 2]) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let task = self.task;
-        let box_a = a.bounds.bounds();
-        for of_b in b.link..b.link + b.count {
-            let corners_b = &task.b.corners[of_b as usize];
-            let moved = interval.moved_b(corners_b);
-            self.counters.nb += 1;
-            if !moved.bounds.overlaps(&box_a) {
-                continue;
-            }
-            for of_a in a.link..a.link + a.count {
-                self.counters.np += 1;
-                if !interval.are_clearly_apart(&task.a.corners[of_a as usize], corners_b, &moved) {
-                    each(self, [of_a, of_b])?;
-                }
-            }
-        }
-        ControlFlow::Continue(())
     }
 }
 

@@ -65,8 +65,8 @@ pub enum MotionContact {
     },
 }
 
-/// Buffers for queries of first contact in motion, reusable for any sequence of bodies: at most some
-/// 4 MB.
+/// Buffers for queries of first contact in motion, reusable for any sequence of bodies: at most
+/// some 4 MB.
 ///
 /// Each thread has its own; trees are shared.
 #[derive(Clone, Debug)]
@@ -162,8 +162,8 @@ impl std::error::Error for ResolutionError {}
 /// When two bodies that move and turn touch first, and which triangles touch then.
 ///
 /// The motion is continuous: between two states position is linear in time and orientation turns
-/// steadily, and nothing slips between poses. The answer is the same bits for every build, leaf size,
-/// walk, vector width and machine, unless the budget ends it.
+/// steadily, and nothing slips between poses. The answer is the same bits for every build, leaf
+/// size, walk, vector width and machine, unless the budget ends it.
 ///
 /// ```
 /// use trolley_bvh::query::{BuildOptions, Tree};

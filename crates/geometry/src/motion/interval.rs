@@ -31,6 +31,8 @@ pub struct Interval {
     poses: [RelativePose; 2],
     /// A in B's frame.
     backs: [RelativePose; 2],
+    /// What moves boxes of B, and of A, in the same way.
+    movers: [[Mover; 2]; 2],
     /// What points of B are off their chords by in A's frame, at most, and points of A in B's (m).
     margins_m: [f64; 2],
     /// How far any point of B's box moves, at most, as seen from A (m).
@@ -50,7 +52,8 @@ pub struct Moved {
     pub bounds: Bounds,
 }
 
-/// In tests that also hold within parts of the interval, this many times the rounding is allowed for.
+/// In tests that also hold within parts of the interval, this many times the rounding is allowed
+/// for.
 const LONGER: f64 = 4.0;
 
 /// 256 ε.
@@ -59,10 +62,10 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 impl Bodies {
     /// Bodies within these boxes, each in its own frame, that move in this way.
     ///
-    /// A rotation matrix computed for a time is off by about 20ε: in the angle, its sine and cosine,
-    /// a product of quaternions, and squares. The product of two is off by 50ε, a point that it
-    /// turns by less than 100ε times the sum S of all magnitudes: positions, extents, and what a
-    /// time that is off by ε moves. Products with a separating axis add some 10ε. 256ε·S are
+    /// A rotation matrix computed for a time is off by about 20ε: in the angle, its sine and
+    /// cosine, a product of quaternions, and squares. The product of two is off by 50ε, a point
+    /// that it turns by less than 100ε times the sum S of all magnitudes: positions, extents, and
+    /// what a time that is off by ε moves. Products with a separating axis add some 10ε. 256ε·S are
     /// allowed.
     #[must_use]
     pub fn new(motion: &Motion<'_>, boxes: [&Aabb; 2]) -> Self {
@@ -100,6 +103,7 @@ impl Interval {
     fn within(motion: &Motion<'_>, bodies: &Bodies, piece: &Piece, times: [f64; 2]) -> Self {
         let worlds = times.map(|time_s| motion.poses_at(time_s));
         let poses = worlds.map(|[a, b]| RelativePose::between(&a, &b));
+        let backs = poses.map(|pose| reversed(&pose));
         let lasts_s = times[1] - times[0];
         // An eighth, and a third more: see the module documentation.
         let bend = lasts_s * lasts_s * (0.125 * 4.0 / 3.0);
@@ -135,7 +139,8 @@ impl Interval {
         Self {
             from_s: times[0],
             to_s: times[1],
-            backs: poses.map(|pose| reversed(&pose)),
+            movers: [poses.map(|pose| Mover::of(&pose)), backs.map(|pose| Mover::of(&pose))],
+            backs,
             poses,
             margins_m,
             travel_m: travel_m + 2.0 * margins_m[0],
@@ -156,8 +161,8 @@ impl Interval {
         self.distance_m > LONGER * self.slack_m
     }
 
-    /// The same up to less rounding: it holds in an interval if [`Interval::is_far`] does in one that
-    /// contains it.
+    /// The same up to less rounding: it holds in an interval if [`Interval::is_far`] does in one
+    /// that contains it.
     pub(super) fn is_just_far(&self) -> bool {
         self.distance_m > self.slack_m
     }
@@ -188,32 +193,72 @@ impl Interval {
 
     /// A box in A's frame that contains all that a box of B passes.
     #[must_use]
+    #[inline]
     pub fn bounds_of_b(&self, box_: &Aabb) -> Bounds {
-        let [p, q] = &self.poses;
-        hull(&p.bounds(box_), &q.bounds(box_), self.lasting_margins_m()[0])
+        self.bounds_of(0, box_)
     }
 
     /// A box in B's frame that contains all that a box of A passes.
     #[must_use]
+    #[inline]
     pub fn bounds_of_a(&self, box_: &Aabb) -> Bounds {
-        let [p, q] = &self.backs;
-        hull(&p.bounds(box_), &q.bounds(box_), self.lasting_margins_m()[1])
+        self.bounds_of(1, box_)
+    }
+
+    /// Once more than for triangles, rounding is allowed for: so their bounds lie within.
+    #[inline]
+    fn bounds_of(&self, body: usize, box_: &Aabb) -> Bounds {
+        let box_ = box_.bounds();
+        let (middle, half) = ((box_.min + box_.max) * 0.5, (box_.max - box_.min) * 0.5);
+        let margin_m = self.margins_m[body] + LONGER * self.slack_m;
+        let [p, q] = self.movers[body].each_ref().map(|mover| mover.moved(middle, half));
+        hull(&p, &q, margin_m)
     }
 
     /// A triangle of B, in A's frame. Its bounds lie within those of every box that it lies in.
     #[must_use]
+    #[inline]
     pub fn moved_b(&self, corners: &Corners) -> Moved {
         Moved::of(&self.poses, corners, self.lasting_margins_m()[0])
     }
 
     /// A triangle of A, in B's frame. Its bounds lie within those of every box that it lies in.
     #[must_use]
+    #[inline]
     pub fn moved_a(&self, corners: &Corners) -> Moved {
         Moved::of(&self.backs, corners, self.lasting_margins_m()[1])
     }
 }
 
+/// A pose as columns, which suit boxes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Mover {
+    columns: [DVec3; 3],
+    magnitudes: [DVec3; 3],
+    shift: DVec3,
+}
+
+impl Mover {
+    fn of(pose: &RelativePose) -> Self {
+        let r = &pose.rotation;
+        let columns = [0, 1, 2].map(|k| DVec3::new(r[0][k], r[1][k], r[2][k]));
+        let shift = DVec3::from_array(pose.translation);
+        Self { columns, magnitudes: columns.map(DVec3::abs), shift }
+    }
+
+    /// The box around a box given by its middle and half its extents, up to rounding.
+    #[inline]
+    fn moved(&self, middle: DVec3, half: DVec3) -> Bounds {
+        let [p, q, r] = &self.columns;
+        let middle = (*p * middle.x + *q * middle.y) + (*r * middle.z + self.shift);
+        let [p, q, r] = &self.magnitudes;
+        let reach = (*p * half.x + *q * half.y) + *r * half.z;
+        Bounds { min: middle - reach, max: middle + reach }
+    }
+}
+
 impl Moved {
+    #[inline]
     fn of(poses: &[RelativePose; 2], corners: &Corners, margin_m: f64) -> Self {
         let ends = poses.map(|pose| pose.triangle(corners));
         let bounds = hull(&ends[0].bounds(), &ends[1].bounds(), margin_m);
@@ -222,6 +267,7 @@ impl Moved {
 }
 
 /// What is passed between two boxes along chords, enlarged by a margin (m).
+#[inline]
 fn hull(p: &Bounds, q: &Bounds, margin_m: f64) -> Bounds {
     Bounds { min: p.min.min(q.min) - margin_m, max: p.max.max(q.max) + margin_m }
 }

@@ -241,7 +241,8 @@ impl Path {
     ///
     /// With the share s of the time between two states that has passed: position p + (q − p)·s,
     /// orientation that of the first state, turned by the angle times s, then made a matrix. At a
-    /// state its own orientation is taken. All in f64, in this order; the same bits on every machine.
+    /// state its own orientation is taken. All in f64, in this order; the same bits on every
+    /// machine.
     #[must_use]
     pub fn pose_at(&self, time_s: f64) -> Pose {
         let i = self.number_at(time_s);
@@ -302,8 +303,8 @@ impl Diagnostic for PathError {
         match self {
             Self::Short => "a path needs at least two states".into(),
             Self::State(i) => format!(
-                "state {i} of a path has a number that is not finite or too large, or a time that is \
-                 not after that of the state before"
+                "state {i} of a path has a number that is not finite or too large, or a time that \
+                 is not after that of the state before"
             ),
             Self::Fast(i) => {
                 format!("from state {i} of a path to the next one the body would be too fast")

@@ -1,8 +1,9 @@
 //! Separating axes of two triangles of which one moves along chords.
 //!
-//! Along a fixed axis the least coordinate of B's corners is concave in time, as a minimum of linear
-//! functions, and so is the gap to a triangle that stands. So a gap at the begin and at the end is a
-//! gap all the time. Which axes are tried decides how much is excluded, never whether it is right.
+//! Along a fixed axis the least coordinate of B's corners is concave in time, as a minimum of
+//! linear functions, and so is the gap to a triangle that stands. So a gap at the begin and at the
+//! end is a gap all the time. Which axes are tried decides how much is excluded, never whether it
+//! is right.
 //!
 //! Tried are the axes of both frames, both normals, the products of two edges, those of an edge and
 //! the motion (these together suffice for triangles that move without turning: S. Gottschalk,
@@ -13,11 +14,11 @@ use super::{Interval, Moved};
 use crate::{Corners, DVec3, Triangle};
 
 impl Interval {
-    /// Whether a triangle of A and one of B certainly share no point all the time, by few axes: those
-    /// of both frames and both normals. `moved_b` is B's triangle.
+    /// Whether a triangle of A and one of B certainly share no point all the time, by few axes:
+    /// those of both frames and both normals. `moved_b` is B's triangle.
     ///
-    /// These axes stay the same in parts of the interval. So what is apart here is apart in them too,
-    /// for [`Interval::are_apart`].
+    /// These axes stay the same in parts of the interval. So what is apart here is apart in them
+    /// too, for [`Interval::are_apart`].
     #[must_use]
     #[inline]
     pub fn are_clearly_apart(&self, a: &Corners, b: &Corners, moved_b: &Moved) -> bool {

@@ -118,7 +118,8 @@ proptest! {
         }
     }
 
-    /// Triangles that are called apart do not touch at any pose, and lie in the boxes of their boxes.
+    /// Triangles that are called apart do not touch at any pose, and lie in the boxes of their
+    /// boxes.
     #[test]
     fn what_is_apart_never_touches(
         (a, b) in (path(), path()),
@@ -132,7 +133,8 @@ proptest! {
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&of_b);
         let all = interval.bounds_of_b(&Aabb::of(&of_b));
-        prop_assert!(all.min.cmple(moved.bounds.min).all() && moved.bounds.max.cmple(all.max).all());
+        prop_assert!(all.min.cmple(moved.bounds.min).all());
+        prop_assert!(moved.bounds.max.cmple(all.max).all());
         let apart = interval.are_apart(&of_a, &of_b, &moved);
         let stored = Triangle::stored(&of_a);
         for step in 0..=50 {
@@ -168,6 +170,55 @@ proptest! {
         prop_assert!(!clearly(&part) || apart, "{:?}", part);
         prop_assert!(!whole.is_far() || part.is_just_far());
     }
+}
+
+/// Triangles that are not apart in a short interval come as close as it says.
+#[test]
+fn what_is_not_apart_is_close() {
+    const STEPS: u32 = 20;
+    let mut rng = crate::rng::Rng::new(9);
+    let at = |time_s, y, yaw| State {
+        time_s,
+        position_m: [0.0, y, 0.0],
+        orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
+    };
+    let still = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, 1e-3]).unwrap();
+    let moving = Path::new(&[at(0.0, 0.0, 0.0), at(1e-3, 2e-3, 0.5)]).unwrap();
+    let motion = Motion::new(&still, &moving).unwrap();
+    let box_ = Aabb { min: [-0.02; 3], max: [0.02; 3] };
+    let bodies = Bodies::new(&motion, [&box_, &box_]);
+    let piece = motion.pieces().next().unwrap();
+    let interval = Interval::of(&motion, &bodies, &piece);
+    let resolution_m = 4e-3;
+    assert!(interval.is_short(resolution_m) && !interval.is_short(2e-3));
+    let points = |Triangle([p, q, r]): Triangle| {
+        let shares = (0..=STEPS).flat_map(|i| (0..=STEPS - i).map(move |j| (i, j)));
+        let point = move |(i, j): (u32, u32)| {
+            let [i, j] = [i, j].map(|k| f64::from(k) / f64::from(STEPS));
+            p + (q - p) * i + (r - p) * j
+        };
+        shares.map(point).collect::<Vec<_>>()
+    };
+    let (mut apart, mut close) = (0, 0);
+    for _ in 0..400 {
+        let centres = [[0.0; 3], [0.0; 3].map(|x: f64| x + rng.between(-4e-3, 4e-3))];
+        let [a, b] = centres.map(|centre| {
+            [0; 3].map(|_| centre.map(|x: f64| (x + rng.between(-4e-3, 4e-3)) as f32))
+        });
+        if interval.are_apart(&a, &b, &interval.moved_b(&b)) {
+            apart += 1;
+            continue;
+        }
+        // Points of both, half a millimetre apart in each: none is farther than that from one.
+        let of_b = points(motion.pose_at(5e-4).triangle(&b));
+        let least = points(Triangle::stored(&a))
+            .into_iter()
+            .flat_map(|p| of_b.iter().map(move |q| (*q - p).length()))
+            .fold(f64::INFINITY, f64::min);
+        assert!(least <= resolution_m + 1e-3, "{least}");
+        close += 1;
+    }
+    assert!(apart > 50 && close > 50, "{apart} {close}");
 }
 
 /// Most random triangles that are a little apart are called so: the axes are worth their time.

@@ -16,8 +16,8 @@ impl Interval {
     /// exactly: [`triangle::intersect`] at the pose that [`Motion::pose_at`] returns.
     ///
     /// Tried are the begin, the middle and the end, the first contact of B's triangle as it moves
-    /// along its chord without turning ([`first_contact`]), and shortly after that. A pure function;
-    /// that it finds nothing proves nothing.
+    /// along its chord without turning ([`first_contact`]), and shortly after that. A pure
+    /// function; that it finds nothing proves nothing.
     #[must_use]
     pub fn first_touch(
         &self,

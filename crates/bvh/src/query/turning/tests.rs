@@ -75,7 +75,8 @@ fn earlier(a: &Tree, b: &Tree, motion: &Motion<'_>, mut from_s: f64, mut to_s: f
     to_s
 }
 
-/// The answer by all pairs of triangles in the same intervals: no box of a node, no bound on memory.
+/// The answer by all pairs of triangles in the same intervals: no box of a node, no bound on
+/// memory.
 fn brute_force(a: &Tree, b: &Tree, motion: &Motion<'_>, resolution_m: f64) -> MotionContact {
     let certain = |time_s: f64, excluded_before_s: f64| {
         let ids = touching(a, b, motion, time_s).pop_first().unwrap();
