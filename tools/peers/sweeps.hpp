@@ -5,8 +5,8 @@
 // CASE is a folder with a.stl, b.stl and sweeps.txt: a line per motion, with its name, R (9 numbers)
 // and t (3) of B in A's frame at travel 0, the direction of B there (3, of length 1), and the
 // travels from where to where (m). The answer is a line of JSON per motion: the travel at first
-// contact, or null for never, and the median time of a query (ms). Trees are built before. A driver
-// begins no motion after S seconds of queries.
+// contact, or null for never, and the median time of a query (ms). Trees are built before. A solver
+// begins no motion after S seconds.
 #pragma once
 
 #include "case.hpp"

@@ -45,7 +45,7 @@ constexpr Solver SOLVERS[] = {
 };
 
 // Contact of a motion by a solver: its travel, and the median time.
-void solve(const Solver& solver, const Mesh& a, const Mesh& b, const Motion& m, double& spent_ms) {
+void solve(const Solver& solver, const Mesh& a, const Mesh& b, const Motion& m) {
     constexpr int RUNS = 5;
     constexpr double ENOUGH_MS = 300;
     constexpr size_t ITERATIONS = 1000;
@@ -68,7 +68,6 @@ void solve(const Solver& solver, const Mesh& a, const Mesh& b, const Motion& m, 
         times.push_back(now_ms() - start);
         total += times.back();
     }
-    spent_ms += total;
     double travel = m.from + result.time_of_contact * (m.to - m.from);
     print_contact(solver.name, m, result.is_collide ? travel : NAN, median(times));
 }
@@ -82,9 +81,9 @@ int main(int count, char** words) {
         Mesh a = read_stl(folder + "/a.stl"), b = read_stl(folder + "/b.stl");
         auto motions = read_motions(folder + "/sweeps.txt");
         for (const Solver& solver : SOLVERS) {
-            double spent_ms = 0;
+            double start = now_ms();
             for (const Motion& m : motions) {
-                if (spent_ms < limit_ms) solve(solver, a, b, m, spent_ms);
+                if (now_ms() - start < limit_ms) solve(solver, a, b, m);
             }
         }
         return 0;
