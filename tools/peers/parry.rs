@@ -4,14 +4,16 @@
 //! Its trees are f32 and know no pose, so a box of B is turned into A's frame at each test, as
 //! parry's own mesh intersection does, and loosened by what f32 may have lost.
 
+mod common;
+
 use anyhow::{Context as _, Result, bail};
+use common::{ms_since, now, pose32, read_stl};
 use geometry::{Corners, DVec3, Pose, RelativePose, Triangle, hash, triangle};
 use parry3d::bounding_volume::{Aabb, BoundingVolume as _};
-use parry3d::math::{Mat3, Pose as Pose32, Rotation, Vector};
+use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 struct Options {
     folder: PathBuf,
@@ -109,21 +111,6 @@ fn options() -> Result<Options> {
     Ok(options)
 }
 
-fn read_stl(path: &Path) -> Result<Vec<Corners>> {
-    /// Header: an ignored text, and the number of triangles.
-    const HEADER: usize = 80 + 4;
-    /// An ignored normal, three corners, two spare bytes.
-    const RECORD: usize = 50;
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-    let records = bytes.get(HEADER..).unwrap_or_default().chunks_exact(RECORD);
-    let float = |bytes: &[u8], at: usize| {
-        f32::from_le_bytes(std::array::from_fn(|byte| bytes[12 + 4 * at + byte]))
-    };
-    let corners =
-        |record: &[u8]| std::array::from_fn(|k| std::array::from_fn(|c| float(record, 3 * k + c)));
-    Ok(records.map(corners).collect())
-}
-
 /// The world poses of A and B.
 fn read_poses(path: &Path) -> Result<[Pose; 2]> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
@@ -146,16 +133,6 @@ fn tree(triangles: &[Corners]) -> Bvh {
     Bvh::from_iter(BvhBuildStrategy::Binned, triangles.iter().map(box_of).enumerate())
 }
 
-fn pose32(pose: &RelativePose) -> Result<Pose32> {
-    let column = |j: usize| Vector::from_array(pose.rotation.map(|row| row[j] as f32));
-    let rotation = Rotation::from_mat3(&Mat3::from_cols(column(0), column(1), column(2)));
-    let translation = Vector::from_array(pose.translation.map(|t| t as f32));
-    if !translation.is_finite() {
-        bail!("the pose is not finite");
-    }
-    Ok(Pose32::from_parts(translation, rotation))
-}
-
 fn wide(corners: &Corners) -> Triangle {
     Triangle(corners.map(|corner| DVec3::from_array(corner.map(f64::from))))
 }
@@ -165,13 +142,4 @@ fn flush_caches() {
     let mut large = vec![0_u64; (64 << 20) / size_of::<u64>()];
     large.iter_mut().step_by(8).for_each(|word| *word += 1);
     black_box(&large);
-}
-
-#[expect(clippy::disallowed_methods, reason = "a measuring aid: nothing is decided by it")]
-fn now() -> Instant {
-    Instant::now()
-}
-
-fn ms_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }

@@ -11,6 +11,7 @@
 //! trees, repeats the query and prints one line of JSON; no time includes reading.
 
 mod cases;
+mod first_contact;
 mod log;
 mod page;
 mod peers;
@@ -27,7 +28,7 @@ use log::Log;
 use page::Page;
 use std::collections::BTreeMap;
 use std::io::{self, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// What to compare.
@@ -52,13 +53,29 @@ pub(crate) struct Options {
     /// Measure with cold caches too: 64 MiB are written between two queries.
     #[arg(long)]
     cold: bool,
-    /// The page to write; what it was made from is written beside it, as .jsonl.
-    #[arg(long, value_name = "FILE", default_value = "tools/results/compare.md")]
-    out: PathBuf,
+    /// Compare first contact of bodies that move instead.
+    #[arg(long, conflicts_with_all = ["cases", "rounds", "peers", "cold"])]
+    first_contact: bool,
+    /// With --first-contact: how long each peer may query each family of bodies (s).
+    #[arg(long, value_name = "S", default_value_t = 60, requires = "first_contact")]
+    seconds: u32,
+    /// The page to write, by default compare.md or first-contact.md in tools/results; what it was
+    /// made from is written beside it, as .jsonl.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Options {
+    fn out(&self, workspace: &Workspace, default: &str) -> PathBuf {
+        workspace.root.join(self.out.as_deref().unwrap_or(Path::new(default)))
+    }
 }
 
 /// Makes the cases, compiles the drivers, measures, and writes the page.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
+    if options.first_contact {
+        return first_contact::run(options);
+    }
     let workspace = Workspace::find()?;
     let cases = cases(options, &workspace)?;
     let mut skipped = Vec::new();
@@ -110,7 +127,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         skipped: &skipped,
     };
     let text = page.to_string();
-    let out = workspace.root.join(&options.out);
+    let out = options.out(&workspace, "tools/results/compare.md");
     write(&out, &text)?;
     write(&out.with_extension("jsonl"), &log.lines(&machine, &truths)?)?;
     io::stdout().lock().write_all(text.as_bytes())?;

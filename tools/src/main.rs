@@ -73,7 +73,8 @@ enum Task {
     ///
     /// The peers are C++ drivers that are compiled here if the Debian packages are installed
     /// (libembree-dev, libfcl-dev libeigen3-dev; for the exact oracle libcgal-dev libgmp-dev
-    /// libmpfr-dev), and parry3d. Fails if an answer of Trolley is wrong.
+    /// libmpfr-dev), and parry3d. With --first-contact, bodies move, and ipctk is asked too if
+    /// python3 has it. Fails if an answer of Trolley is wrong.
     Compare(compare::Options),
     /// Simulate a million requests with faults; stops at the first violated invariant.
     Soak {

@@ -1,7 +1,8 @@
 //! First contact of bodies that move, beside how it used to be sought.
 //!
 //! `cargo bench --bench sweeps` times some encounters; with the word `table`, it prints a table of
-//! all of them instead, or of those whose names contain a further word; with `lines`, as JSON.
+//! all of them instead, or of those whose names contain a further word, or of the family that a third
+//! word names; with `lines`, as JSON.
 
 mod encounter;
 mod halving;
@@ -46,7 +47,8 @@ fn main() {
         _ => None,
     };
     if let Some(form) = form {
-        return print(&words.next().unwrap_or_default(), form);
+        let [only, family] = [(); 2].map(|()| words.next().unwrap_or_default());
+        return print(&only, &family, form);
     }
     let mut criterion = Criterion::default().configure_from_args();
     for family in ["cars-10k", "cars-100k", "tori-200k"] {
@@ -212,9 +214,9 @@ fn by_brute_force(of: &Encounter, bodies: &Ready) -> Option<f64> {
     first_m
 }
 
-/// Prints a line for each encounter whose name contains `only`.
+/// Prints a line for each encounter whose name contains `only`, of one family or of all.
 #[expect(clippy::print_stdout, reason = "the lines are what it is asked for")]
-fn print(only: &str, form: Form) {
+fn print(only: &str, family: &str, form: Form) {
     if form == Form::Table {
         println!(
             "| encounter | first contact m | µs | boxes | pairs | exact | by halving m | µs \
@@ -223,7 +225,7 @@ fn print(only: &str, form: Form) {
         );
         println!("|---|{}", "--:|".repeat(15));
     }
-    for family in FAMILIES {
+    for family in FAMILIES.iter().filter(|name| family.is_empty() || **name == family) {
         let mut family = Family::named(family);
         family.encounters.retain(|of| of.name.contains(only));
         if family.encounters.is_empty() {

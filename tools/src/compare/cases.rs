@@ -3,9 +3,13 @@
 //! `a.stl` and `b.stl` are binary STL; `pose.txt` has the world poses of A and then B, each 3 lines
 //! of 4 numbers (R | t), row-major. Cases are made from the scenes of our benchmarks.
 
+mod encounter;
 mod scene;
 
+use crate::built;
 use anyhow::{Context as _, Result, bail};
+pub(crate) use encounter::FAMILIES;
+use encounter::{Encounter, Family};
 use geometry::{Corners, Pose};
 use scene::Scene;
 use std::fmt::Write as _;
@@ -42,6 +46,42 @@ fn make(folder: PathBuf, scene: &Scene) -> Result<Case> {
     write("b.stl", &stl(&scene.b))?;
     write("pose.txt", poses(&[scene.pose_a, scene.pose_b]).as_bytes())?;
     Case::at(folder)
+}
+
+/// Writes a family of encounters below `folder`: both bodies, and sweeps.txt. Returns its folder and
+/// the names of those that are wanted, and written; `None` if there are none.
+pub(crate) fn swept(
+    folder: &Path,
+    family: &str,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Option<(PathBuf, Vec<String>)>> {
+    let folder = folder.join(family);
+    let Family { a, b, mut encounters } = Family::named(family);
+    encounters.retain(|of| wanted(&of.name));
+    if encounters.is_empty() {
+        return Ok(None);
+    }
+    built::write(&folder.join("sweeps.txt"), &sweeps(&encounters))?;
+    for (name, corners) in [("a.stl", &a), ("b.stl", &b)] {
+        let path = folder.join(name);
+        fs::write(&path, stl(corners)).with_context(|| path.display().to_string())?;
+    }
+    Ok(Some((folder, encounters.into_iter().map(|of| of.name).collect())))
+}
+
+/// A line per motion, as `tools/peers/sweeps.hpp` explains it.
+fn sweeps(encounters: &[Encounter]) -> String {
+    let mut text = String::new();
+    for Encounter { name, pose, direction, travels_m } in encounters {
+        let numbers = pose.rotation.as_flattened().iter().chain(&pose.translation);
+        let (direction, travels) = (direction.to_array(), travels_m);
+        text.push_str(name);
+        for number in numbers.chain(&direction).chain(travels) {
+            _ = write!(text, " {number}");
+        }
+        text.push('\n');
+    }
+    text
 }
 
 /// All cases below `folder`, in order of their triangles.

@@ -209,7 +209,7 @@ find candidates only: Embree's are decided by a test in plain doubles, parry's b
 A processor learns the branches of a query that is only repeated, and a moving body never repeats
 one: hence a section for each.";
 
-fn table(head: &[&str]) -> Table {
+pub(super) fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN).set_header(head);
     for column in table.column_iter_mut().skip(1) {

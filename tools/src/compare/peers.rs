@@ -42,11 +42,38 @@ const DRIVERS: &[Driver] = &[
     },
 ];
 
+/// Continuous collision of FCL.
+const FCL_SWEEPS: Driver = Driver {
+    name: "sweeps_fcl",
+    packages: &["libfcl-dev", "libeigen3-dev"],
+    flags: &["-isystem", "/usr/include/eigen3"],
+    libraries: &["-lfcl", "-lccd", "-loctomap", "-loctomath"],
+};
+
+/// The drivers for first contact, with the programs that run them; or why there are none.
+pub(crate) fn sweeps(workspace: &Workspace) -> Vec<Result<Vec<PathBuf>, String>> {
+    let parry = parry(workspace, "peer-parry-sweeps").map(|program| vec![program]);
+    let fcl = FCL_SWEEPS.program(workspace).map(|program| vec![program]);
+    vec![parry.map_err(|fault| format!("parry: left out: {fault:#}")), fcl, ipctk(workspace)]
+}
+
+/// A script, if the Python that is found first has the package.
+fn ipctk(workspace: &Workspace) -> Result<Vec<PathBuf>, String> {
+    let mut command = Command::new("python3");
+    let there = command.args(["-c", "import ipctk"]).stderr(Stdio::null()).status();
+    if !there.is_ok_and(|status| status.success()) {
+        return Err("ipctk: left out, python3 has no package ipctk: pip install ipctk".into());
+    }
+    Ok(vec!["python3".into(), workspace.root.join("tools/peers/sweeps_ipctk.py")])
+}
+
 /// The driver of a peer, or why there is none.
 pub(crate) fn driver(name: &str, workspace: &Workspace) -> Result<PathBuf, String> {
     match DRIVERS.iter().find(|driver| driver.name == name) {
         Some(driver) => driver.program(workspace),
-        None => parry(workspace).map_err(|fault| format!("parry: left out: {fault:#}")),
+        None => {
+            parry(workspace, "peer-parry").map_err(|fault| format!("parry: left out: {fault:#}"))
+        }
     }
 }
 
@@ -112,11 +139,11 @@ fn version(package: &str) -> Option<String> {
 }
 
 /// In a folder of its own, because it is compiled for this machine alone.
-fn parry(workspace: &Workspace) -> Result<PathBuf> {
+fn parry(workspace: &Workspace, name: &str) -> Result<PathBuf> {
     built::executable(
         cargo()
             .args(["build", "--profile", "peer", "--package", "trolley-tools"])
-            .args(["--bin", "peer-parry", "--features", "parry"])
+            .args(["--bin", name, "--features", "parry"])
             .args([OsStr::new("--target-dir"), workspace.target.join("peers").as_os_str()])
             .env("RUSTFLAGS", "-C target-cpu=native"),
     )

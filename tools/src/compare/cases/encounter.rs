@@ -1,0 +1,1 @@
+../../../../crates/bvh/benches/encounter/mod.rs
