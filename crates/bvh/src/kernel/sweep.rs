@@ -16,7 +16,7 @@
 //! are left out. Only what is certainly *later* is: of several pairs that touch first at the same
 //! travel, that with the least source ids is the witness, however trees, leaves and jobs are cut.
 //!
-//! Two walks give the same answer: [`plain`] documents the algorithm; [`wide`] tests eight boxes
+//! Two walks give the same answer: `plain` documents the algorithm; `wide` tests eight boxes
 //! against eight, and filters eight pairs of triangles at once.
 
 use super::{End, Walk, wide as static_wide};

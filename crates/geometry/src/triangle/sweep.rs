@@ -20,7 +20,7 @@
 //!   off by at most 2εM: a difference, three products, two sums. The rows are only nearly
 //!   perpendicular, and d is only nearly of length 1: 8εM. E = 16εM covers both.
 //! - An orientation in the plane across the motion is off by 9EW + 8E², where W ≤ 2M bounds all
-//!   differences of coordinates: 16E(W + E) are allowed ([`Projected::error`]).
+//!   differences of coordinates: 16E(W + E) are allowed (`Projected::error`).
 //! - Where a corner lies inside the other triangle, its height there is a mean of three heights
 //!   with weights that are off by that error each: 3·error·H/(|Σw| − 3·error), H being the extent
 //!   of the triangle along d. Where two edges cross, each height is off by error·H/(|Δ| − 2·error),
