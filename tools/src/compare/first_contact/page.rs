@@ -68,9 +68,9 @@ impl Page<'_> {
         let brute: Vec<bool> = ours().filter_map(|line| line.effort.brute_force).collect();
         writeln!(
             f,
-            "\nOf our {} answers, {} exact poses before first contact, or along the whole way where \
-             there is none, were tried: {} touch. In {} encounters every triangle was held against \
-             every other: the same bits in {}.",
+            "\nOf our {} answers, {} exact poses before first contact, or along the whole way \
+             where there is none, were tried: {} touch. In {} encounters every triangle was held \
+             against every other: the same bits in {}.",
             ours().count(),
             grouped(sum(|line| line.effort.poses)),
             sum(|line| line.effort.touching),
@@ -181,8 +181,8 @@ fn cell(ours: &Line, line: Option<&Line>) -> String {
 }
 
 const HOW_TO_READ: &str = "\
-When a body that moves along a straight line first touches another one. A column of another program
-has how many millimetres later than ours its contact is (negative: earlier), MISSED where it finds
+When a body that moves along a straight line first touches another one. A column of another
+program has how many millimetres later than ours its contact is (negative: earlier), MISSED where it finds
 none and FALSE where there is none, and how many times as long it takes. Up to a millimetre off
 counts as right. `tests` is our number of tests, of boxes and pairs, over that of `halving`: 16 poses
 and halvings down to 1 mm, as this project sought contact before. Times are medians of up to five
