@@ -1,6 +1,8 @@
 // FCL 0.7, continuous collision of two models: three of its solvers, each as it comes but for the
 // number of iterations. B's vertices are put into A's frame first, as the polynomial solver knows no
-// rotation; that solver changes its models, so it gets new ones each time, which is not timed.
+// rotation; that solver changes its models, so it gets new ones each time, which is not timed. On the
+// cars of 10,000 triangles, conservative advancement finds no contact either with trees of RSS, with
+// a motion of the kind CCDM_LINEAR, or if B is the first body.
 #include "sweeps.hpp"
 
 #include <fcl/fcl.h>

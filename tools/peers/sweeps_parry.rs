@@ -75,11 +75,11 @@ fn mesh(path: &Path) -> Result<TriMesh> {
         triangles.as_flattened().iter().map(|corner| corner.map(|x| (x + 0.0).to_bits())).collect();
     corners.sort_unstable();
     corners.dedup();
-    let at = |corner: [f32; 3]| {
+    let number_of = |corner: [f32; 3]| {
         let bits = corner.map(|x| (x + 0.0).to_bits());
         corners.binary_search(&bits).map(|at| at as u32).unwrap_or_default()
     };
-    let indices = triangles.iter().map(|corners| corners.map(at)).collect();
+    let indices = triangles.iter().map(|corners| corners.map(number_of)).collect();
     let points = corners.iter().map(|bits| Vector::from_array(bits.map(f32::from_bits))).collect();
     TriMesh::new(points, indices).with_context(|| path.display().to_string())
 }

@@ -1,8 +1,8 @@
 //! First contact of bodies that move, beside how it used to be sought.
 //!
-//! `cargo bench --bench sweeps` times some encounters; with the word `table`, it prints a table of
-//! all of them instead, or of those whose names contain a further word, or of the family that a third
-//! word names; with `lines`, as JSON.
+//! `cargo bench --bench sweeps` times some encounters. With the word `table`, it prints a table of
+//! all of them instead, or of those whose names contain a further word, or of the family that a
+//! third word names; with `lines`, as JSON.
 
 mod encounter;
 mod halving;

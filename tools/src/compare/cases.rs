@@ -48,8 +48,8 @@ fn make(folder: PathBuf, scene: &Scene) -> Result<Case> {
     Case::at(folder)
 }
 
-/// Writes a family of encounters below `folder`: both bodies, and sweeps.txt. Returns its folder and
-/// the names of those that are wanted, and written; `None` if there are none.
+/// Writes a family of encounters below `folder`: both bodies, and sweeps.txt. Returns its folder,
+/// and the names of those that are wanted, and written; `None` if there are none.
 pub(crate) fn swept(
     folder: &Path,
     family: &str,

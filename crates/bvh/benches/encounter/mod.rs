@@ -52,10 +52,10 @@ impl Family {
     /// The name is not in [`FAMILIES`].
     pub(crate) fn named(name: &str) -> Self {
         if name == "tori-200k" {
-            let ring = ring(500, 200);
+            let torus = torus(500, 200);
             let pose = relative((17.0, 6.0, 93.0, [0.97, 0.06, 0.05]));
             let encounters = from_eight_sides(name, &pose, [-5.0, 1.0]);
-            return Self { a: ring.clone(), b: ring, encounters };
+            return Self { a: torus.clone(), b: torus, encounters };
         }
         if let Some(upright) = name.strip_suffix("-slanted") {
             let Scene { a, b, .. } = Scene::named(&format!("{upright}-deep"));
@@ -137,7 +137,7 @@ fn pass(
 }
 
 /// A torus of radii 1 m and 0.45 m with waves, cut into 2·u·v triangles.
-fn ring(u: u32, v: u32) -> Vec<Corners> {
+fn torus(u: u32, v: u32) -> Vec<Corners> {
     let point = |i: u32, j: u32| {
         let (a, b) = (TAU * f64::from(i % u) / f64::from(u), TAU * f64::from(j % v) / f64::from(v));
         let radius = 0.45 * (1.0 + 0.003 * (31.0 * a).sin() * (17.0 * b).sin());

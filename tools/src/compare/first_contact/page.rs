@@ -68,9 +68,9 @@ impl Page<'_> {
         let brute: Vec<bool> = ours().filter_map(|line| line.effort.brute_force).collect();
         writeln!(
             f,
-            "\nOf our {} answers, {} exact poses before first contact, or along the whole way where \
-             there is none, were tried: {} touch. In {} encounters every triangle was held against \
-             every other: the same bits in {}.",
+            "\nOf our {} answers, {} exact poses before first contact, or along the whole way \
+             where there is none, were tried: {} touch. In {} encounters every triangle was held \
+             against every other: the same bits in {}.",
             ours().count(),
             grouped(sum(|line| line.effort.poses)),
             sum(|line| line.effort.touching),
@@ -181,12 +181,13 @@ fn cell(ours: &Line, line: Option<&Line>) -> String {
 }
 
 const HOW_TO_READ: &str = "\
-When a body that moves along a straight line first touches another one. A column of another program
-has how many millimetres later than ours its contact is (negative: earlier), MISSED where it finds
-none and FALSE where there is none, and how many times as long it takes. Up to a millimetre off
-counts as right. `tests` is our number of tests, of boxes and pairs, over that of `halving`: 16 poses
-and halvings down to 1 mm, as this project sought contact before. Times are medians of up to five
-runs of one query, on one core, one program after the other, without building trees; `not run` is
-what did not fit in the time for a family. parry3d computes in f32 and stops short of contact by a
-margin of its own; FCL's solvers run as they come, but for 1,000 iterations; ipctk answers with a
-safe step, so earlier is right for it. How long a gap there is stands in the names of passes.";
+When a body that moves along a straight line first touches another one. A column of another
+program has how many millimetres later than ours its contact is (negative: earlier), MISSED where
+it finds none and FALSE where there is none, and how many times as long it takes. Up to a
+millimetre off counts as right. `tests` is our number of tests, of boxes and pairs, over that of
+`halving`: 16 poses and halvings down to 1 mm, as this project sought contact before. Times are
+medians of up to five runs of one query, on one core, one program after the other, without
+building trees; `not run` is what did not fit in the time for a family. parry3d computes in f32
+and stops short of contact by a margin of its own; FCL's solvers run as they come, but for 1,000
+iterations; ipctk answers with a safe step, so earlier is right for it. The names of passes say
+how wide the gap is.";
