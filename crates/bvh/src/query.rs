@@ -1,5 +1,5 @@
-//! Which triangles of two bodies intersect: all pairs, the sets of triangles, or whether any do; and
-//! when those of a body that moves first touch another one.
+//! Which triangles of two bodies intersect: all pairs, the sets of triangles, or whether any do;
+//! and when those of a body that moves first touch another one.
 //!
 //! ```text
 //! triangles of A --Tree::build--> tree ─┐               ┌─▶ touches: yes or no, at the first hit
@@ -72,7 +72,7 @@ use std::ops::ControlFlow;
 pub use crate::kernel::sweep::Witness;
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
 pub use first::{SweepEffort, SweepWorkspace, earliest_pairs, first_contact};
-pub use geometry::motion::{Motion, Orientation, Path, PathError, State};
+pub use geometry::motion::{MotionPath, Orientation, PathError, RelativeMotion, State};
 pub use geometry::simd::Level;
 pub use geometry::sweep::SweepError;
 pub use geometry::{Corners, Pose, RelativePose, Sweep};

@@ -304,8 +304,8 @@ impl<'w> RankingRun<'w> {
         }
     }
 
-    /// Turns what a job left open into jobs of the same task, which go out first, or in a search for
-    /// first contact in their turn.
+    /// Turns what a job left open into jobs of the same task, which go out first, or in a search
+    /// for first contact in their turn.
     fn divide(&mut self, number: u32, job: OpenPair, rest: &[NodePair]) {
         let state = &self.tasks[number as usize];
         let views = self.views(&state.wire);

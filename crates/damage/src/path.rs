@@ -2,9 +2,9 @@
 //!
 //! A given pose may lie before the first touch, or so deep that one body is inside the other and
 //! *no triangles cross*. So B is moved along the relative velocity (see [`crate::approach`]), from
-//! where the plan-view hulls meet until they have parted for good: first contact is sought on all of
-//! that way, continuously. From there on at most [`POSES_MAX`] poses are surveyed; where that forces
-//! a larger step, the path says that it is coarse.
+//! where the plan-view hulls meet until they have parted for good: first contact is sought on all
+//! of that way, continuously. From there on at most [`POSES_MAX`] poses are surveyed; where that
+//! forces a larger step, the path says that it is coarse.
 //!
 //! It does not know triangles: `bvh` finds the first contact on a path, [`Path::survey`] says which
 //! poses form the contact patch from there on.

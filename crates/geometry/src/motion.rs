@@ -1,15 +1,16 @@
 //! Bodies that move and turn: paths in the world, and the motion of one body in another's frame.
 //!
 //! ```text
-//! states of A --Path::new--> path ─┐
-//!                                  ├─ Motion ──▶ pieces ──▶ Interval: boxes and axes that separate
-//! states of B --Path::new--> path ─┘       └───▶ pose_at: B in A's frame, the input of exact tests
+//! states of A --MotionPath::new--> path ─┐
+//!                                        ├─ RelativeMotion ──▶ pieces ──▶ TimeInterval: axes that
+//! states of B --MotionPath::new--> path ─┘       │                        separate
+//!                                                └─▶ pose_at: the input of exact tests
 //! ```
 //!
 //! Between two states position is linear in time, and orientation turns at a constant rate about
 //! one axis, the shorter way: spherical linear interpolation (K. Shoemake, *Animating Rotation with
-//! Quaternion Curves*, SIGGRAPH 1985). This is the motion; what [`Path::pose_at`] returns differs
-//! from it by rounding, and defines the input of exact tests.
+//! Quaternion Curves*, SIGGRAPH 1985). This is the motion; what [`MotionPath::pose_at`] returns
+//! differs from it by rounding, and defines the input of exact tests.
 //!
 //! # How far motion is from straight
 //!
@@ -44,8 +45,8 @@
 //!
 //! - Poses have the same bits on every machine: sines, cosines and arc tangents come from `libm`,
 //!   and nothing is fused.
-//! - An [`Interval`] never calls two triangles apart that touch within it, neither in the motion
-//!   nor at a pose that [`Motion::pose_at`] returns: `motion/tests.rs`.
+//! - An [`TimeInterval`] never calls two triangles apart that touch within it, neither in the
+//!   motion nor at a pose that [`RelativeMotion::pose_at`] returns: `motion/tests.rs`.
 //! - What is clearly apart in an interval is apart in all parts of it: `motion/tests.rs`.
 
 mod interval;
@@ -55,17 +56,18 @@ mod separation;
 mod tests;
 mod touch;
 
-pub use interval::{Bodies, Interval, Moved};
+pub use interval::{Moved, MovingBodies, TimeInterval};
 pub use path::{
-    Orientation, POSITION_MAX, Path, PathError, RATE_MAX, SPAN_MAX, SPEED_MAX, State, TIME_MAX,
+    MotionPath, Orientation, POSITION_MAX, PathError, RATE_MAX, SPAN_MAX, SPEED_MAX, State,
+    TIME_MAX,
 };
 
 use crate::{DVec3, Pose, RelativePose};
 
 /// The motion of B in A's frame while both have a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<'p> {
-    paths: [&'p Path; 2],
+pub struct RelativeMotion<'p> {
+    paths: [&'p MotionPath; 2],
     from_s: f64,
     to_s: f64,
 }
@@ -73,7 +75,7 @@ pub struct Motion<'p> {
 /// A span of time between two states of which neither path has one within: both bodies move and
 /// turn steadily.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct PathPiece {
     /// Its begin (s).
     pub from_s: f64,
     /// Its end (s), after its begin.
@@ -84,13 +86,13 @@ pub struct Piece {
     rates: [DVec3; 2],
 }
 
-impl<'p> Motion<'p> {
+impl<'p> RelativeMotion<'p> {
     /// The motion of B along its path, seen from A on its own, while both have one.
     ///
     /// # Errors
     ///
     /// There is no such time, or it lasts longer than [`SPAN_MAX`].
-    pub fn new(a: &'p Path, b: &'p Path) -> Result<Self, PathError> {
+    pub fn new(a: &'p MotionPath, b: &'p MotionPath) -> Result<Self, PathError> {
         let from_s = a.from_s().max(b.from_s());
         Self { paths: [a, b], from_s, to_s: from_s }.between(from_s, a.to_s().min(b.to_s()))
     }
@@ -120,7 +122,7 @@ impl<'p> Motion<'p> {
         self.to_s
     }
 
-    /// The poses of A and of B in the world at a time (s): see [`Path::pose_at`].
+    /// The poses of A and of B in the world at a time (s): see [`MotionPath::pose_at`].
     #[must_use]
     pub fn poses_at(&self, time_s: f64) -> [Pose; 2] {
         self.paths.map(|path| path.pose_at(time_s))
@@ -135,7 +137,7 @@ impl<'p> Motion<'p> {
     }
 
     /// The pieces of the motion, ascending in time, without gaps.
-    pub fn pieces(&self) -> impl Iterator<Item = Piece> + '_ {
+    pub fn pieces(&self) -> impl Iterator<Item = PathPiece> + '_ {
         let mut from_s = self.from_s;
         core::iter::from_fn(move || {
             if from_s >= self.to_s {
@@ -143,8 +145,12 @@ impl<'p> Motion<'p> {
             }
             let [a, b] = self.paths.map(|path| path.leg_at(from_s));
             let to_s = self.to_s.min(a.to_s).min(b.to_s);
-            let piece =
-                Piece { from_s, to_s, velocity: b.velocity - a.velocity, rates: [a.rate, b.rate] };
+            let piece = PathPiece {
+                from_s,
+                to_s,
+                velocity: b.velocity - a.velocity,
+                rates: [a.rate, b.rate],
+            };
             from_s = to_s;
             Some(piece)
         })
@@ -154,10 +160,10 @@ impl<'p> Motion<'p> {
     /// rounding (m), for bodies that reach this far from their origins (m).
     fn magnitude_m(&self, reaches: [f64; 2]) -> f64 {
         let time = self.from_s.abs().max(self.to_s.abs());
-        let of = |path: &Path, reach: f64| {
+        let most = |path: &MotionPath, reach: f64| {
             let (position, speed, rate) = path.greatest();
             position + reach + (speed + rate * reach) * time
         };
-        of(self.paths[0], reaches[0]) + of(self.paths[1], reaches[1])
+        most(self.paths[0], reaches[0]) + most(self.paths[1], reaches[1])
     }
 }

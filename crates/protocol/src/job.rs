@@ -1,8 +1,8 @@
 //! The work sent to a worker: a batch of jobs, with the tasks they belong to.
 //!
-//! A *task* is one question about one pose, or one way, of one pair of bodies; a *job* is one pair of nodes of
-//! it. A batch carries every task that its jobs name, so a worker keeps no state between batches,
-//! and a new incarnation needs no history.
+//! A *task* is one question about one pose, or one way, of one pair of bodies; a *job* is one pair
+//! of nodes of it. A batch carries every task that its jobs name, so a worker keeps no state
+//! between batches, and a new incarnation needs no history.
 //!
 //! ```text
 //! words: [tasks | jobs << 32] [Task; tasks] [Job; jobs]

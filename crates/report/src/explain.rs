@@ -77,7 +77,7 @@ fn pair(of: [f64; 2], masses: [Option<f64>; 2], decimals: usize) -> String {
 fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
     match chain.touch {
         Touch::No => lines.push(
-            "  contact   none: no triangle of either body anywhere on the way; everybody's risk is 0"
+            "  contact   none: no triangle of either body on all the way; everybody's risk is 0"
                 .to_owned(),
         ),
         Touch::Yes | Touch::Unknown => contact(lines, chain),

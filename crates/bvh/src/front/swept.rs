@@ -1,5 +1,5 @@
-//! The front of a body that moves: pairs of nodes in the order in which they may touch first, opened
-//! down to the distribution depth one by one, so that what cannot matter is never opened.
+//! The front of a body that moves: pairs of nodes in the order in which they may touch first,
+//! opened down to the distribution depth one by one, so that what cannot matter is never opened.
 
 use super::NodePair;
 use crate::descent::{Descent, side_to_open};
@@ -27,8 +27,8 @@ impl<'a> SweepBounds<'a> {
         Self { descent, passage, to_m: task.sweep.to_m() }
     }
 
-    /// The travel before which nothing below both nodes touches, rounded down (m); `None` if nothing
-    /// does within the motion. One test.
+    /// The travel before which nothing below both nodes touches, rounded down (m); `None` if
+    /// nothing does within the motion. One test.
     ///
     /// # Panics
     ///

@@ -8,13 +8,14 @@
 //!                                                   └─ leaves: pairs of triangles ──▶ witnesses
 //! ```
 //!
-//! The travels at which two boxes overlap, one of them moving, form an interval along each axis (the
-//! slab test of T. Kay and J. Kajiya, *Ray Tracing Complex Scenes*, SIGGRAPH 1986); the latest begin
-//! bounds the contact of all that lies within the boxes from below. Pairs are opened in the order of
-//! these bounds (best first: P. Hart, N. Nilsson, B. Raphael, *A Formal Basis for the Heuristic
-//! Determination of Minimum Cost Paths*, 1968), and those that cannot touch before the best so far
-//! are left out. Only what is certainly *later* is: of several pairs that touch first at the same
-//! travel, that with the least source ids is the witness, however trees, leaves and jobs are cut.
+//! The travels at which two boxes overlap, one of them moving, form an interval along each axis
+//! (the slab test of T. Kay and J. Kajiya, *Ray Tracing Complex Scenes*, SIGGRAPH 1986); the latest
+//! begin bounds the contact of all that lies within the boxes from below. Pairs are opened in the
+//! order of these bounds (best first: P. Hart, N. Nilsson, B. Raphael, *A Formal Basis for the
+//! Heuristic Determination of Minimum Cost Paths*, 1968), and those that cannot touch before the
+//! best so far are left out. Only what is certainly *later* is: of several pairs that touch first
+//! at the same travel, that with the least source ids is the witness, however trees, leaves and
+//! jobs are cut.
 //!
 //! Two walks give the same answer: `plain` documents the algorithm; `wide` tests eight boxes
 //! against eight, and filters eight pairs of triangles at once.
@@ -219,8 +220,8 @@ impl SweepKernel {
         self.nearest.found.reserve(most);
     }
 
-    /// Runs one job: everything below `start`. The earliest pairs are then [`SweepKernel::nearest`],
-    /// as far as they touch within the motion.
+    /// Runs one job: everything below `start`. The earliest pairs are then
+    /// [`SweepKernel::nearest`], as far as they touch within the motion.
     ///
     /// Nothing is allocated. If the trees are deeper than there is capacity for, the job ends as
     /// [`End::OutOfBudget`], and jobs over what remains start deeper.

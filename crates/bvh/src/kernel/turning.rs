@@ -11,17 +11,17 @@
 //! Time and space are divided together: nodes are opened until they are about as large as what they
 //! move in the interval; then the interval is halved, and its halves begin with the pairs that it
 //! left. So what was excluded once is not visited again. The halves are those of
-//! [`geometry::motion::Interval`].
+//! [`geometry::motion::TimeInterval`].
 //!
 //! # What is decided
 //!
 //! A pair of triangles is *open* in a short interval if that does not call it apart
-//! ([`Interval::are_apart`]). In longer intervals, and for boxes of nodes, only such axes are tried
-//! along which what is apart is so in each short interval within, for the same test of triangles.
-//! So the answer depends on triangles alone: trees, leaves, the order of tests and memory do not
-//! matter. The first interval with an open pair decides: if a pair touches exactly at one of a few
-//! poses, contact is certain; else it is possible, and a little further on certain contact is
-//! sought still.
+//! ([`TimeInterval::are_apart`]). In longer intervals, and for boxes of nodes, only such axes are
+//! tried along which what is apart is so in each short interval within, for the same test of
+//! triangles. So the answer depends on triangles alone: trees, leaves, the order of tests and
+//! memory do not matter. The first interval with an open pair decides: if a pair touches exactly at
+//! one of a few poses, contact is certain; else it is possible, and a little further on certain
+//! contact is sought still.
 //!
 //! Memory is bounded: where an interval leaves too many pairs, its halves begin with the roots.
 
@@ -29,7 +29,7 @@ use crate::descent::side_to_open;
 use crate::{Counters, NodePair, Side};
 use body::{BodyView, Node};
 use geometry::Corners;
-use geometry::motion::{Bodies, Interval, Motion, Piece};
+use geometry::motion::{MovingBodies, PathPiece, RelativeMotion, TimeInterval};
 use std::ops::ControlFlow;
 
 mod triangles;
@@ -58,7 +58,7 @@ pub struct TurningTask<'a> {
     /// The other body.
     pub b: BodyView<'a>,
     /// The motion of both.
-    pub motion: Motion<'a>,
+    pub motion: RelativeMotion<'a>,
     /// Contact that is not certain is possible within this distance (m).
     pub resolution_m: f64,
 }
@@ -120,7 +120,7 @@ pub struct TurningKernel {
 /// An interval whose halves are being searched.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    interval: Interval,
+    interval: TimeInterval,
     /// The pairs it began with, and those it left: positions in [`TurningKernel::pairs`].
     begin: [usize; 2],
     left: [usize; 2],
@@ -151,7 +151,7 @@ impl TurningKernel {
         let boxes = [task.a.bounds(), task.b.bounds()];
         let mut search = Search {
             task,
-            bodies: Bodies::new(&task.motion, [&boxes[0], &boxes[1]]),
+            bodies: MovingBodies::new(&task.motion, [&boxes[0], &boxes[1]]),
             kernel: self,
             budget,
             counters: Counters::default(),
@@ -200,7 +200,7 @@ impl<'a> TurningTask<'a> {
 /// The state of one search, apart from its scratch.
 struct Search<'s, 'a> {
     task: &'s TurningTask<'a>,
-    bodies: Bodies,
+    bodies: MovingBodies,
     kernel: &'s mut TurningKernel,
     budget: u64,
     counters: Counters,
@@ -220,11 +220,11 @@ impl<'a> Search<'_, 'a> {
     }
 
     /// Searches one piece: its intervals depth first, so that they come in the order of time.
-    fn piece(&mut self, piece: &Piece) -> ControlFlow<First> {
+    fn piece(&mut self, piece: &PathPiece) -> ControlFlow<First> {
         self.kernel.pairs.clear();
         self.kernel.pairs.push(NodePair::ROOTS);
         self.kernel.frames.clear();
-        self.enter(&Interval::of(&self.task.motion, &self.bodies, piece), [0, 1]);
+        self.enter(&TimeInterval::of(&self.task.motion, &self.bodies, piece), [0, 1]);
         while let Some(mut frame) = self.kernel.frames.pop() {
             match frame.stage {
                 Stage::Fresh => {
@@ -255,13 +255,13 @@ impl<'a> Search<'_, 'a> {
         ControlFlow::Continue(())
     }
 
-    fn enter(&mut self, interval: &Interval, begin: [usize; 2]) {
+    fn enter(&mut self, interval: &TimeInterval, begin: [usize; 2]) {
         let frame = Frame { interval: *interval, begin, left: [0; 2], stage: Stage::Fresh };
         self.kernel.frames.push(frame);
     }
 
     /// Ends the search if what is possible was followed for long enough, or without budget.
-    fn check_time(&mut self, interval: &Interval) -> ControlFlow<First> {
+    fn check_time(&mut self, interval: &TimeInterval) -> ControlFlow<First> {
         self.intervals += 1;
         match self.possible {
             Some(possible) if interval.from_s >= possible.give_up_s() => {
@@ -271,7 +271,7 @@ impl<'a> Search<'_, 'a> {
         }
     }
 
-    fn check_budget(&self, interval: &Interval) -> ControlFlow<First> {
+    fn check_budget(&self, interval: &TimeInterval) -> ControlFlow<First> {
         if self.counters.tests() < self.budget {
             return ControlFlow::Continue(());
         }
@@ -323,7 +323,7 @@ impl<'a> Search<'_, 'a> {
     }
 
     /// The nodes of a pair, if their boxes may overlap in the interval.
-    fn meeting(&mut self, interval: &Interval, pair: NodePair) -> Option<(&'a Node, &'a Node)> {
+    fn meeting(&mut self, interval: &TimeInterval, pair: NodePair) -> Option<(&'a Node, &'a Node)> {
         let TurningTask { a, b, .. } = *self.task;
         let (a, b) = (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize]);
         self.counters.nb += 1;

@@ -108,12 +108,12 @@ impl Default for SweepWorkspace {
 }
 
 /// When `b`, whose pose in A's frame at travel 0 is `pose`, first touches `a` on its way, and which
-/// triangles touch then: of several at the same travel, those with the least ids. `None`: they never
-/// touch on that way.
+/// triangles touch then: of several at the same travel, those with the least ids. `None`: they
+/// never touch on that way.
 ///
-/// The motion is continuous: nothing slips between poses. Travel is exact to 1 nm, and so is whether
-/// contact at the very ends of the motion counts; everything else about the answer is exact, and the
-/// same bits for every build, leaf size, walk, vector width and machine.
+/// The motion is continuous: nothing slips between poses. Travel is exact to 1 nm, and so is
+/// whether contact at the very ends of the motion counts; everything else about the answer is
+/// exact, and the same bits for every build, leaf size, walk, vector width and machine.
 ///
 /// ```
 /// use trolley_bvh::query::{BuildOptions, Pose, RelativePose, Sweep, SweepWorkspace, Tree};

@@ -5,7 +5,7 @@ use crate::kernel::turning::{First, TurningKernel, TurningOutcome, TurningTask};
 use crate::{Counters, Walk};
 use body::BodyView;
 use diagnostic::{Diagnostic, FailureKind};
-use geometry::motion::Motion;
+use geometry::motion::RelativeMotion;
 use geometry::simd::Level;
 use std::borrow::Cow;
 use std::convert::Infallible;
@@ -39,7 +39,7 @@ pub enum MotionContact {
     /// They never touch: a proof for the whole motion.
     Excluded,
     /// At the pose of the motion at `time_s` they touch, exactly: [`super::touches`] is true for
-    /// [`Motion::pose_at`].
+    /// [`RelativeMotion::pose_at`].
     Certain {
         /// The time of the pose.
         time_s: f64,
@@ -117,12 +117,12 @@ impl MotionWorkspace {
     fn touching(&mut self, task: &TurningTask<'_>, time_s: f64) -> Option<[u32; 2]> {
         let pose = task.motion.pose_at(time_s);
         let mut least: Option<[u32; 2]> = None;
-        let each = |a, b| {
+        let keep_least = |a, b| {
             least = Some(least.map_or([a, b], |least| least.min([a, b])));
             ControlFlow::<Infallible>::Continue(())
         };
         // A path keeps poses far within what is accepted.
-        for_each_pair(task.a, task.b, &pose, &mut self.poses, each).ok()?;
+        for_each_pair(task.a, task.b, &pose, &mut self.poses, keep_least).ok()?;
         least
     }
 }
@@ -167,8 +167,9 @@ impl std::error::Error for ResolutionError {}
 ///
 /// ```
 /// use trolley_bvh::query::{BuildOptions, Tree};
-/// use trolley_bvh::query::{Motion, MotionContact, MotionLimits, MotionWorkspace, Orientation};
-/// use trolley_bvh::query::{Path, State, first_contact_in_motion};
+/// use trolley_bvh::query::{MotionContact, MotionLimits, MotionWorkspace, Orientation};
+/// use trolley_bvh::query::RelativeMotion;
+/// use trolley_bvh::query::{MotionPath, State, first_contact_in_motion};
 ///
 /// // A wall, and a rod of 1 m that turns about its end by 90 degrees in a second.
 /// let wall = [[[0.0, 0.5, -1.0], [2.0, 0.5, -1.0], [0.0, 0.5, 1.0]]];
@@ -176,14 +177,14 @@ impl std::error::Error for ResolutionError {}
 /// let options = BuildOptions::default();
 /// let (wall, rod) = (Tree::build(&wall, &options)?, Tree::build(&rod, &options)?);
 ///
-/// let standing = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, 1.0])?;
+/// let standing = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 1.0])?;
 /// let state = |time_s, yaw| State {
 ///     time_s,
 ///     position_m: [0.0; 3],
 ///     orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
 /// };
-/// let turning = Path::new(&[state(0.0, 0.0), state(1.0, 90.0)])?;
-/// let motion = Motion::new(&standing, &turning)?;
+/// let turning = MotionPath::new(&[state(0.0, 0.0), state(1.0, 90.0)])?;
+/// let motion = RelativeMotion::new(&standing, &turning)?;
 ///
 /// let (limits, mut workspace) = (MotionLimits::default(), MotionWorkspace::new());
 /// let first = first_contact_in_motion(&wall, &rod, &motion, &limits, &mut workspace)?;
@@ -204,7 +205,7 @@ impl std::error::Error for ResolutionError {}
 pub fn first_contact_in_motion<'t>(
     a: impl Into<BodyView<'t>>,
     b: impl Into<BodyView<'t>>,
-    motion: &Motion<'t>,
+    motion: &RelativeMotion<'t>,
     limits: &MotionLimits,
     workspace: &mut MotionWorkspace,
 ) -> Result<MotionContact, ResolutionError> {

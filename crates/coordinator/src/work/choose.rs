@@ -66,8 +66,8 @@ impl RankingRun<'_> {
         }
     }
 
-    /// Lower goes first: first contact, then the deepest pose of the patch, then what only zones and
-    /// depth need.
+    /// Lower goes first: first contact, then the deepest pose of the patch, then what only zones
+    /// and depth need.
     fn eagerness(&self, task: u32) -> (u32, i64) {
         let state = &self.tasks[task as usize];
         let candidate = &self.candidate_states[state.candidate];

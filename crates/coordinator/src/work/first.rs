@@ -1,8 +1,8 @@
 //! The search for first contact of one candidate: jobs in the order in which they may find it, the
 //! earliest pair of triangles so far, and the bracket that both leave.
 //!
-//! Only what the coordinator has computed itself from two triangles is the best so far: workers name
-//! a pair, so that none can end the search too early by a wrong travel.
+//! Only what the coordinator has computed itself from two triangles is the best so far: workers
+//! name a pair, so that none can end the search too early by a wrong travel.
 
 use super::{RankingRun, SLOTS_MAX};
 use crate::candidate_state::FirstContact;
@@ -80,8 +80,8 @@ impl RankingRun<'_> {
         let state = &self.tasks[number as usize];
         let views = self.views(&state.wire);
         let exist = (a as usize) < views.0.corners.len() && (b as usize) < views.1.corners.len();
-        // On the whole way: a job that was sent before an earlier contact was found may name a later
-        // one, but none that is not.
+        // On the whole way: a job that was sent before an earlier contact was found may name a
+        // later one, but none that is not.
         let Some(task) = self.whole_way(number).filter(|_| exist) else { return false };
         let Some(witness) = Witness::of(&task, [a, b]) else { return false };
         let state = &mut self.tasks[number as usize];

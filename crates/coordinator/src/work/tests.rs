@@ -21,11 +21,12 @@ const AHEAD_M: f64 = 0.6;
 
 /// The twelve triangles of a box between two corners.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Vec<Corners> {
-    let at = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 0 { low[i] } else { high[i] } as f32);
+    let corner =
+        |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 0 { low[i] } else { high[i] } as f32);
     let faces =
         [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     let halves = faces.iter().flat_map(|[p, q, r, s]| [[*p, *q, *r], [*p, *r, *s]]);
-    halves.map(|corners| corners.map(at)).collect()
+    halves.map(|corners| corners.map(corner)).collect()
 }
 
 /// A box of a car with two mirrors of 15 cm height.

@@ -1,11 +1,11 @@
 //! A short time of a motion: where boxes and triangles may be meanwhile.
 
-use super::{Motion, Piece};
+use super::{PathPiece, RelativeMotion};
 use crate::{Aabb, Bounds, Corners, DVec3, RelativePose};
 
 /// Two bodies as far as their motion needs to know them: the boxes that they lie in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bodies {
+pub struct MovingBodies {
     /// How far their points are from the origins of their frames, at most (m).
     reaches: [f64; 2],
     /// The middles of the boxes, and how far their points are from there, at most (m).
@@ -13,7 +13,7 @@ pub struct Bodies {
     radii: [f64; 2],
     /// B's box.
     box_b: Aabb,
-    /// What every position may be off by (m): see [`Bodies::new`].
+    /// What every position may be off by (m): see [`MovingBodies::new`].
     slack_m: f64,
 }
 
@@ -22,7 +22,7 @@ pub struct Bodies {
 /// The halves of an interval, and theirs, form a tree over each piece of a motion. It is always the
 /// same, so whatever is decided for its intervals is a function of the motion and the bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
+pub struct TimeInterval {
     /// Its begin (s).
     pub from_s: f64,
     /// Its end (s).
@@ -59,8 +59,8 @@ const LONGER: f64 = 4.0;
 /// 256 ε.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
-impl Bodies {
-    /// Bodies within these boxes, each in its own frame, that move in this way.
+impl MovingBodies {
+    /// MovingBodies within these boxes, each in its own frame, that move in this way.
     ///
     /// A rotation matrix computed for a time is off by about 20ε: in the angle, its sine and
     /// cosine, a product of quaternions, and squares. The product of two is off by 50ε, a point
@@ -68,7 +68,7 @@ impl Bodies {
     /// what a time that is off by ε moves. Products with a separating axis add some 10ε. 256ε·S are
     /// allowed.
     #[must_use]
-    pub fn new(motion: &Motion<'_>, boxes: [&Aabb; 2]) -> Self {
+    pub fn new(motion: &RelativeMotion<'_>, boxes: [&Aabb; 2]) -> Self {
         let sides = boxes.map(Aabb::bounds);
         let reaches = sides.map(|b| b.min.abs().max(b.max.abs()).element_sum());
         let slack_m = ROUNDING * motion.magnitude_m(reaches);
@@ -82,16 +82,21 @@ impl Bodies {
     }
 }
 
-impl Interval {
+impl TimeInterval {
     /// The whole of a piece.
     #[must_use]
-    pub fn of(motion: &Motion<'_>, bodies: &Bodies, piece: &Piece) -> Self {
+    pub fn of(motion: &RelativeMotion<'_>, bodies: &MovingBodies, piece: &PathPiece) -> Self {
         Self::within(motion, bodies, piece, [piece.from_s, piece.to_s])
     }
 
     /// Its halves; `None` if no time lies between its begin and its end.
     #[must_use]
-    pub fn halves(&self, motion: &Motion<'_>, bodies: &Bodies, piece: &Piece) -> Option<[Self; 2]> {
+    pub fn halves(
+        &self,
+        motion: &RelativeMotion<'_>,
+        bodies: &MovingBodies,
+        piece: &PathPiece,
+    ) -> Option<[Self; 2]> {
         let middle_s = self.from_s + (self.to_s - self.from_s) * 0.5;
         let is_between = self.from_s < middle_s && middle_s < self.to_s;
         is_between.then(|| {
@@ -100,7 +105,12 @@ impl Interval {
         })
     }
 
-    fn within(motion: &Motion<'_>, bodies: &Bodies, piece: &Piece, times: [f64; 2]) -> Self {
+    fn within(
+        motion: &RelativeMotion<'_>,
+        bodies: &MovingBodies,
+        piece: &PathPiece,
+        times: [f64; 2],
+    ) -> Self {
         let worlds = times.map(|time_s| motion.poses_at(time_s));
         let poses = worlds.map(|[a, b]| RelativePose::between(&a, &b));
         let backs = poses.map(|pose| reversed(&pose));
@@ -161,8 +171,8 @@ impl Interval {
         self.distance_m > LONGER * self.slack_m
     }
 
-    /// The same up to less rounding: it holds in an interval if [`Interval::is_far`] does in one
-    /// that contains it.
+    /// The same up to less rounding: it holds in an interval if [`TimeInterval::is_far`] does in
+    /// one that contains it.
     pub(super) fn is_just_far(&self) -> bool {
         self.distance_m > self.slack_m
     }
@@ -292,7 +302,12 @@ fn reversed(pose: &RelativePose) -> RelativePose {
 ///
 /// The way from A's middle to B's, in the world, is a line but for what the middles turn about the
 /// origins: |x″| ≤ |ωa|² |a| + |ωb|² |b|.
-fn distance_m(bodies: &Bodies, worlds: &[[crate::Pose; 2]; 2], piece: &Piece, bend: f64) -> f64 {
+fn distance_m(
+    bodies: &MovingBodies,
+    worlds: &[[crate::Pose; 2]; 2],
+    piece: &PathPiece,
+    bend: f64,
+) -> f64 {
     let ways = worlds.map(|poses| {
         let [a, b] = [0, 1].map(|k| {
             let crate::Pose { rotation, translation } = poses[k];

@@ -41,7 +41,7 @@ pub struct State {
 /// The path of a body: between two states position is linear in time, and orientation turns at a
 /// constant rate about one axis, the shorter way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Path {
+pub struct MotionPath {
     states: Vec<State>,
     /// What lies between a state and the next one.
     turns: Vec<Turn>,
@@ -160,18 +160,18 @@ fn product(p: [f64; 4], q: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-impl Path {
+impl MotionPath {
     /// A path through states that ascend in time.
     ///
     /// ```
-    /// use trolley_geometry::motion::{Orientation, Path, State};
+    /// use trolley_geometry::motion::{Orientation, MotionPath, State};
     ///
     /// let state = |time_s, x, yaw| State {
     ///     time_s,
     ///     position_m: [x, 0.0, 0.0],
     ///     orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
     /// };
-    /// let path = Path::new(&[state(0.0, 0.0, 0.0), state(2.0, 20.0, 90.0)])?;
+    /// let path = MotionPath::new(&[state(0.0, 0.0, 0.0), state(2.0, 20.0, 90.0)])?;
     /// assert_eq!(path.pose_at(0.5).translation, [5.0, 0.0, 0.0]);
     /// # Ok::<(), trolley_geometry::motion::PathError>(())
     /// ```
@@ -208,7 +208,7 @@ impl Path {
     ///
     /// # Errors
     ///
-    /// See [`Path::new`].
+    /// See [`MotionPath::new`].
     pub fn still(
         position_m: [f64; 3],
         orientation: Orientation,

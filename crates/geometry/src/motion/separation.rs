@@ -10,15 +10,15 @@
 //! M. Lin, D. Manocha, *OBBTree*, SIGGRAPH 1996, for the swept prism), and at last the line between
 //! the closest points half-way, along which the gap is the distance.
 
-use super::{Interval, Moved};
+use super::{Moved, TimeInterval};
 use crate::{Corners, DVec3, Triangle};
 
-impl Interval {
+impl TimeInterval {
     /// Whether a triangle of A and one of B certainly share no point all the time, by few axes:
     /// those of both frames and both normals. `moved_b` is B's triangle.
     ///
     /// These axes stay the same in parts of the interval. So what is apart here is apart in them
-    /// too, for [`Interval::are_apart`].
+    /// too, for [`TimeInterval::are_apart`].
     #[must_use]
     #[inline]
     pub fn are_clearly_apart(&self, a: &Corners, b: &Corners, moved_b: &Moved) -> bool {
@@ -43,8 +43,8 @@ impl Interval {
     /// Whether a triangle of A and one of B certainly share no point all the time, by all axes.
     /// `moved_b` is B's triangle.
     ///
-    /// If it is false in an interval that is [short](Interval::is_short) for a resolution, then the
-    /// triangles come within about that distance (m) of each other.
+    /// If it is false in an interval that is [short](TimeInterval::is_short) for a resolution, then
+    /// the triangles come within about that distance (m) of each other.
     #[must_use]
     pub fn are_apart(&self, a: &Corners, b: &Corners, moved_b: &Moved) -> bool {
         if self.is_just_far() {

@@ -10,7 +10,7 @@ fn orientation() -> impl Strategy<Value = Orientation> {
 }
 
 /// Two or three states over some seconds, with turns up to several rad/s about any axis.
-fn path() -> impl Strategy<Value = Path> {
+fn path() -> impl Strategy<Value = MotionPath> {
     let state = (0.2..2.0_f64, prop::array::uniform3(-5.0..5.0_f64), orientation());
     prop::collection::vec(state, 2..4).prop_map(|steps| {
         let mut time_s = -1.0;
@@ -21,7 +21,7 @@ fn path() -> impl Strategy<Value = Path> {
                 State { time_s, position_m, orientation }
             })
             .collect();
-        Path::new(&states).unwrap()
+        MotionPath::new(&states).unwrap()
     })
 }
 
@@ -30,16 +30,21 @@ fn corners() -> impl Strategy<Value = Corners> {
 }
 
 /// An interval of the tree over the motion: the halves taken are told by `ways`.
-fn some_interval(motion: &Motion<'_>, bodies: &Bodies, piece: usize, ways: &[bool]) -> Interval {
-    let pieces: Vec<Piece> = motion.pieces().collect();
+fn some_interval(
+    motion: &RelativeMotion<'_>,
+    bodies: &MovingBodies,
+    piece: usize,
+    ways: &[bool],
+) -> TimeInterval {
+    let pieces: Vec<PathPiece> = motion.pieces().collect();
     let piece = &pieces[piece % pieces.len()];
-    ways.iter().fold(Interval::of(motion, bodies, piece), |interval, way| {
+    ways.iter().fold(TimeInterval::of(motion, bodies, piece), |interval, way| {
         interval.halves(motion, bodies, piece).unwrap()[usize::from(*way)]
     })
 }
 
-fn motion<'p>(a: &'p Path, b: &'p Path) -> Option<Motion<'p>> {
-    Motion::new(a, b).ok()
+fn motion<'p>(a: &'p MotionPath, b: &'p MotionPath) -> Option<RelativeMotion<'p>> {
+    RelativeMotion::new(a, b).ok()
 }
 
 proptest! {
@@ -75,7 +80,7 @@ proptest! {
     ) {
         let Some(motion) = motion(&a, &b) else { return Ok(()) };
         let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&[point; 3]);
         let small = Aabb { min: point, max: point };
@@ -104,7 +109,7 @@ proptest! {
     ) {
         let Some(motion) = motion(&a, &b) else { return Ok(()) };
         let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_a(&[point; 3]);
         for step in 0..=20 {
@@ -129,7 +134,7 @@ proptest! {
     ) {
         let Some(motion) = motion(&a, &b) else { return Ok(()) };
         let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&of_b);
         let all = interval.bounds_of_b(&Aabb::of(&of_b));
@@ -161,10 +166,10 @@ proptest! {
     ) {
         let Some(motion) = motion(&a, &b) else { return Ok(()) };
         let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = Bodies::new(&motion, [&box_, &box_]);
+        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
         let whole = some_interval(&motion, &bodies, piece, &ways[..cut.index(ways.len())]);
         let part = some_interval(&motion, &bodies, piece, &ways);
-        let clearly = |of: &Interval| of.are_clearly_apart(&of_a, &of_b, &of.moved_b(&of_b));
+        let clearly = |of: &TimeInterval| of.are_clearly_apart(&of_a, &of_b, &of.moved_b(&of_b));
         let apart = part.are_apart(&of_a, &of_b, &part.moved_b(&of_b));
         prop_assert!(!clearly(&whole) || apart, "{:?} {:?}", whole, part);
         prop_assert!(!clearly(&part) || apart, "{:?}", part);
@@ -177,18 +182,18 @@ proptest! {
 fn what_is_not_apart_is_close() {
     const STEPS: u32 = 20;
     let mut rng = crate::rng::Rng::new(9);
-    let at = |time_s, y, yaw| State {
+    let state = |time_s, y, yaw| State {
         time_s,
         position_m: [0.0, y, 0.0],
         orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
     };
-    let still = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, 1e-3]).unwrap();
-    let moving = Path::new(&[at(0.0, 0.0, 0.0), at(1e-3, 2e-3, 0.5)]).unwrap();
-    let motion = Motion::new(&still, &moving).unwrap();
+    let still = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 1e-3]).unwrap();
+    let moving = MotionPath::new(&[state(0.0, 0.0, 0.0), state(1e-3, 2e-3, 0.5)]).unwrap();
+    let motion = RelativeMotion::new(&still, &moving).unwrap();
     let box_ = Aabb { min: [-0.02; 3], max: [0.02; 3] };
-    let bodies = Bodies::new(&motion, [&box_, &box_]);
+    let bodies = MovingBodies::new(&motion, [&box_, &box_]);
     let piece = motion.pieces().next().unwrap();
-    let interval = Interval::of(&motion, &bodies, &piece);
+    let interval = TimeInterval::of(&motion, &bodies, &piece);
     let resolution_m = 4e-3;
     assert!(interval.is_short(resolution_m) && !interval.is_short(2e-3));
     let points = |Triangle([p, q, r]): Triangle| {
@@ -226,18 +231,18 @@ fn what_is_not_apart_is_close() {
 fn most_that_are_apart_are_called_so() {
     let mut random = crate::rng::Rng::new(5);
     let mut unit = || random.between(-0.5, 0.5) as f32;
-    let at = |time_s, x, yaw| State {
+    let state = |time_s, x, yaw| State {
         time_s,
         position_m: [x, 0.0, 0.0],
         orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
     };
-    let still = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, 1e-2]).unwrap();
-    let moving = Path::new(&[at(0.0, 0.0, 0.0), at(1e-2, 0.05, 1.0)]).unwrap();
-    let motion = Motion::new(&still, &moving).unwrap();
+    let still = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 1e-2]).unwrap();
+    let moving = MotionPath::new(&[state(0.0, 0.0, 0.0), state(1e-2, 0.05, 1.0)]).unwrap();
+    let motion = RelativeMotion::new(&still, &moving).unwrap();
     let box_ = Aabb { min: [-1.0; 3], max: [1.0; 3] };
-    let bodies = Bodies::new(&motion, [&box_, &box_]);
+    let bodies = MovingBodies::new(&motion, [&box_, &box_]);
     let piece = motion.pieces().next().unwrap();
-    let interval = Interval::of(&motion, &bodies, &piece);
+    let interval = TimeInterval::of(&motion, &bodies, &piece);
     let (mut apart, mut called) = (0, 0);
     for _ in 0..4_000 {
         let [a, b]: [Corners; 2] = [0; 2].map(|_| [0; 3].map(|_| [0; 3].map(|_| unit())));
@@ -257,15 +262,15 @@ fn most_that_are_apart_are_called_so() {
 fn refuses_what_is_no_path() {
     let state =
         |time_s, x| State { time_s, position_m: [x, 0.0, 0.0], orientation: Orientation::IDENTITY };
-    assert_eq!(Path::new(&[state(0.0, 0.0)]), Err(PathError::Short));
-    assert_eq!(Path::new(&[state(0.0, 0.0), state(0.0, 1.0)]), Err(PathError::State(1)));
-    assert_eq!(Path::new(&[state(0.0, f64::NAN), state(1.0, 1.0)]), Err(PathError::State(0)));
-    assert_eq!(Path::new(&[state(0.0, 0.0), state(1.0, 1e5)]), Err(PathError::Fast(0)));
+    assert_eq!(MotionPath::new(&[state(0.0, 0.0)]), Err(PathError::Short));
+    assert_eq!(MotionPath::new(&[state(0.0, 0.0), state(0.0, 1.0)]), Err(PathError::State(1)));
+    assert_eq!(MotionPath::new(&[state(0.0, f64::NAN), state(1.0, 1.0)]), Err(PathError::State(0)));
+    assert_eq!(MotionPath::new(&[state(0.0, 0.0), state(1.0, 1e5)]), Err(PathError::Fast(0)));
     let nowhere = Orientation::from_quaternion([0.0; 4]);
-    assert_eq!(Path::still([0.0; 3], nowhere, [0.0, 1.0]), Err(PathError::State(0)));
+    assert_eq!(MotionPath::still([0.0; 3], nowhere, [0.0, 1.0]), Err(PathError::State(0)));
     let [early, late, long] = [[0.0, 1.0], [2.0, 3.0], [0.0, 31.0]]
-        .map(|times| Path::still([0.0; 3], Orientation::IDENTITY, times).unwrap());
-    assert!(matches!(Motion::new(&early, &late), Err(PathError::Span { .. })));
-    assert!(matches!(Motion::new(&long, &long), Err(PathError::Span { .. })));
-    assert!(Motion::new(&long, &late).is_ok());
+        .map(|times| MotionPath::still([0.0; 3], Orientation::IDENTITY, times).unwrap());
+    assert!(matches!(RelativeMotion::new(&early, &late), Err(PathError::Span { .. })));
+    assert!(matches!(RelativeMotion::new(&long, &long), Err(PathError::Span { .. })));
+    assert!(RelativeMotion::new(&long, &late).is_ok());
 }

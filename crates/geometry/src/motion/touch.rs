@@ -1,6 +1,6 @@
 //! Whether two triangles touch at a pose of a motion: the times at which that is tried.
 
-use super::{Interval, Motion};
+use super::{RelativeMotion, TimeInterval};
 use crate::sweep::{TOLERANCE_M, first_contact};
 use crate::{Corners, Sweep, Triangle, triangle};
 
@@ -11,9 +11,9 @@ const LATER: [f64; 4] = [0.0, 1.0, 256.0, 65536.0];
 /// What is tried in a short interval: its begin, middle and end, and what follows from a sweep.
 const TIMES: usize = 3 + LATER.len();
 
-impl Interval {
+impl TimeInterval {
     /// The first of a few times up to `until_s` within this interval at which two triangles touch,
-    /// exactly: [`triangle::intersect`] at the pose that [`Motion::pose_at`] returns.
+    /// exactly: [`triangle::intersect`] at the pose that [`RelativeMotion::pose_at`] returns.
     ///
     /// Tried are the begin, the middle and the end, the first contact of B's triangle as it moves
     /// along its chord without turning ([`first_contact`]), and shortly after that. A pure
@@ -21,7 +21,7 @@ impl Interval {
     #[must_use]
     pub fn first_touch(
         &self,
-        motion: &Motion<'_>,
+        motion: &RelativeMotion<'_>,
         a: &Corners,
         b: &Corners,
         until_s: f64,

@@ -1,8 +1,8 @@
 //! Pairs of triangles that may touch while B moves along a line: eight at a time, what certainly
 //! does not is left out. What is left is decided by [`crate::sweep::first_contact`].
 //!
-//! Positions are those of a close frame under B's pose at a *reference* travel; travels are measured
-//! from there. Two filters follow each other:
+//! Positions are those of a close frame under B's pose at a *reference* travel; travels are
+//! measured from there. Two filters follow each other:
 //!
 //! - Boxes: the travels at which two boxes overlap along each axis of A form an interval; the three
 //!   intersected begin no later than any contact.
@@ -11,19 +11,21 @@
 //!
 //! # Errors
 //!
-//! With u and L as in [`super`], positions are off by 20uL. A motion is at most as long as two boxes
-//! of L on either side overlap, which is below 7L, since a component of its direction is above ½.
+//! With u and L as in [`super`], positions are off by 20uL. A motion is at most as long as two
+//! boxes of L on either side overlap, which is below 7L, since a component of its direction is
+//! above ½.
 //!
 //! - A travel by boxes is a difference of two coordinates, known to uL where both boxes were
 //!   enlarged, times the inverse of a component of the direction: 3u of a travel below 7L. 64uL are
 //!   allowed. A component below 10⁻⁹ is taken as that; a box moves by less than 10⁻⁸L meanwhile, of
 //!   the 12uL by which it was enlarged beyond need.
-//! - A coordinate across or along the motion is a product of a position with a rounded row: 35uL for
-//!   the position, 12uL for products and sums, 4u of the way of below 7L. 128uL are allowed.
+//! - A coordinate across or along the motion is a product of a position with a rounded row: 35uL
+//!   for the position, 12uL for products and sums, 4u of the way of below 7L. 128uL are allowed.
 //! - An orientation across the motion is off as in [`crate::sweep`], with that coordinate error.
-//! - A plane is computed from corners that are off by e = 128uL, and misses them by what is measured,
-//!   r. Within the triangle it is a mean of its values at the true corners, so it is off by at most
-//!   e + r + e·(sum of slopes); 3e times that sum are allowed, as it is also evaluated with rounding.
+//! - A plane is computed from corners that are off by e = 128uL, and misses them by what is
+//!   measured, r. Within the triangle it is a mean of its values at the true corners, so it is off
+//!   by at most e + r + e·(sum of slopes); 3e times that sum are allowed, as it is also evaluated
+//!   with rounding.
 
 use super::{Boxes, Close, LANES, Patch, Posed, Vector, eight, same};
 use crate::Sweep;

@@ -161,7 +161,10 @@ proptest! {
         }
         let text = String::from_utf8(bytes).expect("ASCII");
         match read("s.xml", &text, &ReadOptions::default()) {
-            Ok(recording) => drop(recording.sweep(&ManoeuvreSweep { horizon_s: 0.2, ..ManoeuvreSweep::default() })),
+            Ok(recording) => {
+                let sweep = ManoeuvreSweep { horizon_s: 0.2, ..ManoeuvreSweep::default() };
+                drop(recording.sweep(&sweep));
+            }
             Err(error) => prop_assert!(error.line >= 1 && !error.remedy.is_empty()),
         }
     }

@@ -2,11 +2,11 @@
 //!
 //! # Rounding
 //!
-//! A box in the other frame is enlarged as in [`super`], and by the travel T of the motion, at most,
-//! times 8u for where it moves to, and times 2·10⁻⁹ for a component of the direction that is taken
-//! as 10⁻⁹ ([`geometry::patch::Inverse`]). A travel is a difference, which that covers, times an
-//! inverse that is off by u, rounded once more: travels within the motion are off by 4u·T, and the
-//! contact of two triangles by 1 nm. So they are widened by 8u·T and 2 nm.
+//! A box in the other frame is enlarged as in [`super`], and by the travel T of the motion, at
+//! most, times 8u for where it moves to, and times 2·10⁻⁹ for a component of the direction that is
+//! taken as 10⁻⁹ ([`geometry::patch::Inverse`]). A travel is a difference, which that covers, times
+//! an inverse that is off by u, rounded once more: travels within the motion are off by 4u·T, and
+//! the contact of two triangles by 1 nm. So they are widened by 8u·T and 2 nm.
 
 use super::leaves::cells;
 use super::{Frames, lanes};
@@ -70,8 +70,8 @@ impl Passing {
         })
     }
 
-    /// Which boxes of `a` may meet which of `b` up to travel `limit`: bit 8i + j for lane i of A and
-    /// lane j of B, among the lanes in use. The travels from when on they may go to `first`.
+    /// Which boxes of `a` may meet which of `b` up to travel `limit`: bit 8i + j for lane i of A
+    /// and lane j of B, among the lanes in use. The travels from when on they may go to `first`.
     #[simd]
     pub(in crate::kernel) fn meet<S: Simd>(
         &self,

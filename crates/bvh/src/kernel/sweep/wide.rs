@@ -1,9 +1,9 @@
 //! The wide walk: eight boxes against eight, and eight pairs of triangles at once, in f32 rounded
 //! outward; what these leave is decided one by one.
 //!
-//! Where two leaves meet, only the travels at which their boxes overlap matter, a short piece of the
-//! motion. The triangles of each that may meet the other leaf meanwhile are placed in a frame close
-//! to both at the begin of that piece ([`geometry::patch`]).
+//! Where two leaves meet, only the travels at which their boxes overlap matter, a short piece of
+//! the motion. The triangles of each that may meet the other leaf meanwhile are placed in a frame
+//! close to both at the begin of that piece ([`geometry::patch`]).
 
 use super::static_wide::{self, Tree, entrance, leaf};
 use super::{End, OpenPair, Search, SweepTask};

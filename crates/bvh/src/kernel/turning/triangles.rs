@@ -3,7 +3,7 @@
 use super::{First, Frame, Possible, Search, TurningTask};
 use crate::descent::side_to_open;
 use body::Node;
-use geometry::motion::Interval;
+use geometry::motion::TimeInterval;
 use geometry::{Triangle, triangle};
 use std::ops::ControlFlow;
 
@@ -26,7 +26,7 @@ struct Verdict {
 
 impl Verdict {
     /// Takes an open pair of triangles, by their numbers in leaf order.
-    fn take(&mut self, task: &TurningTask<'_>, interval: &Interval, pair: [u32; 2]) {
+    fn take(&mut self, task: &TurningTask<'_>, interval: &TimeInterval, pair: [u32; 2]) {
         let ids = task.ids(pair);
         self.count += 1;
         self.ids = Some(self.ids.map_or(ids, |least| least.min(ids)));
@@ -104,14 +104,14 @@ impl Search<'_, '_> {
     }
 
     /// Whether any pair of triangles of two leaves may touch in the interval.
-    pub(super) fn any_open(&mut self, interval: &Interval, leaves: (&Node, &Node)) -> bool {
-        let each = |_: &mut Self, _: [u32; 2]| ControlFlow::Break(());
-        self.each_open(interval, leaves, each).is_break()
+    pub(super) fn any_open(&mut self, interval: &TimeInterval, leaves: (&Node, &Node)) -> bool {
+        let stop = |_: &mut Self, _: [u32; 2]| ControlFlow::Break(());
+        self.each_open(interval, leaves, stop).is_break()
     }
 
     /// Takes the pairs of triangles of two leaves that are open in a short interval: not apart in
     /// it nor in any that contains it.
-    fn judge(&mut self, interval: &Interval, leaves: (&Node, &Node), verdict: &mut Verdict) {
+    fn judge(&mut self, interval: &TimeInterval, leaves: (&Node, &Node), verdict: &mut Verdict) {
         let _all = self.each_open(interval, leaves, |search, [a, b]| {
             let task = search.task;
             let [of_a, of_b] = task.corners([a, b]);
@@ -127,7 +127,7 @@ impl Search<'_, '_> {
 
     fn each_open(
         &mut self,
-        interval: &Interval,
+        interval: &TimeInterval,
         (a, b): (&Node, &Node),
         mut each: impl FnMut(&mut Self, [u32; 2]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {

@@ -4,7 +4,7 @@
 use super::*;
 use crate::fixtures::{any_build, options, soup};
 use crate::{Build, Tree};
-use geometry::motion::{Bodies, Interval, Orientation, Path, State};
+use geometry::motion::{MotionPath, MovingBodies, Orientation, State, TimeInterval};
 use geometry::{Corners, DVec3, Sweep, Triangle, simd, triangle};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -45,7 +45,7 @@ fn workspaces() -> Vec<MotionWorkspace> {
 }
 
 /// Whether any triangle touches any other at the pose at a time, exactly.
-fn touching(a: &Tree, b: &Tree, motion: &Motion<'_>, time_s: f64) -> BTreeSet<[u32; 2]> {
+fn touching(a: &Tree, b: &Tree, motion: &RelativeMotion<'_>, time_s: f64) -> BTreeSet<[u32; 2]> {
     let pose = motion.pose_at(time_s);
     let mut ids = BTreeSet::new();
     for (of_a, id_a) in a.corners().iter().zip(a.ids()) {
@@ -60,7 +60,7 @@ fn touching(a: &Tree, b: &Tree, motion: &Motion<'_>, time_s: f64) -> BTreeSet<[u
 }
 
 /// An earlier touch, by bisection over the pairs that touch at a time.
-fn earlier(a: &Tree, b: &Tree, motion: &Motion<'_>, mut from_s: f64, mut to_s: f64) -> f64 {
+fn earlier(a: &Tree, b: &Tree, motion: &RelativeMotion<'_>, mut from_s: f64, mut to_s: f64) -> f64 {
     let mut pairs = touching(a, b, motion, to_s);
     for _ in 0..20 {
         let time_s = from_s + (to_s - from_s) * 0.5;
@@ -77,7 +77,12 @@ fn earlier(a: &Tree, b: &Tree, motion: &Motion<'_>, mut from_s: f64, mut to_s: f
 
 /// The answer by all pairs of triangles in the same intervals: no box of a node, no bound on
 /// memory.
-fn brute_force(a: &Tree, b: &Tree, motion: &Motion<'_>, resolution_m: f64) -> MotionContact {
+fn brute_force(
+    a: &Tree,
+    b: &Tree,
+    motion: &RelativeMotion<'_>,
+    resolution_m: f64,
+) -> MotionContact {
     let certain = |time_s: f64, excluded_before_s: f64| {
         let ids = touching(a, b, motion, time_s).pop_first().unwrap();
         MotionContact::Certain { time_s, excluded_before_s, ids }
@@ -86,7 +91,7 @@ fn brute_force(a: &Tree, b: &Tree, motion: &Motion<'_>, resolution_m: f64) -> Mo
         return certain(motion.from_s(), motion.from_s());
     }
     let (box_a, box_b) = (a.bounds(), b.bounds());
-    let bodies = Bodies::new(motion, [&box_a, &box_b]);
+    let bodies = MovingBodies::new(motion, [&box_a, &box_b]);
     let mut all = Vec::new();
     for of_a in 0..a.ids().len() {
         all.extend((0..b.ids().len()).map(|of_b| [of_a, of_b]));
@@ -97,7 +102,7 @@ fn brute_force(a: &Tree, b: &Tree, motion: &Motion<'_>, resolution_m: f64) -> Mo
         None => MotionContact::Excluded,
     };
     for piece in motion.pieces() {
-        let mut todo = vec![(Interval::of(motion, &bodies, &piece), all.clone())];
+        let mut todo = vec![(TimeInterval::of(motion, &bodies, &piece), all.clone())];
         while let Some((interval, mut pairs)) = todo.pop() {
             if let Some((from_s, to_s, _)) = possible
                 && interval.from_s >= to_s + 32.0 * (to_s - from_s)
@@ -138,7 +143,7 @@ fn brute_force(a: &Tree, b: &Tree, motion: &Motion<'_>, resolution_m: f64) -> Mo
 }
 
 /// The answer, the same for all walks and vectors; and that exact poses do not contradict it.
-fn checked(a: &Tree, b: &Tree, motion: &Motion<'_>, step_s: f64) -> MotionContact {
+fn checked(a: &Tree, b: &Tree, motion: &RelativeMotion<'_>, step_s: f64) -> MotionContact {
     let limits = MotionLimits::default();
     let answers: Vec<MotionContact> = workspaces()
         .iter_mut()
@@ -174,7 +179,7 @@ fn checked(a: &Tree, b: &Tree, motion: &Motion<'_>, step_s: f64) -> MotionContac
 }
 
 /// A path of two or three states near a place, turning about any axis up to several rad/s.
-fn path(spread: f64, turn: f64) -> impl Strategy<Value = Path> {
+fn path(spread: f64, turn: f64) -> impl Strategy<Value = MotionPath> {
     let around = prop::array::uniform3(-spread..spread);
     let turns = prop_oneof![
         Just([0.0; 3]),
@@ -189,7 +194,7 @@ fn path(spread: f64, turn: f64) -> impl Strategy<Value = Path> {
             time_s += if k == 0 { 0.0 } else { step_s };
             states.push(state(time_s, position_m, turn));
         }
-        Path::new(&states).unwrap()
+        MotionPath::new(&states).unwrap()
     })
 }
 
@@ -205,9 +210,9 @@ proptest! {
         sizes in [1_u32..=64, 1_u32..=64],
         build in any_build(),
     ) {
-        let motion = Motion::new(&a, &b).unwrap();
-        let of = |k: usize| tree(&soup(counts[k], 0.5, u64::from(seeds[k])), build, sizes[k]);
-        let (a, b) = (of(0), of(1));
+        let motion = RelativeMotion::new(&a, &b).unwrap();
+        let tree_of = |k: usize| tree(&soup(counts[k], 0.5, u64::from(seeds[k])), build, sizes[k]);
+        let (a, b) = (tree_of(0), tree_of(1));
         let first = checked(&a, &b, &motion, 2e-3);
         prop_assert_eq!(first, brute_force(&a, &b, &motion, 1e-3));
     }
@@ -229,12 +234,12 @@ proptest! {
         // left one; both turn a little meanwhile.
         let (half, y) = (turn * 0.5, 2.2 - overlap);
         let to = [start - speed * lasts_s, y, 0.0];
-        let b_path = Path::new(&[
+        let b_path = MotionPath::new(&[
             state(0.0, [start, y, 0.0], [180.0 - half, 0.0, 0.0]),
             state(lasts_s, to, [180.0 + half, 0.0, 0.0]),
         ]).unwrap();
-        let a_path = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
-        let motion = Motion::new(&a_path, &b_path).unwrap();
+        let a_path = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
+        let motion = RelativeMotion::new(&a_path, &b_path).unwrap();
         let first = checked(&a, &b, &motion, 5e-4);
         if turn == 0.0 {
             let is_contact = matches!(first, MotionContact::Certain { .. });
@@ -258,12 +263,12 @@ proptest! {
             tree(&soup(60, 0.4, u64::from(seed) * 2 + k), Build::Sah, 4)
         });
         let (start, lasts_s) = (along * -4.0, 8.0 / speed);
-        let a_path = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
-        let b_path = Path::new(&[
+        let a_path = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
+        let b_path = MotionPath::new(&[
             state(0.0, start.to_array(), turn),
             state(lasts_s, (-start).to_array(), turn),
         ]).unwrap();
-        let motion = Motion::new(&a_path, &b_path).unwrap();
+        let motion = RelativeMotion::new(&a_path, &b_path).unwrap();
         let first = checked(&a, &b, &motion, lasts_s / 500.0);
         let sweep = Sweep::new(along, 0.0, 8.0).unwrap();
         let mut workspace = super::super::SweepWorkspace::new();
@@ -294,14 +299,14 @@ fn turns_in_place() {
             let at = (radius + gap_m) as f32;
             let wall = tree(&cuboid([-0.5, at, -0.5], [0.5, at + 0.1, 0.5]), Build::Sah, 1);
             let lasts_s = std::f64::consts::PI / rate;
-            let a = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
-            let b = Path::new(&[
+            let a = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
+            let b = MotionPath::new(&[
                 state(0.0, [0.0; 3], [0.0; 3]),
                 state(lasts_s * 0.5, [0.0; 3], [90.0, 0.0, 0.0]),
                 state(lasts_s, [0.0; 3], [180.0, 0.0, 0.0]),
             ])
             .unwrap();
-            let motion = Motion::new(&a, &b).unwrap();
+            let motion = RelativeMotion::new(&a, &b).unwrap();
             let first = checked(&wall, &rod, &motion, lasts_s / 2000.0);
             if gap_m > 0.0 {
                 assert_eq!(first, MotionContact::Excluded, "{gap_m} {rate}");
@@ -318,17 +323,17 @@ fn turns_in_place() {
     }
 }
 
-/// Bodies that overlap at first do so certainly; a budget leaves an honest end.
+/// MovingBodies that overlap at first do so certainly; a budget leaves an honest end.
 #[test]
 fn begins_and_ends_honestly() {
     let body = tree(&car(0.02), Build::Sah, 4);
-    let a = Path::still([0.0; 3], Orientation::IDENTITY, [0.0, 2.0]).unwrap();
-    let through = Path::new(&[
+    let a = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 2.0]).unwrap();
+    let through = MotionPath::new(&[
         state(0.5, [8.0, 0.5, 0.0], [10.0, 0.0, 0.0]),
         state(1.5, [-8.0, 0.5, 0.0], [50.0, 0.0, 0.0]),
     ])
     .unwrap();
-    let motion = Motion::new(&a, &through).unwrap();
+    let motion = RelativeMotion::new(&a, &through).unwrap();
     assert_eq!((motion.from_s(), motion.to_s()), (0.5, 1.5));
     let first = checked(&body, &body, &motion, 5e-4);
     let MotionContact::Certain { time_s, excluded_before_s, .. } = first else {
