@@ -2,6 +2,7 @@
 //! invalid requests, vanish or are killed; and nothing is left behind.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use crate::support::service::heard_signals;
 use crate::support::service::{deployment, left_behind, of_six, ranked, ranking, serve, shipped};
 use crate::support::{self, Place, children, run, signal, six, text, trolley, wait_for};
 use client::public::{Ask, Motion, Reason, WireCandidate, WireParty, WireState};
@@ -45,13 +46,7 @@ fn who_is_told_to_end_again_and_again_cleans_up_all_the_same() {
 
 #[test]
 fn every_signal_that_ends_a_program_by_default_ends_it_cleanly() {
-    // Under nohup(1) SIGHUP is ignored, and stays so.
-    let status = std::fs::read_to_string("/proc/self/status").unwrap();
-    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap();
-    let ignored = u64::from_str_radix(ignored.trim(), 16).unwrap();
-    let is_heard = |signal: &Signal| ignored >> (signal.as_raw() - 1) & 1 == 0;
-    let all = [Signal::HUP, Signal::INT, Signal::QUIT, Signal::TERM];
-    for number in all.into_iter().filter(is_heard) {
+    for number in heard_signals() {
         let place = Place::new();
         let mut serving = serve(&deployment(&place, 1, WALL), &[]);
         signal(serving.child.id(), number);

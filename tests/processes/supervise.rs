@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use super::serve::connect;
+use crate::support::service::heard_signals;
 use crate::support::service::{
     Serving, deployment, left_behind, of_six, ranked, ranking, serve, serve_as,
 };
@@ -98,7 +99,7 @@ fn a_stopped_service_is_replaced() {
 fn one_signal_ends_supervisor_and_service_within_two_seconds_and_leaves_nothing() {
     let place = Place::new();
     let file = deployment(&place, 2, BODIES);
-    for number in [Signal::TERM, Signal::INT, Signal::QUIT, Signal::HUP] {
+    for number in heard_signals() {
         let mut serving = serve(&file, SUPERVISE);
         let service = service_of(serving.child.id()).unwrap();
         let status = told(&mut serving, number);

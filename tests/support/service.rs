@@ -153,3 +153,14 @@ fn rows(ranking: &serde_json::Value, output: &Output) -> Vec<(String, [u64; 4])>
     };
     ranking.iter().map(row).collect()
 }
+
+/// The signals that end a program by default and are not ignored here: under nohup(1) SIGHUP is, and
+/// stays so in what a test starts.
+pub(crate) fn heard_signals() -> impl Iterator<Item = rustix::process::Signal> {
+    use rustix::process::Signal;
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap();
+    let ignored = u64::from_str_radix(ignored.trim(), 16).unwrap();
+    let is_heard = move |signal: &Signal| ignored >> (signal.as_raw() - 1) & 1 == 0;
+    [Signal::HUP, Signal::INT, Signal::QUIT, Signal::TERM].into_iter().filter(is_heard)
+}
