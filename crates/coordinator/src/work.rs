@@ -225,8 +225,12 @@ impl<'w> RankingRun<'w> {
         }
         if state.is_first_contact() {
             // Opened bit by bit, as its jobs are handed out.
-            if let Some(task) = state.sweep_task((a, b)) {
-                state.front.begin(&SweepBounds::new(&task), descent);
+            match state.sweep_task((a, b)) {
+                Some(task) => state.front.begin(&SweepBounds::new(&task), descent),
+                // A way too long to be searched: all of it stays open, so it is never "no contact".
+                None => {
+                    state.lost.push(OpenPair { pair: NodePair::ROOTS, from_m: f32::NEG_INFINITY });
+                }
             }
             return;
         }
@@ -319,7 +323,10 @@ impl<'w> RankingRun<'w> {
         if is_first_contact {
             let bounds = state.sweep_task(views).map(|task| SweepBounds::new(&task));
             for pair in rest {
-                let Some(bounds) = &bounds else { break };
+                let Some(bounds) = &bounds else {
+                    state.lost.push(OpenPair { pair: *pair, ..job });
+                    continue;
+                };
                 let Some(from_m) = bounds.first_m(*pair) else { continue };
                 // Bounds only narrow on the way down.
                 state.front.push(OpenPair { pair: *pair, from_m: from_m.max(job.from_m) });
