@@ -154,8 +154,8 @@ fn rows(ranking: &serde_json::Value, output: &Output) -> Vec<(String, [u64; 4])>
     ranking.iter().map(row).collect()
 }
 
-/// The signals that end a program by default and are not ignored here: under nohup(1) SIGHUP is, and
-/// stays so in what a test starts.
+/// The signals that end a program by default and are not ignored here: under nohup(1) SIGHUP is,
+/// and stays so in what a test starts.
 pub(crate) fn heard_signals() -> impl Iterator<Item = rustix::process::Signal> {
     use rustix::process::Signal;
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
