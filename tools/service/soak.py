@@ -284,12 +284,14 @@ class Soak:
         end, written, second = time.monotonic() + 60 * self.options.minutes, 0, 0
         while time.monotonic() < end and self.service.poll() is None:
             second += 1
+            turn = time.monotonic()
             self.start_steady()
             if second % 10 == 1:
                 self.start_crowd()
             self.strike(second)
-            # `top` waits for a message that comes once a second.
+            # `top` waits for a message that comes once a second, but not where a crowd has all places.
             self.seen = top(self.options.program, self.deployment) or self.seen
+            time.sleep(max(0.0, turn + 1.0 - time.monotonic()))
             self.reap_crowd()
             if self.service.poll() is not None:
                 break
