@@ -123,6 +123,21 @@ fn mirrors_meet_wherever_the_pass_is_written_down() {
     }
 }
 
+#[test]
+fn a_way_too_long_to_be_searched_stays_open() {
+    let car = car(0.2, 0.02);
+    let bodies = views(&car);
+    // They meet behind the greatest travel that a sweep takes.
+    let scene = Scene { position_m: [1e6, 0.0], yaw_deg: 0.0, speeds_m_s: [30.0, 0.0] };
+    let (answer, ..) = scene.answer(&bodies);
+    let row = &answer.ranking[0];
+    assert_eq!(row.contact.touch, Touch::Unknown, "{row:?}");
+    assert_eq!(answer.missing.len(), 1, "{:?}", answer.missing);
+    // One candidate wins whatever is missing, but it is not harmless.
+    assert_ne!(answer.state, damage::AnswerState::Complete);
+    assert!(row.persons.iter().all(|person| person.work.hi() > 0.1), "{:?}", row.persons);
+}
+
 /// Whether the exact kernel finds a hit where the other car stands there.
 fn touches(
     bodies: &[(Meta, BodyView<'_>)],
