@@ -8,6 +8,7 @@ mod support;
 
 mod bounds;
 mod clients;
+mod group;
 mod guard;
 mod inject;
 mod kill;
