@@ -230,8 +230,8 @@ pub(crate) fn check_reach(path: &Path, group: u32) -> Result<(), OpenError> {
     })
 }
 
-/// The group to which a folder is [lent](lend), if any, and if this process may lend to it: a client
-/// of the service's own user need not be of that group.
+/// The group to which a folder is [lent](lend), if any, and if this process may lend to it: a
+/// client of the service's own user need not be of that group.
 pub(crate) fn borrower(folder: &Path) -> Option<u32> {
     let stat = rustix::fs::stat(folder).ok()?;
     (stat.st_mode & GROUP_WRITE != 0 && is_member(stat.st_gid)).then_some(stat.st_gid)
