@@ -2,9 +2,9 @@
 //! while it does not.
 //!
 //! That user is one of this run's own, who has no account, no other files and no other processes:
-//! `nobody` may have some. Each object is made here and then given to them, which leaves the same as
-//! if they had made it. Without the rights for that the fault is not injected, and the report says
-//! so.
+//! `nobody` may have some. Each object is made here and then given to them, which leaves the same
+//! as if they had made it. Without the rights for that the fault is not injected, and the report
+//! says so.
 
 use super::kind::Kind;
 use super::report::{Report, State};
