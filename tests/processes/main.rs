@@ -6,8 +6,10 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod alone;
 mod bounds;
 mod clients;
+mod group;
 mod guard;
 mod inject;
 mod kill;

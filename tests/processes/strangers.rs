@@ -39,21 +39,37 @@ impl Open {
     }
 }
 
-/// A user id that no account has, and no other test process.
 fn stranger() -> String {
-    let accounts = std::fs::read_to_string("/etc/passwd").unwrap_or_default();
+    strangers().next().expect("a user id without an account")
+}
+
+/// Ids of users and groups that no account has, and no other test process.
+pub(crate) fn strangers() -> impl Iterator<Item = String> {
+    let accounts = ["/etc/passwd", "/etc/group"]
+        .map(|file| std::fs::read_to_string(file).unwrap_or_default())
+        .concat();
     let first = std::process::id() % 1_000;
-    let mut ids = (0..1_000).map(|number| (STRANGERS + (first + number) % 1_000).to_string());
-    ids.find(|id| !accounts.contains(&format!(":{id}:"))).expect("a user id without an account")
+    let ids = (0..1_000).map(move |number| (STRANGERS + (first + number) % 1_000).to_string());
+    ids.filter(move |id| !accounts.contains(&format!(":{id}:")))
 }
 
 fn as_stranger() -> Command {
-    let (mut command, id) = (Command::new("setpriv"), stranger());
-    command.args(["--reuid", &id, "--regid", &id, "--clear-groups"]);
+    as_user(&stranger(), None)
+}
+
+/// A command that another one is added to, which then runs as this user, in this group besides
+/// their own.
+pub(crate) fn as_user(id: &str, group: Option<&str>) -> Command {
+    let mut command = Command::new("setpriv");
+    command.args(["--reuid", id, "--regid", id]);
+    match group {
+        Some(group) => command.args(["--groups", group]),
+        None => command.arg("--clear-groups"),
+    };
     command
 }
 
-fn is_possible() -> bool {
+pub(crate) fn is_possible() -> bool {
     let possible = as_stranger().arg("/bin/true").output().is_ok_and(|done| done.status.success());
     if !possible {
         skipped("strangers: this user may not become another one");

@@ -4,7 +4,7 @@ use super::{Place, instance, left_in_shm, signal, text, trolley, wait_for};
 use rustix::process::Signal;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, Output};
+use std::process::{Child, ChildStderr, Command, Output};
 
 /// A service, ended and checked by [`Serving::end`].
 pub(crate) struct Serving {
@@ -26,8 +26,18 @@ pub(crate) fn serve(deployment: &Path, extra: &[&str]) -> Serving {
 
 /// As [`serve`], in the place of an instance that was killed.
 pub(crate) fn serve_as(deployment: &Path, instance: &str, extra: &[&str]) -> Serving {
+    serve_by(trolley(), deployment, instance, extra)
+}
+
+/// As [`serve`], by a command to which the arguments of the program are added.
+pub(crate) fn serve_by(
+    mut command: Command,
+    deployment: &Path,
+    instance: &str,
+    extra: &[&str],
+) -> Serving {
     let instance = instance.to_owned();
-    let mut child = trolley()
+    let mut child = command
         .args(["serve", deployment.to_str().unwrap(), "--instance", &instance])
         .args(extra)
         .spawn()

@@ -3,6 +3,10 @@
 //! Every missing value has its default here, with its reason; unknown keys are refused, with their
 //! line. No file is opened: paths are returned as written.
 
+mod group;
+
+pub use group::ClientGroup;
+
 use body::Shape;
 use diagnostic::{Diagnostic, FailureKind};
 use scenario::{EngineSettings, Overrides};
@@ -29,6 +33,8 @@ pub struct Deployment {
     pub instance: String,
     /// Folder of the service's root; on a tmpfs.
     pub folder: Option<PathBuf>,
+    /// Whose members may be clients, besides the service's own user.
+    pub group: Option<ClientGroup>,
     /// Bodies that requests may name, in the file's order.
     pub models: Vec<Model>,
     /// Policy file; `None`: the built-in one.
@@ -201,6 +207,7 @@ struct Raw {
     schema: String,
     instance: String,
     folder: Option<String>,
+    group: Option<toml::Value>,
     policy: Option<PathBuf>,
     curves: Option<PathBuf>,
     queue: Option<i64>,
@@ -264,6 +271,22 @@ impl Deployment {
         })
     }
 
+    /// The number of the group of clients, if there is one. `file` is the deployment's name in
+    /// errors.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such group, or this user is not in it, and so cannot share files with it.
+    pub fn group_id(&self, file: &str) -> Result<Option<u32>, DeploymentError> {
+        let found = self.group.as_ref().map(ClientGroup::find).transpose();
+        found.map_err(|(key, what, remedy)| DeploymentError {
+            file: file.to_owned(),
+            place: format!(": {key}"),
+            what,
+            remedy,
+        })
+    }
+
     /// The number in [`Deployment::models`] of the model with this id.
     #[must_use]
     pub fn model(&self, id: u32) -> Option<usize> {
@@ -292,6 +315,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     if let Err(error) = transport::Address::new(folder.as_deref(), &raw.instance) {
         return wrong("instance", error.to_string(), "the root of iceoryx2 has at most 49 bytes");
     }
+    let group = raw.group.map(|written| ClientGroup::of(&written)).transpose()?;
     let queue = usize::try_from(raw.queue.unwrap_or(QUEUE_MAX as i64)).unwrap_or(0);
     if !(1..=QUEUE_MAX).contains(&queue) {
         let help = "queue may be 1 to 16: a client asks one thing at a time";
@@ -330,6 +354,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     Ok(Deployment {
         instance: raw.instance,
         folder,
+        group,
         models: models(raw.models)?,
         policy: raw.policy,
         curves: raw.curves,

@@ -41,8 +41,8 @@ pub use decisions::{
     verify_decisions,
 };
 pub use deployment::{
-    Decisions, Deployment, DeploymentError, Idle, Metrics, Model, ModelSource, Realtime, SCHEMA,
-    TEXT_BYTES_MAX,
+    ClientGroup, Decisions, Deployment, DeploymentError, Idle, Metrics, Model, ModelSource,
+    Realtime, SCHEMA, TEXT_BYTES_MAX,
 };
 pub use in_process::InProcess;
 pub use run::{MissingRealtime, ServiceConfig, ServiceError, serve};

@@ -43,6 +43,8 @@ const LOOK_NS: u64 = 1_000_000;
 pub struct ServiceConfig<'s> {
     /// Settings.
     pub deployment: &'s Deployment,
+    /// The number of the group whose members may be clients, too; `None`: of no group.
+    pub group: Option<u32>,
     /// The policy.
     pub policy: &'s Policy,
     /// The curves.
@@ -71,6 +73,7 @@ pub fn serve(
 ) -> Result<(), ServiceError> {
     let deployment = config.deployment;
     let address = Address::new(deployment.folder.as_deref(), &deployment.instance)?;
+    let address = address.with_group(config.group);
     let server = Server::open(&address)?;
     let housekeeper = server.housekeeper();
     let stats = Stats::new().ok_or(ServiceError::Memory)?;

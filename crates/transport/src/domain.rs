@@ -66,7 +66,7 @@ impl Domain {
         let name =
             name_of(instance, boot).ok_or_else(|| OpenError::Name { name: instance.to_owned() })?;
         let folder = folder.map_or_else(default_folder, Path::to_owned);
-        let place = Place::create(&folder, &name, LOOKS, None)?;
+        let place = Place::create(&folder, &name, LOOKS)?;
         let text = place.root().display().to_string();
         Ok(Self(Rc::new(Inner { place, boot, text })))
     }

@@ -42,6 +42,14 @@ pub enum OpenError {
         /// What helps.
         remedy: String,
     },
+    /// A group of clients cannot reach the files of its service. Exit with 78.
+    #[error("'{path}' is closed to group {group}, to which the service is lent")]
+    Closed {
+        /// The folder.
+        path: String,
+        /// The group's number.
+        group: u32,
+    },
     /// The service has all the clients, or all the listeners, that it takes. Exit with 75.
     #[error("instance '{instance}' is busy: it has all {most} {whom} that it takes")]
     Full {
@@ -119,6 +127,7 @@ impl Diagnostic for OpenError {
             Self::Name { .. }
             | Self::Text { .. }
             | Self::RootTooLong { .. }
+            | Self::Closed { .. }
             | Self::Untrusted { .. } => FailureKind::Configuration,
             Self::Taken { .. } | Self::NoService { .. } | Self::Full { .. } => {
                 FailureKind::TryAgain
@@ -130,6 +139,15 @@ impl Diagnostic for OpenError {
     fn remedy(&self) -> Option<Cow<'_, str>> {
         let remedy = match self {
             Self::Untrusted { remedy, .. } => return Some(remedy.into()),
+            Self::Closed { path, group } => {
+                return Some(
+                    format!(
+                        "chgrp {group} {path} && chmod g+x {path}, or set `folder` in the \
+                         deployment file to one that the group can enter"
+                    )
+                    .into(),
+                );
+            }
             Self::Skew { .. } => "start both from the same program",
             Self::Name { .. } | Self::Text { .. } | Self::RootTooLong { .. } => {
                 "correct `instance` and `folder` in the deployment file"

@@ -12,14 +12,17 @@
 //!   one in which a service makes its own belongs to this user or to root, or is for all;
 //! - what is found is never waited for, and nothing is removed through a link.
 //!
-//! A group of clients, where one is set, is inside the trust domain as far as the folder of its
-//! service goes: its members can end the service, but not make it lie about what it computed.
+//! A group of clients, where a deployment names one, is inside the trust domain as far as the place
+//! of its service goes ([`lend`]): its members write to memory that the service reads, so they can
+//! end it, and answer in its name. What workers share, and all other files, stay closed to them.
 
 use crate::error::OpenError;
-use rustix::fs::{CWD, FileType, Gid, Mode, OFlags, Uid, fstat, openat};
+use rustix::fs::{AtFlags, CWD, Dir, FileType, Gid, Mode, OFlags, Stat, Uid, fstat, openat};
 use rustix::io::Errno;
 use rustix::process::{getegid, geteuid, getgroups};
 use std::fs::File;
+use std::io;
+use std::os::fd::{AsFd, AsRawFd as _};
 use std::os::unix::ffi::OsStrExt as _;
 use std::path::{Path, PathBuf};
 
@@ -31,8 +34,9 @@ const NAME: &str = "trolley";
 const TMPFS: u64 = 0x0102_1994;
 /// Permissions of a private folder, and of one that a group of clients may enter too.
 const PRIVATE: u32 = 0o700;
-const SHARED: u32 = 0o2770;
-/// Bits that let others, or group and others, write.
+const ENTERED: u32 = 0o750;
+/// Bits that let the group, others, or both write.
+const GROUP_WRITE: u32 = 0o020;
 const OTHERS_WRITE: u32 = 0o002;
 const WRITE: u32 = 0o022;
 const STICKY: u32 = 0o1000;
@@ -59,6 +63,17 @@ pub fn default_folder() -> PathBuf {
     PathBuf::from(format!("{SHM}/{NAME}-{}", geteuid().as_raw()))
 }
 
+/// Whether this process may give files to a group: it is of that group, or root.
+#[must_use]
+pub fn is_member(group: u32) -> bool {
+    geteuid().is_root() || is_of(group)
+}
+
+fn is_of(group: u32) -> bool {
+    getegid().as_raw() == group
+        || getgroups().is_ok_and(|groups| groups.iter().any(|known| known.as_raw() == group))
+}
+
 /// Makes a private folder, or checks the one that is there. `group` may enter it, too.
 ///
 /// # Errors
@@ -69,11 +84,10 @@ pub(crate) fn make(path: &Path, group: Option<u32>) -> Result<File, OpenError> {
     let mode = Mode::from_raw_mode(PRIVATE);
     // Before anything is made where it cannot stay.
     checked_above(path)?;
-    let is_new = match rustix::fs::mkdir(path, mode) {
-        Ok(()) => true,
-        Err(Errno::EXIST) => false,
+    match rustix::fs::mkdir(path, mode) {
+        Ok(()) | Err(Errno::EXIST) => {}
         Err(error) => return Err(OpenError::at("create", &shown)(error)),
-    };
+    }
     let folder = open(path)?;
     let stat = fstat(&folder).map_err(OpenError::at("examine", &shown))?;
     let refuse =
@@ -82,20 +96,14 @@ pub(crate) fn make(path: &Path, group: Option<u32>) -> Result<File, OpenError> {
         let why = format!("it belongs to user {}", stat.st_uid);
         return Err(refuse(why, remedy_elsewhere()));
     }
-    if let (true, Some(group)) = (is_new, group) {
-        // The group first: while it may enter, the folder is empty.
-        rustix::fs::fchown(&folder, None, Some(Gid::from_raw(group)))
-            .and_then(|()| rustix::fs::fchmod(&folder, Mode::from_raw_mode(SHARED)))
-            .map_err(OpenError::at("give to the group of clients", &shown))?;
-        return checked_above(path).map(|()| folder);
-    }
-    let is_open = match group {
-        None => stat.st_mode & WRITE != 0,
-        Some(group) => stat.st_mode & OTHERS_WRITE != 0 || stat.st_gid != group,
-    };
-    if is_open {
+    if stat.st_mode & WRITE != 0 {
         let why = format!("others may write to it (mode {:o})", stat.st_mode & 0o7777);
         return Err(refuse(why, format!("chmod 700 {shown}, or remove it")));
+    }
+    if let Some(group) = group {
+        rustix::fs::fchown(&folder, None, Some(Gid::from_raw(group)))
+            .and_then(|()| rustix::fs::fchmod(&folder, Mode::from_raw_mode(ENTERED)))
+            .map_err(OpenError::at("give to the group of clients", &shown))?;
     }
     checked_above(path).map(|()| folder)
 }
@@ -112,12 +120,9 @@ pub(crate) fn enter(path: &Path) -> Result<File, OpenError> {
     let stat = fstat(&folder).map_err(OpenError::at("examine", &shown))?;
     let me = geteuid();
     let is_known = stat.st_uid == me.as_raw() || stat.st_uid == Uid::ROOT.as_raw();
-    // Another user's, but for a group of which this process is, at a place that no stranger can
-    // write to.
-    let is_lent = !is_known
-        && (stat.st_gid == getegid().as_raw()
-            || getgroups().is_ok_and(|groups| groups.iter().any(|g| g.as_raw() == stat.st_gid)))
-        && path.parent().is_some_and(is_closed);
+    // Another user's, but for a group of which this process is, where only that user or root could
+    // have put it.
+    let is_lent = !is_known && is_of(stat.st_gid) && is_out_of_reach(path, stat.st_uid);
     if !is_known && !is_lent || stat.st_mode & OTHERS_WRITE != 0 {
         return Err(OpenError::Untrusted {
             path: shown,
@@ -181,11 +186,107 @@ fn remedy_elsewhere() -> String {
         .to_owned()
 }
 
-/// Whether root and this user alone may write to a folder.
-fn is_closed(folder: &Path) -> bool {
-    rustix::fs::stat(folder).is_ok_and(|stat| {
-        (stat.st_uid == 0 || stat.st_uid == geteuid().as_raw()) && stat.st_mode & WRITE == 0
+/// Whether nobody but root and this owner could have put something under this path: so it is up to
+/// a folder of root's, to which root alone may write.
+fn is_out_of_reach(path: &Path, owner: u32) -> bool {
+    let verdict = path.ancestors().skip(1).find_map(|above| {
+        let Ok(stat) = rustix::fs::stat(above) else { return Some(false) };
+        match stat.st_uid {
+            _ if stat.st_mode & WRITE != 0 => Some(false),
+            0 => Some(true),
+            uid if uid == owner => None,
+            _ => Some(false),
+        }
+    });
+    verdict.unwrap_or(false)
+}
+
+/// Refuses a folder for shared files which a group of clients could not reach, or would not trust.
+///
+/// # Errors
+///
+/// With the first folder on the way that is closed to the group, or if strangers could plant this
+/// one before a service makes it: clients of other users refuse such a folder.
+pub(crate) fn check_reach(path: &Path, group: u32) -> Result<(), OpenError> {
+    for folder in path.ancestors().filter(|folder| !folder.as_os_str().is_empty()) {
+        let shown = folder.display().to_string();
+        let stat = rustix::fs::stat(folder).map_err(OpenError::at("examine", &shown))?;
+        let is_for_group = stat.st_gid == group && stat.st_mode & 0o010 != 0;
+        if !is_for_group && stat.st_mode & 0o001 == 0 {
+            return Err(OpenError::Closed { path: shown, group });
+        }
+    }
+    let owner = geteuid();
+    if owner.is_root() || is_out_of_reach(path, owner.as_raw()) {
+        return Ok(());
+    }
+    Err(OpenError::Untrusted {
+        path: path.display().to_string(),
+        why: "clients of a group refuse a folder that strangers could make before its service"
+            .to_owned(),
+        remedy: "set `folder` in the deployment file to one in a folder to which root alone may \
+                 write, as systemd's RuntimeDirectory"
+            .to_owned(),
     })
+}
+
+/// The group to which a folder is [lent](lend), if any, and if this process may lend to it: a
+/// client of the service's own user need not be of that group.
+pub(crate) fn borrower(folder: &Path) -> Option<u32> {
+    let stat = rustix::fs::stat(folder).ok()?;
+    (stat.st_mode & GROUP_WRITE != 0 && is_member(stat.st_gid)).then_some(stat.st_gid)
+}
+
+/// Gives a group the owner's rights to a file, or to a folder and all in it, which comes
+/// first. What is not this user's stays as it is, and so do links and files with several names:
+/// a member may have planted them.
+pub(crate) fn lend(at: impl AsFd, name: &Path, group: u32) -> io::Result<()> {
+    let flags = OFlags::PATH | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+    let file = openat(at, name, flags, Mode::empty())?;
+    let stat = fstat(&file)?;
+    if !is_own(&stat) {
+        return Ok(());
+    }
+    if FileType::from_raw_mode(stat.st_mode).is_dir() {
+        let flags = OFlags::DIRECTORY | OFlags::RDONLY | OFlags::CLOEXEC;
+        let folder = openat(&file, ".", flags, Mode::empty())?;
+        for entry in Dir::read_from(&folder)? {
+            let entry = entry?;
+            let name = entry.file_name().to_bytes();
+            if name == b"." || name == b".." {
+                continue;
+            }
+            match lend(&folder, Path::new(std::ffi::OsStr::from_bytes(name)), group) {
+                // Gone meanwhile.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                lent => lent?,
+            }
+        }
+    }
+    let gid = Some(Gid::from_raw(group));
+    rustix::fs::chownat(&file, c"", None, gid, AtFlags::EMPTY_PATH)?;
+    // No call changes the mode of what was opened in this way, but by its name.
+    let opened = format!("/proc/self/fd/{}", file.as_raw_fd());
+    Ok(rustix::fs::chmod(opened, with_group(stat.st_mode))?)
+}
+
+/// Gives a group the owner's rights to an open file of this process.
+pub(crate) fn lend_file(file: impl AsFd, group: u32) -> rustix::io::Result<()> {
+    let stat = fstat(&file)?;
+    rustix::fs::fchown(&file, None, Some(Gid::from_raw(group)))?;
+    rustix::fs::fchmod(&file, with_group(stat.st_mode))
+}
+
+/// The owner's rights, for the group as well and for nobody else.
+fn with_group(mode: u32) -> Mode {
+    let owner = mode & 0o700;
+    Mode::from_raw_mode(owner | owner >> 3)
+}
+
+/// Whether something is of this user, and under one name alone.
+fn is_own(stat: &Stat) -> bool {
+    let kind = FileType::from_raw_mode(stat.st_mode);
+    stat.st_uid == geteuid().as_raw() && !kind.is_symlink() && (kind.is_dir() || stat.st_nlink == 1)
 }
 
 /// Refuses a path on which others may exchange a folder: one that they may write to, and that does

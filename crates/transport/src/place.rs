@@ -56,18 +56,13 @@ pub(crate) struct Place {
 
 impl Place {
     /// Makes a new one.
-    pub(crate) fn create(
-        folder: &Path,
-        name: &str,
-        looks: usize,
-        group: Option<u32>,
-    ) -> Result<Self, OpenError> {
+    pub(crate) fn create(folder: &Path, name: &str, looks: usize) -> Result<Self, OpenError> {
         let root = folder.join(name);
         let shown = root.display().to_string();
         let mut attempt = 0;
         loop {
-            let made = folder::make(folder, group).and_then(|_checked| {
-                create_locked(folder, &root, group).map_err(OpenError::at("create", &shown))
+            let made = folder::make(folder, None).and_then(|_checked| {
+                create_locked(folder, &root).map_err(OpenError::at("create", &shown))
             });
             match made {
                 Ok(lock) => {
@@ -116,7 +111,7 @@ pub(crate) fn remove_if_empty(folder: &Path) {
 
 /// Makes the folder under another name, locks it, and only then gives it its name: under that, no
 /// process ever sees it unlocked while its owner lives.
-fn create_locked(folder: &Path, root: &Path, group: Option<u32>) -> io::Result<File> {
+fn create_locked(folder: &Path, root: &Path) -> io::Result<File> {
     let name = root.file_name().unwrap_or_default().to_string_lossy();
     let unborn = folder.join(format!("{UNBORN}{}.{name}", std::process::id()));
     DirBuilder::new().mode(0o700).create(&unborn)?;
@@ -124,10 +119,6 @@ fn create_locked(folder: &Path, root: &Path, group: Option<u32>) -> io::Result<F
         let lock = File::open(&unborn)?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
         File::create_new(unborn.join(GUESTS))?;
-        if let Some(group) = group {
-            lend(&unborn, group)?;
-            lend(&unborn.join(GUESTS), group)?;
-        }
         rustix::fs::renameat_with(CWD, &unborn, CWD, root, RenameFlags::NOREPLACE)?;
         Ok(lock)
     })();
@@ -136,23 +127,6 @@ fn create_locked(folder: &Path, root: &Path, group: Option<u32>) -> io::Result<F
         let _swept_later = fs::remove_dir_all(&unborn);
     }
     made
-}
-
-/// Gives the group of clients the owner's rights.
-pub(crate) fn lend(path: &Path, group: u32) -> io::Result<()> {
-    let stat = rustix::fs::lstat(path)?;
-    let kind = rustix::fs::FileType::from_raw_mode(stat.st_mode);
-    if kind.is_symlink() {
-        return Ok(());
-    }
-    if stat.st_gid != group {
-        let group = Some(rustix::fs::Gid::from_raw(group));
-        rustix::fs::chownat(CWD, path, None, group, rustix::fs::AtFlags::SYMLINK_NOFOLLOW)?;
-    }
-    let owner = stat.st_mode & 0o700;
-    let set_gid = if kind.is_dir() { 0o2000 } else { 0 };
-    rustix::fs::chmod(path, Mode::from_raw_mode(owner | owner >> 3 | set_gid))?;
-    Ok(())
 }
 
 /// Opens the guests' file; whatever lies there, it does not wait.

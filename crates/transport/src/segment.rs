@@ -6,7 +6,8 @@
 //! - a process that is killed while it makes one leaves nothing, and no other process ever waits
 //!   for one to be finished;
 //! - a full file system is an error here, and not a SIGBUS at a later write;
-//! - no file can be opened by other users, whatever the umask and whatever iceoryx2 asks for.
+//! - no file can be opened by other users, whatever the umask and whatever iceoryx2 asks for, but
+//!   by the group to which its folder is lent.
 //!
 //! iceoryx2's own storages make the name first; its shared-memory one then waits without bound for
 //! a size that a killed process never set.
@@ -337,6 +338,9 @@ impl<T: Debug + Send + Sync + ZeroCopySend> SegmentBuilder<'_, T> {
 pub(crate) fn unnamed(folder: &Path, length: usize) -> Result<File, Errno> {
     let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
     let file = rustix::fs::open(folder, flags, Mode::RUSR | Mode::WUSR)?;
+    if let Some(group) = crate::folder::borrower(folder) {
+        crate::folder::lend_file(&file, group)?;
+    }
     loop {
         // Without a name it is gone if this fails, or if the process is killed.
         match rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, length as u64) {

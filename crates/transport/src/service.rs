@@ -43,6 +43,9 @@ use core::time::Duration;
 use iceoryx2::config::Config;
 use iceoryx2::node::{DeadNodeView, Node, NodeState, NodeView as _};
 use iceoryx2::prelude::CallbackProgression;
+use rustix::fs::{Access, CWD, access};
+use rustix::io::Errno;
+use rustix::process::{Pid, test_kill_process};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
@@ -88,7 +91,8 @@ impl Address {
         Ok(Self { instance: instance.to_owned(), root, group: None })
     }
 
-    /// With a group whose members may be clients, too, by its number. Only the server needs it.
+    /// With a group whose members may be clients, too, by its number. Only the server needs it, and
+    /// the user must be [of it](folder::is_member).
     #[must_use]
     pub fn with_group(self, group: Option<u32>) -> Self {
         Self { group, ..self }
@@ -191,7 +195,10 @@ fn each_dead_node(config: &Config, mut f: impl FnMut(DeadNodeView<Ipc>)) -> bool
 /// alone.
 fn has_dead(place: &Path) -> bool {
     let is_of_dead = |(_, ports): &(PathBuf, [u128; 2])| ports.iter().any(|port| is_dead(*port));
-    nodes(place).any(|(_, node)| is_dead(node))
+    // One of a client of another user, killed before it lent it to the group, stays until that user
+    // or root removes it: nothing refers to it.
+    let is_removable = |path: &Path| access(path, Access::WRITE_OK).is_ok();
+    nodes(place).any(|(path, node)| is_dead(node) && is_removable(&path))
         // Some are let go of by the server when it hears from the next client.
         || channels(place).filter(is_of_dead).nth(DEAD_CHANNELS_MAX).is_some()
 }
@@ -217,9 +224,24 @@ fn channels(place: &Path) -> impl Iterator<Item = (PathBuf, [u128; 2])> {
     })
 }
 
-/// Whether the process of a node or port is dead.
+/// Whether the process of a node or port is dead. /proc would not tell: that of a service may hide
+/// the processes of other users, who may be clients.
 fn is_dead(number: u128) -> bool {
-    !Path::new(&format!("/proc/{}", process_of(number))).exists()
+    let pid = i32::try_from(process_of(number)).ok().and_then(Pid::from_raw);
+    pid.is_none_or(|pid| test_kill_process(pid) == Err(Errno::SRCH))
+}
+
+/// Lends what a node of this process has made to the group of clients, if there is one: its server
+/// removes it, should this process be killed.
+fn lend_node(place: &Path, node: &Node<Ipc>) -> Result<(), OpenError> {
+    let Some(group) = folder::borrower(place) else { return Ok(()) };
+    let own = node.id().value();
+    for (path, _) in nodes(place).filter(|(_, node)| *node == own) {
+        let shown = path.display().to_string();
+        folder::lend(CWD, &path, group)
+            .map_err(OpenError::at("lend to the group of clients", &shown))?;
+    }
+    Ok(())
 }
 
 /// The process of a node or port: the third word of its number.

@@ -86,6 +86,11 @@ impl OpenDeployment {
         self.hash
     }
 
+    /// The number of the group of clients, if this user may share files with it.
+    pub(crate) fn group_id(&self) -> Result<Option<u32>, Failure> {
+        Ok(self.deployment.group_id(&self.file.display().to_string())?)
+    }
+
     /// Returns the path of a file that the deployment names.
     ///
     /// ```

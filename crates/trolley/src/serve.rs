@@ -94,6 +94,7 @@ pub fn serve(
         return Err(Failure::setting("the deployment keeps no decisions that could be signed")
             .with_remedy("add to it: [decisions] folder = \"…\", per_file = 10000, files = 16"));
     }
+    let group = opened.group_id()?;
     let signer = options.signer.map(|signer| signer.with_deployment(&opened).of_decisions());
     let (policy, curves) = opened.rules()?;
     let bodies = Bodies::of_deployment(&opened)?;
@@ -114,6 +115,7 @@ pub fn serve(
     };
     let config = ServiceConfig {
         deployment: &opened.deployment,
+        group,
         policy: &policy,
         curves: &curves,
         bodies: &views,
@@ -160,6 +162,7 @@ pub fn serve(
 pub fn supervise(opened: &OpenDeployment, args: &[String]) -> Result<u8, Failure> {
     let Deployment { folder, instance, .. } = &opened.deployment;
     let address = transport::Address::new(folder.as_deref(), instance)?;
+    let address = address.with_group(opened.group_id()?);
     runtime::process::set_name("trolley-watch");
     Ok(service::supervise(&address, runtime::process::self_exe(), args)?)
 }

@@ -9,8 +9,8 @@
 //! | a service and its clients | `flip-management`, `full-shm`, `strangers-files` |
 //!
 //! `full-shm`, `small-shm` and `clock-shift` need namespaces, the kinds at a system call need
-//! ptrace(2), and `strangers-files` strikes as another user only if it may: what this machine does
-//! not permit is reported as not injected.
+//! ptrace(2), and `strangers-files` the rights of root: what this machine does not permit is
+//! reported as not injected.
 
 use protocol::InjectedFault;
 

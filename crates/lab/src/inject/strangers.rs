@@ -1,8 +1,10 @@
 //! What another user plants where a service shares its files: while it runs, and under its name
 //! while it does not.
 //!
-//! Each object is made here and then given to that user, which leaves the same as if they had made
-//! it; without the rights for that it stays this user's.
+//! That user is one of this run's own, who has no account, no other files and no other processes:
+//! `nobody` may have some. Each object is made here and then given to them, which leaves the same
+//! as if they had made it. Without the rights for that the fault is not injected, and the report
+//! says so.
 
 use super::kind::Kind;
 use super::report::{Report, State};
@@ -18,8 +20,9 @@ use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use trolley::{Failure, FailureKind};
 
-/// The user `nobody`.
-const NOBODY: u32 = 65_534;
+/// The first of so many user ids that neither useradd nor systemd gives away.
+const STRANGERS: u32 = 60_000;
+const STRANGERS_MAX: u32 = 1_000;
 /// How long a refusal, or an answer, may take (ms).
 const PATIENCE_MS: u64 = 1_000;
 /// Exit code of what cannot be trusted.
@@ -57,7 +60,7 @@ impl Plant {
     ];
 
     /// Makes it; `false` if the name is taken.
-    fn make(self, at: &Path, precious: &Path) -> Result<bool, Failure> {
+    fn make(self, at: &Path, precious: &Path, stranger: u32) -> Result<bool, Failure> {
         if at.symlink_metadata().is_ok() {
             return Ok(false);
         }
@@ -79,7 +82,7 @@ impl Plant {
         if let Some(mode) = mode {
             fs::set_permissions(at, Permissions::from_mode(mode)).map_err(system)?;
         }
-        let _this_users = lchown(at, Some(NOBODY), Some(NOBODY));
+        lchown(at, Some(stranger), Some(stranger)).map_err(system)?;
         Ok(true)
     }
 }
@@ -98,6 +101,15 @@ pub(super) fn strike(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let open = serving.open_to_strangers()?;
+    let stranger = match stranger() {
+        Some(id) if may_act(id, &open)? => id,
+        _ => {
+            let why = "this user may not become another one without an account";
+            tracing::warn!(kind = Kind::StrangersFiles.name(), why, "a fault is not injected");
+            report.skip(Kind::StrangersFiles, why);
+            return Ok(());
+        }
+    };
     let precious = open.with_file_name("precious");
     let canary = precious.join("trolley.victim.0000000000000001").join("canary");
     fs::create_dir_all(canary.with_file_name("")).map_err(system)?;
@@ -125,12 +137,12 @@ pub(super) fn strike(
     let mut planted = Vec::new();
     for name in names {
         let plant = Plant::ALL[rng.below(Plant::ALL.len() as u64) as usize];
-        if plant.make(&name, &precious)? {
+        if plant.make(&name, &precious, stranger)? {
             planted.push(name);
         }
     }
     let folder = serving.folder();
-    tamper(&folder)?;
+    run_as(stranger, TAMPER, &folder)?;
     let workers = serving.workers();
     for _ in 0..3 {
         if let Some(worker) = workers.get(rng.below(workers.len().max(1) as u64) as usize) {
@@ -143,10 +155,7 @@ pub(super) fn strike(
     report.hangs += u64::from(!serving.end()?);
     // Now its name is free, and somebody is quicker than its next start.
     let plant = Plant::ALL[rng.below(Plant::ALL.len() as u64) as usize];
-    let is_taken = !plant.make(&folder, &precious)?;
-    // This user's own private folder is as good as one that the service makes.
-    let is_foreign = folder.symlink_metadata().map_err(system)?.uid() == NOBODY;
-    if !is_taken && (is_foreign || plant != Plant::ClosedFolder) {
+    if plant.make(&folder, &precious, stranger)? {
         serving.start()?;
         let ended = serving.await_end(PATIENCE_MS)?;
         report.hangs += u64::from(ended.is_none());
@@ -172,16 +181,33 @@ pub(super) fn strike(
     Ok(())
 }
 
-/// Lets the stranger do what they can to a folder in use; only root can.
-fn tamper(folder: &Path) -> Result<(), Failure> {
-    let (user, name) = (NOBODY.to_string(), folder.display().to_string());
-    if folder.symlink_metadata().map_err(system)?.uid() == 0 {
-        let become_user = ["--reuid", &user, "--regid", &user, "--clear-groups"];
-        let line: Vec<&str> =
-            become_user.into_iter().chain(["/bin/sh", "-c", TAMPER, &name]).collect();
-        run("/usr/bin/setpriv", &line)?;
+/// A user id without an account, which no other run on this machine is likely to pick.
+fn stranger() -> Option<u32> {
+    let accounts = ["/etc/passwd", "/etc/group"]
+        .map(|file| fs::read_to_string(file).unwrap_or_default())
+        .concat();
+    let first = std::process::id() % STRANGERS_MAX;
+    let mut ids = (0..STRANGERS_MAX).map(|number| STRANGERS + (first + number) % STRANGERS_MAX);
+    ids.find(|id| !accounts.contains(&format!(":{id}:")))
+}
+
+/// Whether this process can become that user, who then can make files in a folder for all.
+fn may_act(stranger: u32, open: &Path) -> Result<bool, Failure> {
+    let probe = open.join("probe");
+    run_as(stranger, ": > \"$0\"", &probe)?;
+    let is_theirs = probe.symlink_metadata().is_ok_and(|made| made.uid() == stranger);
+    if is_theirs {
+        fs::remove_file(&probe).map_err(system)?;
     }
-    Ok(())
+    Ok(is_theirs)
+}
+
+/// Runs a script as the stranger, with a path as its `$0`.
+fn run_as(stranger: u32, script: &str, path: &Path) -> Result<(), Failure> {
+    let (user, path) = (stranger.to_string(), path.display().to_string());
+    let become_user = ["--reuid", &user, "--regid", &user, "--clear-groups"];
+    let line: Vec<&str> = become_user.into_iter().chain(["/bin/sh", "-c", script, &path]).collect();
+    run("/usr/bin/setpriv", &line)
 }
 
 /// Runs a program of the system, silently. Whether it exists is seen in what it leaves.

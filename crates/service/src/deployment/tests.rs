@@ -32,6 +32,8 @@ fn every_mistake_is_named_with_its_place_and_a_remedy() {
         ("shape = \"pole\"", "shape = \"pol\"", "shape \"pol\" is not known"),
         ("[engine]", "queue = 17\n[engine]", "queue is out of range"),
         ("[engine]", "queue = -1\n[engine]", "queue is out of range"),
+        ("[engine]", "group = -1\n[engine]", "-1 is not a group"),
+        ("[engine]", "group = true\n[engine]", "true is not a group"),
         ("[engine]", "[realtime]\npriority = 100\n[engine]", "priority is 100"),
         ("[engine]", "[metrics]\nfile = \"m\"\nevery_s = 0\n[engine]", "every_s is out of range"),
         ("[engine]", "[decisions]\nfolder = \"d\"\nfiles = 1\n[engine]", "per_file or files"),

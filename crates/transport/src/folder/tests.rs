@@ -76,3 +76,64 @@ fn one_below_a_folder_in_which_others_may_exchange_it_is_refused() {
     drop(make(&path, None).unwrap());
     assert!(enter(&path.join("absent")).unwrap_err().is_absent());
 }
+
+/// What a group may do with a file, and what it may not.
+fn rights(path: &Path) -> u32 {
+    fs::symlink_metadata(path).unwrap().permissions().mode() & 0o7777
+}
+
+#[test]
+fn what_is_lent_is_open_to_the_group_alone_and_nothing_is_lent_through_a_link() {
+    let above = tempfile::tempdir().unwrap();
+    let group = getegid().as_raw();
+    let lent = above.path().join("lent");
+    fs::create_dir_all(lent.join("inner")).unwrap();
+    let precious = above.path().join("precious");
+    fs::write(&precious, "x").unwrap();
+    mode(&precious, 0o600);
+    let (text, kept) = (lent.join("inner/text"), lent.join("inner/kept"));
+    fs::write(&text, "x").unwrap();
+    mode(&text, 0o604);
+    fs::write(&kept, "x").unwrap();
+    mode(&kept, 0o400);
+    symlink(&precious, lent.join("link")).unwrap();
+    let _socket = UnixListener::bind(lent.join("socket")).unwrap();
+    assert_eq!(borrower(&lent), None);
+    lend(CWD, &lent, group).unwrap();
+    assert_eq!(borrower(&lent), Some(group));
+    assert_eq!([&lent, &lent.join("inner")].map(|path| rights(path)), [0o770; 2]);
+    assert_eq!(
+        [&text, &kept, &lent.join("socket")].map(|path| rights(path)),
+        [0o660, 0o440, 0o770]
+    );
+    assert_eq!(rights(&precious), 0o600, "through a link");
+
+    // A member may give a file another name in the folder that is lent.
+    fs::hard_link(&precious, lent.join("planted")).unwrap();
+    lend(CWD, &lent, group).unwrap();
+    assert_eq!(rights(&precious), 0o600, "by its other name");
+}
+
+#[test]
+fn a_segment_is_open_to_the_group_to_which_its_folder_is_lent() {
+    let above = tempfile::tempdir_in(SHM).unwrap();
+    let rights_of = |file: File| file.metadata().unwrap().permissions().mode() & 0o7777;
+    assert_eq!(rights_of(crate::segment::unnamed(above.path(), 64).unwrap()), 0o600);
+    lend(CWD, above.path(), getegid().as_raw()).unwrap();
+    assert_eq!(rights_of(crate::segment::unnamed(above.path(), 64).unwrap()), 0o660);
+}
+
+#[test]
+fn a_folder_of_a_service_may_be_entered_by_its_group_and_not_written_to() {
+    let above = tempfile::tempdir().unwrap();
+    let path = above.path().join("service");
+    for _ in 0..2 {
+        drop(make(&path, Some(getegid().as_raw())).unwrap());
+        assert_eq!(rights(&path), 0o750);
+    }
+    mode(above.path(), 0o700);
+    let other = getegid().as_raw() + 1;
+    let error = check_reach(&path, other).unwrap_err();
+    assert!(matches!(error, OpenError::Closed { .. }), "{error}");
+    assert!(error.to_string().contains(path.to_str().unwrap()), "{error}");
+}

@@ -2,7 +2,7 @@
 
 use super::server::{rank, wake};
 use super::wire::{self, read_once};
-use super::{Address, place};
+use super::{Address, lend_node, place};
 use crate::domain;
 use crate::error::{OpenError, UseError};
 use crate::ipc::Ipc;
@@ -39,10 +39,13 @@ impl ClientPort {
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let place = address.enter()?;
         let node = domain::node(place.root(), "client")?;
+        lend_node(place.root(), &node)?;
         let instance = || address.instance().to_owned();
         let full = || OpenError::Full { instance: instance(), most: CLIENTS_MAX, whom: "clients" };
         let rank = rank(&node)?;
         let wake = wake(&node)?;
+        // Once more: it now has tags of the services.
+        lend_node(place.root(), &node)?;
         let port = rank
             .client_builder()
             .backpressure_strategy(BackpressureStrategy::DiscardData)

@@ -2,7 +2,7 @@
 
 use super::server::topic;
 use super::wire::{self, read_once};
-use super::{Address, LISTENERS_MAX, place};
+use super::{Address, LISTENERS_MAX, lend_node, place};
 use crate::domain;
 use crate::error::OpenError;
 use crate::ipc::Ipc;
@@ -34,8 +34,11 @@ impl TopicSubscriber {
     pub fn open(address: &Address) -> Result<Self, OpenError> {
         let place = address.enter()?;
         let node = domain::node(place.root(), "listener")?;
+        lend_node(place.root(), &node)?;
         let ranking = topic::<wire::WireAnswer>(&node, RANKING)?;
         let health = topic::<wire::Health>(&node, HEALTH)?;
+        // Once more: it now has tags of the services.
+        lend_node(place.root(), &node)?;
         let instance = || address.instance().to_owned();
         let failed = |topic: &'static str| {
             move |error| match error {

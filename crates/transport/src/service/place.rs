@@ -66,7 +66,7 @@ impl ServicePlace {
         let mut random = [0; DIGITS / 2];
         getrandom(&mut random, GetRandomFlags::empty()).map_err(OpenError::at("name", &shown))?;
         let name = format!("{:08x}", u32::from_ne_bytes(random));
-        let place = Place::create(&root, &name, 1, group)?;
+        let place = Place::create(&root, &name, 1)?;
         let files = [CURRENT, PID].map(|name| root.join(name));
         let own = OwnFiles::note(&files, None, &root, &lock);
         let place = Self { place: Some(place), root, _own: own, _lock: lock };
@@ -79,8 +79,14 @@ impl ServicePlace {
         self.place.as_ref().map_or(&self.root, Place::root)
     }
 
-    /// Lets clients find this server.
+    /// Lets clients find this server. Before that, no other user can enter its place: what
+    /// iceoryx2 made there is lent to their group all at once.
     pub(super) fn announce(&self, group: Option<u32>) -> Result<(), OpenError> {
+        if let Some(group) = group {
+            let shown = self.root().display().to_string();
+            folder::lend(CWD, self.root(), group)
+                .map_err(OpenError::at("lend to the group of clients", &shown))?;
+        }
         let name = self.root().file_name().unwrap_or_default().to_string_lossy().into_owned();
         self.write(CURRENT, &name, group)
     }
@@ -94,7 +100,7 @@ impl ServicePlace {
             let mut file = File::create_new(&new)?;
             file.write_all(text.as_bytes())?;
             if let Some(group) = group {
-                crate::place::lend(&new, group)?;
+                folder::lend_file(&file, group)?;
             }
             fs::rename(&new, &path)
         })();
@@ -121,10 +127,12 @@ impl Drop for ServicePlace {
 /// The folder in which a service makes its own: made, or found and checked.
 pub(super) fn above(address: &Address) -> Result<File, OpenError> {
     let above = address.root().parent().unwrap_or(address.root());
-    match above.exists() {
+    let folder = match above.exists() {
         true => folder::check_owner(above),
         false => folder::make(above, address.group()),
-    }
+    }?;
+    address.group().map_or(Ok(()), |group| folder::check_reach(above, group))?;
+    Ok(folder)
 }
 
 /// Removes what a service left that was killed: for the process that did it. `false` if the service
