@@ -46,6 +46,8 @@ impl Scene {
         chown(scene.folder(), Some(id), Some(id)).unwrap();
         scene.open_to(0o711);
         fs::write(scene.scenario(), six(TRIANGLES)).unwrap();
+        // The build may lie where its owner alone can go.
+        fs::copy(env!("CARGO_BIN_EXE_trolley"), scene.program()).unwrap();
         scene
     }
 
@@ -62,6 +64,10 @@ impl Scene {
         self.place.path().join("scenario.toml")
     }
 
+    fn program(&self) -> PathBuf {
+        self.place.path().join("trolley")
+    }
+
     /// A deployment for the scenario, with this group.
     fn deployment(&self, group: &str) -> PathBuf {
         let file = deployment(&self.place, 1, &of_six(TRIANGLES));
@@ -72,7 +78,7 @@ impl Scene {
 
     fn trolley(&self, user: &str, group: Option<&str>) -> Command {
         let mut command = as_user(user, group);
-        command.arg(env!("CARGO_BIN_EXE_trolley"));
+        command.arg(self.program());
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
