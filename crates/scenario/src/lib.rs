@@ -40,6 +40,8 @@ mod document;
 mod engine;
 mod error;
 mod explain;
+mod fault;
+mod fields;
 mod limit;
 pub mod live;
 mod names;
