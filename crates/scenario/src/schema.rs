@@ -63,4 +63,4 @@ fn tidy(schema: &mut Schema) {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
