@@ -269,3 +269,6 @@ impl Occupancy {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -179,3 +179,6 @@ fn place(number: usize, line: &str, cell: usize) -> TextPosition {
         .map_or(0, |cell| cell.chars().take_while(|letter| letter.is_whitespace()).count());
     TextPosition { line: number, column: before + blanks + 1 }
 }
+
+#[cfg(test)]
+mod tests;

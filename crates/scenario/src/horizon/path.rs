@@ -253,3 +253,6 @@ impl Row {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -28,6 +28,7 @@ pub(crate) fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<Str
                 "array" => value.is_array(),
                 "string" => value.is_string(),
                 "number" => value.is_number(),
+                "boolean" => value.is_boolean(),
                 "integer" => value.is_i64() || value.is_u64(),
                 other => panic!("type {other}"),
             },
