@@ -94,17 +94,18 @@ pub(crate) struct Objection {
 
 /// A parsed text. Keys and values know their places.
 pub(crate) struct Document<'t> {
-    text: &'t str,
+    lines: Lines<'t>,
     root: Spanned<DeTable<'t>>,
 }
 
 impl<'t> Document<'t> {
     /// Parses TOML.
     pub(crate) fn parse(text: &'t str) -> Result<Self, Objection> {
+        let lines = Lines::of(text);
         match DeTable::parse(text) {
-            Ok(root) => Ok(Self { text, root }),
+            Ok(root) => Ok(Self { lines, root }),
             Err(error) => Err(Objection {
-                place: place_of(text, error.span().unwrap_or_default().start),
+                place: lines.place(error.span().unwrap_or_default().start),
                 path: None,
                 message: error.message().to_owned(),
             }),
@@ -127,7 +128,7 @@ impl<'t> Document<'t> {
             let span = error.span().unwrap_or_default();
             let path = self.path_at(&span);
             Objection {
-                place: place_of(self.text, span.start),
+                place: self.lines.place(span.start),
                 path: Some(path),
                 message: error.message().to_owned(),
             }
@@ -146,7 +147,7 @@ impl<'t> Document<'t> {
             }
             at = At::of(value.get_ref());
         }
-        place_of(self.text, start)
+        self.lines.place(start)
     }
 
     /// The way to the key or value that has this span; the root if there is none.
@@ -206,13 +207,25 @@ impl<'d, 't> At<'d, 't> {
     }
 }
 
-/// Line and column of a byte of a text; the end of the text if it is beyond.
-fn place_of(text: &str, byte: usize) -> TextPosition {
-    let before = text.get(..byte).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
-    TextPosition {
-        line: before.matches('\n').count() + 1,
-        column: before[line_start..].chars().count() + 1,
+/// A text and where its lines begin: thousands of places are asked for in a long scenario.
+struct Lines<'t> {
+    text: &'t str,
+    /// The first byte of each line; the first is 0.
+    starts: Vec<usize>,
+}
+
+impl<'t> Lines<'t> {
+    fn of(text: &'t str) -> Self {
+        let starts = [0].into_iter().chain(text.match_indices('\n').map(|(end, _)| end + 1));
+        Self { text, starts: starts.collect() }
+    }
+
+    /// Line and column of a byte; the end of the text if it is beyond.
+    fn place(&self, byte: usize) -> TextPosition {
+        let byte = if self.text.is_char_boundary(byte) { byte } else { self.text.len() };
+        let line = self.starts.partition_point(|start| *start <= byte);
+        let column = self.text[self.starts[line - 1]..byte].chars().count() + 1;
+        TextPosition { line, column }
     }
 }
 

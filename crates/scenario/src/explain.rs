@@ -69,14 +69,16 @@ const SEE_SCHEMA: &str = "`trolley schema` prints every key with its type, unit 
 /// A key that is unknown at its place.
 fn unknown_key(path: &Path, message: &str) -> (String, String) {
     let key = path.last_key().unwrap_or_default();
+    let known = backticked(message.rsplit_once(", expected ").map_or("", |(_, known)| known));
     if path.passes("persons") || TRAITS.contains(&key) {
         let fault = format!("{} of a person is not an input", quoted(key));
-        let help = "persons carry a seat only: who somebody is never weighs in a ranking";
-        return (fault, help.to_owned());
+        let carried = if known.contains(&"count") { "seat and count" } else { "a seat" };
+        let help =
+            format!("persons carry {carried} only: who somebody is never weighs in a ranking");
+        return (fault, help);
     }
     let parent = Path(path.0[..path.0.len().saturating_sub(1)].to_vec());
     let place = if parent.0.is_empty() { String::new() } else { format!(" in {parent}") };
-    let known = backticked(message.rsplit_once(", expected ").map_or("", |(_, known)| known));
     let list = format!("keys known here: {}", known.join(", "));
     (format!("key {} is not known{place}", quoted(key)), choices(&list, &known, key))
 }

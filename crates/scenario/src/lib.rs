@@ -40,6 +40,9 @@ mod document;
 mod engine;
 mod error;
 mod explain;
+mod fault;
+mod fields;
+mod horizon;
 mod limit;
 pub mod live;
 mod names;
@@ -54,8 +57,12 @@ pub use decimal::decimal;
 pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
+pub use horizon::{
+    CIRCLE_ERROR_M, HORIZON_SCHEMA, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonDraft,
+    HorizonMotion, HorizonParty, HorizonScenario, Occupancy, OccupantGroup, Prediction, Reaction,
+};
 pub use scenario::{
     Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA,
     Scenario, Source, TEXT_BYTES_MAX,
 };
-pub use schema::schema;
+pub use schema::{horizon_schema, schema};

@@ -67,6 +67,52 @@ pub(crate) const PATH_BYTES: Limit<usize> = limit(1, 4095, " bytes");
 /// As many as a bus has seats, and more than [`body::Seat`] can name.
 pub(crate) const PERSONS_MAX: usize = 100;
 
+// Of scenarios over a horizon.
+
+/// A millisecond, in which nothing happens, to the longest motion that is searched:
+/// [`geometry::motion::SPAN_MAX`].
+pub(crate) const HORIZON_S: Limit<f64> = limit(0.001, 30.0, " s");
+/// Ten times the rounding of a body's corners to the width of a hand: what is further apart than
+/// that is no contact.
+pub(crate) const RESOLUTION_M: Limit<f64> = limit(1e-5, 0.1, " m");
+/// The ego and 32 others: as many as a tracker follows in a dense street.
+pub(crate) const HORIZON_PARTIES: Limit<usize> = limit(2, 33, "");
+/// Motions that are expected of one party: go on, turn, stop.
+pub(crate) const PREDICTIONS: Limit<usize> = limit(1, 3, "");
+/// How far the sum of their probabilities may be off 1: four digits of three thirds are not.
+pub(crate) const PROBABILITY_SUM_OFF: f64 = 1e-6;
+/// States of a path in the scenario itself: a state each half second of the longest horizon.
+pub(crate) const PATH_STATES: Limit<usize> = limit(1, 64, "");
+/// States of a path in a file of its own: 136 a second for 30 seconds.
+pub(crate) const CSV_ROWS: Limit<usize> = limit(1, 4096, "");
+/// Longer files of a path are refused unread: 4096 rows of 256 bytes.
+pub(crate) const CSV_BYTES_MAX: usize = 1 << 20;
+/// An hour either way: a time of day or milliseconds are beyond.
+pub(crate) const PATH_TIME_S: Limit<f64> = limit(-3600.0, 3600.0, " s");
+/// The least time from one state of a path to the next (s): what is closer is one time, rounded.
+pub(crate) const PATH_STEP_S: f64 = 1e-5;
+/// A state this close to 0 or to the horizon (s) is taken to be there: times in files are sums of
+/// rounded steps. At the greatest speed it makes 0.1 mm. A tenth of [`PATH_STEP_S`], so that no two
+/// states come together.
+pub(crate) const PATH_SNAP_S: f64 = 1e-6;
+/// 360 km/h: faster than a road vehicle that anybody predicts. Beyond, times or positions are
+/// wrong, and a body jumps.
+pub(crate) const PATH_SPEED_M_S: Limit<f64> = limit(-100.0, 100.0, " m/s");
+/// Two turns a second: a car that spins on ice makes one.
+pub(crate) const TURN_RATE_DEG_S: Limit<f64> = limit(-720.0, 720.0, "°/s");
+/// Ten times what tyres can: speed times yaw rate beyond it has a wrong unit (m/s²). It bounds the
+/// pieces of a circle: 3,355 over the longest horizon.
+pub(crate) const LATERAL_M_S2: f64 = 100.0;
+/// How far a state's velocity may be off that of a piece beside it, whatever the piece (m/s): the
+/// noise of a tracker.
+pub(crate) const VELOCITY_OFF_M_S: f64 = 5.0;
+/// And how much more for each second of the piece (m/s²): twice what the best tyres can.
+pub(crate) const VELOCITY_OFF_M_S2: f64 = 20.0;
+/// Persons of a party: as many as a bus has places.
+pub(crate) const OCCUPANTS: Limit<i64> = limit(1, 90, "");
+/// Persons of a scenario in all: a full bus, and two to each of the others twice over.
+pub(crate) const SCENARIO_OCCUPANTS_MAX: u32 = 256;
+
 impl<T: Copy + PartialOrd + Show> Limit<T> {
     /// Whether the value lies within; NaN does not.
     pub(crate) fn holds(&self, value: T) -> bool {

@@ -1,10 +1,11 @@
 //! Rules about what fits the kind of a body.
 //!
 //! The kind of a generated body is known when the scenario is read, that of a model file only when
-//! it is opened. So the same rules are applied twice: [`crate::Scenario::parse`],
-//! [`crate::Scenario::check_kinds`].
+//! it is opened. So the same rules are applied twice: when a scenario is read, and by
+//! [`crate::Scenario::check_kinds`] or [`crate::HorizonScenario::check_kinds`].
 
 use crate::error::Misfit;
+use crate::horizon::{HorizonMotion, Occupancy, OccupantGroup};
 use body::{BodyKind, meta::Occupant};
 use geometry::DVec3;
 
@@ -45,6 +46,60 @@ pub(crate) fn person_fits(
         };
         let help = "one person to a seat; each person on foot is a party of its own";
         return misfit(fault, help.to_owned());
+    }
+    Ok(())
+}
+
+/// Whether such persons can be in a body of this kind, among the groups before, in a scenario over
+/// a horizon: there a person without a seat is on foot or has some seat.
+pub(crate) fn group_fits(
+    kind: Option<BodyKind>,
+    group: OccupantGroup,
+    before: &[OccupantGroup],
+) -> Result<(), Misfit> {
+    let person = Occupant { seat: group.seat };
+    if group.seat.is_some() {
+        let seated: Vec<Occupant> =
+            before.iter().map(|group| Occupant { seat: group.seat }).collect();
+        return person_fits(kind, person, &seated);
+    }
+    match kind {
+        Some(BodyKind::Pedestrian) if !before.is_empty() || group.count > 1 => {
+            let help = "each person on foot is a party of its own";
+            Err(Misfit::new("persons", "a pedestrian is one person", help))
+        }
+        Some(kind) if kind.is_fixed() => person_fits(Some(kind), person, &[]),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the persons of a party can be in a body of this kind.
+pub(crate) fn occupancy_fits(kind: BodyKind, occupancy: &Occupancy) -> Result<(), Misfit> {
+    match occupancy {
+        Occupancy::Stated(groups) => (groups.iter().enumerate())
+            .try_for_each(|(index, group)| group_fits(Some(kind), *group, &groups[..index])),
+        Occupancy::Empty if kind == BodyKind::Pedestrian => {
+            let help = "leave empty out, or say what it is";
+            Err(Misfit::new("empty", "a pedestrian is somebody and cannot be empty", help))
+        }
+        Occupancy::Empty | Occupancy::Default => Ok(()),
+    }
+}
+
+/// Whether a body of this kind may move like this: what is fixed to the ground does not.
+pub(crate) fn motion_fits(kind: BodyKind, motion: &HorizonMotion) -> Result<(), Misfit> {
+    if kind.is_fixed() && motion.moves() {
+        let fault = format!("a {kind} is fixed to the ground and cannot move");
+        return Err(Misfit::new("state", fault, "write place = { position_m = [x, y, z] }"));
+    }
+    Ok(())
+}
+
+/// Whether a body of this kind can react to what the ego does: what is fixed to the ground cannot.
+pub(crate) fn can_react(kind: BodyKind) -> Result<(), Misfit> {
+    if kind.is_fixed() {
+        let fault = format!("a {kind} is fixed to the ground and reacts to nothing");
+        return Err(Misfit::new("reactions", fault, "leave the reaction out"));
     }
     Ok(())
 }

@@ -127,6 +127,12 @@ impl Orientation {
         ]
     }
 
+    /// The angle of the turn from here to another orientation, the shorter way: 0 to π (rad).
+    #[must_use]
+    pub fn angle_to(&self, other: &Self) -> f64 {
+        self.turn_to(other).angle
+    }
+
     /// This orientation, turned about an axis of the world (of length 1) by an angle (rad).
     fn turned(&self, axis: DVec3, angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle * 0.5);
@@ -245,6 +251,14 @@ impl MotionPath {
     /// machine.
     #[must_use]
     pub fn pose_at(&self, time_s: f64) -> Pose {
+        let State { position_m, orientation, .. } = self.state_at(time_s);
+        Pose { rotation: orientation.rotation(), translation: position_m }
+    }
+
+    /// The state at a time (s), of which [`MotionPath::pose_at`] is the pose; its time is the one
+    /// that was asked for. A path through it, cut there, is the same motion up to rounding.
+    #[must_use]
+    pub fn state_at(&self, time_s: f64) -> State {
         let i = self.number_at(time_s);
         let (state, next, turn) = (&self.states[i], &self.states[i + 1], &self.turns[i]);
         let share = (time_s - state.time_s) / (next.time_s - state.time_s);
@@ -256,10 +270,8 @@ impl MotionPath {
             _ if turn.angle == 0.0 => state.orientation,
             _ => state.orientation.turned(turn.axis, turn.angle * share),
         };
-        Pose {
-            rotation: orientation.rotation(),
-            translation: core::array::from_fn(|k| p[k] + (q[k] - p[k]) * share),
-        }
+        let position_m = core::array::from_fn(|k| p[k] + (q[k] - p[k]) * share);
+        State { time_s, position_m, orientation }
     }
 
     /// The number of the state from which the body moves at a time, which is never the last one.

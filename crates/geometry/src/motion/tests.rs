@@ -50,6 +50,22 @@ fn motion<'p>(a: &'p MotionPath, b: &'p MotionPath) -> Option<RelativeMotion<'p>
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
+    /// A path that is cut at any time goes where the whole one goes.
+    #[test]
+    fn a_path_that_is_cut_is_the_same_motion(path in path(), cut in 0.0..1.0_f64) {
+        let time_s = path.from_s() + (path.to_s() - path.from_s()) * cut;
+        let before = path.states().iter().filter(|state| state.time_s < time_s).copied();
+        let states: Vec<State> = before.chain([path.state_at(time_s)]).collect();
+        let Ok(part) = MotionPath::new(&states) else { return Ok(()) };
+        for k in 0..=20 {
+            let time_s = part.from_s() + (part.to_s() - part.from_s()) * f64::from(k) / 20.0;
+            let (a, b) = (path.state_at(time_s), part.state_at(time_s));
+            let off = (0..3).map(|k| (a.position_m[k] - b.position_m[k]).abs());
+            prop_assert!(off.fold(0.0, f64::max) < 1e-12);
+            prop_assert!(a.orientation.angle_to(&b.orientation) < 1e-9);
+        }
+    }
+
     /// The path passes through its states; in between it turns by the share of the angle.
     #[test]
     fn passes_through_its_states(path in path()) {

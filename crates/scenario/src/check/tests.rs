@@ -1,64 +1,6 @@
 //! Every value of a scenario, made wrong, is refused at its own line; and how the refusals read.
 
-use crate::testing::{FULL, parse, settings, told, with_line};
-
-/// Wrong values by key: the ends of each range, other types, other words, contradictions.
-const WRONG: &[(&str, &[&str])] = &[
-    ("schema", &["\"trolley.scenario/2\"", "1", "\"\""]),
-    ("name", &["\"\"", "\" blank\"", "\"two\\nlines\"", "\"\\u001b[2J\"", "4"]),
-    ("policy", &["\"\"", "\"a\\u0000b\"", "7"]),
-    ("curves", &["\"\"", "\"a\\u0000b\"", "[]"]),
-    ("deadline_ms", &["0", "-50", "nan", "inf", "3600001", "\"50\""]),
-    ("ego", &["\"cat\"", "\"post\"", "\"\"", "1"]),
-    ("workers", &["0", "-1", "17", "2.0", "\"2\""]),
-    ("cores", &["[0]", "[0, 1, 2]", "[0, -1]", "[0, 1024]", "[0, 0.5]", "2", "[\"a\", \"b\"]"]),
-    ("coordinator_core", &["-1", "1024", "1.5"]),
-    ("depth", &["-1", "21", "6.5", "99999999999999999999", "\"deep\"", "[4]"]),
-    ("scheme", &["\"best\"", "\"Best-Match-Load\"", "1"]),
-    ("alpha", &["-0.1", "1.1", "nan", "-inf", "\"half\""]),
-    ("batch", &["0", "-8", "257", "8.5"]),
-    ("queue", &["0", "4097", "7", "true"]),
-    ("build", &["\"seeds\"", "\"\"", "2"]),
-    ("leaf_size", &["0", "65", "1.0"]),
-    ("seed", &["-1", "1e3", "\"x\"", "9223372036854775808"]),
-    (
-        "size_m",
-        &["[]", "[4, 2, 1, 1]", "[0, 2]", "[4, -2]", "[501]", "[nan, 1]", "4.5", "[\"l\", 1]"],
-    ),
-    ("mass_kg", &["0", "-1500", "nan", "inf", "1000001", "\"heavy\"", "0.09"]),
-    ("kind", &["\"sedan\"", "\"\"", "\"Unknown\"", "1"]),
-    ("a_n_m", &["-1", "nan", "inf", "1e9", "\"stiff\""]),
-    ("b_n_m2", &["0", "-5", "nan", "1e11", "[1]"]),
-    ("responsibility", &["-0.01", "1.01", "nan", "\"all\""]),
-    ("shape", &["\"building\"", "\"tram\"", "\"SEDAN\"", "3"]),
-    ("triangles", &["499", "1000001", "-2000", "2000.0", "nan"]),
-    ("seat", &["\"rider\"", "\"front\"", "\"\"", "0"]),
-    ("file", &["\"\"", "\"a\\u0000b\"", "3"]),
-    ("probability", &["-0.1", "1.5", "nan", "\"likely\""]),
-    (
-        "position_m",
-        &[
-            "[0, 0]",
-            "[0, 0, 0, 0]",
-            "[0, nan, 0]",
-            "[inf, 0, 0]",
-            "[0, 0, 1000001]",
-            "0",
-            "[0, \"y\", 0]",
-        ],
-    ),
-    ("yaw_deg", &["361", "-361", "nan", "inf", "\"north\""]),
-    ("pitch_deg", &["90.5", "-91", "nan", "[1]"]),
-    ("roll_deg", &["181", "-180.5", "nan", "true"]),
-    ("speed_m_s", &["151", "-151", "nan", "inf", "\"fast\"", "[1, 2]"]),
-    ("velocity_m_s", &["[151, 0]", "[0, -151]", "[110, 110]", "[nan, 0]", "[1]", "[1, 2, 3]", "5"]),
-    ("party", &["\"car\"", "\"wall\"", "\"\"", "1"]),
-];
-
-fn wrong_values(key: &str) -> &'static [&'static str] {
-    let found = WRONG.iter().find(|(known, _)| *known == key);
-    found.map_or_else(|| panic!("no wrong value is known for {key}"), |(_, values)| *values)
-}
+use crate::testing::{FULL, assert_reads_well, parse, settings, told, with_line, wrong_values};
 
 #[test]
 fn the_full_scenario_is_valid() {
@@ -68,7 +10,7 @@ fn the_full_scenario_is_valid() {
 #[test]
 fn every_wrong_value_is_refused_at_its_own_line() {
     for (number, section, key, _) in settings() {
-        for wrong in wrong_values(key) {
+        for wrong in wrong_values(key, &[]) {
             let text = with_line(number, &format!("{key} = {wrong}"));
             let error = parse(&text).expect_err(&format!("{section} {key} = {wrong}"));
             assert_eq!(error.place.line, number, "{section} {key} = {wrong}: {error}");
@@ -136,17 +78,6 @@ fn a_missing_key_is_either_optional_or_named() {
             }
         }
     }
-}
-
-/// A fault and a remedy, each on one line, without what only a programmer reads.
-fn assert_reads_well(error: &str) {
-    let lines: Vec<&str> = error.lines().collect();
-    assert!(lines.len() == 2 && lines[1].starts_with("  help: "), "{error:?}");
-    assert!(lines[1].len() > "  help: ".len(), "{error:?}");
-    for word in ["f64", "i64", "i128", "u32", "struct", "Option", "unknown field", "`None`"] {
-        assert!(!error.contains(word), "{word} in {error:?}");
-    }
-    assert!(!error.chars().any(|c| c.is_control() && c != '\n'), "{error:?}");
 }
 
 /// The full scenario with a piece of its text replaced, which must be there.

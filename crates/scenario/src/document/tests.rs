@@ -6,7 +6,7 @@ use proptest::prelude::*;
 proptest! {
     #[test]
     fn a_place_is_what_counting_gives(text in "[aé\n\t𝄞]{0,40}", byte in 0_usize..60) {
-        let place = place_of(&text, byte);
+        let place = Lines::of(&text).place(byte);
         let (mut line, mut column) = (1, 1);
         let inside = text.is_char_boundary(byte);
         for (start, c) in text.char_indices() {

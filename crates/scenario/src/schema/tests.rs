@@ -11,7 +11,7 @@ fn the_schema() -> Value {
 }
 
 /// A validator for the words that this schema uses; another word is a failure of the test itself.
-fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<String> {
+pub(crate) fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<String> {
     let Some(rules) = schema.as_object() else { panic!("a schema is an object: {schema}") };
     let mut found = Vec::new();
     let number = |limit: &Value| limit.as_f64().unwrap();
@@ -28,6 +28,7 @@ fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<String> {
                 "array" => value.is_array(),
                 "string" => value.is_string(),
                 "number" => value.is_number(),
+                "boolean" => value.is_boolean(),
                 "integer" => value.is_i64() || value.is_u64(),
                 other => panic!("type {other}"),
             },
@@ -52,6 +53,13 @@ fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<String> {
                 let fits = |choice: &&Value| violations(choice, root, value).is_empty();
                 limit.as_array().unwrap().iter().filter(fits).count() == 1
             }
+            "allOf" => {
+                for choice in limit.as_array().unwrap() {
+                    found.extend(violations(choice, root, value));
+                }
+                true
+            }
+            "not" => !violations(limit, root, value).is_empty(),
             "items" => {
                 for item in value.as_array().into_iter().flatten() {
                     found.extend(violations(limit, root, item));
@@ -96,7 +104,7 @@ fn the_shipped_examples_are_valid() {
 }
 
 /// Every object of the schema with its name: the root and the definitions.
-fn objects(schema: &Value) -> Vec<(&str, &Value)> {
+pub(crate) fn objects(schema: &Value) -> Vec<(&str, &Value)> {
     let defined = schema["$defs"].as_object().unwrap().iter();
     [("Scenario", schema)]
         .into_iter()
@@ -124,8 +132,12 @@ fn every_key_of_the_schema_stands_in_the_full_scenario_and_is_described() {
 
 #[test]
 fn units_stand_in_names_and_in_descriptions() {
-    let schema = the_schema();
-    for (name, object) in objects(&schema) {
+    assert_units_are_described(&the_schema());
+}
+
+/// A key that ends in a unit has it in its description too.
+pub(crate) fn assert_units_are_described(schema: &Value) {
+    for (name, object) in objects(schema) {
         for (key, property) in object["properties"].as_object().unwrap() {
             let unit = match key.as_str() {
                 key if key.ends_with("_n_m") => "[N/m]",
@@ -135,6 +147,8 @@ fn units_stand_in_names_and_in_descriptions() {
                 key if key.ends_with("_deg") => "[degrees]",
                 key if key.ends_with("_kg") => "[kg]",
                 key if key.ends_with("_ms") => "[ms]",
+                key if key.ends_with("_deg_s") => "[degrees/s]",
+                key if key.ends_with("_s") => "[s]",
                 _ => continue,
             };
             let description = property["description"].as_str().unwrap();
@@ -197,7 +211,7 @@ fn what_the_schema_requires_the_parser_requires() {
     }
 }
 
-fn values() -> impl Strategy<Value = String> {
+pub(crate) fn values() -> impl Strategy<Value = String> {
     const WORDS: &[&str] =
         &["auto", "sedan", "suv", "wall", "rider", "front-left", "sah", "car", "post", "é", ""];
     prop_oneof![
