@@ -263,7 +263,6 @@ fn errors_of_the_reader_stay_the_readers() {
 fn every_wrong_value_is_refused_at_its_own_line() {
     for (number, section, key, _) in settings() {
         for wrong in wrong_values(key, OWN) {
-            // Any of the two may hold a count, and a person without a seat has a count.
             let text = with_line(number, &format!("{key} = {wrong}"));
             let error = parse(&text).expect_err(&format!("{section} {key} = {wrong}"));
             assert_eq!(error.place.line, number, "{section} {key} = {wrong}: {error}");
