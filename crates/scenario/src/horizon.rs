@@ -43,8 +43,8 @@ pub use draft::HorizonDraft;
 pub const HORIZON_SCHEMA: &str = "trolley.scenario/2";
 
 /// Longer texts are refused unread. 32 parties with three paths of 64 states, each with every key
-/// in full precision, need 1.1 MB, and 16 candidates to each of which 12 parties react so 2.2 MB.
-/// Longer paths belong into CSV files.
+/// in full precision, need 1.2 MB, and 16 candidates to each of which 12 parties react so 2.6 MB.
+/// More belongs into CSV files.
 pub const HORIZON_TEXT_BYTES_MAX: usize = 4 << 20;
 
 /// The greatest distance between a circle and the path that stands for it, at equal times (m).

@@ -6,6 +6,9 @@
 //! command line --Overrides---------------------------+--> EngineSettings::apply: the same rules
 //! ```
 //!
+//! There are two forms: [`Scenario`] takes bodies at predicted impact, [`HorizonScenario`] takes
+//! their motions until a horizon. They share heads, bodies and engine settings.
+//!
 //! Text goes in, values come out. This crate opens no file: the paths that a scenario names are
 //! returned with their [`TextPosition`], so that the caller who opens them can report where the
 //! name was written, and refuse files outside of the scenario's folder. It names a policy and does
@@ -14,11 +17,16 @@
 //! # Invariants
 //!
 //! - Whatever [`Scenario::parse`] returns is in range: finite, known, unique, consistent. Every
-//!   single value of a scenario, made wrong, is refused at its own line: `check/tests.rs`.
-//! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] is refused unread:
-//!   `scenario/tests.rs`.
-//! - Whatever it accepts, [`schema`] accepts too: `schema/tests.rs`.
-//! - Persons carry a seat and nothing else. Age, sex and condition are refused by the schema.
+//!   single value of a scenario, made wrong, is refused at its own line: `check/tests.rs`. The same
+//!   holds of [`HorizonDraft`]: `horizon/tests.rs`.
+//! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] or [`HORIZON_TEXT_BYTES_MAX`] is
+//!   refused unread: `scenario/tests.rs`, `horizon/tests.rs`, `horizon/csv/tests.rs`.
+//! - Whatever it accepts, [`schema`] or [`horizon_schema`] accepts too: `schema/tests.rs`,
+//!   `horizon/tests.rs`.
+//! - Every motion of a [`HorizonScenario`] lasts from 0 to its horizon; a turn is within
+//!   [`CIRCLE_ERROR_M`] of its circle: `horizon/path/tests.rs`.
+//! - Persons carry a seat, or how many they are, and nothing else. Age, sex and condition are
+//!   refused by the schema.
 //!
 //! # Examples
 //!

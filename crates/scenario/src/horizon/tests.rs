@@ -263,7 +263,6 @@ fn errors_of_the_reader_stay_the_readers() {
 fn every_wrong_value_is_refused_at_its_own_line() {
     for (number, section, key, _) in settings() {
         for wrong in wrong_values(key, OWN) {
-            // Any of the two may hold a count, and a person without a seat has a count.
             let text = with_line(number, &format!("{key} = {wrong}"));
             let error = parse(&text).expect_err(&format!("{section} {key} = {wrong}"));
             assert_eq!(error.place.line, number, "{section} {key} = {wrong}: {error}");
@@ -483,31 +482,59 @@ fn the_defaults_are_those_that_the_schema_describes() {
 }
 
 #[test]
-fn the_fullest_scenario_fits_the_text_and_is_read() {
+fn a_scenario_with_every_key_of_every_state_fits_the_text() {
     let state = |i: usize| {
         format!(
-            "{{ t_s = {:.6}, position_m = [{:.6}, 123456.123456, 123.123456], yaw_deg = \
+            "{{ t_s = {:.6}, position_m = [{:.6}, -123456.123456, -123.123456], yaw_deg = \
              -123.123456, pitch_deg = -12.123456, roll_deg = -12.123456, velocity_m_s = \
-             [12.123456, -12.123456] }},\n",
-            0.123456 * i as f64,
-            123_456.123_456 + i as f64
+             [-12.123456, -12.123456] }},\n",
+            0.543_21 * i as f64,
+            -123_456.123_456 - i as f64
         )
     };
     let states: String = (0..64).map(state).collect();
-    let states = states.replace(", velocity_m_s = [12.123456, -12.123456]", "");
-    let path = format!("[[PATHS]]\nprobability = 0.5\nstates = [\n{states}]\n").repeat(2);
+    let path = |key: &str| format!("[{key}]\nstates = [\n{states}]\n");
     let mut text = city(0, 1);
     for i in 0..32 {
-        text += &format!(
-            "[parties.b{i}]\nfile = 'b'\n{}",
-            path.replace("PATHS", &format!("parties.b{i}.paths"))
-        );
+        let predicted = path(&format!("[parties.b{i}.paths]"));
+        let predicted = predicted.replace("states =", "probability = 0.333333333\nstates =");
+        text += &format!("[parties.b{i}]\nfile = 'b'\n{}", predicted.repeat(3));
     }
-    assert!(text.len() > 500_000 && text.len() < HORIZON_TEXT_BYTES_MAX / 4);
-    assert_eq!(parse(&text).unwrap().parties.len(), 33);
+    text = text.replace("[[candidates]]\nname = 'c'", "");
+    text = text.replace("state = { position_m = [0, 0, 0], speed_m_s = 1 }\n", "");
+    for way in 0..16 {
+        text += &format!("[[candidates]]\nname = '{way}'\n{}", path("candidates.path"));
+        for i in 0..12 {
+            text += &path(&format!("candidates.reactions.b{i}.path"));
+        }
+    }
+    assert!(text.len() < HORIZON_TEXT_BYTES_MAX, "{}", text.len());
+    let read = parse(&text.replace("-12.123456, -12.123456] }", "-2.1, 1.2] }")).unwrap();
+    assert_eq!((read.parties.len(), motions(&read).count()), (33, 96 + 16 * 13));
+
     let long = format!("{text}#{}", "x".repeat(HORIZON_TEXT_BYTES_MAX));
     let error = parse(&long).unwrap_err();
     assert!(error.what.contains("too many for a scenario"), "{error}");
+}
+
+#[test]
+fn deep_and_long_texts_get_short_answers() {
+    let head = "schema = \"trolley.scenario/2\"\n";
+    let most = HORIZON_TEXT_BYTES_MAX - 200;
+    for text in [
+        format!("{head}{}a = 1", "a.".repeat(most / 2)),
+        format!("{head}[{}a]\n", "a.".repeat(most / 2)),
+        format!("{head}x = {}", "[".repeat(most)),
+        format!("{head}x = {}", "{ a = ".repeat(most / 6)),
+        format!("{head}x = {{ {}a = 1 }}", "a.".repeat(most / 2)),
+        format!("{head}{} = 1", "x".repeat(most)),
+        format!("{head}name = [{:?}]", "x".repeat(most)),
+        format!("{head}name = 'n'\ncandidates = [{}]\nparties = {{}}", "{},".repeat(most / 3)),
+        format!("{head}{}", "[[candidates]]\n".repeat(most / 15)),
+    ] {
+        let error = parse(&text).unwrap_err();
+        assert!(error.to_string().len() < 1000, "{}", error.to_string().len());
+    }
 }
 
 #[test]

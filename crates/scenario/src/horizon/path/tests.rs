@@ -106,7 +106,7 @@ proptest! {
         horizon_s in 0.001..30.0_f64,
     ) {
         // Within the limit of lateral acceleration.
-        let rate = rate.clamp(-1.0, 1.0) * rate.abs().min(5700.0 / speed.abs().max(1.0));
+        let rate = rate.signum() * rate.abs().min(5700.0 / speed.abs().max(1.0));
         let (sin, cos) = yaw.to_radians().sin_cos();
         let velocity = [speed * cos, speed * sin];
         let path = onward(position, [yaw, 0.0, 0.0], velocity, rate, horizon_s).unwrap();
