@@ -133,10 +133,24 @@ impl Client {
             }
             Err(error) => return refused(Reason::NoService, &error.to_string()),
         };
+        self.await_answer(ask.sequence, end_ns, || pending.receive(), || port.is_served())
+    }
+
+    /// The answer with this number that comes until then, or a refusal.
+    fn await_answer(
+        &self,
+        sequence: u64,
+        end_ns: u64,
+        receive: impl Fn() -> Result<Option<WireAnswer>, UseError>,
+        is_served: impl Fn() -> bool,
+    ) -> WireAnswer {
+        let refused = |reason: Reason, text: &str| {
+            WireAnswer::without_ranking(sequence, WireState::Refused, reason, text)
+        };
         let mut looked_ns = now_ns();
         loop {
-            match pending.receive() {
-                Ok(Some(answer)) if answer.sequence == ask.sequence => return answer,
+            match receive() {
+                Ok(Some(answer)) if answer.sequence == sequence => return answer,
                 // None, or one to an earlier request that was withdrawn: however many come, the
                 // deadline holds.
                 Ok(Some(_) | None) => {}
@@ -150,7 +164,7 @@ impl Client {
             if looks {
                 looked_ns = now_ns;
             }
-            if looks && !port.is_served() {
+            if looks && !is_served() {
                 return refused(Reason::NoService, "the service ended during the request");
             }
             self.wait(end_ns - now_ns);
@@ -219,4 +233,47 @@ fn nanoseconds(duration: Duration) -> u64 {
 fn now_ns() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
     now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
+}
+
+#[cfg(test)]
+mod tests {
+    //! What a client gets while answers to others come without end.
+    use super::*;
+
+    const MS: u64 = 1_000_000;
+
+    fn client(waiting: Waiting) -> Client {
+        let address = Address::new(None, "client").unwrap();
+        Client { address, waiting, port: None, sequence: 0 }
+    }
+
+    fn answer_to(sequence: u64) -> WireAnswer {
+        WireAnswer::without_ranking(sequence, WireState::Refused, Reason::Malformed, "no")
+    }
+
+    #[test]
+    fn answers_to_earlier_requests_without_end_do_not_outlast_the_deadline() {
+        for waiting in [Waiting::Spin, Waiting::Nap(Duration::from_millis(1))] {
+            let begun_ns = now_ns();
+            let age_ns = || now_ns() - begun_ns;
+            let old = || Ok((age_ns() < 5_000 * MS).then(|| answer_to(6)));
+            let answer = client(waiting).await_answer(7, begun_ns + 100 * MS, old, || true);
+            let took_ms = age_ns() / MS;
+            assert_eq!((answer.sequence, answer.reason()), (7, Reason::Silence));
+            assert!((100..4_000).contains(&took_ms), "{took_ms} ms");
+        }
+    }
+
+    #[test]
+    fn answers_to_earlier_requests_hide_neither_the_right_one_nor_the_end_of_the_service() {
+        let client = client(Waiting::Spin);
+        let (end_ns, left) = (now_ns() + 20_000 * MS, core::cell::Cell::new(100));
+        let receive = || {
+            left.set(left.get() - 1);
+            Ok(Some(answer_to(if left.get() == 0 { 7 } else { 6 })))
+        };
+        assert_eq!(client.await_answer(7, end_ns, receive, || true), answer_to(7));
+        let gone = client.await_answer(7, end_ns, || Ok(Some(answer_to(6))), || false);
+        assert_eq!(gone.reason(), Reason::NoService);
+    }
 }

@@ -205,3 +205,51 @@ impl Cleaning {
 fn worker_word(place: &Path) -> String {
     protocol::launch::clean_word(&place.display().to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    //! However much there is to write, the rest is done as well.
+    use super::*;
+    use std::time::{Duration, Instant};
+    use transport::{Address, Server};
+
+    const DEPLOYMENT: &str = include_str!("../config/deployments/minimal.toml");
+    /// In which the metrics must be written.
+    const PATIENCE: Duration = Duration::from_secs(10);
+
+    /// Decisions come faster than a disk takes them, from before the health is told until the
+    /// metrics are there.
+    #[test]
+    fn decisions_without_end_do_not_keep_the_metrics_from_being_written() {
+        let folder = tempfile::Builder::new().prefix("h").tempdir_in("/dev/shm").unwrap();
+        let address = Address::new(Some(folder.path()), "house").unwrap();
+        let server = Server::open(&address).unwrap();
+        let metrics = folder.path().join("metrics.prom");
+        let kept = format!(
+            "[metrics]\nfile = {metrics:?}\n[decisions]\nfolder = {:?}\nper_file = 100\n\
+             files = 2\n[engine]",
+            folder.path().join("decisions")
+        );
+        let text = DEPLOYMENT.replacen("[engine]", &kept, 1);
+        let deployment = Deployment::parse("minimal.toml", &text).unwrap();
+        let program = PathBuf::from("/bin/true");
+        let house = Housekeeping::start(&deployment, None, server.housekeeper(), program).unwrap();
+        let (ask, answer) = (bytemuck::Zeroable::zeroed(), bytemuck::Zeroable::zeroed());
+        let health: Health = bytemuck::Zeroable::zeroed();
+        let begun = Instant::now();
+        let mut is_told = false;
+        let mut was_full = false;
+        while !metrics.exists() && begun.elapsed() < PATIENCE {
+            house.record(&ask, &answer);
+            was_full |= house.shared.lost.load(Ordering::Relaxed) > 0;
+            if was_full && !is_told {
+                house.tell(&health);
+                is_told = true;
+            }
+        }
+        let took = begun.elapsed();
+        drop(house);
+        assert!(was_full, "decisions came faster than they were written");
+        assert!(took < PATIENCE, "nothing was written for {took:?}");
+    }
+}

@@ -40,7 +40,13 @@ impl RequestQueue {
 
     /// Receives every pending request; those that find the queue full are answered *busy* at once.
     pub(crate) fn drain(&mut self) {
+        self.drain_while(|| {});
+    }
+
+    /// [`RequestQueue::drain`], with something that happens before each request is received.
+    fn drain_while(&mut self, mut happens: impl FnMut()) {
         for _ in 0..TAKEN_MAX {
+            happens();
             // Before iceoryx2 updates its connections: it identifies a client by its slot in a
             // table and a request by a number that every client counts afresh, so a request of a
             // client that is gone would pass for one of its successor.

@@ -86,3 +86,25 @@ fn beyond_the_queue_the_answer_is_busy() {
     let busy = pending.iter().filter(|pending| verdict(pending) == Some(WireState::Busy)).count();
     assert_eq!((busy, scene.queue.waiting()), (2, 1));
 }
+
+/// A client that is told that the service is busy asks again, and is heard in the same turn.
+#[test]
+fn a_turn_takes_so_many_requests_however_fast_they_come() {
+    let mut scene = Scene::new(3, 1);
+    let waiting = scene.client();
+    let _waits = waiting.ask(&Ask::new(1)).unwrap();
+    scene.queue.drain();
+    let eager = scene.client();
+    let mut pending = None;
+    let mut asked = 0;
+    scene.queue.drain_while(|| {
+        let is_answered = |pending: &transport::Pending| pending.receive().unwrap().is_some();
+        // Without end, as far as a turn can know.
+        if asked < 10 * TAKEN_MAX && pending.as_ref().is_none_or(is_answered) {
+            asked += 1;
+            drop(pending.take());
+            pending = Some(eager.ask(&Ask::new(asked as u64)).unwrap());
+        }
+    });
+    assert_eq!(asked, TAKEN_MAX, "requests in one turn");
+}
