@@ -219,13 +219,18 @@ mod tests {
             page_faults().0 - before
         };
         faults(&mut bytes);
-        let mut child = std::process::Command::new("/bin/true");
-        // SAFETY: the closure, which makes it a fork, does nothing.
-        let child = unsafe { std::os::unix::process::CommandExt::pre_exec(&mut child, || Ok(())) };
-        assert!(child.status().is_ok_and(|status| status.success()));
-        assert!(unshare_after_fork().is_ok());
-        let after = faults(&mut bytes);
-        assert!(after < 64, "{after} faults for 1,024 pages");
+        let mut after_start = || {
+            let mut child = std::process::Command::new("/bin/true");
+            // SAFETY: the closure, which makes it a fork, does nothing.
+            let child =
+                unsafe { std::os::unix::process::CommandExt::pre_exec(&mut child, || Ok(())) };
+            assert!(child.status().is_ok_and(|status| status.success()));
+            assert!(unshare_after_fork().is_ok());
+            faults(&mut bytes)
+        };
+        // Another test of this process may fork between the two: it adds faults, and takes none.
+        let least = (0..50).map(|_| after_start()).find(|after| *after < 64);
+        assert!(least.is_some(), "each time 64 faults or more for 1,024 pages");
     }
 
     #[test]
