@@ -13,7 +13,7 @@
 //! - what is found is never waited for, and nothing is removed through a link.
 //!
 //! A group of clients, where a deployment names one, is inside the trust domain as far as the place
-//! of its service goes ([`lend`]): its members write to memory that the service reads, so they can
+//! of its service goes (`lend`): its members write to memory that the service reads, so they can
 //! end it, and answer in its name. What workers share, and all other files, stay closed to them.
 
 use crate::error::OpenError;
