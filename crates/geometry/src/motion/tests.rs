@@ -43,8 +43,12 @@ fn some_interval(
     })
 }
 
-fn motion<'p>(a: &'p MotionPath, b: &'p MotionPath) -> Option<RelativeMotion<'p>> {
-    RelativeMotion::new(a, b).ok()
+/// Two bodies of 2 m about their origins on their paths, while both have one.
+fn moving<'p>(a: &'p MotionPath, b: &'p MotionPath) -> Option<(RelativeMotion<'p>, MovingBodies)> {
+    let motion = RelativeMotion::new(a, b).ok()?;
+    let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
+    let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+    Some((motion, bodies))
 }
 
 proptest! {
@@ -94,9 +98,7 @@ proptest! {
         piece in 0..3_usize,
         ways in prop::collection::vec(any::<bool>(), 0..9),
     ) {
-        let Some(motion) = motion(&a, &b) else { return Ok(()) };
-        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+        let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&[point; 3]);
         let small = Aabb { min: point, max: point };
@@ -123,9 +125,7 @@ proptest! {
         piece in 0..3_usize,
         ways in prop::collection::vec(any::<bool>(), 0..9),
     ) {
-        let Some(motion) = motion(&a, &b) else { return Ok(()) };
-        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+        let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_a(&[point; 3]);
         for step in 0..=20 {
@@ -148,9 +148,7 @@ proptest! {
         piece in 0..3_usize,
         ways in prop::collection::vec(any::<bool>(), 0..9),
     ) {
-        let Some(motion) = motion(&a, &b) else { return Ok(()) };
-        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+        let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&of_b);
         let all = interval.bounds_of_b(&Aabb::of(&of_b));
@@ -180,9 +178,7 @@ proptest! {
         ways in prop::collection::vec(any::<bool>(), 1..14),
         cut in any::<prop::sample::Index>(),
     ) {
-        let Some(motion) = motion(&a, &b) else { return Ok(()) };
-        let box_ = Aabb { min: [-2.0; 3], max: [2.0; 3] };
-        let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+        let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
         let whole = some_interval(&motion, &bodies, piece, &ways[..cut.index(ways.len())]);
         let part = some_interval(&motion, &bodies, piece, &ways);
         let clearly = |of: &TimeInterval| of.are_clearly_apart(&of_a, &of_b, &of.moved_b(&of_b));
