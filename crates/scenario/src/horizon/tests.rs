@@ -11,6 +11,8 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 mod crossing;
+mod rules;
+mod texts;
 
 /// Every key of the form stands here on a line of its own, and the whole is a valid scenario but
 /// for the files that it names: [`csv`] gives their texts.
@@ -166,6 +168,31 @@ fn refusal(from: &str, to: &str) -> String {
     told(parse(&changed(from, to)).expect_err(to))
 }
 
+/// A scenario with so many buses and walkers, so many persons to a bus.
+fn city(buses: usize, persons: usize) -> String {
+    let bus = |i: usize| {
+        format!(
+            "[parties.b{i}]\nfile = 'b'\npersons = [{{ count = {persons} }}]\n\
+             place = {{ position_m = [{i}, 0, 0] }}\n"
+        )
+    };
+    format!(
+        "schema = 'trolley.scenario/2'\nname = 'n'\n[[candidates]]\nname = 'c'\n\
+         state = {{ position_m = [0, 0, 0], speed_m_s = 1 }}\n[parties.ego]\nfile = 'e'\n{}",
+        (0..buses).map(bus).collect::<String>()
+    )
+}
+
+fn the_schema() -> Value {
+    serde_json::from_str(&crate::horizon_schema()).unwrap()
+}
+
+fn violated(text: &str) -> Vec<String> {
+    let value: toml::Value = toml::from_str(text).unwrap();
+    let schema = the_schema();
+    violations(&schema, &schema, &serde_json::to_value(value).unwrap())
+}
+
 #[test]
 fn the_full_scenario_reads_as_it_is_written() {
     let read = parse(FULL).unwrap();
@@ -297,180 +324,6 @@ fn every_repeated_key_is_refused_where_it_is_repeated() {
 }
 
 #[test]
-fn motions_and_probabilities_must_fit_each_other() {
-    let post = "[parties.post.place]\nposition_m = [20, -3, 0]";
-    let van = "[candidates.reactions.van.path]\ncsv = \"van-brakes.csv\"";
-    let cases = [
-        ("probability = 0.25", "probability = 0.2", "53:15: the probabilities sum to 0.95"),
-        ("probability = 0.25", "", "49:1: probability is missing"),
-        ("[parties.walker.state]", "[parties.walker.place]", "key \"speed_m_s\" is not known"),
-        (
-            "[parties.walker.crush]",
-            "[parties.walker.place]\nposition_m = [0, 0, 0]\n[parties.walker.crush]",
-            "67:1: party \"walker\" moves in several ways",
-        ),
-        (
-            post,
-            "[parties.post.state]\nspeed_m_s = 1\nposition_m = [20, -3, 0]",
-            "41:1: a pole is fixed to the ground and cannot move",
-        ),
-        (
-            post,
-            "[parties.post.state]\nspeed_m_s = 0\nyaw_rate_deg_s = 3\nposition_m = [2, 3, 0]",
-            "41:1: a pole is fixed to the ground and cannot move",
-        ),
-        ("yaw_rate_deg_s = 10", "", ""),
-        ("speed_m_s = 1.5", "", "73:1: the state has neither speed_m_s nor velocity_m_s"),
-        (
-            "speed_m_s = 1.5\nyaw_rate_deg_s = 10",
-            "speed_m_s = 30\nyaw_rate_deg_s = 300",
-            "79:18: speed and yaw rate make 157 m/s² sideways",
-        ),
-        (
-            "mass_kg = 1500",
-            "place = { position_m = [0, 0, 0] }",
-            "24:9: party \"car\" is the ego: its motion is in the candidates",
-        ),
-        ("csv = \"ego.csv\"", "", "94:1: the path has neither states nor csv"),
-        (
-            "csv = \"ego.csv\"",
-            "csv = \"ego.csv\"\nstates = []",
-            "94:1: the path has both states and csv",
-        ),
-        ("csv = \"ego.csv\"", "states = []", "95:10: the path has no state"),
-        ("[candidates.path]\ncsv = \"ego.csv\"", "", "92:1: no motion is given"),
-        (
-            "[candidates.path]",
-            "[candidates.state]\nposition_m = [0, 0, 0]\nspeed_m_s = 1\n[candidates.path]",
-            "92:1: several motions are given",
-        ),
-        (van, "[candidates.reactions.vna.place]\nposition_m = [0, 0, 0]", "\"vna\" is not defined"),
-        (
-            van,
-            "[candidates.reactions.car.place]\nposition_m = [0, 0, 0]",
-            "87:23: party \"car\" is the ego: it does not react to itself",
-        ),
-        (
-            van,
-            "[candidates.reactions.post.place]\nposition_m = [20, -3, 0]",
-            "a pole is fixed to the ground and reacts to nothing",
-        ),
-        (van, "[candidates.reactions.van]", "no motion is given"),
-        ("name = \"follow\"", "name = \"turn\"", "93:8: two candidates are called \"turn\""),
-    ];
-    for (from, to, fault) in cases {
-        match parse(&changed(from, to)) {
-            Err(error) => {
-                assert!(error.to_string().contains(fault) && !fault.is_empty(), "{to}: {error}");
-                assert_reads_well(&told(error));
-            }
-            Ok(_) => assert_eq!(fault, "", "{to}"),
-        }
-    }
-    let twice: String = "[[parties.van.paths]]\nprobability = 0\ncsv = \"van.csv\"\n".repeat(2);
-    let four = parse(&changed("[parties.walker]", &format!("{twice}[parties.walker]")));
-    assert_eq!(four.unwrap_err().what, "4 paths are given");
-}
-
-#[test]
-fn a_fixed_body_may_have_paths_that_stand() {
-    let place = "[parties.post.place]\nposition_m = [20, -3, 0]\nyaw_deg = 15\npitch_deg = 1\n\
-                 roll_deg = -1";
-    let path = |x: f64| {
-        let states = format!(
-            "[[parties.post.paths]]\nstates = [{{ t_s = 0, position_m = [20, 0, 0] }}, \
-             {{ t_s = 1, position_m = [{x:?}, 0, 0] }}]"
-        );
-        parse(&changed(place, &states))
-    };
-    assert!(!path(20.0).unwrap().parties[1].predictions[0].motion.moves());
-    let error = path(20.5).unwrap_err();
-    assert_eq!(error.what, "a pole is fixed to the ground and cannot move");
-    let csv = changed(place, "[[parties.post.paths]]\ncsv = \"van.csv\"");
-    let error = parse(&csv).unwrap_err();
-    assert_eq!(
-        (error.what.as_str(), error.file.as_str(), error.place.line),
-        ("a pole is fixed to the ground and cannot move", "f.toml", 42)
-    );
-}
-
-#[test]
-fn persons_must_fit_their_party() {
-    let persons = "[[parties.car.persons]]\ncount = 2";
-    let entry = |body: &str| format!("[[parties.car.persons]]\n{body}");
-    let cases = [
-        (persons, entry("seat = \"front-left\""), "two persons have the seat \"front-left\""),
-        (persons, entry("seat = \"rear-left\"\ncount = 2"), "2 persons cannot have the seat"),
-        (persons, entry("count = 90"), "up to here there are 91 persons"),
-        (persons, entry("count = 89"), ""),
-        (persons, entry(""), ""),
-        ("shape = \"sedan\"", "shape = \"cyclist\"".to_owned(), "no seat \"front-left\""),
-        ("mass_kg = 1500", "empty = true".to_owned(), "a party has both persons and empty"),
-        ("empty = true", "persons = []".to_owned(), "persons names nobody"),
-        ("empty = true", "persons = [{}]".to_owned(), "a pole holds nobody"),
-        ("kind = \"unknown\"", "kind = \"unknown\"\nempty = true".to_owned(), "neither mass nor"),
-        (
-            "kind = \"unknown\"",
-            "kind = \"unknown\"\npersons = [{}]".to_owned(),
-            "neither mass nor persons",
-        ),
-        (
-            "shape = \"pole\"",
-            "shape = \"pedestrian\"".to_owned(),
-            "is somebody and cannot be empty",
-        ),
-    ];
-    for (from, to, fault) in cases {
-        match parse(&changed(from, &to)) {
-            Err(error) => {
-                assert!(error.what.contains(fault) && !fault.is_empty(), "{to}: {error}");
-                assert_reads_well(&told(error));
-            }
-            Ok(_) => assert_eq!(fault, "", "{to}"),
-        }
-    }
-    let crowd = FULL.replace("empty = true", "persons = [{}, {}]");
-    let crowd = crowd.replace("shape = \"pole\"", "shape = \"pedestrian\"");
-    assert_eq!(parse(&crowd).unwrap_err().what, "a pedestrian is one person");
-    let one = crowd.replace("[{}, {}]", "[{}]");
-    assert_eq!(parse(&one).unwrap().parties[1].occupancy.count(), Some(1));
-}
-
-/// A scenario with so many buses and walkers, so many persons to a bus.
-fn city(buses: usize, persons: usize) -> String {
-    let bus = |i: usize| {
-        format!(
-            "[parties.b{i}]\nfile = 'b'\npersons = [{{ count = {persons} }}]\n\
-             place = {{ position_m = [{i}, 0, 0] }}\n"
-        )
-    };
-    format!(
-        "schema = 'trolley.scenario/2'\nname = 'n'\n[[candidates]]\nname = 'c'\n\
-         state = {{ position_m = [0, 0, 0], speed_m_s = 1 }}\n[parties.ego]\nfile = 'e'\n{}",
-        (0..buses).map(bus).collect::<String>()
-    )
-}
-
-#[test]
-fn numbers_of_parties_persons_and_states_are_bounded() {
-    assert_eq!(parse(&city(32, 8)).unwrap().parties.len(), 33);
-    assert_eq!(parse(&city(33, 1)).unwrap_err().what, "34 parties are defined");
-    assert_eq!(parse(&city(0, 1)).unwrap_err().what, "1 parties are defined");
-    let error = parse(&city(32, 9)).unwrap_err();
-    assert_eq!(error.what, "up to here there are 261 persons");
-    assert_reads_well(&told(error));
-
-    let states = |n: usize| {
-        let state = |i: usize| format!("{{ t_s = {i}, position_m = [{i}, 0, 0] }}, ");
-        let states: String = (0..n).map(state).collect();
-        let states = format!("states = [{states}]");
-        parse(&FULL.replace("csv = \"ego.csv\"", &states))
-    };
-    assert_eq!(states(64).unwrap().candidates[1].ego.path.states().len(), 5);
-    assert_eq!(states(65).unwrap_err().what, "65 states are too many");
-}
-
-#[test]
 fn the_defaults_are_those_that_the_schema_describes() {
     let read = parse(&city(1, 1)).unwrap();
     assert_eq!((read.horizon_s, read.resolution_m), (5.0, 0.001));
@@ -478,176 +331,6 @@ fn the_defaults_are_those_that_the_schema_describes() {
     for (key, default) in [("horizon_s", "5."), ("resolution_m", "0.001.")] {
         let description = schema["properties"][key]["description"].as_str().unwrap();
         assert!(description.ends_with(&format!("Default {default}")), "{key}");
-    }
-}
-
-#[test]
-fn a_scenario_with_every_key_of_every_state_fits_the_text() {
-    let state = |i: usize| {
-        format!(
-            "{{ t_s = {:.6}, position_m = [{:.6}, -123456.123456, -123.123456], yaw_deg = \
-             -123.123456, pitch_deg = -12.123456, roll_deg = -12.123456, velocity_m_s = \
-             [-12.123456, -12.123456] }},\n",
-            0.543_21 * i as f64,
-            -123_456.123_456 - i as f64
-        )
-    };
-    let states: String = (0..64).map(state).collect();
-    let path = |key: &str| format!("[{key}]\nstates = [\n{states}]\n");
-    let mut text = city(0, 1);
-    for i in 0..32 {
-        let predicted = path(&format!("[parties.b{i}.paths]"));
-        let predicted = predicted.replace("states =", "probability = 0.333333333\nstates =");
-        text += &format!("[parties.b{i}]\nfile = 'b'\n{}", predicted.repeat(3));
-    }
-    text = text.replace("[[candidates]]\nname = 'c'", "");
-    text = text.replace("state = { position_m = [0, 0, 0], speed_m_s = 1 }\n", "");
-    for way in 0..16 {
-        text += &format!("[[candidates]]\nname = '{way}'\n{}", path("candidates.path"));
-        for i in 0..12 {
-            text += &path(&format!("candidates.reactions.b{i}.path"));
-        }
-    }
-    assert!(text.len() < HORIZON_TEXT_BYTES_MAX, "{}", text.len());
-    let read = parse(&text.replace("-12.123456, -12.123456] }", "-2.1, 1.2] }")).unwrap();
-    assert_eq!((read.parties.len(), motions(&read).count()), (33, 96 + 16 * 13));
-
-    let long = format!("{text}#{}", "x".repeat(HORIZON_TEXT_BYTES_MAX));
-    let error = parse(&long).unwrap_err();
-    assert!(error.what.contains("too many for a scenario"), "{error}");
-}
-
-#[test]
-fn deep_and_long_texts_get_short_answers() {
-    let head = "schema = \"trolley.scenario/2\"\n";
-    let most = HORIZON_TEXT_BYTES_MAX - 200;
-    for text in [
-        format!("{head}{}a = 1", "a.".repeat(most / 2)),
-        format!("{head}[{}a]\n", "a.".repeat(most / 2)),
-        format!("{head}x = {}", "[".repeat(most)),
-        format!("{head}x = {}", "{ a = ".repeat(most / 6)),
-        format!("{head}x = {{ {}a = 1 }}", "a.".repeat(most / 2)),
-        format!("{head}{} = 1", "x".repeat(most)),
-        format!("{head}name = [{:?}]", "x".repeat(most)),
-        format!("{head}name = 'n'\ncandidates = [{}]\nparties = {{}}", "{},".repeat(most / 3)),
-        format!("{head}{}", "[[candidates]]\n".repeat(most / 15)),
-    ] {
-        let error = parse(&text).unwrap_err();
-        assert!(error.to_string().len() < 1000, "{}", error.to_string().len());
-    }
-}
-
-#[test]
-fn kinds_are_checked_again_when_the_files_are_open() {
-    let scenario = parse(FULL).unwrap();
-    let kinds = |van, walker| [BodyKind::Sedan, BodyKind::Pole, van, walker];
-    scenario.check_kinds("f.toml", &kinds(BodyKind::Suv, BodyKind::Pedestrian)).unwrap();
-    let refused = |kinds: &[BodyKind]| scenario.check_kinds("f.toml", kinds).unwrap_err();
-    let error = refused(&kinds(BodyKind::Building, BodyKind::Pedestrian));
-    assert_eq!((error.place.line, error.what.contains("cannot move")), (49, true), "{error}");
-    let error = refused(&kinds(BodyKind::Suv, BodyKind::Wall));
-    assert_eq!((error.place.line, error.what.contains("cannot move")), (73, true), "{error}");
-    let error = refused(&[BodyKind::Cyclist, BodyKind::Pole, BodyKind::Suv, BodyKind::Suv]);
-    assert_eq!((error.place.line, error.what.contains("be the ego")), (23, true), "{error}");
-    let error = refused(&[BodyKind::Motorcycle, BodyKind::Pole, BodyKind::Suv, BodyKind::Suv]);
-    assert_eq!((error.place.line, error.what.contains("no seat")), (23, true), "{error}");
-    let error = scenario.check_fixed("f.toml").unwrap_err();
-    assert_eq!((error.place.line, error.what.contains("unknown kind")), (73, true), "{error}");
-
-    let stands = FULL.replace("speed_m_s = 1.5\nyaw_rate_deg_s = 10", "speed_m_s = 0");
-    let error = parse(&stands).unwrap().check_fixed("f.toml").unwrap_err();
-    assert!(error.what.contains("reacts"), "{error}");
-    let error =
-        parse(&stands).unwrap().check_kinds("f.toml", &kinds(BodyKind::Suv, BodyKind::Wall));
-    assert!(error.unwrap_err().what.contains("reacts to nothing"));
-    let silent = stands.replace("[candidates.reactions.walker.place]\nposition_m = [1, 4, 0]", "");
-    parse(&silent).unwrap().check_fixed("f.toml").unwrap();
-}
-
-fn the_schema() -> Value {
-    serde_json::from_str(&crate::horizon_schema()).unwrap()
-}
-
-fn violated(text: &str) -> Vec<String> {
-    let value: toml::Value = toml::from_str(text).unwrap();
-    let schema = the_schema();
-    violations(&schema, &schema, &serde_json::to_value(value).unwrap())
-}
-
-#[test]
-fn the_schema_describes_every_key_and_its_unit() {
-    assert_eq!(violated(FULL), Vec::<String>::new());
-    let schema = the_schema();
-    let tables = [
-        "engine",
-        "parties",
-        "candidates",
-        "generate",
-        "persons",
-        "crush",
-        "place",
-        "state",
-        "paths",
-        "path",
-        "states",
-        "reactions",
-    ];
-    let written: Vec<&str> = settings().iter().map(|(_, _, key, _)| *key).collect();
-    for (name, object) in objects(&schema) {
-        assert_eq!(object["additionalProperties"], Value::Bool(false), "{name}");
-        assert!(object["description"].is_string(), "{name}");
-        for (key, property) in object["properties"].as_object().unwrap() {
-            assert!(written.contains(&key.as_str()) || tables.contains(&key.as_str()), "{key}");
-            let described = property.get("description").or(property.get("$ref"));
-            assert!(described.is_some_and(Value::is_string), "{name}.{key}");
-        }
-    }
-    assert_units_are_described(&schema);
-    assert!(!crate::horizon_schema().contains("null"));
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4000))]
-
-    /// The parser is stricter than the schema, never laxer.
-    #[test]
-    fn what_the_parser_accepts_the_schema_accepts(
-        line in 0..settings().len(), value in values(),
-    ) {
-        let (number, _, key, _) = settings()[line];
-        let text = with_line(number, &format!("{key} = {value}"));
-        if parse(&text).is_ok() {
-            prop_assert_eq!(violated(&text), Vec::<String>::new(), "{} = {}", key, value);
-        }
-    }
-
-    #[test]
-    fn no_text_makes_it_panic_and_every_fault_has_a_place_in_the_text(harms in harms()) {
-        let text = harmed(FULL, &harms);
-        match parse(&text) {
-            Err(error) if error.file == "f.toml" => {
-                let lines: Vec<&str> = text.split('\n').collect();
-                let line = lines.get(error.place.line.wrapping_sub(1));
-                let end = line.map_or(0, |line| line.chars().count() + 1);
-                prop_assert!((1..=end).contains(&error.place.column), "{error}\n{text}");
-                prop_assert!(!error.remedy.is_empty());
-                prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error);
-            }
-            Err(error) => prop_assert!(error.what == "the file is empty", "{}", error),
-            Ok(scenario) => {
-                prop_assert!((1..=16).contains(&scenario.candidates.len()));
-                prop_assert!(scenario.ego.0 < scenario.parties.len());
-                for motion in motions(&scenario) {
-                    prop_assert_eq!(motion.path.from_s(), 0.0);
-                    prop_assert_eq!(motion.path.to_s(), scenario.horizon_s);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn no_string_at_all_makes_it_panic(text in any::<String>()) {
-        prop_assert!(parse(&text).is_err());
     }
 }
 
