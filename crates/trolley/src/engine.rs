@@ -7,42 +7,28 @@
 //! Bodies, trees, workers and workspace are kept while scenarios name the same bodies with the same
 //! settings, so ranking many variants of a scene pays for them once.
 
+use crate::Failure;
 use crate::bodies::{Bodies, OnProgress, SILENT};
-use crate::dispatch_options::{self, DispatchOptions};
 use crate::files::InputKind;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
-use crate::{BUILD, Failure};
-use body::{BodyKind, BodyView, Build, Fit, Meta, Shape, file};
+use body::{BodyKind, Fit, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, BodySet, Explanation, InProcessExecutor, JobHistory, Options, RankingRequest,
-    RankingWorkspace, Row, RunTimes, WorkerPool,
+    Answer, Backend, BodySet, Explanation, JobHistory, RankingRequest, RankingWorkspace, Row,
+    RunTimes, WorkerPool,
 };
 use dispatch::LogEntry;
-use record::Mode;
 use runtime::{FileMap, affinity, clock};
-use scenario::{Cores, EngineSettings as Settings, FileRef, Overrides, Source};
+use scenario::{EngineSettings as Settings, FileRef, Overrides, Source};
 use std::path::PathBuf;
 
-/// Settings for an [`Engine`], from [`Engine::builder`].
-///
-/// ```
-/// use trolley::{Engine, kernel::Build};
-///
-/// let engine = Engine::builder().workers(2).depth(5).tree(Build::Sah).build()?;
-/// assert!(engine.worker_pids().is_empty(), "workers start with the first scenario");
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-#[derive(Clone, Debug, Default)]
-pub struct EngineBuilder {
-    overrides: Overrides,
-    in_process: bool,
-    instance: Option<String>,
-    program: Option<PathBuf>,
-    dispatch_options: DispatchOptions,
-}
+mod builder;
+mod cores;
+
+pub use builder::EngineBuilder;
+pub use cores::{pin_coordinator, worker_cores};
 
 /// Ranks scenarios.
 ///
@@ -122,136 +108,6 @@ enum BodySource {
     File { path: PathBuf, hash: String, size: Option<Fit> },
 }
 
-impl EngineBuilder {
-    /// Sets the number of worker processes, 1 to 16, in place of the scenario's.
-    ///
-    /// ```
-    /// let engine = trolley::Engine::builder().workers(4).build()?;
-    /// assert!(trolley::Engine::builder().workers(17).build().is_err());
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn workers(mut self, workers: usize) -> Self {
-        self.overrides.workers = Some(workers as i64);
-        self
-    }
-
-    /// Runs all jobs in the calling process: no process is started, no shared memory is used.
-    ///
-    /// ```
-    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-    /// let mut engine = trolley::Engine::builder().in_process().build()?;
-    /// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
-    /// assert!(run.workers.is_empty());
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn in_process(self) -> Self {
-        Self { in_process: true, ..self }
-    }
-
-    /// Sets the distribution depth: the levels of both trees that the coordinator descends itself.
-    ///
-    /// ```
-    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-    /// let mut engine = trolley::Engine::builder().in_process().depth(2).build()?;
-    /// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
-    /// assert_eq!(run.depth, 2);
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn depth(mut self, levels: u32) -> Self {
-        self.overrides.depth = Some(i64::from(levels));
-        self
-    }
-
-    /// Sets how trees are built.
-    ///
-    /// ```
-    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-    /// use trolley::kernel::Build;
-    ///
-    /// let mut engine = trolley::Engine::builder().in_process().tree(Build::Sah).build()?;
-    /// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
-    /// assert_eq!(run.tree, Build::Sah);
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn tree(mut self, build: Build) -> Self {
-        self.overrides.build = Some(build.name().to_owned());
-        self
-    }
-
-    /// Sets every engine setting that a scenario may state, in place of the scenario's. Settings
-    /// made earlier with [`workers`](Self::workers), [`depth`](Self::depth) and
-    /// [`tree`](Self::tree) are discarded.
-    ///
-    /// ```
-    /// # use scenario::Overrides;
-    /// let overrides = Overrides { workers: Some(2), leaf_size: Some(8), ..Overrides::default() };
-    /// let engine = trolley::Engine::builder().overrides(overrides).build()?;
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn overrides(self, overrides: Overrides) -> Self {
-        Self { overrides, ..self }
-    }
-
-    /// Sets the name of this instance in shared memory: 1 to 12 of a-z, 0-9 and `-`. The default is
-    /// made from the process id.
-    ///
-    /// ```
-    /// let engine = trolley::Engine::builder().workers(2).instance("planner-1").build()?;
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn instance(self, name: impl Into<String>) -> Self {
-        Self { instance: Some(name.into()), ..self }
-    }
-
-    /// Sets the program that plays the workers. The default is this program: see
-    /// [`play_worker`](crate::play_worker). It must be of the same [build](BUILD).
-    ///
-    /// ```
-    /// let engine = trolley::Engine::builder().worker_program("/usr/bin/trolley").build()?;
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn worker_program(self, program: impl Into<PathBuf>) -> Self {
-        Self { program: Some(program.into()), ..self }
-    }
-
-    /// Sets how jobs reach the workers, for measurements.
-    ///
-    /// ```
-    /// use trolley::dispatch_options::DispatchOptions;
-    ///
-    /// let options = DispatchOptions { log: true, ..DispatchOptions::default() };
-    /// let engine = trolley::Engine::builder().dispatch_options(options).build()?;
-    /// assert!(engine.job_log().is_empty(), "nothing was ranked yet");
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    #[must_use]
-    pub fn dispatch_options(self, dispatch_options: DispatchOptions) -> Self {
-        Self { dispatch_options, ..self }
-    }
-
-    /// Makes the engine. Workers are started with the first scenario, whose bodies they need.
-    ///
-    /// ```
-    /// assert!(trolley::Engine::builder().workers(2).build().is_ok());
-    /// assert!(trolley::Engine::builder().depth(1000).build().is_err());
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// If a setting is out of range or contradicts another.
-    pub fn build(self) -> Result<Engine, Failure> {
-        applied(&Settings::DEFAULT, &self.overrides)?;
-        Ok(Engine { settings: self, loaded: None })
-    }
-}
-
 impl Engine {
     /// Returns a builder with default settings.
     ///
@@ -325,7 +181,9 @@ impl Engine {
         };
         let started_ns = clock::now_ns();
         let views = loaded.bodies.views()?;
-        let run = Run::new(&self.settings, &settings, &views);
+        let cores_granted = affinity::allowed_cores();
+        let remarks = self.settings.remarks(&settings, &cores_granted);
+        let run = Run::new(self.settings.mode(), &settings, &views, (cores_granted, remarks));
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
         let models: Vec<usize> = (0..views.len()).collect();
@@ -462,9 +320,6 @@ fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failu
     applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::FailureKind::Configuration))
 }
 
-/// The shortest time that workers get to start (ns), whatever the deadline of the first request.
-const START_NS: u64 = 2_000_000_000;
-
 /// The bodies of a scenario: the kept ones if they are the same, else newly loaded ones.
 fn loaded<'l>(
     kept: &'l mut Option<Loaded>,
@@ -519,154 +374,6 @@ fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
         })
     };
     scenario.parsed.parties.iter().map(source_of).collect()
-}
-
-impl EngineBuilder {
-    /// What runs the jobs, ready to start. Workers that make visible progress may take as long to
-    /// start as the first request may take (ns), but no less than those that make none.
-    fn backend(
-        &self,
-        settings: &Settings,
-        bodies: &Bodies,
-        deadline_ns: Option<u64>,
-    ) -> Result<Backend, Failure> {
-        if self.in_process {
-            return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(
-                &bodies.views()?,
-            ))));
-        }
-        let cores = worker_cores(settings, &affinity::allowed_cores())?;
-        pin_coordinator(settings)?;
-        let mut options = self.options(settings, bodies, cores)?;
-        let patience = &mut options.start_patience;
-        let deadline_ns = deadline_ns.unwrap_or(patience.longest_ns);
-        patience.longest_ns =
-            deadline_ns.clamp(START_NS.min(patience.longest_ns), patience.longest_ns);
-        Ok(Backend::Workers(Box::new(WorkerPool::start(bodies.store(), &options)?)))
-    }
-
-    /// What could be better on this machine.
-    fn remarks(&self, settings: &Settings, granted: &[usize]) -> Vec<String> {
-        let processes = settings.workers + 1;
-        if self.in_process {
-            vec!["no workers: all jobs ran in the coordinator's process".to_owned()]
-        } else if granted.len() < processes {
-            let remark = format!("{processes} processes share {} cores", granted.len());
-            tracing::info!("{remark}: the coordinator and some workers take turns");
-            vec![remark]
-        } else {
-            Vec::new()
-        }
-    }
-
-    fn options(
-        &self,
-        settings: &Settings,
-        bodies: &Bodies,
-        cores: Vec<Option<usize>>,
-    ) -> Result<Options, Failure> {
-        let instance = self.instance.clone();
-        let instance = instance.unwrap_or_else(|| format!("p{}", std::process::id()));
-        let usual = Options::new(instance, BUILD, cores);
-        Ok(Options {
-            program: self.program.clone().unwrap_or_else(|| usual.program.clone()),
-            matching: dispatch_options::matching(settings),
-            queues: self.dispatch_options.queues(settings)?,
-            cache: self.dispatch_options.cache(settings.depth, &bodies.views()?)?,
-            copies: self.dispatch_options.copies(),
-            log: self.dispatch_options.log,
-            ..usual
-        })
-    }
-}
-
-impl Run {
-    /// A run with nothing done yet.
-    fn new(engine: &EngineBuilder, settings: &Settings, bodies: &[(Meta, BodyView<'_>)]) -> Self {
-        let cores_granted = affinity::allowed_cores();
-        Self {
-            build: BUILD,
-            mode: if engine.in_process { Mode::InProcess } else { Mode::Workers },
-            stages: Stages::default(),
-            depth: settings.depth,
-            tree: settings.build,
-            scheme: settings.scheme,
-            deadline: None,
-            winner_certain: None,
-            order_certain: None,
-            bodies: bodies.len(),
-            triangles: bodies.iter().map(|(_, body)| body.corners.len()).sum(),
-            store_bytes: 0,
-            remarks: engine.remarks(settings, &cores_granted),
-            cores_granted,
-            tasks: 0,
-            jobs: 0,
-            jobs_cut: 0,
-            jobs_abandoned: 0,
-            jobs_reissued: 0,
-            nb_descent: 0,
-            nb: 0,
-            np: 0,
-            messages: 0,
-            message_bytes: 0,
-            messages_rejected: 0,
-            parts_fenced: 0,
-            section_bytes: 0,
-            section_bytes_unshared: 0,
-            sections_evicted: 0,
-            workers: Vec::new(),
-        }
-    }
-}
-
-/// Pins this process to the core that the settings name for the coordinator, if they name one.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-/// // The scenario names no core for the coordinator, so it is not pinned.
-/// trolley::pin_coordinator(&scenario.parsed().engine)?;
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-///
-/// # Errors
-///
-/// If this process may not use that core.
-pub fn pin_coordinator(settings: &Settings) -> Result<(), Failure> {
-    let Some(core) = settings.coordinator_core else { return Ok(()) };
-    affinity::pin_self(usize::from(core)).map_err(|error| {
-        Failure::setting(diagnostic::chain(&error))
-            .with_remedy("choose a core that this process may use: taskset -p $$")
-    })
-}
-
-/// Returns the core of each worker; `None` means not pinned. `granted` lists the allowed cores.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-/// let engine = &scenario.parsed().engine;
-/// let cores = trolley::worker_cores(engine, &[0, 1, 2, 3])?;
-/// assert_eq!(cores.len(), engine.workers);
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-///
-/// # Errors
-///
-/// If a core is named that this process may not use.
-pub fn worker_cores(settings: &Settings, granted: &[usize]) -> Result<Vec<Option<usize>>, Failure> {
-    match &settings.cores {
-        Cores::Unpinned => Ok(vec![None; settings.workers]),
-        Cores::Granted => Ok(affinity::in_turn(granted, settings.workers)),
-        Cores::Listed(cores) => {
-            let cores = cores.iter().map(|core| usize::from(*core));
-            if let Some(core) = cores.clone().find(|core| !granted.contains(core)) {
-                let what = format!("core {core} is not one that this process may use");
-                return Err(Failure::setting(what).with_remedy(format!(
-                    "cores granted here: {granted:?}; see taskset and cpusets"
-                )));
-            }
-            Ok(cores.map(Some).collect())
-        }
-    }
 }
 
 #[cfg(test)]

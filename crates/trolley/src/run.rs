@@ -9,11 +9,12 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-use body::Build;
+use crate::BUILD;
+use body::{BodyView, Build, Meta};
 use coordinator::{Certainty, RankingRun, WorkerPoolReport, WorkerReport};
 use core::time::Duration;
 use record::Mode;
-use scenario::Scheme;
+use scenario::{EngineSettings, Scheme};
 use serde::Serialize;
 
 /// Times of the stages, in milliseconds.
@@ -176,6 +177,47 @@ impl Kept {
 }
 
 impl Run {
+    /// A run with nothing done yet, on the cores granted; remarks are what could be better there.
+    pub(crate) fn new(
+        mode: Mode,
+        settings: &EngineSettings,
+        bodies: &[(Meta, BodyView<'_>)],
+        (cores_granted, remarks): (Vec<usize>, Vec<String>),
+    ) -> Self {
+        Self {
+            build: BUILD,
+            mode,
+            stages: Stages::default(),
+            depth: settings.depth,
+            tree: settings.build,
+            scheme: settings.scheme,
+            deadline: None,
+            winner_certain: None,
+            order_certain: None,
+            bodies: bodies.len(),
+            triangles: bodies.iter().map(|(_, body)| body.corners.len()).sum(),
+            store_bytes: 0,
+            remarks,
+            cores_granted,
+            tasks: 0,
+            jobs: 0,
+            jobs_cut: 0,
+            jobs_abandoned: 0,
+            jobs_reissued: 0,
+            nb_descent: 0,
+            nb: 0,
+            np: 0,
+            messages: 0,
+            message_bytes: 0,
+            messages_rejected: 0,
+            parts_fenced: 0,
+            section_bytes: 0,
+            section_bytes_unshared: 0,
+            sections_evicted: 0,
+            workers: Vec::new(),
+        }
+    }
+
     /// Adds what the work itself counted.
     pub(crate) fn with_effort(self, work: &RankingRun<'_>) -> Self {
         let effort = work.effort();

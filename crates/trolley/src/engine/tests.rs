@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::record::{Record, VerifyOptions};
+use record::Mode;
 
 fn in_process() -> Engine {
     Engine::builder().in_process().build().unwrap()

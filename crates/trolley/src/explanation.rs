@@ -1,0 +1,162 @@
+//! What an [`Explanation`] is made of.
+//!
+//! ```
+//! # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+//! # let mut engine = trolley::Engine::builder().in_process().build()?;
+//! # let limits = trolley::Limits::default().with_explanation();
+//! # let explanation = engine.rank(&scenario, &limits)?.explanation;
+//! # let Some(explanation) = explanation else { unreachable!() };
+//! let best: &trolley::explanation::Derivation = &explanation.chains[0];
+//! println!("{} closes in at {} m/s", best.name, best.closing_m_s);
+//! for person in &best.persons {
+//!     println!("{}: risk {:.3} by curve {}", person.party, person.risk, person.curve);
+//! }
+//! # Ok::<(), trolley::Failure>(())
+//! ```
+
+/// The chain of one candidate in an [`Explanation`](crate::Explanation).
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// let best = &explanation.chains[0];
+/// println!("{} closes in at {} m/s", best.name, best.closing_m_s);
+/// assert_eq!(best.name, explanation.names[explanation.stability.winner]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Derivation;
+
+/// The chain of one person in a [`Derivation`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+///     println!("{}: {:.1} m/s gives risk {:.3}", person.party, person.x_m_s, person.risk);
+///     assert!((0.0..=1.0).contains(&person.risk));
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::PersonChain;
+
+/// A step of the policy in a [`Derivation`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for step in &explanation.chains[0].steps {
+///     println!("{}: {:.4}", step.step, step.value.lo());
+/// }
+/// assert_eq!(explanation.chains[0].steps.len(), explanation.steps.len());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::PolicyStep;
+
+/// What separates a candidate from the next one, in a [`Derivation`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for chain in &explanation.chains {
+///     if let Some(person) = &chain.separates {
+///         println!("{}: {:.3}, then {:.3}", person.party, person.here, person.there);
+///     }
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::Separation;
+
+/// The number that a [`Reserve`] is about.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// use trolley::explanation::Knob;
+///
+/// let reserves = &explanation.stability.reserves;
+/// assert!(reserves.iter().any(|reserve| matches!(reserve.knob, Knob::Slope { .. })));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Knob;
+
+/// A margin of the winner, in [`Stability`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for margin in &explanation.stability.margins {
+///     let next = margin.next.map(|(_, figure)| figure);
+///     println!("step {}: {:.4}, the next has {next:?}", margin.step, margin.winner);
+///     assert!(next.is_none_or(|next| margin.winner <= next));
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Margin;
+
+/// How far a number may move, in [`Stability`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for reserve in &explanation.stability.reserves {
+///     if let (Some(value), Some(winner)) = (reserve.flips_at, reserve.winner) {
+///         println!("{:?} at {value} makes {} win", reserve.knob, explanation.names[winner]);
+///     }
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Reserve;
+
+/// How firmly the winner of an [`Explanation`](crate::Explanation) stands.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// let stability = &explanation.stability;
+/// let flips = stability.reserves.iter().filter(|reserve| reserve.flips_at.is_some());
+/// println!("{} wins, unless one of {} numbers changes",
+///     explanation.names[stability.winner], flips.count());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Stability;
+
+/// The unit of the curve of a [`PersonChain`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// use trolley::explanation::CurveUnit;
+///
+/// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+///     assert!(person.unit != CurveUnit::MetresPerSecond || person.x_in_unit == person.x_m_s);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::curve::CurveUnit;
