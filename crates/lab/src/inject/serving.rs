@@ -22,7 +22,8 @@ pub(super) const START_MS: u64 = 20_000;
 const END_MS: u64 = 5_000;
 /// How long after its deadline a client may still run (ms): it starts, reads files, and ends.
 const CLIENT_MS: u64 = 1_000;
-/// How long each of many requests of one client may take in the mean (ms), on a machine with other work.
+/// How long each of many requests of one client may take in the mean (ms), on a machine with other
+/// work.
 const REPEAT_MS: u64 = 250;
 const INSTANCE: &str = "faulty";
 const TERMINATE: i32 = 15;
