@@ -276,7 +276,8 @@ impl Engine {
         backend.and_then(Backend::worker_pool).map(WorkerPool::pids).unwrap_or_default()
     }
 
-    /// Returns which worker got which job in the last ranking, if [`DispatchOptions::log`] is set.
+    /// Returns which worker got which job in the last ranking, if
+    /// [`DispatchOptions::log`](crate::dispatch_options::DispatchOptions::log) is set.
     ///
     /// ```no_run
     /// # use trolley::{Engine, Limits, Scenario};

@@ -1,4 +1,4 @@
-//! What an [`Explanation`] is made of.
+//! What an [`Explanation`](crate::Explanation) is made of.
 //!
 //! ```
 //! # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
