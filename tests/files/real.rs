@@ -89,12 +89,17 @@ fn assert_hits([ego, other]: [&str; 2], place: &Place, crash: &str) {
     let document = json(&output);
     let poses = document["answer"]["ranking"][0]["poses"].as_array().unwrap().clone();
     assert!(poses.len() >= 3, "{document}");
-    for pose in &poses {
-        let travel_m = pose["travel_m"].as_f64().unwrap();
+    let found_at = |travel_m: f64| {
         let pose_m = given.moved(-DVec3::X * travel_m);
-        let found = brute_force((a.corners, a.source_ids), (b.corners, b.source_ids), &pose_m);
-        assert!(found[2].0 > 0, "nothing hit at {travel_m}");
-        assert_found(pose, &found, &format!("{travel_m} m"));
+        brute_force((a.corners, a.source_ids), (b.corners, b.source_ids), &pose_m)
+    };
+    for (number, pose) in poses.iter().enumerate() {
+        let travel_m = pose["travel_m"].as_f64().unwrap();
+        assert_found(pose, &found_at(travel_m), &format!("{travel_m} m"));
+        // First contact is that of the motion in real numbers: at the pose itself rounding decides.
+        let [before_m, after_m] = [-1e-6, 1e-6].map(|by_m| travel_m + by_m);
+        assert!(number > 0 || found_at(before_m)[2].0 == 0, "hit before first contact");
+        assert!(found_at(after_m)[2].0 > 0, "nothing hit at {after_m}");
     }
 }
 
