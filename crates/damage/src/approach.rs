@@ -153,6 +153,23 @@ impl Approach {
         extent(&self.supports_a).min(extent(&self.supports_b))
     }
 
+    /// Whether bodies that overlap at the given pose come further into each other, instead of
+    /// parting: along the direction in which their hulls overlap least. At a standstill neither.
+    #[must_use]
+    pub fn is_closing(&self) -> bool {
+        let least = (0..HORIZONTAL).min_by(|i, j| {
+            let depth = |i: usize| self.penetration(i, 0.0);
+            depth(*i).total_cmp(&depth(*j)).then(turn(*i).cmp(&turn(*j)))
+        });
+        self.closing_m_s > 0.0 && least.is_some_and(|i| turn(i) < QUARTER)
+    }
+
+    /// The extent of the smaller body along u (m), at most `most_m`.
+    #[must_use]
+    pub fn extent_up_to(&self, most_m: f64) -> f64 {
+        self.smaller_extent().min(most_m)
+    }
+
     /// The travel at which no direction ahead of u separates the hulls any more (m), if both
     /// together were `raise` (m) larger all round.
     pub(crate) fn entry(&self, raise_m: f64) -> f64 {

@@ -124,6 +124,7 @@ pub fn assess_in(
         levers_m: [[0.0; 2]; 2],
         crush: None,
         force_degrees: [0.0; 2],
+        impulse_n_s: [0.0; 3],
         energy_j: Interval::ZERO,
         persons,
         coarse_path: matches!(meeting, Meeting::Path(path) if path.coarse),

@@ -85,6 +85,9 @@ pub struct CandidateHarm {
     pub crush: Option<Crush>,
     /// Where the force comes from in each body's frame (degrees from forward, left positive).
     pub force_degrees: [f64; 2],
+    /// The impulse on B with nominal parameters, that of `response`, in A's frame (N s); A has the
+    /// opposite one.
+    pub impulse_n_s: [f64; 3],
     /// Kinetic energy lost (J): the measure of property damage.
     pub energy_j: Interval,
     /// Everyone in either party; all other persons of the request are untouched.

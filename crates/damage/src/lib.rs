@@ -89,12 +89,13 @@
 //! - A policy changes the order, never a figure: `rank/tests.rs`.
 //! - Candidates that can still win are never left out: `rank/tests.rs`.
 //!
-//! Not modelled: rollover, second impacts, falls, fire, ejection. Risks are statistics of
+//! Not modelled: rollover, falls, fire, ejection, contacts between others. Risks are statistics of
 //! populations, not predictions for individuals.
 
 pub mod approach;
 pub mod assess;
 pub mod contact;
+pub mod course;
 pub mod crush;
 pub mod curve;
 pub mod dynamics;
@@ -116,6 +117,7 @@ pub use approach::{Approach, ApproachError, heading};
 pub use assess::{AssessError, Basis, CandidateBounds, Encounter, Risk};
 pub use assess::{assess, assess_in, bounds, bounds_in};
 pub use contact::{Contact, ContactPatch};
+pub use course::{CourseHarm, RunOut, Severity};
 pub use crush::{Crush, Stiffness};
 pub use curve::Level;
 pub use dynamics::Parameters;
@@ -130,6 +132,6 @@ pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::standing::{Standing, needs_high, standing, standing_in};
 pub use rank::{
-    AnswerState, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank, rank_in,
+    AnswerState, Assessed, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank, rank_in,
 };
 pub use rule::{Rule, Stake};

@@ -100,8 +100,7 @@ pub fn plan(approach: &Approach) -> Result<Meeting, ApproachError> {
     if start < -REACH_M {
         return Ok(Meeting::AlreadyOverlapping);
     }
-    let wanted = (0.5 * approach.smaller_extent()).clamp(STEP_M[0], STEP_M[1]);
-    let (step_m, coarse) = fit(PATCH_M.max(crush_m(closing)), wanted, POSES_MAX - 2);
+    let (step_m, coarse) = step(approach);
     Ok(Meeting::Path(Path {
         from_m: start - ROUNDING_M,
         to_m: approach.exit().max(start) + ROUNDING_M,
@@ -109,6 +108,27 @@ pub fn plan(approach: &Approach) -> Result<Meeting, ApproachError> {
         coarse,
         closing_m_s: closing,
     }))
+}
+
+impl Path {
+    /// The path of bodies whose first contact is known to be at the given pose.
+    ///
+    /// # Errors
+    ///
+    /// If the approach is not usable: [`Approach::check`].
+    pub fn from_contact(approach: &Approach) -> Result<Self, ApproachError> {
+        approach.check()?;
+        let closing_m_s = approach.closing_m_s;
+        let (step_m, coarse) = step(approach);
+        let to_m = approach.exit().max(0.0) + ROUNDING_M;
+        Ok(Self { from_m: 0.0, to_m, step_m, coarse, closing_m_s })
+    }
+}
+
+/// The step of a survey, and whether it had to grow.
+fn step(approach: &Approach) -> (f64, bool) {
+    let wanted = (0.5 * approach.smaller_extent()).clamp(STEP_M[0], STEP_M[1]);
+    fit(PATCH_M.max(crush_m(approach.closing_m_s)), wanted, POSES_MAX - 2)
 }
 
 /// How far zones and depth reach after first contact, at a closing speed (m).

@@ -12,6 +12,7 @@
 //! Every candidate is ranked, unevaluable ones at `[0, 1]` for everyone in them. Nothing here
 //! changes a candidate's figures.
 
+use crate::assess::Risk;
 use crate::harm::CandidateHarm;
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
@@ -192,6 +193,48 @@ pub enum RankError {
     Figure(usize),
 }
 
+/// What ranking needs of a candidate.
+pub trait Assessed {
+    /// Probability that all of it happens, given the choice.
+    fn probability(&self) -> f64;
+    /// Energy lost (J).
+    fn energy_j(&self) -> Interval;
+    /// The persons whom anything may happen to; everybody else is untouched.
+    fn risks(&self) -> impl Iterator<Item = Risk>;
+    /// Upper ends of the model range of persons who may be there besides those at stake, summed.
+    fn of_others(&self) -> f64;
+    /// Whether no open work can change any of this.
+    fn is_done(&self) -> bool;
+    /// Whether there are no figures.
+    fn is_unevaluable(&self) -> bool;
+}
+
+impl Assessed for CandidateHarm {
+    fn probability(&self) -> f64 {
+        self.probability
+    }
+
+    fn energy_j(&self) -> Interval {
+        self.energy_j
+    }
+
+    fn risks(&self) -> impl Iterator<Item = Risk> {
+        self.persons.iter().map(Risk::of)
+    }
+
+    fn of_others(&self) -> f64 {
+        0.0
+    }
+
+    fn is_done(&self) -> bool {
+        self.is_settled() && !self.is_open
+    }
+
+    fn is_unevaluable(&self) -> bool {
+        self.unevaluable.is_some()
+    }
+}
+
 /// Ranks candidates under a policy. `stakes` are all persons of the request, the one fixed set; a
 /// candidate's [`PersonId`]s count into it.
 ///
@@ -199,10 +242,10 @@ pub enum RankError {
 ///
 /// No candidate, a person beyond the list, a responsibility outside [0, 1], or a figure that is not
 /// a number in its range.
-pub fn rank(
+pub fn rank<H: Assessed>(
     policy: &Policy,
     stakes: &[Stake],
-    candidates: &[CandidateHarm],
+    candidates: &[H],
 ) -> Result<RankedCandidates, RankError> {
     let mut ranking = RankedCandidates::default();
     rank_in(&mut Scratch::default(), policy, stakes, candidates, &mut ranking)?;
@@ -215,11 +258,11 @@ pub fn rank(
 /// # Errors
 ///
 /// As [`rank()`].
-pub fn rank_in(
+pub fn rank_in<H: Assessed>(
     scratch: &mut Scratch,
     policy: &Policy,
     stakes: &[Stake],
-    candidates: &[CandidateHarm],
+    candidates: &[H],
     ranking: &mut RankedCandidates,
 ) -> Result<(), RankError> {
     let Scratch { figures, steps, spare } = scratch;
@@ -231,16 +274,16 @@ pub fn rank_in(
 }
 
 /// The figures of all candidates, checked.
-fn figures_of(stakes: &[Stake], candidates: &[CandidateHarm]) -> Result<Vec<Figures>, RankError> {
+fn figures_of<H: Assessed>(stakes: &[Stake], candidates: &[H]) -> Result<Vec<Figures>, RankError> {
     let mut figures = Vec::new();
     write_figures(stakes, candidates, &mut figures)?;
     Ok(figures)
 }
 
 /// [`figures_of`] into the first elements of a list that only grows.
-fn write_figures(
+fn write_figures<H: Assessed>(
     stakes: &[Stake],
-    candidates: &[CandidateHarm],
+    candidates: &[H],
     figures: &mut Vec<Figures>,
 ) -> Result<(), RankError> {
     if candidates.is_empty() {
@@ -271,9 +314,9 @@ struct Round {
 }
 
 impl RankOrder<'_> {
-    fn write(
+    fn write<H: Assessed>(
         &self,
-        candidates: &[CandidateHarm],
+        candidates: &[H],
         spare: &mut Vec<Vec<Interval>>,
         ranking: &mut RankedCandidates,
     ) {
@@ -292,9 +335,9 @@ impl RankOrder<'_> {
         }
         let winner = places[0].range.high();
         let tie_class = |k: &usize| *k == rounds[0].winner || self.leading(*k).1.low() <= winner;
-        let is_done = |k: &usize| candidates[*k].is_settled() && !candidates[*k].is_open;
+        let is_done = |k: &usize| candidates[*k].is_done();
         let (possible, settled) = self.settled(is_done);
-        ranking.state = if candidates.iter().all(|c| c.unevaluable.is_some()) {
+        ranking.state = if candidates.iter().all(Assessed::is_unevaluable) {
             AnswerState::Refused
         } else if (0..candidates.len()).all(|k| is_done(&k)) {
             AnswerState::Complete
@@ -379,7 +422,9 @@ impl RankOrder<'_> {
         let figures = &self.figures[k];
         let work = self.over(measure, k);
         let model = measure.over(&figures.ranges, figures.energy_j, self.stakes).map(rounded);
-        (work, Range::new(model.lo(), model.hi()).around(work), tolerance)
+        let others = measure.of_others(figures.of_others, self.stakes.len());
+        let high = rounded((model.hi() + others).min(1.0)).max(model.hi());
+        (work, Range::new(model.lo(), high).around(work), tolerance)
     }
 
     fn place(&self, round: &Round, next: Option<usize>, mut steps: Vec<Interval>) -> Place {

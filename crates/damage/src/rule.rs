@@ -160,6 +160,22 @@ impl Measure {
         }
     }
 
+    /// How much persons who may be there besides the `n` at stake add to it at most, given the sum
+    /// of their risks. Nobody knows whether they are there, so they are not counted in `n`, and only
+    /// rules that add risks up are affected.
+    #[must_use]
+    pub fn of_others(&self, sum: f64, n: usize) -> f64 {
+        let adds = |rule: Rule| matches!(rule, Rule::Bayes | Rule::Responsibility);
+        let share = sum / n.max(1) as f64;
+        match self {
+            Self::Rule(rule) if adds(*rule) => share,
+            Self::Weighted(terms) => {
+                terms.iter().filter(|t| adds(t.rule)).map(|t| t.weight * share).sum()
+            }
+            Self::Rule(_) | Self::Worst(_) | Self::Energy => 0.0,
+        }
+    }
+
     /// The interval of its values over all risks and energies within the given intervals.
     #[must_use]
     pub fn over(&self, risks: &[Interval], energy_j: Interval, stakes: &[Stake]) -> Interval {

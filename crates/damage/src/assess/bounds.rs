@@ -42,7 +42,8 @@ pub struct CandidateBounds {
 
 impl Risk {
     /// The risk of a person who was assessed in full.
-    pub(crate) fn of(person: &PersonHarm) -> Self {
+    #[must_use]
+    pub fn of(person: &PersonHarm) -> Self {
         Self {
             id: person.id,
             work: person.work,

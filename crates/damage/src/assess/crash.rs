@@ -225,6 +225,7 @@ impl Crash<'_> {
         let slides = if cosine(across(i)) < 0.0 { -1.0 } else { 1.0 };
         let from = d[i] * harm.response.normal_n_s
             + d[across(i)] * (slides * harm.response.tangential_n_s);
+        harm.impulse_n_s = from.to_array().map(|x| x + 0.0);
         harm.force_degrees = [
             self.parties[0].bearing(from, d[UP]) + 0.0,
             self.parties[1].bearing(-from, d[UP]) + 0.0,

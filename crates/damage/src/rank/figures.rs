@@ -1,8 +1,7 @@
 //! The figures of one candidate that ranking uses: risks of all persons of the request, rounded.
 
-use super::RankError;
+use super::{Assessed, RankError};
 use crate::assess::{CandidateBounds, Risk};
-use crate::harm::CandidateHarm;
 use crate::interval::Interval;
 
 /// Figures are rounded to this many parts per unit before they are compared: rounding of sums, and
@@ -29,6 +28,8 @@ pub(super) struct Figures {
     pub(super) highs: Vec<Interval>,
     /// Energy lost (J).
     pub(super) energy_j: Interval,
+    /// What persons who may be there besides add to the upper end of a sum of risks.
+    pub(super) of_others: f64,
 }
 
 impl Figures {
@@ -39,6 +40,7 @@ impl Figures {
         bounds: &CandidateBounds,
         n: usize,
     ) -> Result<(), RankError> {
+        self.of_others = 0.0;
         self.fill((k, n), bounds.probability, bounds.energy_j, bounds.persons.iter().copied())
     }
 
@@ -46,10 +48,14 @@ impl Figures {
     pub(super) fn assessed(
         &mut self,
         k: usize,
-        harm: &CandidateHarm,
+        harm: &impl Assessed,
         n: usize,
     ) -> Result<(), RankError> {
-        self.fill((k, n), harm.probability, harm.energy_j, harm.persons.iter().map(Risk::of))
+        self.of_others = harm.of_others();
+        if !(self.of_others >= 0.0 && self.of_others.is_finite()) {
+            return Err(RankError::Figure(k));
+        }
+        self.fill((k, n), harm.probability(), harm.energy_j(), harm.risks())
     }
 
     fn fill(

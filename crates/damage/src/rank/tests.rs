@@ -38,6 +38,7 @@ pub(in crate::rank) fn candidate(risks: &[Interval], energy_j: Interval) -> Cand
         levers_m: [[0.0; 2]; 2],
         crush: None,
         force_degrees: [0.0; 2],
+        impulse_n_s: [0.0; 3],
         energy_j,
         persons: risks.iter().enumerate().map(person).collect(),
         coarse_path: false,
@@ -270,7 +271,7 @@ fn the_term_that_separates_first_from_second_is_named() {
 #[test]
 fn what_cannot_be_ranked_is_refused() {
     let policy = Policy::shipped().expect("sound");
-    assert_eq!(rank(&policy, &[], &[]), Err(RankError::NoCandidates));
+    assert_eq!(rank::<CandidateHarm>(&policy, &[], &[]), Err(RankError::NoCandidates));
     let unknown = rank(&policy, &[Stake::default()], &[settled(&[0.1, 0.2])]);
     let person = PersonId(1);
     assert_eq!(unknown, Err(RankError::UnknownPerson { candidate: 0, person }));

@@ -274,6 +274,20 @@ impl MotionPath {
         State { time_s, position_m, orientation }
     }
 
+    /// The velocity of a point that is fixed to the body (m, body frame) and the rate at which the
+    /// body turns, both in the world (m/s, rad/s), just before a time (s): those of the piece that
+    /// ends there, or holds it. Before the first state those of the first piece.
+    #[must_use]
+    pub fn velocity_before(&self, time_s: f64, point_m: [f64; 3]) -> (DVec3, DVec3) {
+        let before = self.states.partition_point(|state| state.time_s < time_s);
+        let leg = self.leg(before.saturating_sub(1).min(self.turns.len() - 1));
+        let rotation = self.state_at(time_s).orientation.rotation();
+        let arm = rotation.map(|row| {
+            (row[0] * point_m[0] + row[1] * point_m[1]) + row[2] * point_m[2]
+        });
+        (leg.velocity + leg.rate.cross(DVec3::from_array(arm)), leg.rate)
+    }
+
     /// The number of the state from which the body moves at a time, which is never the last one.
     fn number_at(&self, time_s: f64) -> usize {
         let after = self.states.partition_point(|state| state.time_s <= time_s);
