@@ -206,12 +206,7 @@ fn row(
         .map(|(ground, next)| ground.sentence(&candidate.name, &request.candidates[next].name));
     let [(meta_a, a), (meta_b, b)] =
         [candidate.model_a, candidate.model_b].map(|model| &bodies[model as usize]);
-    let [parts_a, parts_b] = state.hit.parts(a, b);
     let hit = state.hit.summary(a, b);
-    let names = |meta: &Meta, parts: BTreeSet<u16>| {
-        let known = &meta.parts;
-        parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
-    };
     Row {
         name: candidate.name.to_string(),
         other: candidate.other_name.to_string(),
@@ -224,7 +219,7 @@ fn row(
         contact: harm.contact.clone(),
         hits: [hit.hits_a, hit.hits_b],
         hashes: [hit.hash_a, hit.hash_b].map(hex),
-        parts: [names(meta_a, parts_a), names(meta_b, parts_b)],
+        parts: parts(state, [(meta_a, a), (meta_b, b)]),
         crush: harm.crush,
         closing_m_s: harm.closing_m_s,
         delta_v_m_s: harm.delta_v,
@@ -236,8 +231,21 @@ fn row(
     }
 }
 
+/// Names of the parts hit from first contact to e, in the bodies' order: of A, of B.
+pub(crate) fn parts(
+    state: &CandidateState,
+    [(meta_a, a), (meta_b, b)]: [(&Meta, &BodyView<'_>); 2],
+) -> [Vec<String>; 2] {
+    let [parts_a, parts_b] = state.hit.parts(a, b);
+    let names = |meta: &Meta, parts: BTreeSet<u16>| {
+        let known = &meta.parts;
+        parts.into_iter().filter_map(|part| known.get(usize::from(part)).cloned()).collect()
+    };
+    [names(meta_a, parts_a), names(meta_b, parts_b)]
+}
+
 /// The sides that the nominal normal passes through; ∥ where the bodies mostly slide past.
-fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
+pub(crate) fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     let Some(patch) = &harm.contact.patch else { return String::new() };
     let normal = DVec3::from_array(patch.normal);
     let up = candidate.approach.directions.d[damage::approach::UP];
@@ -259,7 +267,7 @@ fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     format!("{} {sign} {}", side(&candidate.a, normal), side(&candidate.b, -normal))
 }
 
-fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
+pub(crate) fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
     let row = |person: &damage::PersonHarm| PersonRow {
         party: request.persons[person.id.0].party.to_string(),
         seat: person.seat.map(body::Seat::name),
@@ -273,11 +281,11 @@ fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
     harm.persons.iter().map(row).collect()
 }
 
-fn hex(hash: u64) -> String {
+pub(crate) fn hex(hash: u64) -> String {
     format!("{hash:016x}")
 }
 
-fn poses(state: &CandidateState) -> Vec<PoseRow> {
+pub(crate) fn poses(state: &CandidateState) -> Vec<PoseRow> {
     let SearchStage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
     let row = |(stop, surveyed): &(damage::Stop, Option<crate::candidate_state::Surveyed>)| {
         let found = surveyed.as_ref()?;

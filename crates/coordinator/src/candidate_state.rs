@@ -111,12 +111,17 @@ impl CandidateState {
         Self { stage, hit, spare }
     }
 
-    /// The task that is needed first, if any was not asked for yet.
+    /// The tasks that are needed first, if they were not asked for yet; they are numbered from
+    /// `task` on.
     pub(crate) fn begin(
         &mut self,
         candidate: &Candidate,
+        task: u32,
         purposes: &mut Vec<(Purpose, f64, WireQuestion)>,
     ) {
+        if candidate.first.is_some() {
+            return self.settle(candidate, candidate.first.as_ref(), task, purposes);
+        }
         let SearchStage::Searching { is_asked, .. } = &mut self.stage else { return };
         let Meeting::Path(path) = &candidate.meeting else { return };
         if !core::mem::replace(is_asked, true) {

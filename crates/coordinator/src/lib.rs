@@ -24,6 +24,7 @@ mod answer;
 mod answer_view;
 mod bound;
 mod candidate_state;
+mod course;
 mod explain;
 #[cfg(test)]
 mod fixtures;
@@ -45,6 +46,10 @@ mod workspace;
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use answer_view::{AnswerRow, AnswerView};
 
+pub use course::{
+    Alternative, AtHorizon, ContactRow, CourseAnswer, CourseEffort, CoursePersonRow, CourseRequest,
+    CourseRow, EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses,
+};
 pub use explain::{Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use job_history::JobHistory;

@@ -1,5 +1,6 @@
 //! A request as the engine takes it: every candidate in the ego's frame, and the persons at stake.
 
+use crate::candidate_state::FirstContact;
 use body::{BodyKind, BodyView, Meta, Seat};
 use bvh::support::{Extremes, support};
 use damage::party::{is_concave, is_fixed};
@@ -11,7 +12,7 @@ use damage::{
 use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
-use scenario::{MotionState, Name, Scenario};
+use scenario::{Name, Scenario};
 use smallvec::SmallVec;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -33,6 +34,8 @@ pub(crate) struct Candidate {
     pub(crate) probability: f64,
     /// B is of unknown kind: it is taken as fixed to the ground.
     pub(crate) is_assumed_fixed: bool,
+    /// The first contact, at travel 0, where it is known; `None`: it is to be sought.
+    pub(crate) first: Option<FirstContact>,
 }
 
 impl Candidate {
@@ -167,14 +170,21 @@ impl Request {
             let party = |number: usize, to_ego: Option<&RelativePose>| {
                 let seat = |id: usize| Aboard { id: PersonId(id), seat: persons[id].seat };
                 let aboard = aboard[number].clone().map(seat);
-                party(&body(number).0, &scenario.parties[number], to_ego, aboard)
+                let stated = &scenario.parties[number];
+                let stated = StatedParty {
+                    is_unknown: stated.is_unknown,
+                    mass_kg: stated.mass_kg,
+                    crush: stated.crush,
+                };
+                party(&body(number).0, stated, to_ego, aboard)
             };
             let (a, b) = (party(ego, None), party(other, Some(&pose)));
             let supports = (
                 |direction| support(models[ego], direction),
                 |direction| support(models[other], direction),
             );
-            let approach = approach(supports, &pose, (state_a, state_b), (&a, &b));
+            let velocities = [state_a.velocity_m_s, state_b.velocity_m_s];
+            let approach = approach(supports, (&state_a.pose, &pose), velocities, (&a, &b));
             let meeting = plan(&approach).map_err(|source| RequestError::Approach {
                 name: candidate.name.to_string(),
                 source,
@@ -191,6 +201,7 @@ impl Request {
                 b,
                 probability: candidate.probability,
                 is_assumed_fixed: scenario.parties[other].is_unknown,
+                first: None,
             });
         }
         Ok(Self { candidates, persons, policy, curves, parameters: Parameters::default() })
@@ -236,9 +247,18 @@ fn persons<'b>(
     (persons, aboard)
 }
 
-fn party(
+/// What a scenario says of a party beyond its body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StatedParty {
+    pub(crate) is_unknown: bool,
+    pub(crate) mass_kg: Option<f64>,
+    pub(crate) crush: Option<[f64; 2]>,
+}
+
+/// A party as dynamics see it; `to_ego` is the pose in A's frame of a party that is not A.
+pub(crate) fn party(
     meta: &Meta,
-    stated: &scenario::Party,
+    stated: StatedParty,
     to_ego: Option<&RelativePose>,
     aboard: impl Iterator<Item = Aboard>,
 ) -> CollisionParty {
@@ -268,14 +288,16 @@ fn party(
     }
 }
 
-fn approach(
+/// Two bodies on their way: `pose_a` in the world, `pose` of B in A's frame, velocities in the world
+/// of A and of B (m/s).
+pub(crate) fn approach(
     (support_a, support_b): (impl Fn(DVec3) -> f64, impl Fn(DVec3) -> f64),
-    pose: &RelativePose,
-    (state_a, state_b): (&MotionState, &MotionState),
+    (pose_a, pose): (&Pose, &RelativePose),
+    [velocity_a, velocity_b]: [DVec3; 2],
     (a, b): (&CollisionParty, &CollisionParty),
 ) -> Approach {
-    let to_a = |v: DVec3| Pose::direction_to_body(&state_a.pose, v);
-    let relative = to_a(state_a.velocity_m_s - state_b.velocity_m_s);
+    let to_a = |v: DVec3| Pose::direction_to_body(pose_a, v);
+    let relative = to_a(velocity_a - velocity_b);
     let up = to_a(DVec3::Z);
     let u = heading(relative, b.centre_m - a.centre_m, up);
     let directions = Directions::around(u, up);

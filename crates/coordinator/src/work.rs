@@ -69,6 +69,15 @@ pub struct Effort {
     pub jobs: Counters,
 }
 
+impl Effort {
+    /// Adds the effort of another request.
+    pub fn add(&mut self, other: &Self) {
+        self.tasks += other.tasks;
+        self.descent.add(&other.descent);
+        self.jobs.add(&other.jobs);
+    }
+}
+
 /// The work of one request. The backend that runs its jobs drives it through
 /// [`dispatch::JobSource`].
 #[derive(Debug)]
@@ -138,7 +147,8 @@ impl<'w> RankingRun<'w> {
             asked: None,
         };
         for (k, candidate) in request.candidates.iter().enumerate() {
-            work.candidate_states[k].begin(candidate, &mut work.purposes);
+            let task = work.tasks.len() as u32;
+            work.candidate_states[k].begin(candidate, task, &mut work.purposes);
             work.ask(k);
         }
         work
@@ -207,6 +217,11 @@ impl<'w> RankingRun<'w> {
             self.tasks.push(state);
         }
         self.purposes = purposes;
+    }
+
+    /// A body of the request, by its number.
+    pub(crate) fn body_of(&self, model: u32) -> &'w (Meta, BodyView<'w>) {
+        &self.bodies[model as usize]
     }
 
     fn views(&self, task: &WireTask) -> (&'w BodyView<'w>, &'w BodyView<'w>) {

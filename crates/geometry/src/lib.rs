@@ -19,6 +19,7 @@ pub mod hash;
 pub mod lanes;
 pub mod motion;
 pub mod patch;
+pub mod plan;
 pub mod pose;
 pub mod rng;
 pub mod simd;

@@ -282,9 +282,8 @@ impl MotionPath {
         let before = self.states.partition_point(|state| state.time_s < time_s);
         let leg = self.leg(before.saturating_sub(1).min(self.turns.len() - 1));
         let rotation = self.state_at(time_s).orientation.rotation();
-        let arm = rotation.map(|row| {
-            (row[0] * point_m[0] + row[1] * point_m[1]) + row[2] * point_m[2]
-        });
+        let arm =
+            rotation.map(|row| (row[0] * point_m[0] + row[1] * point_m[1]) + row[2] * point_m[2]);
         (leg.velocity + leg.rate.cross(DVec3::from_array(arm)), leg.rate)
     }
 

@@ -1,0 +1,384 @@
+//! Ranks the candidates of a scenario over a horizon: every candidate among everybody around.
+//!
+//! ```text
+//! HorizonScenario --Way::next: who is met next, and when--> contacts, one per candidate
+//!      ^                                                       |  as candidates of a Request
+//!      |                                                       v
+//!      +-- light: drive on, heavy: run-out <-- harm <-- RankingRun: hit sets at the contact
+//! no contact left --> CourseHarm per candidate --> damage::rank --> CourseAnswer
+//! ```
+//!
+//! The contacts that come next in all candidates are worked on together, as a *round*: each is a
+//! candidate of a [`Request`] whose first contact is known, so the survey of its hit sets goes
+//! through the same jobs, workers and faults as any other. A candidate has few contacts, so there
+//! are few rounds.
+//!
+//! # Invariants
+//!
+//! - Contacts of a candidate are found in the order of time, whatever the order in which parties are
+//!   looked at: [`Way::next`] takes the earliest of all.
+//! - What is open is never harmless: from the first open time on everybody may be harmed.
+//! - Light contacts and second looks come to an end: each goes on later by at least 10 ms.
+
+use crate::answer::{self, PersonRow, PoseRow};
+use crate::candidate_state::FirstContact;
+use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
+use crate::request_limits::{RequestLimits, Until};
+use crate::work::{Effort, RankingRun, RunBuffers};
+use crate::workspace::{Backend, BodySet, RunError};
+use bvh::Witness;
+use bvh::support::support;
+use damage::approach::STANDSTILL_M_S;
+use damage::course::{PASSED_M, RunOut, Severity};
+use damage::path::Path;
+use damage::{
+    CandidateHarm, CourseHarm, Curves, Meeting as HullMeeting, Parameters, Policy,
+    RankedCandidates, Scratch, rank_in,
+};
+use geometry::motion::MotionPath;
+use geometry::{DVec3, RelativePose, Supports};
+use runtime::clock;
+use scenario::HorizonScenario;
+use std::sync::Arc;
+
+mod course_answer;
+mod encounter;
+mod flags;
+mod persons;
+mod way;
+
+pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
+pub use encounter::EncounterEffort;
+pub use flags::{Alternative, AtHorizon, NearestRow};
+
+use encounter::EncounterSearch;
+use persons::People;
+use way::{Begin, Meeting, Scenery, Way};
+
+/// One request over a horizon.
+#[derive(Clone, Debug)]
+pub struct CourseRequest<'a> {
+    /// Parties, their motions and candidates.
+    pub scenario: &'a HorizonScenario,
+    /// The body of each party: its number in the store.
+    pub models: &'a [usize],
+    /// Policy and curves that judge the candidates.
+    pub rules: (Arc<Policy>, Arc<Curves>),
+}
+
+/// What the work on a request took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CourseEffort {
+    /// The search for contacts.
+    pub search: EncounterEffort,
+    /// The surveys of hit sets at contacts.
+    pub surveys: Effort,
+    /// Rounds of contacts.
+    pub rounds: u64,
+    /// Jobs that this process ran itself.
+    pub jobs_in_process: u64,
+    /// Time of the search (ns).
+    pub search_ns: u64,
+    /// Time of the surveys (ns).
+    pub surveys_ns: u64,
+    /// Time of flags, harm and ranking (ns).
+    pub judge_ns: u64,
+    /// When the request was accepted (ns, monotonic).
+    pub accepted_ns: u64,
+}
+
+/// A request, ranked.
+#[derive(Clone, Debug)]
+pub struct RankedCourses {
+    /// The answer: the same bytes for every backend, if it is complete.
+    pub answer: CourseAnswer,
+    /// How it came to be.
+    pub effort: CourseEffort,
+}
+
+/// A contact of a candidate, assessed.
+#[derive(Clone, Debug)]
+struct Assessed {
+    meeting: Meeting,
+    harm: CandidateHarm,
+    severity: Severity,
+    /// The model range of the ego's change of velocity crosses the threshold.
+    may_be_other: bool,
+    /// What the answer shows of it besides.
+    sides: String,
+    is_other_fixed: bool,
+    hits: [u64; 2],
+    hashes: [String; 2],
+    parts: [Vec<String>; 2],
+    persons: Vec<PersonRow>,
+    poses: Vec<PoseRow>,
+}
+
+/// A candidate as it is followed.
+#[derive(Debug)]
+struct Course<'s> {
+    way: Way<'s>,
+    contacts: Vec<Assessed>,
+    /// A contact that cannot be evaluated, or whose work is not done, ended the course.
+    is_stuck: bool,
+}
+
+/// Ranks the candidates of a scenario over a horizon.
+///
+/// # Errors
+///
+/// If a contact cannot be assessed at all, or no worker is left to run jobs.
+///
+/// # Panics
+///
+/// If there is no model for a party, or no such body.
+pub fn rank_courses(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    limits: RequestLimits,
+    backend: &mut Backend,
+) -> Result<RankedCourses, RunError> {
+    let accepted_ns = clock::now_ns();
+    let due_ns = limits.deadline_ns.map(|length_ns| accepted_ns + length_ns);
+    let is_over = move || due_ns.is_some_and(|due_ns| clock::now_ns() >= due_ns);
+    let is_due: Option<&dyn Fn() -> bool> = due_ns.is_some().then_some(&is_over);
+    let CourseRequest { scenario, models, rules: (policy, curves) } = request;
+    let scenery = Scenery { scenario, bodies: stage.bodies, models };
+    let people = People::of(scenario, &|party| scenery.body(party));
+    let mut effort = CourseEffort { accepted_ns, ..CourseEffort::default() };
+    let mut search = EncounterSearch::default();
+    let begin = |candidate| Course {
+        way: Way::new(scenery, candidate),
+        contacts: Vec::new(),
+        is_stuck: false,
+    };
+    let mut courses: Vec<Course<'_>> = scenario.candidates.iter().map(begin).collect();
+    let mut buffers = RunBuffers::default();
+    let support_of = |model: usize, direction: DVec3| match stage.extremes {
+        Some(extremes) => extremes[model].support(&stage.bodies[model].1, direction),
+        None => support(&stage.bodies[model].1, direction),
+    };
+    loop {
+        let begun_ns = clock::now_ns();
+        let mut round: Vec<(usize, Meeting)> = Vec::new();
+        let mut contacts: Vec<Candidate> = Vec::new();
+        for (k, course) in courses.iter_mut().enumerate().filter(|(_, course)| !course.is_stuck) {
+            while let Some(meeting) = course.way.next(&mut search, is_due) {
+                let contact = contact(&scenery, &people, course, k, &meeting, &support_of)?;
+                let approach = &contact.approach;
+                if meeting.begin == Begin::AtStart
+                    && contact.meeting != HullMeeting::AlreadyOverlapping
+                    && !approach.is_closing()
+                {
+                    let extent_m = approach.extent_up_to(PASSED_M);
+                    course.way.part(&meeting, approach.closing_m_s, extent_m);
+                    continue;
+                }
+                round.push((k, meeting));
+                contacts.push(contact);
+                break;
+            }
+        }
+        effort.search_ns += clock::now_ns() - begun_ns;
+        if round.is_empty() {
+            break;
+        }
+        let persons = people.list.clone();
+        let parameters = Parameters::default();
+        let (policy, curves) = (policy.clone(), curves.clone());
+        let contacts = Request { candidates: contacts, persons, policy, curves, parameters };
+        let begun_ns = clock::now_ns();
+        let left_ns = due_ns.map(|due_ns| due_ns.saturating_sub(begun_ns));
+        let mut work = RankingRun::with_buffers(&contacts, stage.bodies, stage.depth, buffers)
+            .with_limits(RequestLimits { until: Until::Complete, deadline_ns: left_ns, ..limits });
+        effort.jobs_in_process += backend.work_off(&mut work)?;
+        effort.surveys_ns += clock::now_ns() - begun_ns;
+        effort.rounds += 1;
+        effort.surveys.add(&work.effort());
+        let (harms, _) = work.judge()?;
+        for (number, ((k, meeting), harm)) in round.into_iter().zip(harms).enumerate() {
+            let assessed = assessed(&contacts, &work, number, meeting, harm);
+            settle(&mut courses[k], &contacts.candidates[number], assessed);
+        }
+        buffers = work.into_buffers();
+    }
+    effort.search = search.effort;
+    let begun_ns = clock::now_ns();
+    let answer = conclude(&scenery, &people, policy, &courses, &mut search)?;
+    effort.judge_ns = clock::now_ns() - begun_ns;
+    Ok(RankedCourses { answer, effort })
+}
+
+/// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
+fn velocities(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &Meeting) -> [DVec3; 2] {
+    let ways = course.way.ways(meeting.party);
+    let parties = [scenery.scenario.ego.0, meeting.party];
+    [0, 1].map(|side: usize| {
+        let path: &MotionPath = ways.paths[side];
+        let centre_m = scenery.body(parties[side]).0.centre_m;
+        path.velocity_before(meeting.touching.time_s, centre_m).0
+    })
+}
+
+/// A contact as a candidate of a request: its first contact is known.
+fn contact(
+    scenery: &Scenery<'_>,
+    people: &People,
+    course: &Course<'_>,
+    k: usize,
+    meeting: &Meeting,
+    support_of: &impl Fn(usize, DVec3) -> f64,
+) -> Result<Candidate, RequestError> {
+    let scenario = scenery.scenario;
+    let name = &scenario.candidates[k].name;
+    let (ego, other) = (scenario.ego.0, meeting.party);
+    let ways = course.way.ways(other);
+    let [pose_a, pose_b] = ways.paths.map(|path| path.pose_at(meeting.touching.time_s));
+    let pose = RelativePose::between(&pose_a, &pose_b);
+    let side = |number: usize, to_ego: Option<&RelativePose>| {
+        let stated = &scenario.parties[number];
+        let stated = StatedParty {
+            is_unknown: stated.is_unknown,
+            mass_kg: stated.mass_kg,
+            crush: stated.crush,
+        };
+        party(&scenery.body(number).0, stated, to_ego, people.aboard(number))
+    };
+    let (a, b) = (side(ego, None), side(other, Some(&pose)));
+    let models = [ego, other].map(|number| scenery.models[number]);
+    let supports = (|d: DVec3| support_of(models[0], d), |d: DVec3| support_of(models[1], d));
+    let approach =
+        approach(supports, (&pose_a, &pose), velocities(scenery, course, meeting), (&a, &b));
+    let path = Path::from_contact(&approach)
+        .map_err(|source| RequestError::Approach { name: name.to_string(), source })?;
+    let stands = approach.closing_m_s < STANDSTILL_M_S;
+    let hulls = if meeting.begin == Begin::AtStart && stands {
+        HullMeeting::AlreadyOverlapping
+    } else {
+        HullMeeting::Path(path)
+    };
+    let touching = &meeting.touching;
+    let witness = Witness {
+        travel_m: 0.0,
+        ids: touching.ids,
+        triangles: touching.triangles,
+        point: touching.point,
+    };
+    let mut supports = Supports::EMPTY;
+    supports.add(&approach.directions, touching.point);
+    let bodies = ways.bodies;
+    let zones = encounter::zones([&bodies[0], &bodies[1]], touching.triangles);
+    Ok(Candidate {
+        name: name.clone(),
+        other_name: scenario.parties[other].name.clone(),
+        model_a: models[0] as u32,
+        model_b: models[1] as u32,
+        pose,
+        approach,
+        meeting: hulls,
+        a,
+        b,
+        probability: 1.0,
+        is_assumed_fixed: scenario.parties[other].is_unknown,
+        first: Some(FirstContact { witness, zones, supports }),
+    })
+}
+
+/// What is known of a contact when its round is over.
+fn assessed(
+    contacts: &Request,
+    work: &RankingRun<'_>,
+    number: usize,
+    meeting: Meeting,
+    harm: CandidateHarm,
+) -> Assessed {
+    let candidate = &contacts.candidates[number];
+    let state = &work.candidate_states()[number];
+    let [a, b] = [candidate.model_a, candidate.model_b].map(|model| work.body_of(model));
+    let hit = state.hit.summary(&a.1, &b.1);
+    let (severity, may_be_other) = Severity::of(&harm);
+    Assessed {
+        meeting,
+        severity,
+        may_be_other,
+        sides: answer::sides(candidate, &harm),
+        is_other_fixed: candidate.b.mass_kg.is_none(),
+        hits: [hit.hits_a, hit.hits_b],
+        hashes: [hit.hash_a, hit.hash_b].map(answer::hex),
+        parts: answer::parts(state, [(&a.0, &a.1), (&b.0, &b.1)]),
+        persons: answer::persons(contacts, &harm),
+        poses: answer::poses(state),
+        harm,
+    }
+}
+
+/// Lets a course go on after a contact, or end there.
+fn settle(course: &mut Course<'_>, candidate: &Candidate, assessed: Assessed) {
+    let meeting = assessed.meeting;
+    if !assessed.harm.is_settled() || assessed.harm.is_open {
+        // Where the ego goes from here is not known.
+        course.is_stuck = true;
+        course.contacts.push(assessed);
+        return;
+    }
+    let approach = &candidate.approach;
+    match assessed.severity {
+        Severity::Light => {
+            let extent_m = approach.extent_up_to(PASSED_M);
+            course.way.pass(&meeting, approach.closing_m_s, extent_m);
+            if meeting.begin != Begin::SecondLook {
+                course.contacts.push(assessed);
+            }
+        }
+        Severity::Heavy => {
+            let at_s = meeting.touching.time_s;
+            let rotation = course.way.ego_path().pose_at(at_s).rotation;
+            let impulse = DVec3::from_array(assessed.harm.impulse_n_s);
+            let row = |i: usize| DVec3::from_array(rotation[i]).dot(impulse);
+            let on_ego = -DVec3::new(row(0), row(1), row(2));
+            let (before, _) =
+                course.way.ego_path().velocity_before(at_s, candidate.a.centre_m.to_array());
+            // The ego has a mass: it is a vehicle.
+            let mass_kg = candidate.a.mass_kg.unwrap_or(f64::INFINITY);
+            course.way.leave(&meeting, RunOut::after(before, on_ego, mass_kg));
+            // A first, light touch was the begin of this crash.
+            if meeting.begin == Begin::SecondLook {
+                let same = |contact: &Assessed| contact.meeting.party == meeting.party;
+                if let Some(first) = course.contacts.iter().rposition(same) {
+                    course.contacts.remove(first);
+                }
+            }
+            course.contacts.push(assessed);
+        }
+    }
+}
+
+/// Harm of every candidate, their order, and the answer.
+fn conclude(
+    scenery: &Scenery<'_>,
+    people: &People,
+    policy: &Policy,
+    courses: &[Course<'_>],
+    search: &mut EncounterSearch,
+) -> Result<CourseAnswer, RequestError> {
+    let harms: Vec<CourseHarm> = courses.iter().map(|course| harm_of(people, course)).collect();
+    let stakes: Vec<_> = people.list.iter().map(|person| person.stake).collect();
+    let mut ranking = RankedCandidates::default();
+    rank_in(&mut Scratch::default(), policy, &stakes, &harms, &mut ranking)?;
+    Ok(course_answer::answer(scenery, people, policy, (courses, &harms), &ranking, search))
+}
+
+/// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only
+/// keeps an open candidate from winning by less damage.
+const ENERGY_MAX_J: f64 = 5e9;
+
+/// The harm of a course: all contacts together, and whatever is open.
+fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
+    let mut harm = CourseHarm::none();
+    course.contacts.iter().for_each(|contact| harm.include(&contact.harm));
+    people.suppose(&mut harm);
+    if course.is_stuck || course.way.open_from_s.is_some() {
+        harm.leave_open(people.all(), ENERGY_MAX_J);
+    }
+    harm
+}

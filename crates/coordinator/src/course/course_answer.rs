@@ -1,0 +1,389 @@
+//! The answer over a horizon: order-free values only, as in [`crate::answer`].
+
+use super::encounter::EncounterSearch;
+use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines};
+use super::persons::People;
+use super::way::{Begin, Scenery};
+use super::{Assessed, Course};
+use crate::answer::{PersonRow, PoseRow};
+use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
+use damage::{
+    AnswerState, Contact, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
+    RankedCandidates, Unevaluable,
+};
+use serde::Serialize;
+
+/// The answer to a request over a horizon.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CourseAnswer {
+    /// How complete it is.
+    pub state: AnswerState,
+    /// The policy's name.
+    pub policy: String,
+    /// Candidates, least harm first.
+    pub ranking: Vec<CourseRow>,
+    /// Names of the candidates that the model cannot tell from the first, itself included.
+    pub tie_class: Vec<String>,
+    /// Further remarks on the ranking.
+    pub notes: Vec<Note>,
+    /// What was assumed for lack of data, in sentences.
+    pub assumptions: Vec<String>,
+    /// Number of leading places that no open work can change.
+    pub settled_places: usize,
+    /// What is missing: one sentence per candidate that is not fully known.
+    pub missing: Vec<String>,
+}
+
+/// One candidate in its place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CourseRow {
+    /// Its name.
+    pub name: String,
+    /// The policy's leading measure, over the work interval: [lo, hi].
+    pub work: Interval,
+    /// The policy's leading measure, over the model range: [low, high].
+    pub range: Range,
+    /// Whether the model is sure that it comes before the next.
+    pub certain: bool,
+    /// Why it comes before the next, in one sentence.
+    pub why: Option<String>,
+    /// Whom the ego meets until the end of its way, in the order of time. Empty: it touches nobody,
+    /// which is proven where [`CourseRow::open_from_s`] is `None`.
+    pub contacts: Vec<ContactRow>,
+    /// From this time on (s) it is not known whom the ego meets; `None`: all is known.
+    pub open_from_s: Option<f64>,
+    /// Everybody who is harmed or may be, over all contacts together.
+    pub persons: Vec<CoursePersonRow>,
+    /// Kinetic energy lost in all contacts (J).
+    pub energy_j: Interval,
+    /// When a run-out begins (s), its velocity in the world (m/s) and its whole length (m).
+    pub run_out: Option<RunOutRow>,
+    /// The party that comes nearest on the way, of those that are not touched.
+    pub nearest: Option<NearestRow>,
+    /// What is ahead at the end of the way.
+    pub at_horizon: AtHorizon,
+    /// Predicted motions that were not followed, on which the ego would meet somebody.
+    pub alternatives: Vec<Alternative>,
+    /// What else has to be known, in sentences.
+    pub remarks: Vec<String>,
+}
+
+/// A run-out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RunOutRow {
+    /// When it begins (s).
+    pub from_s: f64,
+    /// Velocity of the ego then, in the world (m/s).
+    pub velocity_m_s: [f64; 2],
+    /// Length until it stands (m), whether or not that is before the horizon.
+    pub length_m: f64,
+}
+
+/// One contact of a candidate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactRow {
+    /// The party that is met.
+    pub party: String,
+    /// When the bodies first touch (s).
+    pub time_s: f64,
+    /// Nothing touches before (s); within the resolution of `time_s`.
+    pub excluded_before_s: f64,
+    /// Whether triangles touch at that time; else they come as near as the resolution, which counts
+    /// as contact.
+    pub is_certain: bool,
+    /// Whether the bodies are in contact at the start.
+    pub is_at_start: bool,
+    /// Whether the ego drives on.
+    pub severity: Severity,
+    /// The model range of the ego's change of velocity holds both severities.
+    pub may_be_other: bool,
+    /// Source ids of the two triangles that touch first: of the ego, of the party.
+    pub triangles: [u32; 2],
+    /// Which sides meet, for people: "front ↔ rear", or "left ∥ wall" where they mostly slide.
+    pub sides: String,
+    /// Whether the party is fixed to the ground.
+    pub is_other_fixed: bool,
+    /// What the contact is like.
+    pub contact: Contact,
+    /// Number of triangles hit from first contact to e: of the ego, of the party.
+    pub hits: [u64; 2],
+    /// Hashes of the sets of hit triangles.
+    pub hashes: [String; 2],
+    /// Names of the parts hit from first contact to e: of the ego, of the party.
+    pub parts: [Vec<String>; 2],
+    /// Closing speed (m/s).
+    pub closing_m_s: f64,
+    /// Change of velocity of the ego and of the party (m/s).
+    pub delta_v_m_s: [DeltaV; 2],
+    /// The impulse on the party (N s), in the ego's frame.
+    pub impulse_n_s: [f64; 3],
+    /// Kinetic energy lost (J).
+    pub energy_j: Interval,
+    /// Everyone in this contact.
+    pub persons: Vec<PersonRow>,
+    /// Why there are no figures, if there are none.
+    pub unevaluable: Option<Unevaluable>,
+    /// Whether the limit on poses made the survey coarse.
+    pub coarse_path: bool,
+    /// Poses from first contact on.
+    pub poses: Vec<PoseRow>,
+}
+
+/// One person over all contacts of a candidate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CoursePersonRow {
+    /// The party that the person belongs to.
+    pub party: String,
+    /// The seat; `None` on foot, or on some seat.
+    pub seat: Option<&'static str>,
+    /// Probability of injury at the policy's level: [lo, hi].
+    pub work: Interval,
+    /// Probability of injury over the model range.
+    pub range: Range,
+}
+
+impl CourseAnswer {
+    /// The candidate of least harm; `None` if no bound can be given.
+    #[must_use]
+    pub fn best(&self) -> Option<&CourseRow> {
+        if self.state == AnswerState::Refused { None } else { self.ranking.first() }
+    }
+}
+
+impl CourseRow {
+    /// Whether the ego touches nobody until the end of its way: proven.
+    #[must_use]
+    pub fn touches_nobody(&self) -> bool {
+        self.contacts.is_empty() && self.open_from_s.is_none()
+    }
+}
+
+/// The answer that follows from finished courses.
+pub(super) fn answer(
+    scenery: &Scenery<'_>,
+    people: &People,
+    policy: &Policy,
+    (courses, harms): (&[Course<'_>], &[CourseHarm]),
+    ranking: &RankedCandidates,
+    search: &mut EncounterSearch,
+) -> CourseAnswer {
+    let scenario = scenery.scenario;
+    let outlines = Outlines::of(scenery);
+    let name = |number: usize| scenario.candidates[number].name.to_string();
+    let mut rows = Vec::new();
+    for (at, place) in ranking.places.iter().enumerate() {
+        let k = place.candidate;
+        let next = ranking.places.get(at + 1).map(|next| next.candidate);
+        let why = place.why.as_ref().zip(next);
+        let why = why.map(|(ground, next)| ground.sentence(&name(k), &name(next)));
+        let (course, harm) = (&courses[k], &harms[k]);
+        rows.push(row(scenery, people, &outlines, (k, place, why), (course, harm), search));
+    }
+    let open = courses.iter().enumerate().filter_map(|(k, course)| {
+        let missing = missing(scenery, course)?;
+        Some(format!("{}: {missing}", name(k)))
+    });
+    CourseAnswer {
+        state: ranking.state,
+        policy: policy.name.clone(),
+        ranking: rows,
+        tie_class: ranking.tie_class.iter().map(|number| name(*number)).collect(),
+        notes: ranking.notes.clone(),
+        assumptions: assumptions(scenery, people),
+        settled_places: ranking.settled,
+        missing: open.collect(),
+    }
+}
+
+/// What is not known of a course; `None`: nothing.
+fn missing(scenery: &Scenery<'_>, course: &Course<'_>) -> Option<String> {
+    let name = |party: usize| &scenery.scenario.parties[party].name;
+    if let Some(from_s) = course.way.open_from_s {
+        return Some(format!("whom it meets after {from_s:.3} s"));
+    }
+    let last = course.contacts.last().filter(|_| course.is_stuck)?;
+    let (party, time_s) = (name(last.meeting.party), last.meeting.touching.time_s);
+    Some(match last.harm.unevaluable {
+        Some(Unevaluable::AlreadyOverlapping) => format!(
+            "it and \"{party}\" overlap at the start and both stand still: that is no crash, and \
+             what comes of it is not known"
+        ),
+        None => format!("the contact with \"{party}\" after {time_s:.3} s, and all that follows"),
+    })
+}
+
+fn assumptions(scenery: &Scenery<'_>, people: &People) -> Vec<String> {
+    let scenario = scenery.scenario;
+    let parties = scenario.parties.iter();
+    let unknown = parties.clone().filter(|party| party.is_unknown).map(|party| {
+        format!(
+            "\"{}\" is of unknown kind: assumed to be fixed to the ground, with nobody in it",
+            party.name
+        )
+    });
+    let several = parties.enumerate().filter(|(_, party)| party.predictions.len() > 1);
+    let several = several.map(|(number, party)| {
+        let (followed, _) = scenery.likeliest(number);
+        format!(
+            "of the {} predicted paths of \"{}\" number {} was followed, the most probable \
+             ({:.2})",
+            party.predictions.len(),
+            party.name,
+            followed + 1,
+            party.predictions[followed].probability
+        )
+    });
+    let ends = scenario.parties.iter().enumerate().filter(|(n, _)| *n != scenario.ego.0);
+    let ends = ends.filter_map(|(number, party)| {
+        let ends_s = scenery.likeliest(number).1.ends_s?;
+        Some(goes_on(&party.name, ends_s))
+    });
+    unknown.chain(people.assumptions(scenario)).chain(several).chain(ends).collect()
+}
+
+fn goes_on(name: &str, ends_s: f64) -> String {
+    format!("the path of \"{name}\" ends after {ends_s:.2} s: it goes straight on from there")
+}
+
+/// What else has to be known of a course, in sentences.
+fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> Vec<String> {
+    let scenario = scenery.scenario;
+    let candidate = &scenario.candidates[k];
+    let name = |party: usize| &scenario.parties[party].name;
+    let mut all = Vec::new();
+    all.extend(candidate.ego.ends_s.map(|ends_s| goes_on("ego", ends_s)));
+    for reaction in &candidate.reactions {
+        let ends_s = reaction.motion.ends_s;
+        all.extend(ends_s.map(|ends_s| goes_on(name(reaction.party.0), ends_s)));
+    }
+    for party in &course.way.passed_at_start {
+        all.push(format!(
+            "it is in contact with \"{}\" at the start, and they part: no crash",
+            name(*party)
+        ));
+    }
+    for contact in &course.contacts {
+        let (party, time_s) = (name(contact.meeting.party), contact.meeting.touching.time_s);
+        if contact.meeting.begin == Begin::AtStart {
+            all.push(format!(
+                "it is in contact with \"{party}\" at the start, and they close: a crash with the \
+                 velocities stated"
+            ));
+        }
+        if !contact.meeting.touching.is_certain {
+            all.push(format!(
+                "contact with \"{party}\" after {time_s:.3} s is possible within {} mm, and counts",
+                scenario.resolution_m * 1e3
+            ));
+        }
+        if contact.may_be_other {
+            let other = match contact.severity {
+                Severity::Light => "heavy, and end its path",
+                Severity::Heavy => "light, and let it drive on",
+            };
+            all.push(format!(
+                "within the model's range the contact with \"{party}\" may be {other}"
+            ));
+        }
+    }
+    let times = course
+        .contacts
+        .windows(2)
+        .map(|pair| pair[1].meeting.touching.time_s - pair[0].meeting.touching.time_s);
+    if times.into_iter().any(|apart_s| apart_s <= SAME_CRASH_S) {
+        all.push(format!(
+            "contacts within {SAME_CRASH_S} s of each other are taken as independent"
+        ));
+    }
+    for party in &course.way.touching_at_end {
+        all.push(format!("it still touches \"{}\" at the end of its way", name(*party)));
+    }
+    if let Some((_, run_out)) = course.way.run_out {
+        all.push(
+            "what follows a heavy contact is a model: straight, braked with half of gravity, \
+                  not validated by tests"
+                .to_owned(),
+        );
+        if run_out.length_m() > RUN_OUT_LONG_M {
+            all.push(format!("its run-out of {:.0} m is long", run_out.length_m()));
+        }
+    }
+    all
+}
+
+fn row(
+    scenery: &Scenery<'_>,
+    people: &People,
+    outlines: &Outlines,
+    (k, place, why): (usize, &Place, Option<String>),
+    (course, harm): (&Course<'_>, &CourseHarm),
+    search: &mut EncounterSearch,
+) -> CourseRow {
+    let candidate = &scenery.scenario.candidates[k];
+    let way = (&course.way, candidate);
+    let is_met = |party: usize| {
+        course.contacts.iter().any(|contact| contact.meeting.party == party)
+            || course.way.passed_at_start.contains(&party)
+    };
+    let run_out = course.way.run_out.map(|(from_s, run_out)| RunOutRow {
+        from_s,
+        velocity_m_s: run_out.velocity_m_s,
+        length_m: run_out.length_m(),
+    });
+    let persons = harm.persons.iter().map(|risk| {
+        let person = &people.list[risk.id.0];
+        CoursePersonRow {
+            party: person.party.to_string(),
+            seat: person.seat.map(body::Seat::name),
+            work: risk.work,
+            range: risk.range,
+        }
+    });
+    let stuck = course.contacts.last().filter(|_| course.is_stuck);
+    let open_from_s = stuck.map(|contact| contact.meeting.touching.time_s);
+    CourseRow {
+        name: candidate.name.to_string(),
+        work: place.work,
+        range: place.range,
+        certain: place.certain,
+        why,
+        contacts: course.contacts.iter().map(|contact| contact_row(scenery, contact)).collect(),
+        open_from_s: course.way.open_from_s.or(open_from_s),
+        persons: persons.collect(),
+        energy_j: harm.energy_j,
+        run_out,
+        nearest: flags::nearest((scenery, outlines), way, is_met),
+        at_horizon: flags::at_horizon((scenery, outlines), way, is_met),
+        alternatives: flags::alternatives(scenery, way, search),
+        remarks: remarks(scenery, k, course),
+    }
+}
+
+fn contact_row(scenery: &Scenery<'_>, contact: &Assessed) -> ContactRow {
+    let Assessed { meeting, harm, .. } = contact;
+    let touching = &meeting.touching;
+    ContactRow {
+        party: scenery.scenario.parties[meeting.party].name.to_string(),
+        time_s: touching.time_s + 0.0,
+        excluded_before_s: touching.excluded_before_s + 0.0,
+        is_certain: touching.is_certain,
+        is_at_start: meeting.begin == Begin::AtStart,
+        severity: contact.severity,
+        may_be_other: contact.may_be_other,
+        triangles: touching.ids,
+        sides: contact.sides.clone(),
+        is_other_fixed: contact.is_other_fixed,
+        contact: harm.contact.clone(),
+        hits: contact.hits,
+        hashes: contact.hashes.clone(),
+        parts: contact.parts.clone(),
+        closing_m_s: harm.closing_m_s,
+        delta_v_m_s: harm.delta_v,
+        impulse_n_s: harm.impulse_n_s,
+        energy_j: harm.energy_j,
+        persons: contact.persons.clone(),
+        unevaluable: harm.unevaluable,
+        coarse_path: harm.coarse_path,
+        poses: contact.poses.clone(),
+    }
+}

@@ -1,0 +1,238 @@
+//! What is said about a candidate beside its harm: how near the ego comes to others, what is ahead
+//! of it at the end of its way, and whom it would meet if others moved otherwise.
+//!
+//! Nothing here ranks. Distances are of outlines in plan, at steps of 50 ms.
+
+use super::encounter::{EncounterSearch, Encountered, Ways};
+use super::way::{Scenery, Way};
+use bvh::support::support;
+use geometry::plan::ConvexOutline;
+use geometry::{DVec3, Pose};
+use scenario::HorizonCandidate;
+use serde::Serialize;
+
+/// Step of time at which distances are looked at (s).
+const STEP_S: f64 = 0.05;
+/// Beyond this time after the end of a way (s) nothing is said.
+const AHEAD_S: f64 = 10.0;
+/// Outlines nearer than this (m) count as in contact beyond the horizon.
+const CONTACT_M: f64 = 0.01;
+/// Steps towards a contact beyond the horizon, at most.
+const STEPS_MAX: usize = 64;
+
+/// The party that comes nearest without contact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NearestRow {
+    /// Which.
+    pub party: String,
+    /// The distance of the outlines in plan (m), not more than that of the bodies; 0 where they
+    /// overlap in plan.
+    pub gap_m: f64,
+    /// When (s).
+    pub time_s: f64,
+}
+
+/// What is ahead of the ego at the end of its way.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AtHorizon {
+    /// The end of the way: the horizon, or the end of a run-out before (s).
+    pub time_s: f64,
+    /// The ego's speed there (m/s).
+    pub speed_m_s: f64,
+    /// The nearest party there, and how far away it is in plan (m).
+    pub nearest: Option<(String, f64)>,
+    /// If everybody went straight on as then: whom the ego would meet first, and after how many
+    /// seconds; `None`: nobody within ten.
+    pub next_contact: Option<(String, f64)>,
+}
+
+/// A predicted motion that was not followed, on which the ego would meet the party.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Alternative {
+    /// Which party.
+    pub party: String,
+    /// The number of its path in the scenario, from 1.
+    pub path: usize,
+    /// Its probability.
+    pub probability: f64,
+    /// When the ego would meet it on its planned path (s).
+    pub time_s: f64,
+    /// Whether that is certain; else it was not decided.
+    pub is_certain: bool,
+}
+
+/// Outlines of all bodies of a request, by number of the body.
+#[derive(Debug)]
+pub(super) struct Outlines(Vec<ConvexOutline>);
+
+impl Outlines {
+    pub(super) fn of(scenery: &Scenery<'_>) -> Self {
+        let outline = |(_, view): &(body::Meta, body::BodyView<'_>)| {
+            ConvexOutline::of(|[x, y]| support(view, DVec3::new(x, y, 0.0)))
+        };
+        Self(scenery.bodies.iter().map(outline).collect())
+    }
+
+    fn of_party(&self, scenery: &Scenery<'_>, party: usize) -> &ConvexOutline {
+        &self.0[scenery.models[party]]
+    }
+}
+
+/// The ego and a party in plan.
+struct Pair<'o> {
+    outlines: [&'o ConvexOutline; 2],
+}
+
+impl Pair<'_> {
+    /// The distance at two poses (m), if it is less than `limit_m`.
+    fn gap_m(&self, [a, b]: [&Pose; 2], limit_m: f64) -> Option<f64> {
+        let apart = [0, 1].map(|axis| b.translation[axis] - a.translation[axis]);
+        let centres = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
+        let [of_a, of_b] = self.outlines;
+        if centres - of_a.radius_m() - of_b.radius_m() >= limit_m {
+            return None;
+        }
+        Some(of_a.placed(a).distance_m(&of_b.placed(b))).filter(|gap| *gap < limit_m)
+    }
+}
+
+/// Where the ego is at a time: on its planned path, or after a heavy contact on its run-out.
+fn ego_at(way: &Way<'_>, candidate: &HorizonCandidate, time_s: f64) -> Pose {
+    match way.run_out {
+        Some((from_s, _)) if time_s >= from_s => way.ego_path().pose_at(time_s),
+        _ => candidate.ego.path.pose_at(time_s),
+    }
+}
+
+/// The party that comes nearest to the ego on its way, of those that it does not touch.
+pub(super) fn nearest(
+    (scenery, outlines): (&Scenery<'_>, &Outlines),
+    (way, candidate): (&Way<'_>, &HorizonCandidate),
+    is_met: impl Fn(usize) -> bool,
+) -> Option<NearestRow> {
+    let ego = scenery.scenario.ego.0;
+    let mut best: Option<(usize, f64, f64)> = None;
+    let steps = (way.end_s / STEP_S).ceil() as usize;
+    for step in 0..=steps {
+        let time_s = (step as f64 * STEP_S).min(way.end_s);
+        let pose = ego_at(way, candidate, time_s);
+        for party in scenery.others().filter(|party| !is_met(*party)) {
+            let of = [ego, party].map(|party| outlines.of_party(scenery, party));
+            let other = scenery.motion(candidate, party).path.pose_at(time_s);
+            let limit_m = best.map_or(f64::INFINITY, |(_, gap_m, _)| gap_m);
+            if let Some(gap_m) = (Pair { outlines: of }).gap_m([&pose, &other], limit_m) {
+                best = Some((party, gap_m, time_s));
+            }
+        }
+    }
+    best.map(|(party, gap_m, time_s)| NearestRow {
+        party: scenery.scenario.parties[party].name.to_string(),
+        gap_m,
+        time_s,
+    })
+}
+
+/// What is ahead at the end of the way.
+pub(super) fn at_horizon(
+    (scenery, outlines): (&Scenery<'_>, &Outlines),
+    (way, candidate): (&Way<'_>, &HorizonCandidate),
+    is_met: impl Fn(usize) -> bool,
+) -> AtHorizon {
+    let ego = scenery.scenario.ego.0;
+    let time_s = way.end_s;
+    let pose = ego_at(way, candidate, time_s);
+    let origin = [0.0; 3];
+    let velocity = match way.run_out {
+        // A run-out that ended before the horizon stands.
+        Some((from_s, run_out)) if from_s + run_out.lasts_s() <= time_s => DVec3::ZERO,
+        _ => way.ego_path().velocity_before(time_s, origin).0,
+    };
+    let mut nearest: Option<(usize, f64)> = None;
+    let mut next: Option<(usize, f64)> = None;
+    for party in scenery.others().filter(|party| !is_met(*party)) {
+        let path = &scenery.motion(candidate, party).path;
+        let other = path.pose_at(time_s);
+        let pair = Pair { outlines: [ego, party].map(|party| outlines.of_party(scenery, party)) };
+        let limit_m = nearest.map_or(f64::INFINITY, |(_, gap_m)| gap_m);
+        if let Some(gap_m) = pair.gap_m([&pose, &other], limit_m) {
+            nearest = Some((party, gap_m));
+        }
+        let relative = path.velocity_before(time_s, origin).0 - velocity;
+        let limit_s = next.map_or(AHEAD_S, |(_, time_s)| time_s);
+        if let Some(after_s) = meets_after(&pair, [&pose, &other], relative, limit_s) {
+            next = Some((party, after_s));
+        }
+    }
+    let named =
+        |(party, value): (usize, f64)| (scenery.scenario.parties[party].name.to_string(), value);
+    AtHorizon {
+        time_s,
+        speed_m_s: velocity.truncate().length(),
+        nearest: nearest.map(named),
+        next_contact: next.map(named),
+    }
+}
+
+/// After how many seconds, less than `limit_s`, outlines meet that move on straight; `relative` is
+/// the velocity of B seen from A (m/s). Conservative advancement: each step is as long as the gap
+/// allows (B. Mirtich, *Impulse-based dynamic simulation*, 1996).
+fn meets_after(pair: &Pair<'_>, [a, b]: [&Pose; 2], relative: DVec3, limit_s: f64) -> Option<f64> {
+    let speed = relative.truncate().length();
+    let (of_a, of_b) = (pair.outlines[0].placed(a), pair.outlines[1].placed(b));
+    let mut after_s = 0.0;
+    for _ in 0..STEPS_MAX {
+        let by = [relative.x * after_s, relative.y * after_s];
+        let gap_m = of_a.distance_m(&of_b.moved(by));
+        if gap_m < CONTACT_M {
+            return Some(after_s);
+        }
+        after_s += gap_m / speed;
+        if !(after_s < limit_s) {
+            return None;
+        }
+    }
+    Some(after_s)
+}
+
+/// Predicted motions that were not followed, on which the ego meets the party on its planned path.
+pub(super) fn alternatives(
+    scenery: &Scenery<'_>,
+    (way, candidate): (&Way<'_>, &HorizonCandidate),
+    search: &mut EncounterSearch,
+) -> Vec<Alternative> {
+    let scenario = scenery.scenario;
+    let until_s = way.run_out.map_or(scenario.horizon_s, |(from_s, _)| from_s);
+    let mut all = Vec::new();
+    if !(until_s > 0.0) {
+        return all;
+    }
+    for party in scenery.others() {
+        let reacts = candidate.reactions.iter().any(|reaction| reaction.party.0 == party);
+        let predictions = &scenario.parties[party].predictions;
+        if reacts || predictions.len() < 2 {
+            continue;
+        }
+        let (followed, _) = scenery.likeliest(party);
+        for (number, prediction) in predictions.iter().enumerate() {
+            if number == followed || !(prediction.probability > 0.0) {
+                continue;
+            }
+            let bodies = [scenario.ego.0, party].map(|party| scenery.body(party).1);
+            let ways = Ways { bodies, paths: [&candidate.ego.path, &prediction.motion.path] };
+            let found = search.first(&ways, 0.0..until_s, scenario.resolution_m, None);
+            let (time_s, is_certain) = match found {
+                Encountered::Never => continue,
+                Encountered::Contact(touching) => (touching.time_s, touching.is_certain),
+                Encountered::Open { from_s } => (from_s, false),
+            };
+            all.push(Alternative {
+                party: scenario.parties[party].name.to_string(),
+                path: number + 1,
+                probability: prediction.probability,
+                time_s,
+                is_certain,
+            });
+        }
+    }
+    all
+}

@@ -1,0 +1,315 @@
+//! The course of one candidate: the ego's way, whom it has met, and whom it meets next.
+//!
+//! ```text
+//! planned path --first contacts with everybody--> the earliest --assess--> light: the path goes on
+//!                          ^                                               heavy: a run-out, and the
+//!                          +------------- what may come after ------------- way is searched anew
+//! ```
+//!
+//! After a light contact with a party the bodies usually overlap for a while: the ego drives past
+//! or over it. A later contact with that party counts once they were apart. Where they still touch
+//! after [`PASSED_M`] the contact is assessed there a second time, and if it is heavy there, that is
+//! the contact: so a first touch of a mirror does not hide a crash.
+
+use super::encounter::{EncounterSearch, Encountered, Touching, Ways};
+use body::{BodyView, Meta};
+use damage::course::{PASSED_M, RunOut};
+use geometry::motion::{MotionPath, State};
+use scenario::{HorizonCandidate, HorizonMotion, HorizonScenario};
+use std::borrow::Cow;
+
+/// How often a run-out has a state (s): its speed falls so little that it is within 1 mm of the
+/// path.
+const RUN_OUT_STEP_S: f64 = 0.04;
+/// Greatest step with which bodies that touch at the start and part are looked at again (s).
+const PARTING_STEP_S: f64 = 0.1;
+/// Least step with which bodies that still touch are looked at again (s).
+const STEP_MIN_S: f64 = 0.01;
+
+/// What is known of a party on this way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Ahead {
+    /// From this time on (s) nothing is known. `still`: they touched before, and may still do.
+    Unknown { from_s: f64, still: Option<Still> },
+    /// It is met next.
+    Contact(Meeting),
+    /// It is not met on this way.
+    Clear,
+    /// It was struck heavily, or is the ego: it is not met again on any way.
+    Done,
+    /// The search gave up: from this time on (s) everything is open.
+    Open { from_s: f64 },
+}
+
+/// Bodies that have touched, and may still do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Still {
+    /// How long they take to pass each other (s).
+    step_s: f64,
+    /// Whether they were assessed a second time, or are not to be.
+    is_settled: bool,
+}
+
+/// How a contact came to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Begin {
+    /// The bodies were apart before.
+    Touched,
+    /// They touch at time 0.
+    AtStart,
+    /// They have touched before and not parted: the contact is assessed once more.
+    SecondLook,
+}
+
+/// A contact that comes next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Meeting {
+    pub(crate) party: usize,
+    pub(crate) begin: Begin,
+    pub(crate) touching: Touching,
+}
+
+/// Bodies and motions of a request.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scenery<'s> {
+    pub(crate) scenario: &'s HorizonScenario,
+    pub(crate) bodies: &'s [(Meta, BodyView<'s>)],
+    /// Party i has body `models[i]`.
+    pub(crate) models: &'s [usize],
+}
+
+impl<'s> Scenery<'s> {
+    pub(crate) fn body(&self, party: usize) -> &'s (Meta, BodyView<'s>) {
+        &self.bodies[self.models[party]]
+    }
+
+    /// How a party moves in a candidate: as it reacts, or as is most probable.
+    pub(crate) fn motion(
+        &self,
+        candidate: &'s HorizonCandidate,
+        party: usize,
+    ) -> &'s HorizonMotion {
+        let reacts = candidate.reactions.iter().find(|reaction| reaction.party.0 == party);
+        reacts.map_or_else(|| self.likeliest(party).1, |reaction| &reaction.motion)
+    }
+
+    /// The most probable of the predicted motions, the first of equals, and its number.
+    pub(crate) fn likeliest(&self, party: usize) -> (usize, &'s HorizonMotion) {
+        let all = self.scenario.parties[party].predictions.iter().enumerate();
+        let most = all.reduce(
+            |most, next| {
+                if next.1.probability > most.1.probability { next } else { most }
+            },
+        );
+        let (number, prediction) = most.expect("every party but the ego has a prediction");
+        (number, &prediction.motion)
+    }
+
+    /// Everybody but the ego.
+    pub(crate) fn others(&self) -> impl Iterator<Item = usize> + use<> {
+        let ego = self.scenario.ego.0;
+        (0..self.scenario.parties.len()).filter(move |party| *party != ego)
+    }
+}
+
+/// The way of one candidate.
+#[derive(Clone, Debug)]
+pub(crate) struct Way<'s> {
+    scenery: Scenery<'s>,
+    candidate: &'s HorizonCandidate,
+    /// Where the ego goes: as planned, later a run-out.
+    ego: Cow<'s, MotionPath>,
+    /// When the run-out began (s), and what it is.
+    pub(crate) run_out: Option<(f64, RunOut)>,
+    /// Until when contacts are looked for (s).
+    pub(crate) end_s: f64,
+    /// Per party.
+    ahead: Vec<Ahead>,
+    /// Per party: after a light contact, from when on (s) they may be apart again.
+    passing: Vec<Option<(f64, Still)>>,
+    /// The first time (s) from which on something is open, if any is.
+    pub(crate) open_from_s: Option<f64>,
+    /// Parties that were touched at the start and part.
+    pub(crate) passed_at_start: Vec<usize>,
+    /// Parties that still touch at the end of the way.
+    pub(crate) touching_at_end: Vec<usize>,
+}
+
+impl<'s> Way<'s> {
+    pub(crate) fn new(scenery: Scenery<'s>, candidate: &'s HorizonCandidate) -> Self {
+        let start = Ahead::Unknown { from_s: 0.0, still: None };
+        let mut ahead = vec![start; scenery.scenario.parties.len()];
+        ahead[scenery.scenario.ego.0] = Ahead::Done;
+        Self {
+            scenery,
+            candidate,
+            ego: Cow::Borrowed(&candidate.ego.path),
+            run_out: None,
+            end_s: scenery.scenario.horizon_s,
+            passing: vec![None; ahead.len()],
+            ahead,
+            open_from_s: None,
+            passed_at_start: Vec::new(),
+            touching_at_end: Vec::new(),
+        }
+    }
+
+    pub(crate) fn ego_path(&self) -> &MotionPath {
+        &self.ego
+    }
+
+    /// The ways of the ego and of a party.
+    pub(crate) fn ways(&self, party: usize) -> Ways<'_> {
+        let Self { scenery, candidate, ego, .. } = self;
+        let path = &scenery.motion(candidate, party).path;
+        let body = |party: usize| scenery.body(party).1;
+        Ways { bodies: [body(scenery.scenario.ego.0), body(party)], paths: [ego, path] }
+    }
+
+    /// The contact that comes next; `None` at the end of the way, or if what comes next is open.
+    pub(crate) fn next(
+        &mut self,
+        search: &mut EncounterSearch,
+        is_due: Option<&dyn Fn() -> bool>,
+    ) -> Option<Meeting> {
+        if self.open_from_s.is_some() {
+            return None;
+        }
+        for party in 0..self.ahead.len() {
+            if let Ahead::Unknown { from_s, still } = self.ahead[party] {
+                self.ahead[party] = self.look(party, from_s, still, search, is_due);
+            }
+        }
+        let mut next: Option<Meeting> = None;
+        let mut open_s = f64::INFINITY;
+        for ahead in &self.ahead {
+            match ahead {
+                Ahead::Contact(meeting) => {
+                    let is_earlier = |next: Meeting| meeting.touching.time_s < next.touching.time_s;
+                    if next.is_none_or(is_earlier) {
+                        next = Some(*meeting);
+                    }
+                }
+                Ahead::Open { from_s } => open_s = open_s.min(*from_s),
+                Ahead::Unknown { .. } | Ahead::Clear | Ahead::Done => {}
+            }
+        }
+        // What is open may come first.
+        if next.is_none_or(|next| next.touching.time_s >= open_s) && open_s.is_finite() {
+            self.open_from_s = Some(open_s);
+            return None;
+        }
+        next
+    }
+
+    /// Looks for the next contact with a party.
+    fn look(
+        &mut self,
+        party: usize,
+        mut from_s: f64,
+        still: Option<Still>,
+        search: &mut EncounterSearch,
+        is_due: Option<&dyn Fn() -> bool>,
+    ) -> Ahead {
+        let end_s = self.end_s;
+        if let Some(mut still) = still {
+            loop {
+                if from_s >= end_s {
+                    self.touching_at_end.push(party);
+                    return Ahead::Clear;
+                }
+                if !search.touch_at(&self.ways(party), from_s) {
+                    break;
+                }
+                if !core::mem::replace(&mut still.is_settled, true) {
+                    let begin = Begin::SecondLook;
+                    return match search.still(&self.ways(party), from_s) {
+                        Some(touching) => Ahead::Contact(Meeting { party, begin, touching }),
+                        None => Ahead::Open { from_s },
+                    };
+                }
+                from_s += still.step_s;
+            }
+        }
+        if from_s >= end_s {
+            return Ahead::Clear;
+        }
+        let resolution_m = self.scenery.scenario.resolution_m;
+        let found = search.first(&self.ways(party), from_s..end_s, resolution_m, is_due);
+        match found {
+            Encountered::Never => Ahead::Clear,
+            Encountered::Open { from_s } => Ahead::Open { from_s },
+            Encountered::Contact(touching) => {
+                let is_at_start = touching.time_s <= 0.0 && self.run_out.is_none();
+                let begin = if is_at_start { Begin::AtStart } else { Begin::Touched };
+                Ahead::Contact(Meeting { party, begin, touching })
+            }
+        }
+    }
+
+    /// How long bodies take to pass each other, given their closing speed (m/s) and the extent of
+    /// the smaller one along it (m).
+    fn step_s(closing_m_s: f64, extent_m: f64) -> f64 {
+        let step_s = extent_m.min(PASSED_M) / closing_m_s;
+        if step_s.is_finite() { step_s.max(STEP_MIN_S) } else { f64::INFINITY }
+    }
+
+    /// Goes on after a light contact.
+    pub(crate) fn pass(&mut self, meeting: &Meeting, closing_m_s: f64, extent_m: f64) {
+        let step_s = Self::step_s(closing_m_s, extent_m);
+        let is_settled = meeting.begin == Begin::SecondLook;
+        self.go_on(meeting, meeting.touching.time_s + step_s, Still { step_s, is_settled });
+    }
+
+    /// Goes on after bodies that touched at the start and part.
+    pub(crate) fn part(&mut self, meeting: &Meeting, closing_m_s: f64, extent_m: f64) {
+        let step_s = Self::step_s(closing_m_s, extent_m).min(PARTING_STEP_S);
+        self.go_on(meeting, step_s, Still { step_s, is_settled: true });
+        self.passed_at_start.push(meeting.party);
+    }
+
+    fn go_on(&mut self, meeting: &Meeting, from_s: f64, still: Still) {
+        self.passing[meeting.party] = Some((from_s, still));
+        self.ahead[meeting.party] = Ahead::Unknown { from_s, still: Some(still) };
+    }
+
+    /// Leaves the planned path after a heavy contact: from there on everybody else may be met.
+    pub(crate) fn leave(&mut self, meeting: &Meeting, run_out: RunOut) {
+        let at_s = meeting.touching.time_s;
+        self.end_s = self.scenery.scenario.horizon_s.min(at_s + run_out.lasts_s());
+        let start = self.ego.state_at(at_s);
+        self.run_out = Some((at_s, run_out));
+        self.ahead[meeting.party] = Ahead::Done;
+        self.touching_at_end.clear();
+        for (ahead, passing) in self.ahead.iter_mut().zip(&self.passing) {
+            if *ahead != Ahead::Done {
+                let (from_s, still) =
+                    passing.map_or((at_s, None), |(from_s, still)| (from_s.max(at_s), Some(still)));
+                *ahead = Ahead::Unknown { from_s, still };
+            }
+        }
+        match run_out_path(&start, &run_out, self.end_s) {
+            Some(path) => self.ego = Cow::Owned(path),
+            // It stays where it is, at the end of its way.
+            None => self.end_s = at_s,
+        }
+    }
+}
+
+/// The path of a run-out until a time (s); `None` if there is no time left.
+fn run_out_path(start: &State, run_out: &RunOut, end_s: f64) -> Option<MotionPath> {
+    let begin_s = start.time_s;
+    let steps = ((end_s - begin_s) / RUN_OUT_STEP_S).ceil();
+    if !(steps >= 1.0) {
+        return None;
+    }
+    let state = |k: usize| {
+        let time_s = (begin_s + k as f64 * RUN_OUT_STEP_S).min(end_s);
+        let [x, y] = run_out.travel_m(time_s - begin_s);
+        let [p, q, z] = start.position_m;
+        State { time_s, position_m: [p + x, q + y, z], orientation: start.orientation }
+    };
+    let mut states: Vec<State> = (0..=steps as usize).map(state).collect();
+    states.dedup_by(|next, before| next.time_s <= before.time_s);
+    MotionPath::new(&states).ok()
+}

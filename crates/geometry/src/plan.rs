@@ -1,0 +1,161 @@
+//! Outlines in plan: how near bodies come to each other, seen from above.
+//!
+//! An [`Outline`] is a convex polygon that holds a body: the intersection of the half planes that
+//! its supports bound, in equal steps of angle. A distance between two is thus never more than that
+//! of the bodies' hulls, and less by at most a few thousandths of their size. For people and flags;
+//! nothing is decided by it.
+
+use crate::Pose;
+
+/// Sides of an outline: every 5°.
+const SIDES: usize = 72;
+
+/// A convex polygon in a plane, counter-clockwise (m).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvexOutline {
+    corners: Vec<[f64; 2]>,
+}
+
+impl ConvexOutline {
+    /// The outline of a body in its own frame, given the greatest coordinate (m) of any of its
+    /// points along a horizontal unit vector.
+    #[must_use]
+    pub fn of(support: impl Fn([f64; 2]) -> f64) -> Self {
+        let side = |i: usize| {
+            let (sin, cos) = libm::sincos((360.0 / SIDES as f64 * i as f64).to_radians());
+            ([cos, sin], support([cos, sin]))
+        };
+        let sides: Vec<_> = (0..SIDES).map(side).collect();
+        // Where two neighbouring sides meet. Supports of one body keep these in order.
+        let corner = |i: usize| {
+            let ([a, b], s) = sides[i];
+            let ([c, d], t) = sides[(i + 1) % SIDES];
+            let area = a * d - b * c;
+            [(s * d - t * b) / area, (t * a - s * c) / area]
+        };
+        Self { corners: (0..SIDES).map(corner).collect() }
+    }
+
+    /// The outline in the world, of a body that stands upright or nearly so.
+    #[must_use]
+    pub fn placed(&self, pose: &Pose) -> Self {
+        let [[a, b, _], [c, d, _], _] = pose.rotation;
+        let place = |[x, y]: &[f64; 2]| {
+            [(a * x + b * y) + pose.translation[0], (c * x + d * y) + pose.translation[1]]
+        };
+        Self { corners: self.corners.iter().map(place).collect() }
+    }
+
+    /// The outline, moved (m).
+    #[must_use]
+    pub fn moved(&self, by: [f64; 2]) -> Self {
+        Self { corners: self.corners.iter().map(|c| [c[0] + by[0], c[1] + by[1]]).collect() }
+    }
+
+    /// The greatest distance of a corner from the origin (m).
+    #[must_use]
+    pub fn radius_m(&self) -> f64 {
+        self.corners.iter().map(|[x, y]| libm::sqrt(x * x + y * y)).fold(0.0, f64::max)
+    }
+
+    /// The distance to another outline (m); 0 where they overlap.
+    #[must_use]
+    pub fn distance_m(&self, other: &Self) -> f64 {
+        if self.is_over(other) {
+            return 0.0;
+        }
+        self.reach(other).min(other.reach(self))
+    }
+
+    fn edges(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().zip(next).map(|(a, b)| [*a, *b])
+    }
+
+    /// Whether two outlines share a point: no edge of either has the other one wholly outside.
+    fn is_over(&self, other: &Self) -> bool {
+        let parts = |a: &Self, b: &Self| {
+            a.edges().any(|[p, q]| {
+                let normal = [q[1] - p[1], p[0] - q[0]];
+                let along = |c: &[f64; 2]| normal[0] * (c[0] - p[0]) + normal[1] * (c[1] - p[1]);
+                normal != [0.0; 2] && b.corners.iter().all(|corner| along(corner) > 0.0)
+            })
+        };
+        !parts(self, other) && !parts(other, self)
+    }
+
+    /// The least distance of a corner of `other` from an edge (m).
+    fn reach(&self, other: &Self) -> f64 {
+        let squares = self
+            .edges()
+            .flat_map(|edge| other.corners.iter().map(move |corner| square_to_edge(*corner, edge)));
+        libm::sqrt(squares.fold(f64::INFINITY, f64::min))
+    }
+}
+
+/// The square of the distance of a point from a segment (m²).
+fn square_to_edge(point: [f64; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
+    let (d, w) = ([q[0] - p[0], q[1] - p[1]], [point[0] - p[0], point[1] - p[1]]);
+    let length = d[0] * d[0] + d[1] * d[1];
+    let share =
+        if length > 0.0 { ((w[0] * d[0] + w[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let off = [w[0] - share * d[0], w[1] - share * d[1]];
+    off[0] * off[0] + off[1] * off[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    /// A box of a length and a width about the origin.
+    fn cuboid(length: f64, width: f64) -> ConvexOutline {
+        ConvexOutline::of(|[x, y]| 0.5 * (x.abs() * length + y.abs() * width))
+    }
+
+    #[test]
+    fn a_box_keeps_its_corners_and_its_distances() {
+        let car = cuboid(4.0, 2.0);
+        assert!((car.radius_m() - 5.0_f64.sqrt()).abs() < 1e-9);
+        let ahead = car.placed(&Pose::from_degrees(0.0, 0.0, 0.0, [7.0, 0.5, 0.0]));
+        assert!((car.distance_m(&ahead) - 3.0).abs() < 1e-9);
+        let turned = car.placed(&Pose::from_degrees(90.0, 0.0, 0.0, [7.0, 0.5, 0.0]));
+        assert!((car.distance_m(&turned) - 4.0).abs() < 1e-9);
+        let corner = car.moved([5.0, 4.0]);
+        assert!((car.distance_m(&corner) - 5.0_f64.sqrt()).abs() < 1e-9);
+        assert_eq!(car.distance_m(&car.moved([3.9, 1.9])), 0.0);
+        assert_eq!(car.distance_m(&cuboid(0.1, 0.1)), 0.0, "one inside the other");
+    }
+
+    #[test]
+    fn it_is_never_farther_than_points_of_the_bodies_and_hardly_nearer() {
+        let mut rng = Rng::new(7);
+        let mut points = || -> Vec<[f64; 2]> {
+            (0..40).map(|_| [rng.between(-2.0, 2.0), rng.between(-1.0, 1.0)]).collect()
+        };
+        for turn in 0..60 {
+            let (a, b) = (points(), points());
+            let outline = |points: &[[f64; 2]]| {
+                ConvexOutline::of(|[x, y]| {
+                    points.iter().map(|p| p[0] * x + p[1] * y).fold(f64::NEG_INFINITY, f64::max)
+                })
+            };
+            let pose = Pose::from_degrees(6.0 * f64::from(turn), 0.0, 0.0, [5.5, 0.3, 0.0]);
+            let far = outline(&b).placed(&pose);
+            let gap = outline(&a).distance_m(&far);
+            let [[c, s, _], [d, e, _], _] = pose.rotation;
+            let placed = b.iter().map(|p| [c * p[0] + s * p[1] + 5.5, d * p[0] + e * p[1] + 0.3]);
+            let placed: Vec<[f64; 2]> = placed.collect();
+            // Separated by at least the gap of the supports along every direction.
+            let along = |x: f64, y: f64| {
+                let most = a.iter().map(|p| p[0] * x + p[1] * y).fold(f64::MIN, f64::max);
+                placed.iter().map(|p| p[0] * x + p[1] * y).fold(f64::MAX, f64::min) - most
+            };
+            let true_gap = (0..3600)
+                .map(|i| libm::sincos(f64::from(i) * 0.1_f64.to_radians()))
+                .map(|(sin, cos)| along(cos, sin))
+                .fold(0.0, f64::max);
+            assert!(gap <= true_gap + 1e-3 && gap >= true_gap - 0.02, "{gap} {true_gap}");
+        }
+    }
+}
