@@ -25,6 +25,7 @@ use crate::candidate_state::FirstContact;
 use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
 use crate::request_limits::{RequestLimits, Until};
 use crate::work::{Effort, RankingRun, RunBuffers};
+use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{Backend, BodySet, RunError};
 use bvh::Witness;
 use bvh::support::support;
@@ -94,6 +95,8 @@ pub struct RankedCourses {
     pub answer: CourseAnswer,
     /// How it came to be.
     pub effort: CourseEffort,
+    /// What the workers did, if there are any: one report a round.
+    pub reports: Vec<WorkerPoolReport>,
 }
 
 /// A contact of a candidate, assessed.
@@ -154,6 +157,7 @@ pub fn rank_courses(
     };
     let mut courses: Vec<Course<'_>> = scenario.candidates.iter().map(begin).collect();
     let mut buffers = RunBuffers::default();
+    let mut reports = Vec::new();
     let support_of = |model: usize, direction: DVec3| match stage.extremes {
         Some(extremes) => extremes[model].support(&stage.bodies[model].1, direction),
         None => support(&stage.bodies[model].1, direction),
@@ -192,6 +196,7 @@ pub fn rank_courses(
         let mut work = RankingRun::with_buffers(&contacts, stage.bodies, stage.depth, buffers)
             .with_limits(RequestLimits { until: Until::Complete, deadline_ns: left_ns, ..limits });
         effort.jobs_in_process += backend.work_off(&mut work)?;
+        reports.extend(backend.report());
         effort.surveys_ns += clock::now_ns() - begun_ns;
         effort.rounds += 1;
         effort.surveys.add(&work.effort());
@@ -206,7 +211,7 @@ pub fn rank_courses(
     let begun_ns = clock::now_ns();
     let answer = conclude(&scenery, &people, policy, &courses, &mut search)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
-    Ok(RankedCourses { answer, effort })
+    Ok(RankedCourses { answer, effort, reports })
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).

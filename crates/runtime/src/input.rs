@@ -31,6 +31,8 @@ pub enum InputKind {
     Curves,
     /// A scenario.
     Scenario,
+    /// A path of a scenario, in a file of its own.
+    MotionPath,
     /// A deployment.
     Deployment,
     /// A fault plan.
@@ -64,10 +66,11 @@ const MIB: u64 = 1 << 20;
 
 impl InputKind {
     /// All kinds.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Policy,
         Self::Curves,
         Self::Scenario,
+        Self::MotionPath,
         Self::Deployment,
         Self::Plan,
         Self::BodyLibrary,
@@ -92,11 +95,13 @@ impl InputKind {
             // What people write by hand has a few hundred lines.
             Self::Policy
             | Self::Curves
-            | Self::Scenario
+            | Self::MotionPath
             | Self::Deployment
             | Self::Plan
             | Self::BodyLibrary
             | Self::SideFile => MIB,
+            // 16 candidates, 32 parties, 64 states a path, with every key in full precision.
+            Self::Scenario => 4 * MIB,
             // Sixteen candidates, every job, and three of the texts above.
             Self::Record => 8 * MIB + 4 * KIB,
             Self::Measurement => 16 * MIB,
@@ -116,6 +121,7 @@ impl InputKind {
             Self::Policy => "a policy",
             Self::Curves => "a set of curves",
             Self::Scenario => "a scenario",
+            Self::MotionPath => "a path",
             Self::Deployment => "a deployment",
             Self::Plan => "a fault plan",
             Self::BodyLibrary => "a library of bodies",

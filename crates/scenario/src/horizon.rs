@@ -50,6 +50,26 @@ pub const HORIZON_TEXT_BYTES_MAX: usize = 4 << 20;
 /// The greatest distance between a circle and the path that stands for it, at equal times (m).
 pub const CIRCLE_ERROR_M: f64 = 0.001;
 
+/// Whether a text says that it is a scenario over a horizon: whether its key `schema`, before any
+/// table, is [`HORIZON_SCHEMA`]. Its form is not checked.
+///
+/// ```
+/// let text = "# Ours.\nschema = \"trolley.scenario/2\" # not 1\nname = \"A post\"\n";
+/// assert!(trolley_scenario::is_horizon_text(text));
+/// assert!(!trolley_scenario::is_horizon_text("schema = \"trolley.scenario/1\"\n[parties]\n"));
+/// ```
+#[must_use]
+pub fn is_horizon_text(text: &str) -> bool {
+    let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with('['));
+    let mut keys = lines.filter_map(|line| line.split_once('='));
+    let value = keys.find(|(key, _)| key.trim().trim_matches(['"', '\'']) == "schema");
+    value.is_some_and(|(_, value)| {
+        let value = value.trim_start();
+        let quoted = value.strip_prefix(['"', '\'']).unwrap_or(value);
+        quoted.strip_prefix(HORIZON_SCHEMA).is_some_and(|rest| rest.starts_with(['"', '\'']))
+    })
+}
+
 /// What to rank and how, until the horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonScenario {

@@ -68,6 +68,7 @@ pub use error::{Misfit, ScenarioError};
 pub use horizon::{
     CIRCLE_ERROR_M, HORIZON_SCHEMA, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonDraft,
     HorizonMotion, HorizonParty, HorizonScenario, Occupancy, OccupantGroup, Prediction, Reaction,
+    is_horizon_text,
 };
 pub use scenario::{
     Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA,

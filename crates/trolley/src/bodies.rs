@@ -20,10 +20,10 @@
 
 use crate::Failure;
 use crate::deployment::OpenDeployment;
-use body::{BodyKind, BodyView, Mesh, Meta, Shape, defaults, file, zones};
+use body::{BodyView, Fit, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
 use runtime::SealedMemory;
-use scenario::{EngineSettings, FileRef, Party, Scenario, Source};
+use scenario::{EngineSettings, FileRef, HorizonParty, Party, Scenario, Source};
 use std::path::PathBuf;
 
 mod model_file;
@@ -88,6 +88,29 @@ pub struct Bodies {
     source_hashes: Vec<Option<String>>,
 }
 
+/// Where the body of a party comes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartyBody<'s> {
+    pub(crate) name: &'s str,
+    pub(crate) source: &'s Source,
+    pub(crate) size: Option<Fit>,
+}
+
+impl<'s> PartyBody<'s> {
+    pub(crate) fn of(party: &'s Party) -> Self {
+        Self { name: &party.name, source: &party.source, size: party.size }
+    }
+
+    /// Whether another one is the same body.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.source == other.source && self.size == other.size
+    }
+
+    pub(crate) fn of_horizon(party: &'s HorizonParty) -> Self {
+        Self { name: &party.name, source: &party.source, size: party.size }
+    }
+}
+
 impl Bodies {
     /// Seals bodies into shared memory.
     ///
@@ -140,15 +163,29 @@ impl Bodies {
         find: &dyn Fn(usize, &FileRef) -> PathBuf,
         progress: OnProgress<'_>,
     ) -> Result<Self, Failure> {
-        let generated = scenario.parties.iter().map(|party| match party.source {
-            Source::Generate { triangles, .. } => u64::from(triangles),
+        let parties: Vec<_> = scenario.parties.iter().map(PartyBody::of).collect();
+        let bodies = Self::of_parties(&parties, engine, file, find, progress)?;
+        scenario.check_kinds(file, &bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
+        Self::seal(bodies)
+    }
+
+    /// The bodies of the parties of a scenario, not sealed yet: see [`Bodies::of_scenario`].
+    pub(crate) fn of_parties(
+        parties: &[PartyBody<'_>],
+        engine: &EngineSettings,
+        file: &str,
+        find: &dyn Fn(usize, &FileRef) -> PathBuf,
+        progress: OnProgress<'_>,
+    ) -> Result<Vec<ModelFile>, Failure> {
+        let generated = parties.iter().map(|party| match party.source {
+            Source::Generate { triangles, .. } => u64::from(*triangles),
             Source::File(_) => 0,
         });
         let (total, mut done) = (generated.sum(), 0);
         let options = build_options(engine);
         let mut bodies = Vec::new();
-        for (number, party) in scenario.parties.iter().enumerate() {
-            let body = match &party.source {
+        for (number, party) in parties.iter().enumerate() {
+            let body = match party.source {
                 Source::Generate { shape, triangles, seed } => {
                     let mut body = generate(*shape, *triangles, *seed, &options, &|_| {})?;
                     if let Some(size) = party.size {
@@ -166,9 +203,7 @@ impl Bodies {
             };
             bodies.push(body);
         }
-        let kinds: Vec<BodyKind> = bodies.iter().map(ModelFile::kind).collect();
-        scenario.check_kinds(file, &kinds)?;
-        Self::seal(bodies)
+        Ok(bodies)
     }
 
     /// Opens or generates every model of a deployment, and seals them in its order.

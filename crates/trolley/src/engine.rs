@@ -8,20 +8,21 @@
 //! settings, so ranking many variants of a scene pays for them once.
 
 use crate::Failure;
-use crate::bodies::{Bodies, OnProgress, SILENT};
+use crate::bodies::{Bodies, ModelFile, OnProgress, PartyBody, SILENT};
 use crate::files::InputKind;
+use crate::horizon::Horizon;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
 use body::{BodyKind, Fit, Shape, file};
 use bvh::support::Extremes;
 use coordinator::{
-    Answer, Backend, BodySet, Explanation, JobHistory, RankingRequest, RankingWorkspace, Row,
-    RunTimes, WorkerPool,
+    Answer, Backend, BodySet, CourseAnswer, CourseRequest, Explanation, JobHistory, RankedCourses,
+    RankingRequest, RankingWorkspace, Row, RunTimes, WorkerPool,
 };
 use dispatch::LogEntry;
 use runtime::{FileMap, affinity, clock};
-use scenario::{EngineSettings as Settings, FileRef, Overrides, Source};
+use scenario::{EngineSettings as Settings, FileRef, Overrides, ScenarioError, Source};
 use std::path::PathBuf;
 
 mod builder;
@@ -69,6 +70,23 @@ pub struct Ranking {
     pub(crate) recorded: Option<Recorded>,
 }
 
+/// A scenario over a horizon, ranked.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// println!("{} after {} ms", ranking.answer.state.name(), ranking.run.stages.plan_ms);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct HorizonRanking {
+    /// The answer. A complete one is the same, byte for byte, with and without workers.
+    pub answer: CourseAnswer,
+    /// How the work was done.
+    pub run: Run,
+}
+
 /// What a record holds besides answer, explanation and run.
 #[derive(Clone, Debug)]
 pub(crate) struct Recorded {
@@ -99,6 +117,38 @@ struct Told {
     run: Run,
     accepted_ns: u64,
     course: RunTimes,
+}
+
+impl Loaded {
+    /// What runs jobs: kept from the last request, or started.
+    fn ready(
+        &mut self,
+        builder: &EngineBuilder,
+        settings: &Settings,
+        deadline_ns: Option<u64>,
+    ) -> Result<Backend, Failure> {
+        let Some(mut backend) = self.backend.take() else {
+            return builder.backend(settings, &self.bodies, deadline_ns);
+        };
+        // Replace lost workers.
+        let mended = backend.worker_pool_mut().map(|pool| pool.mend(self.bodies.store()));
+        mended.transpose()?;
+        Ok(backend)
+    }
+}
+
+/// The bodies without repetition, and the number of each party's own among them.
+fn unique<'s>(all: &[PartyBody<'s>]) -> (Vec<PartyBody<'s>>, Vec<usize>) {
+    let mut unique: Vec<PartyBody<'s>> = Vec::new();
+    let mut number = |body: &PartyBody<'s>| {
+        let is_same = |known: &PartyBody<'s>| known.is_same(body);
+        unique.iter().position(is_same).unwrap_or_else(|| {
+            unique.push(*body);
+            unique.len() - 1
+        })
+    };
+    let models = all.iter().map(&mut number).collect();
+    (unique, models)
 }
 
 /// Where a party's body comes from; equal ones are equal bodies.
@@ -166,19 +216,16 @@ impl Engine {
         let settings = applied(&scenario.parsed.engine, &self.settings.overrides)?;
         limits.check()?;
         let request_limits = limits.request_limits(scenario.parsed.deadline);
-        let loaded = loaded(&mut self.loaded, scenario, &settings, progress)?;
-        let loaded_ns = clock::now_ns();
-        let mut backend = match loaded.backend.take() {
-            Some(mut backend) => {
-                // Replace lost workers.
-                backend
-                    .worker_pool_mut()
-                    .map(|worker_pool| worker_pool.mend(loaded.bodies.store()))
-                    .transpose()?;
-                backend
-            }
-            None => self.settings.backend(&settings, &loaded.bodies, request_limits.deadline_ns)?,
+        scenario.check_references()?;
+        let subject = Subject {
+            file: scenario.file(),
+            bodies: scenario.parsed.parties.iter().map(PartyBody::of).collect(),
+            find: &|reference| scenario.path_of(reference),
+            check_kinds: &|kinds| scenario.parsed.check_kinds(scenario.file(), kinds),
         };
+        let loaded = loaded(&mut self.loaded, &subject, &settings, progress)?;
+        let loaded_ns = clock::now_ns();
+        let mut backend = loaded.ready(&self.settings, &settings, request_limits.deadline_ns)?;
         let started_ns = clock::now_ns();
         let views = loaded.bodies.views()?;
         let cores_granted = affinity::allowed_cores();
@@ -240,6 +287,103 @@ impl Engine {
             bodies: loaded.bodies.recorded(&scenario.parsed),
         });
         Ok(Ranking { answer, explanation, run, recorded })
+    }
+
+    /// Ranks a scenario over a horizon: every candidate among everybody around.
+    ///
+    /// ```
+    /// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+    /// let best = ranking.answer.best().expect("every candidate has bounds");
+    /// println!("least harm: {}", best.name);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::rank`]; and where limits ask for a record, which there is none of yet.
+    pub fn rank_horizon(
+        &mut self,
+        horizon: &Horizon,
+        limits: &Limits,
+    ) -> Result<HorizonRanking, Failure> {
+        self.rank_horizon_telling(horizon, limits, SILENT)
+    }
+
+    /// Ranks like [`rank_horizon`](Self::rank_horizon), and reports how far the bodies are built.
+    ///
+    /// ```
+    /// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let progress = |done, total| eprintln!("{done} of {total} triangles");
+    /// let limits = trolley::Limits::default();
+    /// let ranking = engine.rank_horizon_telling(&horizon, &limits, &progress)?;
+    /// assert_eq!(ranking.answer.ranking.len(), 3);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::rank_horizon`].
+    pub fn rank_horizon_telling(
+        &mut self,
+        horizon: &Horizon,
+        limits: &Limits,
+        progress: OnProgress<'_>,
+    ) -> Result<HorizonRanking, Failure> {
+        let begun_ns = clock::now_ns();
+        horizon.check_unknown()?;
+        let scenario = horizon.parsed();
+        let settings = applied(&scenario.engine, &self.settings.overrides)?;
+        limits.check()?;
+        if limits.wants_job_history() {
+            let what = "a scenario over a horizon cannot be recorded yet";
+            return Err(Failure::setting(what).with_remedy("leave the record out"));
+        }
+        let request_limits = limits.request_limits(scenario.deadline);
+        horizon.check_references()?;
+        let all = horizon.bodies();
+        let (unique, models) = unique(&all);
+        let check_kinds = |kinds: &[BodyKind]| {
+            let kinds: Vec<BodyKind> = models.iter().map(|model| kinds[*model]).collect();
+            scenario.check_kinds(horizon.file(), &kinds)
+        };
+        let subject = Subject {
+            file: horizon.file(),
+            bodies: unique,
+            find: &|reference| horizon.path_of(reference),
+            check_kinds: &check_kinds,
+        };
+        let loaded = loaded(&mut self.loaded, &subject, &settings, progress)?;
+        let loaded_ns = clock::now_ns();
+        let mut backend = loaded.ready(&self.settings, &settings, request_limits.deadline_ns)?;
+        let started_ns = clock::now_ns();
+        let views = loaded.bodies.views()?;
+        let cores_granted = affinity::allowed_cores();
+        let remarks = self.settings.remarks(&settings, &cores_granted);
+        let run = Run::new(self.settings.mode(), &settings, &views, (cores_granted, remarks));
+        let stage =
+            BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
+        let request = CourseRequest { scenario, models: &models, rules: horizon.rules() };
+        // Workers that could not finish are not used again.
+        let RankedCourses { answer, effort, reports } =
+            coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
+        let answered_ns = clock::now_ns();
+        loaded.backend = Some(backend);
+        let mut run = run.with_courses(&effort, reports, loaded.bodies.store().bytes().len());
+        run.stages = Stages {
+            load_ms: milliseconds(loaded_ns - begun_ns),
+            plan_ms: milliseconds(effort.search_ns),
+            start_ms: milliseconds(started_ns - loaded_ns),
+            work_ms: milliseconds(effort.surveys_ns),
+            assess_ms: milliseconds(effort.judge_ns),
+            stop_ms: 0.0,
+        };
+        let due = limits.deadline(scenario.deadline);
+        let took_ns = answered_ns.saturating_sub(effort.accepted_ns);
+        run.deadline = due.map(|due| Kept::of(due, took_ns));
+        Ok(HorizonRanking { answer, run })
     }
 
     /// Stops the workers, if there are any, and returns how long that took (ms). The next ranking
@@ -321,15 +465,24 @@ fn applied(settings: &Settings, overrides: &Overrides) -> Result<Settings, Failu
     applied.map_err(|misfit| Failure::from(misfit).of_kind(crate::FailureKind::Configuration))
 }
 
+/// What bodies are loaded for: a scenario of either form.
+struct Subject<'s> {
+    file: &'s str,
+    bodies: Vec<PartyBody<'s>>,
+    /// The path of a model file.
+    find: &'s dyn Fn(&FileRef) -> PathBuf,
+    /// Whether the bodies can play their parts, by their kinds.
+    check_kinds: &'s dyn Fn(&[BodyKind]) -> Result<(), ScenarioError>,
+}
+
 /// The bodies of a scenario: the kept ones if they are the same, else newly loaded ones.
 fn loaded<'l>(
     kept: &'l mut Option<Loaded>,
-    scenario: &Scenario,
+    subject: &Subject<'_>,
     settings: &Settings,
     progress: OnProgress<'_>,
 ) -> Result<&'l mut Loaded, Failure> {
-    scenario.check_references()?;
-    let sources = sources(scenario);
+    let sources = sources(subject);
     let is_same = kept
         .as_ref()
         .is_some_and(|kept| kept.settings == *settings && sources.as_ref() == Some(&kept.sources));
@@ -337,19 +490,19 @@ fn loaded<'l>(
         let views = kept.bodies.views()?;
         // The bodies are the same, but they may play other parts.
         let kinds: Vec<BodyKind> = views.iter().map(|(meta, _)| meta.kind).collect();
-        scenario.parsed.check_kinds(scenario.file(), &kinds)?;
+        (subject.check_kinds)(&kinds)?;
         let extremes_of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
         kept.extremes.get_or_insert_with(extremes_of_all);
     } else {
         // Stop the old workers first: the machine may have no room for more.
         *kept = None;
-        let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
-        let file = scenario.file();
-        let bodies = Bodies::of_scenario(&scenario.parsed, settings, file, &find, progress)?;
+        let find = |_: usize, reference: &FileRef| (subject.find)(reference);
+        let bodies = Bodies::of_parties(&subject.bodies, settings, subject.file, &find, progress)?;
+        (subject.check_kinds)(&bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
         *kept = Some(Loaded {
             settings: settings.clone(),
             sources: sources.unwrap_or_default(),
-            bodies,
+            bodies: Bodies::seal(bodies)?,
             extremes: None,
             backend: None,
             workspace: RankingWorkspace::default(),
@@ -359,22 +512,22 @@ fn loaded<'l>(
 }
 
 /// Where the bodies come from; `None` if a file cannot be read.
-fn sources(scenario: &Scenario) -> Option<Vec<BodySource>> {
-    let source_of = |party: &scenario::Party| {
+fn sources(subject: &Subject<'_>) -> Option<Vec<BodySource>> {
+    let source_of = |party: &PartyBody<'_>| {
         let size = party.size;
-        Some(match &party.source {
+        Some(match party.source {
             Source::Generate { shape, triangles, seed } => {
                 BodySource::Generated { shape: *shape, triangles: *triangles, seed: *seed, size }
             }
             Source::File(reference) => {
-                let path = scenario.path_of(reference);
+                let path = (subject.find)(reference);
                 let hash = file::content_hash(FileMap::open(&path, InputKind::Model).ok()?.bytes())
                     .ok()?;
                 BodySource::File { path, hash, size }
             }
         })
     };
-    scenario.parsed.parties.iter().map(source_of).collect()
+    subject.bodies.iter().map(source_of).collect()
 }
 
 #[cfg(test)]

@@ -154,6 +154,7 @@ pub mod doctor;
 mod engine;
 pub mod explanation;
 pub mod files;
+mod horizon;
 pub mod intersect;
 pub mod kernel;
 mod limits;
@@ -337,7 +338,8 @@ pub use diagnostic::Failure;
 /// assert_eq!(FailureKind::Configuration.exit_code(), 78);
 /// ```
 pub use diagnostic::FailureKind;
-pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
+pub use engine::{Engine, EngineBuilder, HorizonRanking, Ranking, pin_coordinator, worker_cores};
+pub use horizon::Horizon;
 pub use limits::Limits;
 
 /// Settings of the engine that replace those of a scenario.

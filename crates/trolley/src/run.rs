@@ -11,7 +11,9 @@
 
 use crate::BUILD;
 use body::{BodyView, Build, Meta};
-use coordinator::{Certainty, RankingRun, WorkerPoolReport, WorkerReport};
+use coordinator::{
+    Certainty, CourseEffort, EncounterEffort, RankingRun, WorkerPoolReport, WorkerReport,
+};
 use core::time::Duration;
 use record::Mode;
 use scenario::{EngineSettings, Scheme};
@@ -86,6 +88,12 @@ pub struct Run {
     pub cores_granted: Vec<usize>,
     /// What could be better, in sentences.
     pub remarks: Vec<String>,
+    /// The search for contacts of a scenario over a horizon.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search: Option<EncounterEffort>,
+    /// Rounds of contacts of a scenario over a horizon; workers are those of the last one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rounds: Option<u64>,
     /// Questions about poses.
     pub tasks: u64,
     /// Node pairs given to the kernel.
@@ -199,6 +207,8 @@ impl Run {
             store_bytes: 0,
             remarks,
             cores_granted,
+            search: None,
+            rounds: None,
             tasks: 0,
             jobs: 0,
             jobs_cut: 0,
@@ -231,6 +241,44 @@ impl Run {
             order_certain,
             ..self
         }
+    }
+
+    /// Adds what following courses took. `reports` are those of the workers, one a round.
+    pub(crate) fn with_courses(
+        self,
+        effort: &CourseEffort,
+        reports: Vec<WorkerPoolReport>,
+        store_bytes: usize,
+    ) -> Self {
+        let surveys = effort.surveys;
+        let mut run = Self {
+            tasks: surveys.tasks,
+            nb_descent: surveys.descent.nb,
+            nb: surveys.jobs.nb,
+            np: surveys.jobs.np,
+            search: Some(effort.search),
+            rounds: Some(effort.rounds),
+            ..self
+        };
+        if reports.is_empty() {
+            run.jobs = effort.jobs_in_process;
+        }
+        for report in reports {
+            let before = run.clone();
+            run = run.with_worker_pool(report, store_bytes);
+            run.jobs += before.jobs;
+            run.jobs_cut += before.jobs_cut;
+            run.jobs_abandoned += before.jobs_abandoned;
+            run.jobs_reissued += before.jobs_reissued;
+            run.messages += before.messages;
+            run.message_bytes += before.message_bytes;
+            run.messages_rejected += before.messages_rejected;
+            run.parts_fenced += before.parts_fenced;
+            run.section_bytes += before.section_bytes;
+            run.section_bytes_unshared += before.section_bytes_unshared;
+            run.sections_evicted += before.sections_evicted;
+        }
+        run
     }
 
     /// Adds what the workers and the channels to them counted.

@@ -389,7 +389,11 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 /// The text of a file that the scenario names.
-fn named(scenario: &Path, reference: &FileRef, kind: InputKind) -> Result<SourceText, Failure> {
+pub(crate) fn named(
+    scenario: &Path,
+    reference: &FileRef,
+    kind: InputKind,
+) -> Result<SourceText, Failure> {
     let path = beside(scenario, reference.path.as_ref());
     let place = format!("{}:{}", scenario.display(), reference.place);
     let text = files::text(&path, kind).map_err(|failure| failure.at(place))?;
