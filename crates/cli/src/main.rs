@@ -6,6 +6,7 @@
 
 mod answer_args;
 mod args;
+mod course_table;
 mod doctor;
 mod engine_args;
 mod intersect;

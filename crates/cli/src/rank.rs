@@ -5,15 +5,15 @@ use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use crate::traffic::TrafficArgs;
-use crate::{print, table, traffic};
+use crate::{course_table, print, table, traffic};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::record::Signer;
 use trolley::{
-    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, References,
-    Run, Scenario,
+    Answer, AnswerState, CourseAnswer, Engine, Explanation, Failure, FailureKind, Horizon,
+    HorizonRanking, Ranking, Record, References, Run, Scenario,
 };
 
 /// The arguments of `rank`.
@@ -53,7 +53,14 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
     let RankArgs { scenario: path, references, traffic, answer: asked, options } = args;
     let references = references.references();
     if !trolley::traffic::is_traffic(path) {
-        return answer(Scenario::open_with(path, references)?, asked, options, output);
+        let text = trolley::read_text(path)?;
+        let name = path.display().to_string();
+        if scenario::is_horizon_text(&text) {
+            let horizon = Horizon::parse_with(&name, &text, references)?;
+            return answer_horizon(horizon, asked, options, output);
+        }
+        let scenario = Scenario::parse_with(&name, &text, references)?;
+        return answer(scenario, asked, options, output);
     }
     let imported = traffic::import(path, traffic, references)?;
     output.say(&imported.summary());
@@ -117,11 +124,55 @@ fn answer(
     if let Some(path) = recorded.transpose()? {
         output.say(&format!("recorded as {}", path.display()));
     }
-    Ok(match ranking.answer.state {
+    Ok(code(ranking.answer.state))
+}
+
+/// Ranks a scenario over a horizon, and prints the answer.
+fn answer_horizon(
+    horizon: Horizon,
+    asked: &AnswerArgs,
+    options: &EngineArgs,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let horizon = match asked.assume {
+        Some(Assume::UnknownFixed) => horizon.assuming_unknown_is_fixed(),
+        None => horizon,
+    };
+    let mut engine = engine(options)?;
+    let progress = output.progress("building bodies: triangles");
+    let told = |done, total| progress.set(done, total);
+    let mut ranking = engine.rank_horizon_telling(&horizon, &asked.limits()?, &told)?;
+    drop(progress);
+    if ranking.run.deadline.is_none() {
+        ranking.run.stages.stop_ms = engine.stop_workers();
+    }
+    let HorizonRanking { answer, run } = &ranking;
+    if output.json {
+        let document = HorizonDocument { schema: "trolley.rank/2", answer, run };
+        print::out(&print::json(&document)?)?;
+    } else {
+        print::out(&course_table::ranking(&horizon.parsed().name, answer, run))?;
+        if asked.explain {
+            print::out(&course_table::courses(answer))?;
+        }
+    }
+    Ok(code(answer.state))
+}
+
+/// What `--json` prints of a scenario over a horizon.
+#[derive(Serialize)]
+struct HorizonDocument<'a> {
+    schema: &'static str,
+    answer: &'a CourseAnswer,
+    run: &'a Run,
+}
+
+fn code(state: AnswerState) -> ExitCode {
+    match state {
         AnswerState::Complete | AnswerState::Certified => ExitCode::SUCCESS,
         AnswerState::Degraded => FailureKind::Degraded.into(),
         AnswerState::Refused => FailureKind::Refused.into(),
-    })
+    }
 }
 
 /// Where a record is written, and the key that signs it.

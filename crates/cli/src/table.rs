@@ -51,7 +51,7 @@ pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String
 }
 
 /// "8 bodies · 412k triangles · 4 workers on cores 0, 1".
-fn circumstances(run: &Run) -> String {
+pub(crate) fn circumstances(run: &Run) -> String {
     let thousand = (run.triangles + 500) / 1000;
     let size = format!("{} bodies · {thousand}k triangles", run.bodies);
     if run.workers.is_empty() {
@@ -194,7 +194,7 @@ fn early(answer: &Answer, certain: &Certain) -> Option<String> {
 }
 
 /// Whether the answer came in time.
-fn kept(kept: &Kept) -> String {
+pub(crate) fn kept(kept: &Kept) -> String {
     let Kept { due_ms, answered_ms, late_ms } = kept;
     if *late_ms > 0.0 {
         return format!("Due at {due_ms} ms, answered {late_ms:.1} ms late.");

@@ -180,6 +180,55 @@ mod worker;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Answer;
+/// One contact of a candidate.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// let contacts = ranking.answer.ranking.iter().flat_map(|row| &row.contacts);
+/// let first = |contact: &trolley::ContactRow| contact.time_s;
+/// println!("the first of all after {} s", contacts.map(first).fold(f64::INFINITY, f64::min));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::ContactRow;
+/// The answer to a scenario over a horizon.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// let answer: trolley::CourseAnswer = ranking.answer;
+/// println!("{} candidates, {}", answer.ranking.len(), answer.state.name());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::CourseAnswer;
+/// One candidate of a [`CourseAnswer`] in its place.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// let free = |row: &&trolley::CourseRow| row.touches_nobody();
+/// println!("{} touch nobody", ranking.answer.ranking.iter().filter(free).count());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::CourseRow;
+/// How a contact changes the ego's motion.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// for contact in ranking.answer.ranking.iter().flat_map(|row| &row.contacts) {
+///     match contact.severity {
+///         trolley::Severity::Light => println!("drives on past {}", contact.party),
+///         trolley::Severity::Heavy => println!("crashes into {}", contact.party),
+///     }
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Severity;
 
 /// The chain from contact to rank, from [`Limits::with_explanation`].
 ///

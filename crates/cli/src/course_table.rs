@@ -1,0 +1,253 @@
+//! The table of a ranking over a horizon: whom each manoeuvre meets, when, in which order, what it
+//! does to whom, and what else has to be known.
+
+use crate::table::{circumstances, kept, percent};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use damage_words::severity;
+use report::text::{COLUMNS, wrap};
+use trolley::{AnswerState, ContactRow, CourseAnswer, CourseRow, Run};
+
+/// Words for what an answer holds as values.
+mod damage_words {
+    use trolley::Severity;
+
+    pub(super) fn severity(severity: Severity) -> &'static str {
+        match severity {
+            Severity::Light => "light",
+            Severity::Heavy => "heavy",
+        }
+    }
+}
+
+/// The ranking as text: a table between sentences, at most 100 columns wide.
+pub(crate) fn ranking(name: &str, answer: &CourseAnswer, run: &Run) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(COLUMNS);
+    table.set_header(["#", "candidate", "meets", "worst-off person", "harm %", "range %"]);
+    for (at, row) in answer.ranking.iter().enumerate() {
+        table.add_row([
+            (at + 1).to_string(),
+            row.name.clone(),
+            meets(row),
+            worst_off(row),
+            harm(row),
+            format!("{}–{}", percent(row.range.low()), percent(row.range.high())),
+        ]);
+    }
+    for (number, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(number > 0), 0));
+        if [0, 4].contains(&number) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let table = table.to_string();
+    let rows: Vec<&str> = table.lines().map(str::trim_end).collect();
+    let head = format!("{}. Which does least harm?", name.trim_end_matches('.'));
+    format!("{head}\n{}\n\n{}\n\n{}", circumstances(run), rows.join("\n"), verdict(answer, run))
+}
+
+/// "1.62 s pedestrian, light" for each contact, one a line; or how near the ego comes to whom.
+fn meets(row: &CourseRow) -> String {
+    let mut lines: Vec<String> = row.contacts.iter().map(contact).collect();
+    if let Some(from_s) = row.open_from_s {
+        lines.push(format!("not known after {from_s:.2} s"));
+    } else if lines.is_empty() {
+        lines.push(match &row.nearest {
+            Some(near) => {
+                format!("nobody; {} {:.2} m away at {:.2} s", near.party, near.gap_m, near.time_s)
+            }
+            None => "nobody".to_owned(),
+        });
+    }
+    lines.join("\n")
+}
+
+fn contact(contact: &ContactRow) -> String {
+    let possible = if contact.is_certain { "" } else { ", possible" };
+    let ego = contact.delta_v_m_s[0].work.hi();
+    let kind = severity(contact.severity);
+    format!("{:.2} s {}, {kind} ({ego:.1} m/s){possible}", contact.time_s, contact.party)
+}
+
+fn worst_off(row: &CourseRow) -> String {
+    let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
+    match worst {
+        Some(person) if person.work.hi() > 0.0 => {
+            let seat = person.seat.map(|seat| format!(" {}", seat.replace('-', " ")));
+            let (party, seat) = (&person.party, seat.unwrap_or_default());
+            format!("{party}{seat} {:.1} %", 100.0 * person.work.hi())
+        }
+        _ => "–".to_owned(),
+    }
+}
+
+fn harm(row: &CourseRow) -> String {
+    if row.work.is_settled() {
+        return percent(row.work.hi());
+    }
+    format!("{}–{}", percent(row.work.lo()), percent(row.work.hi()))
+}
+
+fn verdict(answer: &CourseAnswer, run: &Run) -> String {
+    let Some(first) = answer.ranking.first() else { return String::new() };
+    let mut lines = Vec::new();
+    let state = match answer.state {
+        AnswerState::Complete => "COMPLETE: all work is done",
+        AnswerState::Certified => "CERTIFIED: no open work can change the winner",
+        AnswerState::Degraded => "DEGRADED: open work could change the winner",
+        AnswerState::Refused => "REFUSED: no candidate has a bound",
+    };
+    let took = format!(
+        "{state} ({:.1} ms for contacts, {} jobs in {:.1} ms; policy \"{}\")",
+        run.stages.plan_ms, run.jobs, run.stages.work_ms, answer.policy
+    );
+    let free: Vec<&str> =
+        answer.ranking.iter().filter(|row| row.touches_nobody()).map(|row| &*row.name).collect();
+    lines.push(match free.as_slice() {
+        [] => format!("Every way hits somebody, as far as is known. Least harm: {}.", first.name),
+        free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
+    });
+    if !free.is_empty() && !first.touches_nobody() {
+        lines.push(format!("First under the policy: {}.", first.name));
+    }
+    lines.push(format!("{took}."));
+    lines.extend(run.deadline.as_ref().map(kept));
+    lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
+    let tied = answer.tie_class.iter().filter(|name| **name != first.name);
+    let tied: Vec<&str> = tied.map(String::as_str).collect();
+    if !tied.is_empty() {
+        lines.push(format!(
+            "Within the range of the model it is indistinguishable from: {}.",
+            tied.join(", ")
+        ));
+    }
+    for other in &first.alternatives {
+        lines.push(format!(
+            "But if {} takes path {} (probability {:.2}), it is met after {:.2} s.",
+            other.party, other.path, other.probability, other.time_s
+        ));
+    }
+    lines.extend(ahead(first));
+    lines.extend(answer.assumptions.iter().map(|assumed| format!("Assumed: {assumed}.")));
+    if !answer.missing.is_empty() {
+        lines.push(format!("Not fully known: {}.", answer.missing.join("; ")));
+    }
+    lines.extend(run.remarks.iter().map(|remark| format!("Note: {remark}.")));
+    for worker in run.workers.iter().filter(|worker| worker.lost.is_some()) {
+        let how = worker.lost.as_deref().unwrap_or_default();
+        lines.push(format!("Note: worker {} was lost ({how}).", worker.worker));
+    }
+    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
+    wrapped.join("\n") + "\n"
+}
+
+/// What is ahead of the ego at the end of its way.
+fn ahead(row: &CourseRow) -> Option<String> {
+    let (party, after_s) = row.at_horizon.next_contact.as_ref()?;
+    Some(format!(
+        "At the end of its way, after {:.2} s, it goes {:.1} m/s and would meet {party} {after_s:.1} \
+         s later if nobody did anything.",
+        row.at_horizon.time_s, row.at_horizon.speed_m_s
+    ))
+}
+
+/// The course of every candidate, contact by contact.
+pub(crate) fn courses(answer: &CourseAnswer) -> String {
+    let mut lines = Vec::new();
+    for (at, row) in answer.ranking.iter().enumerate() {
+        lines.push(format!("\n{}. {}", at + 1, row.name));
+        for contact in &row.contacts {
+            lines.extend(contact_lines(contact));
+        }
+        if row.contacts.is_empty() && row.open_from_s.is_none() {
+            lines.push("   Touches nobody: proven for every triangle and every time.".to_owned());
+        }
+        if let Some(from_s) = row.open_from_s {
+            lines.push(format!("   After {from_s:.3} s nothing is known: anything may happen."));
+        }
+        if let Some(run_out) = &row.run_out {
+            let [x, y] = run_out.velocity_m_s;
+            lines.push(format!(
+                "   Run-out from {:.3} s at {:.1} m/s ({x:.1}, {y:.1}), {:.1} m until it stands",
+                run_out.from_s,
+                x.hypot(y),
+                run_out.length_m
+            ));
+        }
+        for person in &row.persons {
+            lines.push(format!(
+                "   {}{}: risk {} %, range {}–{} %",
+                person.party,
+                person.seat.map(|seat| format!(", {seat}")).unwrap_or_default(),
+                percent(person.work.hi()),
+                percent(person.range.low()),
+                percent(person.range.high())
+            ));
+        }
+        if let Some(near) = &row.nearest {
+            lines.push(format!(
+                "   Comes nearest to {}: {:.2} m in plan at {:.2} s",
+                near.party, near.gap_m, near.time_s
+            ));
+        }
+        for other in &row.alternatives {
+            lines.push(format!(
+                "   If {} takes path {} (probability {:.2}): met after {:.3} s",
+                other.party, other.path, other.probability, other.time_s
+            ));
+        }
+        lines.extend(ahead(row).map(|ahead| format!("   {ahead}")));
+        lines.extend(row.remarks.iter().map(|remark| format!("   Note: {remark}")));
+        lines.extend(row.why.iter().map(|why| format!("   Before the next: {why}")));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn contact_lines(contact: &ContactRow) -> Vec<String> {
+    let [ego, other] = &contact.delta_v_m_s;
+    let other = if contact.is_other_fixed {
+        "fixed".to_owned()
+    } else {
+        format!("{:.2} ({:.2}–{:.2}) m/s", other.work.hi(), other.range.low(), other.range.high())
+    };
+    let parts = |parts: &[String]| {
+        if parts.is_empty() { "–".to_owned() } else { parts.join(", ") }
+    };
+    let mut lines = vec![
+        format!(
+            "   {:.6} s {}: {}, {}; triangles {} and {}",
+            contact.time_s,
+            contact.party,
+            contact.sides,
+            severity(contact.severity),
+            contact.triangles[0],
+            contact.triangles[1]
+        ),
+        format!(
+            "      closing {:.2} m/s, ΔV ego {:.2} ({:.2}–{:.2}) m/s, other {other}",
+            contact.closing_m_s,
+            ego.work.hi(),
+            ego.range.low(),
+            ego.range.high()
+        ),
+        format!(
+            "      {} and {} triangles hit; parts {} and {}",
+            contact.hits[0],
+            contact.hits[1],
+            parts(&contact.parts[0]),
+            parts(&contact.parts[1])
+        ),
+    ];
+    for person in &contact.persons {
+        lines.push(format!(
+            "      {}{}: {} % by {}",
+            person.party,
+            person.seat.map(|seat| format!(", {seat}")).unwrap_or_default(),
+            percent(person.work.hi()),
+            person.curve
+        ));
+    }
+    lines
+}
