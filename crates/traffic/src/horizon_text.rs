@@ -96,8 +96,8 @@ impl Diagnostic for HorizonTextError {
 /// # Errors
 ///
 /// Nobody but the ego is there until the horizon, the library has no body for a type, more than 32
-/// obstacles can be reached, or a scenario may not say what the recording does: that somebody jumps,
-/// that what is fixed to the ground moves.
+/// obstacles can be reached, or a scenario may not say what the recording does: that somebody
+/// jumps, that what is fixed to the ground moves.
 pub fn horizon_text(
     source: &str,
     recording: &Recording,

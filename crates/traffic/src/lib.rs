@@ -3,7 +3,7 @@
 //! ```text
 //! CommonRoad 2018b, 2020a ─┐                     ego manoeuvres       library of bodies
 //! OpenSCENARIO (in part) ──┴─read─▶ Recording ─ sweep ─▶ Meetings ─ write ─▶ scenario (TOML)
-//!                                       └────── horizon_text ──────▶ scenario over a horizon (TOML)
+//!                                       └───── horizon_text ─────▶ scenario over a horizon (TOML)
 //! ```
 //!
 //! Everything lies in the ground plane, in metres, seconds and radians. A recording states where

@@ -62,8 +62,8 @@ pub(super) struct Course {
 }
 
 impl Extent {
-    /// The part of a track from `began_s` on, for `horizon_s` seconds. One moment holds forever, and
-    /// stands still.
+    /// The part of a track from `began_s` on, for `horizon_s` seconds. One moment holds forever,
+    /// and stands still.
     pub(super) fn new(track: &[TimedState], began_s: f64, horizon_s: f64) -> Self {
         let shifted =
             |moment: &TimedState| TimedState { time_s: moment.time_s - began_s, ..*moment };
