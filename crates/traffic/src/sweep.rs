@@ -176,12 +176,13 @@ impl Recording {
     }
 }
 
-/// Where the ego is when manoeuvres begin: as recorded, otherwise straight on.
+/// Where the ego is when manoeuvres begin: as recorded, and after that, or if nothing is recorded,
+/// straight on.
 pub(crate) fn began(ego: &Ego, time_s: f64) -> TimedState {
     if let Some(moment) = at(&ego.went, time_s) {
         return moment;
     }
-    let start = ego.start;
+    let start = *ego.went.last().filter(|last| last.time_s < time_s).unwrap_or(&ego.start);
     let [x, y] = start.velocity_m_s();
     let after_s = time_s - start.time_s;
     let moved = [start.place.at[0] + x * after_s, start.place.at[1] + y * after_s];
