@@ -25,6 +25,7 @@
 use crate::document::TextPosition;
 use crate::engine::EngineSettings;
 use crate::error::{Misfit, ScenarioError};
+use crate::limit;
 use crate::rules;
 use crate::scenario::{FileRef, Name, PartyIndex, Source};
 use body::{BodyKind, Fit, Seat};
@@ -46,6 +47,12 @@ pub const HORIZON_SCHEMA: &str = "trolley.scenario/2";
 /// in full precision, need 1.2 MB, and 16 candidates to each of which 12 parties react so 2.6 MB.
 /// More belongs into CSV files.
 pub const HORIZON_TEXT_BYTES_MAX: usize = 4 << 20;
+
+/// How many parties a scenario over a horizon has at most, the ego among them.
+pub const HORIZON_PARTIES_MAX: usize = limit::HORIZON_PARTIES.most;
+
+/// How many states a path has at most that stands in the scenario itself.
+pub const PATH_STATES_MAX: usize = limit::PATH_STATES.most;
 
 /// The greatest distance between a circle and the path that stands for it, at equal times (m).
 pub const CIRCLE_ERROR_M: f64 = 0.001;

@@ -66,12 +66,12 @@ pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
 pub use horizon::{
-    CIRCLE_ERROR_M, HORIZON_SCHEMA, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonDraft,
-    HorizonMotion, HorizonParty, HorizonScenario, Occupancy, OccupantGroup, Prediction, Reaction,
-    is_horizon_text,
+    CIRCLE_ERROR_M, HORIZON_PARTIES_MAX, HORIZON_SCHEMA, HORIZON_TEXT_BYTES_MAX, HorizonCandidate,
+    HorizonDraft, HorizonMotion, HorizonParty, HorizonScenario, Occupancy, OccupantGroup,
+    PATH_STATES_MAX, Prediction, Reaction, is_horizon_text,
 };
 pub use scenario::{
-    Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex, SCHEMA,
-    Scenario, Source, TEXT_BYTES_MAX,
+    CANDIDATES_MAX, Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex,
+    SCHEMA, Scenario, Source, TEXT_BYTES_MAX,
 };
 pub use schema::{horizon_schema, schema};

@@ -19,6 +19,9 @@ pub const SCHEMA: &str = "trolley.scenario/1";
 /// Longer texts are refused unread: 16 candidates and 17 parties, each with every key, need 20 kB.
 pub const TEXT_BYTES_MAX: usize = 1 << 20;
 
+/// How many candidates a scenario of either form has at most.
+pub const CANDIDATES_MAX: usize = limit::CANDIDATES.most;
+
 /// What to rank and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {

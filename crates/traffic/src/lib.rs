@@ -3,12 +3,14 @@
 //! ```text
 //! CommonRoad 2018b, 2020a ─┐                     ego manoeuvres       library of bodies
 //! OpenSCENARIO (in part) ──┴─read─▶ Recording ─ sweep ─▶ Meetings ─ write ─▶ scenario (TOML)
+//!                                       └───── horizon_text ─────▶ scenario over a horizon (TOML)
 //! ```
 //!
 //! Everything lies in the ground plane, in metres, seconds and radians. A recording states where
 //! every participant is and goes; the sweep drives the ego along arcs that friction allows and says
 //! whom it meets first, as their outlines in plan overlap; triangles are the engine's business.
-//! Texts come in and go out; no file is opened here.
+//! A scenario over a horizon needs no sweep: it has all manoeuvres, and where everybody goes. Texts
+//! come in and go out; no file is opened here.
 //!
 //! # Invariants
 //!
@@ -17,10 +19,12 @@
 //! - Outlines overlap exactly if they share a point, for any rectangles, circles and polygons:
 //!   `outline/tests.rs`.
 //! - No manoeuvre asks the tyres for more than [`ManoeuvreSweep::grip_m_s2`]: `sweep/tests.rs`.
-//! - What is written is a scenario: `write/tests.rs`.
+//! - What is written is a scenario: `write/tests.rs`, `horizon_text/tests.rs`. Over a horizon
+//!   everybody is where the recording says, at its times, to the last digit that is written.
 
 mod commonroad;
 mod error;
+mod horizon_text;
 mod library;
 mod openscenario;
 mod outline;
@@ -30,6 +34,7 @@ mod write;
 mod xml;
 
 pub use error::TrafficError;
+pub use horizon_text::{HorizonTextError, horizon_text};
 pub use library::{DEFAULT_LIBRARY, Library};
 pub use outline::{Outline, OutlinePart, Placed, overlap};
 pub use recording::{Ego, Obstacle, Recording, TimedState};

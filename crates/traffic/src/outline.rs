@@ -155,7 +155,7 @@ fn inside(point: [f64; 2], polygon: &[[f64; 2]]) -> bool {
 }
 
 /// Distance of a point from a segment (m).
-fn distance(point: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+pub(crate) fn distance(point: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (u, v) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let squared = u[0] * u[0] + u[1] * u[1];
     let share =

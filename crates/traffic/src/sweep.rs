@@ -42,6 +42,16 @@ impl Default for ManoeuvreSweep {
     }
 }
 
+impl ManoeuvreSweep {
+    /// Deceleration and lateral acceleration of every arc (m/s²), in the order of trial.
+    pub(crate) fn arcs(&self) -> impl Iterator<Item = [f64; 2]> {
+        let laterals = &self.laterals_m_s2;
+        self.brakes_m_s2
+            .iter()
+            .flat_map(move |brake| laterals.iter().map(move |lateral| [*brake, *lateral]))
+    }
+}
+
 /// Tightest curve (1/m): a car's turning circle has a radius of about 5 m.
 const CURVATURE_MAX: f64 = 0.2;
 /// Width and length of an ego of which nothing is said (m): a medium car, CommonRoad's vehicle 2.
@@ -134,12 +144,9 @@ impl Recording {
             let went = times.map_while(|time_s| at(&self.ego.went, time_s)).collect();
             ways.push((Manoeuvre::Recorded, went));
         }
-        for brake_m_s2 in &sweep.brakes_m_s2 {
-            for lateral_m_s2 in &sweep.laterals_m_s2 {
-                let (brake_m_s2, lateral_m_s2) = (*brake_m_s2, *lateral_m_s2);
-                let way = arc(&start, brake_m_s2, lateral_m_s2, sweep, steps);
-                ways.push((Manoeuvre::Arc { brake_m_s2, lateral_m_s2 }, way));
-            }
+        for [brake_m_s2, lateral_m_s2] in sweep.arcs() {
+            let way = arc(&start, brake_m_s2, lateral_m_s2, sweep, steps);
+            ways.push((Manoeuvre::Arc { brake_m_s2, lateral_m_s2 }, way));
         }
         for (manoeuvre, way) in ways {
             let meeting = way.iter().find_map(|ego| {
@@ -169,12 +176,13 @@ impl Recording {
     }
 }
 
-/// Where the ego is when manoeuvres begin: as recorded, otherwise straight on.
-fn began(ego: &Ego, time_s: f64) -> TimedState {
+/// Where the ego is when manoeuvres begin: as recorded, and after that, or if nothing is recorded,
+/// straight on.
+pub(crate) fn began(ego: &Ego, time_s: f64) -> TimedState {
     if let Some(moment) = at(&ego.went, time_s) {
         return moment;
     }
-    let start = ego.start;
+    let start = *ego.went.last().filter(|last| last.time_s < time_s).unwrap_or(&ego.start);
     let [x, y] = start.velocity_m_s();
     let after_s = time_s - start.time_s;
     let moved = [start.place.at[0] + x * after_s, start.place.at[1] + y * after_s];
@@ -200,8 +208,8 @@ pub(crate) fn left_of_grip(brake_m_s2: f64, grip_m_s2: f64) -> f64 {
     (1.0 - used * used).sqrt()
 }
 
-/// The ego's way, one moment a step.
-fn arc(
+/// The ego's way, one moment a step, the first of them a step after `start`.
+pub(crate) fn arc(
     start: &TimedState,
     brake_m_s2: f64,
     lateral_m_s2: f64,

@@ -1,4 +1,5 @@
-//! From meetings to the text of a scenario: one candidate for each, bodies from the library.
+//! From meetings to the text of a scenario: one candidate for each, bodies from the library. What
+//! both forms of a scenario have in common is written here.
 //!
 //! Bodies are put where the middle of their outline is, stretched to its length and width; a circle
 //! gives a body its longest side. Coordinates are rounded to 0.1 mm and 0.0001°.
@@ -6,13 +7,11 @@
 use crate::library::{Entry, Library};
 use crate::outline::{Outline, Placed};
 use crate::recording::{Recording, TimedState, wrapped};
-use crate::sweep::{Conflict, Swept};
-use scenario::decimal;
+use crate::sweep::Swept;
+use scenario::{CANDIDATES_MAX, decimal};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// The capacity of a scenario.
-const CANDIDATES_MAX: usize = 16;
 /// Coordinates beyond this are moved so that the ego starts near the origin (m): maps count from a
 /// far away equator.
 const FAR_M: f64 = 100_000.0;
@@ -36,36 +35,26 @@ pub fn scenario_text(
         return Err("no manoeuvre meets anybody: there is nothing to rank".to_owned());
     }
     if meetings.len() < swept.meetings.len() {
-        let more = swept.meetings.len() - meetings.len();
-        notes.push(format!("a request ranks 16 candidates: {more} more are left out"));
+        notes.push(too_many(swept.meetings.len()));
     }
-    let start = recording.ego.start.place.at;
-    let moved =
-        if start.iter().any(|x| x.abs() > FAR_M) { start.map(f64::round) } else { [0.0; 2] };
+    let moved = moved(recording);
     let mut text = String::new();
-    let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
-    let _w =
-        writeln!(text, "# From {}: ego manoeuvres and whom each meets first.", one_line(source));
-    if moved != [0.0; 2] {
-        let [x, y] = moved.map(decimal);
-        let _w = writeln!(text, "# Moved by [{x}, {y}] m, so that the ego starts near the origin.");
-    }
+    comments(&mut text, source, "ego manoeuvres and whom each meets first", moved);
     let _w = writeln!(text, "schema = {}", quoted(scenario::SCHEMA));
-    let _w = writeln!(text, "name = {}\n", quoted(&recording.name));
+    let _w = writeln!(text, "name = {}\n", quoted(&title(recording)));
     let ego_outline = recording.ego_outline();
-    party(&mut text, "ego", &ego_outline, entry(library, "ego")?);
-    let names = names(recording, meetings);
+    party(&mut text, "ego", &ego_outline, entry(library, "ego")?, NOBODY);
+    let names = names(recording, meetings.iter().map(|meeting| meeting.whom));
     for (index, name) in &names {
         let obstacle = &recording.others[*index];
-        party(&mut text, name, &obstacle.outline, entry(library, &obstacle.kind)?);
+        party(&mut text, name, &obstacle.outline, entry(library, &obstacle.kind)?, NOBODY);
     }
     for meeting in meetings {
         let other = &recording.others[meeting.whom];
         let party = &names[&meeting.whom];
-        let name: String =
-            format!("{} → {party}", meeting.manoeuvre.name()).chars().take(60).collect();
+        let name = shortened(&format!("{} → {party}", meeting.manoeuvre.name()));
         let _w = writeln!(text, "\n# After {:.2} s.", meeting.ego.time_s - swept.began_s);
-        let _w = writeln!(text, "[[candidates]]\nname = {}", quoted(name.trim()));
+        let _w = writeln!(text, "[[candidates]]\nname = {}", quoted(&name));
         let _w = writeln!(text, "ego = {{ {} }}", state(&meeting.ego, &ego_outline, moved));
         let state = state(&meeting.other, &other.outline, moved);
         let _w = writeln!(text, "other = {{ party = {}, {state} }}", quoted(party));
@@ -73,34 +62,77 @@ pub fn scenario_text(
     Ok((text, notes))
 }
 
+/// How a party says that nobody is inside.
+const NOBODY: &str = "persons = []";
+
+/// What a scenario cannot hold of so many candidates.
+pub(crate) fn too_many(candidates: usize) -> String {
+    let more = candidates - CANDIDATES_MAX;
+    format!("a request ranks {CANDIDATES_MAX} candidates: {more} more are left out")
+}
+
+/// By how much all coordinates are moved (m): not at all, unless the ego is far from the origin.
+pub(crate) fn moved(recording: &Recording) -> [f64; 2] {
+    let start = recording.ego.start.place.at;
+    if start.iter().any(|x| x.abs() > FAR_M) { start.map(f64::round) } else { [0.0; 2] }
+}
+
+/// The lines before the first key: where the scenario is from, what it says, how it is moved.
+pub(crate) fn comments(text: &mut String, source: &str, says: &str, moved: [f64; 2]) {
+    let source = source.replace(|c: char| c.is_control(), " ");
+    let _w = writeln!(text, "# From {source}: {says}.");
+    if moved != [0.0; 2] {
+        let [x, y] = moved.map(decimal);
+        let _w = writeln!(text, "# Moved by [{x}, {y}] m, so that the ego starts near the origin.");
+    }
+}
+
+/// The name of a recording as that of a scenario.
+pub(crate) fn title(recording: &Recording) -> String {
+    let title = shortened(&recording.name);
+    if title.is_empty() { "recording".to_owned() } else { title }
+}
+
+/// As much of a name as a scenario takes: 60 visible characters.
+pub(crate) fn shortened(name: &str) -> String {
+    let plain = name.replace(|c: char| c.is_control(), " ");
+    plain.trim().chars().take(60).collect::<String>().trim().to_owned()
+}
+
 /// The middle of an outline in the world: where its body is put.
 pub(crate) fn middle(moment: &TimedState, outline: &Outline) -> Placed {
     Placed { at: moment.place.point(outline.middle()), yaw: moment.place.yaw }
 }
 
-fn entry<'l>(library: &'l Library, kind: &str) -> Result<&'l Entry, String> {
+/// The body for a type.
+pub(crate) fn entry<'l>(library: &'l Library, kind: &str) -> Result<&'l Entry, String> {
     library.get(kind).ok_or_else(|| {
         format!("the library has no body for \"{kind}\"; it has {}", library.types())
     })
 }
 
-/// What everybody that is met is called: type and id, as letters that fit a table, each once.
-fn names(recording: &Recording, meetings: &[Conflict]) -> BTreeMap<usize, String> {
+/// What these obstacles are called: type and id, as letters that fit a table, each name once.
+pub(crate) fn names(
+    recording: &Recording,
+    whom: impl Iterator<Item = usize>,
+) -> BTreeMap<usize, String> {
     let mut names: BTreeMap<usize, String> = BTreeMap::new();
-    for meeting in meetings {
-        let obstacle = &recording.others[meeting.whom];
+    for whom in whom {
+        let obstacle = &recording.others[whom];
         let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let id: String = obstacle.id.chars().take(20).map(plain).collect();
         let mut name = format!("{} {id}", obstacle.kind);
-        if names.iter().any(|(index, taken)| *index != meeting.whom && *taken == name) {
-            name = format!("{name} ({})", meeting.whom);
+        if names.iter().any(|(index, taken)| *index != whom && *taken == name) {
+            name = format!("{name} ({whom})");
         }
-        names.entry(meeting.whom).or_insert(name);
+        names.entry(whom).or_insert(name);
     }
     names
 }
 
-fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
+/// The table of a party without its motion. `nobody` is the line that says that nobody is inside:
+/// each form of a scenario has its own.
+pub(crate) fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry, nobody: &str) {
     let _w = writeln!(text, "[parties.{}]", quoted(name));
     let _w = match (&entry.shape, &entry.file) {
         (Some(shape), _) => {
@@ -118,7 +150,7 @@ fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
         writeln!(text, "size_m = [{length}, {width}]")
     };
     if entry.nobody {
-        text.push_str("persons = []\n");
+        let _w = writeln!(text, "{nobody}");
     }
     if entry.unknown {
         text.push_str("kind = \"unknown\"\n");
@@ -139,12 +171,12 @@ fn state(moment: &TimedState, outline: &Outline, moved: [f64; 2]) -> String {
 }
 
 /// Rounded to 0.0001; −0 becomes +0.
-fn rounded(value: f64) -> String {
+pub(crate) fn rounded(value: f64) -> String {
     decimal((value * 1e4).round() / 1e4 + 0.0)
 }
 
 /// A TOML string.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
         match c {

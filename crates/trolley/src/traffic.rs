@@ -1,7 +1,8 @@
 //! Traffic files as scenarios: CommonRoad 2018b and 2020a, OpenSCENARIO 1.x.
 //!
 //! The ego's possible manoeuvres are tried, and those that collide become the candidates of a
-//! scenario.
+//! scenario. In a scenario over a horizon all of them are candidates, and nobody need say who
+//! collides: [`ImportedTraffic::horizon_text`].
 //!
 //! ```
 //! # let folder = std::env::temp_dir().join(format!("trolley-traffic-{}", std::process::id()));
@@ -123,7 +124,7 @@ impl TrafficOptions {
     }
 }
 
-/// A traffic file with the collisions that were found in it.
+/// A traffic file with the collisions that were found in it, as scenarios of both forms.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join(format!("trolley-imported-{}", std::process::id()));
@@ -147,6 +148,8 @@ impl TrafficOptions {
 ///
 /// let imported = import(&path, &TrafficOptions::default())?;
 /// assert!(imported.text.is_some(), "a parked car is in the way");
+/// let over_horizon = imported.horizon_text?;
+/// assert!(over_horizon.starts_with("# From ") && imported.horizon_notes.is_empty());
 /// # std::fs::remove_dir_all(&folder).ok();
 /// # Ok::<(), trolley::Failure>(())
 /// ```
@@ -157,6 +160,14 @@ pub struct ImportedTraffic {
     notes: Vec<String>,
     /// The scenario; `None` if no manoeuvre collides.
     pub text: Option<String>,
+    /// The scenario over a horizon, of the form `trolley.scenario/2`: where everybody goes, and
+    /// every manoeuvre, whether or not it collides. The error, if there is none: nobody but the ego
+    /// is there, a type has no body in the library even if nobody collides with it, more obstacles
+    /// can be reached than a scenario holds, or somebody moves as no body can.
+    pub horizon_text: Result<String, Failure>,
+    /// What was assumed for [`Self::horizon_text`] or left out of it, in whole sentences without
+    /// full stops. What holds of both scenarios is in [`Self::summary`].
+    pub horizon_notes: Vec<String>,
 }
 
 /// Returns whether a file is traffic rather than a scenario, by its name or its first character.
@@ -180,7 +191,7 @@ pub fn is_traffic(path: &Path) -> bool {
     head.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'<')
 }
 
-/// Reads a traffic file, tries the ego's manoeuvres, and makes the scenario.
+/// Reads a traffic file, tries the ego's manoeuvres, and makes the scenarios of both forms.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join(format!("trolley-import-{}", std::process::id()));
@@ -246,6 +257,11 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
         let help = format!("if it is the ego itself: --without {id}; else begin earlier: --at");
         return Err(Failure::new(FailureKind::Refused, fault).with_remedy(help));
     }
+    let (horizon_text, horizon_notes) =
+        match traffic::horizon_text(&name, &recording, &sweep, &library) {
+            Ok((text, notes)) => (Ok(text), notes),
+            Err(error) => (Err(Failure::from(error)), Vec::new()),
+        };
     let text = match swept.meetings.as_slice() {
         [] => None,
         _ => {
@@ -258,7 +274,8 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
             Some(text)
         }
     };
-    Ok(ImportedTraffic { recording, swept, horizon_s: sweep.horizon_s, notes, text })
+    let horizon_s = sweep.horizon_s;
+    Ok(ImportedTraffic { recording, swept, horizon_s, notes, text, horizon_text, horizon_notes })
 }
 
 /// A meeting in the JSON document.

@@ -112,3 +112,14 @@ fn a_recorded_way_is_tried_and_left_where_manoeuvres_begin() {
     assert!((late.meetings[0].ego.time_s - 4.76).abs() < 1e-9);
     assert!(recording.sweep(&ManoeuvreSweep::default()).meetings.is_empty(), "too far within 3 s");
 }
+
+#[test]
+fn after_its_recording_the_ego_goes_on_from_where_it_was() {
+    let turned = std::f64::consts::FRAC_PI_2;
+    let mut recording = recording(moment(0.0, 0.0, 0.0, 10.0), Vec::new());
+    let last = TimedState { time_s: 2.0, ..moment(12.0, 8.0, turned, 5.0) };
+    recording.ego.went = vec![recording.ego.start, last];
+    let start = began(&recording.ego, 3.0);
+    assert!(libm::hypot(start.place.at[0] - 12.0, start.place.at[1] - 13.0) < 1e-9, "{start:?}");
+    assert_eq!((start.time_s, start.place.yaw, start.speed_m_s), (3.0, turned, 5.0));
+}

@@ -1,0 +1,85 @@
+//! The recordings of others, which are no part of this project, as scenarios over a horizon.
+
+use super::{WRITTEN_M, library, motion, off_m, read_back};
+use crate::sweep::began;
+use crate::write::{moved, names};
+use crate::{Catalog, ManoeuvreSweep, ReadOptions, horizon_text, read};
+use std::path::{Path, PathBuf};
+
+fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(folder);
+    let entries = std::fs::read_dir(path).expect("a folder");
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    let mut files: Vec<PathBuf> =
+        paths.filter(|path| path.extension().is_some_and(|end| end == ending)).collect();
+    files.sort();
+    files
+}
+
+/// Makes a scenario, reads it, and compares everybody with the track at recorded times. Returns
+/// what there is in it; `Err`: why there is none.
+fn checked(path: &Path, catalogs: &[Catalog<'_>], after_s: f64) -> Result<String, String> {
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let text = std::fs::read_to_string(path).expect("readable");
+    let options = ReadOptions { catalogs, ..ReadOptions::default() };
+    let recording = read(&file, &text, &options).map_err(|error| error.to_string())?;
+    let sweep = ManoeuvreSweep { after_s, ..ManoeuvreSweep::default() };
+    let made = horizon_text(&file, &recording, &sweep, &library());
+    let (text, notes) = made.map_err(|error| error.to_string())?;
+    let read = read_back(&text);
+    let began_s = began(&recording.ego, recording.ego.start.time_s + after_s).time_s;
+    let mut worst_m = 0.0_f64;
+    for (index, name) in names(&recording, 0..recording.others.len()) {
+        if read.parties.iter().any(|party| party.name.as_str() == name) {
+            let obstacle = &recording.others[index];
+            let by = moved(&recording);
+            worst_m = worst_m.max(off_m(motion(&read, &name), obstacle, began_s, by));
+        }
+    }
+    assert!(worst_m < WRITTEN_M, "{file}: {worst_m}");
+    Ok(format!(
+        "{file} at {after_s} s: {} parties, {} candidates, {} kB, off by {:.2} mm; {notes:?}",
+        read.parties.len(),
+        read.candidates.len(),
+        text.len() / 1000,
+        1e3 * worst_m
+    ))
+}
+
+#[test]
+#[ignore = "needs ../shared/data: recorded traffic"]
+fn every_recording_is_a_scenario_over_a_horizon() {
+    let recordings = files("scenarios/commonroad", "xml");
+    assert!(recordings.len() >= 7);
+    for path in recordings {
+        for after_s in [0.0, 0.75] {
+            eprintln!("{}", checked(&path, &[], after_s).unwrap_or_else(|error| panic!("{error}")));
+        }
+    }
+}
+
+/// Both of the stories that can be had are on roads of a network, and are refused for that.
+#[test]
+#[ignore = "needs ../shared/data: recorded traffic"]
+fn every_story_is_a_scenario_or_needs_a_road_network() {
+    let paths = files("scenarios/openscenario/esmini", "xosc");
+    let texts: Vec<(String, String)> = paths
+        .iter()
+        .filter(|path| path.to_string_lossy().ends_with("Catalog.xosc"))
+        .map(|path| {
+            let text = std::fs::read_to_string(path).expect("readable");
+            (path.to_string_lossy().into_owned(), text)
+        })
+        .collect();
+    let catalogs: Vec<Catalog<'_>> =
+        texts.iter().map(|(file, text)| Catalog { file, text }).collect();
+    for path in paths.iter().filter(|path| !path.to_string_lossy().ends_with("Catalog.xosc")) {
+        match checked(path, &catalogs, 0.0) {
+            Ok(made) => eprintln!("{made}"),
+            Err(why) => {
+                assert!(why.contains("needs a road network"), "{why}");
+                eprintln!("{why}");
+            }
+        }
+    }
+}
