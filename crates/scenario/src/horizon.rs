@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Time 0 is now. Each motion is a [`MotionPath`] from 0 to [`HorizonScenario::horizon_s`], from
-//! the body frame to the world: metres, x forward, y left, z up. All motions of a party begin at one
-//! pose, within 1 mm and 0.1°: where it is now. Who touches whom, and when, is for
-//! others to find out; nothing here compares two motions.
+//! the body frame to the world: metres, x forward, y left, z up. All motions of a party begin at
+//! one pose, within 1 mm and 0.1°: where it is now. Who touches whom, and when, is for others to
+//! find out; nothing here compares the motions of two parties.
 //!
 //! # From states to a path
 //!

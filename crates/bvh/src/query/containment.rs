@@ -37,8 +37,8 @@ pub enum Containment {
 ///
 /// A point lies inside a body if it lies inside one of its closed shells: of one that is oriented,
 /// if its winding number is not 0; of another one, if a ray crosses it an odd number of times. So
-/// shells may overlap, and a cavity counts as solid. If several answers hold, the first in the order
-/// of [`Containment`] is given. Exact on the coordinates that [`touches`] uses, in A's frame.
+/// shells may overlap, and a cavity counts as solid. If several answers hold, the first in the
+/// order of [`Containment`] is given. Exact on the coordinates that [`touches`] uses, in A's frame.
 ///
 /// ```
 /// use trolley_bvh::query::{BuildOptions, Pose, RelativePose, Shells, Tree, Workspace};
@@ -53,14 +53,14 @@ pub enum Containment {
 /// let (a, b) = (Tree::build(&large, &options)?, Tree::build(&small, &options)?);
 /// let shells = [Shells::of(a.corners()), Shells::of(b.corners())];
 ///
-/// let at = |x| {
+/// let moved_to = |x| {
 ///     let pose = Pose::from_degrees(0.0, 0.0, 0.0, [x, 1.0, 1.0]);
 ///     RelativePose::between(&Pose::IDENTITY, &pose)
 /// };
 /// let mut workspace = Workspace::new();
-/// let inside = containment(&a, &b, shells.each_ref(), &at(1.0), &mut workspace)?;
+/// let inside = containment(&a, &b, shells.each_ref(), &moved_to(1.0), &mut workspace)?;
 /// assert_eq!(inside, Containment::BInA);
-/// let beside = containment(&a, &b, shells.each_ref(), &at(-5.0), &mut workspace)?;
+/// let beside = containment(&a, &b, shells.each_ref(), &moved_to(-5.0), &mut workspace)?;
 /// assert_eq!(beside, Containment::Apart);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

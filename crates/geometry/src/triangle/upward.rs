@@ -32,9 +32,9 @@ pub enum RayCrossing {
 /// coordinates.
 ///
 /// The ray is moved sideways by an infinitely small amount, the same for all triangles: it never
-/// meets an edge, and of the triangles around an edge or corner that it would meet it crosses those
-/// that the moved one does. A triangle that is degenerate, or vertical, is never crossed; a point on
-/// it is not found to be there.
+/// meets an edge, and of the triangles around one that it would meet it crosses those that the
+/// moved ray does. A triangle that is degenerate, or vertical, is never crossed; a point on it is
+/// not found to be there.
 #[must_use]
 pub fn cross_upward(point: DVec3, triangle: &Triangle) -> RayCrossing {
     let bounds = triangle.bounds();

@@ -37,8 +37,8 @@ fn cube(low: f32, high: f32) -> Vec<Corners> {
     FACES.into_iter().flat_map(split).map(|face| face.map(corner)).collect()
 }
 
-/// The solid angle of a triangle over 4π, signed (A. van Oosterom, J. Strackee, *The Solid Angle of
-/// a Plane Triangle*, IEEE Transactions on Biomedical Engineering 30(2), 1983).
+/// The solid angle of a triangle over 4π, signed (A. van Oosterom, J. Strackee, *The Solid Angle
+/// of a Plane Triangle*, IEEE Transactions on Biomedical Engineering 30(2), 1983).
 fn share_of_sphere(p: DVec3, corners: &Corners) -> f64 {
     let [a, b, c] = Triangle::stored(corners).0.map(|corner| corner - p);
     let [la, lb, lc] = [a, b, c].map(DVec3::length);
@@ -59,10 +59,11 @@ fn crumpled() -> impl Strategy<Value = Vec<Corners>> {
     const SIDES: [usize; 2] = [4, 3];
     let point = prop::array::uniform3((-3_i8..=3).prop_map(f32::from));
     prop::collection::vec(point, SIDES[0] * SIDES[1]).prop_map(|points| {
-        let at = |i: usize, j: usize| points[i % SIDES[0] * SIDES[1] + j % SIDES[1]];
+        let corner = |i: usize, j: usize| points[i % SIDES[0] * SIDES[1] + j % SIDES[1]];
         let all = (0..SIDES[0]).flat_map(|i| (0..SIDES[1]).map(move |j| (i, j)));
         all.flat_map(|(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            let [a, b, c, d] =
+                [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
             [[a, b, c], [a, c, d]]
         })
         .collect()
@@ -129,7 +130,9 @@ proptest! {
 
     /// A small body in a large one, at any pose; and with the roles exchanged.
     #[test]
-    fn a_body_holds_what_is_well_inside(turned in pose(), (build, leaf_size) in (any_build(), 1_u32..5)) {
+    fn a_body_holds_what_is_well_inside(
+        turned in pose(), (build, leaf_size) in (any_build(), 1_u32..5),
+    ) {
         let built = options(build, leaf_size);
         let large = Tree::build(&cube(-20.0, 20.0), &built).unwrap();
         let small = Tree::build(&torus(9, 5, 0.3), &built).unwrap();

@@ -231,7 +231,7 @@ fn all_motions_of_a_party_begin_where_it_is_now() {
         (
             van,
             place("reactions.van.state", "35, 3, 0.125", "-2.5"),
-            Some("102:1: at 0 s party \"van\" is 0.000 m and 179."),
+            Some("99:1: at 0 s party \"van\" is 0.000 m and 180."),
         ),
         (
             inline,
@@ -294,6 +294,8 @@ fn kinds_are_checked_again_when_the_files_are_open() {
     let error =
         parse(&stands).unwrap().check_kinds("f.toml", &kinds(BodyKind::Suv, BodyKind::Wall));
     assert!(error.unwrap_err().what.contains("reacts to nothing"));
-    let silent = stands.replace("[candidates.reactions.walker.place]\nposition_m = [1, 5, 0]\nyaw_deg = -90\npitch_deg = 1\nroll_deg = 2", "");
+    let reaction = "[candidates.reactions.walker.place]\nposition_m = [1, 5, 0]\nyaw_deg = -90\n\
+                    pitch_deg = 1\nroll_deg = 2";
+    let silent = stands.replace(reaction, "");
     parse(&silent).unwrap().check_fixed("f.toml").unwrap();
 }
