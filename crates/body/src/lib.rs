@@ -16,6 +16,7 @@ pub mod file;
 pub mod fit;
 pub mod meta;
 mod shape;
+pub mod shells;
 pub mod store;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
@@ -26,4 +27,5 @@ pub use body::{Body, BodyView, Mesh, Node, Zones, is_degenerate};
 pub use fit::Fit;
 pub use meta::{BodyKind, Build, LEAF_SIZE_MAX, Meta, Seat};
 pub use shape::{Shape, UnknownShape};
+pub use shells::{ShellKind, Shells};
 pub use wide::{Wide, WideLeaf, WideNode};

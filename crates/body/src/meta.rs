@@ -42,8 +42,10 @@ pub enum Seat {
     RearMiddle,
     /// Rear right.
     RearRight,
-    /// On a motorcycle or bicycle.
+    /// On a motorcycle or bicycle: who steers it.
     Rider,
+    /// Behind the rider.
+    Pillion,
 }
 
 /// How the tree of a body was built.
@@ -182,7 +184,7 @@ impl BodyKind {
                 Seat::RearRight,
             ],
             Self::Truck => &[Seat::FrontLeft, Seat::FrontRight],
-            Self::Motorcycle | Self::Cyclist => &[Seat::Rider],
+            Self::Motorcycle | Self::Cyclist => &[Seat::Rider, Seat::Pillion],
             Self::Pedestrian | Self::Wall | Self::Pole | Self::Building => &[],
         }
     }
@@ -212,14 +214,15 @@ impl core::str::FromStr for BodyKind {
 }
 
 impl Seat {
-    /// All seats.
-    pub const ALL: [Self; 6] = [
+    /// All seats. Files and messages number them, so a new one is the last.
+    pub const ALL: [Self; 7] = [
         Self::FrontLeft,
         Self::FrontRight,
         Self::RearLeft,
         Self::RearMiddle,
         Self::RearRight,
         Self::Rider,
+        Self::Pillion,
     ];
 
     /// The bit of [`crate::Zones`] for "beside this seat".
@@ -238,6 +241,7 @@ impl Seat {
             Self::RearMiddle => "rear-middle",
             Self::RearRight => "rear-right",
             Self::Rider => "rider",
+            Self::Pillion => "pillion",
         }
     }
 }

@@ -66,7 +66,8 @@ fn share(corners: &Corners, bounds: &Aabb, axis: usize) -> f64 {
 ///
 /// Cars: the doors of the row and the roof above it, without the sill; the middle rear seat adjoins
 /// the body only behind and above. Trucks and buses: the cabin. Riders: everything between the
-/// wheels and above their axles.
+/// wheels and above their axles. Pillion riders: the same further back, since they sit on the rear
+/// wheel; a model file from before this seat has no triangle beside it.
 #[must_use]
 pub fn seat_range(kind: BodyKind, seat: Seat) -> [[f64; 2]; 3] {
     let height = [0.2, 1.0];
@@ -77,12 +78,13 @@ pub fn seat_range(kind: BodyKind, seat: Seat) -> [[f64; 2]; 3] {
         (_, Seat::FrontLeft | Seat::FrontRight) => [0.42, 0.62],
         (_, Seat::RearLeft | Seat::RearMiddle | Seat::RearRight) => [0.22, 0.42],
         (_, Seat::Rider) => return [[0.25, 0.75], [0.0, 1.0], [0.4, 1.0]],
+        (_, Seat::Pillion) => return [[0.1, 0.45], [0.0, 1.0], [0.4, 1.0]],
     };
     match seat {
         Seat::FrontLeft | Seat::RearLeft => [row, [0.5, 1.0], height],
         Seat::FrontRight | Seat::RearRight => [row, [0.0, 0.5], height],
         Seat::RearMiddle => [row, [1.0 / 3.0, 2.0 / 3.0], height],
-        Seat::Rider => [row, [0.0, 1.0], height],
+        Seat::Rider | Seat::Pillion => [row, [0.0, 1.0], height],
     }
 }
 

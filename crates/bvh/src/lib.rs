@@ -30,6 +30,7 @@
 //!   one: `front/tests.rs`.
 //! - Hit sets, pairs, their count and hash, zones and supports do not depend on tree, build, depth
 //!   or leaf size, nor on where a budget cuts a job: `kernel/tests.rs`, `query/tests.rs`.
+//! - Whether a body lies inside a closed one is exact: `query/containment/tests.rs`.
 //! - Nothing recurses, and [`kernel::Kernel::run`] allocates nothing.
 
 pub mod build;

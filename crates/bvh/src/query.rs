@@ -1,5 +1,5 @@
 //! Which triangles of two bodies intersect: all pairs, the sets of triangles, or whether any do;
-//! and when those of a body that moves first touch another one.
+//! when those of a body that moves first touch another one; and whether one body holds the other.
 //!
 //! ```text
 //! triangles of A --Tree::build--> tree ─┐               ┌─▶ touches: yes or no, at the first hit
@@ -57,11 +57,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod containment;
 mod first;
 mod turning;
 
 use crate::{End, Kernel, NodePair, Question, Side, Sink, Task};
 use body::BodyView;
+use containment::Columns;
 use diagnostic::{Diagnostic, FailureKind};
 use std::borrow::Cow;
 use std::convert::Infallible;
@@ -71,6 +73,8 @@ use std::ops::ControlFlow;
 // All names that a query takes: callers need no other crate.
 pub use crate::kernel::sweep::Witness;
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
+pub use body::{ShellKind, Shells};
+pub use containment::{Containment, containment};
 pub use first::{SweepEffort, SweepWorkspace, earliest_pairs, first_contact};
 pub use geometry::motion::{MotionPath, Orientation, PathError, RelativeMotion, State};
 pub use geometry::simd::Level;
@@ -99,6 +103,7 @@ pub struct Workspace {
     open: Vec<NodePair>,
     /// The tree depth for which the kernel has capacity, in either tree.
     levels: u32,
+    columns: Columns,
 }
 
 impl Workspace {
@@ -106,7 +111,12 @@ impl Workspace {
     /// processor.
     #[must_use]
     pub fn new() -> Self {
-        Self { kernel: Kernel::with_room(LEVELS, LEVELS, 0, 0), open: Vec::new(), levels: LEVELS }
+        Self {
+            kernel: Kernel::with_room(LEVELS, LEVELS, 0, 0),
+            open: Vec::new(),
+            levels: LEVELS,
+            columns: Columns::default(),
+        }
     }
 
     /// Sets the walk of later queries; the answers do not change.

@@ -62,6 +62,7 @@ extern "C" {
 #define TROLLEY_REAR_MIDDLE 4u
 #define TROLLEY_REAR_RIGHT 5u
 #define TROLLEY_RIDER 6u
+#define TROLLEY_PILLION 7u
 
 /* trolley_place.flags */
 #define TROLLEY_TOUCHES 1u

@@ -33,6 +33,7 @@ mod planar;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+mod upward;
 mod wide;
 
 use crate::{Bounds, Corners, DVec3};
@@ -41,6 +42,7 @@ use orient::Orient;
 use planar::{Flat, Piercing};
 
 pub use contact::ContactPoints;
+pub use upward::{RayCrossing, cross_upward};
 
 /// A corner of a pair: one of [`A`] or of [`B`].
 type Corner = usize;

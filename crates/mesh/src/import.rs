@@ -32,7 +32,7 @@ pub use frame::{Axis, Frame, LengthUnit, UnknownAxis, UnknownUnit};
 pub use guess::{Guess, guess};
 pub use suggest::{Reading, readings};
 
-use body::{BodyKind, Mesh, is_degenerate};
+use body::{BodyKind, Mesh, Shells, is_degenerate};
 use collect::Collector;
 
 /// Maximum length of a mesh file or side file, in bytes.
@@ -111,6 +111,10 @@ pub struct ImportReport {
     pub duplicates: usize,
     /// Triangles of zero area, kept.
     pub degenerate: u32,
+    /// Pieces that hang together by edges.
+    pub shells: usize,
+    /// Edges of an odd number of triangles; 0 if the body is watertight.
+    pub open_edges: usize,
     /// Parts kept, with their triangles.
     pub parts: Vec<(String, usize)>,
     /// What else was noticed and skipped, in whole sentences.
@@ -195,6 +199,7 @@ pub fn read(
     for part in &mesh.part_of {
         of_part[usize::from(*part)] += 1;
     }
+    let shells = Shells::of(&mesh.corners);
     let report = ImportReport {
         name: options.name.clone().unwrap_or_else(|| stem(file)),
         format,
@@ -204,6 +209,8 @@ pub fn read(
         triangles: mesh.corners.len(),
         duplicates: mesh.dropped.len(),
         degenerate: mesh.degenerate,
+        shells: shells.kinds().len(),
+        open_edges: shells.open_edges(),
         parts: mesh.parts.iter().cloned().zip(of_part).collect(),
         notes: all.notes,
         guess,

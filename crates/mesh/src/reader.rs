@@ -157,6 +157,10 @@ pub struct Report {
     pub duplicates_dropped: usize,
     /// Triangles of zero area, which are kept.
     pub degenerate_kept: u32,
+    /// Pieces that hang together by edges.
+    pub shells: usize,
+    /// Edges of an odd number of triangles; 0 if the body is watertight.
+    pub open_edges: usize,
     /// Extent forward, left and up (m).
     pub size_m: [f64; 3],
     /// Size and guess in words.

@@ -92,7 +92,8 @@ pub struct WireParty {
 pub struct Person {
     /// Number of the party.
     pub party: u32,
-    /// 0: on foot; 1 front left, 2 front right, 3 rear left, 4 rear middle, 5 rear right, 6 rider.
+    /// 0: on foot; 1 front left, 2 front right, 3 rear left, 4 rear middle, 5 rear right, 6 rider,
+    /// 7 pillion.
     pub seat: u32,
 }
 

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! Time 0 is now. Each motion is a [`MotionPath`] from 0 to [`HorizonScenario::horizon_s`], from
-//! the body frame to the world: metres, x forward, y left, z up. Who touches whom, and when, is for
-//! others to find out; nothing here compares two motions.
+//! the body frame to the world: metres, x forward, y left, z up. All motions of a party begin at
+//! one pose, within 1 mm and 0.1°: where it is now. Who touches whom, and when, is for others to
+//! find out; nothing here compares the motions of two parties.
 //!
 //! # From states to a path
 //!
@@ -32,6 +33,7 @@ use body::{BodyKind, Fit, Seat};
 use geometry::motion::MotionPath;
 use std::time::Duration;
 
+mod begin;
 mod check;
 mod csv;
 mod draft;
@@ -132,12 +134,13 @@ pub struct HorizonParty {
 /// What is known about the persons of a party.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Occupancy {
-    /// These persons, at least one and at most 90; at most 256 in a scenario.
+    /// These persons, at least one and at most as many as its kind can hold ([`crate::capacity`]);
+    /// at most 256 in a scenario.
     Stated(Vec<OccupantGroup>),
     /// Nobody is inside.
     Empty,
     /// Nothing is said: the default of its kind, whether it moves or not, with a range from nobody
-    /// to everybody whom it can hold.
+    /// to everybody whom it can hold ([`crate::capacity`]); on foot one person.
     Default,
 }
 
@@ -241,8 +244,9 @@ impl HorizonScenario {
     /// `parties[i]`.
     ///
     /// The kind of a model file is known only when it is open, so the caller who opens it checks
-    /// here: the ego must be a vehicle, persons must have seats that there are, and a fixed object
-    /// has neither mass nor persons, and neither moves nor reacts. For generated bodies this was
+    /// here: the ego must be a vehicle, persons must have seats that there are and be no more than
+    /// the kind can hold, and a fixed object has neither mass nor persons, and neither moves nor
+    /// reacts. For generated bodies this was
     /// checked when the scenario was read.
     ///
     /// # Errors

@@ -23,8 +23,9 @@
 //!   refused unread: `scenario/tests.rs`, `horizon/tests.rs`, `horizon/csv/tests.rs`.
 //! - Whatever it accepts, [`schema`] or [`horizon_schema`] accepts too: `schema/tests.rs`,
 //!   `horizon/tests.rs`.
-//! - Every motion of a [`HorizonScenario`] lasts from 0 to its horizon; a turn is within
-//!   [`CIRCLE_ERROR_M`] of its circle: `horizon/path/tests.rs`.
+//! - Every motion of a [`HorizonScenario`] lasts from 0 to its horizon, and those of one party
+//!   begin at one pose: `horizon/tests/rules.rs`. A turn is within [`CIRCLE_ERROR_M`] of its
+//!   circle: `horizon/path/tests.rs`.
 //! - Persons carry a seat, or how many they are, and nothing else. Age, sex and condition are
 //!   refused by the schema.
 //!
@@ -70,6 +71,7 @@ pub use horizon::{
     HorizonDraft, HorizonMotion, HorizonParty, HorizonScenario, Occupancy, OccupantGroup,
     PATH_STATES_MAX, Prediction, Reaction, is_horizon_text,
 };
+pub use rules::capacity;
 pub use scenario::{
     CANDIDATES_MAX, Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex,
     SCHEMA, Scenario, Source, TEXT_BYTES_MAX,

@@ -108,6 +108,11 @@ pub(crate) const LATERAL_M_S2: f64 = 100.0;
 pub(crate) const VELOCITY_OFF_M_S: f64 = 5.0;
 /// And how much more for each second of the piece (m/s²): twice what the best tyres can.
 pub(crate) const VELOCITY_OFF_M_S2: f64 = 20.0;
+/// How far the poses at which the motions of one body begin may be apart (m): a digit of a writer
+/// who rounds.
+pub(crate) const NOW_OFF_M: f64 = 0.001;
+/// And how much they may differ in orientation (degrees).
+pub(crate) const NOW_OFF_DEG: f64 = 0.1;
 /// Persons of a party: as many as a bus has places.
 pub(crate) const OCCUPANTS: Limit<i64> = limit(1, 90, "");
 /// Persons of a scenario in all: a full bus, and two to each of the others twice over.

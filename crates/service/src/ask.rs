@@ -53,7 +53,7 @@ impl Checked {
 }
 
 /// Seats by their numbers on the wire; 0 is a person on foot.
-const SEATS: [Option<Seat>; 7] = [
+const SEATS: [Option<Seat>; 8] = [
     None,
     Some(Seat::FrontLeft),
     Some(Seat::FrontRight),
@@ -61,6 +61,7 @@ const SEATS: [Option<Seat>; 7] = [
     Some(Seat::RearMiddle),
     Some(Seat::RearRight),
     Some(Seat::Rider),
+    Some(Seat::Pillion),
 ];
 
 /// The number of a seat on the wire.

@@ -26,6 +26,16 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Model files and records number seats: a new one does not change what the others mean.
+#[test]
+fn the_numbers_of_seats_are_pinned() {
+    for (number, seat) in (0_u32..).zip(Seat::ALL) {
+        let bytes = encode(&Occupant { seat: Some(seat) }).expect("small");
+        assert_eq!((bytes[0], &bytes[1..]), (1, &number.to_le_bytes()[..]), "{}", seat.name());
+    }
+    assert_eq!(Seat::ALL[5..], [Seat::Rider, Seat::Pillion]);
+}
+
 #[test]
 fn the_bytes_are_pinned() {
     let golden = concat!(

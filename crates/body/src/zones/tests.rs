@@ -42,6 +42,9 @@ fn seats_are_where_people_sit() {
     assert_eq!(seats(0.1, 0.9, 0.1, BodyKind::Sedan), 0, "the sill");
     assert_eq!(seats(1.9, 0.9, 0.7, BodyKind::Truck), bit(Seat::FrontLeft));
     assert_eq!(seats(0.0, 0.0, 1.0, BodyKind::Cyclist), bit(Seat::Rider));
+    let (rider, pillion) = (bit(Seat::Rider), bit(Seat::Pillion));
+    assert_eq!(seats(-0.5, 0.0, 1.0, BodyKind::Motorcycle), rider | pillion);
+    assert_eq!(seats(-1.2, 0.0, 1.0, BodyKind::Motorcycle), pillion);
     assert_eq!(seats(0.0, 0.0, 0.7, BodyKind::Pedestrian), 0);
 }
 

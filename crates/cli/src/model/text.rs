@@ -1,7 +1,7 @@
 //! The text output of `trolley model`.
 
 use std::fmt::Write as _;
-use trolley::model::facts::triangles;
+use trolley::model::facts::{surface, triangles};
 use trolley::model::{Facts, FileCheck, MeshInfo, Reading, Report, Seat};
 
 pub(crate) use trolley::model::facts::thousands;
@@ -22,6 +22,7 @@ pub(super) fn table(facts: &Facts, read: Option<&str>, notes: &[String]) -> Stri
         row("read", read);
     }
     row("triangles", &count(facts));
+    row("surface", &surface(facts.shells, facts.open_edges));
     row("mass", &mass(facts));
     let [x, y, z] = facts.centre_m;
     row("centre", &format!("{x:.3}, {y:.3}, {z:.3} m forward, left, up of the origin"));

@@ -71,6 +71,9 @@ fn who_nobody_stated_is_one_driver_of_what_moves() {
     assert!(occupants(BodyKind::Wall, 0.0, None).is_empty());
     assert_eq!(*occupants(BodyKind::Pedestrian, 0.0, None), [None]);
     assert!(occupants(BodyKind::Sedan, 3.0, Some(&[])).is_empty());
+    let both = [Seat::Rider, Seat::Pillion].map(|s| Occupant { seat: Some(s) });
+    let riding = occupants(BodyKind::Motorcycle, 3.0, Some(&both));
+    assert_eq!(*riding, [Some(Seat::Rider), Some(Seat::Pillion)]);
     let two = [Seat::FrontLeft, Seat::RearRight].map(|s| Occupant { seat: Some(s) });
     assert_eq!(
         *occupants(BodyKind::Sedan, 0.0, Some(&two)),

@@ -292,6 +292,8 @@ fn report(imported: &ImportedMesh, side: Option<PathBuf>) -> Report {
         triangles: it.triangles,
         duplicates_dropped: it.duplicates,
         degenerate_kept: it.degenerate,
+        shells: it.shells,
+        open_edges: it.open_edges,
         size_m: it.guess.size_m,
         sentence: it.guess.to_string(),
         doubts: it.guess.doubts.clone(),

@@ -85,6 +85,8 @@ fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
         triangles: 1,
         duplicates_dropped: 0,
         degenerate_kept: 0,
+        shells: 1,
+        open_edges: 3,
         size_m: [1.0; 3],
         sentence: String::new(),
         doubts: Vec::new(),

@@ -4,7 +4,7 @@ use super::csv::CsvStates;
 use super::path;
 use super::{
     HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonMotion, HorizonParty, HorizonScenario,
-    Prediction, Reaction, check,
+    Prediction, Reaction, begin, check,
 };
 use crate::document::TextPosition;
 use crate::engine::EngineSettings;
@@ -166,7 +166,7 @@ impl HorizonDraft {
             let reactions = reactions.collect::<Result<_, E>>()?;
             ways.push(HorizonCandidate { name, place, ego, reactions });
         }
-        Ok(HorizonScenario {
+        let scenario = HorizonScenario {
             name: self.name,
             policy: self.policy,
             curves: self.curves,
@@ -177,7 +177,9 @@ impl HorizonDraft {
             resolution_m: self.resolution_m,
             parties: finished,
             candidates: ways,
-        })
+        };
+        begin::check(&file, &scenario)?;
+        Ok(scenario)
     }
 }
 

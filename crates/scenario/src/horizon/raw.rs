@@ -82,7 +82,8 @@ pub(crate) struct Party {
     /// Mass [kg]. Default: that of the model.
     #[schemars(range(min = limit::MASS_KG.least, max = limit::MASS_KG.most))]
     pub(crate) mass_kg: Option<f64>,
-    /// Who is inside, at most 90. Default: what is usual for its kind, with a range from nobody to
+    /// Who is inside: at most 9 in a car, 3 in a truck, 90 in a bus or a group on foot, 2 on a
+    /// motorcycle or bicycle. Default: what is usual for its kind, with a range from nobody to
     /// everybody whom it can hold.
     #[schemars(length(min = limit::OCCUPANTS.least, max = limit::OCCUPANTS.most))]
     pub(crate) persons: Option<Vec<Table<Person>>>,
@@ -95,7 +96,7 @@ pub(crate) struct Party {
     pub(crate) crush: Option<Table<Crush>>,
     pub(crate) place: Option<Table<Place>>,
     pub(crate) state: Option<Table<State>>,
-    /// Where it may go, 1 to 3 paths; their probabilities sum to 1.
+    /// Where it may go, 1 to 3 paths; their probabilities sum to 1. All begin at 0 s at one pose.
     #[schemars(length(min = limit::PREDICTIONS.least, max = limit::PREDICTIONS.most))]
     pub(crate) paths: Option<Vec<Table<Prediction>>>,
 }

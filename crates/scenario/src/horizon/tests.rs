@@ -105,14 +105,20 @@ yaw_rate_deg_s = -5
 [candidates.reactions.van.path]
 csv = "van-brakes.csv"
 [candidates.reactions.walker.place]
-position_m = [1, 4, 0]
+position_m = [1, 5, 0]
+yaw_deg = -90
+pitch_deg = 1
+roll_deg = 2
 
 [[candidates]]
 name = "follow"
 [candidates.path]
 csv = "ego.csv"
 [candidates.reactions.van.state]
-position_m = [35, 3, 0]
+position_m = [35, 3, 0.125]
+yaw_deg = 177.5
+pitch_deg = 0.375
+roll_deg = 0.188
 speed_m_s = 0
 "#;
 
@@ -134,8 +140,15 @@ const OWN: &[WrongValues] = &[
 /// The texts of the files that [`FULL`] names.
 fn csv(file: &FileRef) -> Result<String, ScenarioError> {
     Ok(match file.path.as_str() {
-        "van.csv" => "t_s,x_m,y_m,yaw_deg\n0,35,3,180\n4,-5,3,180\n",
-        "van-brakes.csv" => "t_s,x_m,y_m,yaw_deg\n0,35,3,180\n1,30,3,180\n",
+        // Where the states of the scenario have it at 0.
+        "van.csv" => {
+            "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n\
+             0,35,3,0.125,177.5,0.375,0.188\n4,-5,3,0.125,180,0,0\n"
+        }
+        "van-brakes.csv" => {
+            "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n\
+             0,35,3,0.125,177.5,0.375,0.188\n1,30,3,0.125,180,0,0\n"
+        }
         "ego.csv" => "t_s,x_m,y_m,z_m,yaw_deg\n0,0,0,0,0\n5,60,0,0,0\n",
         other => panic!("{other}"),
     }
@@ -219,7 +232,7 @@ fn the_full_scenario_reads_as_it_is_written() {
     let [from_file, inline] = &van.predictions[..] else { panic!() };
     assert_eq!((from_file.probability, inline.probability), (0.25, 0.75));
     assert_eq!((from_file.motion.ends_s, inline.motion.ends_s), (None, Some(1.5)));
-    assert_eq!(from_file.motion.path.pose_at(1.0).translation, [25.0, 3.0, 0.0]);
+    assert_eq!(from_file.motion.path.pose_at(1.0).translation, [25.0, 3.0, 0.125]);
     // Cut at 0, then on with the last state's velocity, rising as in the last piece.
     assert_eq!(inline.motion.path.pose_at(0.0).translation, [35.0, 3.0, 0.125]);
     let end = inline.motion.path.states().last().unwrap();
@@ -232,7 +245,7 @@ fn the_full_scenario_reads_as_it_is_written() {
     assert_eq!((turn.name.as_str(), turn.reactions.len()), ("turn", 2));
     assert_eq!(turn.reactions[0].party, PartyIndex(2));
     assert_eq!(turn.reactions[0].motion.ends_s, Some(1.0));
-    assert_eq!(turn.reactions[0].motion.path.pose_at(2.0).translation, [25.0, 3.0, 0.0]);
+    assert_eq!(turn.reactions[0].motion.path.pose_at(2.0).translation, [25.0, 3.0, 0.125]);
     assert!(turn.reactions[1].party == PartyIndex(3) && !turn.reactions[1].motion.moves());
     assert_eq!(follow.ego.path.pose_at(4.0).translation, [48.0, 0.0, 0.0]);
     assert!(!follow.reactions[0].motion.moves());
@@ -263,7 +276,7 @@ fn files_are_asked_for_in_the_order_in_which_they_are_told() {
     assert_eq!(told, asked);
     let names: Vec<(&str, usize)> =
         told.iter().map(|file| (file.path.as_str(), file.place.line)).collect();
-    assert_eq!(names, [("van.csv", 51), ("van-brakes.csv", 88), ("ego.csv", 95)]);
+    assert_eq!(names, [("van.csv", 51), ("van-brakes.csv", 88), ("ego.csv", 98)]);
 }
 
 #[test]

@@ -212,8 +212,20 @@ fn what_the_schema_requires_the_parser_requires() {
 }
 
 pub(crate) fn values() -> impl Strategy<Value = String> {
-    const WORDS: &[&str] =
-        &["auto", "sedan", "suv", "wall", "rider", "front-left", "sah", "car", "post", "é", ""];
+    const WORDS: &[&str] = &[
+        "auto",
+        "sedan",
+        "suv",
+        "wall",
+        "rider",
+        "pillion",
+        "front-left",
+        "sah",
+        "car",
+        "post",
+        "é",
+        "",
+    ];
     prop_oneof![
         any::<f64>().prop_map(|x| format!("{x:?}")),
         (-1e3..1e3).prop_map(|x: f64| format!("{x:?}")),

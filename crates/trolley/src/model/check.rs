@@ -1,6 +1,6 @@
 //! Checks whether files are valid.
 
-use super::facts::{Facts, thousands, triangles};
+use super::facts::{Facts, surface, thousands, triangles};
 use super::open;
 use crate::files::InputKind;
 use crate::{Failure, FailureKind};
@@ -153,7 +153,9 @@ fn look(
         let facts = Facts::new(meta, &view, map.bytes())?;
         let [x, y, z] = facts.size_m;
         let count = triangles(facts.triangles);
-        let what = format!("model file, {}, {x:.2} × {y:.2} × {z:.2} m, {count}", facts.kind);
+        let surface = surface(facts.shells, facts.open_edges);
+        let what =
+            format!("model file, {}, {x:.2} × {y:.2} × {z:.2} m, {count}, {surface}", facts.kind);
         return Ok((what, Vec::new()));
     }
     // A trial builds no tree, so there is no progress to report.
@@ -167,6 +169,7 @@ fn look(
     if report.degenerate_kept > 0 {
         what += &format!(", {} of zero area", thousands(report.degenerate_kept as usize));
     }
+    what += &format!(", {}", surface(report.shells, report.open_edges));
     let doubts = [report.notes, report.doubts].concat();
     Ok((what, doubts))
 }

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::Failure;
-use body::{BodyKind, BodyView, Build, Mesh, Meta, Seat, file};
+use body::{BodyKind, BodyView, Build, Mesh, Meta, Seat, Shells, file};
 use mesh::import::{Guess, guess};
 use serde::Serialize;
 
@@ -62,6 +62,11 @@ pub struct Facts {
     pub duplicates_dropped: usize,
     /// Triangles of zero area.
     pub degenerate_kept: u32,
+    /// Pieces that hang together by edges.
+    pub shells: usize,
+    /// Edges of an odd number of triangles; 0 if the body is watertight, so that each point off
+    /// its surface is inside or outside.
+    pub open_edges: usize,
     /// Its parts, in their order in the file.
     pub parts: Vec<BodyPart>,
     /// How its tree was built.
@@ -139,6 +144,7 @@ impl Facts {
     pub fn new(meta: Meta, body: &BodyView<'_>, bytes: &[u8]) -> Result<Self, Failure> {
         let content_hash = file::content_hash(bytes)?;
         let bounds = body.bounds();
+        let shells = Shells::of(body.corners);
         let Guess { size_m, looks_like, doubts } = guess_of(body);
         let sentence =
             Guess { size_m, looks_like: looks_like.or(Some(NOTHING)), doubts: Vec::new() };
@@ -165,6 +171,8 @@ impl Facts {
             triangles: body.corners.len(),
             duplicates_dropped: body.dropped.len(),
             degenerate_kept: meta.degenerate,
+            shells: shells.kinds().len(),
+            open_edges: shells.open_edges(),
             parts: parts.map(|(name, triangles)| BodyPart { name, triangles }).collect(),
             build: meta.build,
             leaf_size: meta.leaf_size,
@@ -232,6 +240,24 @@ fn agrees(kind: BodyKind, looks: &str) -> bool {
 #[must_use]
 pub fn triangles(count: usize) -> String {
     format!("{} triangle{}", thousands(count), if count == 1 { "" } else { "s" })
+}
+
+/// Returns in words whether a surface is closed, which tells inside from outside.
+///
+/// ```
+/// use trolley::model::facts::surface;
+///
+/// assert_eq!(surface(1, 0), "watertight, 1 shell");
+/// assert_eq!(surface(22, 1_200), "not watertight: 1,200 open edges, 22 shells");
+/// ```
+#[must_use]
+pub fn surface(shells: usize, open_edges: usize) -> String {
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let shells = format!("{} shell{}", thousands(shells), plural(shells));
+    match open_edges {
+        0 => format!("watertight, {shells}"),
+        open => format!("not watertight: {} open edge{}, {shells}", thousands(open), plural(open)),
+    }
 }
 
 /// Returns a count with thousands separators: "39,170".

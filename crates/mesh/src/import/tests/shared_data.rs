@@ -244,6 +244,42 @@ fn every_real_body_is_known_here() {
     assert!(found.iter().all(|path| ends(path)) && found.len() == KNOWN.len(), "{found:?}");
 }
 
+/// Bodies for pictures are seldom closed: shells, and open edges, of each of [`KNOWN`].
+const SURFACES: [[usize; 2]; 20] = [
+    [18, 870],
+    [1, 532],
+    [1, 84],
+    [63, 1_090],
+    [1, 0],
+    [1, 0],
+    [68, 3_105],
+    [2, 215],
+    [1, 415],
+    [12, 326],
+    [1, 0],
+    [7, 8],
+    [14, 156],
+    [7, 24],
+    [1, 6],
+    [3, 10],
+    [1, 0],
+    [4, 20],
+    [15, 16],
+    [33, 200],
+];
+
+#[test]
+#[ignore = "needs ../shared/data: real bodies"]
+fn few_real_bodies_are_watertight() {
+    let models = data("models");
+    for (known, surface) in KNOWN.iter().zip(SURFACES) {
+        let only = known.only.iter().map(|name| (*name).to_owned()).collect();
+        let options = ImportOptions { only, ..options(known.frame, known.kind) };
+        let report = import(&models.join(known.file), &options).expect(known.file).report;
+        assert_eq!([report.shells, report.open_edges], surface, "{}", known.file);
+    }
+}
+
 /// Files of a folder whose extension is that of a format.
 fn meshes(folder: &Path) -> Vec<PathBuf> {
     let is_mesh = |path: &PathBuf| {
