@@ -63,37 +63,12 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
         return answer(scenario, asked, options, output);
     }
     let imported = traffic::import(path, traffic, references)?;
-    output.say(&imported.summary());
-    match &imported.text {
-        Some(text) => {
-            // Its models are those of the library, which was asked already.
-            let name = path.display().to_string();
-            let scenario = Scenario::parse_with(&name, text, References::Anywhere)?;
-            answer(scenario, asked, options, output)
-        }
-        None => nothing(path, &imported, output),
-    }
-}
-
-/// No conflict: a complete answer without a candidate.
-fn nothing(
-    path: &Path,
-    imported: &trolley::traffic::ImportedTraffic,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
-    if !output.json {
-        return print::out(
-            "No manoeuvre leads to a collision: there is nothing to rank. COMPLETE.",
-        );
-    }
-    let none: [&str; 0] = [];
-    let document = serde_json::json!({
-        "schema": "trolley.rank/1",
-        "answer": {"state": AnswerState::Complete, "ranking": none, "tie_class": none,
-                   "missing": none},
-        "traffic": imported.document(path),
-    });
-    print::out(&print::line(&document)?)
+    let name = path.display().to_string();
+    let document = imported.horizon_document(path)?;
+    output.say(&imported.horizon_summary());
+    // Its models are those of the library, which was asked already.
+    let horizon = Horizon::parse_with(&name, document.scenario, References::Anywhere)?;
+    answer_horizon(horizon, asked, options, output)
 }
 
 fn answer(
@@ -138,6 +113,12 @@ fn answer_horizon(
         Some(Assume::UnknownFixed) => horizon.assuming_unknown_is_fixed(),
         None => horizon,
     };
+    if asked.record.is_some() {
+        let what = "--record: a ranking over a horizon cannot be recorded yet";
+        let help = "leave it out; traffic can be recorded as pairs at impact: trolley scenario \
+                    import --at-impact";
+        return Err(Failure::setting(what).with_remedy(help));
+    }
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
@@ -148,7 +129,7 @@ fn answer_horizon(
     }
     let HorizonRanking { answer, run } = &ranking;
     if output.json {
-        let document = HorizonDocument { schema: "trolley.rank/2", answer, run };
+        let document = CourseDocument { schema: "trolley.rank/2", answer, run };
         print::out(&print::json(&document)?)?;
     } else {
         print::out(&course_table::ranking(&horizon.parsed().name, answer, run))?;
@@ -161,7 +142,7 @@ fn answer_horizon(
 
 /// What `--json` prints of a scenario over a horizon.
 #[derive(Serialize)]
-struct HorizonDocument<'a> {
+struct CourseDocument<'a> {
     schema: &'static str,
     answer: &'a CourseAnswer,
     run: &'a Run,

@@ -33,6 +33,11 @@ pub(crate) struct ImportArgs {
     traffic: TrafficArgs,
     #[command(flatten)]
     references: ReferenceArgs,
+    /// Write the former form instead, `trolley.scenario/1`: pairs at a predicted impact, one for
+    /// each manoeuvre, of those that outlines meet. It can be recorded, but it sees only the first
+    /// opponent of a manoeuvre.
+    #[arg(long)]
+    at_impact: bool,
     /// Scenario to write. It names models of --bodies where they are: to rank it from another
     /// folder, use --allow-outside there.
     #[arg(short, long, value_name = "OUT.toml")]
@@ -109,6 +114,9 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let out = args.out.as_deref();
     out.map(|out| trolley::files::check(out, Some(&args.file))).transpose()?;
     let imported = import(&args.file, &args.traffic, args.references.references())?;
+    if !args.at_impact {
+        return over_horizon(args, &imported, output);
+    }
     if let (Some(out), Some(text)) = (&args.out, &imported.text) {
         trolley::files::replace(out, text.as_bytes())?;
     }
@@ -129,4 +137,25 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         }
         (Some(text), None) => print::out(text),
     }
+}
+
+/// Writes or prints the scenario over a horizon.
+fn over_horizon(
+    args: &ImportArgs,
+    imported: &ImportedTraffic,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let document = imported.horizon_document(&args.file)?;
+    if let Some(out) = &args.out {
+        trolley::files::replace(out, document.scenario.as_bytes())?;
+    }
+    if output.json {
+        return print::out(&print::json(&document)?);
+    }
+    if !output.quiet {
+        print::err(&imported.horizon_summary());
+    }
+    let Some(out) = &args.out else { return print::out(document.scenario) };
+    print::err(&format!("written: {}", out.display()));
+    Ok(ExitCode::SUCCESS)
 }

@@ -262,6 +262,13 @@ fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> Vec<String> 
             name(*party)
         ));
     }
+    for party in &course.way.undecided_at_start {
+        all.push(format!(
+            "whether \"{}\" and the ego lie inside each other at the start was not decided: the \
+             outer body is open",
+            name(*party)
+        ));
+    }
     for contact in &course.contacts {
         let (party, time_s) = (name(contact.meeting.party), contact.meeting.touching.time_s);
         if contact.meeting.begin == Begin::AtStart {

@@ -7,14 +7,15 @@
 
 use body::{BodyView, Zones};
 use bvh::query::{
-    MotionContact, MotionLimits, MotionWorkspace, RelativeMotion, SweepWorkspace, Workspace,
-    first_contact, first_contact_in_motion, touches,
+    Containment, MotionContact, MotionLimits, MotionWorkspace, RelativeMotion, Shells,
+    SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion, touches,
 };
 use bvh::{Counters, SweepTask, Witness};
 use core::ops::Range;
 use geometry::motion::MotionPath;
-use geometry::{DVec3, RelativePose, Sweep, Triangle};
+use geometry::{Bounds, DVec3, RelativePose, Sweep, Triangle};
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// Tests of the first look at an encounter where there is a deadline; each further look may do
 /// twice as many.
@@ -50,6 +51,16 @@ pub(crate) enum Encountered {
     },
 }
 
+/// How bodies lie to each other at the start, if their triangles do not touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Nested {
+    No,
+    /// One lies wholly inside the other.
+    Yes(Touching),
+    /// The outer one is open, so that this has no answer.
+    Undecided,
+}
+
 /// What the search has taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct EncounterEffort {
@@ -69,6 +80,8 @@ pub(crate) struct EncounterSearch {
     motion: MotionWorkspace,
     poses: Workspace,
     sweep: SweepWorkspace,
+    /// The shells of bodies of which one may lie inside another, by the address of their triangles.
+    shells: HashMap<usize, Shells>,
     pub(crate) effort: EncounterEffort,
 }
 
@@ -127,6 +140,39 @@ impl EncounterSearch {
         let [a, b] = ways.bodies;
         // A path keeps poses far within what is accepted.
         touches(a, b, &ways.pose_at(time_s), &mut self.poses).unwrap_or(true)
+    }
+
+    /// Whether one body lies wholly inside the other at a time (s), without a triangle that meets
+    /// another one.
+    pub(crate) fn nested(&mut self, ways: &Ways<'_>, time_s: f64) -> Nested {
+        let pose = ways.pose_at(time_s);
+        let [a, b] = ways.bodies;
+        let box_of_a = a.bounds();
+        let corner = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
+        let own = Bounds { min: corner(box_of_a.min), max: corner(box_of_a.max) };
+        if !own.overlaps(&pose.bounds(&b.bounds())) {
+            return Nested::No;
+        }
+        let key = |body: &BodyView<'_>| body.corners.as_ptr().addr();
+        for body in [&a, &b] {
+            self.shells.entry(key(body)).or_insert_with(|| Shells::of(body.corners));
+        }
+        let shells = [&self.shells[&key(&a)], &self.shells[&key(&b)]];
+        match containment(a, b, shells, &pose, &mut self.poses) {
+            Ok(Containment::BInA | Containment::AInB) => {
+                let inside = pose.bounds(&b.bounds());
+                Nested::Yes(Touching {
+                    time_s,
+                    excluded_before_s: time_s,
+                    is_certain: true,
+                    ids: [a.source_ids[0], b.source_ids[0]],
+                    triangles: [0, 0],
+                    point: (inside.min + inside.max) * 0.5,
+                })
+            }
+            Ok(Containment::Undecided { .. }) | Err(_) => Nested::Undecided,
+            Ok(Containment::Apart | Containment::Touching) => Nested::No,
+        }
     }
 
     /// The first contact in a span of time (s); contact that cannot be decided within

@@ -11,7 +11,7 @@
 //! after [`PASSED_M`] the contact is assessed there a second time, and if it is heavy there, that is
 //! the contact: so a first touch of a mirror does not hide a crash.
 
-use super::encounter::{EncounterSearch, Encountered, Touching, Ways};
+use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
 use body::{BodyView, Meta};
 use damage::course::{PASSED_M, RunOut};
 use geometry::motion::{MotionPath, State};
@@ -131,6 +131,8 @@ pub(crate) struct Way<'s> {
     pub(crate) open_from_s: Option<f64>,
     /// Parties that were touched at the start and part.
     pub(crate) passed_at_start: Vec<usize>,
+    /// Parties of which it has no answer whether they or the ego lie inside each other at the start.
+    pub(crate) undecided_at_start: Vec<usize>,
     /// Parties that still touch at the end of the way.
     pub(crate) touching_at_end: Vec<usize>,
 }
@@ -150,6 +152,7 @@ impl<'s> Way<'s> {
             ahead,
             open_from_s: None,
             passed_at_start: Vec::new(),
+            undecided_at_start: Vec::new(),
             touching_at_end: Vec::new(),
         }
     }
@@ -218,21 +221,33 @@ impl<'s> Way<'s> {
                     self.touching_at_end.push(party);
                     return Ahead::Clear;
                 }
-                if !search.touch_at(&self.ways(party), from_s) {
+                let ways = self.ways(party);
+                let is_apart = !search.touch_at(&ways, from_s)
+                    && !matches!(search.nested(&ways, from_s), Nested::Yes(_));
+                if is_apart {
                     break;
                 }
-                if !core::mem::replace(&mut still.is_settled, true) {
+                // Inside without a triangle that touches there is no second contact.
+                if !core::mem::replace(&mut still.is_settled, true)
+                    && let Some(touching) = search.still(&self.ways(party), from_s)
+                {
                     let begin = Begin::SecondLook;
-                    return match search.still(&self.ways(party), from_s) {
-                        Some(touching) => Ahead::Contact(Meeting { party, begin, touching }),
-                        None => Ahead::Open { from_s },
-                    };
+                    return Ahead::Contact(Meeting { party, begin, touching });
                 }
                 from_s += still.step_s;
             }
         }
         if from_s >= end_s {
             return Ahead::Clear;
+        }
+        if from_s <= 0.0 && self.run_out.is_none() {
+            match search.nested(&self.ways(party), from_s) {
+                Nested::No => {}
+                Nested::Yes(touching) => {
+                    return Ahead::Contact(Meeting { party, begin: Begin::AtStart, touching });
+                }
+                Nested::Undecided => self.undecided_at_start.push(party),
+            }
         }
         let resolution_m = self.scenery.scenario.resolution_m;
         let found = search.first(&self.ways(party), from_s..end_s, resolution_m, is_due);
