@@ -47,6 +47,51 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
 }
 
 #[test]
+fn an_answer_over_a_horizon_does_not_depend_on_how_the_work_was_done() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(support::shipped("scenarios/crossing.toml")).unwrap();
+    let path = place.write("crossing.toml", &text.replace("0000", "000"));
+    let path = path.to_str().unwrap();
+    let answer_of = |args: &[&str]| {
+        let mut all = vec!["rank", path, "--json"];
+        all.extend(args);
+        let output = run(&all);
+        assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
+        output
+    };
+    let reference = answer_of(&["--in-process"]);
+    let document = json(&reference);
+    let reference = answer(&reference);
+    assert!(reference.contains("\"excluded_before_s\""), "nobody was met: {reference}");
+    let ways: &[&[&str]] = &[
+        &["--workers", "1"],
+        &["--workers", "2"],
+        &["--workers", "4"],
+        &["--depth", "1"],
+        &["--depth", "8"],
+        &["--build", "sah"],
+        &["--build", "literal"],
+        &["--leaf-size", "1"],
+        &["--leaf-size", "64"],
+        &["--batch", "1", "--queue", "1"],
+        &["--until", "certified"],
+        &["--deadline-ms", "60000"],
+        &["--in-process", "--depth", "0", "--build", "sah"],
+    ];
+    for way in ways {
+        assert_eq!(answer(&answer_of(way)), reference, "{way:?}");
+    }
+    // As text as well: parsing a number may round it.
+    let horizon = trolley::Horizon::open(path).unwrap();
+    let mut engine = Engine::builder().in_process().build().unwrap();
+    for _ in 0..2 {
+        let ranking = engine.rank_horizon(&horizon, &Limits::default()).unwrap();
+        let by_library = serde_json::to_value(&ranking.answer).unwrap();
+        assert_eq!(by_library, document["answer"], "the library and the program");
+    }
+}
+
+#[test]
 fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
     let place = Place::new();
     let path = place.write("six.toml", &six(2000));

@@ -48,15 +48,37 @@ fn a_traffic_file_is_ranked_as_it_is_and_as_the_scenario_made_from_it() {
 }
 
 #[test]
-fn who_meets_nobody_gets_a_complete_and_empty_answer() {
+fn manoeuvres_that_meet_nobody_are_ranked_too() {
     let place = Place::new();
     let file = place.write("a.xml", &crossing(400.0, "car"));
     let output = asked(&["rank", file.to_str().unwrap(), "--json"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["schema"], "trolley.rank/2");
     assert_eq!(document["answer"]["state"], "complete");
-    assert_eq!(document["answer"]["ranking"], serde_json::json!([]));
-    assert_eq!(document["traffic"]["free"].as_array().unwrap().len(), 15);
+    let ranking = document["answer"]["ranking"].as_array().unwrap();
+    assert_eq!(ranking.len(), 15);
+    for row in ranking {
+        assert_eq!(row["contacts"], serde_json::json!([]), "{row}");
+        assert!(row["nearest"]["gap_m"].as_f64().is_some_and(|gap| gap > 300.0), "{row}");
+    }
+}
+
+#[test]
+fn the_former_form_is_written_on_request_and_can_be_recorded() {
+    let place = Place::new();
+    let file = place.write("a.xml", &crossing(0.5, "parkedVehicle"));
+    let (file, out) = (file.to_str().unwrap(), place.path().join("a.toml"));
+    let out = out.to_str().unwrap();
+    let made = asked(&["scenario", "import", file, "--at-impact", "-o", out]);
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    assert!(std::fs::read_to_string(out).unwrap().contains("trolley.scenario/1"));
+    let records = place.path().join("records");
+    let records = records.to_str().unwrap();
+    let refused = asked(&["rank", file, "--in-process", "--record", records]);
+    assert!(text(&refused.stderr).contains("--at-impact"), "{}", text(&refused.stderr));
+    let recorded = asked(&["rank", out, "--in-process", "--record", records]);
+    assert!(recorded.status.success(), "{}", text(&recorded.stderr));
 }
 
 #[test]

@@ -387,3 +387,6 @@ fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
     }
     harm
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,9 +3,10 @@
 
 use crate::request::Request;
 use body::Shape;
-use body::{Body, BodyView, Meta, defaults, zones};
+use body::{Body, BodyKind, BodyView, Mesh, Meta, defaults, zones};
 use bvh::BuildOptions;
 use damage::{Curves, Policy};
+use geometry::Corners;
 use scenario::Scenario;
 use shapes::generate;
 
@@ -35,7 +36,7 @@ ego = { position_m = [0, 0, 0], speed_m_s = 12 }
 other = { party = "person", position_m = [2.5, 0.35, 0], yaw_deg = 90, speed_m_s = 1.4 }
 "#;
 
-fn body(shape: Shape, triangles: u32) -> Body {
+pub(crate) fn body(shape: Shape, triangles: u32) -> Body {
     let mesh = generate(shape, triangles, 0).expect("a known size");
     let origin = defaults::Origin { name: "b", kind: shape.kind(), origin: "b", hash: "" };
     let meta = defaults::assemble(origin, &mesh);
@@ -61,4 +62,50 @@ pub(crate) fn with_policy<T>(
     let curves = Curves::shipped().expect("sound");
     let request = Request::new(&scenario, &views, policy, curves).expect("sound");
     of(&request, &views)
+}
+
+/// Half of the length, width and height of a car (m).
+pub(crate) const HALF: [f64; 3] = [2.2, 0.9, 0.6];
+/// How far ahead of the middle its mirrors are (m).
+pub(crate) const AHEAD_M: f64 = 0.6;
+
+/// The twelve triangles of a box between two corners.
+pub(crate) fn cuboid(low: [f64; 3], high: [f64; 3]) -> Vec<Corners> {
+    let corner =
+        |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 0 { low[i] } else { high[i] } as f32);
+    let faces =
+        [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let halves = faces.iter().flat_map(|[p, q, r, s]| [[*p, *q, *r], [*p, *r, *s]]);
+    halves.map(|corners| corners.map(corner)).collect()
+}
+
+/// A box of a car with two mirrors of 15 cm height.
+pub(crate) fn mirrored(mirror_length_m: f64, thickness_m: f64) -> Body {
+    let [x, y, z] = HALF;
+    let mut corners = cuboid([-x, -y, 0.3], [x, y, 0.3 + 2.0 * z]);
+    for side in [-1.0, 1.0] {
+        let (inner, outer) = (side * y, side * (y + mirror_length_m));
+        corners.extend(cuboid(
+            [AHEAD_M - 0.5 * thickness_m, inner.min(outer), 1.0],
+            [AHEAD_M + 0.5 * thickness_m, inner.max(outer), 1.15],
+        ));
+    }
+    sedan_of(corners)
+}
+
+/// A car of these triangles.
+pub(crate) fn sedan_of(corners: Vec<Corners>) -> Body {
+    let count = corners.len();
+    let mesh = Mesh {
+        corners,
+        source_ids: (0..count as u32).collect(),
+        part_of: vec![0; count],
+        parts: vec!["car".to_owned()],
+        dropped: Vec::new(),
+        degenerate: 0,
+    };
+    let kind = BodyKind::Sedan;
+    let origin = defaults::Origin { name: "car", kind, origin: "car", hash: "" };
+    let (meta, zones) = (defaults::assemble(origin, &mesh), zones::of_mesh(&mesh, kind));
+    bvh::body(mesh, meta, zones, &bvh::BuildOptions::default(), &|_| {}).expect("a tree")
 }

@@ -187,12 +187,27 @@ pub(super) fn answer(
         state: ranking.state,
         policy: policy.name.clone(),
         ranking: rows,
-        tie_class: ranking.tie_class.iter().map(|number| name(*number)).collect(),
+        tie_class: tie_class(ranking, courses).map(name).collect(),
         notes: ranking.notes.clone(),
         assumptions: assumptions(scenery, people),
         settled_places: ranking.settled,
         missing: open.collect(),
     }
+}
+
+/// The candidates that the model cannot tell from the first. One that is proven to touch nobody is
+/// never worse than one that touches somebody, though there the range may begin at nobody harmed.
+fn tie_class<'r>(
+    ranking: &'r RankedCandidates,
+    courses: &'r [Course<'_>],
+) -> impl Iterator<Item = usize> + use<'r> {
+    let is_free = |k: usize| {
+        let course = &courses[k];
+        course.contacts.is_empty() && course.way.open_from_s.is_none()
+    };
+    let first = ranking.places.first().map(|place| place.candidate);
+    let is_first_free = first.is_some_and(is_free);
+    ranking.tie_class.iter().copied().filter(move |k| !is_first_free || is_free(*k))
 }
 
 /// What is not known of a course; `None`: nothing.
@@ -233,10 +248,13 @@ fn assumptions(scenery: &Scenery<'_>, people: &People) -> Vec<String> {
             party.predictions[followed].probability
         )
     });
-    let ends = scenario.parties.iter().enumerate().filter(|(n, _)| *n != scenario.ego.0);
-    let ends = ends.filter_map(|(number, party)| {
+    let ends = scenery.others().filter_map(|number| {
         let ends_s = scenery.likeliest(number).1.ends_s?;
-        Some(goes_on(&party.name, ends_s))
+        Some(format!("\"{}\" ({ends_s:.2} s)", scenario.parties[number].name))
+    });
+    let ends: Vec<String> = ends.collect();
+    let ends = (!ends.is_empty()).then(|| {
+        format!("paths end before the horizon and go straight on from there: {}", ends.join(", "))
     });
     unknown.chain(people.assumptions(scenario)).chain(several).chain(ends).collect()
 }

@@ -106,15 +106,19 @@ impl People {
         }
     }
 
-    /// One sentence per party of which nobody said who is in it.
-    pub(crate) fn assumptions(&self, scenario: &HorizonScenario) -> impl Iterator<Item = String> {
-        self.supposed.iter().map(|(party, more)| {
+    /// A sentence about the parties of which nobody said who is in them, if there are any.
+    pub(crate) fn assumptions(&self, scenario: &HorizonScenario) -> Option<String> {
+        let parties = self.supposed.iter().map(|(party, more)| {
             let count = self.aboard[*party].len();
             let name = &scenario.parties[*party].name;
+            format!("\"{name}\" {count} of {}", count + *more as usize)
+        });
+        let parties: Vec<String> = parties.collect();
+        (!parties.is_empty()).then(|| {
             format!(
-                "nothing is said about persons of \"{name}\": {count} assumed, anything from \
-                 nobody to {} possible",
-                count + *more as usize
+                "nothing is said about who is in these; the usual number is assumed, and anything \
+                 from nobody to full is within the range: {}",
+                parties.join(", ")
             )
         })
     }

@@ -3,57 +3,17 @@
 
 use super::RankingRun;
 use crate::answer::Answer;
+use crate::fixtures::{AHEAD_M, HALF, mirrored as car};
 use crate::request::Request;
 use crate::run_in_process;
-use body::{Body, BodyKind, BodyView, Mesh, Meta, defaults, zones};
+use body::{Body, BodyView, Meta};
 use bvh::{Kernel, NodePair, Question, Side, Sink, Task};
 use core::ops::ControlFlow;
 use damage::evidence::Touch;
 use damage::{Curves, Policy};
 use geometry::rng::Rng;
-use geometry::{Corners, DVec3, Pose, RelativePose};
+use geometry::{DVec3, Pose, RelativePose};
 use scenario::Scenario;
-
-/// Half of the length, width and height of a car (m).
-const HALF: [f64; 3] = [2.2, 0.9, 0.6];
-/// How far ahead of the middle its mirrors are (m).
-const AHEAD_M: f64 = 0.6;
-
-/// The twelve triangles of a box between two corners.
-fn cuboid(low: [f64; 3], high: [f64; 3]) -> Vec<Corners> {
-    let corner =
-        |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 0 { low[i] } else { high[i] } as f32);
-    let faces =
-        [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
-    let halves = faces.iter().flat_map(|[p, q, r, s]| [[*p, *q, *r], [*p, *r, *s]]);
-    halves.map(|corners| corners.map(corner)).collect()
-}
-
-/// A box of a car with two mirrors of 15 cm height.
-fn car(mirror_length_m: f64, thickness_m: f64) -> Body {
-    let [x, y, z] = HALF;
-    let mut corners = cuboid([-x, -y, 0.3], [x, y, 0.3 + 2.0 * z]);
-    for side in [-1.0, 1.0] {
-        let (inner, outer) = (side * y, side * (y + mirror_length_m));
-        corners.extend(cuboid(
-            [AHEAD_M - 0.5 * thickness_m, inner.min(outer), 1.0],
-            [AHEAD_M + 0.5 * thickness_m, inner.max(outer), 1.15],
-        ));
-    }
-    let count = corners.len();
-    let mesh = Mesh {
-        corners,
-        source_ids: (0..count as u32).collect(),
-        part_of: vec![0; count],
-        parts: vec!["car".to_owned()],
-        dropped: Vec::new(),
-        degenerate: 0,
-    };
-    let kind = BodyKind::Sedan;
-    let origin = defaults::Origin { name: "car", kind, origin: "car", hash: "" };
-    let (meta, zones) = (defaults::assemble(origin, &mesh), zones::of_mesh(&mesh, kind));
-    bvh::body(mesh, meta, zones, &bvh::BuildOptions::default(), &|_| {}).unwrap()
-}
 
 /// An ego that drives along x, and another car somewhere.
 #[derive(Clone, Copy, Debug)]

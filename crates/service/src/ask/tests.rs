@@ -124,10 +124,10 @@ fn every_mistake_has_its_reason_and_says_where() {
         (
             |ask, _| {
                 ask.parties[0].flags = WireParty::PERSONS;
-                ask.add_person(Person { party: 0, seat: 7 });
+                ask.add_person(Person { party: 0, seat: 8 });
             },
             Reason::Malformed,
-            "seat 7 does not exist",
+            "seat 8 does not exist",
         ),
     ];
     for (make, reason, said) in mistakes {

@@ -1,0 +1,308 @@
+//! Whole rankings over a horizon of scenes whose answer follows from the scene.
+
+use super::*;
+use crate::fixtures::{AHEAD_M, body, cuboid, mirrored, sedan_of};
+use crate::in_process::InProcessExecutor;
+use body::{Body, BodyView, Meta, Shape};
+use damage::AnswerState;
+use geometry::rng::Rng;
+
+/// Ranks a scenario whose parties, by name, have these bodies.
+fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseAnswer {
+    let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
+    let scenario = HorizonScenario::parse("test.toml", &format!("{head}{text}"))
+        .unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let views: Vec<(Meta, BodyView<'_>)> =
+        bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
+    let models: Vec<usize> = (0..views.len()).collect();
+    let stage = BodySet { bodies: &views, extremes: None, depth: 3 };
+    let policy = Arc::new(Policy::shipped().expect("sound"));
+    let curves = Arc::new(Curves::shipped().expect("sound"));
+    let request = CourseRequest { scenario: &scenario, models: &models, rules: (policy, curves) };
+    let executor = InProcessExecutor::with_room_for(&views);
+    let mut backend = Backend::InProcess(Box::new(executor));
+    rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked").answer
+}
+
+fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
+    ranked_within(text, bodies, RequestLimits::default())
+}
+
+/// A party of any body, as the reader wants it: bodies are passed beside the text.
+fn party(name: &str, shape: &str, rest: &str) -> String {
+    format!("[parties.{name}]\ngenerate = {{ shape = \"{shape}\", triangles = 900 }}\n{rest}\n")
+}
+
+fn ego() -> String {
+    party("ego", "sedan", "persons = [{ seat = \"front-left\" }]")
+}
+
+fn go_on(speed_m_s: f64) -> String {
+    format!(
+        "[[candidates]]\nname = \"go on\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = \
+         {speed_m_s:?} }}\n"
+    )
+}
+
+fn only(answer: &CourseAnswer) -> &CourseRow {
+    assert_eq!((answer.ranking.len(), answer.state), (1, AnswerState::Complete), "{answer:#?}");
+    &answer.ranking[0]
+}
+
+fn met(row: &CourseRow) -> Vec<&str> {
+    row.contacts.iter().map(|contact| contact.party.as_str()).collect()
+}
+
+#[test]
+fn mirrors_meet_whenever_the_scene_begins() {
+    let mut rng = Rng::new(32);
+    for thickness_m in [0.002, 0.01, 0.02, 0.06] {
+        let car = mirrored(0.2, thickness_m);
+        let mut harm: Option<f64> = None;
+        for _ in 0..60 {
+            let before_m = rng.between(0.1, 20.0);
+            // They close at 20 m/s, and their mirrors meet where they are as far apart as this.
+            let meet_m = 2.0 * AHEAD_M + f64::from(thickness_m as f32);
+            let x = meet_m + before_m;
+            let state = format!(
+                "state = {{ position_m = [{x:?}, 2.02, 0], yaw_deg = 180, speed_m_s = 10 }}"
+            );
+            let text = format!("{}{}{}", ego(), party("other", "sedan", &state), go_on(10.0));
+            let answer = ranked(&text, &[&car, &car]);
+            let row = only(&answer);
+            assert_eq!(met(row), ["other"], "{thickness_m} m, {before_m} m before");
+            let contact = &row.contacts[0];
+            let off_s = contact.time_s - before_m / 20.0;
+            assert!(off_s.abs() < 1e-6, "{thickness_m} m, {before_m} m before: {off_s} s off");
+            assert!(contact.is_certain);
+            let now = contact.persons.iter().map(|person| person.work.hi()).sum::<f64>();
+            let first = *harm.get_or_insert(now);
+            assert!((now - first).abs() <= 1e-3 * first, "{first} and {now}");
+        }
+    }
+}
+
+#[test]
+fn who_pulls_away_or_walks_behind_is_not_struck() {
+    let (sedan, person) = (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900));
+    let lead = party("lead", "sedan", "state = { position_m = [5.5, 0, 0], speed_m_s = 15 }");
+    let behind =
+        party("behind", "pedestrian", "state = { position_m = [-5.3, 0, 0], speed_m_s = 1 }");
+    // Sorted by name: behind, ego, lead.
+    let answer =
+        ranked(&format!("{behind}{}{lead}{}", ego(), go_on(12.0)), &[&person, &sedan, &sedan]);
+    let row = only(&answer);
+    assert!(row.touches_nobody(), "{row:#?}");
+    let near = row.nearest.as_ref().expect("somebody is there");
+    assert!(near.party == "lead" && near.time_s == 0.0 && near.gap_m > 0.5, "{near:?}");
+}
+
+#[test]
+fn who_is_13_m_ahead_is_struck() {
+    let (sedan, person) = (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900));
+    let walker = party("walker", "pedestrian", "place = { position_m = [13, 0, 0], yaw_deg = 90 }");
+    let answer = ranked(&format!("{}{walker}{}", ego(), go_on(20.0)), &[&sedan, &person]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["walker"]);
+    assert_eq!(row.contacts[0].severity, Severity::Light, "75 kg hardly slow a car down");
+    let walker = row.persons.iter().find(|person| person.party == "walker").expect("at stake");
+    assert!(walker.work.lo() > 0.1, "{walker:?}");
+    assert!(row.run_out.is_none() && row.at_horizon.time_s == 5.0);
+}
+
+#[test]
+fn persons_are_there_though_they_stand_still() {
+    let (sedan, bus) = (body(Shape::Sedan, 900), body(Shape::Bus, 900));
+    let (cyclist, motorcycle) = (body(Shape::Cyclist, 900), body(Shape::Motorcycle, 900));
+    let place = |x: f64| format!("place = {{ position_m = [{x:?}, 0, 0] }}");
+    let count = |row: &CourseRow, party: &str| {
+        row.persons.iter().filter(|person| person.party == party).count()
+    };
+    for (name, kind, other, said, expected) in [
+        ("cyclist", "cyclist", &cyclist, "", 1),
+        ("queue", "sedan", &sedan, "", 1),
+        ("bus", "bus", &bus, "", 10),
+        ("bus", "bus", &bus, "persons = [{ seat = \"front-left\" }, { count = 49 }]\n", 50),
+        ("parked", "sedan", &sedan, "empty = true\n", 0),
+        (
+            "two",
+            "motorcycle",
+            &motorcycle,
+            "persons = [{ seat = \"rider\" }, { seat = \"pillion\" }]\n",
+            2,
+        ),
+    ] {
+        let other_party = party(name, kind, &format!("{said}{}", place(30.0)));
+        let text = format!("{}{other_party}{}", ego(), go_on(15.0));
+        // Parties are sorted by name.
+        let bodies = if name < "ego" { [other, &sedan] } else { [&sedan, other] };
+        let answer = ranked(&text, &bodies);
+        let row = only(&answer);
+        assert_eq!(met(row), [name]);
+        assert_eq!(count(row, name), expected, "{name}");
+        let harmed = row.persons.iter().filter(|person| person.party == name);
+        assert!(harmed.clone().all(|person| person.work.lo() > 0.0), "{name}: {row:#?}");
+        // Where nobody said who is there, the range begins at nobody.
+        if said.is_empty() {
+            assert!(harmed.clone().all(|person| person.range.low() == 0.0), "{name}");
+            assert!(!answer.assumptions.is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_standing_ego_has_its_persons_and_is_struck() {
+    let sedan = body(Shape::Sedan, 900);
+    let other = party("other", "sedan", "state = { position_m = [-20, 0, 0], speed_m_s = 15 }");
+    let stand =
+        "[[candidates]]\nname = \"stand\"\nstate = { position_m = [0, 0, 0], speed_m_s = 0 }\n";
+    let answer = ranked(&format!("{}{other}{stand}", ego()), &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["other"]);
+    let contact = &row.contacts[0];
+    assert_eq!((contact.sides.as_str(), contact.severity), ("rear ↔ front", Severity::Heavy));
+    assert!(row.persons.iter().any(|person| person.party == "ego" && person.work.lo() > 0.0));
+    // Struck from behind, it runs out ahead, at about half the speed of the other one.
+    let run_out = row.run_out.expect("a heavy contact");
+    assert!((run_out.velocity_m_s[0] - 8.25).abs() < 0.2, "{run_out:?}");
+}
+
+#[test]
+fn a_light_contact_drives_on_and_a_heavy_one_runs_out() {
+    let (sedan, person, wall) =
+        (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900), body(Shape::Wall, 900));
+    let walker = |name: &str, x: f64| {
+        party(name, "pedestrian", &format!("place = {{ position_m = [{x:?}, 0, 0] }}"))
+    };
+    let wall_ahead = party("wall", "wall", "place = { position_m = [40, 0, 0], yaw_deg = 90 }");
+    let text =
+        format!("{}{}{}{wall_ahead}{}", ego(), walker("a", 20.0), walker("b", 30.0), go_on(15.0));
+    let answer = ranked(&text, &[&person, &person, &sedan, &wall]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["a", "b", "wall"]);
+    let severities: Vec<Severity> = row.contacts.iter().map(|contact| contact.severity).collect();
+    assert_eq!(severities, [Severity::Light, Severity::Light, Severity::Heavy]);
+    let times: Vec<f64> = row.contacts.iter().map(|contact| contact.time_s).collect();
+    assert!(times.is_sorted() && (times[1] - times[0] - 10.0 / 15.0).abs() < 1e-6, "{times:?}");
+    // A person's risk is that of all contacts together: the driver is in all three.
+    let driver = row.persons.iter().find(|person| person.party == "ego").expect("at stake");
+    let alone = |contact: &ContactRow| {
+        let driver = contact.persons.iter().find(|person| person.party == "ego");
+        1.0 - driver.map_or(0.0, |driver| driver.work.hi())
+    };
+    let expected = 1.0 - row.contacts.iter().map(alone).product::<f64>();
+    assert!((driver.work.hi() - expected).abs() < 1e-12, "{} {expected}", driver.work.hi());
+    // It bounces off the wall at a tenth of its speed, backwards, and stands.
+    let run_out = row.run_out.expect("a heavy contact");
+    assert!((run_out.velocity_m_s[0] + 1.5).abs() < 0.05, "{run_out:?}");
+    assert!(row.at_horizon.time_s < 5.0 && row.at_horizon.speed_m_s == 0.0);
+}
+
+#[test]
+fn a_run_out_meets_whom_the_plan_would_have_missed() {
+    let (sedan, person) = (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900));
+    // The plan stops before the walker; a truck-like push from behind does not let it.
+    let walker = party("walker", "pedestrian", "place = { position_m = [4, 0, 0] }");
+    let other = party("other", "sedan", "state = { position_m = [-20, 0, 0], speed_m_s = 20 }");
+    let stand =
+        "[[candidates]]\nname = \"stand\"\nstate = { position_m = [0, 0, 0], speed_m_s = 0 }\n";
+    let answer = ranked(&format!("{}{other}{walker}{stand}", ego()), &[&sedan, &sedan, &person]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["other", "walker"]);
+    assert!(row.run_out.is_some());
+}
+
+#[test]
+fn a_touch_of_a_mirror_does_not_hide_the_crash_that_follows() {
+    // A mirror strikes a walker who stands beside the way; the car ahead is struck all the same.
+    let mut corners = cuboid([-2.2, -0.9, 0.3], [2.2, 0.9, 1.5]);
+    corners.extend(cuboid([-0.01, 0.9, 1.0], [0.01, 1.1, 1.15]));
+    let ego_body = sedan_of(corners);
+    let (sedan, person) = (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900));
+    let place = "place = { position_m = [10, 1.15, 0], yaw_deg = 90 }";
+    let walker = party("walker", "pedestrian", place);
+    let ahead = party("queue", "sedan", "place = { position_m = [20, 0, 0] }\nempty = true");
+    let text = format!("{}{ahead}{walker}{}", ego(), go_on(10.0));
+    let answer = ranked(&text, &[&ego_body, &sedan, &person]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["walker", "queue"], "{row:#?}");
+    assert_eq!(row.contacts[1].severity, Severity::Heavy);
+}
+
+#[test]
+fn who_touches_at_the_start_closes_parts_or_is_refused() {
+    let sedan = body(Shape::Sedan, 900);
+    let state = |speed: f64| {
+        let state = format!("state = {{ position_m = [4.2, 0, 0], speed_m_s = {speed:?} }}");
+        party("other", "sedan", &state)
+    };
+    // Half a metre into the other one's rear.
+    let answer = ranked(&format!("{}{}{}", ego(), state(0.0), go_on(10.0)), &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert!(row.contacts[0].is_at_start && row.contacts[0].time_s == 0.0, "{row:#?}");
+    assert!(row.remarks.iter().any(|remark| remark.contains("they close")), "{:?}", row.remarks);
+    let answer = ranked(&format!("{}{}{}", ego(), state(20.0), go_on(10.0)), &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert!(row.contacts.is_empty(), "{row:#?}");
+    assert!(row.remarks.iter().any(|remark| remark.contains("they part")), "{:?}", row.remarks);
+    let answer = ranked(&format!("{}{}{}", ego(), state(0.0), go_on(0.0)), &[&sedan, &sedan]);
+    assert_eq!(answer.state, AnswerState::Refused, "{answer:#?}");
+    assert!(answer.missing[0].contains("overlap at the start"), "{:?}", answer.missing);
+}
+
+#[test]
+fn a_body_inside_another_is_in_contact_at_the_start() {
+    let ego_body = sedan_of(cuboid([-3.0, -2.0, 0.0], [3.0, 2.0, 3.0]));
+    let small = sedan_of(cuboid([-0.5, -0.5, 0.5], [0.5, 0.5, 1.0]));
+    let inside = party("inside", "sedan", "place = { position_m = [1, 0, 0] }");
+    let answer = ranked(&format!("{}{inside}{}", ego(), go_on(10.0)), &[&ego_body, &small]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["inside"], "{row:#?}");
+    assert!(row.contacts[0].is_at_start);
+    // An open box holds nothing for sure, and says so.
+    let mut open = cuboid([-3.0, -2.0, 0.0], [3.0, 2.0, 3.0]);
+    open.pop();
+    let answer = ranked(&format!("{}{inside}{}", ego(), go_on(10.0)), &[&sedan_of(open), &small]);
+    let said = &answer.ranking[0].remarks;
+    assert!(said.iter().any(|remark| remark.contains("was not decided")), "{said:?}");
+}
+
+#[test]
+fn what_is_late_is_open_and_holds_what_the_finished_work_gives() {
+    let (sedan, person) = (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900));
+    let walker = party("walker", "pedestrian", "place = { position_m = [13, 0.4, 0] }");
+    let swerve = "[[candidates]]\nname = \"swerve\"\nstate = { position_m = [0, 0, 0], speed_m_s = 20, \
+                  yaw_rate_deg_s = 20 }\n";
+    let text = format!("{}{walker}{}{swerve}", ego(), go_on(20.0));
+    let bodies = [&sedan, &person];
+    let whole = ranked(&text, &bodies);
+    let limits = RequestLimits { deadline_ns: Some(0), ..RequestLimits::default() };
+    let late = ranked_within(&text, &bodies, limits);
+    assert_ne!(late.state, AnswerState::Complete);
+    for row in &late.ranking {
+        let same = |other: &&CourseRow| other.name == row.name;
+        let complete = whole.ranking.iter().find(same).expect("ranked in both");
+        assert!(row.work.holds(complete.work), "{} {:?} {:?}", row.name, row.work, complete.work);
+    }
+}
+
+#[test]
+fn other_predicted_paths_are_said_and_the_likeliest_is_followed() {
+    let sedan = body(Shape::Sedan, 900);
+    let path = |probability: f64, y: f64| {
+        format!(
+            "[[parties.other.paths]]\nprobability = {probability:?}\nstates = [ \
+             {{ t_s = 0, position_m = [40, 6, 0], yaw_deg = 180 }}, \
+             {{ t_s = 2, position_m = [20, {y:?}, 0], yaw_deg = 180 }} ]\n"
+        )
+    };
+    let other = party("other", "sedan", "");
+    let text = format!("{}{other}{}{}{}", ego(), path(0.6, 6.0), path(0.4, 0.0), go_on(10.0));
+    let answer = ranked(&text, &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert!(row.touches_nobody(), "{row:#?}");
+    let [alternative] = row.alternatives.as_slice() else { panic!("{:?}", row.alternatives) };
+    assert_eq!((alternative.party.as_str(), alternative.path), ("other", 2));
+    assert!((alternative.time_s - 1.5).abs() < 0.5 && alternative.is_certain);
+    assert!(answer.assumptions.iter().any(|said| said.contains("number 1 was followed")));
+}
