@@ -6,6 +6,7 @@ mod support;
 
 mod deadline;
 mod explain;
+mod horizon;
 mod identical;
 mod oracle;
 mod policy;

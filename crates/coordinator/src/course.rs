@@ -34,7 +34,7 @@ use damage::course::{PASSED_M, RunOut, Severity};
 use damage::path::Path;
 use damage::{
     CandidateHarm, CourseHarm, Curves, Meeting as HullMeeting, Parameters, Policy,
-    RankedCandidates, Scratch, rank_in,
+    RankedCandidates, Scratch, Unevaluable, rank_in,
 };
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
@@ -122,8 +122,23 @@ struct Assessed {
 struct Course<'s> {
     way: Way<'s>,
     contacts: Vec<Assessed>,
-    /// A contact that cannot be evaluated, or whose work is not done, ended the course.
-    is_stuck: bool,
+    /// Where the course ended before its time.
+    stuck: Option<Stuck>,
+}
+
+/// A contact that cannot be evaluated, or whose work is not done.
+#[derive(Clone, Copy, Debug)]
+struct Stuck {
+    party: usize,
+    time_s: f64,
+    unevaluable: Option<Unevaluable>,
+}
+
+impl Course<'_> {
+    /// From when on (s) it is not known what happens, if it is not.
+    fn open_from_s(&self) -> Option<f64> {
+        self.way.open_from_s.or(self.stuck.map(|stuck| stuck.time_s))
+    }
 }
 
 /// Ranks the candidates of a scenario over a horizon.
@@ -150,11 +165,8 @@ pub fn rank_courses(
     let people = People::of(scenario, &|party| scenery.body(party));
     let mut effort = CourseEffort { accepted_ns, ..CourseEffort::default() };
     let mut search = EncounterSearch::default();
-    let begin = |candidate| Course {
-        way: Way::new(scenery, candidate),
-        contacts: Vec::new(),
-        is_stuck: false,
-    };
+    let begin =
+        |candidate| Course { way: Way::new(scenery, candidate), contacts: Vec::new(), stuck: None };
     let mut courses: Vec<Course<'_>> = scenario.candidates.iter().map(begin).collect();
     let mut buffers = RunBuffers::default();
     let mut reports = Vec::new();
@@ -166,7 +178,9 @@ pub fn rank_courses(
         let begun_ns = clock::now_ns();
         let mut round: Vec<(usize, Meeting)> = Vec::new();
         let mut contacts: Vec<Candidate> = Vec::new();
-        for (k, course) in courses.iter_mut().enumerate().filter(|(_, course)| !course.is_stuck) {
+        for (k, course) in
+            courses.iter_mut().enumerate().filter(|(_, course)| course.stuck.is_none())
+        {
             while let Some(meeting) = course.way.next(&mut search, is_due) {
                 let contact = contact(&scenery, &people, course, k, &meeting, &support_of)?;
                 let approach = &contact.approach;
@@ -322,8 +336,14 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, assessed: Assessed) {
     let meeting = assessed.meeting;
     if !assessed.harm.is_settled() || assessed.harm.is_open {
         // Where the ego goes from here is not known.
-        course.is_stuck = true;
-        course.contacts.push(assessed);
+        course.stuck = Some(Stuck {
+            party: meeting.party,
+            time_s: meeting.touching.time_s,
+            unevaluable: assessed.harm.unevaluable,
+        });
+        if meeting.begin != Begin::SecondLook {
+            course.contacts.push(assessed);
+        }
         return;
     }
     let approach = &candidate.approach;
@@ -380,9 +400,17 @@ const ENERGY_MAX_J: f64 = 5e9;
 /// The harm of a course: all contacts together, and whatever is open.
 fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
     let mut harm = CourseHarm::none();
-    course.contacts.iter().for_each(|contact| harm.include(&contact.harm));
+    let is_open = course.open_from_s().is_some();
+    for contact in &course.contacts {
+        // If a second look is still to come, this contact may not be one of the finished course.
+        let is_sure = !is_open || !course.way.may_give_way(contact.meeting.party);
+        if is_sure || contact.severity == Severity::Heavy {
+            harm.include(&contact.harm);
+        }
+    }
     people.suppose(&mut harm);
-    if course.is_stuck || course.way.open_from_s.is_some() {
+    harm.is_unevaluable |= course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
+    if is_open {
         harm.leave_open(people.all(), ENERGY_MAX_J);
     }
     harm

@@ -105,8 +105,9 @@ pub struct CourseHarm {
     pub persons: Vec<Risk>,
     /// Energy lost in all contacts (J).
     pub energy_j: Interval,
-    /// Upper ends of the model range of persons who may be there besides those at stake, summed.
-    pub of_others: f64,
+    /// Persons who may be there besides those at stake, and the upper ends of the model range of
+    /// those of them who are in a contact, summed.
+    pub others: (u32, f64),
     /// Work is still open.
     pub is_open: bool,
     /// A contact cannot be evaluated.
@@ -200,8 +201,8 @@ impl Assessed for CourseHarm {
         self.persons.iter().copied()
     }
 
-    fn of_others(&self) -> f64 {
-        self.of_others
+    fn others(&self) -> (u32, f64) {
+        self.others
     }
 
     fn is_done(&self) -> bool {

@@ -201,8 +201,9 @@ pub trait Assessed {
     fn energy_j(&self) -> Interval;
     /// The persons whom anything may happen to; everybody else is untouched.
     fn risks(&self) -> impl Iterator<Item = Risk>;
-    /// Upper ends of the model range of persons who may be there besides those at stake, summed.
-    fn of_others(&self) -> f64;
+    /// How many persons may be there besides those at stake, in all parties of the request, and the
+    /// upper ends of the model range of those of them who are in a contact, summed.
+    fn others(&self) -> (u32, f64);
     /// Whether no open work can change any of this.
     fn is_done(&self) -> bool;
     /// Whether there are no figures.
@@ -222,8 +223,8 @@ impl Assessed for CandidateHarm {
         self.persons.iter().map(Risk::of)
     }
 
-    fn of_others(&self) -> f64 {
-        0.0
+    fn others(&self) -> (u32, f64) {
+        (0, 0.0)
     }
 
     fn is_done(&self) -> bool {
@@ -422,8 +423,8 @@ impl RankOrder<'_> {
         let figures = &self.figures[k];
         let work = self.over(measure, k);
         let model = measure.over(&figures.ranges, figures.energy_j, self.stakes).map(rounded);
-        let others = measure.of_others(figures.of_others, self.stakes.len());
-        let high = rounded((model.hi() + others).min(1.0)).max(model.hi());
+        let high = measure.with_others(model.hi(), self.stakes.len(), figures.others);
+        let high = rounded(high).max(model.hi());
         (work, Range::new(model.lo(), high).around(work), tolerance)
     }
 

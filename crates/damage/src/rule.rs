@@ -160,19 +160,20 @@ impl Measure {
         }
     }
 
-    /// How much persons who may be there besides the `n` at stake add to it at most, given the sum
-    /// of their risks. Nobody knows whether they are there, so they are not counted in `n`, and only
-    /// rules that add risks up are affected.
+    /// Its upper end `high` if persons are there besides the `n` at stake, of whom nobody knows
+    /// whether they are: their number, and the sum of their risks. Only means change: they are then
+    /// those of everybody. The rest is as it was, and so is a mean that would be less.
     #[must_use]
-    pub fn of_others(&self, sum: f64, n: usize) -> f64 {
-        let adds = |rule: Rule| matches!(rule, Rule::Bayes | Rule::Responsibility);
-        let share = sum / n.max(1) as f64;
+    pub fn with_others(&self, high: f64, n: usize, (others, sum): (u32, f64)) -> f64 {
+        let all = (n as f64 + f64::from(others)).max(1.0);
+        let is_mean = |rule: Rule| matches!(rule, Rule::Bayes | Rule::Responsibility);
         match self {
-            Self::Rule(rule) if adds(*rule) => share,
+            Self::Rule(rule) if is_mean(*rule) => ((high * n as f64 + sum) / all).max(high),
             Self::Weighted(terms) => {
-                terms.iter().filter(|t| adds(t.rule)).map(|t| t.weight * share).sum()
+                let means = terms.iter().filter(|term| is_mean(term.rule));
+                high + means.map(|term| term.weight * sum / all).sum::<f64>()
             }
-            Self::Rule(_) | Self::Worst(_) | Self::Energy => 0.0,
+            Self::Rule(_) | Self::Worst(_) | Self::Energy => high,
         }
     }
 

@@ -4,7 +4,7 @@ use super::encounter::EncounterSearch;
 use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines};
 use super::persons::People;
 use super::way::{Begin, Scenery};
-use super::{Assessed, Course};
+use super::{Assessed, Course, Stuck};
 use crate::answer::{PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
 use damage::{
@@ -203,7 +203,7 @@ fn tie_class<'r>(
 ) -> impl Iterator<Item = usize> + use<'r> {
     let is_free = |k: usize| {
         let course = &courses[k];
-        course.contacts.is_empty() && course.way.open_from_s.is_none()
+        course.contacts.is_empty() && course.open_from_s().is_none()
     };
     let first = ranking.places.first().map(|place| place.candidate);
     let is_first_free = first.is_some_and(is_free);
@@ -216,9 +216,9 @@ fn missing(scenery: &Scenery<'_>, course: &Course<'_>) -> Option<String> {
     if let Some(from_s) = course.way.open_from_s {
         return Some(format!("whom it meets after {from_s:.3} s"));
     }
-    let last = course.contacts.last().filter(|_| course.is_stuck)?;
-    let (party, time_s) = (name(last.meeting.party), last.meeting.touching.time_s);
-    Some(match last.harm.unevaluable {
+    let Stuck { party, time_s, unevaluable } = course.stuck?;
+    let party = name(party);
+    Some(match unevaluable {
         Some(Unevaluable::AlreadyOverlapping) => format!(
             "it and \"{party}\" overlap at the start and both stand still: that is no crash, and \
              what comes of it is not known"
@@ -364,8 +364,6 @@ fn row(
             range: risk.range,
         }
     });
-    let stuck = course.contacts.last().filter(|_| course.is_stuck);
-    let open_from_s = stuck.map(|contact| contact.meeting.touching.time_s);
     CourseRow {
         name: candidate.name.to_string(),
         work: place.work,
@@ -373,7 +371,7 @@ fn row(
         certain: place.certain,
         why,
         contacts: course.contacts.iter().map(|contact| contact_row(scenery, contact)).collect(),
-        open_from_s: course.way.open_from_s.or(open_from_s),
+        open_from_s: course.open_from_s(),
         persons: persons.collect(),
         energy_j: harm.energy_j,
         run_out,

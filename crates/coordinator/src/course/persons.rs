@@ -101,7 +101,9 @@ impl People {
         for (party, more) in &self.supposed {
             let ids = self.aboard[*party].clone().map(PersonId);
             let highs = ids.clone().filter_map(|id| harm.risk_of(id)).map(|r| r.range.high());
-            harm.of_others += f64::from(*more) * highs.fold(0.0, f64::max);
+            let high = highs.fold(0.0, f64::max);
+            harm.others.0 += more;
+            harm.others.1 += f64::from(*more) * high;
             ids.for_each(|id| harm.suppose(id));
         }
     }

@@ -262,6 +262,11 @@ impl<'s> Way<'s> {
         }
     }
 
+    /// Whether a light contact with a party may still give way to a heavy one of the same crash.
+    pub(crate) fn may_give_way(&self, party: usize) -> bool {
+        self.passing[party].is_some_and(|(_, still)| !still.is_settled)
+    }
+
     /// How long bodies take to pass each other, given their closing speed (m/s) and the extent of
     /// the smaller one along it (m).
     fn step_s(closing_m_s: f64, extent_m: f64) -> f64 {

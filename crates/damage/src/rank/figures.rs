@@ -28,8 +28,8 @@ pub(super) struct Figures {
     pub(super) highs: Vec<Interval>,
     /// Energy lost (J).
     pub(super) energy_j: Interval,
-    /// What persons who may be there besides add to the upper end of a sum of risks.
-    pub(super) of_others: f64,
+    /// Persons who may be there besides, and the sum of their risks.
+    pub(super) others: (u32, f64),
 }
 
 impl Figures {
@@ -40,7 +40,7 @@ impl Figures {
         bounds: &CandidateBounds,
         n: usize,
     ) -> Result<(), RankError> {
-        self.of_others = 0.0;
+        self.others = (0, 0.0);
         self.fill((k, n), bounds.probability, bounds.energy_j, bounds.persons.iter().copied())
     }
 
@@ -51,8 +51,8 @@ impl Figures {
         harm: &impl Assessed,
         n: usize,
     ) -> Result<(), RankError> {
-        self.of_others = harm.of_others();
-        if !(self.of_others >= 0.0 && self.of_others.is_finite()) {
+        self.others = harm.others();
+        if !(self.others.1 >= 0.0 && self.others.1.is_finite()) {
             return Err(RankError::Figure(k));
         }
         self.fill((k, n), harm.probability(), harm.energy_j(), harm.risks())

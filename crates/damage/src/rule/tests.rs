@@ -87,3 +87,15 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn persons_who_may_be_there_change_means_alone() {
+    // Two at stake at 0.3 in the mean; three more at 0.5 each make 2.1 / 5.
+    let with = |measure: Measure| measure.with_others(0.3, 2, (3, 1.5));
+    assert!((with(Measure::Rule(Rule::Bayes)) - 0.42).abs() < 1e-12);
+    assert_eq!(with(Measure::Rule(Rule::Maximin)).to_bits(), 0.3_f64.to_bits());
+    assert_eq!(with(Measure::Energy).to_bits(), 0.3_f64.to_bits());
+    // Unharmed ones do not lower it: they may as well not be there.
+    let unharmed = Measure::Rule(Rule::Bayes).with_others(0.3, 2, (3, 0.0));
+    assert_eq!(unharmed.to_bits(), 0.3_f64.to_bits());
+}
