@@ -27,6 +27,7 @@ use crate::request_limits::{RequestLimits, Until};
 use crate::work::{Effort, RankingRun, RunBuffers};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{Backend, BodySet, RunError};
+use body::Shells;
 use bvh::Witness;
 use bvh::support::support;
 use damage::approach::STANDSTILL_M_S;
@@ -63,6 +64,9 @@ pub struct CourseRequest<'a> {
     pub scenario: &'a HorizonScenario,
     /// The body of each party: its number in the store.
     pub models: &'a [usize],
+    /// The shells of each body of the store, [`Shells::of`] its triangles: found once per body, since
+    /// that takes about 1 µs per triangle.
+    pub shells: &'a [Shells],
     /// Policy and curves that judge the candidates.
     pub rules: (Arc<Policy>, Arc<Curves>),
 }
@@ -149,7 +153,7 @@ impl Course<'_> {
 ///
 /// # Panics
 ///
-/// If there is no model for a party, or no such body.
+/// If there is no model for a party, or no such body, or a body without shells.
 pub fn rank_courses(
     stage: &BodySet<'_>,
     request: &CourseRequest<'_>,
@@ -160,8 +164,8 @@ pub fn rank_courses(
     let due_ns = limits.deadline_ns.map(|length_ns| accepted_ns + length_ns);
     let is_over = move || due_ns.is_some_and(|due_ns| clock::now_ns() >= due_ns);
     let is_due: Option<&dyn Fn() -> bool> = due_ns.is_some().then_some(&is_over);
-    let CourseRequest { scenario, models, rules: (policy, curves) } = request;
-    let scenery = Scenery { scenario, bodies: stage.bodies, models };
+    let CourseRequest { scenario, models, shells, rules: (policy, curves) } = request;
+    let scenery = Scenery { scenario, bodies: stage.bodies, models, shells };
     let people = People::of(scenario, &|party| scenery.body(party));
     let mut effort = CourseEffort { accepted_ns, ..CourseEffort::default() };
     let mut search = EncounterSearch::default();

@@ -14,6 +14,8 @@ const SIDES: usize = 72;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexOutline {
     corners: Vec<[f64; 2]>,
+    /// The greatest distance of a corner from the origin of its own frame (m).
+    radius_m: f64,
 }
 
 impl ConvexOutline {
@@ -33,7 +35,9 @@ impl ConvexOutline {
             let area = a * d - b * c;
             [(s * d - t * b) / area, (t * a - s * c) / area]
         };
-        Self { corners: (0..SIDES).map(corner).collect() }
+        let corners: Vec<[f64; 2]> = (0..SIDES).map(corner).collect();
+        let radius_m = corners.iter().map(|[x, y]| libm::sqrt(x * x + y * y)).fold(0.0, f64::max);
+        Self { corners, radius_m }
     }
 
     /// The outline in the world, of a body that stands upright or nearly so.
@@ -43,19 +47,20 @@ impl ConvexOutline {
         let place = |[x, y]: &[f64; 2]| {
             [(a * x + b * y) + pose.translation[0], (c * x + d * y) + pose.translation[1]]
         };
-        Self { corners: self.corners.iter().map(place).collect() }
+        Self { corners: self.corners.iter().map(place).collect(), ..*self }
     }
 
     /// The outline, moved (m).
     #[must_use]
     pub fn moved(&self, by: [f64; 2]) -> Self {
-        Self { corners: self.corners.iter().map(|c| [c[0] + by[0], c[1] + by[1]]).collect() }
+        let corners = self.corners.iter().map(|c| [c[0] + by[0], c[1] + by[1]]).collect();
+        Self { corners, ..*self }
     }
 
-    /// The greatest distance of a corner from the origin (m).
+    /// The greatest distance of a corner from the origin of the body's frame (m).
     #[must_use]
     pub fn radius_m(&self) -> f64 {
-        self.corners.iter().map(|[x, y]| libm::sqrt(x * x + y * y)).fold(0.0, f64::max)
+        self.radius_m
     }
 
     /// The distance to another outline (m); 0 where they overlap.

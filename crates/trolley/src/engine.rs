@@ -14,7 +14,7 @@ use crate::horizon::Horizon;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
-use body::{BodyKind, Fit, Shape, file};
+use body::{BodyKind, Fit, Shape, Shells, file};
 use bvh::support::Extremes;
 use coordinator::{
     Answer, Backend, BodySet, CourseAnswer, CourseRequest, Explanation, JobHistory, RankedCourses,
@@ -104,6 +104,8 @@ struct Loaded {
     bodies: Bodies,
     /// Computed for the second request about the same bodies: it takes longer than one request.
     extremes: Option<Vec<Extremes>>,
+    /// Found for the first scenario over a horizon.
+    shells: Vec<Shells>,
     backend: Option<Backend>,
     workspace: RankingWorkspace,
 }
@@ -356,6 +358,10 @@ impl Engine {
             check_kinds: &check_kinds,
         };
         let loaded = loaded(&mut self.loaded, &subject, &settings, progress)?;
+        if loaded.shells.is_empty() {
+            let views = loaded.bodies.views()?;
+            loaded.shells = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+        }
         let loaded_ns = clock::now_ns();
         let mut backend = loaded.ready(&self.settings, &settings, request_limits.deadline_ns)?;
         let started_ns = clock::now_ns();
@@ -365,7 +371,8 @@ impl Engine {
         let run = Run::new(self.settings.mode(), &settings, &views, (cores_granted, remarks));
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
-        let request = CourseRequest { scenario, models: &models, rules: horizon.rules() };
+        let (shells, rules) = (&loaded.shells[..], horizon.rules());
+        let request = CourseRequest { scenario, models: &models, shells, rules };
         // Workers that could not finish are not used again.
         let RankedCourses { answer, effort, reports } =
             coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
@@ -504,6 +511,7 @@ fn loaded<'l>(
             sources: sources.unwrap_or_default(),
             bodies: Bodies::seal(bodies)?,
             extremes: None,
+            shells: Vec::new(),
             backend: None,
             workspace: RankingWorkspace::default(),
         });

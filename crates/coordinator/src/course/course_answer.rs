@@ -1,7 +1,7 @@
 //! The answer over a horizon: order-free values only, as in [`crate::answer`].
 
 use super::encounter::EncounterSearch;
-use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines};
+use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted};
 use super::persons::People;
 use super::way::{Begin, Scenery};
 use super::{Assessed, Course, Stuck};
@@ -169,6 +169,7 @@ pub(super) fn answer(
 ) -> CourseAnswer {
     let scenario = scenery.scenario;
     let outlines = Outlines::of(scenery);
+    let predicted = Predicted::of(scenery);
     let name = |number: usize| scenario.candidates[number].name.to_string();
     let mut rows = Vec::new();
     for (at, place) in ranking.places.iter().enumerate() {
@@ -177,7 +178,14 @@ pub(super) fn answer(
         let why = place.why.as_ref().zip(next);
         let why = why.map(|(ground, next)| ground.sentence(&name(k), &name(next)));
         let (course, harm) = (&courses[k], &harms[k]);
-        rows.push(row(scenery, people, &outlines, (k, place, why), (course, harm), search));
+        rows.push(row(
+            scenery,
+            people,
+            (&outlines, &predicted),
+            (k, place, why),
+            (course, harm),
+            search,
+        ));
     }
     let open = courses.iter().enumerate().filter_map(|(k, course)| {
         let missing = missing(scenery, course)?;
@@ -339,7 +347,7 @@ fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> Vec<String> 
 fn row(
     scenery: &Scenery<'_>,
     people: &People,
-    outlines: &Outlines,
+    (outlines, predicted): (&Outlines, &Predicted),
     (k, place, why): (usize, &Place, Option<String>),
     (course, harm): (&Course<'_>, &CourseHarm),
     search: &mut EncounterSearch,
@@ -375,7 +383,7 @@ fn row(
         persons: persons.collect(),
         energy_j: harm.energy_j,
         run_out,
-        nearest: flags::nearest((scenery, outlines), way, is_met),
+        nearest: flags::nearest((scenery, outlines, predicted), way, is_met),
         at_horizon: flags::at_horizon((scenery, outlines), way, is_met),
         alternatives: flags::alternatives(scenery, way, search),
         remarks: remarks(scenery, k, course),

@@ -10,12 +10,12 @@ use bvh::query::{
     Containment, MotionContact, MotionLimits, MotionWorkspace, RelativeMotion, Shells,
     SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion, touches,
 };
+use bvh::support::support;
 use bvh::{Counters, SweepTask, Witness};
 use core::ops::Range;
 use geometry::motion::MotionPath;
-use geometry::{Bounds, DVec3, RelativePose, Sweep, Triangle};
+use geometry::{Bounds, DVec3, Directions, RelativePose, Sweep, Triangle};
 use serde::Serialize;
-use std::collections::HashMap;
 
 /// Tests of the first look at an encounter where there is a deadline; each further look may do
 /// twice as many.
@@ -80,8 +80,6 @@ pub(crate) struct EncounterSearch {
     motion: MotionWorkspace,
     poses: Workspace,
     sweep: SweepWorkspace,
-    /// The shells of bodies of which one may lie inside another, by the address of their triangles.
-    shells: HashMap<usize, Shells>,
     pub(crate) effort: EncounterEffort,
 }
 
@@ -89,6 +87,7 @@ pub(crate) struct EncounterSearch {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ways<'p> {
     pub(crate) bodies: [BodyView<'p>; 2],
+    pub(crate) shells: [&'p Shells; 2],
     pub(crate) paths: [&'p MotionPath; 2],
 }
 
@@ -127,6 +126,16 @@ impl Ways<'_> {
     }
 }
 
+/// Whether a plane parallel to one of a few directions lies between two bodies; `pose` is that of B
+/// in A's frame. Shells are asked only where there is none: that takes longer.
+fn are_apart([a, b]: [BodyView<'_>; 2], pose: &RelativePose) -> bool {
+    let at = DVec3::from(pose.translation);
+    Directions::around(DVec3::X, DVec3::Z).d.iter().any(|d| {
+        let of_b = support(&b, pose.direction_to_b(-*d)) - d.dot(at);
+        support(&a, *d) + of_b < -AROUND_M
+    })
+}
+
 /// The distance of the farthest corner of a body's box from its origin (m).
 fn radius_m(body: &BodyView<'_>) -> f64 {
     let bounds = body.bounds();
@@ -153,12 +162,10 @@ impl EncounterSearch {
         if !own.overlaps(&pose.bounds(&b.bounds())) {
             return Nested::No;
         }
-        let key = |body: &BodyView<'_>| body.corners.as_ptr().addr();
-        for body in [&a, &b] {
-            self.shells.entry(key(body)).or_insert_with(|| Shells::of(body.corners));
+        if are_apart(ways.bodies, &pose) {
+            return Nested::No;
         }
-        let shells = [&self.shells[&key(&a)], &self.shells[&key(&b)]];
-        match containment(a, b, shells, &pose, &mut self.poses) {
+        match containment(a, b, ways.shells, &pose, &mut self.poses) {
             Ok(Containment::BInA | Containment::AInB) => {
                 let inside = pose.bounds(&b.bounds());
                 Nested::Yes(Touching {

@@ -3,7 +3,7 @@
 //!
 //! Nothing here ranks. Distances are of outlines in plan, at steps of 50 ms.
 
-use super::encounter::{EncounterSearch, Encountered, Ways};
+use super::encounter::{EncounterSearch, Encountered};
 use super::way::{Scenery, Way};
 use bvh::support::support;
 use geometry::plan::ConvexOutline;
@@ -96,6 +96,24 @@ impl Pair<'_> {
     }
 }
 
+impl Pair<'_> {
+    /// After how many seconds circles around the outlines meet; `None`: never, as they go.
+    fn circles_meet_after(&self, [a, b]: [&Pose; 2], relative: DVec3) -> Option<f64> {
+        let reach = self.outlines[0].radius_m() + self.outlines[1].radius_m();
+        let (at, v) = (DVec3::from(b.translation) - DVec3::from(a.translation), relative);
+        let (at, v) = (at.truncate(), v.truncate());
+        // |at + v t| = reach.
+        let (square, along) = (at.dot(at) - reach * reach, at.dot(v));
+        if square <= 0.0 {
+            return Some(0.0);
+        }
+        let speed = v.dot(v);
+        let under = along * along - speed * square;
+        let is_met = along < 0.0 && under >= 0.0 && speed > 0.0;
+        is_met.then(|| (-along - under.sqrt()) / speed)
+    }
+}
+
 /// Where the ego is at a time: on its planned path, or after a heavy contact on its run-out.
 fn ego_at(way: &Way<'_>, candidate: &HorizonCandidate, time_s: f64) -> Pose {
     match way.run_out {
@@ -104,31 +122,76 @@ fn ego_at(way: &Way<'_>, candidate: &HorizonCandidate, time_s: f64) -> Pose {
     }
 }
 
+/// Where the parties are at every step of time, as they are predicted.
+#[derive(Debug)]
+pub(super) struct Predicted(Vec<Vec<Pose>>);
+
+impl Predicted {
+    pub(super) fn of(scenery: &Scenery<'_>) -> Self {
+        let ego = scenery.scenario.ego.0;
+        let steps = (scenery.scenario.horizon_s / STEP_S).ceil() as usize;
+        let poses = |party: usize| {
+            let path = &scenery.likeliest(party).1.path;
+            (0..=steps).map(|step| path.pose_at(step as f64 * STEP_S)).collect()
+        };
+        let count = scenery.scenario.parties.len();
+        Self((0..count).map(|party| if party == ego { Vec::new() } else { poses(party) }).collect())
+    }
+}
+
 /// The party that comes nearest to the ego on its way, of those that it does not touch.
+///
+/// Outlines are compared where circles around them come nearest first, and no longer once these
+/// are farther apart than the nearest outlines.
 pub(super) fn nearest(
-    (scenery, outlines): (&Scenery<'_>, &Outlines),
+    (scenery, outlines, predicted): (&Scenery<'_>, &Outlines, &Predicted),
     (way, candidate): (&Way<'_>, &HorizonCandidate),
     is_met: impl Fn(usize) -> bool,
 ) -> Option<NearestRow> {
     let ego = scenery.scenario.ego.0;
-    let mut best: Option<(usize, f64, f64)> = None;
-    let steps = (way.end_s / STEP_S).ceil() as usize;
-    for step in 0..=steps {
-        let time_s = (step as f64 * STEP_S).min(way.end_s);
-        let pose = ego_at(way, candidate, time_s);
-        for party in scenery.others().filter(|party| !is_met(*party)) {
-            let of = [ego, party].map(|party| outlines.of_party(scenery, party));
-            let other = scenery.motion(candidate, party).path.pose_at(time_s);
-            let limit_m = best.map_or(f64::INFINITY, |(_, gap_m, _)| gap_m);
-            if let Some(gap_m) = (Pair { outlines: of }).gap_m([&pose, &other], limit_m) {
-                best = Some((party, gap_m, time_s));
-            }
+    let last = (way.end_s / STEP_S).ceil() as usize;
+    let time_of = |step: usize| (step as f64 * STEP_S).min(way.end_s);
+    let egos: Vec<Pose> = (0..=last).map(|step| ego_at(way, candidate, time_of(step))).collect();
+    let other = |party: usize, step: usize| {
+        let reacts = candidate.reactions.iter().any(|reaction| reaction.party.0 == party);
+        if reacts || step == last {
+            return scenery.motion(candidate, party).path.pose_at(time_of(step));
+        }
+        predicted.0[party][step]
+    };
+    let own = outlines.of_party(scenery, ego);
+    let mut order: Vec<(f64, usize, usize)> = Vec::new();
+    for party in scenery.others().filter(|party| !is_met(*party)) {
+        let reach = own.radius_m() + outlines.of_party(scenery, party).radius_m();
+        for (step, pose) in egos.iter().enumerate() {
+            let at = other(party, step).translation;
+            let [x, y] = [0, 1].map(|axis| at[axis] - pose.translation[axis]);
+            order.push(((x * x + y * y).sqrt() - reach, step, party));
         }
     }
-    best.map(|(party, gap_m, time_s)| NearestRow {
+    let by_gap = |a: &(f64, usize, usize), b: &(f64, usize, usize)| {
+        a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2)))
+    };
+    order.sort_unstable_by(by_gap);
+    let mut best: Option<(f64, usize, usize)> = None;
+    for (least_m, step, party) in order {
+        if best.is_some_and(|(gap_m, ..)| least_m > gap_m) {
+            break;
+        }
+        let far = outlines.of_party(scenery, party).placed(&other(party, step));
+        let next = (own.placed(&egos[step]).distance_m(&far), step, party);
+        if best.is_none_or(|best| by_gap(&next, &best).is_lt()) {
+            best = Some(next);
+        }
+        // Outlines that overlap in plan come no nearer.
+        if next.0 == 0.0 {
+            break;
+        }
+    }
+    best.map(|(gap_m, step, party)| NearestRow {
         party: scenery.scenario.parties[party].name.to_string(),
         gap_m,
-        time_s,
+        time_s: time_of(step),
     })
 }
 
@@ -178,8 +241,9 @@ pub(super) fn at_horizon(
 /// allows (B. Mirtich, *Impulse-based dynamic simulation*, 1996).
 fn meets_after(pair: &Pair<'_>, [a, b]: [&Pose; 2], relative: DVec3, limit_s: f64) -> Option<f64> {
     let speed = relative.truncate().length();
+    let mut after_s =
+        pair.circles_meet_after([a, b], relative).filter(|after_s| *after_s < limit_s)?;
     let (of_a, of_b) = (pair.outlines[0].placed(a), pair.outlines[1].placed(b));
-    let mut after_s = 0.0;
     for _ in 0..STEPS_MAX {
         let by = [relative.x * after_s, relative.y * after_s];
         let gap_m = of_a.distance_m(&of_b.moved(by));
@@ -217,8 +281,7 @@ pub(super) fn alternatives(
             if number == followed || !(prediction.probability > 0.0) {
                 continue;
             }
-            let bodies = [scenario.ego.0, party].map(|party| scenery.body(party).1);
-            let ways = Ways { bodies, paths: [&candidate.ego.path, &prediction.motion.path] };
+            let ways = scenery.ways(party, [&candidate.ego.path, &prediction.motion.path]);
             let found = search.first(&ways, 0.0..until_s, scenario.resolution_m, None);
             let (time_s, is_certain) = match found {
                 Encountered::Never => continue,

@@ -18,7 +18,13 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
     let stage = BodySet { bodies: &views, extremes: None, depth: 3 };
     let policy = Arc::new(Policy::shipped().expect("sound"));
     let curves = Arc::new(Curves::shipped().expect("sound"));
-    let request = CourseRequest { scenario: &scenario, models: &models, rules: (policy, curves) };
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let request = CourseRequest {
+        scenario: &scenario,
+        models: &models,
+        shells: &shells,
+        rules: (policy, curves),
+    };
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
     rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked").answer

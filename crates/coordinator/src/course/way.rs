@@ -12,7 +12,7 @@
 //! the contact: so a first touch of a mirror does not hide a crash.
 
 use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
-use body::{BodyView, Meta};
+use body::{BodyView, Meta, Shells};
 use damage::course::{PASSED_M, RunOut};
 use geometry::motion::{MotionPath, State};
 use scenario::{HorizonCandidate, HorizonMotion, HorizonScenario};
@@ -76,11 +76,26 @@ pub(crate) struct Scenery<'s> {
     pub(crate) bodies: &'s [(Meta, BodyView<'s>)],
     /// Party i has body `models[i]`.
     pub(crate) models: &'s [usize],
+    /// The shells of each body.
+    pub(crate) shells: &'s [Shells],
 }
 
 impl<'s> Scenery<'s> {
     pub(crate) fn body(&self, party: usize) -> &'s (Meta, BodyView<'s>) {
         &self.bodies[self.models[party]]
+    }
+
+    /// The ego and a party on two paths.
+    pub(crate) fn ways<'p>(&self, party: usize, paths: [&'p MotionPath; 2]) -> Ways<'p>
+    where
+        's: 'p,
+    {
+        let models = [self.scenario.ego.0, party].map(|party| self.models[party]);
+        Ways {
+            bodies: models.map(|model| self.bodies[model].1),
+            shells: models.map(|model| &self.shells[model]),
+            paths,
+        }
     }
 
     /// How a party moves in a candidate: as it reacts, or as is most probable.
@@ -165,8 +180,7 @@ impl<'s> Way<'s> {
     pub(crate) fn ways(&self, party: usize) -> Ways<'_> {
         let Self { scenery, candidate, ego, .. } = self;
         let path = &scenery.motion(candidate, party).path;
-        let body = |party: usize| scenery.body(party).1;
-        Ways { bodies: [body(scenery.scenario.ego.0), body(party)], paths: [ego, path] }
+        scenery.ways(party, [ego, path])
     }
 
     /// The contact that comes next; `None` at the end of the way, or if what comes next is open.
