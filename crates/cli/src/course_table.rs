@@ -145,11 +145,12 @@ fn verdict(answer: &CourseAnswer, run: &Run) -> String {
 
 /// What is ahead of the ego at the end of its way.
 fn ahead(row: &CourseRow) -> Option<String> {
-    let (party, after_s) = row.at_horizon.next_contact.as_ref()?;
+    let end = row.at_horizon.as_ref()?;
+    let (party, after_s) = end.next_contact.as_ref()?;
     Some(format!(
         "At the end of its way, after {:.2} s, it goes {:.1} m/s and would meet {party} {after_s:.1} \
          s later if nobody did anything.",
-        row.at_horizon.time_s, row.at_horizon.speed_m_s
+        end.time_s, end.speed_m_s
     ))
 }
 

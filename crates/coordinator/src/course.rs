@@ -161,7 +161,10 @@ pub fn rank_courses(
     backend: &mut Backend,
 ) -> Result<RankedCourses, RunError> {
     let accepted_ns = clock::now_ns();
-    let due_ns = limits.deadline_ns.map(|length_ns| accepted_ns + length_ns);
+    let reserved_ns = SAYING_NS * request.scenario.candidates.len() as u64;
+    let due_ns = limits
+        .deadline_ns
+        .map(|length_ns| accepted_ns + length_ns.saturating_sub(reserved_ns.min(length_ns / 5)));
     let is_over = move || due_ns.is_some_and(|due_ns| clock::now_ns() >= due_ns);
     let is_due: Option<&dyn Fn() -> bool> = due_ns.is_some().then_some(&is_over);
     let CourseRequest { scenario, models, shells, rules: (policy, curves) } = request;
@@ -397,6 +400,8 @@ fn conclude(
     Ok(course_answer::answer(scenery, people, policy, (courses, &harms), &ranking, search))
 }
 
+/// Time reserved before a deadline, for each candidate, for what is only said (ns).
+const SAYING_NS: u64 = 1_000_000;
 /// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only
 /// keeps an open candidate from winning by less damage.
 const ENERGY_MAX_J: f64 = 5e9;

@@ -2,13 +2,13 @@
 //!
 //! An [`Outline`] is a convex polygon that holds a body: the intersection of the half planes that
 //! its supports bound, in equal steps of angle. A distance between two is thus never more than that
-//! of the bodies' hulls, and less by at most a few thousandths of their size. For people and flags;
+//! of the bodies' hulls, and less by at most a hundredth of their size. For people and flags;
 //! nothing is decided by it.
 
 use crate::Pose;
 
-/// Sides of an outline: every 5°.
-const SIDES: usize = 72;
+/// Sides of an outline: every 10°.
+const SIDES: usize = 36;
 
 /// A convex polygon in a plane, counter-clockwise (m).
 #[derive(Clone, Debug, PartialEq)]

@@ -58,10 +58,10 @@ pub struct CourseRow {
     pub energy_j: Interval,
     /// When a run-out begins (s), its velocity in the world (m/s) and its whole length (m).
     pub run_out: Option<RunOutRow>,
-    /// The party that comes nearest on the way, of those that are not touched.
+    /// The party that comes nearest on the way, of those that are not touched, if all is known.
     pub nearest: Option<NearestRow>,
-    /// What is ahead at the end of the way.
-    pub at_horizon: AtHorizon,
+    /// What is ahead at the end of the way, if that is known.
+    pub at_horizon: Option<AtHorizon>,
     /// Predicted motions that were not followed, on which the ego would meet somebody.
     pub alternatives: Vec<Alternative>,
     /// What else has to be known, in sentences.
@@ -372,6 +372,8 @@ fn row(
             range: risk.range,
         }
     });
+    // A late answer is not made later by what is only said.
+    let is_known = course.open_from_s().is_none();
     CourseRow {
         name: candidate.name.to_string(),
         work: place.work,
@@ -383,9 +385,11 @@ fn row(
         persons: persons.collect(),
         energy_j: harm.energy_j,
         run_out,
-        nearest: flags::nearest((scenery, outlines, predicted), way, is_met),
-        at_horizon: flags::at_horizon((scenery, outlines), way, is_met),
-        alternatives: flags::alternatives(scenery, way, search),
+        nearest: is_known
+            .then(|| flags::nearest((scenery, outlines, predicted), way, is_met))
+            .flatten(),
+        at_horizon: is_known.then(|| flags::at_horizon((scenery, outlines), way, is_met)),
+        alternatives: if is_known { flags::alternatives(scenery, way, search) } else { Vec::new() },
         remarks: remarks(scenery, k, course),
     }
 }
