@@ -20,6 +20,7 @@
 
 use crate::Failure;
 use crate::deployment::OpenDeployment;
+use crate::horizon::Horizon;
 use body::{BodyView, Fit, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
 use runtime::SealedMemory;
@@ -165,6 +166,30 @@ impl Bodies {
     ) -> Result<Self, Failure> {
         let parties: Vec<_> = scenario.parties.iter().map(PartyBody::of).collect();
         let bodies = Self::of_parties(&parties, engine, file, find, progress)?;
+        scenario.check_kinds(file, &bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
+        Self::seal(bodies)
+    }
+
+    /// Loads or generates the body of every party of a scenario over a horizon, as
+    /// [`Bodies::of_scenario`] does, with the settings of that scenario.
+    ///
+    /// ```
+    /// use trolley::bodies::{Bodies, SILENT};
+    ///
+    /// let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// let bodies = Bodies::of_horizon(&horizon, SILENT)?;
+    /// assert_eq!(bodies.views()?.len(), horizon.parsed().parties.len());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If a model file cannot be used, or does not suit its party.
+    pub fn of_horizon(horizon: &Horizon, progress: OnProgress<'_>) -> Result<Self, Failure> {
+        let (scenario, file) = (horizon.parsed(), horizon.file());
+        let find = |_: usize, reference: &FileRef| horizon.path_of(reference);
+        let parties = horizon.bodies();
+        let bodies = Self::of_parties(&parties, &scenario.engine, file, &find, progress)?;
         scenario.check_kinds(file, &bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
         Self::seal(bodies)
     }
