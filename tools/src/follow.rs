@@ -25,7 +25,7 @@ use trolley::{ContactRow, CourseRow, Engine, Horizon, Limits, References, Severi
 
 /// Deceleration of a run-out (m/s²).
 const RUN_OUT_M_S2: f64 = 0.5 * 9.806_65;
-/// How far the first, light touch of a crash may lie before the contact that counts (m).
+/// After a light contact the search goes on from this much travel on, at most (m).
 const PASSED_M: f64 = 0.9;
 /// How finely contacts that are shorter than a step are sought (s).
 const FINE_S: f64 = 1e-6;
@@ -153,8 +153,10 @@ fn check(path: &Path, step_s: f64) -> Result<(Tally, String, f64)> {
             let other = other.context("a party without a motion")?;
             let views = bodies.views()?;
             let views = [&views[scenario.ego.0].1, &views[number].1];
-            let mut touch = |time_s: f64| -> Result<bool> {
-                let pose = RelativePose::between(&way.pose_at(time_s), &other.pose_at(time_s));
+            let mut touch = |time_s: f64, is_planned: bool| -> Result<bool> {
+                let planned = &candidate.ego.path;
+                let ego = if is_planned { planned.pose_at(time_s) } else { way.pose_at(time_s) };
+                let pose = RelativePose::between(&ego, &other.pose_at(time_s));
                 if is_far(views, &pose) {
                     return Ok(false);
                 }
@@ -165,7 +167,7 @@ fn check(path: &Path, step_s: f64) -> Result<(Tally, String, f64)> {
             let steps = (way.end_s() / step_s).floor() as u32;
             for step in 0..=steps {
                 let time_s = f64::from(step) * step_s;
-                if touch(time_s)? {
+                if touch(time_s, false)? {
                     touching.push(time_s);
                 }
             }
@@ -210,7 +212,7 @@ fn judge(
     contacts: &[&ContactRow],
     touching: &[f64],
     step_s: f64,
-    touch: &mut dyn FnMut(f64) -> Result<bool>,
+    touch: &mut dyn FnMut(f64, bool) -> Result<bool>,
 ) -> Result<Vec<Verdict>> {
     let mut verdicts = Vec::new();
     for contact in contacts {
@@ -224,9 +226,12 @@ fn judge(
             Verdict::Possible
         } else {
             let steps = (2.0 * step_s / FINE_S) as u32;
+            // A heavy contact ends the plan at once, but it took place on the plan.
+            let is_planned = row.run_out.as_ref().is_none_or(|out| at_s <= out.from_s);
             let mut found = false;
             for step in 0..=steps {
-                found = found || touch(at_s - 10.0 * FINE_S + f64::from(step) * FINE_S)?;
+                let time_s = at_s - 10.0 * FINE_S + f64::from(step) * FINE_S;
+                found = found || touch(time_s, is_planned)?;
             }
             if found {
                 Verdict::Short

@@ -241,6 +241,12 @@ fn contact_lines(contact: &ContactRow) -> Vec<String> {
             parts(&contact.parts[1])
         ),
     ];
+    if contact.first_touch_s < contact.time_s {
+        lines.push(format!(
+            "      they first touched after {:.6} s, lightly, and did not part",
+            contact.first_touch_s
+        ));
+    }
     for person in &contact.persons {
         lines.push(format!(
             "      {}{}: {} % by {}",

@@ -107,6 +107,8 @@ pub struct RankedCourses {
 #[derive(Clone, Debug)]
 struct Assessed {
     meeting: Meeting,
+    /// When the bodies first touched in this crash (s).
+    first_touch_s: f64,
     harm: CandidateHarm,
     severity: Severity,
     /// The model range of the ego's change of velocity crosses the threshold.
@@ -325,6 +327,7 @@ fn assessed(
     let (severity, may_be_other) = Severity::of(&harm);
     Assessed {
         meeting,
+        first_touch_s: meeting.touching.time_s,
         severity,
         may_be_other,
         sides: answer::sides(candidate, &harm),
@@ -339,7 +342,7 @@ fn assessed(
 }
 
 /// Lets a course go on after a contact, or end there.
-fn settle(course: &mut Course<'_>, candidate: &Candidate, assessed: Assessed) {
+fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed) {
     let meeting = assessed.meeting;
     if !assessed.harm.is_settled() || assessed.harm.is_open {
         // Where the ego goes from here is not known.
@@ -377,7 +380,7 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, assessed: Assessed) {
             if meeting.begin == Begin::SecondLook {
                 let same = |contact: &Assessed| contact.meeting.party == meeting.party;
                 if let Some(first) = course.contacts.iter().rposition(same) {
-                    course.contacts.remove(first);
+                    assessed.first_touch_s = course.contacts.remove(first).first_touch_s;
                 }
             }
             course.contacts.push(assessed);

@@ -84,8 +84,11 @@ pub struct RunOutRow {
 pub struct ContactRow {
     /// The party that is met.
     pub party: String,
-    /// When the bodies first touch (s).
+    /// When the bodies touch (s).
     pub time_s: f64,
+    /// When they first touched in this crash (s): before `time_s` if that was a light touch, after
+    /// which they did not part.
+    pub first_touch_s: f64,
     /// Nothing touches before (s); within the resolution of `time_s`.
     pub excluded_before_s: f64,
     /// Whether triangles touch at that time; else they come as near as the resolution, which counts
@@ -400,6 +403,7 @@ fn contact_row(scenery: &Scenery<'_>, contact: &Assessed) -> ContactRow {
     ContactRow {
         party: scenery.scenario.parties[meeting.party].name.to_string(),
         time_s: touching.time_s + 0.0,
+        first_touch_s: contact.first_touch_s + 0.0,
         excluded_before_s: touching.excluded_before_s + 0.0,
         is_certain: touching.is_certain,
         is_at_start: meeting.begin == Begin::AtStart,
