@@ -259,8 +259,11 @@ fn judge(
             let later_s = time_s - contact.time_s;
             -FINE_S <= later_s && later_s <= 2.0 * step_s
         });
-        let is_near =
-            contacts.iter().any(|contact| (time_s - contact.time_s).abs() <= passing_s(contact));
+        let is_near = contacts.iter().any(|contact| {
+            let (first_s, later_s) = (contact.first_touch_s, time_s - contact.time_s);
+            let is_first = first_s - FINE_S <= *time_s && *time_s <= contact.time_s;
+            is_first || (0.0..=passing_s(contact)).contains(&later_s)
+        });
         if is_known || (is_passed && *time_s < 0.2) {
             continue;
         }
