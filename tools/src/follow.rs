@@ -153,9 +153,8 @@ fn check(path: &Path, step_s: f64) -> Result<(Tally, String, f64)> {
             let other = other.context("a party without a motion")?;
             let views = bodies.views()?;
             let views = [&views[scenario.ego.0].1, &views[number].1];
-            let mut touch = |time_s: f64, is_planned: bool| -> Result<bool> {
-                let planned = &candidate.ego.path;
-                let ego = if is_planned { planned.pose_at(time_s) } else { way.pose_at(time_s) };
+            let mut touch = |time_s: f64, before_s: f64| -> Result<bool> {
+                let ego = way.pose_at(time_s, before_s);
                 let pose = RelativePose::between(&ego, &other.pose_at(time_s));
                 if is_far(views, &pose) {
                     return Ok(false);
@@ -167,7 +166,7 @@ fn check(path: &Path, step_s: f64) -> Result<(Tally, String, f64)> {
             let steps = (way.end_s() / step_s).floor() as u32;
             for step in 0..=steps {
                 let time_s = f64::from(step) * step_s;
-                if touch(time_s, false)? {
+                if touch(time_s, time_s)? {
                     touching.push(time_s);
                 }
             }
@@ -212,7 +211,7 @@ fn judge(
     contacts: &[&ContactRow],
     touching: &[f64],
     step_s: f64,
-    touch: &mut dyn FnMut(f64, bool) -> Result<bool>,
+    touch: &mut dyn FnMut(f64, f64) -> Result<bool>,
 ) -> Result<Vec<Verdict>> {
     let mut verdicts = Vec::new();
     for contact in contacts {
@@ -226,12 +225,11 @@ fn judge(
             Verdict::Possible
         } else {
             let steps = (2.0 * step_s / FINE_S) as u32;
-            // A heavy contact ends the plan at once, but it took place on the plan.
-            let is_planned = row.run_out.as_ref().is_none_or(|out| at_s <= out.from_s);
+            // A heavy contact changes the way at once, but it took place before that.
             let mut found = false;
             for step in 0..=steps {
                 let time_s = at_s - 10.0 * FINE_S + f64::from(step) * FINE_S;
-                found = found || touch(time_s, is_planned)?;
+                found = found || touch(time_s, at_s)?;
             }
             if found {
                 Verdict::Short
@@ -290,20 +288,23 @@ impl Way<'_> {
         self.row.at_horizon.as_ref().map_or(planned.to_s(), |end| end.time_s)
     }
 
-    /// Where the ego is: on its planned path, and from a heavy contact on braked to rest, straight.
-    fn pose_at(&self, time_s: f64) -> Pose {
+    /// Where the ego is at a time, after the heavy contacts before another time (s): on its planned
+    /// path, and from each heavy contact on braked to rest, straight.
+    fn pose_at(&self, time_s: f64, before_s: f64) -> Pose {
         let planned = &self.candidate.ego.path;
-        let Some(run_out) = self.row.run_out.as_ref().filter(|out| time_s > out.from_s) else {
-            return planned.pose_at(time_s);
-        };
-        let mut pose = planned.pose_at(run_out.from_s);
-        let [vx, vy] = run_out.velocity_m_s;
-        let speed = vx.hypot(vy);
-        if speed > 0.0 {
-            let after_s = (time_s - run_out.from_s).min(speed / RUN_OUT_M_S2);
-            let share = after_s - RUN_OUT_M_S2 * after_s * after_s / (2.0 * speed);
-            pose.translation[0] += vx * share;
-            pose.translation[1] += vy * share;
+        let legs: Vec<_> = self.row.run_outs.iter().filter(|out| out.from_s < before_s).collect();
+        let Some(first) = legs.first() else { return planned.pose_at(time_s) };
+        let mut pose = planned.pose_at(first.from_s);
+        for (number, leg) in legs.iter().enumerate() {
+            let to_s = legs.get(number + 1).map_or(time_s, |next| next.from_s);
+            let [vx, vy] = leg.velocity_m_s;
+            let speed = vx.hypot(vy);
+            if speed > 0.0 {
+                let after_s = (to_s - leg.from_s).min(speed / RUN_OUT_M_S2);
+                let share = after_s - RUN_OUT_M_S2 * after_s * after_s / (2.0 * speed);
+                pose.translation[0] += vx * share;
+                pose.translation[1] += vy * share;
+            }
         }
         pose
     }

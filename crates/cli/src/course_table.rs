@@ -168,7 +168,7 @@ pub(crate) fn courses(answer: &CourseAnswer) -> String {
         if let Some(from_s) = row.open_from_s {
             lines.push(format!("   After {from_s:.3} s nothing is known: anything may happen."));
         }
-        if let Some(run_out) = &row.run_out {
+        for run_out in &row.run_outs {
             let [x, y] = run_out.velocity_m_s;
             lines.push(format!(
                 "   Run-out from {:.3} s at {:.1} m/s ({x:.1}, {y:.1}), {:.1} m until it stands",

@@ -138,8 +138,8 @@ impl CourseHarm {
                 None => self.persons.insert(at, next),
             }
         }
-        let add = |a: Interval, b: Interval| Interval::new(a.lo() + b.lo(), a.hi() + b.hi());
-        self.energy_j = add(self.energy_j, harm.energy_j);
+        let (before, more) = (self.energy_j, harm.energy_j);
+        self.energy_j = Interval::new(before.lo() + more.lo(), before.hi() + more.hi());
         self.is_open |= harm.is_open;
         self.is_unevaluable |= harm.unevaluable.is_some();
     }

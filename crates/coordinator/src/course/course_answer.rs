@@ -56,8 +56,8 @@ pub struct CourseRow {
     pub persons: Vec<CoursePersonRow>,
     /// Kinetic energy lost in all contacts (J).
     pub energy_j: Interval,
-    /// When a run-out begins (s), its velocity in the world (m/s) and its whole length (m).
-    pub run_out: Option<RunOutRow>,
+    /// Where the ego goes after each heavy contact, until the next one.
+    pub run_outs: Vec<RunOutRow>,
     /// The party that comes nearest on the way, of those that are not touched, if all is known.
     pub nearest: Option<NearestRow>,
     /// What is ahead at the end of the way, if that is known.
@@ -334,16 +334,16 @@ fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> Vec<String> 
     for party in &course.way.touching_at_end {
         all.push(format!("it still touches \"{}\" at the end of its way", name(*party)));
     }
-    if let Some((_, run_out)) = course.way.run_out {
+    if !course.way.run_outs.is_empty() {
         all.push(
-            "what follows a heavy contact is a model: straight, braked with half of gravity, \
-                  not validated by tests"
+            "what follows a heavy contact is a model: straight, braked with half of gravity, not \
+             validated by tests"
                 .to_owned(),
         );
-        if run_out.length_m() > RUN_OUT_LONG_M {
-            all.push(format!("its run-out of {:.0} m is long", run_out.length_m()));
-        }
     }
+    let lengths = course.way.run_outs.iter().map(|leg| leg.run_out.length_m());
+    let long = lengths.filter(|length_m| *length_m > RUN_OUT_LONG_M);
+    all.extend(long.map(|length_m| format!("its run-out of {length_m:.0} m is long")));
     all
 }
 
@@ -361,10 +361,10 @@ fn row(
         course.contacts.iter().any(|contact| contact.meeting.party == party)
             || course.way.passed_at_start.contains(&party)
     };
-    let run_out = course.way.run_out.map(|(from_s, run_out)| RunOutRow {
-        from_s,
-        velocity_m_s: run_out.velocity_m_s,
-        length_m: run_out.length_m(),
+    let run_outs = course.way.run_outs.iter().map(|leg| RunOutRow {
+        from_s: leg.from_s,
+        velocity_m_s: leg.run_out.velocity_m_s,
+        length_m: leg.run_out.length_m(),
     });
     let persons = harm.persons.iter().map(|risk| {
         let person = &people.list[risk.id.0];
@@ -387,7 +387,7 @@ fn row(
         open_from_s: course.open_from_s(),
         persons: persons.collect(),
         energy_j: harm.energy_j,
-        run_out,
+        run_outs: run_outs.collect(),
         nearest: is_known
             .then(|| flags::nearest((scenery, outlines, predicted), way, is_met))
             .flatten(),

@@ -114,14 +114,6 @@ impl Pair<'_> {
     }
 }
 
-/// Where the ego is at a time: on its planned path, or after a heavy contact on its run-out.
-fn ego_at(way: &Way<'_>, candidate: &HorizonCandidate, time_s: f64) -> Pose {
-    match way.run_out {
-        Some((from_s, _)) if time_s >= from_s => way.ego_path().pose_at(time_s),
-        _ => candidate.ego.path.pose_at(time_s),
-    }
-}
-
 /// Where the parties are at every step of time, as they are predicted.
 #[derive(Debug)]
 pub(super) struct Predicted(Vec<Vec<Pose>>);
@@ -151,7 +143,7 @@ pub(super) fn nearest(
     let ego = scenery.scenario.ego.0;
     let last = (way.end_s / STEP_S).ceil() as usize;
     let time_of = |step: usize| (step as f64 * STEP_S).min(way.end_s);
-    let egos: Vec<Pose> = (0..=last).map(|step| ego_at(way, candidate, time_of(step))).collect();
+    let egos: Vec<Pose> = (0..=last).map(|step| way.ego_at(time_of(step))).collect();
     let other = |party: usize, step: usize| {
         let reacts = candidate.reactions.iter().any(|reaction| reaction.party.0 == party);
         if reacts || step == last {
@@ -203,11 +195,11 @@ pub(super) fn at_horizon(
 ) -> AtHorizon {
     let ego = scenery.scenario.ego.0;
     let time_s = way.end_s;
-    let pose = ego_at(way, candidate, time_s);
+    let pose = way.ego_at(time_s);
     let origin = [0.0; 3];
-    let velocity = match way.run_out {
+    let velocity = match way.run_outs.last() {
         // A run-out that ended before the horizon stands.
-        Some((from_s, run_out)) if from_s + run_out.lasts_s() <= time_s => DVec3::ZERO,
+        Some(leg) if leg.from_s + leg.run_out.lasts_s() <= time_s => DVec3::ZERO,
         _ => way.ego_path().velocity_before(time_s, origin).0,
     };
     let mut nearest: Option<(usize, f64)> = None;
@@ -265,7 +257,7 @@ pub(super) fn alternatives(
     search: &mut EncounterSearch,
 ) -> Vec<Alternative> {
     let scenario = scenery.scenario;
-    let until_s = way.run_out.map_or(scenario.horizon_s, |(from_s, _)| from_s);
+    let until_s = way.run_outs.first().map_or(scenario.horizon_s, |leg| leg.from_s);
     let mut all = Vec::new();
     if !(until_s > 0.0) {
         return all;

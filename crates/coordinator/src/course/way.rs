@@ -14,9 +14,9 @@
 use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
 use body::{BodyView, Meta, Shells};
 use damage::course::{PASSED_M, RunOut};
+use geometry::Pose;
 use geometry::motion::{MotionPath, State};
 use scenario::{HorizonCandidate, HorizonMotion, HorizonScenario};
-use std::borrow::Cow;
 
 /// How often a run-out has a state (s): its speed falls so little that it is within 1 mm of the
 /// path.
@@ -127,15 +127,23 @@ impl<'s> Scenery<'s> {
     }
 }
 
+/// The part of a way after a heavy contact.
+#[derive(Clone, Debug)]
+pub(crate) struct Leg {
+    /// When it begins (s).
+    pub(crate) from_s: f64,
+    pub(crate) run_out: RunOut,
+    /// Its path; `None`: it begins where the way ends.
+    path: Option<MotionPath>,
+}
+
 /// The way of one candidate.
 #[derive(Clone, Debug)]
 pub(crate) struct Way<'s> {
     scenery: Scenery<'s>,
     candidate: &'s HorizonCandidate,
-    /// Where the ego goes: as planned, later a run-out.
-    ego: Cow<'s, MotionPath>,
-    /// When the run-out began (s), and what it is.
-    pub(crate) run_out: Option<(f64, RunOut)>,
+    /// Where the ego went after heavy contacts, in the order of time.
+    pub(crate) run_outs: Vec<Leg>,
     /// Until when contacts are looked for (s).
     pub(crate) end_s: f64,
     /// Per party.
@@ -160,8 +168,7 @@ impl<'s> Way<'s> {
         Self {
             scenery,
             candidate,
-            ego: Cow::Borrowed(&candidate.ego.path),
-            run_out: None,
+            run_outs: Vec::new(),
             end_s: scenery.scenario.horizon_s,
             passing: vec![None; ahead.len()],
             ahead,
@@ -172,15 +179,24 @@ impl<'s> Way<'s> {
         }
     }
 
+    /// Where the ego goes now: as planned, or on its last run-out.
     pub(crate) fn ego_path(&self) -> &MotionPath {
-        &self.ego
+        let last = self.run_outs.last().and_then(|leg| leg.path.as_ref());
+        last.unwrap_or(&self.candidate.ego.path)
+    }
+
+    /// Where the ego is at a time (s), wherever it went before.
+    pub(crate) fn ego_at(&self, time_s: f64) -> Pose {
+        let mut legs = self.run_outs.iter().rev().filter(|leg| leg.from_s <= time_s);
+        let path = legs.find_map(|leg| leg.path.as_ref()).unwrap_or(&self.candidate.ego.path);
+        path.pose_at(time_s)
     }
 
     /// The ways of the ego and of a party.
     pub(crate) fn ways(&self, party: usize) -> Ways<'_> {
-        let Self { scenery, candidate, ego, .. } = self;
+        let Self { scenery, candidate, .. } = self;
         let path = &scenery.motion(candidate, party).path;
-        scenery.ways(party, [ego, path])
+        scenery.ways(party, [self.ego_path(), path])
     }
 
     /// The contact that comes next; `None` at the end of the way, or if what comes next is open.
@@ -254,7 +270,7 @@ impl<'s> Way<'s> {
         if from_s >= end_s {
             return Ahead::Clear;
         }
-        if from_s <= 0.0 && self.run_out.is_none() {
+        if from_s <= 0.0 && self.run_outs.is_empty() {
             match search.nested(&self.ways(party), from_s) {
                 Nested::No => {}
                 Nested::Yes(touching) => {
@@ -269,7 +285,7 @@ impl<'s> Way<'s> {
             Encountered::Never => Ahead::Clear,
             Encountered::Open { from_s } => Ahead::Open { from_s },
             Encountered::Contact(touching) => {
-                let is_at_start = touching.time_s <= 0.0 && self.run_out.is_none();
+                let is_at_start = touching.time_s <= 0.0 && self.run_outs.is_empty();
                 let begin = if is_at_start { Begin::AtStart } else { Begin::Touched };
                 Ahead::Contact(Meeting { party, begin, touching })
             }
@@ -311,8 +327,7 @@ impl<'s> Way<'s> {
     pub(crate) fn leave(&mut self, meeting: &Meeting, run_out: RunOut) {
         let at_s = meeting.touching.time_s;
         self.end_s = self.scenery.scenario.horizon_s.min(at_s + run_out.lasts_s());
-        let start = self.ego.state_at(at_s);
-        self.run_out = Some((at_s, run_out));
+        let start = self.ego_path().state_at(at_s);
         self.ahead[meeting.party] = Ahead::Done;
         self.touching_at_end.clear();
         for (ahead, passing) in self.ahead.iter_mut().zip(&self.passing) {
@@ -322,11 +337,12 @@ impl<'s> Way<'s> {
                 *ahead = Ahead::Unknown { from_s, still };
             }
         }
-        match run_out_path(&start, &run_out, self.end_s) {
-            Some(path) => self.ego = Cow::Owned(path),
+        let path = run_out_path(&start, &run_out, self.end_s);
+        if path.is_none() {
             // It stays where it is, at the end of its way.
-            None => self.end_s = at_s,
+            self.end_s = at_s;
         }
+        self.run_outs.push(Leg { from_s: at_s, run_out, path });
     }
 }
 
