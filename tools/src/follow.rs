@@ -27,6 +27,8 @@ use trolley::{ContactRow, CourseRow, Engine, Horizon, Limits, References, Severi
 const RUN_OUT_M_S2: f64 = 0.5 * 9.806_65;
 /// After a light contact the search goes on from this much travel on, at most (m).
 const PASSED_M: f64 = 0.9;
+/// How far the way of a ranking may be from the run-out that it stands for (m), and a bit.
+const CHORD_M: f64 = 0.002;
 /// How finely contacts that are shorter than a step are sought (s).
 const FINE_S: f64 = 1e-6;
 
@@ -65,14 +67,15 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     }
     let mut page = format!(
         "# Rankings over a horizon, beside exact intersection every {} ms\n\n\
-         Written by `cargo x follow`. *Confirmed*: bodies intersect at a step within two steps after \
-         the contact. *Short*: they do so only between steps, which was checked to 1 µs. *Possible*: \
-         not decided within the resolution, and flagged. *Missed*: intersection that the ranking does \
-         not know. *Invented*: a contact without intersection.\n\n",
+         Written by `cargo x follow`. *Confirmed*: bodies intersect at a step within two steps \
+         after the contact. *Short*: they do so only between steps, which was checked to 1 µs. \
+         *Possible*: not decided within the resolution, and flagged. *Missed*: intersection that \
+         the ranking does not know. *Invented*: a contact without intersection.\n\n",
         options.step_ms
     );
     let root = std::env::current_dir()?;
-    for (name, value) in machine::describe(&root)? {
+    let machine = options.out.as_ref().map(|_| machine::describe(&root)).transpose()?;
+    for (name, value) in machine.unwrap_or_default() {
         let _w = writeln!(page, "- {name}: {value}");
     }
     page += "\n| file | ways | touch nobody | contacts | confirmed | short | possible | missed or \
@@ -100,8 +103,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         errors += tally.errors.len();
         let _w = writeln!(
             page,
-            "| {name} | {candidates} | {free} | {contacts} | {confirmed} | {short} | {possible} | {} \
-             | {poses} | {search_ms:.1} |",
+            "| {name} | {candidates} | {free} | {contacts} | {confirmed} | {short} | {possible} \
+             | {} | {poses} | {search_ms:.1} |",
             tally.errors.len()
         );
         let _w = write!(courses, "\n## {name}\n\n| # | manoeuvre | meets |\n|--:|---|---|\n{rows}");
@@ -246,21 +249,28 @@ fn judge(
     });
     let mut before_s = f64::NEG_INFINITY;
     for time_s in touching {
-        let begins = time_s - before_s > 1.5 * step_s;
+        let gap_s = time_s - before_s;
+        let begins = gap_s > 1.5 * step_s;
         before_s = *time_s;
         if !begins || *time_s > until_s {
             continue;
         }
         let passing_s =
             |contact: &ContactRow| PASSED_M / contact.closing_m_s.max(0.01) + 2.0 * step_s;
+        // What the answer calls the first contact lies after the last time at which nothing
+        // touches, within the resolution; and it moves the ego along chords of the run-out.
         let is_known = contacts.iter().any(|contact| {
-            let later_s = time_s - contact.time_s;
-            -FINE_S <= later_s && later_s <= 2.0 * step_s
+            let rough_s = if row.run_outs.is_empty() { 0.0 } else { CHORD_M };
+            let rough_s = rough_s / contact.closing_m_s.max(0.01);
+            contact.excluded_before_s - rough_s - FINE_S <= *time_s
+                && *time_s <= contact.time_s + 2.0 * step_s
         });
         let is_near = contacts.iter().any(|contact| {
             let (first_s, later_s) = (contact.first_touch_s, time_s - contact.time_s);
             let is_first = first_s - FINE_S <= *time_s && *time_s <= contact.time_s;
-            is_first || (0.0..=passing_s(contact)).contains(&later_s)
+            // Bodies that touch have parted once they are apart for as long as they take to pass.
+            let is_same = later_s >= 0.0 && gap_s <= passing_s(contact);
+            is_first || is_same || (0.0..=passing_s(contact)).contains(&later_s)
         });
         if is_known || (is_passed && *time_s < 0.2) {
             continue;

@@ -148,8 +148,8 @@ fn ahead(row: &CourseRow) -> Option<String> {
     let end = row.at_horizon.as_ref()?;
     let (party, after_s) = end.next_contact.as_ref()?;
     Some(format!(
-        "At the end of its way, after {:.2} s, it goes {:.1} m/s and would meet {party} {after_s:.1} \
-         s later if nobody did anything.",
+        "At the end of its way, after {:.2} s, it goes {:.1} m/s and would meet {party} \
+         {after_s:.1} s later if nobody did anything.",
         end.time_s, end.speed_m_s
     ))
 }

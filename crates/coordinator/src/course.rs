@@ -15,8 +15,8 @@
 //!
 //! # Invariants
 //!
-//! - Contacts of a candidate are found in the order of time, whatever the order in which parties are
-//!   looked at: [`Way::next`] takes the earliest of all.
+//! - Contacts of a candidate are found in the order of time, whatever the order in which parties
+//!   are looked at: [`Way::next`] takes the earliest of all.
 //! - What is open is never harmless: from the first open time on everybody may be harmed.
 //! - Light contacts and second looks come to an end: each goes on later by at least 10 ms.
 
@@ -64,7 +64,7 @@ pub struct CourseRequest<'a> {
     pub scenario: &'a HorizonScenario,
     /// The body of each party: its number in the store.
     pub models: &'a [usize],
-    /// The shells of each body of the store, [`Shells::of`] its triangles: found once per body, since
+    /// The shells of each body of the store, [`Shells::of`] its triangles: found once per body, as
     /// that takes about 1 µs per triangle.
     pub shells: &'a [Shells],
     /// Policy and curves that judge the candidates.
@@ -198,7 +198,7 @@ pub fn rank_courses(
                     && !approach.is_closing()
                 {
                     let extent_m = approach.extent_up_to(PASSED_M);
-                    course.way.part(&meeting, approach.closing_m_s, extent_m);
+                    course.way.let_part(&meeting, approach.closing_m_s, extent_m);
                     continue;
                 }
                 round.push((k, meeting));

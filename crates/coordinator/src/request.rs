@@ -288,7 +288,8 @@ pub(crate) fn party(
     }
 }
 
-/// Two bodies on their way: `pose_a` in the world, `pose` of B in A's frame, velocities in the world
+/// Two bodies on their way: `pose_a` in the world, `pose` of B in A's frame, velocities in the
+/// world
 /// of A and of B (m/s).
 pub(crate) fn approach(
     (support_a, support_b): (impl Fn(DVec3) -> f64, impl Fn(DVec3) -> f64),

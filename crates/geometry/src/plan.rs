@@ -2,13 +2,15 @@
 //!
 //! An [`Outline`] is a convex polygon that holds a body: the intersection of the half planes that
 //! its supports bound, in equal steps of angle. A distance between two is thus never more than that
-//! of the bodies' hulls, and less by at most a hundredth of their size. For people and flags;
+//! of the bodies' hulls, and less by at most a tenth of a side of either hull. For people and flags;
 //! nothing is decided by it.
 
 use crate::Pose;
 
 /// Sides of an outline: every 10°.
 const SIDES: usize = 36;
+/// Shorter edges are none (m).
+const EDGE_MIN_M: f64 = 1e-9;
 
 /// A convex polygon in a plane, counter-clockwise (m).
 #[derive(Clone, Debug, PartialEq)]
@@ -79,11 +81,13 @@ impl ConvexOutline {
 
     /// Whether two outlines share a point: no edge of either has the other one wholly outside.
     fn is_over(&self, other: &Self) -> bool {
+        // Where several sides meet in one point, rounding leaves edges of no direction.
+        let is_long = |[x, y]: [f64; 2]| x * x + y * y > EDGE_MIN_M * EDGE_MIN_M;
         let parts = |a: &Self, b: &Self| {
             a.edges().any(|[p, q]| {
                 let normal = [q[1] - p[1], p[0] - q[0]];
                 let along = |c: &[f64; 2]| normal[0] * (c[0] - p[0]) + normal[1] * (c[1] - p[1]);
-                normal != [0.0; 2] && b.corners.iter().all(|corner| along(corner) > 0.0)
+                is_long(normal) && b.corners.iter().all(|corner| along(corner) > 0.0)
             })
         };
         !parts(self, other) && !parts(other, self)
@@ -160,7 +164,7 @@ mod tests {
                 .map(|i| libm::sincos(f64::from(i) * 0.1_f64.to_radians()))
                 .map(|(sin, cos)| along(cos, sin))
                 .fold(0.0, f64::max);
-            assert!(gap <= true_gap + 1e-3 && gap >= true_gap - 0.02, "{gap} {true_gap}");
+            assert!(gap <= true_gap + 1e-3 && gap >= true_gap - 0.1, "{gap} {true_gap}");
         }
     }
 }

@@ -422,7 +422,7 @@ impl ImportedTraffic {
     /// traffic file.
     ///
     /// ```
-    /// # let folder = std::env::temp_dir().join(format!("trolley-to-horizon-{}", std::process::id()));
+    /// # let folder = std::env::temp_dir().join(format!("trolley-made-{}", std::process::id()));
     /// # std::fs::create_dir_all(&folder).ok();
     /// # let path = folder.join("crossing.xml");
     /// # let state = |x: f64, more: &str| format!(
@@ -463,7 +463,7 @@ impl ImportedTraffic {
     /// Returns in words what the scenario over a horizon is made from: one fact a line.
     ///
     /// ```
-    /// # let folder = std::env::temp_dir().join(format!("trolley-in-words-{}", std::process::id()));
+    /// # let folder = std::env::temp_dir().join(format!("trolley-said-{}", std::process::id()));
     /// # std::fs::create_dir_all(&folder).ok();
     /// # let path = folder.join("crossing.xml");
     /// # let state = |x: f64, more: &str| format!(

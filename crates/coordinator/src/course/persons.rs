@@ -31,15 +31,15 @@ pub(crate) struct People {
 /// Who is usually with a body of which nothing is said, and how many it can hold. Cars, trucks and
 /// two-wheelers have a driver or rider (our assumption), a pedestrian is one person.
 fn usual(kind: BodyKind) -> (Seats, u32) {
-    let one = |seat| core::iter::once(Some(seat)).collect();
+    let alone = |seat| core::iter::once(Some(seat)).collect();
     match kind {
-        BodyKind::Sedan | BodyKind::Suv => (one(Seat::FrontLeft), 5),
-        BodyKind::Truck => (one(Seat::FrontLeft), 2),
+        BodyKind::Sedan | BodyKind::Suv => (alone(Seat::FrontLeft), 5),
+        BodyKind::Truck => (alone(Seat::FrontLeft), 2),
         BodyKind::Bus => {
             let driver = core::iter::once(Some(Seat::FrontLeft));
             (driver.chain(core::iter::repeat_n(None, BUS_USUAL - 1)).collect(), BUS_FULL)
         }
-        BodyKind::Motorcycle | BodyKind::Cyclist => (one(Seat::Rider), 2),
+        BodyKind::Motorcycle | BodyKind::Cyclist => (alone(Seat::Rider), 2),
         BodyKind::Pedestrian => (core::iter::once(None).collect(), 1),
         BodyKind::Wall | BodyKind::Pole | BodyKind::Building => (Seats::new(), 0),
     }

@@ -280,7 +280,8 @@ fn a_body_inside_another_is_in_contact_at_the_start() {
 fn what_is_late_is_open_and_holds_what_the_finished_work_gives() {
     let (sedan, person) = (body(Shape::Sedan, 900), body(Shape::Pedestrian, 900));
     let walker = party("walker", "pedestrian", "place = { position_m = [13, 0.4, 0] }");
-    let swerve = "[[candidates]]\nname = \"swerve\"\nstate = { position_m = [0, 0, 0], speed_m_s = 20, \
+    let swerve = "[[candidates]]\nname = \"swerve\"\nstate = { position_m = [0, 0, 0], \
+                  speed_m_s = 20, \
                   yaw_rate_deg_s = 20 }\n";
     let text = format!("{}{walker}{}{swerve}", ego(), go_on(20.0));
     let bodies = [&sedan, &person];

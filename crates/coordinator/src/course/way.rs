@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! planned path --first contacts with everybody--> the earliest --assess--> light: the path goes on
-//!                          ^                                               heavy: a run-out, and the
+//!                          ^                                              heavy: a run-out, and the
 //!                          +------------- what may come after ------------- way is searched anew
 //! ```
 //!
 //! After a light contact with a party the bodies usually overlap for a while: the ego drives past
 //! or over it. A later contact with that party counts once they were apart. Where they still touch
-//! after [`PASSED_M`] the contact is assessed there a second time, and if it is heavy there, that is
-//! the contact: so a first touch of a mirror does not hide a crash.
+//! after [`PASSED_M`] the contact is assessed there a second time, and if it is heavy there, that
+//! is the contact: so a first touch of a mirror does not hide a crash.
 
 use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
 use body::{BodyView, Meta, Shells};
@@ -154,7 +154,7 @@ pub(crate) struct Way<'s> {
     pub(crate) open_from_s: Option<f64>,
     /// Parties that were touched at the start and part.
     pub(crate) passed_at_start: Vec<usize>,
-    /// Parties of which it has no answer whether they or the ego lie inside each other at the start.
+    /// Parties that may lie inside the ego at the start, or the ego inside them: that has no answer.
     pub(crate) undecided_at_start: Vec<usize>,
     /// Parties that still touch at the end of the way.
     pub(crate) touching_at_end: Vec<usize>,
@@ -312,7 +312,7 @@ impl<'s> Way<'s> {
     }
 
     /// Goes on after bodies that touched at the start and part.
-    pub(crate) fn part(&mut self, meeting: &Meeting, closing_m_s: f64, extent_m: f64) {
+    pub(crate) fn let_part(&mut self, meeting: &Meeting, closing_m_s: f64, extent_m: f64) {
         let step_s = Self::step_s(closing_m_s, extent_m).min(PARTING_STEP_S);
         self.go_on(meeting, step_s, Still { step_s, is_settled: true });
         self.passed_at_start.push(meeting.party);

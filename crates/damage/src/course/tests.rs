@@ -1,3 +1,5 @@
+//! How contacts combine, what a run-out is, and that impulses keep momentum.
+
 use super::*;
 use crate::scene::head_on;
 
