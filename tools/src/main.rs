@@ -98,8 +98,8 @@ enum Task {
     Scenarios(scenarios::Options),
     /// Check rankings over a horizon against exact intersection at dense steps of time.
     ///
-    /// Files are scenarios over a horizon, or traffic, of which such scenarios are made. Fails if the
-    /// search missed a contact, or invented one.
+    /// Files are scenarios over a horizon, or traffic, of which such scenarios are made. Fails if
+    /// the search missed a contact, or invented one.
     Follow(follow::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),

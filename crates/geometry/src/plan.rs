@@ -2,8 +2,8 @@
 //!
 //! An [`Outline`] is a convex polygon that holds a body: the intersection of the half planes that
 //! its supports bound, in equal steps of angle. A distance between two is thus never more than that
-//! of the bodies' hulls, and less by at most a tenth of a side of either hull. For people and flags;
-//! nothing is decided by it.
+//! of the bodies' hulls, and less by at most a tenth of a side of either hull. For people and
+//! flags; nothing is decided by it.
 
 use crate::Pose;
 

@@ -1,8 +1,8 @@
 //! The course of one candidate: the ego's way, whom it has met, and whom it meets next.
 //!
 //! ```text
-//! planned path --first contacts with everybody--> the earliest --assess--> light: the path goes on
-//!                          ^                                              heavy: a run-out, and the
+//! planned path --first contacts with everybody--> the earliest --assess-> light: the path goes on
+//!                          ^                                             heavy: a run-out, and the
 //!                          +------------- what may come after ------------- way is searched anew
 //! ```
 //!
@@ -154,7 +154,7 @@ pub(crate) struct Way<'s> {
     pub(crate) open_from_s: Option<f64>,
     /// Parties that were touched at the start and part.
     pub(crate) passed_at_start: Vec<usize>,
-    /// Parties that may lie inside the ego at the start, or the ego inside them: that has no answer.
+    /// Parties that may lie inside the ego at the start, or the ego inside them: no answer.
     pub(crate) undecided_at_start: Vec<usize>,
     /// Parties that still touch at the end of the way.
     pub(crate) touching_at_end: Vec<usize>,
