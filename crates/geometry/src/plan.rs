@@ -1,6 +1,6 @@
 //! Outlines in plan: how near bodies come to each other, seen from above.
 //!
-//! An [`Outline`] is a convex polygon that holds a body: the intersection of the half planes that
+//! A [`ConvexOutline`] holds a body: it is the intersection of the half planes that
 //! its supports bound, in equal steps of angle. A distance between two is thus never more than that
 //! of the bodies' hulls, and less by at most a tenth of a side of either hull. For people and
 //! flags; nothing is decided by it.

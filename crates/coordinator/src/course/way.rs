@@ -18,9 +18,9 @@ use geometry::Pose;
 use geometry::motion::{MotionPath, State};
 use scenario::{HorizonCandidate, HorizonMotion, HorizonScenario};
 
-/// How often a run-out has a state (s): its speed falls so little that it is within 1 mm of the
+/// How often a run-out has a state (s): its speed falls so little that it is within 0.3 mm of the
 /// path.
-const RUN_OUT_STEP_S: f64 = 0.04;
+const RUN_OUT_STEP_S: f64 = 0.02;
 /// Greatest step with which bodies that touch at the start and part are looked at again (s).
 const PARTING_STEP_S: f64 = 0.1;
 /// Least step with which bodies that still touch are looked at again (s).
