@@ -27,8 +27,8 @@ use trolley::{ContactRow, CourseRow, Engine, Horizon, Limits, References, Severi
 const RUN_OUT_M_S2: f64 = 0.5 * 9.806_65;
 /// After a light contact the search goes on from this much travel on, at most (m).
 const PASSED_M: f64 = 0.9;
-/// How far along its way a body may be met otherwise on the chords of a run-out (m): they are within
-/// 0.3 mm of it, and a body that grazes is met earlier or later by a multiple of that.
+/// How far along its way a body may be met otherwise on the chords of a run-out (m): they are
+/// within 0.3 mm of it, and a body that grazes is met earlier or later by a multiple of that.
 const CHORD_M: f64 = 0.005;
 /// How finely contacts that are shorter than a step are sought (s).
 const FINE_S: f64 = 1e-6;
