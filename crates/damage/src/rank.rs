@@ -12,8 +12,6 @@
 //! Every candidate is ranked, unevaluable ones at `[0, 1]` for everyone in them. Nothing here
 //! changes a candidate's figures.
 
-use crate::assess::Risk;
-use crate::harm::CandidateHarm;
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use crate::policy::{Policy, Step, TieBreak};
@@ -21,6 +19,7 @@ use crate::rule::{Measure, Rule, Stake};
 use serde::Serialize;
 use smallvec::SmallVec;
 
+mod assessed;
 mod figures;
 mod ground;
 mod interval;
@@ -29,6 +28,7 @@ pub mod standing;
 #[cfg(test)]
 mod tests;
 
+pub use assessed::Assessed;
 use figures::{Figures, rounded};
 
 /// A value per candidate. A request has at most sixteen; more would be allocated on the heap.
@@ -191,49 +191,6 @@ pub enum RankError {
     /// A figure is not a valid probability or energy.
     #[error("candidate {0} has a figure that is not a number in its range")]
     Figure(usize),
-}
-
-/// What ranking needs of a candidate.
-pub trait Assessed {
-    /// Probability that all of it happens, given the choice.
-    fn probability(&self) -> f64;
-    /// Energy lost (J).
-    fn energy_j(&self) -> Interval;
-    /// The persons whom anything may happen to; everybody else is untouched.
-    fn risks(&self) -> impl Iterator<Item = Risk>;
-    /// How many persons may be there besides those at stake, in all parties of the request, and the
-    /// upper ends of the model range of those of them who are in a contact, summed.
-    fn others(&self) -> (u32, f64);
-    /// Whether no open work can change any of this.
-    fn is_done(&self) -> bool;
-    /// Whether there are no figures.
-    fn is_unevaluable(&self) -> bool;
-}
-
-impl Assessed for CandidateHarm {
-    fn probability(&self) -> f64 {
-        self.probability
-    }
-
-    fn energy_j(&self) -> Interval {
-        self.energy_j
-    }
-
-    fn risks(&self) -> impl Iterator<Item = Risk> {
-        self.persons.iter().map(Risk::of)
-    }
-
-    fn others(&self) -> (u32, f64) {
-        (0, 0.0)
-    }
-
-    fn is_done(&self) -> bool {
-        self.is_settled() && !self.is_open
-    }
-
-    fn is_unevaluable(&self) -> bool {
-        self.unevaluable.is_some()
-    }
 }
 
 /// Ranks candidates under a policy. `stakes` are all persons of the request, the one fixed set; a

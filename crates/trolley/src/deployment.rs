@@ -1,6 +1,7 @@
 //! A deployment file, and the files it names.
 
 use crate::Failure;
+use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::scenario::check_models;
@@ -178,7 +179,8 @@ impl OpenDeployment {
         scenario: &Scenario,
         unknown_is_fixed: bool,
     ) -> Result<Ask, Failure> {
-        check_models(scenario, file, self.references)?;
+        let bodies: Vec<_> = scenario.parties.iter().map(PartyBody::of).collect();
+        check_models(&bodies, file, self.references)?;
         let mut models = Vec::new();
         for party in &scenario.parties {
             let is_same = |model: &&Model| self.is_body_of(file, party, model);

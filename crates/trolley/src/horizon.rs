@@ -16,15 +16,13 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
+use crate::Failure;
 use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
-use crate::scenario::{SourceText, named, read_text};
-use crate::{Failure, FailureKind};
-use damage::injury::DEFAULT_CURVES;
-use damage::policy::DEFAULT_POLICY;
+use crate::scenario::{check_models, read_text, rule_texts, rules, unknown};
 use damage::{Curves, Policy};
-use scenario::{FileRef, HorizonDraft, HorizonScenario, Source};
+use scenario::{FileRef, HorizonDraft, HorizonScenario};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -95,23 +93,9 @@ impl Horizon {
             let path = beside(file, reference.path.as_ref());
             files::text(&path, InputKind::MotionPath).map_err(|failure| failure.at(place))
         })?;
-        let rule = |key: &str, reference: &Option<FileRef>, kind, shipped: (&str, &str)| {
-            let Some(reference) = reference else {
-                return Ok(SourceText { name: shipped.0.to_owned(), text: shipped.1.to_owned() });
-            };
-            let place = format!("{name}:{}: {key}", reference.place);
-            references.check(file, &place, reference.path.as_ref())?;
-            named(file, reference, kind)
-        };
-        let shipped = ("config/policies/default.toml", DEFAULT_POLICY);
-        let policy = rule("policy", &parsed.policy, InputKind::Policy, shipped)?;
-        let shipped = ("config/curves/default.toml", DEFAULT_CURVES);
-        let curves = rule("curves", &parsed.curves, InputKind::Curves, shipped)?;
-        let policy = Policy::parse(&policy.name, &policy.text)?;
-        let curves = Curves::parse(&curves.name, &curves.text)?;
-        let covered = curves.covers(policy.outcome);
-        covered.map_err(|missing| Failure::input(missing.to_string()))?;
-        let (policy, curves) = (Arc::new(policy), Arc::new(curves));
+        let named = [&parsed.policy, &parsed.curves];
+        let [policy, curves] = rule_texts(name, named, references)?;
+        let (policy, curves) = rules(&policy, &curves)?;
         let file = name.to_owned();
         let horizon = Self { file, parsed, policy, curves, unknown_is_fixed: false, references };
         horizon.check_references()?;
@@ -179,12 +163,7 @@ impl Horizon {
 
     /// Refuses model files that this scenario may not name.
     pub(crate) fn check_references(&self) -> Result<(), Failure> {
-        for party in &self.parsed.parties {
-            let Source::File(FileRef { path, place }) = &party.source else { continue };
-            let place = format!("{}:{place}: party \"{}\": file", self.file, party.name);
-            self.references.check(Path::new(&self.file), &place, path.as_ref())?;
-        }
-        Ok(())
+        check_models(&self.bodies(), Path::new(&self.file), self.references)
     }
 
     /// Refuses parties of unknown kind, unless they may be taken as fixed.
@@ -195,12 +174,6 @@ impl Horizon {
         if self.unknown_is_fixed {
             return Ok(self.parsed.check_fixed(&self.file)?);
         }
-        let fault = format!("\"{}\" is of unknown kind", party.name);
-        Err(Failure::new(FailureKind::Refused, fault)
-            .at(format!("{}:{}", self.file, party.place))
-            .with_remedy(
-                "say what it is, or let it be taken as fixed to the ground with nobody in it: \
-                 --assume unknown=fixed",
-            ))
+        Err(unknown(&party.name, format!("{}:{}", self.file, party.place)))
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Texts come from files, from a caller or from a decision record; all are checked alike.
 
+use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::{Failure, FailureKind};
@@ -180,31 +181,10 @@ impl Scenario {
     /// As [`Scenario::open`].
     pub fn parse_with(name: &str, text: &str, references: References) -> Result<Self, Failure> {
         let parsed = scenario::Scenario::parse(name, text)?;
-        let keys = [("policy", &parsed.policy), ("curves", &parsed.curves)];
-        for (key, reference) in keys {
-            let Some(FileRef { path, place }) = reference else { continue };
-            references.check(name.as_ref(), &format!("{name}:{place}: {key}"), path.as_ref())?;
-        }
-        let or_shipped =
-            |reference: &Option<FileRef>, kind, shipped: &str, text: &str| match reference {
-                Some(reference) => named(Path::new(name), reference, kind),
-                None => Ok(SourceText { name: shipped.to_owned(), text: text.to_owned() }),
-            };
-        let texts = Texts {
-            policy: or_shipped(
-                &parsed.policy,
-                InputKind::Policy,
-                "config/policies/default.toml",
-                DEFAULT_POLICY,
-            )?,
-            curves: or_shipped(
-                &parsed.curves,
-                InputKind::Curves,
-                "config/curves/default.toml",
-                DEFAULT_CURVES,
-            )?,
-            scenario: SourceText { name: name.to_owned(), text: text.to_owned() },
-        };
+        let named = [&parsed.policy, &parsed.curves];
+        let [policy, curves] = rule_texts(name, named, references)?;
+        let scenario = SourceText { name: name.to_owned(), text: text.to_owned() };
+        let texts = Texts { scenario, policy, curves };
         let scenario = Self::of_texts(texts)?.with_references(references);
         scenario.check_references()?;
         Ok(scenario)
@@ -233,11 +213,7 @@ impl Scenario {
     /// As [`Scenario::open`].
     pub fn of_texts(texts: Texts) -> Result<Self, Failure> {
         let parsed = scenario::Scenario::parse(&texts.scenario.name, &texts.scenario.text)?;
-        let policy = Policy::parse(&texts.policy.name, &texts.policy.text)?;
-        let curves = Curves::parse(&texts.curves.name, &texts.curves.text)?;
-        let covered = curves.covers(policy.outcome);
-        covered.map_err(|missing| Failure::input(missing.to_string()))?;
-        let (policy, curves) = (Arc::new(policy), Arc::new(curves));
+        let (policy, curves) = rules(&texts.policy, &texts.curves)?;
         let references = References::Inside;
         Ok(Self { texts, parsed, policy, curves, unknown_is_fixed: false, references })
     }
@@ -337,7 +313,8 @@ impl Scenario {
 
     /// Refuses model files that this scenario may not name.
     pub(crate) fn check_references(&self) -> Result<(), Failure> {
-        check_models(&self.parsed, Path::new(self.file()), self.references)
+        let bodies: Vec<_> = self.parsed.parties.iter().map(PartyBody::of).collect();
+        check_models(&bodies, Path::new(self.file()), self.references)
     }
 
     /// Refuses parties of unknown kind, unless they may be taken as fixed.
@@ -348,24 +325,59 @@ impl Scenario {
         if self.unknown_is_fixed {
             return Ok(self.parsed.check_fixed(self.file())?);
         }
-        let fault = format!("\"{}\" is of unknown kind", party.name);
-        Err(Failure::new(FailureKind::Refused, fault)
-            .at(format!("{}:{}", self.file(), party.place))
-            .with_remedy(
-                "say what it is, or let it be taken as fixed to the ground with nobody in it: \
-                 --assume unknown=fixed",
-            ))
+        Err(unknown(&party.name, format!("{}:{}", self.file(), party.place)))
     }
+}
+
+/// The refusal of a party of unknown kind at a place.
+pub(crate) fn unknown(party: &str, place: String) -> Failure {
+    let fault = format!("\"{party}\" is of unknown kind");
+    Failure::new(FailureKind::Refused, fault).at(place).with_remedy(
+        "say what it is, or let it be taken as fixed to the ground with nobody in it: --assume \
+         unknown=fixed",
+    )
+}
+
+/// A policy and curves that cover it, from their texts.
+pub(crate) fn rules(
+    policy: &SourceText,
+    curves: &SourceText,
+) -> Result<(Arc<Policy>, Arc<Curves>), Failure> {
+    let policy = Policy::parse(&policy.name, &policy.text)?;
+    let curves = Curves::parse(&curves.name, &curves.text)?;
+    let covered = curves.covers(policy.outcome);
+    covered.map_err(|missing| Failure::input(missing.to_string()))?;
+    Ok((Arc::new(policy), Arc::new(curves)))
+}
+
+/// The texts of the policy and of the curves that a scenario names, or those of the program.
+pub(crate) fn rule_texts(
+    scenario: &str,
+    [policy, curves]: [&Option<FileRef>; 2],
+    references: References,
+) -> Result<[SourceText; 2], Failure> {
+    let text = |key: &str, reference: &Option<FileRef>, kind, shipped: (&str, &str)| {
+        let Some(reference) = reference else {
+            return Ok(SourceText { name: shipped.0.to_owned(), text: shipped.1.to_owned() });
+        };
+        let place = format!("{scenario}:{}: {key}", reference.place);
+        references.check(scenario.as_ref(), &place, reference.path.as_ref())?;
+        named(Path::new(scenario), reference, kind)
+    };
+    let shipped = ("config/policies/default.toml", DEFAULT_POLICY);
+    let policy = text("policy", policy, InputKind::Policy, shipped)?;
+    let shipped = ("config/curves/default.toml", DEFAULT_CURVES);
+    Ok([policy, text("curves", curves, InputKind::Curves, shipped)?])
 }
 
 /// Refuses model files of a scenario that it may not name.
 pub(crate) fn check_models(
-    scenario: &scenario::Scenario,
+    parties: &[PartyBody<'_>],
     file: &Path,
     references: References,
 ) -> Result<(), Failure> {
-    for party in &scenario.parties {
-        let Source::File(FileRef { path, place }) = &party.source else { continue };
+    for party in parties {
+        let Source::File(FileRef { path, place }) = party.source else { continue };
         let place = format!("{}:{place}: party \"{}\": file", file.display(), party.name);
         references.check(file, &place, path.as_ref())?;
     }
@@ -389,11 +401,7 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 /// The text of a file that the scenario names.
-pub(crate) fn named(
-    scenario: &Path,
-    reference: &FileRef,
-    kind: InputKind,
-) -> Result<SourceText, Failure> {
+fn named(scenario: &Path, reference: &FileRef, kind: InputKind) -> Result<SourceText, Failure> {
     let path = beside(scenario, reference.path.as_ref());
     let place = format!("{}:{}", scenario.display(), reference.place);
     let text = files::text(&path, kind).map_err(|failure| failure.at(place))?;

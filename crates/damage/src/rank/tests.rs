@@ -5,7 +5,7 @@ use super::*;
 use crate::contact::Contact;
 use crate::dynamics::Response;
 use crate::evidence::Touch;
-use crate::harm::{DeltaV, PersonHarm};
+use crate::harm::{CandidateHarm, DeltaV, PersonHarm};
 use crate::injury::{Quantity, Victim};
 use crate::policy::DEFAULT_POLICY;
 use proptest::prelude::*;

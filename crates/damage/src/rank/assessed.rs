@@ -1,0 +1,48 @@
+//! What ranking needs of a candidate, of one contact or of several.
+
+use crate::assess::Risk;
+use crate::harm::CandidateHarm;
+use crate::interval::Interval;
+
+/// What ranking needs of a candidate.
+pub trait Assessed {
+    /// Probability that all of it happens, given the choice.
+    fn probability(&self) -> f64;
+    /// Energy lost (J).
+    fn energy_j(&self) -> Interval;
+    /// The persons whom anything may happen to; everybody else is untouched.
+    fn risks(&self) -> impl Iterator<Item = Risk>;
+    /// How many persons may be there besides those at stake, in all parties of the request, and the
+    /// upper ends of the model range of those of them who are in a contact, summed.
+    fn others(&self) -> (u32, f64);
+    /// Whether no open work can change any of this.
+    fn is_done(&self) -> bool;
+    /// Whether there are no figures.
+    fn is_unevaluable(&self) -> bool;
+}
+
+impl Assessed for CandidateHarm {
+    fn probability(&self) -> f64 {
+        self.probability
+    }
+
+    fn energy_j(&self) -> Interval {
+        self.energy_j
+    }
+
+    fn risks(&self) -> impl Iterator<Item = Risk> {
+        self.persons.iter().map(Risk::of)
+    }
+
+    fn others(&self) -> (u32, f64) {
+        (0, 0.0)
+    }
+
+    fn is_done(&self) -> bool {
+        self.is_settled() && !self.is_open
+    }
+
+    fn is_unevaluable(&self) -> bool {
+        self.unevaluable.is_some()
+    }
+}

@@ -1,0 +1,129 @@
+//! The bodies of a scenario, loaded and kept: with what was computed of them, and the workers that
+//! map them.
+
+use super::EngineBuilder;
+use crate::Failure;
+use crate::bodies::{Bodies, ModelFile, OnProgress, PartyBody};
+use crate::files::InputKind;
+use body::{BodyKind, Fit, Shape, Shells, file};
+use bvh::support::Extremes;
+use coordinator::{Backend, RankingWorkspace};
+use runtime::FileMap;
+use scenario::{EngineSettings as Settings, FileRef, ScenarioError, Source};
+use std::path::PathBuf;
+
+/// What is kept from one scenario to the next.
+#[derive(Debug)]
+pub(super) struct Loaded {
+    pub(super) settings: Settings,
+    pub(super) sources: Vec<BodySource>,
+    pub(super) bodies: Bodies,
+    /// Computed for the second request about the same bodies: it takes longer than one request.
+    pub(super) extremes: Option<Vec<Extremes>>,
+    /// Found for the first scenario over a horizon.
+    pub(super) shells: Vec<Shells>,
+    pub(super) backend: Option<Backend>,
+    pub(super) workspace: RankingWorkspace,
+}
+
+/// Where a party's body comes from; equal ones are equal bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum BodySource {
+    Generated { shape: Shape, triangles: u32, seed: u64, size: Option<Fit> },
+    File { path: PathBuf, hash: String, size: Option<Fit> },
+}
+
+/// What bodies are loaded for: a scenario of either form.
+pub(super) struct Subject<'s> {
+    pub(super) file: &'s str,
+    pub(super) bodies: Vec<PartyBody<'s>>,
+    /// Whether the shells of the bodies are needed.
+    pub(super) needs_shells: bool,
+    /// The path of a model file.
+    pub(super) find: &'s dyn Fn(&FileRef) -> PathBuf,
+    /// Whether the bodies can play their parts, by their kinds.
+    pub(super) check_kinds: &'s dyn Fn(&[BodyKind]) -> Result<(), ScenarioError>,
+}
+
+impl Loaded {
+    /// Finds the shells of all bodies, unless they are known.
+    pub(super) fn find_shells(&mut self) -> Result<(), Failure> {
+        if self.shells.is_empty() {
+            let views = self.bodies.views()?;
+            self.shells = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+        }
+        Ok(())
+    }
+
+    /// What runs jobs: kept from the last request, or started.
+    pub(super) fn ready(
+        &mut self,
+        builder: &EngineBuilder,
+        settings: &Settings,
+        deadline_ns: Option<u64>,
+    ) -> Result<Backend, Failure> {
+        let Some(mut backend) = self.backend.take() else {
+            return builder.backend(settings, &self.bodies, deadline_ns);
+        };
+        // Replace lost workers.
+        let mended = backend.worker_pool_mut().map(|pool| pool.mend(self.bodies.store()));
+        mended.transpose()?;
+        Ok(backend)
+    }
+}
+
+/// The bodies of a scenario: the kept ones if they are the same, else newly loaded ones.
+pub(super) fn loaded<'l>(
+    kept: &'l mut Option<Loaded>,
+    subject: &Subject<'_>,
+    settings: &Settings,
+    progress: OnProgress<'_>,
+) -> Result<&'l mut Loaded, Failure> {
+    let sources = sources(subject);
+    let is_same = kept
+        .as_ref()
+        .is_some_and(|kept| kept.settings == *settings && sources.as_ref() == Some(&kept.sources));
+    if is_same && let Some(kept) = kept {
+        let views = kept.bodies.views()?;
+        // The bodies are the same, but they may play other parts.
+        let kinds: Vec<BodyKind> = views.iter().map(|(meta, _)| meta.kind).collect();
+        (subject.check_kinds)(&kinds)?;
+        let extremes_of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
+        kept.extremes.get_or_insert_with(extremes_of_all);
+    } else {
+        // Stop the old workers first: the machine may have no room for more.
+        *kept = None;
+        let find = |_: usize, reference: &FileRef| (subject.find)(reference);
+        let bodies = Bodies::of_parties(&subject.bodies, settings, subject.file, &find, progress)?;
+        (subject.check_kinds)(&bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
+        *kept = Some(Loaded {
+            settings: settings.clone(),
+            sources: sources.unwrap_or_default(),
+            bodies: Bodies::seal(bodies)?,
+            extremes: None,
+            shells: Vec::new(),
+            backend: None,
+            workspace: RankingWorkspace::default(),
+        });
+    }
+    kept.as_mut().ok_or_else(|| Failure::internal("no bodies"))
+}
+
+/// Where the bodies come from; `None` if a file cannot be read.
+fn sources(subject: &Subject<'_>) -> Option<Vec<BodySource>> {
+    let source_of = |party: &PartyBody<'_>| {
+        let size = party.size;
+        Some(match party.source {
+            Source::Generate { shape, triangles, seed } => {
+                BodySource::Generated { shape: *shape, triangles: *triangles, seed: *seed, size }
+            }
+            Source::File(reference) => {
+                let path = (subject.find)(reference);
+                let hash = file::content_hash(FileMap::open(&path, InputKind::Model).ok()?.bytes())
+                    .ok()?;
+                BodySource::File { path, hash, size }
+            }
+        })
+    };
+    subject.bodies.iter().map(source_of).collect()
+}
