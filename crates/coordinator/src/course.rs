@@ -18,7 +18,8 @@
 //! - Contacts of a candidate are found in the order of time, whatever the order in which parties
 //!   are looked at: [`Way::next`] takes the earliest of all.
 //! - What is open is never harmless: from the first open time on everybody may be harmed.
-//! - Light contacts and second looks come to an end: each goes on later by at least 10 ms.
+//! - Looks at bodies that still touch come to an end: each is later by at least 10 ms.
+//! - What is looked at again is left out only if no impact of these masses could be heavy.
 
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
@@ -34,8 +35,8 @@ use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, RunOut, Severity};
 use damage::path::Path;
 use damage::{
-    CandidateHarm, CourseHarm, Curves, Meeting as HullMeeting, Parameters, Policy,
-    RankedCandidates, Scratch, Unevaluable, rank_in,
+    CandidateHarm, CourseHarm, Curves, Meeting, Parameters, Policy, RankedCandidates, Scratch,
+    Unevaluable, rank_in,
 };
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
@@ -55,7 +56,7 @@ pub use flags::{Alternative, AtHorizon, NearestRow};
 
 use encounter::EncounterSearch;
 use persons::People;
-use way::{Begin, Meeting, Scenery, Way};
+use way::{Begin, NextContact, Scenery, Way};
 
 /// One request over a horizon.
 #[derive(Clone, Debug)]
@@ -105,8 +106,8 @@ pub struct RankedCourses {
 
 /// A contact of a candidate, assessed.
 #[derive(Clone, Debug)]
-struct Assessed {
-    meeting: Meeting,
+struct AssessedContact {
+    meeting: NextContact,
     /// When the bodies first touched in this crash (s).
     first_touch_s: f64,
     harm: CandidateHarm,
@@ -127,7 +128,7 @@ struct Assessed {
 #[derive(Debug)]
 struct Course<'s> {
     way: Way<'s>,
-    contacts: Vec<Assessed>,
+    contacts: Vec<AssessedContact>,
     /// Where the course ended before its time.
     stuck: Option<Stuck>,
 }
@@ -177,6 +178,7 @@ pub fn rank_courses(
     let begin =
         |candidate| Course { way: Way::new(scenery, candidate), contacts: Vec::new(), stuck: None };
     let mut courses: Vec<Course<'_>> = scenario.candidates.iter().map(begin).collect();
+    let parameters = Parameters::default();
     let mut buffers = RunBuffers::default();
     let mut reports = Vec::new();
     let support_of = |model: usize, direction: DVec3| match stage.extremes {
@@ -185,7 +187,7 @@ pub fn rank_courses(
     };
     loop {
         let begun_ns = clock::now_ns();
-        let mut round: Vec<(usize, Meeting)> = Vec::new();
+        let mut round: Vec<(usize, NextContact)> = Vec::new();
         let mut contacts: Vec<Candidate> = Vec::new();
         for (k, course) in
             courses.iter_mut().enumerate().filter(|(_, course)| course.stuck.is_none())
@@ -193,13 +195,21 @@ pub fn rank_courses(
             while let Some(meeting) = course.way.next(&mut search, is_due) {
                 let contact = contact(&scenery, &people, course, k, &meeting, &support_of)?;
                 let approach = &contact.approach;
-                if meeting.begin == Begin::AtStart
-                    && contact.meeting != HullMeeting::AlreadyOverlapping
-                    && !approach.is_closing()
-                {
-                    let extent_m = approach.extent_up_to(PASSED_M);
-                    course.way.let_part(&meeting, approach.closing_m_s, extent_m);
-                    continue;
+                let (closing_m_s, extent_m) =
+                    (approach.closing_m_s, approach.extent_up_to(PASSED_M));
+                let parts = contact.meeting != Meeting::AlreadyOverlapping
+                    && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
+                match meeting.begin {
+                    Begin::AtStart if parts => {
+                        course.way.let_part(&meeting, closing_m_s, extent_m);
+                        continue;
+                    }
+                    // It was assessed before, and stays as light as it was.
+                    Begin::Again if !contact.may_be_heavy(&parameters) => {
+                        course.way.pass(&meeting, closing_m_s, extent_m);
+                        continue;
+                    }
+                    Begin::AtStart | Begin::Again | Begin::Touched => {}
                 }
                 round.push((k, meeting));
                 contacts.push(contact);
@@ -211,7 +221,6 @@ pub fn rank_courses(
             break;
         }
         let persons = people.list.clone();
-        let parameters = Parameters::default();
         let (policy, curves) = (policy.clone(), curves.clone());
         let contacts = Request { candidates: contacts, persons, policy, curves, parameters };
         let begun_ns = clock::now_ns();
@@ -238,7 +247,7 @@ pub fn rank_courses(
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
-fn velocities(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &Meeting) -> [DVec3; 2] {
+fn velocities(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &NextContact) -> [DVec3; 2] {
     let ways = course.way.ways(meeting.party);
     let parties = [scenery.scenario.ego.0, meeting.party];
     [0, 1].map(|side: usize| {
@@ -254,7 +263,7 @@ fn contact(
     people: &People,
     course: &Course<'_>,
     k: usize,
-    meeting: &Meeting,
+    meeting: &NextContact,
     support_of: &impl Fn(usize, DVec3) -> f64,
 ) -> Result<Candidate, RequestError> {
     let scenario = scenery.scenario;
@@ -280,11 +289,8 @@ fn contact(
     let path = Path::from_contact(&approach)
         .map_err(|source| RequestError::Approach { name: name.to_string(), source })?;
     let stands = approach.closing_m_s < STANDSTILL_M_S;
-    let hulls = if meeting.begin == Begin::AtStart && stands {
-        HullMeeting::AlreadyOverlapping
-    } else {
-        HullMeeting::Path(path)
-    };
+    let is_start = meeting.begin == Begin::AtStart && meeting.touching.time_s <= 0.0;
+    let hulls = if is_start && stands { Meeting::AlreadyOverlapping } else { Meeting::Path(path) };
     let touching = &meeting.touching;
     let witness = Witness {
         travel_m: 0.0,
@@ -317,15 +323,15 @@ fn assessed(
     contacts: &Request,
     work: &RankingRun<'_>,
     number: usize,
-    meeting: Meeting,
+    meeting: NextContact,
     harm: CandidateHarm,
-) -> Assessed {
+) -> AssessedContact {
     let candidate = &contacts.candidates[number];
     let state = &work.candidate_states()[number];
     let [a, b] = [candidate.model_a, candidate.model_b].map(|model| work.body_of(model));
     let hit = state.hit.summary(&a.1, &b.1);
     let (severity, may_be_other) = Severity::of(&harm);
-    Assessed {
+    AssessedContact {
         meeting,
         first_touch_s: meeting.touching.time_s,
         severity,
@@ -342,7 +348,7 @@ fn assessed(
 }
 
 /// Lets a course go on after a contact, or end there.
-fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed) {
+fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: AssessedContact) {
     let meeting = assessed.meeting;
     if !assessed.harm.is_settled() || assessed.harm.is_open {
         // Where the ego goes from here is not known.
@@ -351,7 +357,7 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed
             time_s: meeting.touching.time_s,
             unevaluable: assessed.harm.unevaluable,
         });
-        if meeting.begin != Begin::SecondLook {
+        if meeting.begin != Begin::Again {
             course.contacts.push(assessed);
         }
         return;
@@ -361,7 +367,7 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed
         Severity::Light => {
             let extent_m = approach.extent_up_to(PASSED_M);
             course.way.pass(&meeting, approach.closing_m_s, extent_m);
-            if meeting.begin != Begin::SecondLook {
+            if meeting.begin != Begin::Again {
                 course.contacts.push(assessed);
             }
         }
@@ -377,8 +383,8 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed
             let mass_kg = candidate.a.mass_kg.unwrap_or(f64::INFINITY);
             course.way.leave(&meeting, RunOut::after(before, on_ego, mass_kg));
             // A first, light touch was the begin of this crash.
-            if meeting.begin == Begin::SecondLook {
-                let same = |contact: &Assessed| contact.meeting.party == meeting.party;
+            if meeting.begin == Begin::Again {
+                let same = |contact: &AssessedContact| contact.meeting.party == meeting.party;
                 if let Some(first) = course.contacts.iter().rposition(same) {
                     assessed.first_touch_s = course.contacts.remove(first).first_touch_s;
                 }

@@ -39,6 +39,13 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
+    /// Whether any impact at this speed could be heavy for the ego.
+    pub(crate) fn may_be_heavy(&self, parameters: &Parameters) -> bool {
+        let masses = [self.a.mass_kg, self.b.mass_kg];
+        damage::course::delta_v_at_most(self.approach.closing_m_s, masses, parameters)
+            >= damage::course::HEAVY_M_S
+    }
+
     /// As [`damage::assess`] takes it.
     pub(crate) fn encounter(&self) -> Encounter<'_> {
         Encounter {

@@ -4,7 +4,7 @@ use super::encounter::EncounterSearch;
 use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted};
 use super::persons::People;
 use super::way::{Begin, Scenery};
-use super::{Assessed, Course, Stuck};
+use super::{AssessedContact, Course, Stuck};
 use crate::answer::{PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
 use damage::{
@@ -397,8 +397,8 @@ fn row(
     }
 }
 
-fn contact_row(scenery: &Scenery<'_>, contact: &Assessed) -> ContactRow {
-    let Assessed { meeting, harm, .. } = contact;
+fn contact_row(scenery: &Scenery<'_>, contact: &AssessedContact) -> ContactRow {
+    let AssessedContact { meeting, harm, .. } = contact;
     let touching = &meeting.touching;
     ContactRow {
         party: scenery.scenario.parties[meeting.party].name.to_string(),

@@ -260,6 +260,37 @@ fn who_touches_at_the_start_closes_parts_or_is_refused() {
 }
 
 #[test]
+fn who_creeps_into_a_car_and_then_goes_is_in_a_crash() {
+    // A touch at walking pace is light; within half a second it becomes a crash, in the same place.
+    let sedan = body(Shape::Sedan, 900);
+    let queue = party("queue", "sedan", "place = { position_m = [4.7, 0, 0] }\nempty = true");
+    let creep = "[[candidates]]\nname = \"creep\"\npath = { states = [ \
+                 { t_s = 0, position_m = [0, 0, 0] }, { t_s = 2, position_m = [0.3, 0, 0] }, \
+                 { t_s = 3, position_m = [12.3, 0, 0] } ] }\n";
+    let answer = ranked(&format!("{}{queue}{creep}", ego()), &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert_eq!(met(row), ["queue"], "{row:#?}");
+    let contact = &row.contacts[0];
+    assert_eq!(contact.severity, Severity::Heavy, "{contact:#?}");
+    assert!(contact.first_touch_s < 2.0 && contact.time_s > 2.0, "{contact:#?}");
+}
+
+#[test]
+fn who_parts_at_the_start_and_turns_back_is_in_a_crash() {
+    let sedan = body(Shape::Sedan, 900);
+    let queue = party("queue", "sedan", "place = { position_m = [4.2, 0, 0] }\nempty = true");
+    let back = "[[candidates]]\nname = \"back and forth\"\npath = { states = [ \
+                { t_s = 0, position_m = [0, 0, 0] }, { t_s = 0.2, position_m = [-0.1, 0, 0] }, \
+                { t_s = 1.2, position_m = [9.9, 0, 0] } ] }\n";
+    let answer = ranked(&format!("{}{queue}{back}", ego()), &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert!(row.remarks.iter().any(|remark| remark.contains("they part")), "{:?}", row.remarks);
+    assert_eq!(met(row), ["queue"], "{row:#?}");
+    assert_eq!(row.contacts[0].severity, Severity::Heavy);
+    assert!(row.contacts[0].time_s > 0.2, "{row:#?}");
+}
+
+#[test]
 fn a_body_inside_another_is_in_contact_at_the_start() {
     let ego_body = sedan_of(cuboid([-3.0, -2.0, 0.0], [3.0, 2.0, 3.0]));
     let small = sedan_of(cuboid([-0.5, -0.5, 0.5], [0.5, 0.5, 1.0]));

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! After a light contact with a party the bodies usually overlap for a while: the ego drives past
-//! or over it. A later contact with that party counts once they were apart. Where they still touch
-//! after [`PASSED_M`] the contact is assessed there a second time, and if it is heavy there, that
-//! is the contact: so a first touch of a mirror does not hide a crash.
+//! or over it. A later contact with that party counts once they were apart. As long as they touch,
+//! the contact is assessed again and again, after [`PASSED_M`] of travel or sooner, and where it is
+//! heavy, that is the contact: so a first touch of a mirror does not hide a crash.
 
 use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
 use body::{BodyView, Meta, Shells};
@@ -21,10 +21,9 @@ use scenario::{HorizonCandidate, HorizonMotion, HorizonScenario};
 /// How often a run-out has a state (s): its speed falls so little that it is within 0.3 mm of the
 /// path.
 const RUN_OUT_STEP_S: f64 = 0.02;
-/// Greatest step with which bodies that touch at the start and part are looked at again (s).
-const PARTING_STEP_S: f64 = 0.1;
-/// Least step with which bodies that still touch are looked at again (s).
+/// Least and greatest step with which bodies that still touch are looked at again (s).
 const STEP_MIN_S: f64 = 0.01;
+const STEP_MAX_S: f64 = 0.1;
 
 /// What is known of a party on this way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +31,7 @@ enum Ahead {
     /// From this time on (s) nothing is known. `still`: they touched before, and may still do.
     Unknown { from_s: f64, still: Option<Still> },
     /// It is met next.
-    Contact(Meeting),
+    Contact(NextContact),
     /// It is not met on this way.
     Clear,
     /// It was struck heavily, or is the ego: it is not met again on any way.
@@ -46,8 +45,8 @@ enum Ahead {
 struct Still {
     /// How long they take to pass each other (s).
     step_s: f64,
-    /// Whether they were assessed a second time, or are not to be.
-    is_settled: bool,
+    /// What a look at them is: [`Begin::AtStart`] as long as they part from the start.
+    look: Begin,
 }
 
 /// How a contact came to be.
@@ -55,15 +54,15 @@ struct Still {
 pub(crate) enum Begin {
     /// The bodies were apart before.
     Touched,
-    /// They touch at time 0.
+    /// They touch at time 0, or have touched since then and parted so far.
     AtStart,
     /// They have touched before and not parted: the contact is assessed once more.
-    SecondLook,
+    Again,
 }
 
 /// A contact that comes next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Meeting {
+pub(crate) struct NextContact {
     pub(crate) party: usize,
     pub(crate) begin: Begin,
     pub(crate) touching: Touching,
@@ -204,7 +203,7 @@ impl<'s> Way<'s> {
         &mut self,
         search: &mut EncounterSearch,
         is_due: Option<&dyn Fn() -> bool>,
-    ) -> Option<Meeting> {
+    ) -> Option<NextContact> {
         if self.open_from_s.is_some() {
             return None;
         }
@@ -213,12 +212,13 @@ impl<'s> Way<'s> {
                 self.ahead[party] = self.look(party, from_s, still, search, is_due);
             }
         }
-        let mut next: Option<Meeting> = None;
+        let mut next: Option<NextContact> = None;
         let mut open_s = f64::INFINITY;
         for ahead in &self.ahead {
             match ahead {
                 Ahead::Contact(meeting) => {
-                    let is_earlier = |next: Meeting| meeting.touching.time_s < next.touching.time_s;
+                    let is_earlier =
+                        |next: NextContact| meeting.touching.time_s < next.touching.time_s;
                     if next.is_none_or(is_earlier) {
                         next = Some(*meeting);
                     }
@@ -245,11 +245,14 @@ impl<'s> Way<'s> {
         is_due: Option<&dyn Fn() -> bool>,
     ) -> Ahead {
         let end_s = self.end_s;
-        if let Some(mut still) = still {
+        if let Some(still) = still {
             loop {
                 if from_s >= end_s {
                     self.touching_at_end.push(party);
                     return Ahead::Clear;
+                }
+                if is_due.is_some_and(|is_due| is_due()) {
+                    return Ahead::Open { from_s };
                 }
                 let ways = self.ways(party);
                 let is_apart = !search.touch_at(&ways, from_s)
@@ -257,12 +260,10 @@ impl<'s> Way<'s> {
                 if is_apart {
                     break;
                 }
-                // Inside without a triangle that touches there is no second contact.
-                if !core::mem::replace(&mut still.is_settled, true)
-                    && let Some(touching) = search.still(&self.ways(party), from_s)
-                {
-                    let begin = Begin::SecondLook;
-                    return Ahead::Contact(Meeting { party, begin, touching });
+                // Inside, without a triangle that touches, there is nothing to assess.
+                if let Some(touching) = search.still(&ways, from_s) {
+                    let begin = still.look;
+                    return Ahead::Contact(NextContact { party, begin, touching });
                 }
                 from_s += still.step_s;
             }
@@ -274,7 +275,7 @@ impl<'s> Way<'s> {
             match search.nested(&self.ways(party), from_s) {
                 Nested::No => {}
                 Nested::Yes(touching) => {
-                    return Ahead::Contact(Meeting { party, begin: Begin::AtStart, touching });
+                    return Ahead::Contact(NextContact { party, begin: Begin::AtStart, touching });
                 }
                 Nested::Undecided => self.undecided_at_start.push(party),
             }
@@ -287,44 +288,46 @@ impl<'s> Way<'s> {
             Encountered::Contact(touching) => {
                 let is_at_start = touching.time_s <= 0.0 && self.run_outs.is_empty();
                 let begin = if is_at_start { Begin::AtStart } else { Begin::Touched };
-                Ahead::Contact(Meeting { party, begin, touching })
+                Ahead::Contact(NextContact { party, begin, touching })
             }
         }
     }
 
     /// Whether a light contact with a party may still give way to a heavy one of the same crash.
     pub(crate) fn may_give_way(&self, party: usize) -> bool {
-        self.passing[party].is_some_and(|(_, still)| !still.is_settled)
+        self.passing[party].is_some_and(|(_, still)| still.look == Begin::Again)
     }
 
     /// How long bodies take to pass each other, given their closing speed (m/s) and the extent of
     /// the smaller one along it (m).
     fn step_s(closing_m_s: f64, extent_m: f64) -> f64 {
-        let step_s = extent_m.min(PASSED_M) / closing_m_s;
-        if step_s.is_finite() { step_s.max(STEP_MIN_S) } else { f64::INFINITY }
+        // Slow bodies may become faster before they have passed.
+        (extent_m.min(PASSED_M) / closing_m_s).clamp(STEP_MIN_S, STEP_MAX_S)
     }
 
     /// Goes on after a light contact.
-    pub(crate) fn pass(&mut self, meeting: &Meeting, closing_m_s: f64, extent_m: f64) {
+    pub(crate) fn pass(&mut self, meeting: &NextContact, closing_m_s: f64, extent_m: f64) {
         let step_s = Self::step_s(closing_m_s, extent_m);
-        let is_settled = meeting.begin == Begin::SecondLook;
-        self.go_on(meeting, meeting.touching.time_s + step_s, Still { step_s, is_settled });
+        self.go_on(meeting, Still { step_s, look: Begin::Again });
     }
 
     /// Goes on after bodies that touched at the start and part.
-    pub(crate) fn let_part(&mut self, meeting: &Meeting, closing_m_s: f64, extent_m: f64) {
-        let step_s = Self::step_s(closing_m_s, extent_m).min(PARTING_STEP_S);
-        self.go_on(meeting, step_s, Still { step_s, is_settled: true });
-        self.passed_at_start.push(meeting.party);
+    pub(crate) fn let_part(&mut self, meeting: &NextContact, closing_m_s: f64, extent_m: f64) {
+        let step_s = Self::step_s(closing_m_s, extent_m);
+        self.go_on(meeting, Still { step_s, look: Begin::AtStart });
+        if meeting.touching.time_s <= 0.0 {
+            self.passed_at_start.push(meeting.party);
+        }
     }
 
-    fn go_on(&mut self, meeting: &Meeting, from_s: f64, still: Still) {
+    fn go_on(&mut self, meeting: &NextContact, still: Still) {
+        let from_s = meeting.touching.time_s + still.step_s;
         self.passing[meeting.party] = Some((from_s, still));
         self.ahead[meeting.party] = Ahead::Unknown { from_s, still: Some(still) };
     }
 
     /// Leaves the planned path after a heavy contact: from there on everybody else may be met.
-    pub(crate) fn leave(&mut self, meeting: &Meeting, run_out: RunOut) {
+    pub(crate) fn leave(&mut self, meeting: &NextContact, run_out: RunOut) {
         let at_s = meeting.touching.time_s;
         self.end_s = self.scenery.scenario.horizon_s.min(at_s + run_out.lasts_s());
         let start = self.ego_path().state_at(at_s);
