@@ -6,18 +6,21 @@ use crate::support::{self, Place, answer, builder, json, library_answer, overrid
 use trolley::dispatch_options::{DispatchOptions, TransferMode};
 use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
+/// Ranks a file with these options.
+fn ranked(path: &str, args: &[&str]) -> std::process::Output {
+    let mut all = vec!["rank", path, "--json"];
+    all.extend(args);
+    let output = run(&all);
+    assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
+    output
+}
+
 #[test]
 fn the_answer_does_not_depend_on_how_the_work_was_done() {
     let place = Place::new();
     let path = place.write("six.toml", &six(2000));
     let path = path.to_str().unwrap();
-    let answer_of = |args: &[&str]| {
-        let mut all = vec!["rank", path, "--json"];
-        all.extend(args);
-        let output = run(&all);
-        assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
-        output
-    };
+    let answer_of = |args: &[&str]| ranked(path, args);
     let reference = answer_of(&["--in-process"]);
     let document = json(&reference);
     let reference = answer(&reference);
@@ -53,13 +56,7 @@ fn an_answer_over_a_horizon_does_not_depend_on_how_the_work_was_done() {
     let text = std::fs::read_to_string(crossing).unwrap();
     let path = place.write("crossing.toml", &text.replace("0000", "000"));
     let path = path.to_str().unwrap();
-    let answer_of = |args: &[&str]| {
-        let mut all = vec!["rank", path, "--json"];
-        all.extend(args);
-        let output = run(&all);
-        assert!(output.status.success(), "{args:?}: {}", support::text(&output.stderr));
-        output
-    };
+    let answer_of = |args: &[&str]| ranked(path, args);
     let reference = answer_of(&["--in-process"]);
     let document = json(&reference);
     let reference = answer(&reference);

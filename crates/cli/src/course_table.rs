@@ -1,31 +1,14 @@
 //! The table of a ranking over a horizon: whom each manoeuvre meets, when, in which order, what it
 //! does to whom, and what else has to be known.
 
-use crate::table::{circumstances, kept, percent};
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use damage_words::severity;
-use report::text::{COLUMNS, wrap};
-use trolley::{AnswerState, ContactRow, CourseAnswer, CourseRow, Run};
-
-/// Words for what an answer holds as values.
-mod damage_words {
-    use trolley::Severity;
-
-    pub(super) fn severity(severity: Severity) -> &'static str {
-        match severity {
-            Severity::Light => "light",
-            Severity::Heavy => "heavy",
-        }
-    }
-}
+use crate::table::{circumstances, kept, lines, percent, plain};
+use report::text::wrap;
+use trolley::{AnswerState, ContactRow, CourseAnswer, CourseRow, Run, Severity};
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
 pub(crate) fn ranking(name: &str, answer: &CourseAnswer, run: &Run) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(COLUMNS);
-    table.set_header(["#", "candidate", "meets", "worst-off person", "harm %", "range %"]);
+    let header = ["#", "candidate", "meets", "worst-off person", "harm %", "range %"];
+    let mut table = plain(&header);
     for (at, row) in answer.ranking.iter().enumerate() {
         table.add_row([
             (at + 1).to_string(),
@@ -36,16 +19,9 @@ pub(crate) fn ranking(name: &str, answer: &CourseAnswer, run: &Run) -> String {
             format!("{}–{}", percent(row.range.low()), percent(row.range.high())),
         ]);
     }
-    for (number, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((u16::from(number > 0), 0));
-        if [0, 4].contains(&number) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    let table = table.to_string();
-    let rows: Vec<&str> = table.lines().map(str::trim_end).collect();
+    let rows = lines(table, &[0, 4]);
     let head = format!("{}. Which does least harm?", name.trim_end_matches('.'));
-    format!("{head}\n{}\n\n{}\n\n{}", circumstances(run), rows.join("\n"), verdict(answer, run))
+    format!("{head}\n{}\n\n{}\n\n{}", circumstances(run), rows, verdict(answer, run))
 }
 
 /// "1.62 s pedestrian, light" for each contact, one a line; or how near the ego comes to whom.
@@ -179,9 +155,8 @@ pub(crate) fn courses(answer: &CourseAnswer) -> String {
         }
         for person in &row.persons {
             lines.push(format!(
-                "   {}{}: risk {} %, range {}–{} %",
-                person.party,
-                person.seat.map(|seat| format!(", {seat}")).unwrap_or_default(),
+                "   {}: risk {} %, range {}–{} %",
+                who(&person.party, person.seat),
                 percent(person.work.hi()),
                 percent(person.range.low()),
                 percent(person.range.high())
@@ -249,12 +224,23 @@ fn contact_lines(contact: &ContactRow) -> Vec<String> {
     }
     for person in &contact.persons {
         lines.push(format!(
-            "      {}{}: {} % by {}",
-            person.party,
-            person.seat.map(|seat| format!(", {seat}")).unwrap_or_default(),
+            "      {}: {} % by {}",
+            who(&person.party, person.seat),
             percent(person.work.hi()),
             person.curve
         ));
     }
     lines
+}
+
+fn severity(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Light => "light",
+        Severity::Heavy => "heavy",
+    }
+}
+
+/// "bus, rear-left", "pedestrian".
+fn who(party: &str, seat: Option<&str>) -> String {
+    seat.map_or_else(|| party.to_owned(), |seat| format!("{party}, {seat}"))
 }

@@ -8,11 +8,7 @@ use trolley::{Answer, AnswerState, PersonRow, Row, Run, Touch};
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
 pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(COLUMNS);
-    table.set_header([
+    let mut table = plain(&[
         "#",
         "candidate",
         "contact",
@@ -34,20 +30,36 @@ pub(crate) fn ranking(scenario: &Scenario, answer: &Answer, run: &Run) -> String
             format!("{}–{}", percent(row.range.low()), percent(row.range.high())),
         ]);
     }
+    let rows = lines(table, &[0, 3, 6]);
+    let head = format!("{}. Which does least harm?", scenario.name.trim_end_matches('.'));
+    let mut text = format!("{head}\n{}\n\n", circumstances(run));
+    text.push_str(&rows);
+    text.push_str("\n\n");
+    text.push_str(&verdict(answer, run));
+    text
+}
+
+/// A table without lines, at most as wide as a terminal.
+pub(crate) fn plain(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(COLUMNS);
+    table.set_header(header);
+    table
+}
+
+/// The lines of a table whose columns of these numbers are aligned to the right.
+pub(crate) fn lines(mut table: Table, right: &[usize]) -> String {
     for (number, column) in table.column_iter_mut().enumerate() {
         column.set_padding((u16::from(number > 0), 0));
-        if [0, 3, 6].contains(&number) {
+        if right.contains(&number) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
     let table = table.to_string();
-    let rows: Vec<&str> = table.lines().map(str::trim_end).collect();
-    let head = format!("{}. Which does least harm?", scenario.name.trim_end_matches('.'));
-    let mut text = format!("{head}\n{}\n\n", circumstances(run));
-    text.push_str(&rows.join("\n"));
-    text.push_str("\n\n");
-    text.push_str(&verdict(answer, run));
-    text
+    let lines: Vec<&str> = table.lines().map(str::trim_end).collect();
+    lines.join("\n")
 }
 
 /// "8 bodies · 412k triangles · 4 workers on cores 0, 1".

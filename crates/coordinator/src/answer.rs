@@ -14,15 +14,15 @@ use geometry::DVec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// The answer to a request.
+/// The answer to a request, with a row of its form per candidate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct Answer<R = Row> {
     /// How complete it is.
     pub state: AnswerState,
     /// The policy's name.
     pub policy: String,
     /// Candidates, least harm first.
-    pub ranking: Vec<Row>,
+    pub ranking: Vec<R>,
     /// Names of the candidates that the model cannot tell from the first, itself included.
     pub tie_class: Vec<String>,
     /// Further remarks on the ranking.
@@ -31,7 +31,7 @@ pub struct Answer {
     pub assumptions: Vec<String>,
     /// Number of leading places that no open work can change.
     pub settled_places: usize,
-    /// What is missing: one sentence per candidate whose contact is not fully known.
+    /// What is missing: one sentence per candidate that is not fully known.
     pub missing: Vec<String>,
 }
 
@@ -124,13 +124,15 @@ pub struct PoseRow {
     pub hash: Option<String>,
 }
 
-impl Answer {
+impl<R> Answer<R> {
     /// The candidate of least harm; `None` if there are no candidates or no bound can be given.
     #[must_use]
-    pub fn best(&self) -> Option<&Row> {
+    pub fn best(&self) -> Option<&R> {
         if self.state == AnswerState::Refused { None } else { self.ranking.first() }
     }
+}
 
+impl Answer {
     pub(crate) fn new(
         request: &Request,
         ranking: &RankedCandidates,
@@ -182,12 +184,12 @@ fn open(state: &CandidateState) -> String {
 pub(crate) fn assumptions(request: &Request) -> Vec<String> {
     let unknown = request.candidates.iter().filter(|candidate| candidate.is_assumed_fixed);
     let names: BTreeSet<&str> = unknown.map(|candidate| candidate.other_name.as_str()).collect();
-    let sentence = |name: &str| {
-        format!(
-            "\"{name}\" is of unknown kind: assumed to be fixed to the ground, with nobody in it"
-        )
-    };
-    names.into_iter().map(sentence).collect()
+    names.into_iter().map(unknown_sentence).collect()
+}
+
+/// The sentence about a party of unknown kind.
+pub(crate) fn unknown_sentence(name: &str) -> String {
+    format!("\"{name}\" is of unknown kind: assumed to be fixed to the ground, with nobody in it")
 }
 
 fn row(

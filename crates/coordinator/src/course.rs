@@ -406,7 +406,7 @@ fn conclude(
     let stakes: Vec<_> = people.list.iter().map(|person| person.stake).collect();
     let mut ranking = RankedCandidates::default();
     rank_in(&mut Scratch::default(), policy, &stakes, &harms, &mut ranking)?;
-    Ok(course_answer::answer(scenery, people, policy, (courses, &harms), &ranking, search))
+    Ok(course_answer::written(scenery, people, policy, (courses, &harms), &ranking, search))
 }
 
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).

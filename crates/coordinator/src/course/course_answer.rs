@@ -5,34 +5,15 @@ use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted
 use super::persons::People;
 use super::way::{Begin, Scenery};
 use super::{AssessedContact, Course, Stuck};
-use crate::answer::{PersonRow, PoseRow};
+use crate::answer::{self, Answer, PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
 use damage::{
-    AnswerState, Contact, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
-    RankedCandidates, Unevaluable,
+    Contact, CourseHarm, DeltaV, Interval, Place, Policy, Range, RankedCandidates, Unevaluable,
 };
 use serde::Serialize;
 
 /// The answer to a request over a horizon.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CourseAnswer {
-    /// How complete it is.
-    pub state: AnswerState,
-    /// The policy's name.
-    pub policy: String,
-    /// Candidates, least harm first.
-    pub ranking: Vec<CourseRow>,
-    /// Names of the candidates that the model cannot tell from the first, itself included.
-    pub tie_class: Vec<String>,
-    /// Further remarks on the ranking.
-    pub notes: Vec<Note>,
-    /// What was assumed for lack of data, in sentences.
-    pub assumptions: Vec<String>,
-    /// Number of leading places that no open work can change.
-    pub settled_places: usize,
-    /// What is missing: one sentence per candidate that is not fully known.
-    pub missing: Vec<String>,
-}
+pub type CourseAnswer = Answer<CourseRow>;
 
 /// One candidate in its place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -145,14 +126,6 @@ pub struct CoursePersonRow {
     pub range: Range,
 }
 
-impl CourseAnswer {
-    /// The candidate of least harm; `None` if no bound can be given.
-    #[must_use]
-    pub fn best(&self) -> Option<&CourseRow> {
-        if self.state == AnswerState::Refused { None } else { self.ranking.first() }
-    }
-}
-
 impl CourseRow {
     /// Whether the ego touches nobody until the end of its way: proven.
     #[must_use]
@@ -162,7 +135,7 @@ impl CourseRow {
 }
 
 /// The answer that follows from finished courses.
-pub(super) fn answer(
+pub(super) fn written(
     scenery: &Scenery<'_>,
     people: &People,
     policy: &Policy,
@@ -241,12 +214,8 @@ fn missing(scenery: &Scenery<'_>, course: &Course<'_>) -> Option<String> {
 fn assumptions(scenery: &Scenery<'_>, people: &People) -> Vec<String> {
     let scenario = scenery.scenario;
     let parties = scenario.parties.iter();
-    let unknown = parties.clone().filter(|party| party.is_unknown).map(|party| {
-        format!(
-            "\"{}\" is of unknown kind: assumed to be fixed to the ground, with nobody in it",
-            party.name
-        )
-    });
+    let unknown = parties.clone().filter(|party| party.is_unknown);
+    let unknown = unknown.map(|party| answer::unknown_sentence(&party.name));
     let several = parties.enumerate().filter(|(_, party)| party.predictions.len() > 1);
     let several = several.map(|(number, party)| {
         let (followed, _) = scenery.likeliest(number);
