@@ -82,7 +82,8 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
-/// How far a motion is from a track at all of its times until the horizon (m).
+/// How far a motion is from a track at all of its times until the horizon (m), but for those within
+/// 0.1 ms of an end, which are one with it: there a body that turns sharply cuts the corner.
 pub(super) fn off_m(
     motion: &HorizonMotion,
     obstacle: &Obstacle,
@@ -90,7 +91,9 @@ pub(super) fn off_m(
     by: [f64; 2],
 ) -> f64 {
     let to_s = motion.path.to_s();
-    let within = obstacle.track.iter().filter(|m| (0.0..=to_s).contains(&(m.time_s - began_s)));
+    let is_own =
+        |time_s: f64| (1e-4..=to_s - 1e-4).contains(&time_s) || time_s == 0.0 || time_s == to_s;
+    let within = obstacle.track.iter().filter(|moment| is_own(moment.time_s - began_s));
     let off = within.map(|moment| {
         let [x, y] = middle(moment, &obstacle.outline).at;
         apart(place(motion, moment.time_s - began_s), [x - by[0], y - by[1]])
