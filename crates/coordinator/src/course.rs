@@ -10,8 +10,8 @@
 //!
 //! The contacts that come next in all candidates are worked on together, as a *round*: each is a
 //! candidate of a [`Request`] whose first contact is known, so the survey of its hit sets goes
-//! through the same jobs, workers and faults as any other. There are as many rounds as the candidate
-//! with the most contacts and looks has.
+//! through the same jobs, workers and faults as any other. There are as many rounds as the
+//! candidate with the most contacts and looks has.
 //!
 //! # Invariants
 //!
