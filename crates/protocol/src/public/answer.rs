@@ -1,10 +1,13 @@
 //! The answer of the service, and the meaning of its numbers.
 
-use super::{CANDIDATES_MAX, VERSION};
+use super::{CANDIDATES_MAX, ModelSet, VERSION, checksum};
 use bytemuck::{Pod, Zeroable};
+use core::mem::offset_of;
 
 /// Size of the text of an answer (bytes).
-const TEXT: usize = 176;
+const TEXT: usize = 160;
+/// Contacts of a candidate that an answer has room for: the first ones.
+const CONTACTS: usize = 4;
 
 /// The state of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -84,11 +87,16 @@ pub enum Reason {
     Silence = 12,
     /// Set only by the client: there is no service.
     NoService = 13,
+    /// A bit was changed on the way: of the request, which the service says, or of the answer,
+    /// which the client says. Ask again.
+    Corrupt = 14,
+    /// The service has other bodies than the request names.
+    OtherModels = 15,
 }
 
 impl Reason {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::None,
         Self::Malformed,
         Self::UnknownModel,
@@ -103,6 +111,8 @@ impl Reason {
         Self::Internal,
         Self::Silence,
         Self::NoService,
+        Self::Corrupt,
+        Self::OtherModels,
     ];
 
     /// The reason with this number.
@@ -129,26 +139,41 @@ impl Reason {
             Self::Internal => "internal",
             Self::Silence => "silence",
             Self::NoService => "no-service",
+            Self::Corrupt => "corrupt",
+            Self::OtherModels => "other-models",
         }
     }
 }
 
-/// Bits of [`WirePlace::flags`].
+/// Bits of [`WirePlace::flags`] and of [`WireContact::flags`].
 pub mod flag {
-    /// The bodies touch.
-    pub const TOUCHES: u32 = 1;
+    /// Of a place: the ego touches nobody until the end of its way. Proven.
+    pub const TOUCHES_NOBODY: u32 = 1;
     /// According to the model it certainly comes before the next.
     pub const CERTAIN: u32 = 2;
     /// The model cannot distinguish it from the first; the first has this flag too.
     pub const TIED: u32 = 4;
-    /// There are no figures: the bodies overlap before the path begins, or at standstill.
+    /// A contact has no figures: the bodies overlap at the start, and both stand still.
     pub const UNEVALUABLE: u32 = 8;
-    /// The contact is not fully known.
-    pub const MISSING: u32 = 16;
-    /// No contact, but the gap is smaller than the uncertainty of the poses.
-    pub const NEAR_MISS: u32 = 32;
+    /// What happens from `open_from_s` on is not known.
+    pub const OPEN: u32 = 16;
+    /// `nearest_party`, `nearest_m` and `nearest_s` are valid.
+    pub const NEAREST: u32 = 32;
     /// The figures of the worst-off person are valid.
     pub const PERSON: u32 = 64;
+    /// On a predicted path that was not followed, the ego would meet somebody.
+    pub const ALTERNATIVE: u32 = 128;
+
+    /// Of a contact: it is heavy, and the ego runs out from there; otherwise it drives on.
+    pub const HEAVY: u32 = 1;
+    /// Of a contact: the model range of the ego's change of velocity holds both.
+    pub const MAY_BE_OTHER: u32 = 2;
+    /// Of a contact: the bodies are in contact at the start.
+    pub const AT_START: u32 = 4;
+    /// Of a contact: triangles touch; otherwise they come as near as the resolution.
+    pub const TOUCHES: u32 = 8;
+    /// Of a contact: the party is fixed to the ground.
+    pub const FIXED: u32 = 16;
 }
 
 /// The answer to an [`super::Ask`].
@@ -171,6 +196,12 @@ pub struct WireAnswer {
     pub queued_ns: u64,
     /// From then until this answer (ns).
     pub worked_ns: u64,
+    /// See [`WireAnswer::sealed`].
+    pub checksum: u64,
+    /// 0.
+    pub spare: u64,
+    /// The bodies of the service; zeros if it was not asked.
+    pub model_set: ModelSet,
     /// What is wrong, or which assumption was made: UTF-8, zero-terminated.
     pub text: [u8; TEXT],
     /// Candidates, least harm first.
@@ -189,18 +220,42 @@ pub struct WirePlace {
     pub work: [f64; 2],
     /// The policy's leading measure, over the model range: low, high.
     pub range: [f64; 2],
-    /// Depth of the contact: lo, hi (m); 0 without contact.
-    pub depth_m: [f64; 2],
-    /// Change of velocity of the ego, nominal: lo, hi (m/s).
-    pub ego_delta_v_m_s: [f64; 2],
-    /// Change of velocity of the other: lo, hi (m/s).
-    pub other_delta_v_m_s: [f64; 2],
+    /// How many contacts the candidate has; the first four are listed below.
+    pub contact_count: u32,
     /// Party of the person worst off.
     pub worst_party: u32,
-    /// Seat of that person, as in [`super::Person`].
+    /// Seat of that person, as in [`super::WirePersons`].
     pub worst_seat: u32,
-    /// Probability of injury of that person: lo, hi.
+    /// The party that comes nearest, of those that are not touched.
+    pub nearest_party: u32,
+    /// Probability of injury of the person worst off, over all contacts: lo, hi.
     pub worst: [f64; 2],
+    /// From when on it is not known what happens (s), with [`flag::OPEN`].
+    pub open_from_s: f64,
+    /// How near the nearest party comes, in plan (m).
+    pub nearest_m: f64,
+    /// And when (s).
+    pub nearest_s: f64,
+    /// Whom the ego meets, in the order of time.
+    pub contacts: [WireContact; CONTACTS],
+}
+
+/// One contact of a candidate.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct WireContact {
+    /// The party that is met.
+    pub party: u32,
+    /// Bits of [`flag`].
+    pub flags: u32,
+    /// When the bodies touch (s).
+    pub time_s: f64,
+    /// Closing speed (m/s).
+    pub closing_m_s: f64,
+    /// Change of velocity of the ego, nominal: lo, hi (m/s).
+    pub ego_delta_v_m_s: [f64; 2],
+    /// Change of velocity of the party (m/s).
+    pub other_delta_v_m_s: [f64; 2],
 }
 
 impl WireAnswer {
@@ -248,6 +303,19 @@ impl WireAnswer {
         })
     }
 
+    /// The answer with the checksum of all its bytes: a sender's last step.
+    #[must_use]
+    pub fn sealed(mut self) -> Self {
+        self.checksum = checksum(bytemuck::bytes_of(&self), offset_of!(Self, checksum));
+        self
+    }
+
+    /// Whether every bit is as it was when it was [sealed](WireAnswer::sealed).
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        self.checksum == checksum(bytemuck::bytes_of(self), offset_of!(Self, checksum))
+    }
+
     /// The places that are filled in, least harm first.
     #[must_use]
     pub fn ranking(&self) -> &[WirePlace] {
@@ -255,10 +323,20 @@ impl WireAnswer {
     }
 }
 
+impl WirePlace {
+    /// The contacts that are listed.
+    #[must_use]
+    pub fn listed(&self) -> &[WireContact] {
+        self.contacts.get(..self.contact_count as usize).unwrap_or(&self.contacts)
+    }
+}
+
 const _: () = {
-    use core::mem::offset_of;
-    assert!(size_of::<WirePlace>() == 112);
-    assert!(size_of::<WireAnswer>() == 2016 && align_of::<WireAnswer>() == 8);
-    assert!(offset_of!(WireAnswer, text) == 48);
-    assert!(offset_of!(WireAnswer, places) == 224);
+    assert!(size_of::<WireContact>() == 56 && size_of::<WirePlace>() == 320);
+    assert!(size_of::<WireAnswer>() == 5_376 && align_of::<WireAnswer>() == 8);
+    assert!(offset_of!(WireAnswer, checksum) == 48);
+    assert!(offset_of!(WireAnswer, model_set) == 64);
+    assert!(offset_of!(WireAnswer, text) == 96);
+    assert!(offset_of!(WireAnswer, places) == 256);
+    assert!(offset_of!(WirePlace, contacts) == 96);
 };

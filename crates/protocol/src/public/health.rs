@@ -39,11 +39,11 @@ impl Condition {
 pub enum LatencyStage {
     /// From receipt of a request until work began.
     Queue = 0,
-    /// Validating it, and transforming it into the ego's frame.
+    /// Validating it, and following every candidate from contact to contact.
     Plan = 1,
-    /// Descending, intersecting, folding.
+    /// The surveys of contacts: descending, intersecting, folding.
     Work = 2,
-    /// Harm, ranking, writing the answer.
+    /// What is said besides, harm, ranking, writing the answer.
     Assess = 3,
     /// From receipt until its answer was handed over.
     Total = 4,
@@ -108,6 +108,8 @@ pub struct Health {
     pub latency_ns: [[u64; 4]; 5],
     /// The workers.
     pub each: [WorkerHealth; WORKERS_MAX],
+    /// The bodies that requests may name.
+    pub model_set: super::ModelSet,
 }
 
 /// The state of a worker.
@@ -133,5 +135,6 @@ const _: () = {
     assert!(offset_of!(Health, answers) == 48);
     assert!(offset_of!(Health, latency_ns) == 136);
     assert!(offset_of!(Health, each) == 296);
-    assert!(size_of::<Health>() == 808 && align_of::<Health>() == 8);
+    assert!(offset_of!(Health, model_set) == 808);
+    assert!(size_of::<Health>() == 840 && align_of::<Health>() == 8);
 };
