@@ -37,10 +37,11 @@ mod begin;
 mod check;
 mod csv;
 mod draft;
-mod path;
+pub(crate) mod path;
 pub(crate) mod raw;
 
 pub use draft::HorizonDraft;
+pub(crate) use check::DEFAULT_RESOLUTION_M;
 
 /// Name and version of the form, the value of the key `schema`.
 pub const HORIZON_SCHEMA: &str = "trolley.scenario/2";
@@ -168,12 +169,52 @@ pub struct HorizonMotion {
     /// Where it is written in the scenario: the position of its `place`, `state`, `path` or item of
     /// `paths`.
     pub place: TextPosition,
+    /// What was said of it.
+    pub given: GivenMotion,
     /// Body frame to world, from 0 to exactly [`HorizonScenario::horizon_s`].
     pub path: MotionPath,
     /// When the states that were given end (s), if that is before the horizon, and not before 0:
     /// from then on the path goes straight on. `None` for what stands still or is given as a state
     /// that goes on.
     pub ends_s: Option<f64>,
+}
+
+/// A motion as it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GivenMotion {
+    /// The body stands.
+    Place {
+        /// Position of the body frame's origin (m).
+        position_m: [f64; 3],
+        /// Yaw, pitch, roll (degrees).
+        angles_deg: [f64; 3],
+    },
+    /// The body goes on as it moves at time 0.
+    Onward {
+        /// Position of the body frame's origin (m).
+        position_m: [f64; 3],
+        /// Yaw, pitch, roll (degrees).
+        angles_deg: [f64; 3],
+        /// Velocity in the ground plane (m/s).
+        velocity_m_s: [f64; 2],
+        /// Rate at which the velocity and the body turn (degrees/s).
+        yaw_rate_deg_s: f64,
+    },
+    /// The body goes through these states.
+    States(Vec<GivenState>),
+}
+
+/// Where a body is at one time, as it is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenState {
+    /// The time, from now (s).
+    pub time_s: f64,
+    /// Position of the body frame's origin (m).
+    pub position_m: [f64; 3],
+    /// Yaw, pitch, roll (degrees).
+    pub angles_deg: [f64; 3],
+    /// Velocity in the ground plane (m/s).
+    pub velocity_m_s: Option<[f64; 2]>,
 }
 
 /// What the ego could do.
@@ -210,6 +251,16 @@ impl HorizonScenario {
             let fault = "a path in a file of its own cannot be read from here";
             Err(ScenarioError::new(file, csv.place, fault, "write states = [{ … }] instead"))
         })
+    }
+
+    /// Whether all motions of each party begin where it is now: at one pose, within 1 mm and 0.1°.
+    /// What [`HorizonScenario::parse`] returns does.
+    ///
+    /// # Errors
+    ///
+    /// The first motion that does not.
+    pub fn check_begin(&self, file: &str) -> Result<(), ScenarioError> {
+        begin::check(file, self)
     }
 
     /// Whether every party of unknown kind can be taken for something fixed to the ground.

@@ -3,9 +3,14 @@
 //! A request of the service carries what a scenario carries. Its reader checks here whether a value
 //! may stand in a scenario.
 
+use crate::document::TextPosition;
 use crate::error::Misfit;
+use crate::horizon::path::{self, RowFault};
+use crate::horizon::{GivenMotion, GivenState, HorizonMotion, OccupantGroup};
 use crate::limit;
+use crate::rules;
 use crate::scenario::MotionState;
+use body::BodyKind;
 use geometry::{DVec3, Pose};
 
 impl MotionState {
@@ -39,6 +44,140 @@ impl MotionState {
             velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0),
         })
     }
+}
+
+/// What is wrong with a motion.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MotionMisfit {
+    /// With which of its states, from 0; `None`: with the whole.
+    pub state: Option<usize>,
+    /// What is wrong.
+    pub misfit: Misfit,
+}
+
+/// A motion until the horizon (s), as a scenario's would be.
+///
+/// # Errors
+///
+/// The first number that is beyond its range, or the first state that no body reaches.
+pub fn motion(
+    given: GivenMotion,
+    horizon_s: f64,
+    place: TextPosition,
+) -> Result<HorizonMotion, MotionMisfit> {
+    let whole = |misfit| MotionMisfit { state: None, misfit };
+    let given = match given {
+        GivenMotion::Place { position_m, angles_deg } => GivenMotion::Place {
+            position_m: position(position_m).map_err(whole)?,
+            angles_deg: angles(angles_deg).map_err(whole)?,
+        },
+        GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s } => {
+            limit::TURN_RATE_DEG_S.check("yaw_rate_deg_s", yaw_rate_deg_s).map_err(whole)?;
+            GivenMotion::Onward {
+                position_m: position(position_m).map_err(whole)?,
+                angles_deg: angles(angles_deg).map_err(whole)?,
+                velocity_m_s: velocity(velocity_m_s).map_err(whole)?,
+                yaw_rate_deg_s: yaw_rate_deg_s + 0.0,
+            }
+        }
+        GivenMotion::States(mut states) => {
+            for (number, state) in states.iter_mut().enumerate() {
+                *state = checked(*state)
+                    .map_err(|misfit| MotionMisfit { state: Some(number), misfit })?;
+            }
+            GivenMotion::States(states)
+        }
+    };
+    path::motion(given, horizon_s, place)
+        .map_err(|RowFault { row, misfit }| MotionMisfit { state: row, misfit })
+}
+
+fn checked(state: GivenState) -> Result<GivenState, Misfit> {
+    Ok(GivenState {
+        time_s: limit::PATH_TIME_S.check("t_s", state.time_s)? + 0.0,
+        position_m: position(state.position_m)?,
+        angles_deg: angles(state.angles_deg)?,
+        velocity_m_s: state.velocity_m_s.map(velocity).transpose()?,
+    })
+}
+
+// Adding +0.0 turns −0.0 into +0.0, so that equal requests are equal in every bit.
+fn position(position_m: [f64; 3]) -> Result<[f64; 3], Misfit> {
+    for position_m in position_m {
+        limit::POSITION_M.check("position_m", position_m)?;
+    }
+    Ok(position_m.map(|metres| metres + 0.0))
+}
+
+fn angles([yaw, pitch, roll]: [f64; 3]) -> Result<[f64; 3], Misfit> {
+    limit::YAW_DEG.check("yaw_deg", yaw)?;
+    limit::PITCH_DEG.check("pitch_deg", pitch)?;
+    limit::ROLL_DEG.check("roll_deg", roll)?;
+    Ok([yaw, pitch, roll].map(|degrees| degrees + 0.0))
+}
+
+fn velocity([x, y]: [f64; 2]) -> Result<[f64; 2], Misfit> {
+    for speed in [x, y, (x * x + y * y).sqrt()] {
+        limit::PATH_SPEED_M_S.check("velocity_m_s", speed)?;
+    }
+    Ok([x + 0.0, y + 0.0])
+}
+
+/// How far ahead a scenario looks (s).
+///
+/// # Errors
+///
+/// If it is not within 1 ms to 30 s.
+pub fn horizon_s(value: f64) -> Result<f64, Misfit> {
+    limit::HORIZON_S.check("horizon_s", value)
+}
+
+/// Within which distance bodies count as touching where that cannot be decided (m); 0: the usual.
+///
+/// # Errors
+///
+/// If it is not within 1e-5 to 0.1.
+pub fn resolution_m(value: f64) -> Result<f64, Misfit> {
+    if value == 0.0 {
+        return Ok(crate::horizon::DEFAULT_RESOLUTION_M);
+    }
+    limit::RESOLUTION_M.check("resolution_m", value)
+}
+
+/// Persons of a party, after the groups before.
+///
+/// # Errors
+///
+/// If a seat is taken twice, or a party has more than 90 persons; with its kind, also if it has no
+/// such seat, or not as much room.
+pub fn group(
+    kind: Option<BodyKind>,
+    group: OccupantGroup,
+    before: &[OccupantGroup],
+) -> Result<OccupantGroup, Misfit> {
+    limit::OCCUPANTS.whole::<u32>("count", i64::from(group.count))?;
+    let all = before.iter().map(|group| i64::from(group.count)).sum::<i64>();
+    limit::OCCUPANTS.whole::<u32>("count", all + i64::from(group.count))?;
+    if let (Some(seat), true) = (group.seat, group.count > 1) {
+        let fault = format!("{} persons cannot have the seat {:?}", group.count, seat.name());
+        return Err(Misfit::new("count", fault, "one person to a seat"));
+    }
+    rules::group_fits(kind, group, before)?;
+    Ok(group)
+}
+
+/// Probabilities of what a party may do.
+///
+/// # Errors
+///
+/// If they do not sum to 1 within 1e-6.
+pub fn sums_to_one(probabilities: impl Iterator<Item = f64>) -> Result<(), Misfit> {
+    let sum: f64 = probabilities.sum();
+    if (sum - 1.0).abs() <= limit::PROBABILITY_SUM_OFF {
+        return Ok(());
+    }
+    let fault = format!("the probabilities sum to {sum}");
+    Err(Misfit::new("probability", fault, "what a party may do sums to 1"))
 }
 
 /// A probability or a share.

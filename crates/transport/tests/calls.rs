@@ -76,6 +76,12 @@ fn each_call(role: &str, kill: Kill) -> Outcome<usize> {
     Err(format!("{role} makes more than {CALLS_MAX} calls").into())
 }
 
+fn numbered(sequence: u64) -> Box<Ask> {
+    let mut ask = Ask::new(1.0);
+    ask.sequence = sequence;
+    ask
+}
+
 fn mark() {
     // SAFETY: there is no such call, and it has no arguments.
     unsafe { libc::syscall(MARK) };
@@ -95,7 +101,7 @@ fn worker(text: &str) -> Outcome {
 fn client(folder: &Path) -> Outcome {
     mark();
     let client = ClientPort::open(&address(folder)?)?;
-    let pending = client.ask(&Ask::new(7))?;
+    let pending = client.ask(&numbered(7))?;
     let _nobody_answers = pending.receive()?;
     Ok(())
 }
@@ -182,7 +188,7 @@ fn kill_server(folder: &Path, call: usize) -> Outcome<bool> {
 
 fn ask_and_answer(server: &Server, address: &Address) -> Outcome {
     let client = ClientPort::open(address)?;
-    let pending = client.ask(&Ask::new(1))?;
+    let pending = client.ask(&numbered(1))?;
     // A dead client's request may come first.
     while let Some(taken) = server.take()? {
         let sequence = taken.ask().sequence;

@@ -1,9 +1,11 @@
 //! From the form of a scenario over a horizon to values, but for what stands in other files.
 
 use super::draft::{DraftCandidate, DraftMotion, DraftParty, HorizonDraft};
-use super::path::{self, Row, RowFault};
+use super::path::{self, RowFault};
 use super::raw;
-use super::{HORIZON_SCHEMA, HorizonMotion, HorizonParty, Occupancy, OccupantGroup};
+use super::{
+    GivenMotion, GivenState, HORIZON_SCHEMA, HorizonParty, Occupancy, OccupantGroup,
+};
 use crate::document::{Document, Path};
 use crate::error::{Misfit, ScenarioError};
 use crate::fault::{self, At, Fault};
@@ -14,7 +16,6 @@ use crate::raw::Table;
 use crate::rules;
 use crate::scenario::PartyIndex;
 use body::{BodyKind, Seat};
-use geometry::motion::{MotionPath, Orientation};
 use std::collections::BTreeMap;
 
 /// Reads and checks a scenario.
@@ -30,7 +31,7 @@ pub(super) fn draft(file: &str, text: &str) -> Result<HorizonDraft, ScenarioErro
 /// What holds where nothing is written: a car stops from 130 km/h in about 5 s.
 pub(super) const DEFAULT_HORIZON_S: f64 = 5.0;
 /// What holds where nothing is written: less than any body is known to.
-pub(super) const DEFAULT_RESOLUTION_M: f64 = 0.001;
+pub(crate) const DEFAULT_RESOLUTION_M: f64 = 0.001;
 
 struct Checker<'d> {
     file: &'d str,
@@ -303,10 +304,8 @@ impl Checker<'_> {
 
     fn place(&self, raw: &raw::Place, path: &Path) -> Result<DraftMotion, Fault> {
         let position_m = fields::numbers(&raw.position_m, "position_m", limit::POSITION_M, path)?;
-        let [yaw, pitch, roll] = fields::angles([raw.yaw_deg, raw.pitch_deg, raw.roll_deg], path)?;
-        let orientation = Orientation::from_degrees(yaw, pitch, roll);
-        let still = MotionPath::still(position_m, orientation, [0.0, self.horizon_s]);
-        self.known(still.map_err(path::astray).at(path)?, None, None, path)
+        let angles_deg = fields::angles([raw.yaw_deg, raw.pitch_deg, raw.roll_deg], path)?;
+        self.known(GivenMotion::Place { position_m, angles_deg }, None, path)
     }
 
     fn state(
@@ -317,7 +316,7 @@ impl Checker<'_> {
     ) -> Result<DraftMotion, Fault> {
         let position_m = fields::numbers(&raw.position_m, "position_m", limit::POSITION_M, path)?;
         let angles_deg = fields::angles([raw.yaw_deg, raw.pitch_deg, raw.roll_deg], path)?;
-        let velocity = fields::velocity(
+        let velocity_m_s = fields::velocity(
             raw.speed_m_s,
             raw.velocity_m_s.as_deref(),
             angles_deg[0],
@@ -326,13 +325,9 @@ impl Checker<'_> {
         )?;
         let rate =
             fields::number(raw.yaw_rate_deg_s, "yaw_rate_deg_s", limit::TURN_RATE_DEG_S, path)?;
-        let rate = rate.unwrap_or(0.0);
-        let onward = path::onward(position_m, angles_deg, velocity, rate, self.horizon_s);
-        let onward = onward.or_else(|misfit| {
-            let path = path.key(misfit.setting);
-            Err(misfit).at(&path)
-        })?;
-        self.known(onward, None, kind, path)
+        let yaw_rate_deg_s = rate.unwrap_or(0.0);
+        let given = GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s };
+        self.known(given, kind, path)
     }
 
     /// States here or in a file.
@@ -344,14 +339,8 @@ impl Checker<'_> {
     ) -> Result<DraftMotion, Fault> {
         match (raw.states, raw.csv) {
             (Some(states), None) => {
-                let list = path.key("states");
-                let rows = rows(&states, &list)?;
-                let followed = path::through(&rows, self.horizon_s);
-                let (motion, ends_s) = followed.map_err(|RowFault { row, misfit }| {
-                    let path = row.map_or(list.clone(), |row| list.index(row).key(misfit.setting));
-                    Fault { path, misfit }
-                })?;
-                self.known(motion, ends_s, kind, path)
+                let rows = rows(&states, &path.key("states"))?;
+                self.known(GivenMotion::States(rows), kind, path)
             }
             (None, Some(csv)) => Ok(DraftMotion::Csv {
                 place: self.document.place(path),
@@ -370,12 +359,22 @@ impl Checker<'_> {
     /// A motion of a body of this kind, which must not move if it is fixed to the ground.
     fn known(
         &self,
-        motion: MotionPath,
-        ends_s: Option<f64>,
+        given: GivenMotion,
         kind: Option<BodyKind>,
         path: &Path,
     ) -> Result<DraftMotion, Fault> {
-        let motion = HorizonMotion { place: self.document.place(path), path: motion, ends_s };
+        let place = self.document.place(path);
+        let has_states = matches!(given, GivenMotion::States(_));
+        let motion = path::motion(given, self.horizon_s, place);
+        let motion = motion.map_err(|RowFault { row, misfit }| {
+            let list = path.key("states");
+            let path = match row {
+                Some(row) => list.index(row).key(misfit.setting),
+                None if has_states => list,
+                None => path.key(misfit.setting),
+            };
+            Fault { path, misfit }
+        })?;
         kind.map_or(Ok(()), |kind| rules::motion_fits(kind, &motion)).at(path)?;
         Ok(DraftMotion::Known(motion))
     }
@@ -461,7 +460,7 @@ fn groups(
 }
 
 /// The states that stand in the scenario itself.
-fn rows(raw: &[Table<raw::PathState>], list: &Path) -> Result<Vec<Row>, Fault> {
+fn rows(raw: &[Table<raw::PathState>], list: &Path) -> Result<Vec<GivenState>, Fault> {
     if raw.len() > limit::PATH_STATES.most {
         let fault = format!("{} states are too many", raw.len());
         let help = format!(
@@ -480,7 +479,7 @@ fn rows(raw: &[Table<raw::PathState>], list: &Path) -> Result<Vec<Row>, Fault> {
         let velocity_m_s = velocity
             .map(|velocity| fields::plane_velocity(velocity, limit::PATH_SPEED_M_S, &path))
             .transpose()?;
-        Ok(Row { time_s, position_m, angles_deg, velocity_m_s })
+        Ok(GivenState { time_s, position_m, angles_deg, velocity_m_s })
     };
     raw.iter().enumerate().map(row).collect()
 }

@@ -8,7 +8,8 @@
 //!
 //! Columns stand in any order. Lines that are blank or begin with # are skipped.
 
-use super::path::{Row, RowFault};
+use super::GivenState;
+use super::path::RowFault;
 use crate::document::TextPosition;
 use crate::error::{Misfit, ScenarioError};
 use crate::limit::{self, Limit};
@@ -43,7 +44,7 @@ pub(super) struct CsvStates<'t> {
     header: Vec<usize>,
     /// The lines of the states: number from 1, text.
     lines: Vec<(usize, &'t str)>,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<GivenState>,
 }
 
 impl<'t> CsvStates<'t> {
@@ -86,7 +87,7 @@ impl<'t> CsvStates<'t> {
     }
 
     /// One line of values; what is wrong, with the number of its cell.
-    fn row(&self, line: &str) -> Result<Row, (usize, Misfit)> {
+    fn row(&self, line: &str) -> Result<GivenState, (usize, Misfit)> {
         if self.rows.len() == limit::CSV_ROWS.most {
             let fault = format!("there are more than {} states", limit::CSV_ROWS.most);
             return Err((0, Misfit::new("csv", fault, "leave some out: it is linear between two")));
@@ -115,7 +116,7 @@ impl<'t> CsvStates<'t> {
         {
             return Err((self.cell("velocity_m_s"), misfit));
         }
-        Ok(Row {
+        Ok(GivenState {
             time_s: t_s,
             position_m: [x_m, y_m, z_m],
             angles_deg: [yaw_deg, pitch_deg, roll_deg],

@@ -3,7 +3,7 @@
 use super::csv::CsvStates;
 use super::path;
 use super::{
-    HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonMotion, HorizonParty, HorizonScenario,
+    GivenMotion, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonMotion, HorizonParty, HorizonScenario,
     Prediction, Reaction, begin, check,
 };
 use crate::document::TextPosition;
@@ -191,9 +191,8 @@ fn from_csv(
     horizon_s: f64,
 ) -> Result<HorizonMotion, ScenarioError> {
     let states = CsvStates::parse(file, text)?;
-    let followed = path::through(&states.rows, horizon_s);
-    let (path, ends_s) = followed.map_err(|fault| states.error(fault))?;
-    Ok(HorizonMotion { place, path, ends_s })
+    let given = GivenMotion::States(states.rows.clone());
+    path::motion(given, horizon_s, place).map_err(|fault| states.error(fault))
 }
 
 /// A path as written in a file, from where that file's own name counts.

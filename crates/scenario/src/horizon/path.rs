@@ -1,29 +1,19 @@
 //! From states, as a person or a program writes them, to paths from 0 to the horizon.
 
-use super::CIRCLE_ERROR_M;
+use super::{CIRCLE_ERROR_M, GivenMotion, GivenState, HorizonMotion};
+use crate::document::TextPosition;
 use crate::error::Misfit;
 use crate::limit::{self, Show};
 use geometry::DVec3;
 use geometry::motion::{MotionPath, Orientation, PathError, State};
 
-/// A state as written: each number is in its range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Row {
-    pub(super) time_s: f64,
-    pub(super) position_m: [f64; 3],
-    /// Yaw, pitch, roll.
-    pub(super) angles_deg: [f64; 3],
-    /// In the ground plane.
-    pub(super) velocity_m_s: Option<[f64; 2]>,
-}
-
 /// What is wrong with the states of a path.
 #[derive(Debug)]
-pub(super) struct RowFault {
+pub(crate) struct RowFault {
     /// With which row; `None`: with all of them.
-    pub(super) row: Option<usize>,
+    pub(crate) row: Option<usize>,
     /// Its setting is the key that is wrong, as in the states of a scenario.
-    pub(super) misfit: Misfit,
+    pub(crate) misfit: Misfit,
 }
 
 /// A path from 0 to the horizon, and when its states ended if that was earlier.
@@ -38,8 +28,30 @@ fn wrong<T>(
     Err(RowFault { row, misfit: Misfit::new(setting, what, help) })
 }
 
+/// The motion that was given, whose numbers are in their ranges, until the horizon.
+pub(crate) fn motion(
+    given: GivenMotion,
+    horizon_s: f64,
+    place: TextPosition,
+) -> Result<HorizonMotion, RowFault> {
+    let (path, ends_s) = match &given {
+        GivenMotion::Place { position_m, angles_deg: [yaw, pitch, roll] } => {
+            let orientation = Orientation::from_degrees(*yaw, *pitch, *roll);
+            let still = MotionPath::still(*position_m, orientation, [0.0, horizon_s]);
+            (still.map_err(leads_astray)?, None)
+        }
+        GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s } => {
+            let onward =
+                onward(*position_m, *angles_deg, *velocity_m_s, *yaw_rate_deg_s, horizon_s);
+            (onward.map_err(|misfit| RowFault { row: None, misfit })?, None)
+        }
+        GivenMotion::States(rows) => through(rows, horizon_s)?,
+    };
+    Ok(HorizonMotion { place, given, path, ends_s })
+}
+
 /// The path through these states, cut or continued.
-pub(super) fn through(rows: &[Row], horizon_s: f64) -> Result<Followed, RowFault> {
+pub(super) fn through(rows: &[GivenState], horizon_s: f64) -> Result<Followed, RowFault> {
     let kept = without_repeats(rows)?;
     let &[(_, first), .., (last_index, last)] = &kept[..] else {
         return match kept[..] {
@@ -62,8 +74,8 @@ pub(super) fn through(rows: &[Row], horizon_s: f64) -> Result<Followed, RowFault
 const NO_STATES: &str = "write states = [{ t_s = 0, position_m = [x, y, z] }, …]";
 
 /// The states with their numbers, each once; times rise.
-fn without_repeats(rows: &[Row]) -> Result<Vec<(usize, Row)>, RowFault> {
-    let mut kept: Vec<(usize, Row)> = Vec::with_capacity(rows.len());
+fn without_repeats(rows: &[GivenState]) -> Result<Vec<(usize, GivenState)>, RowFault> {
+    let mut kept: Vec<(usize, GivenState)> = Vec::with_capacity(rows.len());
     for (index, row) in rows.iter().enumerate() {
         if let Some((_, before)) = kept.last() {
             if before == row {
@@ -83,7 +95,7 @@ fn without_repeats(rows: &[Row]) -> Result<Vec<(usize, Row)>, RowFault> {
 }
 
 /// Whether a body could move from one state to the next; the velocity with which it does (m/s).
-fn piece((a_index, a): &(usize, Row), (b_index, b): &(usize, Row)) -> Result<DVec3, RowFault> {
+fn piece((a_index, a): &(usize, GivenState), (b_index, b): &(usize, GivenState)) -> Result<DVec3, RowFault> {
     let lasts_s = b.time_s - a.time_s;
     let moved = DVec3::from_array(b.position_m) - DVec3::from_array(a.position_m);
     let velocity = moved * (1.0 / lasts_s);
@@ -146,7 +158,7 @@ fn begins_and_lasts(
 }
 
 /// The path from a single state, which must give its velocity.
-fn from_one(index: usize, row: Row, horizon_s: f64) -> Result<Followed, RowFault> {
+fn from_one(index: usize, row: GivenState, horizon_s: f64) -> Result<Followed, RowFault> {
     begins_and_lasts(row.time_s, index, row.time_s, index)?;
     let Some([x, y]) = row.velocity_m_s else {
         let fault = "a path of one state does not say how the body moves".to_owned();
@@ -236,7 +248,7 @@ pub(super) fn onward(
     MotionPath::new(&states.collect::<Vec<_>>()).map_err(astray)
 }
 
-impl Row {
+impl GivenState {
     fn orientation(&self) -> Orientation {
         let [yaw, pitch, roll] = self.angles_deg;
         Orientation::from_degrees(yaw, pitch, roll)

@@ -25,6 +25,12 @@ impl Scene {
     }
 }
 
+fn numbered(sequence: u64) -> Box<Ask> {
+    let mut ask = Ask::new(1.0);
+    ask.sequence = sequence;
+    ask
+}
+
 fn refused(text: &str) -> WireAnswer {
     WireAnswer::without_ranking(1, WireState::Refused, Reason::Malformed, text)
 }
@@ -35,13 +41,13 @@ fn refused(text: &str) -> WireAnswer {
 fn nobody_gets_the_answer_of_a_client_that_has_gone() {
     let mut scene = Scene::new(0, 4);
     let first = scene.client();
-    let pending = first.ask(&Ask::new(1)).unwrap();
+    let pending = first.ask(&numbered(1)).unwrap();
     scene.queue.drain();
     assert_eq!(scene.queue.next().unwrap().ask.sequence, 1);
     drop((pending, first));
 
     let second = scene.client();
-    let pending = second.ask(&Ask::new(1)).unwrap();
+    let pending = second.ask(&numbered(1)).unwrap();
     scene.queue.drain();
     scene.queue.answer(&refused("to the first"));
     assert_eq!(pending.receive().unwrap(), None);
@@ -55,17 +61,17 @@ fn nobody_gets_the_answer_of_a_client_that_has_gone() {
 fn nobody_loses_an_answer_to_one_who_waited_in_its_place() {
     let mut scene = Scene::new(1, 4);
     let busy = scene.client();
-    let kept = busy.ask(&Ask::new(9)).unwrap();
+    let kept = busy.ask(&numbered(9)).unwrap();
     scene.queue.drain();
     scene.queue.next().unwrap();
     let first = scene.client();
-    let pending = first.ask(&Ask::new(1)).unwrap();
+    let pending = first.ask(&numbered(1)).unwrap();
     scene.queue.drain();
     assert_eq!(scene.queue.waiting(), 1);
     drop((pending, first));
 
     let second = scene.client();
-    let pending = second.ask(&Ask::new(1)).unwrap();
+    let pending = second.ask(&numbered(1)).unwrap();
     scene.queue.drain();
     scene.queue.answer(&refused("to the busy one"));
     assert_eq!(kept.receive().unwrap(), Some(refused("to the busy one")));
@@ -79,7 +85,7 @@ fn nobody_loses_an_answer_to_one_who_waited_in_its_place() {
 fn beyond_the_queue_the_answer_is_busy() {
     let mut scene = Scene::new(2, 1);
     let clients: Vec<ClientPort> = (0..3).map(|_| scene.client()).collect();
-    let ask = |client: &ClientPort| client.ask(&Ask::new(1)).unwrap();
+    let ask = |client: &ClientPort| client.ask(&numbered(1)).unwrap();
     let pending: Vec<_> = clients.iter().map(ask).collect();
     scene.queue.drain();
     let verdict = |pending: &transport::Pending| pending.receive().unwrap().map(|a| a.verdict());
@@ -92,7 +98,7 @@ fn beyond_the_queue_the_answer_is_busy() {
 fn a_turn_takes_so_many_requests_however_fast_they_come() {
     let mut scene = Scene::new(3, 1);
     let waiting = scene.client();
-    let _waits = waiting.ask(&Ask::new(1)).unwrap();
+    let _waits = waiting.ask(&numbered(1)).unwrap();
     scene.queue.drain();
     let eager = scene.client();
     let mut pending = None;
@@ -103,7 +109,7 @@ fn a_turn_takes_so_many_requests_however_fast_they_come() {
         if asked < 10 * TAKEN_MAX && pending.as_ref().is_none_or(is_answered) {
             asked += 1;
             drop(pending.take());
-            pending = Some(eager.ask(&Ask::new(asked as u64)).unwrap());
+            pending = Some(eager.ask(&numbered(asked as u64)).unwrap());
         }
     });
     assert_eq!(asked, TAKEN_MAX, "requests in one turn");

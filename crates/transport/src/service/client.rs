@@ -1,7 +1,7 @@
 //! The client end of a service.
 
 use super::server::{rank, wake};
-use super::wire::{self, read_once};
+use super::wire::{self, read_once, write_used};
 use super::{Address, lend_node, place};
 use crate::domain;
 use crate::error::{OpenError, UseError};
@@ -68,7 +68,7 @@ impl ClientPort {
         self.rank.dynamic_config().number_of_servers() > 0 && !place::is_dead(self.place.root())
     }
 
-    /// Sends a request, and wakes the server if it sleeps.
+    /// Sends the bytes of a request that count, and wakes the server if it sleeps.
     ///
     /// # Errors
     ///
@@ -83,7 +83,13 @@ impl ClientPort {
             ) => UseError::Full,
             RequestSendError::SendError(_) => UseError::Broken,
         };
-        let pending = self.port.send_copy(wire::Ask(*ask)).map_err(full)?;
+        let lent = |error| full(RequestSendError::SendError(SendError::LoanError(error)));
+        let mut request = self.port.loan_uninit().map_err(lent)?;
+        write_used(request.payload_mut(), ask);
+        // SAFETY: the bytes that count were written; the others are those of a mapped file, so they
+        // have values, and every one is a valid one.
+        let request = unsafe { request.assume_init() };
+        let pending = request.send().map_err(full)?;
         // Its queue is full, of requests that were given up and that it has not seen yet.
         if pending.number_of_server_connections() == 0 {
             return Err(UseError::Full);

@@ -1,7 +1,7 @@
 //! The server end of a service.
 
 use super::place::ServicePlace;
-use super::wire::{self, read_once};
+use super::wire::{self, read_request};
 use super::{Address, Housekeeper, LISTENERS_MAX, NODES_MAX};
 use crate::domain;
 use crate::error::{OpenError, UseError};
@@ -87,7 +87,9 @@ impl Server {
         for _ in 0..GONE_MAX {
             match self.port.receive() {
                 Ok(Some(request)) if request.is_connected() => {
-                    let ask = read_once(&request.payload().0);
+                    // On the heap: a request is larger than a stack likes.
+                    let mut ask = bytemuck::allocation::zeroed_box();
+                    read_request(request.payload(), &mut ask);
                     return Ok(Some(TakenRequest { request, ask }));
                 }
                 // Its client has gone. Dropping it frees the channel.
@@ -155,11 +157,11 @@ impl fmt::Debug for Server {
 /// A request that was taken.
 pub struct TakenRequest {
     request: Request,
-    ask: Ask,
+    ask: Box<Ask>,
 }
 
 impl TakenRequest {
-    /// What is asked: a private copy.
+    /// What is asked: a private copy. Whether it is what was sent, its checksum says.
     #[must_use]
     pub fn ask(&self) -> &Ask {
         &self.ask

@@ -3,6 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use core::fmt::Debug;
+use core::mem::MaybeUninit;
 use iceoryx2::prelude::ZeroCopySend;
 use protocol::public;
 
@@ -22,9 +23,35 @@ macro_rules! wire {
     };
 }
 
-wire!(Ask, public::Ask, "trolley.Ask.v1");
-wire!(WireAnswer, public::WireAnswer, "trolley.Answer.v1");
-wire!(Health, public::Health, "trolley.Health.v1");
+wire!(Ask, public::Ask, "trolley.Ask.v2");
+wire!(WireAnswer, public::WireAnswer, "trolley.Answer.v2");
+wire!(Health, public::Health, "trolley.Health.v2");
+
+/// Writes a request into memory that was lent for it: the bytes that count, and no others.
+pub(super) fn write_used(lent: &mut MaybeUninit<Ask>, ask: &public::Ask) {
+    let used = ask.used();
+    // SAFETY: both are valid for that many bytes, which are part of one request, and of different
+    // memory, since one is borrowed exclusively.
+    unsafe { core::ptr::copy_nonoverlapping(used.as_ptr(), lent.as_mut_ptr().cast(), used.len()) };
+}
+
+/// Copies a request out of shared memory, as [`read_once`] does, into `copy`: the bytes that its
+/// own count of states says are used.
+pub(super) fn read_request(shared: &Ask, copy: &mut public::Ask) {
+    const { assert!(public::Ask::BYTES_MIN.is_multiple_of(8)) };
+    let words: &[u64] = bytemuck::cast_slice(core::slice::from_ref(&shared.0));
+    let read = |copy: &mut public::Ask, from: usize, to: usize| {
+        let places: &mut [u64] = bytemuck::cast_slice_mut(core::slice::from_mut(copy));
+        for (place, word) in places[from..to].iter_mut().zip(&words[from..to]) {
+            // SAFETY: a reference is valid for reads, and every bit pattern is a `u64`.
+            *place = unsafe { core::ptr::read_volatile(word) };
+        }
+    };
+    let head = public::Ask::BYTES_MIN / 8;
+    read(copy, 0, head);
+    let used = copy.used_bytes() / 8;
+    read(copy, head, used);
+}
 
 /// Copies a value out of shared memory once, word by word: what is checked is what is used, even if
 /// a peer writes meanwhile.

@@ -26,7 +26,7 @@ fn columns_stand_in_any_order_among_remarks_and_blanks() {
         assert_eq!(rows(text), plain, "{text}");
     }
     let all = "t_s,x_m,y_m,yaw_deg,z_m,pitch_deg,roll_deg,vx_m_s,vy_m_s\n0,1,2,3,4,5,6,7,8\n";
-    let row = Row {
+    let row = GivenState {
         time_s: 0.0,
         position_m: [1.0, 2.0, 4.0],
         angles_deg: [3.0, 5.0, 6.0],

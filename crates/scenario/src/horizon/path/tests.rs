@@ -3,30 +3,30 @@
 use super::*;
 use proptest::prelude::*;
 
-fn row(time_s: f64, x: f64) -> Row {
-    Row { time_s, position_m: [x, 0.0, 0.0], angles_deg: [0.0; 3], velocity_m_s: None }
+fn row(time_s: f64, x: f64) -> GivenState {
+    GivenState { time_s, position_m: [x, 0.0, 0.0], angles_deg: [0.0; 3], velocity_m_s: None }
 }
 
 fn position((path, _): &Followed, time_s: f64) -> [f64; 3] {
     path.pose_at(time_s).translation
 }
 
-fn fault(rows: &[Row]) -> (Option<usize>, &'static str) {
+fn fault(rows: &[GivenState]) -> (Option<usize>, &'static str) {
     let RowFault { row, misfit } = through(rows, 5.0).unwrap_err();
     (row, misfit.setting)
 }
 
 #[test]
 fn a_path_that_ends_goes_straight_on() {
-    let with = |velocity_m_s| [row(0.0, 0.0), Row { velocity_m_s, ..row(2.0, 20.0) }];
+    let with = |velocity_m_s| [row(0.0, 0.0), GivenState { velocity_m_s, ..row(2.0, 20.0) }];
     let followed = through(&with(None), 5.0).unwrap();
     assert_eq!((position(&followed, 5.0), followed.1), ([50.0, 0.0, 0.0], Some(2.0)));
     let followed = through(&with(Some([9.0, 1.0])), 5.0).unwrap();
     assert_eq!((position(&followed, 5.0), followed.1), ([47.0, 3.0, 0.0], Some(2.0)));
-    let turned = [row(0.0, 0.0), Row { angles_deg: [40.0, 0.0, 0.0], ..row(2.0, 20.0) }];
+    let turned = [row(0.0, 0.0), GivenState { angles_deg: [40.0, 0.0, 0.0], ..row(2.0, 20.0) }];
     let (path, _) = through(&turned, 5.0).unwrap();
     assert_eq!(path.pose_at(5.0).rotation, path.pose_at(2.0).rotation);
-    let one = [Row { velocity_m_s: Some([3.0, 4.0]), ..row(0.0, 1.0) }];
+    let one = [GivenState { velocity_m_s: Some([3.0, 4.0]), ..row(0.0, 1.0) }];
     let followed = through(&one, 5.0).unwrap();
     assert_eq!((position(&followed, 5.0), followed.1), ([16.0, 20.0, 0.0], Some(0.0)));
     assert_eq!(fault(&[row(0.0, 1.0)]), (Some(0), "velocity_m_s"));
@@ -67,7 +67,7 @@ fn states_that_are_repeated_are_dropped_and_others_are_refused() {
 fn a_body_that_jumps_or_spins_is_refused() {
     assert!(through(&[row(0.0, 0.0), row(1.0, 100.0)], 5.0).is_ok());
     assert_eq!(fault(&[row(0.0, 0.0), row(1.0, 100.1)]), (Some(1), "position_m"));
-    let turned = |yaw| Row { angles_deg: [yaw, 0.0, 0.0], ..row(0.2, 0.0) };
+    let turned = |yaw| GivenState { angles_deg: [yaw, 0.0, 0.0], ..row(0.2, 0.0) };
     assert!(through(&[row(0.0, 0.0), turned(143.0)], 5.0).is_ok());
     assert_eq!(fault(&[row(0.0, 0.0), turned(145.0)]), (Some(1), "yaw_deg"));
     // Nearly a full turn is a small one, the other way.
@@ -77,7 +77,7 @@ fn a_body_that_jumps_or_spins_is_refused() {
 #[test]
 fn a_velocity_that_is_not_that_of_the_positions_is_refused() {
     let with = |velocity| {
-        [row(0.0, 0.0), Row { velocity_m_s: Some(velocity), ..row(0.5, 5.0) }, row(1.0, 10.0)]
+        [row(0.0, 0.0), GivenState { velocity_m_s: Some(velocity), ..row(0.5, 5.0) }, row(1.0, 10.0)]
     };
     assert!(through(&with([14.0, 0.0]), 5.0).is_ok());
     // In km/h, and turned into the body frame of a car that drives along y.
@@ -142,7 +142,7 @@ proptest! {
         let mut rows = vec![row(begin, 0.0)];
         for (step_s, x, yaw) in steps {
             time_s += step_s;
-            rows.push(Row { angles_deg: [yaw, 0.0, 0.0], ..row(time_s, x) });
+            rows.push(GivenState { angles_deg: [yaw, 0.0, 0.0], ..row(time_s, x) });
         }
         prop_assume!(time_s > 0.0);
         let (path, ends_s) = through(&rows, 5.0).unwrap();
