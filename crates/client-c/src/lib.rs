@@ -88,8 +88,8 @@ unsafe fn say(text: &str, out: *mut c_char, length: usize) {
 ///
 /// # Safety
 ///
-/// `client` came from [`trolley_connect`] and is used by one thread at a time; `ask` can be read
-/// and `answer` written.
+/// `client` came from [`trolley_connect`] and is used by one thread at a time; `ask` can be read,
+/// and nobody writes it meanwhile; `answer` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trolley_ask(
     client: *mut Handle,
@@ -101,15 +101,15 @@ pub unsafe extern "C" fn trolley_ask(
         return;
     }
     let refused =
-        |text: &str| WireAnswer::without_ranking(0, WireState::Refused, Reason::Malformed, text);
+        |text: &str| WireAnswer::without_ranking(0, WireState::Refused, Reason::Malformed, text).sealed();
     let given = if client.is_null() || ask.is_null() {
         refused("null pointer")
     } else {
         // SAFETY: not null, made by `trolley_connect`, and nobody else uses it now.
         let handle = unsafe { &mut *client };
-        // SAFETY: not null, and every bit pattern is a request.
-        let ask = unsafe { ask.read() };
-        let exchange = || handle.0.ask(&ask, Duration::from_nanos(patience_ns));
+        // SAFETY: not null, every bit pattern is a request, and nobody writes it meanwhile.
+        let ask = unsafe { &*ask };
+        let exchange = || handle.0.ask(ask, Duration::from_nanos(patience_ns));
         catch_unwind(AssertUnwindSafe(exchange))
             .unwrap_or_else(|_| refused("internal error: a panic in this library"))
     };

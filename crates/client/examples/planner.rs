@@ -1,5 +1,5 @@
-//! A planner in Rust: sends the request of `config/scenarios/minimal.toml` every 100 ms, and prints
-//! the ranking. Arguments: number of requests (default 1), instance, folder.
+//! A planner in Rust: sends the request of `config/scenarios/wall-or-pole.toml` every 100 ms, and
+//! prints the ranking. Arguments: number of requests (default 1), instance, folder.
 //!
 //! ```text
 //! trolley serve config/deployments/minimal.toml
@@ -8,10 +8,12 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to a terminal")]
 
 use std::time::Duration;
-use trolley_client::public::{Ask, Motion, WireAnswer, WireCandidate, WireParty};
+use trolley_client::public::{
+    Ask, WireAnswer, WireParty, WirePath, WirePathKind, WirePathState,
+};
 use trolley_client::{Client, Waiting};
 
-const NAMES: [&str; 2] = ["wall, frontal", "pole, narrow"];
+const NAMES: [&str; 3] = ["straight on, the wall", "to the left, the pole", "brake"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut words = std::env::args().skip(1);
@@ -35,20 +37,39 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Two ways are left. Models by the ids of `config/deployments/minimal.toml`.
-fn what_is_left() -> Option<Ask> {
-    let mut ask = Ask::new(0);
+/// Three ways are left. Models by the ids of `config/deployments/minimal.toml`.
+fn what_is_left() -> Option<Box<Ask>> {
+    let mut ask = Ask::new(5.0);
     ask.ego = ask.add_party(WireParty::of_model(1))?;
-    let pole = ask.add_party(WireParty::of_model(3))?;
-    let wall = ask.add_party(WireParty::of_model(2))?;
-    let ego = Motion { velocity_m_s: [10.0, 0.0], ..Motion::default() };
-    let motion = |x: f64, y: f64, yaw: f64| Motion {
-        position_m: [x, y, 0.0],
-        angles_deg: [yaw, 0.0, 0.0],
-        ..Motion::default()
-    };
-    for (party, other) in [(wall, motion(2.55, 0.0, 90.0)), (pole, motion(2.4, 0.3, 0.0))] {
-        ask.add_candidate(WireCandidate { party, spare: 0, probability: 1.0, ego, other })?;
+    let stands = WirePath::of_kind(WirePathKind::Place);
+    let pole = WirePathState::at(0.0, [20.0, 2.9], 0.0);
+    ask.add_party_on(WireParty::of_model(3), stands, &[pole])?;
+    let wall = WirePathState::at(0.0, [25.0, 0.0], 90.0);
+    ask.add_party_on(WireParty::of_model(2), stands, &[wall])?;
+
+    let now = WirePathState::at(0.0, [0.0, 0.0], 0.0).with_velocity([14.0, 0.0]);
+    let straight = ask.add_path(WirePath::of_kind(WirePathKind::Onward), &[now])?;
+    let through = WirePath::of_kind(WirePathKind::States);
+    let at = |t_s: f64, x: f64, y: f64, yaw_deg: f64| WirePathState::at(t_s, [x, y], yaw_deg);
+    let left = [
+        at(0.0, 0.0, 0.0, 0.0),
+        at(0.5, 7.0, 0.4, 6.0),
+        at(1.0, 13.8, 1.8, 14.0),
+        at(1.5, 20.4, 4.0, 20.0),
+    ];
+    let left = ask.add_path(through, &left)?;
+    let brake = [
+        at(0.0, 0.0, 0.0, 0.0),
+        at(0.5, 6.3, 0.0, 0.0),
+        at(1.0, 11.2, 0.0, 0.0),
+        at(1.5, 14.7, 0.0, 0.0),
+        at(2.0, 16.8, 0.0, 0.0),
+        at(2.5, 17.5, 0.0, 0.0),
+        at(2.6, 17.5, 0.0, 0.0),
+    ];
+    let brake = ask.add_path(through, &brake)?;
+    for path in [straight, left, brake] {
+        ask.add_candidate(path, &[])?;
     }
     Some(ask)
 }

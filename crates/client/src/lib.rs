@@ -2,25 +2,22 @@
 //!
 //! ```no_run
 //! use trolley_client::{Client, Waiting};
-//! use trolley_client::public::{Ask, WireCandidate, Motion, WireParty};
+//! use trolley_client::public::{Ask, WireParty, WirePath, WirePathKind, WirePathState};
 //! use std::time::Duration;
 //!
 //! let mut client = Client::connect(None, "trolley", Waiting::Spin)?;
-//! let mut ask = Ask::new(0);
-//! let ego = ask.add_party(WireParty::of_model(1)).ok_or("too many parties")?;
-//! let wall = ask.add_party(WireParty::of_model(2)).ok_or("too many parties")?;
-//! let motion = |x: f64, v: f64| Motion {
-//!     position_m: [x, 0.0, 0.0],
-//!     velocity_m_s: [v, 0.0],
-//!     ..Motion::default()
-//! };
-//! ask.ego = ego;
-//! ask.add_candidate(WireCandidate {
-//!     party: wall, spare: 0, probability: 1.0, ego: motion(0.0, 10.0), other: motion(2.5, 0.0),
-//! });
+//! let mut ask = Ask::new(5.0);
+//! ask.ego = ask.add_party(WireParty::of_model(1)).ok_or("too many parties")?;
+//! let ahead = WirePathState::at(0.0, [30.0, 0.0], 90.0);
+//! let stands = WirePath::of_kind(WirePathKind::Place);
+//! ask.add_party_on(WireParty::of_model(2), stands, &[ahead]).ok_or("too many parties")?;
+//! let now = WirePathState::at(0.0, [0.0, 0.0], 0.0).with_velocity([10.0, 0.0]);
+//! let goes_on = WirePath::of_kind(WirePathKind::Onward);
+//! let path = ask.add_path(goes_on, &[now]).ok_or("too many paths")?;
+//! ask.add_candidate(path, &[]).ok_or("too many candidates")?;
 //! let answer = client.ask(&ask, Duration::from_millis(50));
 //! for place in answer.ranking() {
-//!     println!("{} {:?}", place.candidate, place.work);
+//!     println!("{} {:?}, {} contacts", place.candidate, place.work, place.contact_count);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -30,6 +27,9 @@
 //! - [`Client::ask`] returns by its deadline, whatever happens to the service: a missing answer is
 //!   replaced by a refusal, [`Reason::Silence`] or [`Reason::NoService`].
 //! - An answer belongs to its request: it carries a number that no other client chooses.
+//! - No bit of a request or an answer changes on the way unseen: both carry a checksum, which the
+//!   service and this library check on copies of their own. What was changed becomes a refusal,
+//!   [`Reason::Corrupt`].
 //! - The client reconnects to a restarted service by itself: `tests/processes/serve.rs` at the top
 //!   level.
 //!
@@ -69,6 +69,8 @@ pub struct Client {
     /// `None` after a failed attempt to reopen.
     port: Option<Port>,
     sequence: u64,
+    /// The last request, as it was sent.
+    sent: Box<Ask>,
 }
 
 impl Client {
@@ -89,29 +91,31 @@ impl Client {
         // Random, so that no two clients use the same numbers: an answer to a killed client is then
         // not taken for one to its successor.
         let sequence = RandomState::new().build_hasher().finish();
-        Ok(Self { address, waiting, port, sequence })
+        Ok(Self { address, waiting, port, sequence, sent: Ask::new(0.0) })
     }
 
-    /// Sends a request, and waits for the answer, at most for `patience`. The client sets the
-    /// sequence number and the deadline: `ask.sequence` and `ask.answer_by_ns` are ignored.
+    /// Sends a request, and waits for the answer, at most for `patience`. The client sets sequence
+    /// number, deadline and checksum: those of `ask` are ignored.
     ///
     /// Always returns an answer; without a ranking its verdict is *refused* or *busy*.
     #[must_use]
     pub fn ask(&mut self, ask: &Ask, patience: Duration) -> WireAnswer {
         let end_ns = now_ns().saturating_add(nanoseconds(patience));
         self.sequence = self.sequence.wrapping_add(1);
-        let ask = Ask { sequence: self.sequence, answer_by_ns: end_ns, ..*ask };
-        self.exchange(&ask, end_ns)
+        if self.sent.fill(ask.used()).is_none() {
+            let text = "the counts of the request changed while it was read";
+            return answer(self.sequence, WireState::Refused, Reason::Malformed, text);
+        }
+        (self.sent.sequence, self.sent.answer_by_ns) = (self.sequence, end_ns);
+        self.sent.seal();
+        self.exchange(end_ns)
     }
 
-    fn exchange(&mut self, ask: &Ask, end_ns: u64) -> WireAnswer {
-        let refused = |reason: Reason, text: &str| {
-            WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, text)
-        };
-        let busy = |text: &str| {
-            let (state, reason) = (WireState::Busy, Reason::QueueFull);
-            WireAnswer::without_ranking(ask.sequence, state, reason, text)
-        };
+    fn exchange(&mut self, end_ns: u64) -> WireAnswer {
+        let sequence = self.sequence;
+        let refused =
+            |reason: Reason, text: &str| answer(sequence, WireState::Refused, reason, text);
+        let busy = |text: &str| answer(sequence, WireState::Busy, Reason::QueueFull, text);
         // A restarted service has another place.
         self.port.take_if(|port| !port.is_served());
         if self.port.is_none() {
@@ -126,14 +130,14 @@ impl Client {
         if !port.is_served() {
             return refused(Reason::NoService, "the service is not running");
         }
-        let pending = match port.ask(ask) {
+        let pending = match port.ask(&self.sent) {
             Ok(pending) => pending,
             Err(UseError::Full) => {
                 return busy("the service accepts no more requests at the moment");
             }
             Err(error) => return refused(Reason::NoService, &error.to_string()),
         };
-        self.await_answer(ask.sequence, end_ns, || pending.receive(), || port.is_served())
+        self.await_answer(sequence, end_ns, || pending.receive(), || port.is_served())
     }
 
     /// The answer with this number that comes until then, or a refusal.
@@ -144,12 +148,14 @@ impl Client {
         receive: impl Fn() -> Result<Option<WireAnswer>, UseError>,
         is_served: impl Fn() -> bool,
     ) -> WireAnswer {
-        let refused = |reason: Reason, text: &str| {
-            WireAnswer::without_ranking(sequence, WireState::Refused, reason, text)
-        };
+        let refused =
+            |reason: Reason, text: &str| answer(sequence, WireState::Refused, reason, text);
         let mut looked_ns = now_ns();
         loop {
             match receive() {
+                Ok(Some(answer)) if !answer.is_intact() => {
+                    return refused(Reason::Corrupt, "the answer was changed on its way");
+                }
                 Ok(Some(answer)) if answer.sequence == sequence => return answer,
                 // None, or one to an earlier request that was withdrawn: however many come, the
                 // deadline holds.
@@ -177,6 +183,11 @@ impl Client {
             Waiting::Nap(long) => nap(long.min(Duration::from_nanos(left_ns))),
         }
     }
+}
+
+/// An answer that this library gives itself.
+fn answer(sequence: u64, verdict: WireState, reason: Reason, text: &str) -> WireAnswer {
+    WireAnswer::without_ranking(sequence, verdict, reason, text).sealed()
 }
 
 impl fmt::Debug for Client {
@@ -244,11 +255,21 @@ mod tests {
 
     fn client(waiting: Waiting) -> Client {
         let address = Address::new(None, "client").unwrap();
-        Client { address, waiting, port: None, sequence: 0 }
+        Client { address, waiting, port: None, sequence: 0, sent: Ask::new(0.0) }
     }
 
     fn answer_to(sequence: u64) -> WireAnswer {
-        WireAnswer::without_ranking(sequence, WireState::Refused, Reason::Malformed, "no")
+        answer(sequence, WireState::Refused, Reason::Malformed, "no")
+    }
+
+    #[test]
+    fn an_answer_that_was_changed_on_its_way_is_refused() {
+        let mut changed = answer_to(7);
+        changed.places[3].work[1] = 0.25;
+        let end_ns = now_ns() + 20_000 * MS;
+        let given = client(Waiting::Spin).await_answer(7, end_ns, || Ok(Some(changed)), || true);
+        assert_eq!((given.verdict(), given.reason()), (WireState::Refused, Reason::Corrupt));
+        assert!(given.is_intact() && given.ranking().is_empty());
     }
 
     #[test]
