@@ -66,6 +66,6 @@ pub use work::{Certainty, Effort, PartOf, RankingRun, RunBuffers, TaskSource};
 pub use worker_pool::Corruption;
 pub use worker_pool::{
     Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options,
-    WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, WorkerShare, preflight, seal,
+    WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, preflight, seal,
 };
 pub use workspace::{Backend, BodySet, RankingRequest, RankingWorkspace, RunError, RunTimes};

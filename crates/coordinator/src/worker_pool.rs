@@ -38,7 +38,7 @@ pub use inject::Corruption;
 pub use mend::Mended;
 pub use options::Options;
 pub use preflight::{MissingRequirement, preflight};
-pub use report::{Duty, Hardware, WorkerPoolReport, WorkerReport, WorkerShare};
+pub use report::{Duty, Hardware, WorkerPoolReport, WorkerReport};
 
 use crate::work::{PartOf, TaskSource};
 use chunk::Outgoing;
@@ -209,12 +209,6 @@ impl WorkerPool {
         self.effects = effects;
         done
     }
-
-    /// What each worker did for the last request.
-    pub fn shares(&self) -> impl Iterator<Item = WorkerShare> {
-        self.workers.iter().map(|worker| worker.share(&self.status))
-    }
-
     fn work_off_by<W: TaskSource>(
         &mut self,
         work: &mut W,

@@ -11,7 +11,7 @@ use crate::in_process::InProcessExecutor;
 use crate::request::{Candidates, Request, RequestError};
 use crate::request_limits::RequestLimits;
 use crate::work::{RankingRun, RunBuffers, TaskSource};
-use crate::worker_pool::{WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerShare};
+use crate::worker_pool::{WorkerPool, WorkerPoolError, WorkerPoolReport};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use damage::{Curves, Policy};
@@ -144,13 +144,7 @@ impl Backend {
     #[must_use]
     pub fn report(&self) -> Option<WorkerPoolReport> {
         self.worker_pool().map(WorkerPool::report)
-    }
-
-    /// What each worker did for the last request.
-    pub fn shares(&self) -> impl Iterator<Item = WorkerShare> {
-        self.worker_pool().into_iter().flat_map(WorkerPool::shares)
-    }
-}
+    }}
 
 impl RankingWorkspace {
     /// Runs a request, and passes what is known at its end to `read`. `limits` gives the limits

@@ -1,9 +1,11 @@
 //! Encodes the engine's answer for the wire. The only place where states are mapped.
 
 use crate::ask::seat_number;
-use coordinator::{AnswerRow, AnswerView};
+use body::Seat;
+use coordinator::{ContactRow, CourseAnswer, CourseRow};
 use damage::AnswerState;
-use protocol::public::{Reason, VERSION, WireAnswer, WirePlace, WireState, flag};
+use damage::course::Severity;
+use protocol::public::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
 
 /// The verdict of a state.
 fn verdict(state: AnswerState) -> WireState {
@@ -16,21 +18,21 @@ fn verdict(state: AnswerState) -> WireState {
 }
 
 /// Encodes an answer. Candidates and parties are named by their numbers: see `ask.rs`.
-pub(crate) fn lay_out(sequence: u64, answer: &AnswerView<'_>) -> WireAnswer {
-    let verdict = verdict(answer.state());
+pub(crate) fn lay_out(sequence: u64, answer: &CourseAnswer) -> WireAnswer {
+    let verdict = verdict(answer.state);
     let reason = if verdict == WireState::Refused { Reason::Unassessable } else { Reason::None };
     let mut out = WireAnswer::without_ranking(sequence, verdict, reason, "");
-    debug_assert_eq!(out.version, VERSION);
     if verdict == WireState::Refused {
-        out.say("no candidate has a bound");
+        out.say(answer.missing.first().map_or("no candidate has a bound", String::as_str));
         return out;
     }
-    for (row, place) in answer.rows().zip(&mut out.places) {
-        *place = place_of(&row, answer);
+    for (row, place) in answer.ranking.iter().zip(&mut out.places) {
+        *place = place_of(row, answer);
         out.place_count += 1;
     }
-    if let Some(assumption) = answer.assumption() {
-        out.say(&assumption);
+    let said = answer.missing.first().or_else(|| answer.assumptions.first());
+    if let Some(said) = said {
+        out.say(said);
     }
     out
 }
@@ -39,32 +41,56 @@ fn number(name: &str) -> u32 {
     name.parse().unwrap_or(u32::MAX)
 }
 
-fn place_of(row: &AnswerRow<'_>, answer: &AnswerView<'_>) -> WirePlace {
-    let (harm, contact) = (row.harm, &row.harm.contact);
+fn place_of(row: &CourseRow, answer: &CourseAnswer) -> WirePlace {
     let mut place = WirePlace {
-        candidate: number(row.name),
-        work: row.place.work.into(),
-        range: row.place.range.into(),
-        ego_delta_v_m_s: harm.delta_v[0].work.into(),
-        other_delta_v_m_s: harm.delta_v[1].work.into(),
+        candidate: number(&row.name),
+        work: row.work.into(),
+        range: row.range.into(),
+        contact_count: row.contacts.len() as u32,
         ..WirePlace::default()
     };
     let mut set = |bit: u32, is_set: bool| place.flags |= if is_set { bit } else { 0 };
-    set(flag::TOUCHES, contact.patch.is_some());
-    set(flag::CERTAIN, row.place.certain);
-    set(flag::TIED, row.is_tied);
-    set(flag::UNEVALUABLE, harm.unevaluable.is_some());
-    set(flag::MISSING, harm.is_open);
-    set(flag::NEAR_MISS, contact.near_miss);
-    if let Some(patch) = &contact.patch {
-        place.depth_m = patch.depth_m.into();
+    set(flag::TOUCHES_NOBODY, row.touches_nobody());
+    set(flag::CERTAIN, row.certain);
+    set(flag::TIED, answer.tie_class.len() > 1 && answer.tie_class.contains(&row.name));
+    set(flag::UNEVALUABLE, row.contacts.iter().any(|contact| contact.unevaluable.is_some()));
+    set(flag::OPEN, row.open_from_s.is_some());
+    set(flag::NEAREST, row.nearest.is_some());
+    set(flag::PERSON, !row.persons.is_empty());
+    set(flag::ALTERNATIVE, !row.alternatives.is_empty());
+    place.open_from_s = row.open_from_s.unwrap_or(0.0);
+    if let Some(nearest) = &row.nearest {
+        place.nearest_party = number(&nearest.party);
+        (place.nearest_m, place.nearest_s) = (nearest.gap_m, nearest.time_s);
     }
-    let worst = harm.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
+    let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
     if let Some(worst) = worst {
-        place.flags |= flag::PERSON;
-        place.worst_party = number(answer.party_of(worst));
-        place.worst_seat = seat_number(worst.seat);
+        let is_seat = |seat: &Seat| Some(seat.name()) == worst.seat;
+        place.worst_party = number(&worst.party);
+        place.worst_seat = seat_number(Seat::ALL.into_iter().find(is_seat));
         place.worst = worst.work.into();
     }
+    for (contact, row) in place.contacts.iter_mut().zip(&row.contacts) {
+        *contact = contact_of(row);
+    }
     place
+}
+
+fn contact_of(row: &ContactRow) -> WireContact {
+    let flags = [
+        (flag::HEAVY, row.severity == Severity::Heavy),
+        (flag::MAY_BE_OTHER, row.may_be_other),
+        (flag::AT_START, row.is_at_start),
+        (flag::TOUCHES, row.is_certain),
+        (flag::FIXED, row.is_other_fixed),
+    ];
+    let flags = flags.iter().filter(|(_, is_set)| *is_set).map(|(bit, _)| bit);
+    WireContact {
+        party: number(&row.party),
+        flags: flags.fold(0, |all, bit| all | bit),
+        time_s: row.time_s,
+        closing_m_s: row.closing_m_s,
+        ego_delta_v_m_s: row.delta_v_m_s[0].work.into(),
+        other_delta_v_m_s: row.delta_v_m_s[1].work.into(),
+    }
 }

@@ -3,7 +3,7 @@
 
 use body::{BodyView, Meta};
 use coordinator::{
-    Backend, IdleHook, InProcessExecutor, Mended, Options, WorkerPool, WorkerPoolError, WorkerShare,
+    Backend, IdleHook, InProcessExecutor, Mended, Options, WorkerPool, WorkerPoolError,
 };
 use runtime::{OsError, Poller, SealedMemory, Wake};
 use std::os::fd::BorrowedFd;
@@ -69,11 +69,6 @@ impl<'s> ServiceBackend<'s> {
     /// Number of lost workers.
     pub(crate) fn missing(&self) -> usize {
         self.backend.worker_pool().map_or(0, WorkerPool::missing)
-    }
-
-    /// What each worker did for the last request.
-    pub(crate) fn shares(&self) -> impl Iterator<Item = WorkerShare> {
-        self.backend.shares()
     }
 
     /// Sleeps until a client rings, a worker ends, a signal arrives or the timeout passes; 0 polls.

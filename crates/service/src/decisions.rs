@@ -2,11 +2,14 @@
 //!
 //! ```text
 //! decisions-00000007.bin: [magic 8] [number of the file 8] [hash before 32]  then per decision
-//!                         [Ask 3536] [Answer 2016] [hash 32]
+//!                         [length 8] [its complement 8] [Ask] [Answer 5376] [hash 32]
 //! signed:                 [the same 48] [length 8] [statement, signed]       then per decision
-//!                         [Ask 3536] [Answer 2016] [number 8] [time 8] [hash 32] [signature 64]
+//!                         [the same] [number 8] [time 8] [hash 32] [signature 64]
 //! decisions.head:         of signed ones: how many there are, and the hash of the last; signed
 //! ```
+//!
+//! Of a request the bytes that count are kept, and the length is theirs. Its complement tells a
+//! changed length from a decision that was not written to its end.
 //!
 //! A hash is BLAKE3 over the hash before it and what is between; the first of a file continues the
 //! last of the file before. When a file is full, the next begins, and the oldest is deleted.
@@ -37,13 +40,15 @@ use std::path::{Path, PathBuf};
 /// Name of the file of a signed head, beside the decisions.
 pub const DECISION_HEAD: &str = "decisions.head";
 
-const MAGIC: [u8; 8] = *b"TROLDEC\n";
-const MAGIC_SIGNED: [u8; 8] = *b"TROLDSG\n";
+const MAGIC: [u8; 8] = *b"TROLDC2\n";
+const MAGIC_SIGNED: [u8; 8] = *b"TROLDS2\n";
 /// Magic, number of the file, hash before it.
 const START: usize = 8 + 8 + 32;
-const DECISION: usize = size_of::<Ask>() + size_of::<WireAnswer>();
-const ENTRY: usize = DECISION + 32;
-const ENTRY_SIGNED: usize = DECISION + 8 + 8 + 32 + 64;
+/// Length of the request, and its complement.
+const LENGTHS: usize = 16;
+/// What follows the request, besides the answer: a hash, or number, time, hash and signature.
+const END: usize = size_of::<WireAnswer>() + 32;
+const END_SIGNED: usize = size_of::<WireAnswer>() + 8 + 8 + 32 + 64;
 /// What a decision's signature is of, before its hash: nothing else that is signed begins so.
 const SIGNED: &[u8] = b"trolley decision 1\n";
 
@@ -51,7 +56,7 @@ const SIGNED: &[u8] = b"trolley decision 1\n";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
     /// The request.
-    pub ask: Ask,
+    pub ask: Box<Ask>,
     /// The answer.
     pub answer: WireAnswer,
 }
@@ -149,12 +154,16 @@ impl Diagnostic for DecisionError {
 pub fn read_decisions(path: &Path) -> Result<Vec<Decision>, DecisionError> {
     let bytes = input::bytes(path, InputKind::Decisions)?;
     let file = DecisionFile::parse(&path.display().to_string(), &bytes)?;
-    let (mut before, mut entries) = (file.before, Vec::new());
-    for (number, entry) in file.entries().enumerate() {
+    let (mut before, mut decisions) = (file.before, Vec::new());
+    let mut entries = file.entries();
+    for (number, entry) in entries.by_ref().enumerate() {
         before = entry.checked(&before).ok_or(DecisionError::Changed(number))?;
-        entries.push(entry.decision());
+        decisions.push(entry.decision().ok_or(DecisionError::Changed(number))?);
     }
-    Ok(entries)
+    match entries.rest {
+        Rest::Torn(_) => Ok(decisions),
+        Rest::Changed => Err(DecisionError::Changed(decisions.len())),
+    }
 }
 
 /// The bytes of a file of decisions.
@@ -171,6 +180,49 @@ struct DecisionFile<'b> {
 struct Entry<'b> {
     bytes: &'b [u8],
     signer: Option<VerifyingKey>,
+}
+
+/// The whole decisions of a file, one after the other.
+struct Entries<'b> {
+    signer: Option<VerifyingKey>,
+    /// What is left.
+    rest: Rest<'b>,
+}
+
+/// Bytes after the last whole decision.
+#[derive(Clone, Copy)]
+enum Rest<'b> {
+    /// Maybe one that was not written to its end.
+    Torn(&'b [u8]),
+    /// One whose length was changed: where it ends is not known.
+    Changed,
+}
+
+impl<'b> Iterator for Entries<'b> {
+    type Item = Entry<'b>;
+
+    fn next(&mut self) -> Option<Entry<'b>> {
+        let Rest::Torn(bytes) = self.rest else { return None };
+        let lengths = bytes.first_chunk::<LENGTHS>()?;
+        let Some(length) = request_length(lengths) else {
+            self.rest = Rest::Changed;
+            return None;
+        };
+        let end = if self.signer.is_some() { END_SIGNED } else { END };
+        let (entry, rest) = bytes.split_at_checked(LENGTHS + length + end)?;
+        self.rest = Rest::Torn(rest);
+        Some(Entry { bytes: entry, signer: self.signer })
+    }
+}
+
+/// The length of a request from the beginning of its decision; `None` if it was changed.
+fn request_length(lengths: &[u8; LENGTHS]) -> Option<usize> {
+    let [mut length, mut complement] = [[0; 8]; 2];
+    length.copy_from_slice(&lengths[..8]);
+    complement.copy_from_slice(&lengths[8..]);
+    let [length, complement] = [length, complement].map(u64::from_le_bytes);
+    let known = usize::try_from(length).ok().filter(|_| length == !complement);
+    known.filter(|length| (Ask::BYTES_MIN..=size_of::<Ask>()).contains(length))
 }
 
 impl<'b> DecisionFile<'b> {
@@ -200,36 +252,41 @@ impl<'b> DecisionFile<'b> {
     }
 
     /// Its whole entries.
-    fn entries(&self) -> impl ExactSizeIterator<Item = Entry<'b>> + use<'b> {
+    fn entries(&self) -> Entries<'b> {
         let signer = self.statement.as_ref().map(|signed| signed.signer);
-        self.body.chunks_exact(entry_length(signer)).map(move |bytes| Entry { bytes, signer })
+        Entries { signer, rest: Rest::Torn(self.body) }
     }
 }
 
-fn entry_length(signer: Option<VerifyingKey>) -> usize {
-    if signer.is_some() { ENTRY_SIGNED } else { ENTRY }
-}
-
 impl Entry<'_> {
-    fn decision(&self) -> Decision {
-        let (ask, rest) = self.bytes.split_at(size_of::<Ask>());
-        let mut decision = Decision { ask: Ask::zeroed(), answer: WireAnswer::zeroed() };
-        bytemuck::bytes_of_mut(&mut decision.ask).copy_from_slice(ask);
-        let answer = &rest[..size_of::<WireAnswer>()];
+    /// Where request and answer end.
+    fn decision_end(&self) -> usize {
+        let end = if self.signer.is_some() { END_SIGNED } else { END };
+        self.bytes.len() - end + size_of::<WireAnswer>()
+    }
+
+    /// `None` if the count of states in the request is not that of its bytes.
+    fn decision(&self) -> Option<Decision> {
+        let end = self.decision_end();
+        let (ask, answer) = self.bytes[LENGTHS..end].split_at(end - LENGTHS - size_of::<WireAnswer>());
+        let mut decision = Decision { ask: Ask::new(0.0), answer: WireAnswer::zeroed() };
+        decision.ask.fill(ask)?;
         bytemuck::bytes_of_mut(&mut decision.answer).copy_from_slice(answer);
-        decision
+        Some(decision)
     }
 
     /// Its number in its chain; `None` if it is not signed.
     fn number(&self) -> Option<u64> {
+        let end = self.decision_end();
         let mut number = [0; 8];
-        number.copy_from_slice(&self.bytes[DECISION..DECISION + 8]);
+        number.copy_from_slice(&self.bytes[end..end + 8]);
         self.signer.map(|_| u64::from_le_bytes(number))
     }
 
     /// The hash that it states, and its signature.
     fn stated(&self) -> ([u8; 32], [u8; 64]) {
-        let at = if self.signer.is_some() { DECISION + 16 } else { DECISION };
+        let end = self.decision_end();
+        let at = if self.signer.is_some() { end + 16 } else { end };
         let (mut hash, mut signature) = ([0; 32], [0; 64]);
         hash.copy_from_slice(&self.bytes[at..at + 32]);
         if self.signer.is_some() {
@@ -242,7 +299,7 @@ impl Entry<'_> {
     /// signer, if there is one.
     fn checked(&self, before: &[u8; 32]) -> Option<[u8; 32]> {
         let (stated, signature) = self.stated();
-        let end = if self.signer.is_some() { DECISION + 16 } else { DECISION };
+        let end = self.decision_end() + if self.signer.is_some() { 16 } else { 0 };
         let hash = link(before, &self.bytes[..end]);
         let is_signed =
             || self.signer.is_none_or(|key| key.has_signed(&[SIGNED, &hash].concat(), &signature));

@@ -18,7 +18,7 @@ use std::thread::JoinHandle;
 use transport::service::Housekeeper;
 
 /// Capacity of the queue of decisions to write.
-const WAITING: usize = 1024;
+const WAITING: usize = 256;
 /// Interval between cleanups after dead clients (ns): as often as a client may be replaced by hand.
 const CLEAN_NS: u64 = 500_000_000;
 /// How long one cleanup may take (ns) before its process is killed.
@@ -26,11 +26,15 @@ const CLEAN_LIMIT_NS: u64 = 2_000_000_000;
 /// Interval between writes of files (ns).
 const NAP_NS: u64 = 50_000_000;
 
+/// A decision that is to be written: the bytes of its request that count, and its answer.
+type Kept = Box<(Vec<u8>, WireAnswer)>;
+
 #[derive(Debug)]
 struct Shared {
-    decisions: ArrayQueue<Box<(Ask, WireAnswer)>>,
-    /// Boxes are returned for reuse, so that keeping a decision allocates nothing.
-    empty: ArrayQueue<Box<(Ask, WireAnswer)>>,
+    decisions: ArrayQueue<Kept>,
+    /// Buffers are returned for reuse, so that keeping a decision allocates nothing, unless its
+    /// request is larger than those before.
+    empty: ArrayQueue<Kept>,
     health: ArrayQueue<Health>,
     lost: AtomicU64,
     stop: AtomicBool,
@@ -68,7 +72,8 @@ impl Housekeeping {
         });
         if keeps_decisions {
             for _ in 0..WAITING {
-                let empty = (bytemuck::Zeroable::zeroed(), bytemuck::Zeroable::zeroed());
+                let bytes = Vec::with_capacity(Ask::BYTES_MIN);
+                let empty = (bytes, bytemuck::Zeroable::zeroed());
                 let _full = shared.empty.push(Box::new(empty));
             }
         }
@@ -91,7 +96,9 @@ impl Housekeeping {
             self.shared.lost.fetch_add(1, Ordering::Relaxed);
             return;
         };
-        *entry = (*ask, *answer);
+        entry.0.clear();
+        entry.0.extend_from_slice(ask.used());
+        entry.1 = *answer;
         let _never_full = self.shared.decisions.push(entry);
     }
 
@@ -233,7 +240,7 @@ mod tests {
         let deployment = Deployment::parse("minimal.toml", &text).unwrap();
         let program = PathBuf::from("/bin/true");
         let house = Housekeeping::start(&deployment, None, server.housekeeper(), program).unwrap();
-        let (ask, answer) = (bytemuck::Zeroable::zeroed(), bytemuck::Zeroable::zeroed());
+        let (ask, answer) = (Ask::new(1.0), bytemuck::Zeroable::zeroed());
         let health: Health = bytemuck::Zeroable::zeroed();
         let begun_ns = clock::now_ns();
         let mut is_told = false;

@@ -35,17 +35,20 @@ impl<'b> InProcess<'b> {
     }
 
     /// Answers a request.
+    ///
+    /// Nothing lies between the caller and here, so its checksum does not count.
     #[must_use]
     pub fn answer(&mut self, ask: &Ask) -> WireAnswer {
-        self.ranked(ask).unwrap_or_else(|Refusal { reason, text }| {
+        let answer = self.ranked(ask).unwrap_or_else(|Refusal { reason, text }| {
             WireAnswer::without_ranking(ask.sequence, WireState::Refused, reason, &text)
-        })
+        });
+        answer.sealed()
     }
 
     fn ranked(&mut self, ask: &Ask) -> Result<WireAnswer, Refusal> {
         let checked = self.ranker.check(ask)?;
-        let ranked =
-            self.ranker.rank(ask.sequence, checked, RequestLimits::default, &mut self.backend);
+        let limits = RequestLimits::default();
+        let ranked = self.ranker.rank(ask.sequence, &checked, limits, &mut self.backend);
         match ranked {
             Ok(ranked) => Ok(ranked.answer),
             Err(Unranked::Refused(refusal)) => Err(refusal),

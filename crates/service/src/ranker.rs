@@ -3,39 +3,45 @@
 //! The service and its in-process counterpart share this path.
 
 use crate::answer::lay_out;
-use crate::ask::{self, Checked, Lists, Refusal};
+use crate::ask::{self, Checked, Refusal};
 use crate::deployment::Deployment;
-use body::{BodyView, Meta};
+use body::{BodyView, Meta, Shells};
 use bvh::support::Extremes;
 use coordinator::{
-    Backend, BodySet, RankingRequest, RankingWorkspace, RequestLimits, RunError, WorkerPoolError,
+    Backend, BodySet, CourseRequest, RankedCourses, RequestLimits, RunError, WorkerPoolError,
+    WorkerPoolReport,
 };
 use damage::{Curves, Policy};
 use diagnostic::chain;
-use protocol::public::{Ask, Reason, WireAnswer};
+use protocol::public::{Ask, ModelSet, Reason, WireAnswer};
 use runtime::clock;
 use std::sync::Arc;
 
-/// Ranks requests about the bodies of a deployment. It is reused between requests, and allocates
-/// nothing once it is warm.
+/// Ranks requests about the bodies of a deployment. It is reused between requests: what takes long
+/// to find about bodies is found once.
 #[derive(Debug)]
 pub(crate) struct Ranker<'s> {
     deployment: &'s Deployment,
     bodies: &'s [(Meta, BodyView<'s>)],
+    model_set: ModelSet,
     /// Extreme points of each body.
     extremes: Vec<Extremes>,
+    /// Shells of each body.
+    shells: Vec<Shells>,
     rules: (Arc<Policy>, Arc<Curves>),
     depth: u32,
-    lists: Lists,
-    workspace: RankingWorkspace,
 }
 
-/// An answered request, and when its stages ended (ns).
+/// An answered request, and what its stages took (ns).
 pub(crate) struct Ranked {
     pub(crate) answer: WireAnswer,
-    pub(crate) planned_ns: u64,
-    pub(crate) worked_ns: u64,
-    pub(crate) done_ns: u64,
+    pub(crate) search_ns: u64,
+    pub(crate) surveys_ns: u64,
+    pub(crate) judge_ns: u64,
+    /// From the beginning to the answer.
+    pub(crate) lasted_ns: u64,
+    /// What the workers did: one report a round.
+    pub(crate) reports: Vec<WorkerPoolReport>,
 }
 
 /// Why a checked request has no answer.
@@ -52,51 +58,78 @@ impl<'s> Ranker<'s> {
         depth: u32,
     ) -> Self {
         let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
-        let (lists, workspace) = (Lists::default(), RankingWorkspace::default());
-        Self { deployment, bodies, extremes, rules, depth, lists, workspace }
+        let shells = bodies.iter().map(|(_, body)| Shells::of(body.corners)).collect();
+        let model_set = model_set(deployment, bodies);
+        Self { deployment, bodies, model_set, extremes, shells, rules, depth }
+    }
+
+    /// Identity of the bodies.
+    pub(crate) fn model_set(&self) -> ModelSet {
+        self.model_set
     }
 
     /// Checks every value of a request.
-    pub(crate) fn check(&mut self, ask: &Ask) -> Result<Checked, Refusal> {
-        let lists = core::mem::take(&mut self.lists);
-        ask::check(ask, self.deployment, self.bodies, lists)
+    pub(crate) fn check(&self, ask: &Ask) -> Result<Checked, Refusal> {
+        ask::check(ask, self.deployment, (self.bodies, &self.model_set))
     }
 
-    /// Ranks a checked request; `limits` gives its limits once it is planned.
+    /// Ranks a checked request.
     pub(crate) fn rank(
-        &mut self,
+        &self,
         sequence: u64,
-        checked: Checked,
-        limits: impl FnOnce() -> RequestLimits,
+        checked: &Checked,
+        limits: RequestLimits,
         backend: &mut Backend,
     ) -> Result<Ranked, Unranked> {
+        let begun_ns = clock::now_ns();
         let stage =
             BodySet { bodies: self.bodies, extremes: Some(&self.extremes), depth: self.depth };
-        let inquiry = RankingRequest {
+        let request = CourseRequest {
             scenario: &checked.scenario,
             models: &checked.models,
+            shells: &self.shells,
             rules: self.rules.clone(),
-            job_history: false,
         };
-        let told = self.workspace.rank(&stage, inquiry, limits, backend, |work, course| {
-            (work.view(|view| lay_out(sequence, view)), course)
-        });
-        let has_unknown = checked.has_unknown;
-        self.lists = checked.into_room();
-        let (answer, course) = told.map_err(|error| match error {
+        let ranked = coordinator::rank_courses(&stage, &request, limits, backend);
+        let RankedCourses { answer, effort, reports } = ranked.map_err(|error| match error {
             RunError::Request(error) => unassessable(&error),
             RunError::WorkerPool(error) => Unranked::WorkerPool(error),
         })?;
-        let mut answer = answer.map_err(|error| unassessable(&error))?;
-        if has_unknown && answer.verdict().has_ranking() {
+        let mut answer = WireAnswer { model_set: self.model_set, ..lay_out(sequence, &answer) };
+        if checked.has_unknown && answer.verdict().has_ranking() {
             answer.say("parties of unknown kind were taken as fixed, with nobody in them");
         }
-        let done_ns = clock::now_ns();
-        let (planned_ns, worked_ns) = (course.planned_ns, course.worked_ns);
-        Ok(Ranked { answer, planned_ns, worked_ns, done_ns })
+        Ok(Ranked {
+            answer,
+            search_ns: effort.search_ns,
+            surveys_ns: effort.surveys_ns,
+            judge_ns: effort.judge_ns,
+            lasted_ns: clock::now_ns() - begun_ns,
+            reports,
+        })
     }
 }
 
 fn unassessable(error: &coordinator::RequestError) -> Unranked {
     Unranked::Refused(Refusal { reason: Reason::Unassessable, text: chain(error) })
+}
+
+/// A hash of what answers depend on: ids, kinds, masses and triangles. The order of the triangles
+/// in a body's tree is left out, since no answer depends on it.
+fn model_set(deployment: &Deployment, bodies: &[(Meta, BodyView<'_>)]) -> ModelSet {
+    let mut hasher = blake3::Hasher::new();
+    for (model, (meta, body)) in deployment.models.iter().zip(bodies) {
+        hasher.update(&model.id.to_le_bytes()).update(meta.kind.name().as_bytes());
+        let numbers = [meta.mass_kg.unwrap_or(0.0), meta.gyration_m];
+        for number in numbers.iter().chain(&meta.centre_m) {
+            hasher.update(&number.to_le_bytes());
+        }
+        let mut order: Vec<usize> = (0..body.source_ids.len()).collect();
+        order.sort_unstable_by_key(|at| body.source_ids[*at]);
+        hasher.update(&(order.len() as u64).to_le_bytes());
+        for at in order {
+            hasher.update(bytemuck::bytes_of(&body.corners[at]));
+        }
+    }
+    *hasher.finalize().as_bytes()
 }

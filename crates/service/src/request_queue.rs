@@ -16,7 +16,7 @@ const TAKEN_MAX: usize = 4 * CLIENTS_MAX;
 
 /// A request to execute.
 pub(crate) struct Taken {
-    pub(crate) ask: Ask,
+    pub(crate) ask: Box<Ask>,
     /// When it was received (ns).
     pub(crate) taken_ns: u64,
 }
@@ -89,7 +89,9 @@ impl RequestQueue {
     pub(crate) fn next(&mut self) -> Option<Taken> {
         self.forget_unwanted();
         let (asked, taken_ns) = self.waiting.pop_front()?;
-        let ask = *asked.ask();
+        // A copy: its client may go, and takes what it asked with it.
+        let mut ask: Box<Ask> = bytemuck::allocation::zeroed_box();
+        let _always = ask.fill(asked.ask().used());
         self.at_work = Some(asked);
         Some(Taken { ask, taken_ns })
     }
@@ -102,7 +104,7 @@ impl RequestQueue {
     }
 
     fn hand_over(&mut self, asked: TakenRequest, answer: &WireAnswer) {
-        match asked.answer(answer) {
+        match asked.answer(&answer.sealed()) {
             Ok(()) => self.stats.answered(answer.verdict()),
             // The client is gone.
             Err(_) => self.stats.withdrawn += 1,

@@ -318,6 +318,7 @@ impl Service<'_> {
         answer.request = self.request;
         answer.queued_ns = begun_ns - taken_ns;
         answer.worked_ns = clock::now_ns() - begun_ns;
+        let answer = answer.sealed();
         let mut queue = self.queue.borrow_mut();
         queue.answer(&answer);
         times.set(LatencyStage::Total, clock::now_ns() - taken_ns);
@@ -343,11 +344,14 @@ impl Service<'_> {
             let text = "the deadline passed before its turn".to_owned();
             return Err(refuse(Reason::TooLate, text));
         }
+        if !ask.is_intact() {
+            let text = "the request was changed on its way: its checksum does not match";
+            return Err(refuse(Reason::Corrupt, text.to_owned()));
+        }
         let checked = self.ranker.check(ask)?;
         self.request += 1;
-        let usual_ns = self.usual_ns;
-        let limits = || limits(ask.answer_by_ns, usual_ns);
-        let ranked = self.ranker.rank(ask.sequence, checked, limits, &mut self.backend.backend);
+        let limits = limits(ask.answer_by_ns, self.usual_ns);
+        let ranked = self.ranker.rank(ask.sequence, &checked, limits, &mut self.backend.backend);
         let ranked = ranked.map_err(|error| match error {
             Unranked::Refused(refusal) => refusal,
             Unranked::WorkerPool(WorkerPoolError::Interrupted) => {
@@ -364,13 +368,12 @@ impl Service<'_> {
                 }
             }
         })?;
-        self.queue.borrow_mut().stats.shared(self.backend.shares());
-        times.set(LatencyStage::Plan, ranked.planned_ns - begun_ns);
-        times.set(LatencyStage::Work, ranked.worked_ns - ranked.planned_ns);
-        times.set(LatencyStage::Assess, ranked.done_ns - ranked.worked_ns);
+        self.queue.borrow_mut().stats.shared(&ranked.reports);
+        times.set(LatencyStage::Plan, ranked.search_ns);
+        times.set(LatencyStage::Work, ranked.surveys_ns);
+        times.set(LatencyStage::Assess, ranked.judge_ns);
         if ranked.answer.verdict() == WireState::Complete {
-            let lasted_ns = ranked.done_ns - begun_ns;
-            self.usual_ns = (self.usual_ns - self.usual_ns / 32).max(lasted_ns);
+            self.usual_ns = (self.usual_ns - self.usual_ns / 32).max(ranked.lasted_ns);
         }
         Ok(ranked.answer)
     }
@@ -379,6 +382,7 @@ impl Service<'_> {
     fn tell(&mut self, condition: Condition) {
         let queue = self.queue.borrow();
         let mut health = queue.stats.health();
+        health.model_set = self.ranker.model_set();
         health.condition = condition as u32;
         health.workers = self.backend.size() as u32;
         health.alive = (self.backend.size() - self.backend.missing()) as u32;

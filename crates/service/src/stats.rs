@@ -1,6 +1,6 @@
 //! Counts of answers, times per stage, page faults, allocations and messages. Of fixed size.
 
-use coordinator::WorkerShare;
+use coordinator::WorkerPoolReport;
 use hdrhistogram::Histogram;
 use protocol::public::{Health, LatencyStage, VERSION, WireState, WorkerHealth};
 use runtime::clock;
@@ -67,11 +67,11 @@ impl Stats {
         self.allocations = allocations;
     }
 
-    /// Counts what the workers did for one request.
-    pub(crate) fn shared(&mut self, shares: impl Iterator<Item = WorkerShare>) {
-        for worker in shares {
-            self.messages += worker.messages;
-            self.message_bytes += worker.message_bytes;
+    /// Counts what the workers did for one request, in each of its rounds.
+    pub(crate) fn shared(&mut self, rounds: &[WorkerPoolReport]) {
+        for worker in rounds.iter().flat_map(|round| &round.workers) {
+            self.messages += worker.batches + worker.results;
+            self.message_bytes += worker.batch_bytes + worker.result_bytes;
             let Some(row) = self.each.get_mut(usize::from(worker.worker)) else { continue };
             row.pid = worker.pid;
             row.core = worker.core.map_or(0, |core| core as u32 + 1);

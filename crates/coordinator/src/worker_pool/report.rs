@@ -75,25 +75,6 @@ pub struct Duty {
     pub send_ns: u64,
 }
 
-/// What one worker did for one request: figures that are summed over requests.
-#[derive(Clone, Copy, Debug)]
-pub struct WorkerShare {
-    /// Worker number.
-    pub worker: u8,
-    /// Process id.
-    pub pid: u32,
-    /// The core it was pinned to.
-    pub core: Option<usize>,
-    /// Jobs it finished.
-    pub jobs: u64,
-    /// Batches sent to it, and results taken from it.
-    pub messages: u64,
-    /// Bytes of these messages, headers included.
-    pub message_bytes: u64,
-    /// Wall-clock time that its jobs took (ns).
-    pub busy_ns: u64,
-}
-
 /// The cost of a run.
 #[derive(Clone, Debug)]
 pub struct WorkerPoolReport {

@@ -1,6 +1,6 @@
 //! One worker as the coordinator sees it: its process, its channels, its lines on the status page.
 
-use super::{Hardware, Options, WorkerReport, WorkerShare};
+use super::{Hardware, Options, WorkerReport};
 use core::sync::atomic::Ordering;
 use dispatch::{Liveness, Patience, Pulse, StartPatience, StartPulse, StartWatch, Watch};
 use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
@@ -225,24 +225,6 @@ impl WorkerHandle {
             ..self.report.clone()
         }
     }
-
-    /// The part of [`WorkerHandle::report`] that is summed over requests, without copies.
-    pub(super) fn share(&self, status: &StatusMemory) -> WorkerShare {
-        let (now, before, report) = (self.counted(status), &self.before, &self.report);
-        let messages = |count: fn(&Traffic) -> u64| {
-            (count(&now.sent) - count(&before.sent)) + (count(&now.taken) - count(&before.taken))
-        };
-        WorkerShare {
-            worker: report.worker,
-            pid: report.pid,
-            core: report.core,
-            jobs: now.jobs.saturating_sub(before.jobs),
-            messages: messages(|traffic| traffic.messages),
-            message_bytes: messages(|traffic| traffic.bytes),
-            busy_ns: report.busy_ns,
-        }
-    }
-
     fn hardware(&self) -> Hardware {
         let (counters, before) = match &self.counters {
             Ok((counters, before)) => (counters, before),

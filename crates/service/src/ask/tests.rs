@@ -4,10 +4,10 @@
 use super::*;
 use body::Shape;
 use proptest::prelude::*;
-use protocol::public::Person;
+use protocol::public::{WirePersons, WireReaction};
 
 const DEPLOYMENT: &str = include_str!("../../config/deployments/minimal.toml");
-const SCENARIO: &str = include_str!("../../config/scenarios/minimal.toml");
+const SCENARIO: &str = include_str!("../../config/scenarios/wall-or-pole.toml");
 
 fn deployment() -> Deployment {
     Deployment::parse("minimal.toml", DEPLOYMENT).unwrap()
@@ -44,30 +44,76 @@ fn bodies() -> Vec<(Meta, BodyView<'static>)> {
     [Shape::Sedan, Shape::Wall, Shape::Pole].map(|shape| (meta(shape), empty)).to_vec()
 }
 
-/// Party 0 the ego, 1 the pole, 2 the wall: scenarios sort by name.
-fn minimal() -> Ask {
-    let scenario = Scenario::parse("minimal.toml", SCENARIO).unwrap();
+/// Party 0 the ego, 1 the pole, 2 the wall: scenarios sort by name. Paths 0 and 1 are those of pole
+/// and wall, 2 to 4 the ego's.
+fn minimal() -> Box<Ask> {
+    let scenario = HorizonScenario::parse("wall-or-pole.toml", SCENARIO).unwrap();
     of_scenario(&scenario, &[1, 3, 2], false).unwrap()
 }
 
-fn refused(ask: &Ask) -> Refusal {
-    check(ask, &deployment(), &bodies(), Lists::default()).unwrap_err()
+fn checked(ask: &Ask) -> Result<Checked, Refusal> {
+    check(ask, &deployment(), (&bodies(), &[7; 32]))
 }
 
 #[test]
 fn what_a_scenario_asks_is_what_the_engine_gets() {
-    let scenario = Scenario::parse("minimal.toml", SCENARIO).unwrap();
-    let checked = check(&minimal(), &deployment(), &bodies(), Lists::default()).unwrap();
-    assert_eq!(checked.models[..], [0, 2, 1]);
-    assert_eq!(checked.scenario.ego, scenario.ego);
-    for (ours, theirs) in checked.scenario.candidates.iter().zip(&scenario.candidates) {
-        assert_eq!((ours.ego, ours.other), (theirs.ego, theirs.other));
-        assert_eq!(ours.probability.to_bits(), theirs.probability.to_bits());
+    let more = SCENARIO.replacen(
+        "[parties.wall]",
+        "[parties.car]\n\
+         generate = { shape = \"sedan\", triangles = 20000 }\n\
+         persons = [{ seat = \"front-left\" }, { count = 3 }]\n\
+         mass_kg = 1400\nresponsibility = 0.3\n\
+         paths = [\n\
+         { probability = 0.3, states = [{ t_s = -1, position_m = [40, 3, 0], yaw_deg = 180 }, \
+         { t_s = 4, position_m = [-20, 3.5, 0], yaw_deg = 180, velocity_m_s = [-12, 0.1] }] },\n\
+         { probability = 0.7, states = [{ t_s = 0, position_m = [28, 3.1, 0], yaw_deg = 180, \
+         velocity_m_s = [-12, 0] }] }]\n\
+         [parties.wall]",
+        1,
+    );
+    let reacts = "name = \"brake\"\nreactions.car = { state = { position_m = [28, 3.1, 0], \
+                  yaw_deg = 180, speed_m_s = 7, yaw_rate_deg_s = 10 } }";
+    let more = more.replacen("name = \"brake\"", reacts, 1);
+    for (text, ids, models) in
+        [(SCENARIO, &[1, 3, 2][..], &[0, 2, 1][..]), (&more, &[1, 1, 3, 2], &[0, 0, 2, 1])]
+    {
+        let scenario = HorizonScenario::parse("wall-or-pole.toml", text).unwrap();
+        let checked = checked(&of_scenario(&scenario, ids, false).unwrap()).unwrap();
+        assert_eq!(checked.models, models);
+        assert_eq!((checked.scenario.ego.0, checked.scenario.horizon_s), (models.len() - 3, 5.0));
+        let motion = |motion: &HorizonMotion| (motion.path.clone(), motion.ends_s);
+        for (ours, theirs) in checked.scenario.candidates.iter().zip(&scenario.candidates) {
+            assert_eq!(motion(&ours.ego), motion(&theirs.ego));
+            assert_eq!(ours.reactions.len(), theirs.reactions.len());
+            for (ours, theirs) in ours.reactions.iter().zip(&theirs.reactions) {
+                assert_eq!((ours.party, motion(&ours.motion)), (theirs.party, motion(&theirs.motion)));
+            }
+        }
+        for (ours, theirs) in checked.scenario.parties.iter().zip(&scenario.parties) {
+            assert_eq!((&ours.occupancy, ours.mass_kg), (&theirs.occupancy, theirs.mass_kg));
+            assert_eq!(ours.responsibility.to_bits(), theirs.responsibility.to_bits());
+            assert_eq!(ours.predictions.len(), theirs.predictions.len());
+            for (ours, theirs) in ours.predictions.iter().zip(&theirs.predictions) {
+                assert_eq!(ours.probability.to_bits(), theirs.probability.to_bits());
+                assert_eq!(motion(&ours.motion), motion(&theirs.motion));
+            }
+        }
     }
-    for (ours, theirs) in checked.scenario.parties.iter().zip(&scenario.parties) {
-        assert_eq!((&ours.persons, ours.mass_kg), (&theirs.persons, theirs.mass_kg));
-        assert_eq!(ours.responsibility.to_bits(), theirs.responsibility.to_bits());
-    }
+}
+
+#[test]
+fn what_does_not_fit_into_a_request_is_said() {
+    let csv = "path = { csv = \"long.csv\" }\n";
+    let text = SCENARIO.replacen("state = { position_m = [0, 0, 0], velocity_m_s = [14, 0] }", csv, 1);
+    let draft = scenario::HorizonDraft::parse("w.toml", &text).unwrap();
+    let rows = (0..65).map(|k| format!("{k},{k},0,0\n")).collect::<String>();
+    let read = draft.finish(|_| Ok::<_, scenario::ScenarioError>(format!("t_s,x_m,y_m,yaw_deg\n{rows}")));
+    let error = of_scenario(&read.unwrap(), &[1, 3, 2], false).unwrap_err();
+    assert!(error.contains("65 states"), "{error}");
+    let sized = SCENARIO.replacen("[parties.pole]", "[parties.pole]\nsize_m = [0.4, 0.4, 3]", 1);
+    let scenario = HorizonScenario::parse("w.toml", &sized).unwrap();
+    let error = of_scenario(&scenario, &[1, 3, 2], false).unwrap_err();
+    assert!(error.contains("\"pole\" has size_m"), "{error}");
 }
 
 #[test]
@@ -75,70 +121,109 @@ fn every_mistake_has_its_reason_and_says_where() {
     let nan = f64::NAN;
     type Mistake = (fn(&mut Ask, f64), Reason, &'static str);
     let mistakes: &[Mistake] = &[
-        (|ask, _| ask.version = 2, Reason::Malformed, "layout 2"),
+        (|ask, _| ask.version = 1, Reason::Malformed, "layout 1"),
         (|ask, _| ask.candidate_count = 0, Reason::Malformed, "candidate_count"),
         (|ask, _| ask.candidate_count = 17, Reason::Malformed, "candidate_count"),
         (|ask, _| ask.candidate_count = u32::MAX, Reason::Malformed, "candidate_count"),
-        (|ask, _| ask.party_count = 18, Reason::Malformed, "party_count"),
+        (|ask, _| ask.party_count = 33, Reason::Malformed, "party_count"),
         (|ask, _| ask.party_count = 1, Reason::Malformed, "party_count"),
-        (|ask, _| ask.person_count = 65, Reason::Malformed, "person_count"),
+        (|ask, _| ask.person_count = 257, Reason::Malformed, "person_count"),
+        (|ask, _| ask.path_count = 257, Reason::Malformed, "path_count"),
+        (|ask, _| ask.path_count = 4, Reason::Malformed, "candidate 2: a path"),
+        (|ask, _| ask.reaction_count = 129, Reason::Malformed, "reaction_count"),
+        (|ask, _| ask.state_count = 7_169, Reason::Malformed, "state_count"),
+        (|ask, _| ask.state_count = 13, Reason::Malformed, "path 4: a state"),
         (|ask, _| ask.ego = 3, Reason::Malformed, "the ego is party 3"),
+        (|ask, _| ask.ego = 1, Reason::Malformed, "party 0: path_count is 0"),
         (|ask, _| ask.flags = 2, Reason::Malformed, "flags 0x2"),
+        (|ask, _| ask.spare = 1, Reason::Malformed, "spare"),
+        (|ask, _| ask.model_set[31] = 6, Reason::OtherModels, "other bodies"),
+        (|ask, v| ask.horizon_s = v, Reason::OutOfRange, "horizon_s"),
+        (|ask, v| ask.resolution_m = v, Reason::OutOfRange, "resolution_m"),
         (|ask, _| ask.parties[1].flags = 16, Reason::Malformed, "party 1"),
+        (|ask, v| ask.parties[1].size_m[2] = v, Reason::Malformed, "not used by this version"),
+        (|ask, v| ask.parties[1].speed_variance = v, Reason::Malformed, "not used"),
         (|ask, _| ask.parties[2].model = 77, Reason::UnknownModel, "no model 77"),
-        (|ask, _| ask.candidates[1].party = 9, Reason::Malformed, "candidate 1"),
-        (|ask, _| ask.candidates[0].party = 0, Reason::Malformed, "candidate 0"),
-        (|ask, v| ask.candidates[0].ego.position_m[1] = v, Reason::OutOfRange, "candidate 0"),
-        (|ask, v| ask.candidates[1].other.angles_deg[0] = v, Reason::OutOfRange, "candidate 1"),
-        (|ask, v| ask.candidates[1].ego.velocity_m_s[1] = v, Reason::OutOfRange, "velocity"),
-        (|ask, v| ask.candidates[0].probability = v, Reason::OutOfRange, "probability"),
+        (|ask, _| ask.parties[0].path_count = 1, Reason::Malformed, "party 0: it is the ego"),
+        (|ask, _| ask.parties[1].path_count = 4, Reason::Malformed, "party 1: path_count is 4"),
+        (|ask, _| ask.parties[1].first_path = u32::MAX, Reason::Malformed, "party 1: a path"),
+        (|ask, _| ask.candidates[1].path = 9, Reason::Malformed, "candidate 1"),
+        (|ask, _| ask.candidates[0].reaction_count = 1, Reason::Malformed, "candidate 0: a reac"),
+        (|ask, _| ask.candidates[0].first_reaction = u32::MAX, Reason::Malformed, "candidate 0"),
+        (|ask, _| ask.paths[2].kind = 4, Reason::Malformed, "path 2: kind 4"),
+        (|ask, _| ask.paths[3].state_count = 65, Reason::Malformed, "path 3: state_count"),
+        (|ask, _| ask.paths[3].first_state = u32::MAX, Reason::Malformed, "path 3: a state"),
+        (|ask, _| ask.states[2].flags = 0, Reason::Malformed, "path 2: what goes on"),
+        (|ask, _| ask.states[4].flags = 2, Reason::Malformed, "path 3: state 1: unknown flags"),
+        (|ask, v| ask.states[4].t_s = v, Reason::OutOfRange, "path 3, state 1: t_s"),
+        (|ask, v| ask.states[4].position_m[1] = v, Reason::OutOfRange, "path 3, state 1"),
+        (|ask, v| ask.states[2].angles_deg[0] = v, Reason::OutOfRange, "path 2: yaw_deg"),
+        (|ask, v| ask.states[2].velocity_m_s[1] = v, Reason::OutOfRange, "path 2: velocity"),
+        (|ask, _| ask.states[4].t_s = 0.0, Reason::OutOfRange, "times rise"),
+        (|ask, _| ask.states[4].position_m[0] = 900.0, Reason::OutOfRange, "path 3, state 1: from"),
+        (|ask, _| ask.states[3].position_m[0] = 3.0, Reason::Misfit, "path 3: at 0 s party"),
+        (|ask, v| ask.paths[2].yaw_rate_deg_s = v, Reason::OutOfRange, "path 2: yaw_rate_deg_s"),
+        (|ask, v| ask.paths[0].probability = v, Reason::OutOfRange, "party 1: probability"),
+        (|ask, _| ask.paths[0].probability = 0.5, Reason::OutOfRange, "sum to 0.5"),
         (|ask, v| ask.parties[0].responsibility = v, Reason::OutOfRange, "party 0"),
         (
             |ask, v| (ask.parties[0].flags, ask.parties[0].mass_kg) = (WireParty::MASS, v),
             Reason::OutOfRange,
             "mass_kg",
         ),
-        (|ask, _| ask.ego = 1, Reason::Malformed, "cannot be hit"),
         (|ask, _| ask.parties[0].model = 2, Reason::Misfit, "party 0: a wall cannot be the ego"),
         (
-            |ask, _| ask.candidates[1].other.velocity_m_s = [1.0, 0.0],
+            |ask, _| {
+                ask.paths[0].kind = WirePathKind::Onward as u32;
+                ask.states[0] = ask.states[0].with_velocity([1.0, 0.0]);
+            },
             Reason::Misfit,
-            "candidate 1: a pole is fixed",
+            "path 0: a pole is fixed",
         ),
         (|ask, _| ask.parties[1].flags = WireParty::UNKNOWN, Reason::UnknownKind, "unknown kind"),
         (
             |ask, _| {
-                ask.parties[1].flags = WireParty::PERSONS;
-                ask.add_person(Person { party: 1, seat: 1 });
+                ask.add_candidate(2, &[WireReaction { party: 0, path: 0 }]);
             },
-            Reason::Misfit,
-            "party 1: a pole holds nobody",
+            Reason::Malformed,
+            "candidate 3: party 0 cannot react",
         ),
         (
             |ask, _| {
-                ask.add_person(Person { party: 0, seat: 1 });
+                ask.add_candidate(2, &[WireReaction { party: 1, path: 0 }; 2]);
+            },
+            Reason::Malformed,
+            "candidate 3: party 1 reacts twice",
+        ),
+        (|ask, _| persons_of(ask, 1, 1, 1), Reason::Misfit, "party 1: a pole holds nobody"),
+        (|ask, _| persons_of(ask, 0, 8, 1), Reason::Malformed, "seat 8 does not exist"),
+        (|ask, _| persons_of(ask, 0, 1, 2), Reason::Misfit, "2 persons cannot have the seat"),
+        (|ask, _| persons_of(ask, 0, 0, 10), Reason::Misfit, "holds 9 persons at most"),
+        (|ask, _| persons_of(ask, 0, 0, u32::MAX), Reason::Malformed, "not 256 at most"),
+        (|ask, _| persons_of(ask, 0, 0, 0), Reason::Misfit, "count"),
+        (
+            |ask, _| {
+                persons_of(ask, 0, 1, 1);
+                ask.parties[0].flags = 0;
             },
             Reason::Malformed,
             "no PERSONS flag",
-        ),
-        (
-            |ask, _| {
-                ask.parties[0].flags = WireParty::PERSONS;
-                ask.add_person(Person { party: 0, seat: 8 });
-            },
-            Reason::Malformed,
-            "seat 8 does not exist",
         ),
     ];
     for (make, reason, said) in mistakes {
         for value in [nan, f64::INFINITY, -1e12] {
             let mut ask = minimal();
             make(&mut ask, value);
-            let refusal = refused(&ask);
-            assert_eq!(refusal.reason, *reason, "{refusal:?}");
+            let refusal = checked(&ask).unwrap_err();
+            assert_eq!(refusal.reason, *reason, "{said}: {refusal:?}");
             assert!(refusal.text.contains(said), "{refusal:?} says nothing of {said}");
         }
     }
+}
+
+fn persons_of(ask: &mut Ask, party: u32, seat: u32, count: u32) {
+    ask.parties[party as usize].flags |= WireParty::PERSONS;
+    ask.add_persons(WirePersons { party, seat, count, spare: 0 }).unwrap();
 }
 
 proptest! {
@@ -146,18 +231,20 @@ proptest! {
     #[test]
     fn any_bytes_are_checked_or_refused(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..40),
+        to_head in any::<bool>(),
     ) {
         let mut ask = minimal();
-        let bytes = bytemuck::bytes_of_mut(&mut ask);
+        let used = if to_head { 128 } else { ask.used_bytes() };
+        let bytes = bytemuck::bytes_of_mut(&mut *ask);
         for (at, byte) in changes {
-            let at = at.index(bytes.len());
-            bytes[at] = byte;
+            bytes[at.index(used)] = byte;
         }
-        if let Ok(checked) = check(&ask, &deployment(), &bodies(), Lists::default()) {
+        if let Ok(checked) = checked(&ask) {
             prop_assert!(checked.scenario.candidates.len() <= CANDIDATES_MAX);
             for candidate in &checked.scenario.candidates {
-                prop_assert!(candidate.ego.pose.translation.iter().all(|m| m.abs() <= 1e6));
-                prop_assert!((0.0..=1.0).contains(&candidate.probability));
+                let path = &candidate.ego.path;
+                prop_assert_eq!((path.from_s(), path.to_s()), (0.0, checked.scenario.horizon_s));
+                prop_assert!(path.pose_at(0.0).translation.iter().all(|m| m.abs() <= 1e6));
             }
         }
     }

@@ -1,11 +1,11 @@
 //! Writes decisions, signed or not.
 
 use super::{
-    DECISION, DECISION_HEAD, DecisionError, DecisionFile, ENTRY, Entry, MAGIC, MAGIC_SIGNED,
-    SIGNED, START, entry_length, link, name, numbers,
+    DECISION_HEAD, DecisionError, DecisionFile, END, END_SIGNED, Entry, LENGTHS, MAGIC,
+    MAGIC_SIGNED, SIGNED, START, link, name, numbers, request_length,
 };
 use crate::deployment::Decisions;
-use protocol::public::{Ask, WireAnswer};
+use protocol::public::WireAnswer;
 use record::chain::{parse_head, same_key};
 use record::statement::STATEMENT_MAX;
 use record::{
@@ -17,6 +17,8 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::{FileExt as _, PermissionsExt as _};
 use std::path::Path;
 
+/// Maximum size of a file (bytes): half of what is read.
+const FILE_BYTES_MAX: u64 = 512 << 20;
 /// Interval between heads (ns): each waits for the disk.
 const HEAD_NS: u64 = 1_000_000_000;
 
@@ -36,6 +38,8 @@ pub(crate) struct Book {
     file: File,
     number: u64,
     entries: u32,
+    /// Bytes of the decisions in the file.
+    bytes: u64,
     last: [u8; 32],
     signing: Option<Signing>,
 }
@@ -79,25 +83,29 @@ impl Book {
             signing.write_head(folder, &file, last)?;
         }
         let settings = settings.clone();
-        let book = Self { settings, file, number, entries: 0, last, signing };
+        let book = Self { settings, file, number, entries: 0, bytes: 0, last, signing };
         book.forget()?;
         Ok(book)
     }
 
-    /// Adds a decision.
-    pub(crate) fn add(&mut self, ask: &Ask, answer: &WireAnswer) -> io::Result<()> {
-        if self.entries >= self.settings.per_file {
+    /// Adds a decision: the bytes of a request that count, and its answer.
+    pub(crate) fn add(&mut self, request: &[u8], answer: &WireAnswer) -> io::Result<()> {
+        let length = request.len() as u64;
+        let most = length + (LENGTHS + END_SIGNED) as u64;
+        if self.entries >= self.settings.per_file || self.bytes + most > FILE_BYTES_MAX {
             if self.signing.is_some() {
                 // The next head counts what is in this file, too.
                 self.file.sync_data()?;
             }
             let folder = &self.settings.folder;
             let file = begin(folder, self.number + 1, &self.last, self.signing.as_ref())?;
-            (self.file, self.number, self.entries) = (file, self.number + 1, 0);
+            (self.file, self.number, self.entries, self.bytes) = (file, self.number + 1, 0, 0);
             self.forget()?;
         }
-        let mut bytes = Vec::with_capacity(entry_length(self.signing.as_ref().map(Signing::key)));
-        bytes.extend_from_slice(bytemuck::bytes_of(ask));
+        let mut bytes = Vec::with_capacity(most as usize);
+        bytes.extend_from_slice(&length.to_le_bytes());
+        bytes.extend_from_slice(&(!length).to_le_bytes());
+        bytes.extend_from_slice(request);
         bytes.extend_from_slice(bytemuck::bytes_of(answer));
         if let Some(signing) = &self.signing {
             bytes.extend_from_slice(&signing.count.to_le_bytes());
@@ -112,6 +120,7 @@ impl Book {
         self.file.write_all(&bytes)?;
         self.last = hash;
         self.entries += 1;
+        self.bytes += bytes.len() as u64;
         Ok(())
     }
 
@@ -137,10 +146,6 @@ impl Book {
 }
 
 impl Signing {
-    fn key(&self) -> record::VerifyingKey {
-        self.signer.key.verifying_key()
-    }
-
     fn sign(&self, kind: StatementKind, hash: [u8; 32]) -> String {
         let provenance = self.signer.provenance.clone();
         let provenance = Provenance { written_ns: clock::time_of_day_ns(), ..provenance };
@@ -208,11 +213,29 @@ fn unsigned_end(folder: &Path, last: Option<u64>) -> Result<[u8; 32], DecisionEr
 
 pub(super) fn last_hash(path: &Path) -> Option<[u8; 32]> {
     let (file, length) = input::regular(path).ok()?;
-    let entries = length.checked_sub(START as u64)? / ENTRY as u64;
+    length.checked_sub(START as u64)?;
     let mut hash = [0; 32];
     // A hash ends the start, and each entry.
-    file.read_exact_at(&mut hash, (START - 32) as u64 + entries * ENTRY as u64).ok()?;
+    let ends = ends(&file, START as u64, length, END).ok()?;
+    let end = ends.last().copied().unwrap_or(START as u64);
+    file.read_exact_at(&mut hash, end - 32).ok()?;
     Some(hash)
+}
+
+/// Where the whole decisions of a file end, from the end of its beginning on.
+fn ends(file: &File, from: u64, length: u64, end: usize) -> io::Result<Vec<u64>> {
+    let (mut ends, mut at) = (Vec::new(), from);
+    let mut lengths = [0; LENGTHS];
+    while at + (LENGTHS as u64) <= length {
+        file.read_exact_at(&mut lengths, at)?;
+        let Some(request) = request_length(&lengths) else { break };
+        at += (LENGTHS + request + end) as u64;
+        if at > length {
+            break;
+        }
+        ends.push(at);
+    }
+    Ok(ends)
 }
 
 /// The hash of the last decision of a signed folder, and how many there are; in an empty folder, a
@@ -271,14 +294,16 @@ fn last_entry(path: &Path) -> Result<(SignedStatement, (u64, [u8; 32])), Decisio
     let found = DecisionFile::parse(&name, &start)?;
     let Some(statement) = found.statement else { return Err(ChainError::Unsigned { name }.into()) };
     let from = (start.len() - found.body.len()) as u64;
-    let offset_of = |number: u64| from + number * ENTRY_LENGTH;
-    let mut bytes = vec![0; ENTRY_LENGTH as usize];
-    for number in (0..(length - from) / ENTRY_LENGTH).rev() {
+    let ends = ends(&file, from, length, END_SIGNED)?;
+    for (number, end) in ends.iter().enumerate().rev() {
         let mut before = found.before;
+        let begin = number.checked_sub(1).map_or(from, |last| ends[last]);
         if number > 0 {
-            file.read_exact_at(&mut before, offset_of(number - 1) + (DECISION + 16) as u64)?;
+            // Its hash is before its signature.
+            file.read_exact_at(&mut before, begin - 96)?;
         }
-        file.read_exact_at(&mut bytes, offset_of(number))?;
+        let mut bytes = vec![0; (end - begin) as usize];
+        file.read_exact_at(&mut bytes, begin)?;
         let entry = Entry { bytes: &bytes, signer: Some(statement.signer) };
         if let (Some(hash), Some(number)) = (entry.checked(&before), entry.number()) {
             return Ok((statement, (number + 1, hash)));
@@ -287,5 +312,3 @@ fn last_entry(path: &Path) -> Result<(SignedStatement, (u64, [u8; 32])), Decisio
     let count = statement.statement.number;
     Ok((statement, (count, found.before)))
 }
-
-const ENTRY_LENGTH: u64 = super::ENTRY_SIGNED as u64;

@@ -8,6 +8,15 @@ use record::{HeadProof, Proof, Provenance, SigningKey};
 use std::fs;
 use std::path::Path;
 
+/// Bytes of a decision of [`ask`] that is signed.
+const ENTRY_SIGNED: usize = LENGTHS + Ask::BYTES_MIN + END_SIGNED;
+
+fn ask(number: u64) -> Box<Ask> {
+    let mut ask = Ask::new(5.0);
+    ask.sequence = number;
+    ask
+}
+
 fn answer(number: u64) -> WireAnswer {
     WireAnswer::without_ranking(number, WireState::Refused, Reason::Internal, "x")
 }
@@ -18,15 +27,15 @@ fn decisions_rotate_follow_on_each_other_and_are_found_changed() {
     let settings = Decisions { folder: folder.path().join("d"), per_file: 3, files: 2 };
     let mut book = Book::open(&settings, None).unwrap();
     for number in 0..8 {
-        book.add(&Ask::new(number), &answer(number)).unwrap();
+        book.add(ask(number).used(), &answer(number)).unwrap();
     }
     drop(book);
     assert_eq!(numbers(&settings.folder).unwrap(), [1, 2]);
     let entries = read_decisions(&name(&settings.folder, 2)).unwrap();
     assert_eq!(entries.len(), 2);
-    assert_eq!((entries[0].ask, entries[0].answer), (Ask::new(6), answer(6)));
+    assert_eq!((&entries[0].ask, entries[0].answer), (&ask(6), answer(6)));
     // The next run continues the chain.
-    Book::open(&settings, None).unwrap().add(&Ask::new(8), &answer(8)).unwrap();
+    Book::open(&settings, None).unwrap().add(ask(8).used(), &answer(8)).unwrap();
     assert_eq!(numbers(&settings.folder).unwrap(), [2, 3]);
     let path = name(&settings.folder, 3);
     assert_eq!(fs::read(&path).unwrap()[16..48], last_hash(&name(&settings.folder, 2)).unwrap());
@@ -55,7 +64,7 @@ fn settings(folder: &Path) -> Decisions {
 fn kept(folder: &Path, seed: u8, runs: &[u64]) {
     for count in runs {
         let mut book = Book::open(&settings(folder), Some(signer(seed))).unwrap();
-        (0..*count).for_each(|number| book.add(&Ask::new(number), &answer(number)).unwrap());
+        (0..*count).for_each(|number| book.add(ask(number).used(), &answer(number)).unwrap());
         book.mark(true).unwrap();
     }
 }
@@ -100,7 +109,7 @@ fn signed_decisions_pass_with_their_key_alone() {
     assert!(matches!(other, Err(DecisionError::Chain(ChainError::Key { .. }))));
     // Unsigned ones are no signed ones, and the next service does not sign on.
     let bare = place.path().join("bare");
-    Book::open(&settings(&bare), None).unwrap().add(&Ask::new(0), &answer(0)).unwrap();
+    Book::open(&settings(&bare), None).unwrap().add(ask(0).used(), &answer(0)).unwrap();
     assert_eq!(verify_decisions(&bare, None, None).unwrap().proof, Proof::Unsigned);
     let unsigned = |error| matches!(error, DecisionError::Chain(ChainError::Unsigned { .. }));
     assert!(unsigned(checked(&bare).unwrap_err()));
@@ -190,7 +199,7 @@ fn what_a_killed_service_leaves_passes_and_is_continued() {
     let folder = place.path().join("d");
     kept(&folder, 1, &[1]);
     let mut book = Book::open(&settings(&folder), Some(signer(1))).unwrap();
-    (0..2).for_each(|number| book.add(&Ask::new(number), &answer(number)).unwrap());
+    (0..2).for_each(|number| book.add(ask(number).used(), &answer(number)).unwrap());
     // Killed before the next head.
     drop(book);
     let good = files(&folder);

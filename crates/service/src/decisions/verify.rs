@@ -1,6 +1,6 @@
 //! Checks the decisions of a folder: every byte, their chain, and their signatures.
 
-use super::{DECISION_HEAD, DecisionError, DecisionFile, entry_length, name, numbers};
+use super::{DECISION_HEAD, DecisionError, DecisionFile, Rest, name, numbers};
 use record::chain::{parse_head, same_key};
 use record::{ChainError, HeadProof, Proof, SignedStatement, StatementKind, VerifyingKey};
 use runtime::{InputKind, input};
@@ -165,16 +165,22 @@ impl Check {
                 }
             }
         }
-        let entry_length = entry_length(file.statement.as_ref().map(|signed| signed.signer));
-        let mut whole = 0;
+        let counted = self.heads.first().map_or(0, |(_, head)| head.statement.number);
+        let is_signed = file.statement.is_some();
+        let changed = |number: usize, next: u64| DecisionError::ChangedIn {
+            path: path.clone(),
+            number,
+            is_after_head: is_signed && next >= counted,
+        };
+        // Bytes after the last sound decision.
+        let mut torn = file.body.len() as u64;
         let mut fault = None;
-        for (at, entry) in file.entries().enumerate() {
+        let mut entries = file.entries();
+        let mut whole = 0;
+        for (at, entry) in entries.by_ref().enumerate() {
             let right = entry.number().is_none_or(|number| number == self.next);
             let Some(hash) = entry.checked(&self.last).filter(|_| right) else {
-                let counted = self.heads.first().map_or(0, |(_, head)| head.statement.number);
-                let is_after_head = file.statement.is_some() && self.next >= counted;
-                let (path, number) = (path.clone(), at);
-                fault = Some(DecisionError::ChangedIn { path, number, is_after_head });
+                fault = Some(changed(at, self.next));
                 break;
             };
             for (head, signed) in &self.heads {
@@ -185,9 +191,12 @@ impl Check {
                 }
             }
             (self.last, whole) = (hash, at + 1);
+            torn -= entry.bytes.len() as u64;
             self.next += 1;
         }
-        let torn = (file.body.len() - whole * entry_length) as u64;
+        if let (Rest::Changed, None) = (entries.rest, &fault) {
+            fault = Some(changed(whole, self.next));
+        }
         match (is_last, fault) {
             (true, Some(error)) => return Err(error),
             (true, None) => self.torn_bytes += torn,

@@ -32,7 +32,7 @@ fn numbered(sequence: u64) -> Box<Ask> {
 }
 
 fn refused(text: &str) -> WireAnswer {
-    WireAnswer::without_ranking(1, WireState::Refused, Reason::Malformed, text)
+    WireAnswer::without_ranking(1, WireState::Refused, Reason::Malformed, text).sealed()
 }
 
 /// The second client takes the first one's slot in every table of iceoryx2, and both number their
