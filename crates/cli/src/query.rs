@@ -5,16 +5,15 @@ use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use crate::{print, table};
 use clap::Args;
-use client::public::{Reason, WireAnswer, WirePlace, WireState, flag};
+use client::public::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
 use client::{Client, Waiting};
-use comfy_table::{CellAlignment, Table};
-use scenario::Scenario;
+use scenario::HorizonScenario;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 use trolley::files::InputKind;
-use trolley::{Failure, FailureKind, OpenDeployment};
+use trolley::{Failure, FailureKind, Horizon, OpenDeployment};
 
 /// The example of the laboratory.
 #[cfg(feature = "lab")]
@@ -32,7 +31,7 @@ macro_rules! repeated {
 
 pub(crate) const EXAMPLES: &str = concat!(
     "Examples:
-  trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
+  trolley query config/deployments/minimal.toml config/scenarios/wall-or-pole.toml
   trolley query D.toml S.toml --json | jq .ranking[0].name
 ",
     repeated!(),
@@ -45,7 +44,8 @@ Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not runni
 pub(crate) struct QueryArgs {
     /// Deployment that the service was started with: names the service and its models.
     deployment: PathBuf,
-    /// Scenario, TOML: see `trolley schema`. The service's engine, policy and curves apply.
+    /// Scenario over a horizon, TOML: see `trolley schema --horizon`. The service's engine, policy
+    /// and curves apply.
     scenario: PathBuf,
     /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
@@ -81,15 +81,25 @@ struct Document<'a> {
 #[derive(Serialize)]
 struct Row<'a> {
     name: &'a str,
-    other: &'a str,
     work: [f64; 2],
     range: [f64; 2],
-    touches: bool,
+    touches_nobody: bool,
     certain: bool,
     tied: bool,
-    depth_m: [f64; 2],
-    delta_v_m_s: [[f64; 2]; 2],
+    open_from_s: Option<f64>,
+    contact_count: u32,
+    contacts: Vec<Contact<'a>>,
     worst: Option<[f64; 2]>,
+}
+
+/// One of the first contacts of a candidate.
+#[derive(Serialize)]
+struct Contact<'a> {
+    party: &'a str,
+    time_s: f64,
+    heavy: bool,
+    closing_m_s: f64,
+    delta_v_m_s: [[f64; 2]; 2],
 }
 
 pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
@@ -97,9 +107,16 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let opened = OpenDeployment::open_with(&options.deployment, instance, references)?;
     let text = trolley::files::text(&options.scenario, InputKind::Scenario)?;
     let name = options.scenario.display().to_string();
-    let scenario = Scenario::parse(&name, &text)?;
+    if !scenario::is_horizon_text(&text) {
+        let what = "a service takes scenarios over a horizon: this one has another form";
+        let help = "write schema = \"trolley.scenario/2\" (see `trolley schema --horizon`), or rank it \
+                    with `trolley rank`";
+        return Err(Failure::input(what).at(name).with_remedy(help));
+    }
+    let horizon = Horizon::parse_with(&name, &text, references)?;
+    let scenario = horizon.parsed();
     let unknown_is_fixed = options.assume == Some(Assume::UnknownFixed);
-    let ask = opened.ask(&options.scenario, &scenario, unknown_is_fixed)?;
+    let ask = opened.ask(&horizon, unknown_is_fixed)?;
     if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
         let fault = format!("--deadline-ms {}: out of range", options.deadline_ms);
         return Err(Failure::setting(fault).with_remedy("use up to 3600000 ms"));
@@ -116,10 +133,10 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
     let answer = client.ask(&ask, patience);
     if output.json {
-        let document = document(&scenario, &answer);
+        let document = document(scenario, &answer);
         print::out(&print::json(&document)?)?;
     } else if answer.verdict().has_ranking() {
-        print::out(&ranking(&scenario, &answer))?;
+        print::out(&ranking(scenario, &answer))?;
     }
     match answer.verdict() {
         WireState::Complete | WireState::Certified => Ok(ExitCode::SUCCESS),
@@ -139,33 +156,39 @@ fn code(answer: &WireAnswer) -> FailureKind {
     }
 }
 
-fn name_of<'a>(scenario: &'a Scenario, place: &WirePlace) -> (&'a str, &'a str) {
-    let candidate = scenario.candidates.get(place.candidate as usize);
-    candidate.map_or(("?", "?"), |candidate| {
-        let other = scenario.parties.get(candidate.other.party.0);
-        (&candidate.name, other.map_or("?", |party| &party.name))
-    })
+fn name_of(scenario: &HorizonScenario, candidate: u32) -> &str {
+    scenario.candidates.get(candidate as usize).map_or("?", |candidate| &candidate.name)
 }
 
-fn document<'a>(scenario: &'a Scenario, answer: &'a WireAnswer) -> Document<'a> {
+fn party(scenario: &HorizonScenario, number: u32) -> &str {
+    scenario.parties.get(number as usize).map_or("?", |party| &party.name)
+}
+
+fn document<'a>(scenario: &'a HorizonScenario, answer: &'a WireAnswer) -> Document<'a> {
+    let contact = |contact: &WireContact| Contact {
+        party: party(scenario, contact.party),
+        time_s: contact.time_s,
+        heavy: contact.flags & flag::HEAVY != 0,
+        closing_m_s: contact.closing_m_s,
+        delta_v_m_s: [contact.ego_delta_v_m_s, contact.other_delta_v_m_s],
+    };
     let row = |place: &WirePlace| {
-        let (name, other) = name_of(scenario, place);
         let has = |bit: u32| place.flags & bit != 0;
         Row {
-            name,
-            other,
+            name: name_of(scenario, place.candidate),
             work: place.work,
             range: place.range,
-            touches: has(flag::TOUCHES),
+            touches_nobody: has(flag::TOUCHES_NOBODY),
             certain: has(flag::CERTAIN),
             tied: has(flag::TIED),
-            depth_m: place.depth_m,
-            delta_v_m_s: [place.ego_delta_v_m_s, place.other_delta_v_m_s],
+            open_from_s: has(flag::OPEN).then_some(place.open_from_s),
+            contact_count: place.contact_count,
+            contacts: place.listed().iter().map(contact).collect(),
             worst: has(flag::PERSON).then_some(place.worst),
         }
     };
     Document {
-        schema: "trolley.query/1",
+        schema: "trolley.query/2",
         state: answer.verdict().name(),
         reason: answer.reason().name(),
         text: answer.text(),
@@ -176,35 +199,49 @@ fn document<'a>(scenario: &'a Scenario, answer: &'a WireAnswer) -> Document<'a> 
     }
 }
 
+/// Whom a candidate meets, one a line.
+fn meets(scenario: &HorizonScenario, place: &WirePlace) -> String {
+    let contact = |contact: &WireContact| {
+        let kind = if contact.flags & flag::HEAVY == 0 { "light" } else { "heavy" };
+        let (time_s, party) = (contact.time_s, party(scenario, contact.party));
+        format!("{time_s:.2} s {party}, {kind} ({:.1} m/s)", contact.ego_delta_v_m_s[1])
+    };
+    let mut lines: Vec<String> = place.listed().iter().map(contact).collect();
+    let more = place.contact_count as usize - lines.len().min(place.contact_count as usize);
+    if more > 0 {
+        lines.push(format!("and {more} more"));
+    }
+    if place.flags & flag::OPEN != 0 {
+        lines.push(format!("not known after {:.2} s", place.open_from_s));
+    } else if lines.is_empty() {
+        lines.push("nobody".to_owned());
+    }
+    lines.join("\n")
+}
+
 /// The ranking as text.
-fn ranking(scenario: &Scenario, answer: &WireAnswer) -> String {
-    let mut table = Table::new();
-    table.load_style(comfy_table::presets::NOTHING);
-    table.set_header(["#", "candidate", "contact", "depth", "ΔV ego/other", "harm %", "range %"]);
+fn ranking(scenario: &HorizonScenario, answer: &WireAnswer) -> String {
+    let mut table = table::plain(&["#", "candidate", "meets", "harm %", "range %"]);
     for (number, place) in answer.ranking().iter().enumerate() {
-        let (name, other) = name_of(scenario, place);
-        let touches = place.flags & flag::TOUCHES != 0;
-        let contact = if touches { format!("with {other}") } else { "none".to_owned() };
-        let dash = |text: String| if touches { text } else { "–".to_owned() };
         table.add_row([
             (number + 1).to_string(),
-            name.to_owned(),
-            contact,
-            dash(format!("{:.2} m", place.depth_m[1])),
-            dash(format!("{:.1} / {:.1}", place.ego_delta_v_m_s[1], place.other_delta_v_m_s[1])),
+            name_of(scenario, place.candidate).to_owned(),
+            meets(scenario, place),
             table::percent(place.work[1]),
             format!("{}–{}", table::percent(place.range[0]), table::percent(place.range[1])),
         ]);
     }
-    for number in 3..7 {
-        if let Some(column) = table.column_mut(number) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    let best = answer.ranking().first().map_or("?", |place| name_of(scenario, place).0);
+    let free = |place: &&WirePlace| place.flags & flag::TOUCHES_NOBODY != 0;
+    let name = |place: &WirePlace| name_of(scenario, place.candidate);
+    let free: Vec<&str> = answer.ranking().iter().filter(free).map(name).collect();
+    let best = answer.ranking().first().map_or("?", name);
+    let first = match free.as_slice() {
+        [] => format!("Every way hits somebody, as far as is known. Least harm: {best}."),
+        free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
+    };
     let mut text = format!(
-        "{}\n\nLeast harm: {best}. {}: answered in {:.0} µs, after {:.0} µs of waiting.",
-        table.to_string().lines().map(str::trim_end).collect::<Vec<_>>().join("\n"),
+        "{}\n\n{first}\n{}: answered in {:.0} µs, after {:.0} µs of waiting.",
+        table::lines(table, &[0, 3]),
         answer.verdict().name().to_uppercase(),
         answer.worked_ns as f64 / 1e3,
         answer.queued_ns as f64 / 1e3,

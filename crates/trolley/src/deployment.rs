@@ -1,7 +1,6 @@
 //! A deployment file, and the files it names.
 
-use crate::Failure;
-use crate::bodies::PartyBody;
+use crate::{Failure, Horizon};
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::scenario::check_models;
@@ -9,7 +8,7 @@ use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
 use protocol::public::Ask;
-use scenario::{Party, Scenario, Source};
+use scenario::Source;
 use service::{Deployment, Model};
 use std::path::{Path, PathBuf};
 
@@ -156,16 +155,15 @@ impl OpenDeployment {
     }
 
     /// Makes the request that asks the service to rank a scenario, with the ids of the deployment's
-    /// models. `file` is the scenario's file, which its paths are relative to; its engine, policy
-    /// and curves are ignored. With `unknown_is_fixed`, parties of unknown kind are taken as fixed
+    /// models. Its engine, policy, curves and deadline are ignored. With `unknown_is_fixed`, parties of unknown kind are taken as fixed
     /// to the ground, with nobody in them.
     ///
     /// ```
     /// # let file = "../../config/deployments/minimal.toml";
     /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
-    /// let scenario = trolley::Scenario::open("../../config/scenarios/minimal.toml")?;
-    /// let ask = opened.ask(scenario.file().as_ref(), scenario.parsed(), false)?;
-    /// assert_eq!(ask.candidate_count, 2);
+    /// let horizon = trolley::Horizon::open("../../config/scenarios/wall-or-pole.toml")?;
+    /// let ask = opened.ask(&horizon, false)?;
+    /// assert_eq!(ask.candidate_count, 3);
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
@@ -173,17 +171,12 @@ impl OpenDeployment {
     ///
     /// If the deployment lacks the model of a party, a model file leads out of its folder, or the
     /// scenario is too large for a request.
-    pub fn ask(
-        &self,
-        file: &Path,
-        scenario: &Scenario,
-        unknown_is_fixed: bool,
-    ) -> Result<Ask, Failure> {
-        let bodies: Vec<_> = scenario.parties.iter().map(PartyBody::of).collect();
-        check_models(&bodies, file, self.references)?;
+    pub fn ask(&self, horizon: &Horizon, unknown_is_fixed: bool) -> Result<Box<Ask>, Failure> {
+        let (file, scenario) = (Path::new(horizon.file()), horizon.parsed());
+        check_models(&horizon.bodies(), file, self.references)?;
         let mut models = Vec::new();
         for party in &scenario.parties {
-            let is_same = |model: &&Model| self.is_body_of(file, party, model);
+            let is_same = |model: &&Model| self.is_body_of(file, &party.source, model);
             let Some(model) = self.deployment.models.iter().find(is_same) else {
                 let (place, name) = (party.place, &party.name);
                 let what = format!("the deployment lacks the model of party \"{name}\"");
@@ -197,8 +190,8 @@ impl OpenDeployment {
     }
 
     /// Whether a model is the body of a scenario's party: the same file, or generated alike.
-    fn is_body_of(&self, scenario: &Path, party: &Party, model: &Model) -> bool {
-        match (&party.source, &model.source) {
+    fn is_body_of(&self, scenario: &Path, source: &Source, model: &Model) -> bool {
+        match (source, &model.source) {
             (Source::File(reference), service::ModelSource::File(path)) => {
                 let theirs = beside(scenario, Path::new(&reference.path)).canonicalize().ok();
                 theirs.is_some() && theirs == self.path(path).canonicalize().ok()
