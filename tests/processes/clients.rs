@@ -45,8 +45,8 @@ fn has(program: &str) -> bool {
 
 #[test]
 fn all_clients_see_the_ranking_of_rank() {
-    let minimal = shipped("config/scenarios/minimal.toml");
-    let rank = run(&["rank", minimal.to_str().unwrap(), "--json"]);
+    let three = shipped("config/scenarios/wall-or-pole.toml");
+    let rank = run(&["rank", three.to_str().unwrap(), "--json"]);
     let work = |(name, [lo, hi, _, _]): (String, [u64; 4])| (name, [lo, hi]);
     let expected: Vec<_> = ranked(&rank).into_iter().map(work).collect();
     let serving = serve(&shipped("config/deployments/minimal.toml"), &[]);

@@ -6,8 +6,8 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use super::strangers::{as_user, is_possible, strangers};
-use crate::support::service::{Serving, deployment, of_six, ranking, serve_by};
-use crate::support::{Place, instance, six, skipped, text, wait_for};
+use crate::support::service::{Serving, deployment, of_ways, ranking, serve_by};
+use crate::support::{Place, instance, ways, skipped, text, wait_for};
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, chown};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ impl Scene {
         fs::create_dir(scene.folder()).unwrap();
         chown(scene.folder(), Some(id), Some(id)).unwrap();
         scene.open_to(0o711);
-        fs::write(scene.scenario(), six(TRIANGLES)).unwrap();
+        fs::write(scene.scenario(), ways(TRIANGLES)).unwrap();
         // The build may lie where its owner alone can go.
         fs::copy(env!("CARGO_BIN_EXE_trolley"), scene.program()).unwrap();
         scene
@@ -70,7 +70,7 @@ impl Scene {
 
     /// A deployment for the scenario, with this group.
     fn deployment(&self, group: &str) -> PathBuf {
-        let file = deployment(&self.place, 1, &of_six(TRIANGLES));
+        let file = deployment(&self.place, 1, &of_ways(TRIANGLES));
         let keys = format!("folder = {:?}\ngroup = {group}\n[engine]", self.folder());
         let text = fs::read_to_string(&file).unwrap().replacen("[engine]", &keys, 1);
         self.place.write("deployment.toml", &text)

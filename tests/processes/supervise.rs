@@ -4,9 +4,9 @@
 use super::serve::connect;
 use crate::support::service::heard_signals;
 use crate::support::service::{
-    Serving, deployment, left_behind, of_six, ranked, ranking, serve, serve_as,
+    Serving, deployment, left_behind, of_ways, ranked, ranking, serve, serve_as,
 };
-use crate::support::{self, Place, children, instance, run, signal, six, text, trolley, wait_for};
+use crate::support::{self, Place, children, instance, run, signal, ways, text, trolley, wait_for};
 use runtime::clock;
 use rustix::process::Signal;
 use std::os::unix::net::UnixDatagram;
@@ -44,9 +44,9 @@ fn answer(serving: &Serving, scenario: &std::path::Path) -> Option<Output> {
 #[test]
 fn a_killed_service_is_replaced_and_answers_again() {
     let place = Place::new();
-    let scenario = place.write("six.toml", &six(600));
+    let scenario = place.write("ways.toml", &ways(600));
     let expected = ranked(&run(&["rank", scenario.to_str().unwrap(), "--json"]));
-    let serving = serve(&deployment(&place, 2, &of_six(600)), SUPERVISE);
+    let serving = serve(&deployment(&place, 2, &of_ways(600)), SUPERVISE);
     let mut service = service_of(serving.child.id()).unwrap();
     for number in [Signal::KILL, Signal::ABORT, Signal::KILL] {
         signal(service, number);
@@ -66,8 +66,8 @@ fn a_service_whose_answering_thread_stands_still_is_replaced_and_answers_again()
         return support::skipped("a service that hangs: this machine does not permit ptrace");
     }
     let place = Place::new();
-    let scenario = place.write("six.toml", &six(600));
-    let serving = serve(&deployment(&place, 2, &of_six(600)), SUPERVISE);
+    let scenario = place.write("ways.toml", &ways(600));
+    let serving = serve(&deployment(&place, 2, &of_ways(600)), SUPERVISE);
     let service = service_of(serving.child.id()).unwrap();
     let frozen = Frozen::first_thread(service).unwrap();
     let begun_ns = clock::now_ns();
@@ -86,8 +86,8 @@ fn a_service_whose_answering_thread_stands_still_is_replaced_and_answers_again()
 #[test]
 fn a_stopped_service_is_replaced() {
     let place = Place::new();
-    let scenario = place.write("six.toml", &six(600));
-    let serving = serve(&deployment(&place, 1, &of_six(600)), SUPERVISE);
+    let scenario = place.write("ways.toml", &ways(600));
+    let serving = serve(&deployment(&place, 1, &of_ways(600)), SUPERVISE);
     let service = service_of(serving.child.id()).unwrap();
     signal(service, Signal::STOP);
     successor(&serving, service, 1).expect("a successor");
@@ -239,9 +239,9 @@ fn pings_go_on_while_a_long_request_is_worked_on() {
     let deep = format!("[engine]\ndepth = {}\n", support::DEPTH);
     let text = std::fs::read_to_string(&file).unwrap().replacen("[engine]\n", &deep, 1);
     std::fs::write(&file, text).unwrap();
-    let scenario = ::trolley::Scenario::parse("heavy.toml", &support::heavy(120_000)).unwrap();
+    let scenario = ::trolley::Horizon::open(place.write("long.toml", &support::long(120_000))).unwrap();
     let opened = ::trolley::OpenDeployment::open(&file, None).unwrap();
-    let ask = opened.ask("heavy.toml".as_ref(), scenario.parsed(), false).unwrap();
+    let ask = opened.ask(&scenario, false).unwrap();
     for extra in [&[][..], &["--in-process"]] {
         let socket = place.path().join("notify");
         let _none_yet = std::fs::remove_file(&socket);

@@ -158,6 +158,43 @@ pub(crate) fn six(triangles: u32) -> String {
     )
 }
 
+/// Six ways of a car among six parties, over a horizon: each way hits somebody but the last.
+pub(crate) fn ways(triangles: u32) -> String {
+    let mut text = format!(
+        "schema = \"trolley.scenario/2\"\nname = \"ways\"\nhorizon_s = 3\n\
+         [parties.ego]\ngenerate = {{ shape = \"sedan\", triangles = {triangles} }}\n"
+    );
+    let parties = [
+        ("cyclist", "state", 18.0, -16.0, 90.0, 1.0),
+        ("wall", "place", 22.0, -9.0, 90.0, 0.0),
+        ("suv", "state", 25.0, 0.0, 180.0, 8.0),
+        ("truck", "state", 26.0, 9.0, 180.0, 4.0),
+        ("pedestrian", "state", 18.0, 15.0, -90.0, 1.0),
+        ("pole", "place", 15.0, 4.0, 0.0, 0.0),
+    ];
+    for (shape, kind, x, y, yaw, speed) in parties {
+        let speed = if kind == "state" { format!(", speed_m_s = {speed:?}") } else { String::new() };
+        write!(
+            text,
+            "[parties.{shape}]\ngenerate = {{ shape = \"{shape}\", triangles = {triangles} }}\n\
+             {kind} = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = {yaw:?}{speed} }}\n"
+        )
+        .unwrap();
+    }
+    let ways = [-11.0, -6.0, 0.0, 4.5, 11.5];
+    for (number, y) in ways.iter().enumerate() {
+        write!(
+            text,
+            "[[candidates]]\nname = \"way {number}\"\n\
+             state = {{ position_m = [0, 0, 0], velocity_m_s = [13, {y:?}] }}\n"
+        )
+        .unwrap();
+    }
+    text + "[[candidates]]\nname = \"stop\"\npath = { states = [\
+            { t_s = 0, position_m = [0, 0, 0] }, { t_s = 1, position_m = [8, 0, 0] }, \
+            { t_s = 2, position_m = [10, 0, 0] }, { t_s = 2.1, position_m = [10, 0, 0] } ] }\n"
+}
+
 /// Deep enough for tens of thousands of jobs: the run takes long on any machine.
 pub(crate) const DEPTH: &str = "17";
 
@@ -173,6 +210,36 @@ pub(crate) fn heavy(triangles: u32) -> String {
              ego = {{ position_m = [0, 0, 0], speed_m_s = 15 }}\n\
              other = {{ party = \"p0\", position_m = [4.4, {y:?}, 0], yaw_deg = 175, \
              speed_m_s = 12 }}\n"
+        )
+        .unwrap();
+    }
+    text
+}
+
+/// Work for a while, over a horizon: sixteen ways between cars that turn, each past several.
+pub(crate) fn long(triangles: u32) -> String {
+    let body = format!("generate = {{ shape = \"sedan\", triangles = {triangles} }}");
+    let mut text = format!(
+        "schema = \"trolley.scenario/2\"\nname = \"long\"\nhorizon_s = 5\n\
+         resolution_m = 0.00001\n[parties.ego]\n{body}\n"
+    );
+    for number in 0..8 {
+        let (x, y) = (7.0 * f64::from(number + 1), 2.0 - f64::from(number % 2) * 4.0);
+        write!(
+            text,
+            "[parties.c{number}]\n{body}\nstate = {{ position_m = [{x:?}, {y:?}, 0], \
+             yaw_deg = {:?}, speed_m_s = 3, yaw_rate_deg_s = 12 }}\n",
+            30 * number
+        )
+        .unwrap();
+    }
+    for number in 0..16 {
+        let speed = 8.0 + 0.5 * f64::from(number);
+        write!(
+            text,
+            "[[candidates]]\nname = \"way {number}\"\nstate = {{ position_m = [0, 0, 0], \
+             speed_m_s = {speed:?}, yaw_rate_deg_s = {:?} }}\n",
+            f64::from(number) - 8.0
         )
         .unwrap();
     }

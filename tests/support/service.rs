@@ -130,10 +130,10 @@ pub(crate) fn deployment(place: &Place, workers: u32, bodies: &[(&str, u32, u32)
     place.write("deployment.toml", &file)
 }
 
-/// The bodies of [`six`].
-pub(crate) fn of_six(triangles: u32) -> Vec<(&'static str, u32, u32)> {
-    let scenario = scenario::Scenario::parse("six.toml", &super::six(triangles)).unwrap();
-    let body = |party: &scenario::Party| match party.source {
+/// The bodies of [`ways`](super::ways).
+pub(crate) fn of_ways(triangles: u32) -> Vec<(&'static str, u32, u32)> {
+    let scenario = scenario::HorizonScenario::parse("ways.toml", &super::ways(triangles)).unwrap();
+    let body = |party: &scenario::HorizonParty| match party.source {
         scenario::Source::Generate { shape, triangles, seed } => {
             (shape.name(), triangles, seed as u32)
         }

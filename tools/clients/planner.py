@@ -1,4 +1,4 @@
-"""A planner in Python, on the C library: asks what config/scenarios/minimal.toml asks.
+"""A planner in Python, on the C library: asks what config/scenarios/wall-or-pole.toml asks.
 
     cargo build --release -p trolley-client-c
     trolley serve config/deployments/minimal.toml
@@ -9,54 +9,100 @@ The structs are those of crates/client-c/include/trolley.h. They have a fixed si
 
 import ctypes
 import sys
-from ctypes import POINTER, c_char, c_char_p, c_double, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uint32, c_uint64
+from ctypes import c_void_p
 
 
-class Motion(ctypes.Structure):
+class State(ctypes.Structure):
     _fields_ = [
+        ("t_s", c_double),
         ("position_m", c_double * 3),
         ("angles_deg", c_double * 3),
         ("velocity_m_s", c_double * 2),
+        ("flags", c_uint64),
+    ]
+
+
+class Path(ctypes.Structure):
+    _fields_ = [
+        ("kind", c_uint32),
+        ("first_state", c_uint32),
+        ("state_count", c_uint32),
+        ("spare", c_uint32),
+        ("probability", c_double),
+        ("yaw_rate_deg_s", c_double),
     ]
 
 
 class Candidate(ctypes.Structure):
     _fields_ = [
-        ("party", c_uint32),
+        ("path", c_uint32),
+        ("first_reaction", c_uint32),
+        ("reaction_count", c_uint32),
         ("spare", c_uint32),
-        ("probability", c_double),
-        ("ego", Motion),
-        ("other", Motion),
     ]
+
+
+class Reaction(ctypes.Structure):
+    _fields_ = [("party", c_uint32), ("path", c_uint32)]
 
 
 class Party(ctypes.Structure):
     _fields_ = [
         ("model", c_uint32),
         ("flags", c_uint32),
+        ("first_path", c_uint32),
+        ("path_count", c_uint32),
         ("mass_kg", c_double),
         ("responsibility", c_double),
         ("crush", c_double * 2),
+        ("size_m", c_double * 3),
+        ("position_covariance_m2", c_double * 4),
+        ("yaw_variance_deg2", c_double),
+        ("speed_variance", c_double),
     ]
 
 
-class Person(ctypes.Structure):
-    _fields_ = [("party", c_uint32), ("seat", c_uint32)]
+class Persons(ctypes.Structure):
+    _fields_ = [("party", c_uint32), ("seat", c_uint32), ("count", c_uint32), ("spare", c_uint32)]
 
 
 class Ask(ctypes.Structure):
     _fields_ = [
         ("version", c_uint32),
-        ("candidate_count", c_uint32),
-        ("party_count", c_uint32),
-        ("person_count", c_uint32),
+        ("flags", c_uint32),
         ("sequence", c_uint64),
         ("answer_by_ns", c_uint64),
-        ("flags", c_uint32),
+        ("checksum", c_uint64),
         ("ego", c_uint32),
-        ("parties", Party * 17),
-        ("persons", Person * 64),
+        ("party_count", c_uint32),
+        ("person_count", c_uint32),
+        ("candidate_count", c_uint32),
+        ("path_count", c_uint32),
+        ("reaction_count", c_uint32),
+        ("state_count", c_uint32),
+        ("spare", c_uint32),
+        ("horizon_s", c_double),
+        ("resolution_m", c_double),
+        ("model_set", c_uint8 * 32),
+        ("room", c_uint64 * 2),
+        ("parties", Party * 32),
+        ("persons", Persons * 256),
         ("candidates", Candidate * 16),
+        ("reactions", Reaction * 128),
+        ("paths", Path * 256),
+        ("states", State * 7168),
+    ]
+
+
+class Contact(ctypes.Structure):
+    _fields_ = [
+        ("party", c_uint32),
+        ("flags", c_uint32),
+        ("time_s", c_double),
+        ("closing_m_s", c_double),
+        ("ego_delta_v_m_s", c_double * 2),
+        ("other_delta_v_m_s", c_double * 2),
     ]
 
 
@@ -66,12 +112,15 @@ class Place(ctypes.Structure):
         ("flags", c_uint32),
         ("work", c_double * 2),
         ("range", c_double * 2),
-        ("depth_m", c_double * 2),
-        ("ego_delta_v_m_s", c_double * 2),
-        ("other_delta_v_m_s", c_double * 2),
+        ("contact_count", c_uint32),
         ("worst_party", c_uint32),
         ("worst_seat", c_uint32),
+        ("nearest_party", c_uint32),
         ("worst", c_double * 2),
+        ("open_from_s", c_double),
+        ("nearest_m", c_double),
+        ("nearest_s", c_double),
+        ("contacts", Contact * 4),
     ]
 
 
@@ -85,15 +134,23 @@ class Answer(ctypes.Structure):
         ("request", c_uint64),
         ("queued_ns", c_uint64),
         ("worked_ns", c_uint64),
-        ("text", c_char * 176),
+        ("checksum", c_uint64),
+        ("spare", c_uint64),
+        ("model_set", c_uint8 * 32),
+        ("text", c_char * 160),
         ("places", Place * 16),
     ]
 
 
-assert ctypes.sizeof(Ask) == 3536 and ctypes.sizeof(Answer) == 2016
+assert ctypes.sizeof(Ask) == 590976 and ctypes.sizeof(Answer) == 5376
+assert Ask.states.offset == 17536 and Answer.places.offset == 256
 
+PLACE, ONWARD, STATES = 1, 2, 3
+VELOCITY = 1
 VERDICTS = ["?", "complete", "certified", "degraded", "refused", "busy"]
-NAMES = ["wall, frontal", "pole, narrow"]
+NAMES = ["straight on, the wall", "to the left, the pole", "brake"]
+LEFT = [(0.0, 0.0, 0.0, 0.0), (0.5, 7.0, 0.4, 6.0), (1.0, 13.8, 1.8, 14.0), (1.5, 20.4, 4.0, 20.0)]
+BRAKE = [(0.0, 0.0), (0.5, 6.3), (1.0, 11.2), (1.5, 14.7), (2.0, 16.8), (2.5, 17.5), (2.6, 17.5)]
 
 
 def library() -> ctypes.CDLL:
@@ -108,17 +165,37 @@ def library() -> ctypes.CDLL:
     return lib
 
 
+def at(t_s: float, x: float, y: float, yaw_deg: float) -> State:
+    state = State(t_s=t_s)
+    state.position_m[0], state.position_m[1], state.angles_deg[0] = x, y, yaw_deg
+    return state
+
+
+def add_path(ask: Ask, kind: int, states: list, probability: float = 0.0) -> int:
+    """Adds a path, and returns its number."""
+    number, first = ask.path_count, ask.state_count
+    ask.paths[number] = Path(
+        kind=kind, first_state=first, state_count=len(states), probability=probability
+    )
+    for place, state in enumerate(states, first):
+        ask.states[place] = state
+    ask.path_count, ask.state_count = number + 1, first + len(states)
+    return number
+
+
 def what_is_left() -> Ask:
-    ask = Ask(version=1, party_count=3, candidate_count=2, ego=0)
+    ask = Ask(version=2, horizon_s=5.0, party_count=3, candidate_count=3, ego=0)
     # Ids of config/deployments/minimal.toml: 1 a sedan, 2 a wall, 3 a pole.
-    for number, model in enumerate([1, 3, 2]):
-        ask.parties[number].model = model
-    for number, (party, x, y, yaw) in enumerate([(2, 2.55, 0.0, 90.0), (1, 2.4, 0.3, 0.0)]):
-        candidate = ask.candidates[number]
-        candidate.party, candidate.probability = party, 1.0
-        candidate.ego.velocity_m_s[0] = 10.0
-        candidate.other.position_m[0], candidate.other.position_m[1] = x, y
-        candidate.other.angles_deg[0] = yaw
+    ask.parties[0].model = 1
+    for number, model, place in [(1, 3, at(0.0, 20.0, 2.9, 0.0)), (2, 2, at(0.0, 25.0, 0.0, 90.0))]:
+        party = ask.parties[number]
+        party.model, party.path_count = model, 1
+        party.first_path = add_path(ask, PLACE, [place], 1.0)
+    now = at(0.0, 0.0, 0.0, 0.0)
+    now.velocity_m_s[0], now.flags = 14.0, VELOCITY
+    ask.candidates[0].path = add_path(ask, ONWARD, [now])
+    ask.candidates[1].path = add_path(ask, STATES, [at(*state) for state in LEFT])
+    ask.candidates[2].path = add_path(ask, STATES, [at(t_s, x, 0.0, 0.0) for t_s, x in BRAKE])
     return ask
 
 

@@ -1,4 +1,4 @@
-// A planner in C++: asks what config/scenarios/minimal.toml asks, and prints the ranking.
+// A planner in C++: asks what config/scenarios/wall-or-pole.toml asks, and prints the ranking.
 //
 //   trolley serve config/deployments/minimal.toml
 //   g++ -std=c++17 -I crates/client-c/include crates/client-c/examples/planner.cpp
@@ -7,6 +7,12 @@
 #include "trolley.h"
 
 #include <cstdio>
+#include <memory>
+#include <vector>
+
+static trolley_state at(double t_s, double x, double y, double yaw_deg) {
+  return {t_s, {x, y, 0.0}, {yaw_deg, 0.0, 0.0}, {0.0, 0.0}, 0};
+}
 
 int main(int count, char **words) {
   const char *instance = count > 1 ? words[1] : "minimal";
@@ -18,32 +24,44 @@ int main(int count, char **words) {
     return 75;
   }
 
-  trolley_request request{};
-  request.version = TROLLEY_VERSION;
+  auto request = std::make_unique<trolley_request>();
+  request->version = TROLLEY_VERSION;
+  request->horizon_s = 5.0;
   // Ids of config/deployments/minimal.toml: 1 a sedan, 2 a wall, 3 a pole.
-  request.party_count = 3;
-  request.parties[0].model = 1;
-  request.parties[1].model = 3;
-  request.parties[2].model = 2;
-  request.ego = 0;
+  request->ego = 0;
+  request->party_count = 3;
+  request->parties[0].model = 1;
+  const struct { uint32_t party, model; trolley_state place; } fixed[] = {
+      {1, 3, at(0.0, 20.0, 2.9, 0.0)}, {2, 2, at(0.0, 25.0, 0.0, 90.0)}};
+  for (const auto &body : fixed) {
+    trolley_party &party = request->parties[body.party];
+    party.model = body.model;
+    party.first_path = trolley_add_path(request.get(), TROLLEY_PATH_PLACE, &body.place, 1);
+    party.path_count = 1;
+    request->paths[party.first_path].probability = 1.0;
+  }
 
-  const char *names[] = {"wall, frontal", "pole, narrow"};
-  request.candidate_count = 2;
-  trolley_candidate &wall = request.candidates[0];
-  wall.party = 2;
-  wall.probability = 1.0;
-  wall.ego.velocity_m_s[0] = 10.0;
-  wall.other.position_m[0] = 2.55;
-  wall.other.angles_deg[0] = 90.0;
-  trolley_candidate &pole = request.candidates[1];
-  pole.party = 1;
-  pole.probability = 1.0;
-  pole.ego.velocity_m_s[0] = 10.0;
-  pole.other.position_m[0] = 2.4;
-  pole.other.position_m[1] = 0.3;
+  const char *names[] = {"straight on, the wall", "to the left, the pole", "brake"};
+  trolley_state now = at(0.0, 0.0, 0.0, 0.0);
+  now.velocity_m_s[0] = 14.0;
+  now.flags = TROLLEY_STATE_VELOCITY;
+  const std::vector<trolley_state> left = {at(0.0, 0.0, 0.0, 0.0), at(0.5, 7.0, 0.4, 6.0),
+                                           at(1.0, 13.8, 1.8, 14.0), at(1.5, 20.4, 4.0, 20.0)};
+  const std::vector<trolley_state> brake = {
+      at(0.0, 0.0, 0.0, 0.0),  at(0.5, 6.3, 0.0, 0.0),  at(1.0, 11.2, 0.0, 0.0),
+      at(1.5, 14.7, 0.0, 0.0), at(2.0, 16.8, 0.0, 0.0), at(2.5, 17.5, 0.0, 0.0),
+      at(2.6, 17.5, 0.0, 0.0)};
+  request->candidate_count = 3;
+  request->candidates[0].path = trolley_add_path(request.get(), TROLLEY_PATH_ONWARD, &now, 1);
+  for (const auto *states : {&left, &brake}) {
+    const auto count = static_cast<uint32_t>(states->size());
+    const uint32_t number = states == &left ? 1 : 2;
+    request->candidates[number].path =
+        trolley_add_path(request.get(), TROLLEY_PATH_STATES, states->data(), count);
+  }
 
   trolley_answer answer;
-  trolley_ask(client, &request, 1000000000u, &answer);
+  trolley_ask(client, request.get(), 1000000000u, &answer);
   trolley_disconnect(client);
   std::fprintf(stderr, "%s %s\n", trolley_verdict_name(answer.verdict), answer.text);
   for (uint32_t i = 0; i < answer.place_count; i++) {

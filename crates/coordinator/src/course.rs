@@ -40,6 +40,7 @@ use damage::{
 };
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
+use core::cell::Cell;
 use runtime::clock;
 use scenario::HorizonScenario;
 use std::sync::Arc;
@@ -168,8 +169,20 @@ pub fn rank_courses(
     let due_ns = limits
         .deadline_ns
         .map(|length_ns| accepted_ns + length_ns.saturating_sub(reserved_ns.min(length_ns / 5)));
-    let is_over = move || due_ns.is_some_and(|due_ns| clock::now_ns() >= due_ns);
-    let is_due: Option<&dyn Fn() -> bool> = due_ns.is_some().then_some(&is_over);
+    let idle_hook = backend.idle_hook();
+    let is_watched = due_ns.is_some() || idle_hook.is_some();
+    let attended_ns = Cell::new(accepted_ns);
+    let is_over = move || {
+        let now_ns = clock::now_ns();
+        if let Some(idle_hook) = &idle_hook
+            && now_ns - attended_ns.get() >= ATTEND_NS
+        {
+            attended_ns.set(now_ns);
+            idle_hook.call();
+        }
+        due_ns.is_some_and(|due_ns| now_ns >= due_ns)
+    };
+    let is_due: Option<&dyn Fn() -> bool> = is_watched.then_some(&is_over);
     let CourseRequest { scenario, models, shells, rules: (policy, curves) } = request;
     let scenery = Scenery { scenario, bodies: stage.bodies, models, shells };
     let people = People::of(scenario, &|party| scenery.body(party));
@@ -409,6 +422,8 @@ fn conclude(
     Ok(course_answer::written(scenery, people, policy, (courses, &harms), &ranking, search))
 }
 
+/// Least time between two calls of an idle hook while contacts are searched for (ns).
+const ATTEND_NS: u64 = 5_000_000;
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).
 const SAYING_NS: u64 = 1_000_000;
 /// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only

@@ -76,6 +76,11 @@ impl InProcessExecutor {
         Self { idle_hook: Some(idle_hook), ..self }
     }
 
+    /// What [`with_idle_hook`](Self::with_idle_hook) was given.
+    pub(crate) fn idle_hook(&self) -> Option<&IdleHook> {
+        self.idle_hook.as_ref()
+    }
+
     /// Sizes the buffers for jobs of other bodies; allocates only if these are larger.
     pub fn make_room_for(&mut self, bodies: &[(Meta, BodyView<'_>)]) {
         self.executor.make_room_for(bodies);
@@ -108,7 +113,7 @@ impl InProcessExecutor {
                 }
                 if now_ns - looked_ns >= LOOK_NS {
                     looked_ns = now_ns;
-                    self.idle_hook.iter_mut().for_each(IdleHook::call);
+                    self.idle_hook.iter().for_each(IdleHook::call);
                 }
                 count += 1;
                 if work.is_obsolete(job) {

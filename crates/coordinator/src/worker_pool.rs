@@ -390,7 +390,7 @@ impl WorkerPool {
         let waiting = self.workers.iter().any(|worker| worker.has_mail(&self.status));
         let wakes = self.poller.wait(Some(if waiting { 0 } else { timeout_ns }));
         flag(0);
-        if let Some(idle_hook) = &mut self.idle_hook {
+        if let Some(idle_hook) = &self.idle_hook {
             idle_hook.call();
         }
         for wake in wakes? {

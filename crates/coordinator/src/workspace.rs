@@ -11,7 +11,7 @@ use crate::in_process::InProcessExecutor;
 use crate::request::{Candidates, Request, RequestError};
 use crate::request_limits::RequestLimits;
 use crate::work::{RankingRun, RunBuffers, TaskSource};
-use crate::worker_pool::{WorkerPool, WorkerPoolError, WorkerPoolReport};
+use crate::worker_pool::{IdleHook, WorkerPool, WorkerPoolError, WorkerPoolReport};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
 use damage::{Curves, Policy};
@@ -144,7 +144,16 @@ impl Backend {
     #[must_use]
     pub fn report(&self) -> Option<WorkerPoolReport> {
         self.worker_pool().map(WorkerPool::report)
-    }}
+    }
+
+    /// What is called while a request is worked on, if something is.
+    pub(crate) fn idle_hook(&self) -> Option<IdleHook> {
+        match self {
+            Self::Workers(worker_pool) => worker_pool.idle_hook().cloned(),
+            Self::InProcess(executor) => executor.idle_hook().cloned(),
+        }
+    }
+}
 
 impl RankingWorkspace {
     /// Runs a request, and passes what is known at its end to `read`. `limits` gives the limits

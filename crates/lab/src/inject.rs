@@ -19,6 +19,7 @@ mod live;
 mod live_pool;
 mod management;
 mod plan;
+mod public;
 mod report;
 mod run;
 mod serving;
@@ -27,16 +28,16 @@ mod strangers;
 mod worker_pool;
 
 use crate::progress::{Progress, SyncProgress};
-use coordinator::{Answer, RankingRun, Request, run_in_process};
+use coordinator::{CourseAnswer, RankingRun, Request, run_in_process};
 use geometry::rng::Rng;
 use kind::Kind;
 use plan::Plan;
 use report::Report;
 use scenario::{FileRef, Overrides};
 use serving::Serving;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trolley::bodies::{Bodies, SILENT};
-use trolley::{Failure, Limits, References, Scenario, files};
+use trolley::{Engine, Failure, Horizon, Limits, References, Scenario, files};
 
 pub use report::Injected;
 
@@ -99,14 +100,19 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         let stage = live_pool::Stage { plan: &plan, store, reference: &reference };
         live::run(&stage, &work, &live, options.seed, &mut report, &progress)?;
     }
+    let mut asked = None;
     let rank = run::Rank { program: &options.program, plan: &plan, references: options.references };
     for (number, kind) in runs.iter().enumerate() {
         if report.is_interrupted {
             break;
         }
         if kind.is_of_service() {
+            let asked = match &mut asked {
+                Some(asked) => asked,
+                none => none.insert(Asked::open(&plan.asked, options.references)?),
+            };
             let seed = options.seed ^ (number as u64) << 20;
-            service_fault(&rank, parsed, *kind, Rng::new(seed), &reference, &mut report)?;
+            service_fault(&rank, asked, *kind, Rng::new(seed), &mut report)?;
             progress.add(1);
             continue;
         }
@@ -124,16 +130,34 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
     Ok(injected)
 }
 
+/// What clients ask a service, and what the answer is.
+struct Asked {
+    horizon: Horizon,
+    reference: CourseAnswer,
+}
+
+impl Asked {
+    fn open(path: &Path, references: References) -> Result<Self, Failure> {
+        let horizon = Horizon::parse_with(
+            &path.display().to_string(),
+            &files::text(path, files::InputKind::Scenario)?,
+            references,
+        )?;
+        let mut engine = Engine::builder().in_process().build()?;
+        let reference = engine.rank_horizon(&horizon, &Limits::default())?.answer;
+        Ok(Self { horizon, reference })
+    }
+}
+
 /// Injects one fault into a service.
 fn service_fault(
     rank: &run::Rank<'_>,
-    scenario: &scenario::Scenario,
+    Asked { horizon, reference }: &Asked,
     kind: Kind,
     rng: Rng,
-    reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let Some(mut serving) = Serving::prepare(rank, scenario)? else {
+    let Some(mut serving) = Serving::prepare(rank, horizon)? else {
         report.skip(kind, "not all bodies of the scenario are generated");
         return Ok(());
     };
@@ -144,6 +168,7 @@ fn service_fault(
         }
         Kind::FullShm => full::strike(&mut serving, rng, reference, report),
         Kind::StrangersFiles => strangers::strike(&mut serving, rng, reference, report),
+        Kind::FlipPublic => public::flip(&mut serving, rng, reference, report),
         _ => management::flip(&mut serving, rng, reference, report),
     }
 }

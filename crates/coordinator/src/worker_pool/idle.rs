@@ -2,22 +2,28 @@
 //! while it works a hook serves waiting clients.
 
 use super::{WorkerPool, WorkerPoolError};
+use core::cell::RefCell;
 use core::fmt;
 use runtime::Wake;
 use std::os::fd::BorrowedFd;
+use std::rc::Rc;
 
 /// Called repeatedly while a request is worked on: whenever the coordinator is about to sleep, and
-/// at least every 20 ms; in-process, between two jobs.
-pub struct IdleHook(Box<dyn FnMut()>);
+/// at least every 20 ms; in-process, between two jobs. Clones call the same.
+#[derive(Clone)]
+pub struct IdleHook(Rc<RefCell<dyn FnMut()>>);
 
 impl IdleHook {
     /// A hook. It must be quick: a worker may be waiting.
     pub fn new(attend: impl FnMut() + 'static) -> Self {
-        Self(Box::new(attend))
+        Self(Rc::new(RefCell::new(attend)))
     }
 
-    pub(crate) fn call(&mut self) {
-        (self.0)();
+    pub(crate) fn call(&self) {
+        // One that calls itself is at work already.
+        if let Ok(mut attend) = self.0.try_borrow_mut() {
+            attend();
+        }
     }
 }
 
@@ -44,6 +50,11 @@ impl WorkerPool {
         self.poller.add_fd(wake_fd, WAKE_KEY)?;
         self.idle_hook = Some(idle_hook);
         Ok(())
+    }
+
+    /// What [`listen`](Self::listen) was given.
+    pub(crate) fn idle_hook(&self) -> Option<&IdleHook> {
+        self.idle_hook.as_ref()
     }
 
     /// Sleeps until the wake fd rings or a worker ends, at most `timeout_ns`; 0 polls without

@@ -6,7 +6,7 @@
 //! | workers of a pool, by orders | `abort` to `loan-exhausted` |
 //! | messages and the status page | `garble-batch` to `flip-status` |
 //! | whole runs | `flip-payload`, `flip-queue`, `coordinator-kill` to `stale-memory` |
-//! | a service and its clients | `flip-management`, `full-shm`, `strangers-files` |
+//! | a service and its clients | `flip-management`, `flip-public`, `full-shm`, `strangers-files` |
 //!
 //! `full-shm`, `small-shm` and `clock-shift` need namespaces, the kinds at a system call need
 //! ptrace(2), and `strangers-files` the rights of root: what this machine does not permit is
@@ -60,6 +60,7 @@ kinds! {
     FlipPayload = "flip-payload",
     FlipQueue = "flip-queue",
     FlipManagement = "flip-management",
+    FlipPublic = "flip-public",
     CoordinatorKill = "coordinator-kill",
     CoordinatorKillAtCall = "coordinator-kill-at-call",
     KillInStop = "kill-in-stop",
@@ -94,6 +95,7 @@ impl Kind {
             Self::FlipPayload
                 | Self::FlipQueue
                 | Self::FlipManagement
+                | Self::FlipPublic
                 | Self::CoordinatorKill
                 | Self::CoordinatorKillAtCall
                 | Self::KillInStop
@@ -109,7 +111,8 @@ impl Kind {
 
     /// Whether it strikes a service and its clients.
     pub(crate) fn is_of_service(self) -> bool {
-        matches!(self, Self::FlipManagement | Self::FullShm | Self::StrangersFiles)
+        let of_service = [Self::FlipManagement, Self::FlipPublic, Self::FullShm, Self::StrangersFiles];
+        of_service.contains(&self)
     }
 
     /// Whether it needs ptrace(2).

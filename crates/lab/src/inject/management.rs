@@ -4,7 +4,7 @@ use super::kind::Kind;
 use super::report::{Report, State};
 use super::serving::{Serving, Told, files_below};
 use super::signals::flip_in;
-use coordinator::Answer;
+use coordinator::CourseAnswer;
 use geometry::rng::Rng;
 use runtime::clock;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ fn is_management(path: &Path) -> bool {
 pub(super) fn flip(
     serving: &mut Serving,
     mut rng: Rng,
-    reference: &Answer,
+    reference: &CourseAnswer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     serving.start()?;

@@ -15,6 +15,8 @@ struct Written {
     schema: String,
     /// Beside the plan.
     scenario: PathBuf,
+    /// Beside the plan: what clients of a service ask.
+    asked: PathBuf,
     workers: u8,
     depth: u32,
     at_once: u8,
@@ -26,6 +28,8 @@ struct Written {
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) scenario: PathBuf,
+    /// What clients of a service ask: a scenario over a horizon.
+    pub(crate) asked: PathBuf,
     pub(crate) workers: u8,
     pub(crate) depth: u32,
     /// Maximum number of faults in one request.
@@ -79,8 +83,8 @@ impl Plan {
             faults.push((kind, *count));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let scenario = folder.join(written.scenario);
-        Ok(Self { scenario, workers, depth: written.depth, at_once, deadline_ms, faults })
+        let [scenario, asked] = [written.scenario, written.asked].map(|path| folder.join(path));
+        Ok(Self { scenario, asked, workers, depth: written.depth, at_once, deadline_ms, faults })
     }
 
     /// All faults, in an order that follows from the seed.
@@ -108,7 +112,7 @@ mod tests {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/faults");
         for entry in std::fs::read_dir(&folder).unwrap() {
             let plan = Plan::read(&entry.unwrap().path()).unwrap();
-            assert!(plan.scenario.is_file());
+            assert!(plan.scenario.is_file() && plan.asked.is_file());
             assert_eq!(plan.shuffled(3), plan.shuffled(3));
         }
         let campaign = Plan::read(&folder.join("campaign.toml")).unwrap();
@@ -120,7 +124,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        let good = "schema = \"trolley.faults/1\"\nscenario = \"s\"\nworkers = 2\ndepth = 4\n\
+        let good = "schema = \"trolley.faults/1\"\nscenario = \"s\"\nasked = \"a\"\nworkers = 2\ndepth = 4\n\
                     at_once = 1\n[faults]\nkill = 3\n";
         let parse = |text: &str| Plan::parse(Path::new("p.toml"), text);
         assert_eq!(parse(good).unwrap().shuffled(1), [Kind::Kill; 3]);

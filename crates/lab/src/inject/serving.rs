@@ -1,12 +1,11 @@
-//! A service in a folder of its own, and clients that ask it for the ranking of the plan's
-//! scenario.
+//! A service in a folder of its own, and clients that ask it what the plan says.
 
 use super::report::State;
 use super::run::Rank;
-use coordinator::Answer;
+use coordinator::CourseAnswer;
 use runtime::process::{self, Spawn};
 use runtime::{Child, Exit, clock};
-use scenario::{Scenario, Source};
+use scenario::Source;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -14,7 +13,7 @@ use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::fd::AsFd as _;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
-use trolley::{Failure, FailureKind};
+use trolley::{Failure, FailureKind, Horizon};
 
 /// How long a service may take to start, and its first client to get an answer (ms).
 pub(super) const START_MS: u64 = 20_000;
@@ -63,7 +62,7 @@ fn system(error: impl std::fmt::Display) -> Failure {
 
 impl Serving {
     /// Prepares a folder; `None` if some bodies are not generated.
-    pub(super) fn prepare(rank: &Rank<'_>, scenario: &Scenario) -> Result<Option<Self>, Failure> {
+    pub(super) fn prepare(rank: &Rank<'_>, horizon: &Horizon) -> Result<Option<Self>, Failure> {
         // The names of sockets in it must be short.
         let place = tempfile::Builder::new().prefix("i").tempdir_in("/dev/shm").map_err(system)?;
         let mut text = format!(
@@ -74,7 +73,7 @@ impl Serving {
             rank.plan.workers
         );
         std::fs::create_dir(place.path().join("shm")).map_err(system)?;
-        for (number, party) in scenario.parties.iter().enumerate() {
+        for (number, party) in horizon.parsed().parties.iter().enumerate() {
             let Source::Generate { shape, triangles, seed } = party.source else {
                 return Ok(None);
             };
@@ -90,7 +89,7 @@ impl Serving {
         let deployment = place.path().join("deployment.toml");
         std::fs::write(&deployment, text).map_err(system)?;
         // Clients may have another working directory.
-        let scenario = rank.plan.scenario.canonicalize().map_err(system)?;
+        let scenario = rank.plan.asked.canonicalize().map_err(system)?;
         let rank = rank.program.to_owned();
         let (own_bytes, open, service) = (None, None, None);
         Ok(Some(Self { rank, scenario, place, deployment, own_bytes, open, service }))
@@ -216,7 +215,7 @@ impl Serving {
     }
 
     /// Asks until there is an answer: whether it came in time and is complete.
-    pub(super) fn is_serving(&self, reference: &Answer) -> Result<bool, Failure> {
+    pub(super) fn is_serving(&self, reference: &CourseAnswer) -> Result<bool, Failure> {
         let end_ns = clock::now_ns() + START_MS * 1_000_000;
         while clock::now_ns() < end_ns {
             match self.ask(5_000)?.told(reference)?.state {
@@ -260,7 +259,7 @@ impl Asking {
     }
 
     /// Waits for what it is told.
-    pub(super) fn told(self, reference: &Answer) -> Result<Told, Failure> {
+    pub(super) fn told(self, reference: &CourseAnswer) -> Result<Told, Failure> {
         let (exit, document) = self.document()?;
         let known = serde_json::to_value(reference).map_err(system)?;
         let state = document.map_or(State::Refused, |document| judge(&document, &known));
