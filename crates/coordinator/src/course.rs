@@ -24,7 +24,7 @@
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
 use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
-use crate::request_limits::{RequestLimits, Until};
+use crate::request_limits::RequestLimits;
 use crate::work::{Effort, RankingRun, RunBuffers};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{Backend, BodySet, RunError};
@@ -47,14 +47,17 @@ use std::sync::Arc;
 mod course_answer;
 mod encounter;
 mod flags;
+mod history;
 mod persons;
 mod way;
 
 pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
 pub use encounter::EncounterEffort;
 pub use flags::{Alternative, AtHorizon, NearestRow};
+pub use history::CourseHistory;
 
 use encounter::EncounterSearch;
+use history::{SearchClock, Surveyor};
 use persons::People;
 use way::{Begin, NextContact, Scenery, Way};
 
@@ -70,6 +73,8 @@ pub struct CourseRequest<'a> {
     pub shells: &'a [Shells],
     /// Policy and curves that judge the candidates.
     pub rules: (Arc<Policy>, Arc<Curves>),
+    /// Whether a history is recorded, from which the answer can be made again.
+    pub history: bool,
 }
 
 /// What the work on a request took.
@@ -102,6 +107,8 @@ pub struct RankedCourses {
     pub effort: CourseEffort,
     /// What the workers did, if there are any: one report a round.
     pub reports: Vec<WorkerPoolReport>,
+    /// What it can be made from again, if that was requested.
+    pub history: Option<CourseHistory>,
 }
 
 /// A contact of a candidate, assessed.
@@ -168,12 +175,49 @@ pub fn rank_courses(
     let due_ns = limits
         .deadline_ns
         .map(|length_ns| accepted_ns + length_ns.saturating_sub(reserved_ns.min(length_ns / 5)));
-    let is_over = move || due_ns.is_some_and(|due_ns| clock::now_ns() >= due_ns);
-    let is_due: Option<&dyn Fn() -> bool> = due_ns.is_some().then_some(&is_over);
-    let CourseRequest { scenario, models, shells, rules: (policy, curves) } = request;
+    let time = SearchClock::until(due_ns);
+    let rounds = request.history.then(Vec::new);
+    let mut surveyor = Surveyor::Backend { backend, limits, due_ns, rounds };
+    let mut ranked = follow(stage, request, &time, &mut surveyor)?;
+    ranked.effort.accepted_ns = accepted_ns;
+    if let Surveyor::Backend { rounds: Some(rounds), .. } = surveyor {
+        ranked.history = Some(CourseHistory { search: time.search(), rounds });
+    }
+    Ok(ranked)
+}
+
+/// Ranks the candidates of a recorded request again, in this process: from the same bodies and
+/// rules the answer is the same, complete or not.
+///
+/// # Errors
+///
+/// If a contact cannot be assessed at all.
+///
+/// # Panics
+///
+/// As [`rank_courses`].
+pub fn replay_courses(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    history: &CourseHistory,
+) -> Result<RankedCourses, RunError> {
+    let mut surveyor = Surveyor::Recorded(history.rounds.iter());
+    follow(stage, request, &SearchClock::recorded(history.search), &mut surveyor)
+}
+
+/// Follows every candidate until no contact is left or time is over, and ranks them.
+fn follow(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    time: &SearchClock,
+    surveyor: &mut Surveyor<'_>,
+) -> Result<RankedCourses, RunError> {
+    let is_over = || time.is_over();
+    let is_due: Option<&dyn Fn() -> bool> = if time.has_limit() { Some(&is_over) } else { None };
+    let CourseRequest { scenario, models, shells, rules: (policy, curves), .. } = request;
     let scenery = Scenery { scenario, bodies: stage.bodies, models, shells };
     let people = People::of(scenario, &|party| scenery.body(party));
-    let mut effort = CourseEffort { accepted_ns, ..CourseEffort::default() };
+    let mut effort = CourseEffort::default();
     let mut search = EncounterSearch::default();
     let begin =
         |candidate| Course { way: Way::new(scenery, candidate), contacts: Vec::new(), stuck: None };
@@ -224,11 +268,10 @@ pub fn rank_courses(
         let (policy, curves) = (policy.clone(), curves.clone());
         let contacts = Request { candidates: contacts, persons, policy, curves, parameters };
         let begun_ns = clock::now_ns();
-        let left_ns = due_ns.map(|due_ns| due_ns.saturating_sub(begun_ns));
-        let mut work = RankingRun::with_buffers(&contacts, stage.bodies, stage.depth, buffers)
-            .with_limits(RequestLimits { until: Until::Complete, deadline_ns: left_ns, ..limits });
-        effort.jobs_in_process += backend.work_off(&mut work)?;
-        reports.extend(backend.report());
+        let work = RankingRun::with_buffers(&contacts, stage.bodies, stage.depth, buffers);
+        let mut work = surveyor.limit(work);
+        effort.jobs_in_process += surveyor.survey(&mut work, stage)?;
+        reports.extend(surveyor.report());
         effort.surveys_ns += clock::now_ns() - begun_ns;
         effort.rounds += 1;
         effort.surveys.add(&work.effort());
@@ -243,7 +286,7 @@ pub fn rank_courses(
     let begun_ns = clock::now_ns();
     let answer = conclude(&scenery, &people, policy, &courses, &mut search)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
-    Ok(RankedCourses { answer, effort, reports })
+    Ok(RankedCourses { answer, effort, reports, history: None })
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).

@@ -47,8 +47,9 @@ pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use answer_view::{AnswerRow, AnswerView};
 
 pub use course::{
-    Alternative, AtHorizon, ContactRow, CourseAnswer, CourseEffort, CoursePersonRow, CourseRequest,
-    CourseRow, EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses,
+    Alternative, AtHorizon, ContactRow, CourseAnswer, CourseEffort, CourseHistory, CoursePersonRow,
+    CourseRequest, CourseRow, EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses,
+    replay_courses,
 };
 pub use explain::{Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
