@@ -10,6 +10,7 @@ use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::explanation::CourseExplanation;
 use trolley::record::{Recordable, Signer};
 use trolley::{
     Answer, AnswerState, CourseAnswer, Engine, Explanation, Failure, FailureKind, Horizon,
@@ -124,13 +125,15 @@ fn answer_horizon(
     }
     let recorded = records.as_ref().map(|records| records.write(&ranking));
     let HorizonRanking { answer, run, .. } = &ranking;
+    let explanation = ranking.explanation.as_ref().filter(|_| asked.explain);
     if output.json {
-        let document = CourseDocument { schema: "trolley.rank/2", answer, run };
+        let document = CourseDocument { schema: "trolley.rank/2", answer, explanation, run };
         print::out(&print::json(&document)?)?;
     } else {
         print::out(&course_table::ranking(&horizon.parsed().name, answer, run))?;
-        if asked.explain {
+        if let Some(explanation) = explanation {
             print::out(&course_table::courses(answer))?;
+            print::out(&format!("\n{}", report::explain::courses(explanation)))?;
         }
     }
     drop(engine);
@@ -146,6 +149,8 @@ fn answer_horizon(
 struct CourseDocument<'a> {
     schema: &'static str,
     answer: &'a CourseAnswer,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanation: Option<&'a CourseExplanation>,
     run: &'a Run,
 }
 

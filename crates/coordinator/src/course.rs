@@ -23,6 +23,7 @@
 
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
+use crate::explain::{ContactChain, contact_chain};
 use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
 use crate::request_limits::RequestLimits;
 use crate::work::{Effort, RankingRun, RunBuffers};
@@ -46,6 +47,7 @@ use std::sync::Arc;
 
 mod course_answer;
 mod encounter;
+mod explain;
 mod flags;
 mod history;
 mod persons;
@@ -53,8 +55,9 @@ mod way;
 
 pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
 pub use encounter::EncounterEffort;
+pub use explain::{CombinedRisk, ContactStep, CourseChain, CourseExplanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
-pub use history::CourseHistory;
+pub use history::{CourseHistory, replay_courses};
 
 use encounter::EncounterSearch;
 use history::{SearchClock, Surveyor};
@@ -75,6 +78,8 @@ pub struct CourseRequest<'a> {
     pub rules: (Arc<Policy>, Arc<Curves>),
     /// Whether a history is recorded, from which the answer can be made again.
     pub history: bool,
+    /// Whether the answer is explained.
+    pub explanation: bool,
 }
 
 /// What the work on a request took.
@@ -109,6 +114,8 @@ pub struct RankedCourses {
     pub reports: Vec<WorkerPoolReport>,
     /// What it can be made from again, if that was requested.
     pub history: Option<CourseHistory>,
+    /// Every figure from contact to rank, if that was requested.
+    pub explanation: Option<CourseExplanation>,
 }
 
 /// A contact of a candidate, assessed.
@@ -129,6 +136,8 @@ struct AssessedContact {
     parts: [Vec<String>; 2],
     persons: Vec<PersonRow>,
     poses: Vec<PoseRow>,
+    /// If the answer is explained.
+    chain: Option<Box<ContactChain>>,
 }
 
 /// A candidate as it is followed.
@@ -184,25 +193,6 @@ pub fn rank_courses(
         ranked.history = Some(CourseHistory { search: time.search(), rounds });
     }
     Ok(ranked)
-}
-
-/// Ranks the candidates of a recorded request again, in this process: from the same bodies and
-/// rules the answer is the same, complete or not.
-///
-/// # Errors
-///
-/// If a contact cannot be assessed at all.
-///
-/// # Panics
-///
-/// As [`rank_courses`].
-pub fn replay_courses(
-    stage: &BodySet<'_>,
-    request: &CourseRequest<'_>,
-    history: &CourseHistory,
-) -> Result<RankedCourses, RunError> {
-    let mut surveyor = Surveyor::Recorded(history.rounds.iter());
-    follow(stage, request, &SearchClock::recorded(history.search), &mut surveyor)
 }
 
 /// Follows every candidate until no contact is left or time is over, and ranks them.
@@ -277,16 +267,32 @@ fn follow(
         effort.surveys.add(&work.effort());
         let (harms, _) = work.judge()?;
         for (number, ((k, meeting), harm)) in round.into_iter().zip(harms).enumerate() {
-            let assessed = assessed(&contacts, &work, number, meeting, harm);
+            let mut assessed = assessed(&contacts, &work, number, meeting, harm);
+            if request.explanation {
+                let (candidate, harm) = (&contacts.candidates[number], &assessed.harm);
+                let state = &work.candidate_states()[number];
+                let chain = contact_chain(&contacts, candidate, harm, state);
+                assessed.chain = Some(Box::new(chain));
+            }
             settle(&mut courses[k], &contacts.candidates[number], assessed);
         }
         buffers = work.into_buffers();
     }
     effort.search = search.effort;
     let begun_ns = clock::now_ns();
-    let answer = conclude(&scenery, &people, policy, &courses, &mut search)?;
+    let harms: Vec<CourseHarm> = courses.iter().map(|course| harm_of(&people, course)).collect();
+    let stakes: Vec<_> = people.list.iter().map(|person| person.stake).collect();
+    let mut ranking = RankedCandidates::default();
+    rank_in(&mut Scratch::default(), policy, &stakes, &harms, &mut ranking)
+        .map_err(RequestError::from)?;
+    let known = (&courses[..], &harms[..]);
+    let answer = course_answer::written(&scenery, &people, policy, known, &ranking, &mut search);
+    let explanation = request.explanation.then(|| {
+        let rules = (&**policy, &**curves, parameters);
+        CourseExplanation::new(scenario, &people, rules, known, &ranking)
+    });
     effort.judge_ns = clock::now_ns() - begun_ns;
-    Ok(RankedCourses { answer, effort, reports, history: None })
+    Ok(RankedCourses { answer, effort, reports, history: None, explanation })
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
@@ -386,6 +392,7 @@ fn assessed(
         parts: answer::parts(state, [(&a.0, &a.1), (&b.0, &b.1)]),
         persons: answer::persons(contacts, &harm),
         poses: answer::poses(state),
+        chain: None,
         harm,
     }
 }
@@ -437,41 +444,28 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed
     }
 }
 
-/// Harm of every candidate, their order, and the answer.
-fn conclude(
-    scenery: &Scenery<'_>,
-    people: &People,
-    policy: &Policy,
-    courses: &[Course<'_>],
-    search: &mut EncounterSearch,
-) -> Result<CourseAnswer, RequestError> {
-    let harms: Vec<CourseHarm> = courses.iter().map(|course| harm_of(people, course)).collect();
-    let stakes: Vec<_> = people.list.iter().map(|person| person.stake).collect();
-    let mut ranking = RankedCandidates::default();
-    rank_in(&mut Scratch::default(), policy, &stakes, &harms, &mut ranking)?;
-    Ok(course_answer::written(scenery, people, policy, (courses, &harms), &ranking, search))
-}
-
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).
 const SAYING_NS: u64 = 1_000_000;
 /// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only
 /// keeps an open candidate from winning by less damage.
 const ENERGY_MAX_J: f64 = 5e9;
 
+/// Whether a contact is in the harm of its course: if a second look is still to come, a light one
+/// may not be one of the finished course.
+fn counts(course: &Course<'_>, contact: &AssessedContact) -> bool {
+    let is_sure = course.open_from_s().is_none() || !course.way.may_give_way(contact.meeting.party);
+    is_sure || contact.severity == Severity::Heavy
+}
+
 /// The harm of a course: all contacts together, and whatever is open.
 fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
     let mut harm = CourseHarm::none();
-    let is_open = course.open_from_s().is_some();
-    for contact in &course.contacts {
-        // If a second look is still to come, this contact may not be one of the finished course.
-        let is_sure = !is_open || !course.way.may_give_way(contact.meeting.party);
-        if is_sure || contact.severity == Severity::Heavy {
-            harm.include(&contact.harm);
-        }
+    for contact in course.contacts.iter().filter(|contact| counts(course, contact)) {
+        harm.include(&contact.harm);
     }
     people.suppose(&mut harm);
     harm.is_unevaluable |= course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
-    if is_open {
+    if course.open_from_s().is_some() {
         harm.leave_open(people.all(), ENERGY_MAX_J);
     }
     harm

@@ -4,10 +4,11 @@
 //! harm found so far. So the number of the look at which time was over says where it ended in every
 //! candidate, and the job history of each round says what was known of its contacts.
 
+use super::{CourseRequest, RankedCourses, follow};
 use crate::request_limits::{RequestLimits, Until};
 use crate::work::RankingRun;
 use crate::worker_pool::{WorkerPoolError, WorkerPoolReport};
-use crate::workspace::{Backend, BodySet};
+use crate::workspace::{Backend, BodySet, RunError};
 use core::cell::Cell;
 use record::{RecordedRound, RecordedSearch};
 use runtime::clock;
@@ -19,6 +20,25 @@ pub struct CourseHistory {
     pub search: Option<RecordedSearch>,
     /// Questions and jobs by round.
     pub rounds: Vec<RecordedRound>,
+}
+
+/// Ranks the candidates of a recorded request again, in this process: from the same bodies and
+/// rules the answer is the same, complete or not.
+///
+/// # Errors
+///
+/// If a contact cannot be assessed at all.
+///
+/// # Panics
+///
+/// As [`super::rank_courses`].
+pub fn replay_courses(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    history: &CourseHistory,
+) -> Result<RankedCourses, RunError> {
+    let mut surveyor = Surveyor::Recorded(history.rounds.iter());
+    follow(stage, request, &SearchClock::recorded(history.search), &mut surveyor)
 }
 
 /// Until when there is time.

@@ -25,6 +25,7 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
         shells: &shells,
         rules: (policy, curves),
         history: true,
+        explanation: true,
     };
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
@@ -32,6 +33,7 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
     let history = ranked.history.expect("it was requested");
     let again = replay_courses(&stage, &request, &history).expect("it can be ranked again");
     assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
+    assert_eq!(again.explanation, ranked.explanation);
     ranked.answer
 }
 

@@ -8,7 +8,7 @@ use crate::horizon::Horizon;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use body::BodyKind;
-use coordinator::{BodySet, CourseAnswer, CourseRequest, RankedCourses};
+use coordinator::{BodySet, CourseAnswer, CourseExplanation, CourseRequest, RankedCourses};
 use runtime::clock;
 
 /// A scenario over a horizon, ranked.
@@ -24,6 +24,8 @@ use runtime::clock;
 pub struct HorizonRanking {
     /// The answer. A complete one is the same, byte for byte, with and without workers.
     pub answer: CourseAnswer,
+    /// Every figure from contact to rank, if it was requested.
+    pub explanation: Option<CourseExplanation>,
     /// How the work was done.
     pub run: Run,
     /// What a record is made from, if one was requested.
@@ -100,10 +102,16 @@ impl Engine {
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
         let (shells, rules) = (&loaded.shells[..], horizon.rules());
-        let history = limits.wants_job_history();
-        let request = CourseRequest { scenario, models: &models, shells, rules, history };
+        let request = CourseRequest {
+            scenario,
+            models: &models,
+            shells,
+            rules,
+            history: limits.wants_job_history(),
+            explanation: limits.wants_explanation(),
+        };
         // Workers that could not finish are not used again.
-        let RankedCourses { answer, effort, reports, history } =
+        let RankedCourses { answer, effort, reports, history, explanation } =
             coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
         let answered_ns = clock::now_ns();
         loaded.backend = Some(backend);
@@ -127,6 +135,6 @@ impl Engine {
             settings,
             bodies: loaded.bodies.recorded(&all, &models),
         });
-        Ok(HorizonRanking { answer, run, recorded })
+        Ok(HorizonRanking { answer, explanation, run, recorded })
     }
 }

@@ -33,9 +33,15 @@ impl ToContent for Ranking {
 
 impl ToContent for HorizonRanking {
     fn content(&self) -> Result<RecordContent, Failure> {
-        let recorded = self.recorded.as_ref().ok_or_else(unrecorded)?;
+        let (Some(recorded), Some(explanation)) = (&self.recorded, &self.explanation) else {
+            return Err(unrecorded());
+        };
         let content = content(&self.run, recorded);
-        Ok(RecordContent { answer: line(&self.answer)?, ..content })
+        Ok(RecordContent {
+            answer: line(&self.answer)?,
+            explanation: line(explanation)?,
+            ..content
+        })
     }
 }
 
@@ -81,7 +87,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
         stages: stages(run),
         faults: lost.chain(run.remarks.iter().cloned()).collect(),
         answer: String::new(),
-        explanation: "null".to_owned(),
+        explanation: String::new(),
     };
     match history {
         RecordedHistory::Jobs(history) => {

@@ -6,7 +6,9 @@ use crate::Failure;
 use crate::bodies::{Bodies, OnProgress, PartyBody};
 use crate::horizon::Horizon;
 use body::Shells;
-use coordinator::{BodySet, CourseAnswer, CourseHistory, CourseRequest};
+use coordinator::{
+    BodySet, CourseAnswer, CourseExplanation, CourseHistory, CourseRequest, RankedCourses,
+};
 use scenario::FileRef;
 use std::path::Path;
 
@@ -32,6 +34,8 @@ pub struct HorizonReplay {
     pub horizon: Horizon,
     /// The answer.
     pub answer: CourseAnswer,
+    /// Its explanation.
+    pub explanation: Option<CourseExplanation>,
     /// How many jobs it took.
     pub jobs: u64,
     /// The answer as JSON, as it would be recorded.
@@ -103,13 +107,15 @@ impl Record {
             shells: &shells,
             rules: horizon.rules(),
             history: false,
+            explanation: true,
         };
         let history = CourseHistory { search: content.search, rounds: content.rounds.clone() };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
-        let (answer, jobs) = (ranked.answer, ranked.effort.jobs_in_process);
+        let RankedCourses { answer, explanation, effort, .. } = ranked;
+        let jobs = effort.jobs_in_process;
         let json = line(&answer)?;
         drop(all);
-        Ok(HorizonReplay { horizon, answer, jobs, json })
+        Ok(HorizonReplay { horizon, answer, explanation, jobs, json })
     }
 
     /// Checks that a scenario over a horizon is the recorded one: its text, its policy, its curves,
