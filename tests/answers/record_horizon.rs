@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::keys::Keys;
-use crate::support::{Place, json, run, shared, text, trolley};
+use crate::support::{Place, builder, json, run, shared, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use trolley::record::RecordContent;
@@ -109,6 +109,8 @@ fn a_record_of_every_form_is_replayed_bit_for_bit_in_another_place() {
         assert_eq!((&document["same"], &document["same_build"]), (&true.into(), &true.into()));
         let shown = json(&command(&["record", "show", path(&copy), "--json"]));
         assert_eq!(shown["answer"], *answer);
+        let chains = shown["explanation"]["chains"].as_array().unwrap();
+        assert_eq!(chains.len(), answer["ranking"].as_array().unwrap().len());
         let jobs = shown["rounds"].as_array().unwrap().iter();
         let jobs: usize = jobs.map(|round| round["jobs"].as_array().unwrap().len()).sum();
         assert!(jobs > 3 && document["jobs"].as_u64().unwrap() as usize >= jobs, "{document}");
@@ -127,18 +129,24 @@ fn a_record_of_every_form_is_replayed_bit_for_bit_in_another_place() {
 #[test]
 fn a_late_answer_is_replayed_as_far_as_it_had_come() {
     let horizon = Horizon::open(CROSSING).unwrap();
-    let mut engine = Engine::builder().in_process().build().unwrap();
+    for engine in [Engine::builder().in_process(), builder().workers(2)] {
+        replayed_when_late(&horizon, &mut engine.build().unwrap());
+    }
+}
+
+fn replayed_when_late(horizon: &Horizon, engine: &mut Engine) {
     let place = Place::new();
     let (mut late, mut done) = (std::collections::BTreeSet::new(), 0);
     // However busy the machine is, the last is enough.
     let dues_ms = (0..60).map(|step| 0.01 * 1.17_f64.powi(step)).chain([60_000.0]);
     for due_ms in dues_ms {
         let limits = Limits::default().with_deadline_ms(due_ms).unwrap().with_record();
-        let ranking = engine.rank_horizon(&horizon, &limits).unwrap();
+        let ranking = engine.rank_horizon(horizon, &limits).unwrap();
         let file = Record::write(place.path(), &ranking).unwrap();
         let record = Record::read(&file).unwrap();
         let replay = record.replay_horizon(&file, None, SILENT).unwrap();
         assert_eq!(replay.json, record.content.answer, "{due_ms} ms");
+        assert_eq!(replay.explanation, ranking.explanation, "{due_ms} ms");
         if ranking.answer.state == AnswerState::Complete {
             done += 1;
         } else {
