@@ -141,6 +141,6 @@ impl Record {
     pub fn check_horizon(&self, file: &Path, horizon: &Horizon) -> Result<(), Failure> {
         let path_of = |reference: &FileRef| horizon.path_of(reference);
         let texts = (&horizon.texts, &horizon.files[..]);
-        self.check_sources(file, texts, (&horizon.bodies(), &path_of))
+        self.check_sources(file, texts, &horizon.bodies(), &path_of)
     }
 }

@@ -204,7 +204,7 @@ impl Record {
         let parties = &scenario.parsed.parties;
         let bodies: Vec<_> = parties.iter().map(PartyBody::of).collect();
         let path_of = |reference: &FileRef| scenario.path_of(reference);
-        self.check_sources(file, (&scenario.texts, &[]), (&bodies, &path_of))
+        self.check_sources(file, (&scenario.texts, &[]), &bodies, &path_of)
     }
 
     /// Checks that the texts of a scenario and the files of its bodies are those recorded.
@@ -212,7 +212,8 @@ impl Record {
         &self,
         file: &Path,
         (texts, files): (&Texts, &[SourceText]),
-        (bodies, path_of): (&[PartyBody<'_>], &dyn Fn(&FileRef) -> PathBuf),
+        bodies: &[PartyBody<'_>],
+        path_of: &dyn Fn(&FileRef) -> PathBuf,
     ) -> Result<(), Failure> {
         let content = &self.content;
         let other = |what: &str, name: &str, is: &str, was: &str| {
