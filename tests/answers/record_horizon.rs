@@ -37,12 +37,14 @@ const STOP: &str = "t_s,x_m,y_m,yaw_deg\n0,0,0,0\n0.5,5,0,0\n1,8,0,0\n1.5,9,0,0\
 
 /// A parked car on the ego's lane.
 const TRAFFIC: &str = "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" \
-    benchmarkID=\"Test\"><staticObstacle id=\"7\"><type>parkedVehicle</type><shape><rectangle>\
-    <length>4</length><width>1.8</width></rectangle></shape><initialState><position><point><x>25</x>\
-    <y>0.5</y></point></position><orientation><exact>0</exact></orientation><time><exact>0</exact>\
-    </time></initialState></staticObstacle><planningProblem id=\"1\"><initialState><position><point>\
-    <x>0</x><y>0</y></point></position><orientation><exact>0</exact></orientation><time><exact>0\
-    </exact></time><velocity><exact>15</exact></velocity></initialState></planningProblem>\
+    benchmarkID=\"Test\"><staticObstacle id=\"7\"><type>parkedVehicle</type>\
+    <shape><rectangle><length>4</length><width>1.8</width></rectangle></shape>\
+    <initialState><position><point><x>25</x><y>0.5</y></point></position>\
+    <orientation><exact>0</exact></orientation><time><exact>0</exact></time></initialState>\
+    </staticObstacle><planningProblem id=\"1\">\
+    <initialState><position><point><x>0</x><y>0</y></point></position>\
+    <orientation><exact>0</exact></orientation><time><exact>0</exact></time>\
+    <velocity><exact>15</exact></velocity></initialState></planningProblem>\
     </commonRoad>";
 
 fn path(path: &Path) -> &str {

@@ -266,7 +266,8 @@ impl Record {
     }
 
     /// Adds a ranking to a folder's records, and returns the path of the new one. The ranking, of
-    /// either form of scenario, must have been made with [`Limits::with_record`](crate::Limits::with_record).
+    /// either form of scenario, must have been made with
+    /// [`Limits::with_record`](crate::Limits::with_record).
     ///
     /// ```
     /// # use trolley::{Engine, Limits, Record, Scenario};

@@ -1,8 +1,8 @@
 //! The explanation of an answer over a horizon: every figure from contact to rank.
 //!
-//! Each contact is judged as a candidate of its round, so its chain from speeds to risks is the same
-//! as that of a candidate at impact. What is added here: which contacts count, how the risks of a
-//! person combine, and what the policy makes of them. Values are copies of those that decided.
+//! Each contact is judged as a candidate of its round, so its chain from speeds to risks is that of
+//! a candidate at impact. What is added here: which contacts count, how the risks of a person
+//! combine, and what the policy makes of them. Values are copies of those that decided.
 
 use super::persons::People;
 use super::{AssessedContact, Course, counts};

@@ -8,6 +8,14 @@ use crate::{BUILD, Failure};
 use record::{Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, Settings};
 
 /// A ranking, as it is recorded.
+///
+/// ```
+/// use trolley::record::Recordable;
+///
+/// fn can_be_recorded<R: Recordable>() {}
+/// can_be_recorded::<trolley::Ranking>();
+/// can_be_recorded::<trolley::HorizonRanking>();
+/// ```
 pub trait ToContent {
     /// The record of it.
     ///

@@ -86,9 +86,9 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// If a text or a body is not the recorded one, a body is missing, or the scenario is one over a
-    /// horizon: see [`Record::replay_horizon`]. A different answer is not an error: compare [`Replay::json`] with
-    /// [`RecordContent::answer`](super::RecordContent::answer).
+    /// If a text or a body is not the recorded one, a body is missing, or the scenario is one over
+    /// a horizon: see [`Record::replay_horizon`]. A different answer is not an error: compare
+    /// [`Replay::json`] with [`RecordContent::answer`](super::RecordContent::answer).
     pub fn replay(
         &self,
         file: &Path,
