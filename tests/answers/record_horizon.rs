@@ -35,6 +35,21 @@ path = { csv = "paths/stop.csv" }
 const OTHER: &str = "t_s,x_m,y_m,yaw_deg\n0,18,-9,90\n4,18,27,90\n";
 const STOP: &str = "t_s,x_m,y_m,yaw_deg\n0,0,0,0\n0.5,5,0,0\n1,8,0,0\n1.5,9,0,0\n2,9,0,0\n";
 
+/// Something of unknown kind, which may be taken as fixed.
+const UNKNOWN: &str = r#"
+schema = "trolley.scenario/2"
+name = "Something ahead"
+[parties]
+ego = { generate = { shape = "sedan", triangles = 900 } }
+[parties.thing]
+kind = "unknown"
+generate = { shape = "wall", triangles = 900 }
+place = { position_m = [20, 0, 0], yaw_deg = 90 }
+[[candidates]]
+name = "go on"
+state = { position_m = [0, 0, 0], speed_m_s = 15 }
+"#;
+
 /// A parked car on the ego's lane.
 const TRAFFIC: &str = "<commonRoad commonRoadVersion=\"2020a\" timeStepSize=\"0.1\" \
     benchmarkID=\"Test\"><staticObstacle id=\"7\"><type>parkedVehicle</type>\
@@ -81,13 +96,18 @@ fn with_paths(place: &Place) -> PathBuf {
 fn a_record_of_every_form_is_replayed_bit_for_bit_in_another_place() {
     let place = Place::new();
     let keys = Keys::new(&place);
-    let inputs = [PathBuf::from(CROSSING), with_paths(&place), place.write("parked.xml", TRAFFIC)];
+    let inputs = [
+        PathBuf::from(CROSSING),
+        with_paths(&place),
+        place.write("parked.xml", TRAFFIC),
+        place.write("unknown.toml", UNKNOWN),
+    ];
     let records = place.path().join("records");
     let mut answers = Vec::new();
     for input in &inputs {
         for way in [&["--in-process"][..], &["--workers", "2"], &["--in-process", "--depth", "2"]] {
             let args = ["rank", path(input), "--json", "--record", path(&records)];
-            let sign = ["--sign", path(&keys.secret)];
+            let sign = ["--sign", path(&keys.secret), "--assume", "unknown=fixed"];
             let output = run(&[&args[..], &sign, way].concat());
             succeeded(&output);
             answers.push(json(&output)["answer"].clone());
@@ -95,7 +115,7 @@ fn a_record_of_every_form_is_replayed_bit_for_bit_in_another_place() {
     }
     let verified = command(&["record", "verify", path(&records), "--key", path(&keys.public)]);
     succeeded(&verified);
-    assert!(text(&verified.stdout).contains("9 records"), "{}", text(&verified.stdout));
+    assert!(text(&verified.stdout).contains("12 records"), "{}", text(&verified.stdout));
     let elsewhere = Place::new();
     let models = elsewhere.path().join("x.trolley");
     std::fs::copy(place.path().join("car.trolley"), models).unwrap();
