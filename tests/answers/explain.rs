@@ -29,7 +29,7 @@ fn check_impact(chain: &Value, e: f64, mu: f64) {
     let v_t = chain["tangential_m_s"].as_f64().unwrap();
     let j_n = (1.0 + e) * v_n / w(0);
     let j_t = (mu * j_n).min(v_t / w(1));
-    let (response, name) = (&chain["response"], chain["name"].as_str().unwrap());
+    let (response, name) = (&chain["response"], chain["other"].as_str().unwrap());
     near(&response["normal_n_s"], j_n, name);
     near(&response["tangential_n_s"], j_t, name);
     for i in 0..2 {
@@ -110,6 +110,116 @@ fn every_figure_follows_from_those_before_it() {
     let winner = stability["winner"].as_u64().unwrap() as usize;
     assert_eq!(explanation["names"][winner], document["answer"]["ranking"][0]["name"]);
     assert!(stability["reserves"].as_array().unwrap().len() > 2 * curves.len());
+}
+
+/// Two walkers one behind the other, then a wall: the driver is in three contacts.
+const THREE: &str = r#"
+schema = "trolley.scenario/2"
+name = "three"
+[parties.ego]
+generate = { shape = "sedan", triangles = 900 }
+persons = [{ seat = "front-left" }]
+[parties.a]
+generate = { shape = "pedestrian", triangles = 900 }
+place = { position_m = [20, 0, 0] }
+[parties.b]
+generate = { shape = "pedestrian", triangles = 900 }
+place = { position_m = [30, 0.3, 0] }
+[parties.wall]
+generate = { shape = "wall", triangles = 900 }
+place = { position_m = [40, 0, 0], yaw_deg = 90 }
+[[candidates]]
+name = "go on"
+state = { position_m = [0, 0, 0], speed_m_s = 15 }
+[[candidates]]
+name = "slower"
+state = { position_m = [0, 0, 0], speed_m_s = 9 }
+[[candidates]]
+name = "stand"
+state = { position_m = [0, 0, 0], speed_m_s = 0 }
+"#;
+
+#[test]
+fn every_figure_over_a_horizon_follows_from_those_before_it() {
+    let place = Place::new();
+    let crossing = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/scenarios/crossing.toml");
+    let three = place.write("three.toml", THREE);
+    let (mut contacts, mut several) = (0, 0);
+    for path in [crossing, three.to_str().unwrap()] {
+        let output = run(&["rank", path, "--json", "--explain", "--workers", "2"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let document = json(&output);
+        let explanation = &document["explanation"];
+        let parameters = &explanation["parameters"];
+        let e = parameters["restitution"]["nominal"].as_f64().unwrap();
+        let mu = parameters["friction"]["nominal"].as_f64().unwrap();
+        let curves = explanation["curves"].as_array().unwrap();
+        let persons = explanation["persons"].as_f64().unwrap();
+        let rows = document["answer"]["ranking"].as_array().unwrap();
+        let chains = explanation["chains"].as_array().unwrap();
+        assert_eq!(chains.len(), rows.len());
+        for (chain, row) in chains.iter().zip(rows) {
+            assert_eq!((&chain["name"], &chain["why"]), (&row["name"], &row["why"]));
+            // Contact by contact: from speeds to the risk of each person.
+            let mut risks = Vec::new();
+            let told = row["contacts"].as_array().unwrap();
+            let steps = chain["contacts"].as_array().unwrap();
+            assert_eq!(steps.len(), told.len());
+            for (number, (contact, told)) in steps.iter().zip(told).enumerate() {
+                assert_eq!(contact["other"], told["party"]);
+                for same in ["time_s", "severity", "closing_m_s"] {
+                    assert_eq!(contact[same], told[same], "{same}");
+                }
+                check_impact(contact, e, mu);
+                let heavy = contact["response"]["delta_v_m_s"][0].as_f64().unwrap()
+                    >= explanation["heavy_from_m_s"].as_f64().unwrap();
+                assert_eq!(contact["severity"], if heavy { "heavy" } else { "light" });
+                assert_eq!(contact["counts"], true, "all is known");
+                for person in contact["persons"].as_array().unwrap() {
+                    let risk = check_person(person, curves, contact);
+                    near(&person["risk"], risk, "R");
+                    risks.push((number, [&person["party"], &person["seat"]], risk));
+                }
+                contacts += 1;
+            }
+            // Person by person: from the contacts to the risk that ranks.
+            let mut all = Vec::new();
+            for person in chain["persons"].as_array().unwrap() {
+                let own = risks.iter().filter(|risk| risk.1 == [&person["party"], &person["seat"]]);
+                let own: Vec<(usize, f64)> =
+                    own.map(|(number, _, risk)| (*number, *risk)).collect();
+                for (listed, (number, risk)) in
+                    person["contacts"].as_array().unwrap().iter().zip(&own)
+                {
+                    assert_eq!(listed[0], *number);
+                    near(&listed[1], *risk, "R of a contact");
+                }
+                assert_eq!(person["contacts"].as_array().unwrap().len(), own.len());
+                let risk = 1.0 - own.iter().map(|(_, risk)| 1.0 - risk).product::<f64>();
+                near(&person["risk"][1], risk, "1 - Π(1 - R)");
+                several += u32::from(own.len() > 1);
+                all.push(risk);
+            }
+            assert_eq!(row["persons"].as_array().unwrap().len(), all.len());
+            // And the policy's first step.
+            assert_eq!(chain["steps"][0]["step"], "least bayes");
+            let said = chain["steps"][0]["value"][1].as_f64().unwrap();
+            let bayes = all.iter().sum::<f64>() / persons;
+            assert!((said - bayes).abs() < 2e-8, "{said} {bayes}");
+            assert_eq!(chain["steps"][0]["value"], row["work"]);
+        }
+        // What is not requested is not told.
+        let bare = run(&["rank", path, "--json", "--in-process"]);
+        assert_eq!(json(&bare)["explanation"], Value::Null);
+    }
+    assert!(contacts >= 7 && several >= 2, "{contacts} contacts, {several} persons in several");
+    let output = run(&["rank", three.to_str().unwrap(), "--explain", "--in-process"]);
+    let words = text(&output.stdout);
+    let from = words.find("How the order came about").unwrap();
+    assert!(words[from..].lines().all(|line| line.chars().count() <= 100), "{words}");
+    for said in ["Rosen et al., ESV 09-0132", "J_n", "together  ego front-left: 0.", "heavy"] {
+        assert!(words[from..].contains(said), "{said}: {words}");
+    }
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn manoeuvres_that_meet_nobody_are_ranked_too() {
 }
 
 #[test]
-fn the_former_form_is_written_on_request_and_can_be_recorded() {
+fn the_former_form_is_written_on_request_and_both_are_records_of_one_chain() {
     let place = Place::new();
     let file = place.write("a.xml", &crossing(0.5, "parkedVehicle"));
     let (file, out) = (file.to_str().unwrap(), place.path().join("a.toml"));
@@ -75,10 +75,14 @@ fn the_former_form_is_written_on_request_and_can_be_recorded() {
     assert!(std::fs::read_to_string(out).unwrap().contains("trolley.scenario/1"));
     let records = place.path().join("records");
     let records = records.to_str().unwrap();
-    let refused = asked(&["rank", file, "--in-process", "--record", records]);
-    assert!(text(&refused.stderr).contains("--at-impact"), "{}", text(&refused.stderr));
-    let recorded = asked(&["rank", out, "--in-process", "--record", records]);
-    assert!(recorded.status.success(), "{}", text(&recorded.stderr));
+    for (number, scenario) in [file, out].into_iter().enumerate() {
+        let recorded = asked(&["rank", scenario, "--in-process", "--record", records]);
+        assert!(recorded.status.success(), "{}", text(&recorded.stderr));
+        let replayed = asked(&["record", "replay", &format!("{records}/{number:06}.record")]);
+        assert!(replayed.status.success(), "{}", text(&replayed.stderr));
+    }
+    let verified = asked(&["record", "verify", records]);
+    assert!(text(&verified.stdout).contains("2 records are intact"), "{}", text(&verified.stderr));
 }
 
 #[test]

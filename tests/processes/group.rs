@@ -7,7 +7,7 @@
 
 use super::strangers::{as_user, is_possible, strangers};
 use crate::support::service::{Serving, deployment, of_ways, ranking, serve_by};
-use crate::support::{Place, instance, ways, skipped, text, wait_for};
+use crate::support::{Place, instance, skipped, text, wait_for, ways};
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, chown};
 use std::path::{Path, PathBuf};

@@ -4,10 +4,8 @@
 
 use crate::support::service::heard_signals;
 use crate::support::service::{deployment, left_behind, of_ways, ranked, ranking, serve, shipped};
-use crate::support::{self, Place, children, run, signal, ways, text, trolley, wait_for};
-use client::public::{
-    Ask, Reason, WireParty, WirePath, WirePathKind, WirePathState, WireState,
-};
+use crate::support::{self, Place, children, run, signal, text, trolley, wait_for, ways};
+use client::public::{Ask, Reason, WireParty, WirePath, WirePathKind, WirePathState, WireState};
 use client::{Client, Waiting};
 use rustix::process::Signal;
 use std::time::Duration;
@@ -443,7 +441,8 @@ fn a_client_may_insist_on_the_bodies_that_it_knows() {
     drop(client);
     serving.end();
     let text = std::fs::read_to_string(place.path().join("deployment.toml")).unwrap();
-    let file = place.write("deployment.toml", &text.replace("[engine]", "[engine]\nbuild = \"sah\""));
+    let file =
+        place.write("deployment.toml", &text.replace("[engine]", "[engine]\nbuild = \"sah\""));
     let rebuilt = serve(&file, &["--in-process"]);
     let answer = connect(&rebuilt.instance).ask(&insists, PATIENCE);
     assert_eq!((answer.verdict(), answer.places), (WireState::Complete, first.places));

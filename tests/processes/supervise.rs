@@ -6,7 +6,7 @@ use crate::support::service::heard_signals;
 use crate::support::service::{
     Serving, deployment, left_behind, of_ways, ranked, ranking, serve, serve_as,
 };
-use crate::support::{self, Place, children, instance, run, signal, ways, text, trolley, wait_for};
+use crate::support::{self, Place, children, instance, run, signal, text, trolley, wait_for, ways};
 use runtime::clock;
 use rustix::process::Signal;
 use std::os::unix::net::UnixDatagram;
@@ -239,7 +239,8 @@ fn pings_go_on_while_a_long_request_is_worked_on() {
     let deep = format!("[engine]\ndepth = {}\n", support::DEPTH);
     let text = std::fs::read_to_string(&file).unwrap().replacen("[engine]\n", &deep, 1);
     std::fs::write(&file, text).unwrap();
-    let scenario = ::trolley::Horizon::open(place.write("long.toml", &support::long(120_000))).unwrap();
+    let scenario =
+        ::trolley::Horizon::open(place.write("long.toml", &support::long(120_000))).unwrap();
     let opened = ::trolley::OpenDeployment::open(&file, None).unwrap();
     let ask = opened.ask(&scenario, false).unwrap();
     for extra in [&[][..], &["--in-process"]] {

@@ -173,7 +173,8 @@ pub(crate) fn ways(triangles: u32) -> String {
         ("pole", "place", 15.0, 4.0, 0.0, 0.0),
     ];
     for (shape, kind, x, y, yaw, speed) in parties {
-        let speed = if kind == "state" { format!(", speed_m_s = {speed:?}") } else { String::new() };
+        let speed =
+            if kind == "state" { format!(", speed_m_s = {speed:?}") } else { String::new() };
         write!(
             text,
             "[parties.{shape}]\ngenerate = {{ shape = \"{shape}\", triangles = {triangles} }}\n\

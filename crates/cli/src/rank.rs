@@ -10,7 +10,8 @@ use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::record::Signer;
+use trolley::explanation::CourseExplanation;
+use trolley::record::{Recordable, Signer};
 use trolley::{
     Answer, AnswerState, CourseAnswer, Engine, Explanation, Failure, FailureKind, Horizon,
     HorizonRanking, Ranking, Record, References, Run, Scenario,
@@ -113,12 +114,7 @@ fn answer_horizon(
         Some(Assume::UnknownFixed) => horizon.assuming_unknown_is_fixed(),
         None => horizon,
     };
-    if asked.record.is_some() {
-        let what = "--record: a ranking over a horizon cannot be recorded yet";
-        let help = "leave it out; traffic can be recorded as pairs at impact: trolley scenario \
-                    import --at-impact";
-        return Err(Failure::setting(what).with_remedy(help));
-    }
+    let records = Records::prepare(asked, options)?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
@@ -127,15 +123,23 @@ fn answer_horizon(
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();
     }
-    let HorizonRanking { answer, run } = &ranking;
+    let recorded = records.as_ref().map(|records| records.write(&ranking));
+    let HorizonRanking { answer, run, .. } = &ranking;
+    let explanation = ranking.explanation.as_ref().filter(|_| asked.explain);
     if output.json {
-        let document = CourseDocument { schema: "trolley.rank/2", answer, run };
+        let document = CourseDocument { schema: "trolley.rank/2", answer, explanation, run };
         print::out(&print::json(&document)?)?;
     } else {
         print::out(&course_table::ranking(&horizon.parsed().name, answer, run))?;
-        if asked.explain {
+        if let Some(explanation) = explanation {
             print::out(&course_table::courses(answer))?;
+            print::out(&format!("\n{}", report::explain::courses(explanation)))?;
         }
+    }
+    drop(engine);
+    // If recording fails, the answer is shown before the failure.
+    if let Some(path) = recorded.transpose()? {
+        output.say(&format!("recorded as {}", path.display()));
     }
     Ok(code(answer.state))
 }
@@ -145,6 +149,8 @@ fn answer_horizon(
 struct CourseDocument<'a> {
     schema: &'static str,
     answer: &'a CourseAnswer,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanation: Option<&'a CourseExplanation>,
     run: &'a Run,
 }
 
@@ -178,7 +184,7 @@ impl<'a> Records<'a> {
         Ok(Some(Self { folder, signer }))
     }
 
-    fn write(&self, ranking: &Ranking) -> Result<PathBuf, Failure> {
+    fn write(&self, ranking: &impl Recordable) -> Result<PathBuf, Failure> {
         match &self.signer {
             Some(signer) => signer.write(self.folder, ranking),
             None => Record::write(self.folder, ranking),

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use trolley::record::{
     Proof, SignedStatement, Verified, VerifyOptions, hex, holds_decisions, verify_decisions,
 };
-use trolley::{BUILD, Failure, FailureKind, Record, Scenario};
+use trolley::{BUILD, Failure, FailureKind, Horizon, Record, References, Scenario};
 
 mod show;
 mod stated;
@@ -80,9 +80,8 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
             verify(path, &VerifyOptions { key, head: head.clone() }, output)
         }
         Verb::Replay { file, models, scenario, references } => {
-            let scenario = scenario.as_ref().map(|path| (path, references.references()));
-            let open = |(path, allowed)| Scenario::open_with(path, allowed);
-            replay(file, models.as_deref(), scenario.map(open).transpose()?.as_ref(), output)
+            let named = scenario.as_deref().map(|path| (path, references.references()));
+            replay(file, models.as_deref(), named, output)
         }
     }
 }
@@ -169,16 +168,25 @@ struct Replayed<'r> {
 fn replay(
     path: &Path,
     models: Option<&Path>,
-    scenario: Option<&Scenario>,
+    scenario: Option<(&Path, References)>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let record = Record::read(path)?;
-    scenario.map(|scenario| record.check_scenario(path, scenario)).transpose()?;
+    if let Some((scenario, allowed)) = scenario {
+        check(&record, path, scenario, allowed)?;
+    }
     let progress = output.progress("building bodies: triangles");
-    let replay = record.replay(path, models, &|done, total| progress.set(done, total))?;
+    let told = |done, total| progress.set(done, total);
+    let (json, jobs) = if record.content.is_over_horizon() {
+        let replay = record.replay_horizon(path, models, &told)?;
+        (replay.json, replay.jobs)
+    } else {
+        let replay = record.replay(path, models, &told)?;
+        (replay.json, replay.jobs)
+    };
     drop(progress);
-    let (was, jobs, build) = (&record.content.answer, replay.jobs, &record.content.build);
-    let (same, same_build) = (replay.json == *was, record.is_of_this_build());
+    let (was, build) = (&record.content.answer, &record.content.build);
+    let (same, same_build) = (json == *was, record.is_of_this_build());
     if output.json {
         let schema = "trolley.record-replay/1";
         let document = Replayed { schema, same, build, same_build, jobs };
@@ -188,16 +196,36 @@ fn replay(
         print::err(&format!("warning: recorded by build {build}, replayed by {BUILD}"));
     }
     if !same {
-        return Err(another(path, &replay.json, was, same_build));
+        return Err(another(path, &json, was, same_build));
     }
     if !output.json {
         print::out(&format!(
             "{}: the same answer, bit for bit, from {jobs} jobs of the {} recorded",
             path.display(),
-            record.content.jobs.len()
+            record.content.all_jobs().count()
         ))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Checks that a scenario file of either form, and what it names, is what was recorded.
+fn check(
+    record: &Record,
+    path: &Path,
+    scenario: &Path,
+    allowed: References,
+) -> Result<(), Failure> {
+    if trolley::traffic::is_traffic(scenario) {
+        let what = "a recording of traffic becomes a scenario by options that no record holds";
+        return Err(Failure::input(what)
+            .at(scenario.display())
+            .with_remedy("replay without --scenario: the scenario's text is in the record"));
+    }
+    let (name, text) = (scenario.display().to_string(), trolley::read_text(scenario)?);
+    if scenario::is_horizon_text(&text) {
+        return record.check_horizon(path, &Horizon::parse_with(&name, &text, allowed)?);
+    }
+    record.check_scenario(path, &Scenario::parse_with(&name, &text, allowed)?)
 }
 
 /// Where two answers differ.

@@ -100,8 +100,9 @@ pub unsafe extern "C" fn trolley_ask(
     if answer.is_null() {
         return;
     }
-    let refused =
-        |text: &str| WireAnswer::without_ranking(0, WireState::Refused, Reason::Malformed, text).sealed();
+    let refused = |text: &str| {
+        WireAnswer::without_ranking(0, WireState::Refused, Reason::Malformed, text).sealed()
+    };
     let given = if client.is_null() || ask.is_null() {
         refused("null pointer")
     } else {

@@ -8,9 +8,7 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to a terminal")]
 
 use std::time::Duration;
-use trolley_client::public::{
-    Ask, WireAnswer, WireParty, WirePath, WirePathKind, WirePathState,
-};
+use trolley_client::public::{Ask, WireAnswer, WireParty, WirePath, WirePathKind, WirePathState};
 use trolley_client::{Client, Waiting};
 
 const NAMES: [&str; 3] = ["straight on, the wall", "to the left, the pole", "brake"];

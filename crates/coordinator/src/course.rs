@@ -23,8 +23,9 @@
 
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
+use crate::explain::{ContactChain, contact_chain};
 use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
-use crate::request_limits::{RequestLimits, Until};
+use crate::request_limits::RequestLimits;
 use crate::work::{Effort, RankingRun, RunBuffers};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{Backend, BodySet, RunError};
@@ -40,22 +41,26 @@ use damage::{
 };
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
-use core::cell::Cell;
 use runtime::clock;
 use scenario::HorizonScenario;
 use std::sync::Arc;
 
 mod course_answer;
 mod encounter;
+mod explain;
 mod flags;
+mod history;
 mod persons;
 mod way;
 
 pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
 pub use encounter::EncounterEffort;
+pub use explain::{CombinedRisk, ContactStep, CourseChain, CourseExplanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
+pub use history::{CourseHistory, replay_courses};
 
 use encounter::EncounterSearch;
+use history::{SearchClock, Surveyor};
 use persons::People;
 use way::{Begin, NextContact, Scenery, Way};
 
@@ -71,6 +76,10 @@ pub struct CourseRequest<'a> {
     pub shells: &'a [Shells],
     /// Policy and curves that judge the candidates.
     pub rules: (Arc<Policy>, Arc<Curves>),
+    /// Whether a history is recorded, from which the answer can be made again.
+    pub history: bool,
+    /// Whether the answer is explained.
+    pub explanation: bool,
 }
 
 /// What the work on a request took.
@@ -103,6 +112,10 @@ pub struct RankedCourses {
     pub effort: CourseEffort,
     /// What the workers did, if there are any: one report a round.
     pub reports: Vec<WorkerPoolReport>,
+    /// What it can be made from again, if that was requested.
+    pub history: Option<CourseHistory>,
+    /// Every figure from contact to rank, if that was requested.
+    pub explanation: Option<CourseExplanation>,
 }
 
 /// A contact of a candidate, assessed.
@@ -123,6 +136,8 @@ struct AssessedContact {
     parts: [Vec<String>; 2],
     persons: Vec<PersonRow>,
     poses: Vec<PoseRow>,
+    /// If the answer is explained.
+    chain: Option<Box<ContactChain>>,
 }
 
 /// A candidate as it is followed.
@@ -169,24 +184,30 @@ pub fn rank_courses(
     let due_ns = limits
         .deadline_ns
         .map(|length_ns| accepted_ns + length_ns.saturating_sub(reserved_ns.min(length_ns / 5)));
-    let idle_hook = backend.idle_hook();
-    let is_watched = due_ns.is_some() || idle_hook.is_some();
-    let attended_ns = Cell::new(accepted_ns);
-    let is_over = move || {
-        let now_ns = clock::now_ns();
-        if let Some(idle_hook) = &idle_hook
-            && now_ns - attended_ns.get() >= ATTEND_NS
-        {
-            attended_ns.set(now_ns);
-            idle_hook.call();
-        }
-        due_ns.is_some_and(|due_ns| now_ns >= due_ns)
-    };
-    let is_due: Option<&dyn Fn() -> bool> = is_watched.then_some(&is_over);
-    let CourseRequest { scenario, models, shells, rules: (policy, curves) } = request;
+    let time = SearchClock::until(due_ns).with_idle_hook(backend.idle_hook());
+    let rounds = request.history.then(Vec::new);
+    let mut surveyor = Surveyor::Backend { backend, limits, due_ns, rounds };
+    let mut ranked = follow(stage, request, &time, &mut surveyor)?;
+    ranked.effort.accepted_ns = accepted_ns;
+    if let Surveyor::Backend { rounds: Some(rounds), .. } = surveyor {
+        ranked.history = Some(CourseHistory { search: time.search(), rounds });
+    }
+    Ok(ranked)
+}
+
+/// Follows every candidate until no contact is left or time is over, and ranks them.
+fn follow(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    time: &SearchClock,
+    surveyor: &mut Surveyor<'_>,
+) -> Result<RankedCourses, RunError> {
+    let is_over = || time.is_over();
+    let is_due: Option<&dyn Fn() -> bool> = if time.is_watched() { Some(&is_over) } else { None };
+    let CourseRequest { scenario, models, shells, rules: (policy, curves), .. } = request;
     let scenery = Scenery { scenario, bodies: stage.bodies, models, shells };
     let people = People::of(scenario, &|party| scenery.body(party));
-    let mut effort = CourseEffort { accepted_ns, ..CourseEffort::default() };
+    let mut effort = CourseEffort::default();
     let mut search = EncounterSearch::default();
     let begin =
         |candidate| Course { way: Way::new(scenery, candidate), contacts: Vec::new(), stuck: None };
@@ -237,26 +258,41 @@ pub fn rank_courses(
         let (policy, curves) = (policy.clone(), curves.clone());
         let contacts = Request { candidates: contacts, persons, policy, curves, parameters };
         let begun_ns = clock::now_ns();
-        let left_ns = due_ns.map(|due_ns| due_ns.saturating_sub(begun_ns));
-        let mut work = RankingRun::with_buffers(&contacts, stage.bodies, stage.depth, buffers)
-            .with_limits(RequestLimits { until: Until::Complete, deadline_ns: left_ns, ..limits });
-        effort.jobs_in_process += backend.work_off(&mut work)?;
-        reports.extend(backend.report());
+        let work = RankingRun::with_buffers(&contacts, stage.bodies, stage.depth, buffers);
+        let mut work = surveyor.limit(work);
+        effort.jobs_in_process += surveyor.survey(&mut work, stage)?;
+        reports.extend(surveyor.report());
         effort.surveys_ns += clock::now_ns() - begun_ns;
         effort.rounds += 1;
         effort.surveys.add(&work.effort());
         let (harms, _) = work.judge()?;
         for (number, ((k, meeting), harm)) in round.into_iter().zip(harms).enumerate() {
-            let assessed = assessed(&contacts, &work, number, meeting, harm);
+            let mut assessed = assessed(&contacts, &work, number, meeting, harm);
+            if request.explanation {
+                let (candidate, harm) = (&contacts.candidates[number], &assessed.harm);
+                let state = &work.candidate_states()[number];
+                let chain = contact_chain(&contacts, candidate, harm, state);
+                assessed.chain = Some(Box::new(chain));
+            }
             settle(&mut courses[k], &contacts.candidates[number], assessed);
         }
         buffers = work.into_buffers();
     }
     effort.search = search.effort;
     let begun_ns = clock::now_ns();
-    let answer = conclude(&scenery, &people, policy, &courses, &mut search)?;
+    let harms: Vec<CourseHarm> = courses.iter().map(|course| harm_of(&people, course)).collect();
+    let stakes: Vec<_> = people.list.iter().map(|person| person.stake).collect();
+    let mut ranking = RankedCandidates::default();
+    rank_in(&mut Scratch::default(), policy, &stakes, &harms, &mut ranking)
+        .map_err(RequestError::from)?;
+    let known = (&courses[..], &harms[..]);
+    let answer = course_answer::written(&scenery, &people, policy, known, &ranking, &mut search);
+    let explanation = request.explanation.then(|| {
+        let rules = (&**policy, &**curves, parameters);
+        CourseExplanation::new(scenario, &people, rules, known, &ranking)
+    });
     effort.judge_ns = clock::now_ns() - begun_ns;
-    Ok(RankedCourses { answer, effort, reports })
+    Ok(RankedCourses { answer, effort, reports, history: None, explanation })
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
@@ -356,6 +392,7 @@ fn assessed(
         parts: answer::parts(state, [(&a.0, &a.1), (&b.0, &b.1)]),
         persons: answer::persons(contacts, &harm),
         poses: answer::poses(state),
+        chain: None,
         harm,
     }
 }
@@ -407,43 +444,28 @@ fn settle(course: &mut Course<'_>, candidate: &Candidate, mut assessed: Assessed
     }
 }
 
-/// Harm of every candidate, their order, and the answer.
-fn conclude(
-    scenery: &Scenery<'_>,
-    people: &People,
-    policy: &Policy,
-    courses: &[Course<'_>],
-    search: &mut EncounterSearch,
-) -> Result<CourseAnswer, RequestError> {
-    let harms: Vec<CourseHarm> = courses.iter().map(|course| harm_of(people, course)).collect();
-    let stakes: Vec<_> = people.list.iter().map(|person| person.stake).collect();
-    let mut ranking = RankedCandidates::default();
-    rank_in(&mut Scratch::default(), policy, &stakes, &harms, &mut ranking)?;
-    Ok(course_answer::written(scenery, people, policy, (courses, &harms), &ranking, search))
-}
-
-/// Least time between two calls of an idle hook while contacts are searched for (ns).
-const ATTEND_NS: u64 = 5_000_000;
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).
 const SAYING_NS: u64 = 1_000_000;
 /// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only
 /// keeps an open candidate from winning by less damage.
 const ENERGY_MAX_J: f64 = 5e9;
 
+/// Whether a contact is in the harm of its course: if a second look is still to come, a light one
+/// may not be one of the finished course.
+fn counts(course: &Course<'_>, contact: &AssessedContact) -> bool {
+    let is_sure = course.open_from_s().is_none() || !course.way.may_give_way(contact.meeting.party);
+    is_sure || contact.severity == Severity::Heavy
+}
+
 /// The harm of a course: all contacts together, and whatever is open.
 fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
     let mut harm = CourseHarm::none();
-    let is_open = course.open_from_s().is_some();
-    for contact in &course.contacts {
-        // If a second look is still to come, this contact may not be one of the finished course.
-        let is_sure = !is_open || !course.way.may_give_way(contact.meeting.party);
-        if is_sure || contact.severity == Severity::Heavy {
-            harm.include(&contact.harm);
-        }
+    for contact in course.contacts.iter().filter(|contact| counts(course, contact)) {
+        harm.include(&contact.harm);
     }
     people.suppose(&mut harm);
     harm.is_unevaluable |= course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
-    if is_open {
+    if course.open_from_s().is_some() {
         harm.leave_open(people.all(), ENERGY_MAX_J);
     }
     harm

@@ -8,12 +8,14 @@
 //! It depends only on what the answer depends on.
 
 use crate::candidate_state::{CandidateState, SearchStage};
-use crate::request::{Candidate, Request};
+use crate::request::{Candidate, Person, Request};
 use damage::curve::{Curve, CurveUnit};
 use damage::dynamics::Response;
 use damage::evidence::Touch;
 use damage::injury::Quantity;
-use damage::{CandidateHarm, Ground, Interval, Parameters, RankError, RankedCandidates, Stability};
+use damage::{
+    CandidateHarm, Ground, Interval, Parameters, PersonId, RankError, RankedCandidates, Stability,
+};
 use serde::Serialize;
 
 /// Everything that the order was made from.
@@ -41,11 +43,25 @@ pub struct Explanation {
     pub names: Vec<String>,
 }
 
-/// One candidate from contact to rank. Pairs are of the ego and of the other.
+/// One candidate from contact to rank.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Derivation {
     /// Its name.
     pub name: String,
+    /// From speeds to risks.
+    #[serde(flatten)]
+    pub contact: ContactChain,
+    /// The policy's steps for this candidate.
+    pub steps: Vec<PolicyStep>,
+    /// Why it comes before the next.
+    pub why: Option<String>,
+    /// The person whose risk differs most between the two, where persons decided.
+    pub separates: Option<Separation>,
+}
+
+/// One contact from speeds to the risks of persons. Pairs are of the ego and of the other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactChain {
     /// The other party's name.
     pub other: String,
     /// Whether they touch.
@@ -79,12 +95,6 @@ pub struct Derivation {
     pub poses: Vec<(f64, u64)>,
     /// Lengths of the patch across the normal, along it and upwards, and the depth (m).
     pub patch_m: [f64; 4],
-    /// The policy's steps for this candidate.
-    pub steps: Vec<PolicyStep>,
-    /// Why it comes before the next.
-    pub why: Option<String>,
-    /// The person whose risk differs most between the two, where persons decided.
-    pub separates: Option<Separation>,
 }
 
 /// The person whose risk differs most between a candidate and the next.
@@ -163,17 +173,21 @@ impl Explanation {
             let next = ranking.places.get(at + 1).map(|next| next.candidate);
             let name = |number: usize| request.candidates[number].name.as_str();
             let why = place.why.as_ref().zip(next);
-            let values = steps.iter().zip(&place.steps);
+            let (harm, state) = (&harms[place.candidate], &candidate_states[place.candidate]);
+            let risk = |harm: &CandidateHarm, id: PersonId| {
+                let found = harm.persons.iter().find(|person| person.id == id);
+                found.map_or(0.0, |person| harm.probability * person.work.hi())
+            };
             Derivation {
-                poses: poses(&candidate_states[place.candidate]),
-                separates: why.and_then(|(ground, next)| {
-                    separation(request, ground, &harms[place.candidate], &harms[next])
-                }),
+                name: name(place.candidate).to_owned(),
+                contact: contact_chain(request, &request.candidates[place.candidate], harm, state),
+                steps: policy_steps(&steps, &place.steps),
                 why: why.map(|(ground, next)| ground.sentence(name(place.candidate), name(next))),
-                steps: values
-                    .map(|(step, value)| PolicyStep { step: step.clone(), value: *value })
-                    .collect(),
-                ..chain(request, &request.candidates[place.candidate], &harms[place.candidate])
+                separates: why.and_then(|(ground, next)| {
+                    separation(&request.persons, ground, |id| {
+                        [risk(harm, id), risk(&harms[next], id)]
+                    })
+                }),
             }
         };
         Ok(Self {
@@ -198,12 +212,22 @@ fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
     of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }
 
-/// The whole chain except its place in the order.
-fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Derivation {
+/// The steps of a policy with their values for a candidate.
+pub(crate) fn policy_steps(steps: &[String], values: &[Interval]) -> Vec<PolicyStep> {
+    let values = steps.iter().zip(values);
+    values.map(|(step, value)| PolicyStep { step: step.clone(), value: *value }).collect()
+}
+
+/// From speeds to risks.
+pub(crate) fn contact_chain(
+    request: &Request,
+    candidate: &Candidate,
+    harm: &CandidateHarm,
+    state: &CandidateState,
+) -> ContactChain {
     let parties = [&candidate.a, &candidate.b];
     let patch = harm.contact.patch.as_ref();
-    Derivation {
-        name: candidate.name.to_string(),
+    ContactChain {
         other: candidate.other_name.to_string(),
         touch: harm.contact.touch,
         first_m: patch.map(|patch| patch.first_m.hi()),
@@ -218,34 +242,28 @@ fn chain(request: &Request, candidate: &Candidate, harm: &CandidateHarm) -> Deri
         force_degrees: harm.force_degrees,
         probability: harm.probability,
         persons: harm.persons.iter().map(|p| person(request, harm, p)).collect(),
-        poses: Vec::new(),
+        poses: poses(state),
         patch_m: patch.map_or([0.0; 4], |patch| {
             [patch.width_m, patch.span_m, patch.height_m, patch.depth_m].map(Interval::hi)
         }),
-        steps: Vec::new(),
-        why: None,
-        separates: None,
     }
 }
 
-/// The person who decided between two candidates, if a rule on persons did.
-fn separation(
-    request: &Request,
+/// The person who decided between two candidates, if a rule on persons did. `risks` are those of a
+/// person in both.
+pub(crate) fn separation(
+    persons: &[Person],
     ground: &Ground,
-    here: &CandidateHarm,
-    there: &CandidateHarm,
+    risks: impl Fn(PersonId) -> [f64; 2],
 ) -> Option<Separation> {
     let Ground::Least { person: Some(id), rule, .. } = ground else { return None };
-    let person = request.persons.get(id.0)?;
-    let risk = |harm: &CandidateHarm| {
-        let found = harm.persons.iter().find(|person| person.id == *id);
-        found.map_or(0.0, |person| harm.probability * person.work.hi())
-    };
+    let person = persons.get(id.0)?;
+    let [here, there] = risks(*id);
     Some(Separation {
         party: person.party.to_string(),
         seat: person.seat.map(body::Seat::name),
-        here: risk(here),
-        there: risk(there),
+        here,
+        there,
         rule: rule.map(|rule| rule.name()),
     })
 }

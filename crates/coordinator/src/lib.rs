@@ -47,10 +47,11 @@ pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
 pub use answer_view::{AnswerRow, AnswerView};
 
 pub use course::{
-    Alternative, AtHorizon, ContactRow, CourseAnswer, CourseEffort, CoursePersonRow, CourseRequest,
-    CourseRow, EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses,
+    Alternative, AtHorizon, CombinedRisk, ContactRow, ContactStep, CourseAnswer, CourseChain,
+    CourseEffort, CourseExplanation, CourseHistory, CoursePersonRow, CourseRequest, CourseRow,
+    EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses, replay_courses,
 };
-pub use explain::{Derivation, Explanation, PersonChain, PolicyStep, Separation};
+pub use explain::{ContactChain, Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use job_history::JobHistory;
 pub use pairs::{PairWork, PoseFound, Spent};

@@ -146,6 +146,25 @@ pub struct RecordedJob {
     pub end: RecordedEnd,
 }
 
+/// A round of contacts of a scenario over a horizon: the contacts that come next in its candidates,
+/// whose hit sets are surveyed together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecordedRound {
+    /// Questions about its contacts, as in [`RecordContent::places`]; candidates are the contacts
+    /// of the round.
+    pub places: Vec<PoseQuestion>,
+    /// Jobs, as in [`RecordContent::jobs`]; a place is one of this round.
+    pub jobs: Vec<RecordedJob>,
+}
+
+/// How far the search for contacts of a scenario over a horizon came before its deadline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecordedSearch {
+    /// The search looks at the clock at points that follow from the scene alone. This is the look,
+    /// from 0, at which time was over; `None`: it never was.
+    pub over_at: Option<u64>,
+}
+
 /// What was known at one moment of the work.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordedMoment {
@@ -203,6 +222,8 @@ pub struct RecordContent {
     pub policy: RecordedText,
     /// The injury curves.
     pub curves: RecordedText,
+    /// The other texts that the scenario names, as it names them: paths as CSV.
+    pub files: Vec<RecordedText>,
     /// How the work was cut.
     pub settings: Settings,
     /// Bodies, in the order of the scenario's parties.
@@ -212,7 +233,11 @@ pub struct RecordContent {
     pub places: Vec<PoseQuestion>,
     /// The job history, in the order in which jobs were closed.
     pub jobs: Vec<RecordedJob>,
-    /// What was known over time.
+    /// Of a scenario over a horizon: questions and jobs by round. It has none of its own outside.
+    pub rounds: Vec<RecordedRound>,
+    /// Of a scenario over a horizon: how far the search came; `None`: it had no deadline.
+    pub search: Option<RecordedSearch>,
+    /// What was known over time; empty of a scenario over a horizon.
     pub moments: Vec<RecordedMoment>,
     /// Jobs on workers; empty without workers. No answer depends on it.
     pub spans: Vec<RecordedSpan>,
@@ -226,6 +251,19 @@ pub struct RecordContent {
     pub answer: String,
     /// Its explanation, JSON.
     pub explanation: String,
+}
+
+impl RecordContent {
+    /// Whether its scenario is one over a horizon.
+    #[must_use]
+    pub fn is_over_horizon(&self) -> bool {
+        scenario::is_horizon_text(&self.scenario.text)
+    }
+
+    /// The jobs of all rounds, or those of the request.
+    pub fn all_jobs(&self) -> impl Iterator<Item = &RecordedJob> {
+        self.jobs.iter().chain(self.rounds.iter().flat_map(|round| &round.jobs))
+    }
 }
 
 /// BLAKE3 of a text, hexadecimal.

@@ -26,9 +26,9 @@ use std::borrow::Cow;
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";
 /// Version of the layout and of [`RecordContent`]. Another one is refused.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 7;
 /// Version of a record with a signed statement: programs that know of none refuse it.
-pub const VERSION_SIGNED: u32 = 6;
+pub const VERSION_SIGNED: u32 = 8;
 
 /// The head of a record.
 #[repr(C)]
@@ -93,7 +93,7 @@ pub enum RecordError {
     #[error("the record cannot be read: {0}")]
     Content(codec::CodecError),
     /// Too large to write.
-    #[error("the record cannot be written: {0}; a smaller distribution depth makes fewer jobs")]
+    #[error("the record cannot be written: {0}")]
     TooLong(codec::CodecError),
 }
 
@@ -113,7 +113,10 @@ impl Diagnostic for RecordError {
                 "use another copy of the records, and compare"
             }
             Self::Content(_) => "the writer was at fault: keep the file and report it",
-            Self::TooLong(_) => "lower --depth",
+            Self::TooLong(_) => {
+                "a smaller distribution depth makes fewer jobs: lower --depth; and paths in CSV \
+                 files need fewer states"
+            }
         };
         Some(remedy.into())
     }

@@ -6,9 +6,9 @@
 //!       +-------decode(bytes)----------+            one before it
 //! ```
 //!
-//! It holds everything that the answer was made from: the texts of scenario, policy and curves, the
-//! hash of every body, the settings, and which jobs were done; and what was decided, as it was
-//! printed. So the answer can be recomputed, on another machine, and compared byte for byte.
+//! It holds everything that the answer was made from: the texts of scenario, policy, curves and
+//! paths, the hash of every body, the settings, and which jobs were done; and what was decided, as
+//! it was printed. So the answer can be recomputed, on another machine, and compared byte for byte.
 //!
 //! It says nothing of persons but kind and seat. It complements the recorders of UN R157 (DSSAD)
 //! and R160 (EDR); it does not claim to comply with them.
@@ -37,8 +37,8 @@ pub mod statement;
 pub use chain::{Chain, ChainError, HEAD_FILE, Resume};
 pub use content::{
     Edge, Mode, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedFirst, RecordedJob,
-    RecordedMoment, RecordedSource, RecordedSpan, RecordedStage, RecordedText, Settings,
-    hash_of_text,
+    RecordedMoment, RecordedRound, RecordedSearch, RecordedSource, RecordedSpan, RecordedStage,
+    RecordedText, Settings, hash_of_text,
 };
 pub use file::{Link, RecordError, RecordSigner, decode, encode};
 pub use key::{KeyError, SigningKey, VerifyingKey};

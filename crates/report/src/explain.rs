@@ -1,8 +1,11 @@
 //! An explanation in words: the chain from contact to rank, to be checked with a pocket calculator.
 
 use crate::text::wrap;
-use trolley::explanation::{CurveUnit, Derivation, Knob, PersonChain, Reserve};
-use trolley::{Explanation, Touch};
+use trolley::explanation::{
+    ContactChain, CourseExplanation, Curve, CurveUnit, Derivation, Knob, Parameters, PersonChain,
+    PolicyStep, Reserve, Separation,
+};
+use trolley::{Explanation, Severity, Touch};
 
 /// What the figures are made with; the same for all candidates.
 const FORMULAS: &str = "\
@@ -13,13 +16,92 @@ Formulas: w_n = Σ(1 + h²/k²)/m, w_t = Σ(1 + q²/k²)/m over both bodies, a f
 /// The whole explanation; no line is longer than [`COLUMNS`](crate::text::COLUMNS).
 #[must_use]
 pub fn text(explanation: &Explanation) -> String {
-    let parameters = &explanation.parameters;
-    let mut lines = vec![
+    let mut lines = Vec::new();
+    beginning(
+        &mut lines,
+        (&explanation.policy, &explanation.board, explanation.outcome),
+        (&explanation.steps, explanation.persons, &explanation.parameters),
+    );
+    for (at, chain) in explanation.chains.iter().enumerate() {
+        lines.push(String::new());
+        lines.push(format!("{} {}", at + 1, chain.name));
+        candidate(&mut lines, chain);
+    }
+    sources(&mut lines, &explanation.curves);
+    lines.push(String::new());
+    stability(&mut lines, explanation);
+    wrapped(&lines)
+}
+
+/// The whole explanation of a ranking over a horizon, in lines as short.
+#[must_use]
+pub fn courses(explanation: &CourseExplanation) -> String {
+    let mut lines = Vec::new();
+    beginning(
+        &mut lines,
+        (&explanation.policy, &explanation.board, explanation.outcome),
+        (&explanation.steps, explanation.persons, &explanation.parameters),
+    );
+    lines.push(format!(
+        "A contact is heavy if the ego's ΔV is {} m/s or more: then it runs out, braked with {:.2} \
+         m/s². A person's risk in several contacts is 1 - Π(1 - R).",
+        explanation.heavy_from_m_s, explanation.run_out_m_s2
+    ));
+    for (at, chain) in explanation.chains.iter().enumerate() {
+        lines.push(String::new());
+        lines.push(format!("{} {}", at + 1, chain.name));
+        if chain.contacts.is_empty() && chain.open_from_s.is_none() {
+            lines.push("  contact   none: everybody's risk is 0".to_owned());
+        }
+        for step in &chain.contacts {
+            let kind = match step.severity {
+                Severity::Light => "light",
+                Severity::Heavy => "heavy",
+            };
+            let counts = if step.counts { "" } else { "; not in its harm: it may become heavy" };
+            let other = &step.chain.other;
+            lines.push(format!("  after {:.3} s: {other}, {kind}{counts}", step.time_s));
+            contact(&mut lines, &step.chain);
+            everybody(&mut lines, &step.chain);
+        }
+        lines.extend(chain.open_from_s.map(|from_s| {
+            format!("  open      from {from_s:.3} s on: everybody may be harmed until R is 1")
+        }));
+        for person in chain.persons.iter().filter(|person| person.contacts.len() > 1) {
+            let seat = person.seat.map_or(String::new(), |seat| format!(" {seat}"));
+            let risks: Vec<String> =
+                person.contacts.iter().map(|(_, risk)| format!("{risk:.5}")).collect();
+            lines.push(format!(
+                "  together  {}{seat}: {} make {:.5}",
+                person.party,
+                risks.join(" and "),
+                person.risk.hi()
+            ));
+        }
+        policy(&mut lines, (&chain.steps, chain.why.as_deref(), chain.separates.as_ref()));
+    }
+    sources(&mut lines, &explanation.curves);
+    wrapped(&lines)
+}
+
+fn wrapped(lines: &[String]) -> String {
+    let wrapped: Vec<String> =
+        lines.iter().map(|line| if line == FORMULAS { line.clone() } else { wrap(line) }).collect();
+    wrapped.join("\n")
+}
+
+/// What is compared, and with what it was computed.
+fn beginning(
+    lines: &mut Vec<String>,
+    (policy, board, outcome): (&str, &str, &str),
+    (steps, persons, parameters): (&[String], usize, &Parameters),
+) {
+    lines.extend([
         format!(
             "How the order came about: policy \"{}\" (board: {}), outcome {}, {} persons at stake.",
-            explanation.policy, explanation.board, explanation.outcome, explanation.persons
+            policy, board, outcome, persons
         ),
-        format!("Compared in turn: {}.", explanation.steps.join("; then ")),
+        format!("Compared in turn: {}.", steps.join("; then ")),
         FORMULAS.to_owned(),
         format!(
             "Parameters: e {} in {}–{}, μ {} in {}–{}; masses known to {} %, gyration to {} %, \
@@ -34,15 +116,14 @@ pub fn text(explanation: &Explanation) -> String {
             100.0 * parameters.gyration_share,
             100.0 * parameters.speed_share
         ),
-    ];
-    for (at, chain) in explanation.chains.iter().enumerate() {
-        lines.push(String::new());
-        lines.push(format!("{} {}", at + 1, chain.name));
-        candidate(&mut lines, chain);
-    }
+    ]);
+}
+
+/// Curves in use.
+fn sources(lines: &mut Vec<String>, curves: &[Curve]) {
     lines.push(String::new());
     lines.push("Curves and their sources".to_owned());
-    for curve in &explanation.curves {
+    for curve in curves {
         let unit = curve.unit.name();
         let note = if curve.note.is_empty() { "" } else { "; " };
         lines.push(format!(
@@ -58,11 +139,6 @@ pub fn text(explanation: &Explanation) -> String {
             curve.note
         ));
     }
-    lines.push(String::new());
-    stability(&mut lines, explanation);
-    let wrapped: Vec<String> =
-        lines.iter().map(|line| if line == FORMULAS { line.clone() } else { wrap(line) }).collect();
-    wrapped.join("\n")
 }
 
 /// A figure, or "–" for a body that is fixed to the ground.
@@ -75,13 +151,19 @@ fn pair(of: [f64; 2], masses: [Option<f64>; 2], decimals: usize) -> String {
 }
 
 fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
-    match chain.touch {
+    match chain.contact.touch {
         Touch::No => lines.push(
             "  contact   none: no triangle of either body on all the way; everybody's risk is 0"
                 .to_owned(),
         ),
-        Touch::Yes | Touch::Unknown => contact(lines, chain),
+        Touch::Yes | Touch::Unknown => contact(lines, &chain.contact),
     }
+    everybody(lines, &chain.contact);
+    policy(lines, (&chain.steps, chain.why.as_deref(), chain.separates.as_ref()));
+}
+
+/// Everybody in a contact who may be harmed.
+fn everybody(lines: &mut Vec<String>, chain: &ContactChain) {
     let mut left: Vec<&PersonChain> =
         chain.persons.iter().filter(|person| person.range.high() > 0.0).collect();
     while let Some(&first) = left.first() {
@@ -91,7 +173,14 @@ fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
         persons(lines, &same, chain.probability);
         left = others;
     }
-    let steps = chain.steps.iter().map(|step| {
+}
+
+/// What the policy makes of a candidate, and why it comes before the next.
+fn policy(
+    lines: &mut Vec<String>,
+    (steps, why, separates): (&[PolicyStep], Option<&str>, Option<&Separation>),
+) {
+    let steps = steps.iter().map(|step| {
         let value = step.value.hi();
         if step.step.ends_with("property damage") {
             format!("{} {:.1} kJ", step.step, value / 1000.0)
@@ -100,8 +189,8 @@ fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
         }
     });
     lines.push(format!("  policy    {}", steps.collect::<Vec<_>>().join("; ")));
-    lines.extend(chain.why.iter().map(|why| format!("  therefore {why}")));
-    if let Some(who) = &chain.separates {
+    lines.extend(why.iter().map(|why| format!("  therefore {why}")));
+    if let Some(who) = separates {
         let seat = who.seat.map_or(String::new(), |seat| format!(" {seat}"));
         lines.push(format!(
             "            the greatest difference is {}{seat}: {:.5} here, {:.5} there",
@@ -110,7 +199,7 @@ fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
     }
 }
 
-fn contact(lines: &mut Vec<String>, chain: &Derivation) {
+fn contact(lines: &mut Vec<String>, chain: &ContactChain) {
     let m = chain.mass_kg;
     let first = chain.first_m.map_or(String::new(), |s| format!("first at {s:.3} m of travel; "));
     lines.push(format!(

@@ -89,6 +89,12 @@ fn of_record(
         files::check(target, Some(path))?;
     }
     let record = Record::read(path)?;
+    if record.content.is_over_horizon() {
+        let fault = "there is no page and no picture of a ranking over a horizon yet";
+        return Err(Failure::input(fault).at(path.display()).with_remedy(
+            "read it as text or data: `trolley record show`, with or without --json",
+        ));
+    }
     let made = record.replay(path, models, progress)?;
     if made.json != record.content.answer {
         let fault = "the replayed answer differs from the recorded one";

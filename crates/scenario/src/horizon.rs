@@ -40,8 +40,8 @@ mod draft;
 pub(crate) mod path;
 pub(crate) mod raw;
 
-pub use draft::HorizonDraft;
 pub(crate) use check::DEFAULT_RESOLUTION_M;
+pub use draft::HorizonDraft;
 
 /// Name and version of the form, the value of the key `schema`.
 pub const HORIZON_SCHEMA: &str = "trolley.scenario/2";

@@ -67,9 +67,10 @@ pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
 pub use horizon::{
-    CIRCLE_ERROR_M, GivenMotion, GivenState, HORIZON_PARTIES_MAX, HORIZON_SCHEMA, HORIZON_TEXT_BYTES_MAX, HorizonCandidate,
-    HorizonDraft, HorizonMotion, HorizonParty, HorizonScenario, Occupancy, OccupantGroup,
-    PATH_STATES_MAX, Prediction, Reaction, is_horizon_text,
+    CIRCLE_ERROR_M, GivenMotion, GivenState, HORIZON_PARTIES_MAX, HORIZON_SCHEMA,
+    HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonDraft, HorizonMotion, HorizonParty,
+    HorizonScenario, Occupancy, OccupantGroup, PATH_STATES_MAX, Prediction, Reaction,
+    is_horizon_text,
 };
 pub use rules::capacity;
 pub use scenario::{

@@ -296,8 +296,7 @@ impl Request<'_> {
     }
 
     fn predictions(&self, number: usize, party: &WireParty) -> Result<Vec<Prediction>, Refusal> {
-        let malformed =
-            |text: &str| refuse(Reason::Malformed, format!("party {number}: {text}"));
+        let malformed = |text: &str| refuse(Reason::Malformed, format!("party {number}: {text}"));
         let count = party.path_count as usize;
         if number == self.ask.ego as usize {
             return match (count, party.first_path) {
@@ -368,7 +367,10 @@ impl Request<'_> {
             let state = wrong.state.map_or(String::new(), |state| format!(", state {state}"));
             Refusal {
                 reason: Reason::OutOfRange,
-                text: format!("path {number}{state}: {}: {}", wrong.misfit.what, wrong.misfit.remedy),
+                text: format!(
+                    "path {number}{state}: {}: {}",
+                    wrong.misfit.what, wrong.misfit.remedy
+                ),
             }
         })
     }

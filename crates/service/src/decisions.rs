@@ -268,7 +268,8 @@ impl Entry<'_> {
     /// `None` if the count of states in the request is not that of its bytes.
     fn decision(&self) -> Option<Decision> {
         let end = self.decision_end();
-        let (ask, answer) = self.bytes[LENGTHS..end].split_at(end - LENGTHS - size_of::<WireAnswer>());
+        let (ask, answer) =
+            self.bytes[LENGTHS..end].split_at(end - LENGTHS - size_of::<WireAnswer>());
         let mut decision = Decision { ask: Ask::new(0.0), answer: WireAnswer::zeroed() };
         decision.ask.fill(ask)?;
         bytemuck::bytes_of_mut(&mut decision.answer).copy_from_slice(answer);

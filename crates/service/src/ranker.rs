@@ -89,12 +89,15 @@ impl<'s> Ranker<'s> {
             models: &checked.models,
             shells: &self.shells,
             rules: self.rules.clone(),
+            history: false,
+            explanation: false,
         };
         let ranked = coordinator::rank_courses(&stage, &request, limits, backend);
-        let RankedCourses { answer, effort, reports } = ranked.map_err(|error| match error {
-            RunError::Request(error) => unassessable(&error),
-            RunError::WorkerPool(error) => Unranked::WorkerPool(error),
-        })?;
+        let RankedCourses { answer, effort, reports, .. } =
+            ranked.map_err(|error| match error {
+                RunError::Request(error) => unassessable(&error),
+                RunError::WorkerPool(error) => Unranked::WorkerPool(error),
+            })?;
         let mut answer = WireAnswer { model_set: self.model_set, ..lay_out(sequence, &answer) };
         if checked.has_unknown && answer.verdict().has_ranking() {
             answer.say("parties of unknown kind were taken as fixed, with nobody in them");

@@ -103,6 +103,19 @@ impl<'s> PartyBody<'s> {
     }
 
     /// Whether another one is the same body.
+    /// The bodies without repetition, and the number of each party's own among them.
+    pub(crate) fn unique(all: &[Self]) -> (Vec<Self>, Vec<usize>) {
+        let mut unique: Vec<Self> = Vec::new();
+        let number = |body: &Self| {
+            unique.iter().position(|known| known.is_same(body)).unwrap_or_else(|| {
+                unique.push(*body);
+                unique.len() - 1
+            })
+        };
+        let models = all.iter().map(number).collect();
+        (unique, models)
+    }
+
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.source == other.source && self.size == other.size
     }
@@ -297,20 +310,24 @@ impl Bodies {
         &self.store
     }
 
-    /// The bodies of a scenario's parties as a record names them.
-    pub(crate) fn recorded(&self, scenario: &Scenario) -> Vec<record::RecordedBody> {
-        let parties = scenario.parties.iter().zip(&self.hashes).zip(&self.source_hashes);
-        let recorded = |((party, hash), source_hash): ((&Party, &String), &Option<String>)| {
-            let source = match (&party.source, source_hash) {
+    /// The bodies of a scenario's parties as a record names them; party i has body `models[i]`.
+    pub(crate) fn recorded(
+        &self,
+        parties: &[PartyBody<'_>],
+        models: &[usize],
+    ) -> Vec<record::RecordedBody> {
+        let recorded = |(party, model): (&PartyBody<'_>, &usize)| {
+            let source = match (party.source, &self.source_hashes[*model]) {
                 (Source::File(reference), Some(hash)) => {
                     let (path, hash) = (reference.path.clone(), hash.clone());
                     record::RecordedSource::File { path, hash }
                 }
                 _ => record::RecordedSource::Generated,
             };
-            record::RecordedBody { party: party.name.to_string(), source, hash: hash.clone() }
+            let hash = self.hashes[*model].clone();
+            record::RecordedBody { party: party.name.to_owned(), source, hash }
         };
-        parties.map(recorded).collect()
+        parties.iter().zip(models).map(recorded).collect()
     }
 
     /// Returns the content hash of each body with its tree.

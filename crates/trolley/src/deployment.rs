@@ -1,9 +1,9 @@
 //! A deployment file, and the files it names.
 
-use crate::{Failure, Horizon};
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::scenario::check_models;
+use crate::{Failure, Horizon};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};

@@ -11,9 +11,10 @@ use crate::Failure;
 use crate::bodies::{OnProgress, PartyBody, SILENT};
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, SourceText, Texts};
 use coordinator::{
-    Answer, Backend, BodySet, Explanation, JobHistory, RankingRequest, Row, RunTimes, WorkerPool,
+    Answer, Backend, BodySet, CourseHistory, Explanation, JobHistory, RankingRequest, Row,
+    RunTimes, WorkerPool,
 };
 use dispatch::LogEntry;
 use runtime::{affinity, clock};
@@ -72,10 +73,20 @@ pub struct Ranking {
 /// What a record holds besides answer, explanation and run.
 #[derive(Clone, Debug)]
 pub(crate) struct Recorded {
-    pub(crate) scenario: Scenario,
-    pub(crate) job_history: JobHistory,
+    pub(crate) texts: Texts,
+    /// The other texts that the scenario names.
+    pub(crate) files: Vec<SourceText>,
+    pub(crate) unknown_is_fixed: bool,
+    pub(crate) history: RecordedHistory,
     pub(crate) settings: Settings,
     pub(crate) bodies: Vec<record::RecordedBody>,
+}
+
+/// Which work was done: at impact in one request, over a horizon in rounds.
+#[derive(Clone, Debug)]
+pub(crate) enum RecordedHistory {
+    Jobs(JobHistory),
+    Rounds(CourseHistory),
 }
 
 /// A ranking that can begin.
@@ -218,10 +229,12 @@ impl Engine {
             run = run.with_worker_pool(report, loaded.bodies.store().bytes().len());
         }
         let recorded = job_history.map(|job_history| Recorded {
-            scenario: scenario.clone(),
-            job_history,
+            texts: scenario.texts.clone(),
+            files: Vec::new(),
+            unknown_is_fixed: scenario.unknown_is_fixed,
+            history: RecordedHistory::Jobs(job_history),
             settings,
-            bodies: loaded.bodies.recorded(&scenario.parsed),
+            bodies: loaded.bodies.recorded(&subject.bodies, &models),
         });
         Ok(Ranking { answer, explanation, run, recorded })
     }

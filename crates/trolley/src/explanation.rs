@@ -1,4 +1,4 @@
-//! What an [`Explanation`](crate::Explanation) is made of.
+//! What an [`Explanation`](crate::Explanation) and a [`CourseExplanation`] are made of.
 //!
 //! ```
 //! # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
@@ -7,8 +7,8 @@
 //! # let explanation = engine.rank(&scenario, &limits)?.explanation;
 //! # let Some(explanation) = explanation else { unreachable!() };
 //! let best: &trolley::explanation::Derivation = &explanation.chains[0];
-//! println!("{} closes in at {} m/s", best.name, best.closing_m_s);
-//! for person in &best.persons {
+//! println!("{} closes in at {} m/s", best.name, best.contact.closing_m_s);
+//! for person in &best.contact.persons {
 //!     println!("{}: risk {:.3} by curve {}", person.party, person.risk, person.curve);
 //! }
 //! # Ok::<(), trolley::Failure>(())
@@ -23,13 +23,91 @@
 /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// let best = &explanation.chains[0];
-/// println!("{} closes in at {} m/s", best.name, best.closing_m_s);
+/// println!("{} closes in at {} m/s", best.name, best.contact.closing_m_s);
 /// assert_eq!(best.name, explanation.names[explanation.stability.winner]);
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::Derivation;
 
-/// The chain of one person in a [`Derivation`].
+/// The chain from speeds to risks in a [`Derivation`] or a [`ContactStep`].
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for contact in explanation.chains.iter().flat_map(|chain| &chain.contacts) {
+///     println!("{}: {} m/s along the normal", contact.chain.other, contact.chain.normal_m_s);
+///     assert!(contact.chain.normal_m_s <= contact.chain.closing_m_s + 1e-9);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::ContactChain;
+
+/// Every figure from contact to rank of a ranking over a horizon. What would flip its winner is not
+/// computed.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// println!("{} counts; compared: {}", explanation.outcome, explanation.steps.join("; then "));
+/// assert_eq!(explanation.chains.len(), 3);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::CourseExplanation;
+
+/// One candidate in a [`CourseExplanation`].
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// let best = &explanation.chains[0];
+/// println!("{} meets {} parties", best.name, best.contacts.len());
+/// assert_eq!(best.steps.len(), explanation.steps.len());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::CourseChain;
+
+/// One contact in a [`CourseChain`].
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for contact in explanation.chains.iter().flat_map(|chain| &chain.contacts) {
+///     println!("after {} s: {}", contact.time_s, contact.chain.other);
+///     assert!(contact.counts, "all is known");
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::ContactStep;
+
+/// The risk of one person in all contacts of a [`CourseChain`].
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+///     println!("{}: {:?} make {:.4}", person.party, person.contacts, person.risk.hi());
+/// }
+/// # assert!(explanation.chains.iter().any(|chain| !chain.persons.is_empty()));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::CombinedRisk;
+
+/// The chain of one person in a [`ContactChain`].
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
@@ -37,7 +115,7 @@ pub use coordinator::Derivation;
 /// # let limits = trolley::Limits::default().with_explanation();
 /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
-/// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+/// for person in explanation.chains.iter().flat_map(|chain| &chain.contact.persons) {
 ///     println!("{}: {:.1} m/s gives risk {:.3}", person.party, person.x_m_s, person.risk);
 ///     assert!((0.0..=1.0).contains(&person.risk));
 /// }
@@ -154,9 +232,39 @@ pub use damage::Stability;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// use trolley::explanation::CurveUnit;
 ///
-/// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
+/// for person in explanation.chains.iter().flat_map(|chain| &chain.contact.persons) {
 ///     assert!(person.unit != CurveUnit::MetresPerSecond || person.x_in_unit == person.x_m_s);
 /// }
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use damage::curve::CurveUnit;
+
+/// A curve in use, with its source.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// for curve in &explanation.curves {
+///     println!("{}: {} ({})", curve.id, curve.source, curve.year);
+/// }
+/// # assert!(!explanation.curves.is_empty());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::curve::Curve;
+
+/// The parameters of contact and dynamics.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// let restitution = &explanation.parameters.restitution;
+/// assert!(restitution.low <= restitution.nominal && restitution.nominal <= restitution.high);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Parameters;

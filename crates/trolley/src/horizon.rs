@@ -20,7 +20,7 @@ use crate::Failure;
 use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
-use crate::scenario::{check_models, read_text, rule_texts, rules, unknown};
+use crate::scenario::{SourceText, Texts, check_models, read_text, rule_texts, rules, unknown};
 use damage::{Curves, Policy};
 use scenario::{FileRef, HorizonDraft, HorizonScenario};
 use std::path::{Path, PathBuf};
@@ -35,11 +35,13 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Horizon {
-    file: String,
+    pub(crate) texts: Texts,
+    /// The CSV files that paths name, each once, as the scenario names them.
+    pub(crate) files: Vec<SourceText>,
     parsed: HorizonScenario,
     policy: Arc<Policy>,
     curves: Arc<Curves>,
-    unknown_is_fixed: bool,
+    pub(crate) unknown_is_fixed: bool,
     references: References,
 }
 
@@ -87,19 +89,47 @@ impl Horizon {
     pub fn parse_with(name: &str, text: &str, references: References) -> Result<Self, Failure> {
         let draft = HorizonDraft::parse(name, text)?;
         let file = Path::new(name);
-        let parsed = draft.finish(|reference: &FileRef| {
+        let mut files: Vec<SourceText> = Vec::new();
+        for reference in draft.files() {
+            if files.iter().any(|known| known.name == reference.path) {
+                continue;
+            }
             let place = format!("{name}:{}: csv", reference.place);
             references.check(file, &place, reference.path.as_ref())?;
             let path = beside(file, reference.path.as_ref());
-            files::text(&path, InputKind::MotionPath).map_err(|failure| failure.at(place))
-        })?;
+            let text =
+                files::text(&path, InputKind::MotionPath).map_err(|failure| failure.at(place))?;
+            files.push(SourceText { name: reference.path.clone(), text });
+        }
+        let parsed = finish(name, draft, &files)?;
         let named = [&parsed.policy, &parsed.curves];
         let [policy, curves] = rule_texts(name, named, references)?;
-        let (policy, curves) = rules(&policy, &curves)?;
-        let file = name.to_owned();
-        let horizon = Self { file, parsed, policy, curves, unknown_is_fixed: false, references };
+        let scenario = SourceText { name: name.to_owned(), text: text.to_owned() };
+        let texts = Texts { scenario, policy, curves };
+        let horizon = Self { references, ..Self::of_parts(parsed, texts, files)? };
         horizon.check_references()?;
         Ok(horizon)
+    }
+
+    /// Checks texts that were read elsewhere; opens no file.
+    ///
+    /// # Errors
+    ///
+    /// If one is not valid, or is missing: the error has file, place, fault and remedy.
+    pub(crate) fn of_texts(texts: Texts, files: Vec<SourceText>) -> Result<Self, Failure> {
+        let name = &texts.scenario.name;
+        let parsed = finish(name, HorizonDraft::parse(name, &texts.scenario.text)?, &files)?;
+        Self::of_parts(parsed, texts, files)
+    }
+
+    fn of_parts(
+        parsed: HorizonScenario,
+        texts: Texts,
+        files: Vec<SourceText>,
+    ) -> Result<Self, Failure> {
+        let (policy, curves) = rules(&texts.policy, &texts.curves)?;
+        let references = References::Inside;
+        Ok(Self { texts, files, parsed, policy, curves, unknown_is_fixed: false, references })
     }
 
     /// Takes parties of unknown kind as fixed to the ground, with nobody in them; the answer says
@@ -137,7 +167,7 @@ impl Horizon {
     /// ```
     #[must_use]
     pub fn file(&self) -> &str {
-        &self.file
+        &self.texts.scenario.name
     }
 
     /// Returns the policy and the curves.
@@ -158,12 +188,12 @@ impl Horizon {
     }
 
     pub(crate) fn path_of(&self, reference: &FileRef) -> PathBuf {
-        beside(Path::new(&self.file), reference.path.as_ref())
+        beside(Path::new(self.file()), reference.path.as_ref())
     }
 
     /// Refuses model files that this scenario may not name.
     pub(crate) fn check_references(&self) -> Result<(), Failure> {
-        check_models(&self.bodies(), Path::new(&self.file), self.references)
+        check_models(&self.bodies(), Path::new(self.file()), self.references)
     }
 
     /// Refuses parties of unknown kind, unless they may be taken as fixed.
@@ -172,8 +202,25 @@ impl Horizon {
             return Ok(());
         };
         if self.unknown_is_fixed {
-            return Ok(self.parsed.check_fixed(&self.file)?);
+            return Ok(self.parsed.check_fixed(self.file())?);
         }
-        Err(unknown(&party.name, format!("{}:{}", self.file, party.place)))
+        Err(unknown(&party.name, format!("{}:{}", self.file(), party.place)))
     }
+}
+
+/// A scenario whose CSV files are read.
+fn finish(
+    name: &str,
+    draft: HorizonDraft,
+    files: &[SourceText],
+) -> Result<HorizonScenario, Failure> {
+    draft.finish(|reference: &FileRef| {
+        let found = files.iter().find(|known| known.name == reference.path);
+        found.map(|known| known.text.clone()).ok_or_else(|| {
+            let place = format!("{name}:{}: csv", reference.place);
+            Failure::input(format!("the text of \"{}\" is missing", reference.path))
+                .at(place)
+                .with_remedy("it was changed and hashed again: use another copy")
+        })
+    })
 }

@@ -90,7 +90,8 @@
 //!
 //! # Record and replay
 //!
-//! A [`Record`] keeps an answer with all that it was made from. A replay gives the same bytes.
+//! A [`Record`] keeps an answer with all that it was made from. A replay gives the same bytes. One
+//! of a ranking over a horizon is computed again by [`Record::replay_horizon`].
 //!
 //! ```
 //! # use trolley::{Engine, Limits, Record, Scenario};

@@ -18,7 +18,7 @@ pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
         let explanation = parsed(&record.explanation)?;
         let mut document =
             serde_json::to_value(&record).map_err(|error| Failure::internal(error.to_string()))?;
-        document["schema"] = json!("trolley.record/1");
+        document["schema"] = json!("trolley.record/2");
         document["number"] = json!(link.number);
         document["previous"] = json!(hex(&link.previous));
         document["hash"] = json!(hex(&link.hash));
@@ -42,7 +42,7 @@ fn words(
     answer: &Value,
 ) -> String {
     let s = &record.settings;
-    let count = |end: RecordedEnd| record.jobs.iter().filter(|job| job.end == end).count();
+    let count = |end: RecordedEnd| record.all_jobs().filter(|job| job.end == end).count();
     let ms: f64 = record.stages.iter().map(|stage| stage.ms).sum();
     let mut lines = vec![
         format!(
@@ -63,21 +63,23 @@ fn words(
         format!("scenario  {} ({})", record.scenario.name, record.scenario.hash),
         format!("policy    {} ({})", record.policy.name, record.policy.hash),
         format!("curves    {} ({})", record.curves.name, record.curves.hash),
-        format!(
-            "settings  {}, {} workers, depth {}, tree {}, leaves of {}, {} (alpha {}), batch {}, \
-             queue {}, seed {}",
-            s.mode.name(),
-            s.workers,
-            s.depth,
-            s.tree.name(),
-            s.leaf_size,
-            s.scheme.name(),
-            s.alpha,
-            s.batch,
-            s.queue,
-            s.seed
-        ),
     ];
+    lines
+        .extend(record.files.iter().map(|file| format!("path      {} ({})", file.name, file.hash)));
+    lines.extend([format!(
+        "settings  {}, {} workers, depth {}, tree {}, leaves of {}, {} (alpha {}), batch {}, \
+             queue {}, seed {}",
+        s.mode.name(),
+        s.workers,
+        s.depth,
+        s.tree.name(),
+        s.leaf_size,
+        s.scheme.name(),
+        s.alpha,
+        s.batch,
+        s.queue,
+        s.seed
+    )]);
     for body in &record.bodies {
         let source = match &body.source {
             RecordedSource::Generated => "generated".to_owned(),
@@ -91,6 +93,12 @@ fn words(
         count(RecordedEnd::Cut),
         count(RecordedEnd::Abandoned)
     ));
+    if !record.rounds.is_empty() {
+        lines.push(format!("rounds    {} of contacts", record.rounds.len()));
+    }
+    if let Some(over_at) = record.search.and_then(|search| search.over_at) {
+        lines.push(format!("search    out of time at look {over_at} at the clock"));
+    }
     for moment in &record.moments {
         let ends: Vec<String> =
             moment.work.iter().map(|[lo, hi]| format!("{lo:.4}–{hi:.4}")).collect();

@@ -7,7 +7,7 @@ use body::{Body, BodyView, Meta, Shape};
 use damage::AnswerState;
 use geometry::rng::Rng;
 
-/// Ranks a scenario whose parties, by name, have these bodies.
+/// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
 fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseAnswer {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let scenario = HorizonScenario::parse("test.toml", &format!("{head}{text}"))
@@ -24,10 +24,17 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
         models: &models,
         shells: &shells,
         rules: (policy, curves),
+        history: true,
+        explanation: true,
     };
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
-    rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked").answer
+    let ranked = rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked");
+    let history = ranked.history.expect("it was requested");
+    let again = replay_courses(&stage, &request, &history).expect("it can be ranked again");
+    assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
+    assert_eq!(again.explanation, ranked.explanation);
+    ranked.answer
 }
 
 fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {

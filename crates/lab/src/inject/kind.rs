@@ -111,7 +111,8 @@ impl Kind {
 
     /// Whether it strikes a service and its clients.
     pub(crate) fn is_of_service(self) -> bool {
-        let of_service = [Self::FlipManagement, Self::FlipPublic, Self::FullShm, Self::StrangersFiles];
+        let of_service =
+            [Self::FlipManagement, Self::FlipPublic, Self::FullShm, Self::StrangersFiles];
         of_service.contains(&self)
     }
 

@@ -335,12 +335,7 @@ impl WirePathState {
     /// A state in the ground plane: position (m) and yaw (degrees), without a velocity.
     #[must_use]
     pub fn at(t_s: f64, [x, y]: [f64; 2], yaw_deg: f64) -> Self {
-        Self {
-            t_s,
-            position_m: [x, y, 0.0],
-            angles_deg: [yaw_deg, 0.0, 0.0],
-            ..Self::default()
-        }
+        Self { t_s, position_m: [x, y, 0.0], angles_deg: [yaw_deg, 0.0, 0.0], ..Self::default() }
     }
 
     /// The state with this velocity in the ground plane of the world (m/s).

@@ -3,9 +3,7 @@
 use super::draft::{DraftCandidate, DraftMotion, DraftParty, HorizonDraft};
 use super::path::{self, RowFault};
 use super::raw;
-use super::{
-    GivenMotion, GivenState, HORIZON_SCHEMA, HorizonParty, Occupancy, OccupantGroup,
-};
+use super::{GivenMotion, GivenState, HORIZON_SCHEMA, HorizonParty, Occupancy, OccupantGroup};
 use crate::document::{Document, Path};
 use crate::error::{Misfit, ScenarioError};
 use crate::fault::{self, At, Fault};

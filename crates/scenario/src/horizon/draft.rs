@@ -3,8 +3,8 @@
 use super::csv::CsvStates;
 use super::path;
 use super::{
-    GivenMotion, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonMotion, HorizonParty, HorizonScenario,
-    Prediction, Reaction, begin, check,
+    GivenMotion, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonMotion, HorizonParty,
+    HorizonScenario, Prediction, Reaction, begin, check,
 };
 use crate::document::TextPosition;
 use crate::engine::EngineSettings;

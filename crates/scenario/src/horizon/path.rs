@@ -95,7 +95,10 @@ fn without_repeats(rows: &[GivenState]) -> Result<Vec<(usize, GivenState)>, RowF
 }
 
 /// Whether a body could move from one state to the next; the velocity with which it does (m/s).
-fn piece((a_index, a): &(usize, GivenState), (b_index, b): &(usize, GivenState)) -> Result<DVec3, RowFault> {
+fn piece(
+    (a_index, a): &(usize, GivenState),
+    (b_index, b): &(usize, GivenState),
+) -> Result<DVec3, RowFault> {
     let lasts_s = b.time_s - a.time_s;
     let moved = DVec3::from_array(b.position_m) - DVec3::from_array(a.position_m);
     let velocity = moved * (1.0 / lasts_s);

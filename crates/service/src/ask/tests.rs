@@ -86,7 +86,10 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
             assert_eq!(motion(&ours.ego), motion(&theirs.ego));
             assert_eq!(ours.reactions.len(), theirs.reactions.len());
             for (ours, theirs) in ours.reactions.iter().zip(&theirs.reactions) {
-                assert_eq!((ours.party, motion(&ours.motion)), (theirs.party, motion(&theirs.motion)));
+                assert_eq!(
+                    (ours.party, motion(&ours.motion)),
+                    (theirs.party, motion(&theirs.motion))
+                );
             }
         }
         for (ours, theirs) in checked.scenario.parties.iter().zip(&scenario.parties) {
@@ -104,10 +107,12 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
 #[test]
 fn what_does_not_fit_into_a_request_is_said() {
     let csv = "path = { csv = \"long.csv\" }\n";
-    let text = SCENARIO.replacen("state = { position_m = [0, 0, 0], velocity_m_s = [14, 0] }", csv, 1);
+    let text =
+        SCENARIO.replacen("state = { position_m = [0, 0, 0], velocity_m_s = [14, 0] }", csv, 1);
     let draft = scenario::HorizonDraft::parse("w.toml", &text).unwrap();
     let rows = (0..65).map(|k| format!("{k},{k},0,0\n")).collect::<String>();
-    let read = draft.finish(|_| Ok::<_, scenario::ScenarioError>(format!("t_s,x_m,y_m,yaw_deg\n{rows}")));
+    let read =
+        draft.finish(|_| Ok::<_, scenario::ScenarioError>(format!("t_s,x_m,y_m,yaw_deg\n{rows}")));
     let error = of_scenario(&read.unwrap(), &[1, 3, 2], false).unwrap_err();
     assert!(error.contains("65 states"), "{error}");
     let sized = SCENARIO.replacen("[parties.pole]", "[parties.pole]\nsize_m = [0.4, 0.4, 3]", 1);

@@ -1,14 +1,14 @@
 //! Rankings of scenarios over a horizon.
 
 use super::loaded::Subject;
-use super::{Begun, Engine, applied};
+use super::{Begun, Engine, Recorded, RecordedHistory, applied};
 use crate::Failure;
 use crate::bodies::{OnProgress, PartyBody, SILENT};
 use crate::horizon::Horizon;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use body::BodyKind;
-use coordinator::{BodySet, CourseAnswer, CourseRequest, RankedCourses};
+use coordinator::{BodySet, CourseAnswer, CourseExplanation, CourseRequest, RankedCourses};
 use runtime::clock;
 
 /// A scenario over a horizon, ranked.
@@ -24,8 +24,12 @@ use runtime::clock;
 pub struct HorizonRanking {
     /// The answer. A complete one is the same, byte for byte, with and without workers.
     pub answer: CourseAnswer,
+    /// Every figure from contact to rank, if it was requested.
+    pub explanation: Option<CourseExplanation>,
     /// How the work was done.
     pub run: Run,
+    /// What a record is made from, if one was requested.
+    pub(crate) recorded: Option<Recorded>,
 }
 
 impl Engine {
@@ -42,7 +46,7 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// As [`Engine::rank`]; and where limits ask for a record, which there is none of yet.
+    /// As [`Engine::rank`].
     pub fn rank_horizon(
         &mut self,
         horizon: &Horizon,
@@ -77,14 +81,10 @@ impl Engine {
         let scenario = horizon.parsed();
         let settings = applied(&scenario.engine, &self.settings.overrides)?;
         limits.check()?;
-        if limits.wants_job_history() {
-            let what = "a scenario over a horizon cannot be recorded yet";
-            return Err(Failure::setting(what).with_remedy("leave the record out"));
-        }
         let request_limits = limits.request_limits(scenario.deadline);
         horizon.check_references()?;
         let all = horizon.bodies();
-        let (unique, models) = unique(&all);
+        let (unique, models) = PartyBody::unique(&all);
         let check_kinds = |kinds: &[BodyKind]| {
             let kinds: Vec<BodyKind> = models.iter().map(|model| kinds[*model]).collect();
             scenario.check_kinds(horizon.file(), &kinds)
@@ -102,9 +102,16 @@ impl Engine {
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
         let (shells, rules) = (&loaded.shells[..], horizon.rules());
-        let request = CourseRequest { scenario, models: &models, shells, rules };
+        let request = CourseRequest {
+            scenario,
+            models: &models,
+            shells,
+            rules,
+            history: limits.wants_job_history(),
+            explanation: limits.wants_explanation(),
+        };
         // Workers that could not finish are not used again.
-        let RankedCourses { answer, effort, reports } =
+        let RankedCourses { answer, effort, reports, history, explanation } =
             coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
         let answered_ns = clock::now_ns();
         loaded.backend = Some(backend);
@@ -120,20 +127,14 @@ impl Engine {
         let due = limits.deadline(scenario.deadline);
         let took_ns = answered_ns.saturating_sub(effort.accepted_ns);
         run.deadline = due.map(|due| Kept::of(due, took_ns));
-        Ok(HorizonRanking { answer, run })
+        let recorded = history.map(|history| Recorded {
+            texts: horizon.texts.clone(),
+            files: horizon.files.clone(),
+            unknown_is_fixed: horizon.unknown_is_fixed,
+            history: RecordedHistory::Rounds(history),
+            settings,
+            bodies: loaded.bodies.recorded(&all, &models),
+        });
+        Ok(HorizonRanking { answer, explanation, run, recorded })
     }
-}
-
-/// The bodies without repetition, and the number of each party's own among them.
-fn unique<'s>(all: &[PartyBody<'s>]) -> (Vec<PartyBody<'s>>, Vec<usize>) {
-    let mut unique: Vec<PartyBody<'s>> = Vec::new();
-    let mut number = |body: &PartyBody<'s>| {
-        let is_same = |known: &PartyBody<'s>| known.is_same(body);
-        unique.iter().position(is_same).unwrap_or_else(|| {
-            unique.push(*body);
-            unique.len() - 1
-        })
-    };
-    let models = all.iter().map(&mut number).collect();
-    (unique, models)
 }

@@ -1,32 +1,76 @@
 //! What a record holds, from a ranking.
 
 use super::line;
-use crate::engine::{Ranking, Recorded};
+use crate::engine::{HorizonRanking, Ranking, Recorded, RecordedHistory};
 use crate::run::Run;
+use crate::scenario::SourceText;
 use crate::{BUILD, Failure};
 use record::{Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, Settings};
 
-/// The record of a ranking.
+/// A ranking, as it is recorded.
 ///
-/// # Errors
+/// ```
+/// use trolley::record::Recordable;
 ///
-/// If it was made without [`Limits::with_record`](crate::Limits::with_record).
-pub(super) fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
-    let Ranking { run, .. } = ranking;
-    let (Some(recorded), Some(explanation)) = (&ranking.recorded, &ranking.explanation) else {
-        let what = "a ranking without job history and explanation cannot be recorded";
-        return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
-    };
-    let Recorded { scenario, job_history, settings: engine, bodies } = recorded;
-    let text = |text: &crate::scenario::SourceText| RecordedText::new(&text.name, &text.text);
+/// fn can_be_recorded<R: Recordable>() {}
+/// can_be_recorded::<trolley::Ranking>();
+/// can_be_recorded::<trolley::HorizonRanking>();
+/// ```
+pub trait ToContent {
+    /// The record of it.
+    ///
+    /// # Errors
+    ///
+    /// If it was made without [`Limits::with_record`](crate::Limits::with_record).
+    fn content(&self) -> Result<RecordContent, Failure>;
+}
+
+impl ToContent for Ranking {
+    fn content(&self) -> Result<RecordContent, Failure> {
+        let (Some(recorded), Some(explanation)) = (&self.recorded, &self.explanation) else {
+            return Err(unrecorded());
+        };
+        let content = content(&self.run, recorded);
+        Ok(RecordContent {
+            answer: line(&self.answer)?,
+            explanation: line(explanation)?,
+            ..content
+        })
+    }
+}
+
+impl ToContent for HorizonRanking {
+    fn content(&self) -> Result<RecordContent, Failure> {
+        let (Some(recorded), Some(explanation)) = (&self.recorded, &self.explanation) else {
+            return Err(unrecorded());
+        };
+        let content = content(&self.run, recorded);
+        Ok(RecordContent {
+            answer: line(&self.answer)?,
+            explanation: line(explanation)?,
+            ..content
+        })
+    }
+}
+
+fn unrecorded() -> Failure {
+    Failure::setting("a ranking without job history and explanation cannot be recorded")
+        .with_remedy("rank it with Limits::with_record")
+}
+
+/// A record without an answer.
+fn content(run: &Run, recorded: &Recorded) -> RecordContent {
+    let Recorded { texts, files, unknown_is_fixed, history, settings: engine, bodies } = recorded;
+    let text = |text: &SourceText| RecordedText::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
     });
-    Ok(RecordContent {
+    let mut content = RecordContent {
         build: BUILD.to_owned(),
-        scenario: text(&scenario.texts.scenario),
-        policy: text(&scenario.texts.policy),
-        curves: text(&scenario.texts.curves),
+        scenario: text(&texts.scenario),
+        policy: text(&texts.policy),
+        curves: text(&texts.curves),
+        files: files.iter().map(text).collect(),
         settings: Settings {
             mode: run.mode,
             workers: engine.workers as u32,
@@ -38,19 +82,33 @@ pub(super) fn content(ranking: &Ranking) -> Result<RecordContent, Failure> {
             batch: engine.batch as u32,
             queue: engine.queue as u32,
             seed: engine.seed,
-            unknown_is_fixed: scenario.unknown_is_fixed,
+            unknown_is_fixed: *unknown_is_fixed,
         },
         bodies: bodies.clone(),
-        places: job_history.places.clone(),
-        jobs: job_history.jobs.clone(),
-        moments: job_history.moments.clone(),
+        places: Vec::new(),
+        jobs: Vec::new(),
+        rounds: Vec::new(),
+        search: None,
+        moments: Vec::new(),
         spans: spans(run),
         edges: edges(run),
         stages: stages(run),
         faults: lost.chain(run.remarks.iter().cloned()).collect(),
-        answer: line(&ranking.answer)?,
-        explanation: line(explanation)?,
-    })
+        answer: String::new(),
+        explanation: String::new(),
+    };
+    match history {
+        RecordedHistory::Jobs(history) => {
+            content.places.clone_from(&history.places);
+            content.jobs.clone_from(&history.jobs);
+            content.moments.clone_from(&history.moments);
+        }
+        RecordedHistory::Rounds(history) => {
+            content.rounds.clone_from(&history.rounds);
+            content.search = history.search;
+        }
+    }
+    content
 }
 
 fn stages(run: &Run) -> Vec<RecordedStage> {

@@ -1,13 +1,13 @@
 //! Replaying a recorded ranking.
 
 use super::{Record, line};
-use crate::bodies::{Bodies, OnProgress};
+use crate::bodies::{Bodies, OnProgress, PartyBody};
 use crate::scenario::{Scenario, SourceText, Texts};
 use crate::{BUILD, Failure, FailureKind};
 use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
-use record::RecordedSource;
+use record::{RecordContent, RecordedSource, RecordedText};
 use runtime::{FileMap, InputKind};
-use scenario::{EngineSettings, Overrides};
+use scenario::{EngineSettings, FileRef, Overrides, Source};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -86,9 +86,9 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// If a text or a body is not the recorded one, or a body is missing. A different answer is not
-    /// an error: compare [`Replay::json`] with
-    /// [`RecordContent::answer`](super::RecordContent::answer).
+    /// If a text or a body is not the recorded one, a body is missing, or the scenario is one over
+    /// a horizon: see [`Record::replay_horizon`]. A different answer is not an error: compare
+    /// [`Replay::json`] with [`RecordContent::answer`](super::RecordContent::answer).
     pub fn replay(
         &self,
         file: &Path,
@@ -96,22 +96,21 @@ impl Record {
         progress: OnProgress<'_>,
     ) -> Result<Replay, Failure> {
         let content = &self.content;
+        if content.is_over_horizon() {
+            return Err(Failure::input("its scenario is one over a horizon")
+                .at(file.display())
+                .with_remedy("compute it again with `trolley record replay`"));
+        }
         self.check_texts(file)?;
-        let text = |text: &record::RecordedText| SourceText {
-            name: text.name.clone(),
-            text: text.text.clone(),
-        };
-        let scenario = Scenario::of_texts(Texts {
-            scenario: text(&content.scenario),
-            policy: text(&content.policy),
-            curves: text(&content.curves),
-        })?;
+        let scenario = Scenario::of_texts(self.texts())?;
         let engine = self.engine()?;
         let files = self.found(file, models)?;
-        let find = |party: usize, _: &scenario::FileRef| files[&party].clone();
+        let find = |party: usize, _: &FileRef| files[&party].clone();
         let bodies =
             Bodies::of_scenario(&scenario.parsed, &engine, scenario.file(), &find, progress)?;
-        self.compare(file, &scenario, &bodies)?;
+        let parties: Vec<_> = scenario.parsed.parties.iter().map(PartyBody::of).collect();
+        let models: Vec<usize> = (0..parties.len()).collect();
+        self.compare(file, &bodies.recorded(&parties, &models))?;
         let views = bodies.views()?;
         let rules = (scenario.policy.clone(), scenario.curves.clone());
         let request = Request::new(&scenario.parsed, &views, rules.0, rules.1)?;
@@ -124,8 +123,18 @@ impl Record {
         Ok(Replay { scenario, bodies, answer, explanation, scenes, jobs, json })
     }
 
+    /// The texts that both forms have.
+    pub(super) fn texts(&self) -> Texts {
+        let RecordContent { scenario, policy, curves, .. } = &self.content;
+        Texts {
+            scenario: source_text(scenario),
+            policy: source_text(policy),
+            curves: source_text(curves),
+        }
+    }
+
     /// The settings that the job history depends on.
-    fn engine(&self) -> Result<EngineSettings, Failure> {
+    pub(super) fn engine(&self) -> Result<EngineSettings, Failure> {
         let settings = &self.content.settings;
         let changes = Overrides {
             depth: Some(i64::from(settings.depth)),
@@ -138,7 +147,7 @@ impl Record {
     }
 
     /// The model file of each party that has one, found by its hash.
-    fn found(
+    pub(super) fn found(
         &self,
         file: &Path,
         models: Option<&Path>,
@@ -192,7 +201,21 @@ impl Record {
     ///
     /// If one of them differs, or a body's file cannot be read.
     pub fn check_scenario(&self, file: &Path, scenario: &Scenario) -> Result<(), Failure> {
-        let (texts, content) = (&scenario.texts, &self.content);
+        let parties = &scenario.parsed.parties;
+        let bodies: Vec<_> = parties.iter().map(PartyBody::of).collect();
+        let path_of = |reference: &FileRef| scenario.path_of(reference);
+        self.check_sources(file, (&scenario.texts, &[]), &bodies, &path_of)
+    }
+
+    /// Checks that the texts of a scenario and the files of its bodies are those recorded.
+    pub(super) fn check_sources(
+        &self,
+        file: &Path,
+        (texts, files): (&Texts, &[SourceText]),
+        bodies: &[PartyBody<'_>],
+        path_of: &dyn Fn(&FileRef) -> PathBuf,
+    ) -> Result<(), Failure> {
+        let content = &self.content;
         let other = |what: &str, name: &str, is: &str, was: &str| {
             Err(Failure::input(format!(
                 "{what} {name} is not the one of {}: its BLAKE3 is {is}, and was {was}",
@@ -200,24 +223,27 @@ impl Record {
             ))
             .with_remedy("name the file that was ranked, or replay without --scenario"))
         };
-        for (what, now, then) in [
+        let three = [
             ("the scenario", &texts.scenario, &content.scenario),
             ("the policy", &texts.policy, &content.policy),
             ("the set of curves", &texts.curves, &content.curves),
-        ] {
+        ];
+        // The same text names the same files, in the same order.
+        let paths = files.iter().zip(&content.files).map(|(now, then)| ("the path", now, then));
+        for (what, now, then) in three.into_iter().chain(paths) {
             let hash = record::hash_of_text(&now.text);
             if hash != then.hash {
                 return other(what, &now.name, &hash, &then.hash);
             }
         }
         // The same text has the same parties, in the same order.
-        for (party, body) in scenario.parsed.parties.iter().zip(&content.bodies) {
-            let (scenario::Source::File(reference), RecordedSource::File { hash: was, .. }) =
-                (&party.source, &body.source)
+        for (party, body) in bodies.iter().zip(&content.bodies) {
+            let (Source::File(reference), RecordedSource::File { hash: was, .. }) =
+                (party.source, &body.source)
             else {
                 continue;
             };
-            let path = scenario.path_of(reference);
+            let path = path_of(reference);
             let map = FileMap::open(&path, InputKind::Model)?;
             let is = body::file::content_hash(map.bytes())
                 .map_err(|error| Failure::from(error).at(path.display()))?;
@@ -229,13 +255,15 @@ impl Record {
     }
 
     /// Whether the texts are those whose hashes are recorded beside them.
-    fn check_texts(&self, file: &Path) -> Result<(), Failure> {
+    pub(super) fn check_texts(&self, file: &Path) -> Result<(), Failure> {
         let content = &self.content;
-        for (what, text) in [
+        let three = [
             ("scenario", &content.scenario),
             ("policy", &content.policy),
             ("set of curves", &content.curves),
-        ] {
+        ];
+        let paths = content.files.iter().map(|text| ("path", text));
+        for (what, text) in three.into_iter().chain(paths) {
             let is = record::hash_of_text(&text.text);
             if is != text.hash {
                 let was = &text.hash;
@@ -253,15 +281,15 @@ impl Record {
     }
 
     /// Whether the bodies are those of the record.
-    fn compare(&self, file: &Path, scenario: &Scenario, bodies: &Bodies) -> Result<(), Failure> {
-        let (now, then) = (bodies.recorded(&scenario.parsed), &self.content.bodies);
+    pub(super) fn compare(&self, file: &Path, now: &[record::RecordedBody]) -> Result<(), Failure> {
+        let then = &self.content.bodies;
         let names = |bodies: &[record::RecordedBody]| -> Vec<String> {
             bodies.iter().map(|body| body.party.clone()).collect()
         };
-        if names(&now) != names(then) {
+        if names(now) != names(then) {
             let what = format!(
                 "its scenario has the parties {}, and it holds the bodies of {}",
-                names(&now).join(", "),
+                names(now).join(", "),
                 names(then).join(", ")
             );
             return Err(Failure::input(what)
@@ -276,6 +304,10 @@ impl Record {
             "another build generates bodies or builds trees differently: use the recorded one",
         ))
     }
+}
+
+pub(super) fn source_text(text: &RecordedText) -> SourceText {
+    SourceText { name: text.name.clone(), text: text.text.clone() }
 }
 
 /// The model files of a folder by the hash that they state, which is checked on opening.

@@ -1,8 +1,8 @@
 //! Signing records, and the keys for it.
 
-use super::write;
+use super::{Recordable, write};
 use crate::files::{self, InputKind};
-use crate::{BUILD, Failure, OpenDeployment, Ranking};
+use crate::{BUILD, Failure, OpenDeployment};
 use record::{ChainId, Provenance, RecordedDeployment, SigningKey, VerifyingKey};
 use runtime::{clock, input, machine};
 use std::path::{Path, PathBuf};
@@ -155,7 +155,7 @@ impl Signer {
     /// # Errors
     ///
     /// As [`Signer::prepare`], or if the ranking holds no record.
-    pub fn write(&self, folder: &Path, ranking: &Ranking) -> Result<PathBuf, Failure> {
+    pub fn write(&self, folder: &Path, ranking: &impl Recordable) -> Result<PathBuf, Failure> {
         write::write(folder, ranking, Some(self))
     }
 

@@ -1,10 +1,10 @@
 //! Writing records: each whole or not at all, and then the head of a signed chain.
 
-use super::content::content;
+use super::content::ToContent;
 use super::sign::Signer;
 use super::{bytes, records, unwritable};
 use crate::files::{self, InputKind};
-use crate::{Failure, FailureKind, Ranking};
+use crate::{Failure, FailureKind};
 use record::chain::{self, ChainError, HEAD_FILE, file_name, parse_head};
 use record::{Link, RecordSigner, SignedStatement, StatementKind};
 use runtime::{clock, output};
@@ -28,10 +28,10 @@ pub(super) fn prepare(folder: &Path, signer: Option<&Signer>) -> Result<(), Fail
 
 pub(super) fn write(
     folder: &Path,
-    ranking: &Ranking,
+    ranking: &impl ToContent,
     signer: Option<&Signer>,
 ) -> Result<PathBuf, Failure> {
-    let record = content(ranking)?;
+    let record = ranking.content()?;
     // Another process may take the number meanwhile: then take the next one.
     for _ in 0..100 {
         let signed = signer.map(|signer| SignedFolder::open(folder, signer)).transpose()?;

@@ -77,7 +77,11 @@ fn a_body_that_jumps_or_spins_is_refused() {
 #[test]
 fn a_velocity_that_is_not_that_of_the_positions_is_refused() {
     let with = |velocity| {
-        [row(0.0, 0.0), GivenState { velocity_m_s: Some(velocity), ..row(0.5, 5.0) }, row(1.0, 10.0)]
+        [
+            row(0.0, 0.0),
+            GivenState { velocity_m_s: Some(velocity), ..row(0.5, 5.0) },
+            row(1.0, 10.0),
+        ]
     };
     assert!(through(&with([14.0, 0.0]), 5.0).is_ok());
     // In km/h, and turned into the body frame of a car that drives along y.

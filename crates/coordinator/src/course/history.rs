@@ -1,0 +1,184 @@
+//! What of the work on a request depends on the clock and on workers, and the same work once more.
+//!
+//! The search for contacts looks at the clock at points that follow from the scene and from the
+//! harm found so far. So the number of the look at which time was over says where it ended in every
+//! candidate, and the job history of each round says what was known of its contacts.
+
+use super::{CourseRequest, RankedCourses, follow};
+use crate::request_limits::{RequestLimits, Until};
+use crate::work::RankingRun;
+use crate::worker_pool::IdleHook;
+use crate::worker_pool::{WorkerPoolError, WorkerPoolReport};
+use crate::workspace::{Backend, BodySet, RunError};
+use core::cell::Cell;
+use record::{RecordedRound, RecordedSearch};
+use runtime::clock;
+
+/// What an answer was made from besides the request: with it, the same answer is made again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CourseHistory {
+    /// How far the search came; `None`: it had no deadline.
+    pub search: Option<RecordedSearch>,
+    /// Questions and jobs by round.
+    pub rounds: Vec<RecordedRound>,
+}
+
+/// Ranks the candidates of a recorded request again, in this process: from the same bodies and
+/// rules the answer is the same, complete or not.
+///
+/// # Errors
+///
+/// If a contact cannot be assessed at all.
+///
+/// # Panics
+///
+/// As [`super::rank_courses`].
+pub fn replay_courses(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    history: &CourseHistory,
+) -> Result<RankedCourses, RunError> {
+    let mut surveyor = Surveyor::Recorded(history.rounds.iter());
+    follow(stage, request, &SearchClock::recorded(history.search), &mut surveyor)
+}
+
+/// Until when there is time.
+#[derive(Clone, Copy, Debug)]
+enum TimeLimit {
+    /// Always.
+    Never,
+    /// Until that time (ns, monotonic).
+    At(u64),
+    /// Until that look, as recorded; `None`: always.
+    Look(Option<u64>),
+}
+
+/// The clock of a search: says whether time is over, and counts how often it was asked.
+#[derive(Debug)]
+pub(super) struct SearchClock {
+    limit: TimeLimit,
+    looks: Cell<u64>,
+    over_at: Cell<Option<u64>>,
+    /// What is called between looks, and when it was last (ns).
+    idle_hook: Option<(IdleHook, Cell<u64>)>,
+}
+
+/// Least time between two calls of an idle hook (ns).
+const ATTEND_NS: u64 = 5_000_000;
+
+impl SearchClock {
+    /// Time is over at `due_ns` (monotonic); `None`: never.
+    pub(super) fn until(due_ns: Option<u64>) -> Self {
+        Self::new(due_ns.map_or(TimeLimit::Never, TimeLimit::At))
+    }
+
+    /// Time is over when it was in a recorded search.
+    pub(super) fn recorded(search: Option<RecordedSearch>) -> Self {
+        let look = |search: RecordedSearch| TimeLimit::Look(search.over_at);
+        Self::new(search.map_or(TimeLimit::Never, look))
+    }
+
+    fn new(limit: TimeLimit) -> Self {
+        Self { limit, looks: Cell::new(0), over_at: Cell::new(None), idle_hook: None }
+    }
+
+    /// With something that is called again and again while contacts are searched for.
+    pub(super) fn with_idle_hook(self, idle_hook: Option<IdleHook>) -> Self {
+        Self { idle_hook: idle_hook.map(|hook| (hook, Cell::new(clock::now_ns()))), ..self }
+    }
+
+    /// Whether there is a deadline: a search without one does not look at the clock.
+    fn has_limit(&self) -> bool {
+        !matches!(self.limit, TimeLimit::Never)
+    }
+
+    /// Whether the search has to look at it.
+    pub(super) fn is_watched(&self) -> bool {
+        self.has_limit() || self.idle_hook.is_some()
+    }
+
+    pub(super) fn is_over(&self) -> bool {
+        if let Some((idle_hook, called_ns)) = &self.idle_hook {
+            let now_ns = clock::now_ns();
+            if now_ns - called_ns.get() >= ATTEND_NS {
+                called_ns.set(now_ns);
+                idle_hook.call();
+            }
+        }
+        let look = self.looks.replace(self.looks.get() + 1);
+        let is_over = match self.limit {
+            TimeLimit::Never => false,
+            TimeLimit::At(due_ns) => clock::now_ns() >= due_ns,
+            TimeLimit::Look(over_at) => over_at.is_some_and(|over_at| look >= over_at),
+        };
+        if is_over && self.over_at.get().is_none() {
+            self.over_at.set(Some(look));
+        }
+        is_over
+    }
+
+    /// How far the search has come; `None` if it has no deadline.
+    pub(super) fn search(&self) -> Option<RecordedSearch> {
+        self.has_limit().then(|| RecordedSearch { over_at: self.over_at.get() })
+    }
+}
+
+/// What surveys the contacts of a round.
+#[derive(Debug)]
+pub(super) enum Surveyor<'s> {
+    /// Workers, or this process.
+    Backend {
+        backend: &'s mut Backend,
+        limits: RequestLimits,
+        /// When work ends (ns, monotonic).
+        due_ns: Option<u64>,
+        /// The rounds so far, if they are recorded.
+        rounds: Option<Vec<RecordedRound>>,
+    },
+    /// The rounds still to come of a recorded request.
+    Recorded(core::slice::Iter<'s, RecordedRound>),
+}
+
+impl Surveyor<'_> {
+    /// A round's work with its limits.
+    pub(super) fn limit<'w>(&self, work: RankingRun<'w>) -> RankingRun<'w> {
+        let Self::Backend { limits, due_ns, rounds, .. } = self else { return work };
+        let left_ns = due_ns.map(|due_ns| due_ns.saturating_sub(clock::now_ns()));
+        let limits = RequestLimits { until: Until::Complete, deadline_ns: left_ns, ..*limits };
+        let work = work.with_limits(limits);
+        if rounds.is_some() { work.with_job_history() } else { work }
+    }
+
+    /// Does a round's work as far as there is time, or as far as it was done. Returns how many jobs
+    /// this process ran itself.
+    pub(super) fn survey(
+        &mut self,
+        work: &mut RankingRun<'_>,
+        stage: &BodySet<'_>,
+    ) -> Result<u64, WorkerPoolError> {
+        match self {
+            Self::Backend { backend, rounds, .. } => {
+                let jobs = backend.work_off(work)?;
+                if let (Some(rounds), Some(history)) = (rounds, work.job_history()) {
+                    let (places, jobs) = (history.places.clone(), history.jobs.clone());
+                    rounds.push(RecordedRound { places, jobs });
+                }
+                Ok(jobs)
+            }
+            Self::Recorded(rounds) => {
+                // Of a round that was not recorded nothing is known.
+                let none = RecordedRound::default();
+                let RecordedRound { places, jobs } = rounds.next().unwrap_or(&none);
+                Ok(crate::replay::replay(work, stage.bodies, places, jobs))
+            }
+        }
+    }
+
+    /// What the workers did for the last round, if there are any.
+    pub(super) fn report(&self) -> Option<WorkerPoolReport> {
+        match self {
+            Self::Backend { backend, .. } => backend.report(),
+            Self::Recorded(_) => None,
+        }
+    }
+}
