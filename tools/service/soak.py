@@ -99,7 +99,7 @@ def hostile(instance, seed):
             data = bytearray(bytes(ask))
             for _ in range(dice.choice([1, 4, 64, 1024])):
                 # The head has what counts the rest.
-                place = dice.randrange(dice.choice([40, 200, len(data)]))
+                place = dice.randrange(dice.choice([128, 17_536, 17_536 + 80 * ask.state_count]))
                 data[place] = dice.choice([0, 1, 0x7F, 0x80, 0xFF, dice.randrange(256)])
             ask = planner.Ask.from_buffer(data)
         answer = planner.Answer()

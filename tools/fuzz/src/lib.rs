@@ -5,10 +5,9 @@
 //! and over mutated copies of it, as regression tests.
 
 use body::file::Aligned;
-use bytemuck::Zeroable as _;
 use damage::{Curves, Policy};
 use mesh::import::{Format, ImportOptions, LengthUnit};
-use protocol::public::Ask;
+use protocol::public::{Ask, WireAnswer};
 use protocol::{Boot, Head, Incarnation, Launch, chunk, job, result};
 use std::sync::OnceLock;
 
@@ -159,15 +158,20 @@ impl House {
 
 /// A planner's request against a service with two small bodies: answered or refused.
 fn ask(bytes: &[u8]) {
-    let mut asked = Ask::zeroed();
-    let room = bytemuck::bytes_of_mut(&mut asked);
+    let (asked, answer) = answered(bytes);
+    assert_eq!(answer.sequence, asked.sequence);
+}
+
+fn answered(bytes: &[u8]) -> (Box<Ask>, WireAnswer) {
+    let mut asked: Box<Ask> = bytemuck::allocation::zeroed_box();
+    let room = bytemuck::bytes_of_mut(&mut *asked);
     let length = bytes.len().min(room.len());
     room[..length].copy_from_slice(&bytes[..length]);
     let house = HOUSE.get_or_init(House::new);
     let bodies = body::store::open(house.store.bytes()).expect("it was made here");
     let rules = (house.policy.clone(), house.curves.clone());
     let answer = service::InProcess::new(&house.deployment, &bodies, rules, 2).answer(&asked);
-    assert_eq!(answer.sequence, asked.sequence);
+    (asked, answer)
 }
 
 #[cfg(test)]
@@ -181,6 +185,13 @@ mod tests {
         z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ z >> 31
+    }
+
+    /// Bent copies of what is refused anyway would try little.
+    #[test]
+    fn the_request_of_the_corpus_is_ranked() {
+        let (_, answer) = answered(include_bytes!("../corpus/ask/three.bin"));
+        assert_eq!(answer.place_count, 3, "{}", answer.text());
     }
 
     /// Changes, drops, repeats or inserts a few bytes.
