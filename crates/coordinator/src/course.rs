@@ -48,11 +48,13 @@ mod course_answer;
 mod encounter;
 mod flags;
 mod persons;
+mod plan_scene;
 mod way;
 
 pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
 pub use encounter::EncounterEffort;
 pub use flags::{Alternative, AtHorizon, NearestRow};
+pub use plan_scene::{PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene};
 
 use encounter::EncounterSearch;
 use persons::People;
@@ -163,6 +165,25 @@ pub fn rank_courses(
     limits: RequestLimits,
     backend: &mut Backend,
 ) -> Result<RankedCourses, RunError> {
+    rank_courses_drawn(stage, request, limits, backend, None)
+}
+
+/// Ranks like [`rank_courses`], and then fills in what a picture of it is drawn from.
+///
+/// # Errors
+///
+/// As [`rank_courses`].
+///
+/// # Panics
+///
+/// As [`rank_courses`].
+pub fn rank_courses_drawn(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    limits: RequestLimits,
+    backend: &mut Backend,
+    drawn: Option<&mut PlanScene>,
+) -> Result<RankedCourses, RunError> {
     let accepted_ns = clock::now_ns();
     let reserved_ns = SAYING_NS * request.scenario.candidates.len() as u64;
     let due_ns = limits
@@ -243,6 +264,9 @@ pub fn rank_courses(
     let begun_ns = clock::now_ns();
     let answer = conclude(&scenery, &people, policy, &courses, &mut search)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
+    if let Some(drawn) = drawn {
+        *drawn = plan_scene::scene(&scenery, &courses);
+    }
     Ok(RankedCourses { answer, effort, reports })
 }
 

@@ -48,7 +48,8 @@ pub use answer_view::{AnswerRow, AnswerView};
 
 pub use course::{
     Alternative, AtHorizon, ContactRow, CourseAnswer, CourseEffort, CoursePersonRow, CourseRequest,
-    CourseRow, EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses,
+    CourseRow, EncounterEffort, NearestRow, PlanContact, PlanCourse, PlanParty, PlanPath,
+    PlanSample, PlanScene, RankedCourses, RunOutRow, rank_courses, rank_courses_drawn,
 };
 pub use explain::{Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};

@@ -9,6 +9,15 @@ use geometry::rng::Rng;
 
 /// Ranks a scenario whose parties, by name, have these bodies.
 fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseAnswer {
+    drawn_within(text, bodies, limits).0
+}
+
+/// The answer, and what a picture of it is drawn from.
+pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (CourseAnswer, PlanScene) {
+    drawn_within(text, bodies, RequestLimits::default())
+}
+
+fn drawn_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> (CourseAnswer, PlanScene) {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let scenario = HorizonScenario::parse("test.toml", &format!("{head}{text}"))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -27,7 +36,9 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
     };
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
-    rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked").answer
+    let mut scene = PlanScene::default();
+    let ranked = rank_courses_drawn(&stage, &request, limits, &mut backend, Some(&mut scene));
+    (ranked.expect("it can be ranked").answer, scene)
 }
 
 fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
@@ -35,15 +46,15 @@ fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
 }
 
 /// A party of any body, as the reader wants it: bodies are passed beside the text.
-fn party(name: &str, shape: &str, rest: &str) -> String {
+pub(super) fn party(name: &str, shape: &str, rest: &str) -> String {
     format!("[parties.{name}]\ngenerate = {{ shape = \"{shape}\", triangles = 900 }}\n{rest}\n")
 }
 
-fn ego() -> String {
+pub(super) fn ego() -> String {
     party("ego", "sedan", "persons = [{ seat = \"front-left\" }]")
 }
 
-fn go_on(speed_m_s: f64) -> String {
+pub(super) fn go_on(speed_m_s: f64) -> String {
     format!(
         "[[candidates]]\nname = \"go on\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = \
          {speed_m_s:?} }}\n"
