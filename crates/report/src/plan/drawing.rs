@@ -17,6 +17,10 @@ const FAR_M: f64 = 40.0;
 /// Room for a line of text and for a letter: the greater of the two sizes in `plan.css`.
 const LINE: f64 = 26.0;
 const LETTER: f64 = 12.0;
+/// What of a line is under the base line.
+const UNDER: f64 = 6.0;
+/// Least distance between two times beside a way.
+const TICK: f64 = 50.0;
 /// With more parties, only those are named that are met or named elsewhere on the page.
 const NAMED_MAX: usize = 8;
 
@@ -78,6 +82,18 @@ impl PlanWindow {
         [(x - self.left_m) * self.per_m, (self.top_m - y) * self.per_m]
     }
 
+    /// Whether a place in the world (m) is in the picture.
+    #[cfg(test)]
+    pub(super) fn shows(&self, at_m: [f64; 2]) -> bool {
+        self.holds(self.at(at_m))
+    }
+
+    /// Its height as a share of its width.
+    #[cfg(test)]
+    pub(super) fn share(&self) -> f64 {
+        self.height / WIDTH
+    }
+
     fn holds(&self, [x, y]: [f64; 2]) -> bool {
         (0.0..=WIDTH).contains(&x) && (0.0..=self.height).contains(&y)
     }
@@ -90,7 +106,18 @@ pub(super) struct TakenRoom(Vec<[f64; 4]>);
 impl TakenRoom {
     /// The first free place near a point for a text, taken from then on: its left end and its base
     /// line. `None`: all are taken or outside.
-    fn place(&mut self, window: &PlanWindow, [x, y]: [f64; 2], text: &str) -> Option<[f64; 2]> {
+    fn place(&mut self, window: &PlanWindow, at: [f64; 2], text: &str) -> Option<[f64; 2]> {
+        let [left, _, _, bottom] = self.placed(window, at, text)?;
+        Some([left, bottom - UNDER])
+    }
+
+    /// The rectangle of [`TakenRoom::place`].
+    pub(super) fn placed(
+        &mut self,
+        window: &PlanWindow,
+        [x, y]: [f64; 2],
+        text: &str,
+    ) -> Option<[f64; 4]> {
         let width = LETTER * text.chars().count() as f64;
         let tries = (1..=7).flat_map(|ring| {
             let up = 16.0 + LINE * f64::from(ring - 1);
@@ -99,17 +126,39 @@ impl TakenRoom {
                 .flat_map(move |dy| [12.0, -12.0 - width, -0.5 * width].map(|dx| [x + dx, y + dy]))
         });
         for [left, base] in tries {
-            let room = [left, base - LINE + 6.0, left + width, base + 6.0];
+            let room = [left, base - LINE + UNDER, left + width, base + UNDER];
             let is_inside = room[0] >= 2.0
                 && room[1] >= 2.0
                 && room[2] <= WIDTH - 2.0
                 && room[3] <= window.height - 2.0;
             if is_inside && !self.0.iter().any(|taken| overlap(taken, &room)) {
                 self.0.push(room);
-                return Some([left, base]);
+                return Some(room);
             }
         }
         None
+    }
+
+    /// Takes the rectangle around a body.
+    fn take_body(&mut self, window: &PlanWindow, outline_m: &[[f64; 2]], pose: &[f64; 5]) {
+        let [_, x, y, cos, sin] = *pose;
+        let corners = outline_m
+            .iter()
+            .map(|[u, v]| window.at([x + cos * u - sin * v, y + sin * u + cos * v]));
+        let all = corners.fold([f64::INFINITY, f64::INFINITY, 0.0, 0.0], |all, [x, y]| {
+            [all[0].min(x), all[1].min(y), all[2].max(x), all[3].max(y)]
+        });
+        self.0.push(all);
+    }
+
+    /// Takes the dots and times beside the ego's way.
+    fn take_times(&mut self, window: &PlanWindow, course: &PlanCourse) {
+        let end_s = course.ego.last().map_or(0.0, |sample| sample.0[0]);
+        for second in 1..=end_s.floor() as usize {
+            let [_, x, y, ..] = pose_at(&course.ego, second as f64);
+            let [x, y] = window.at([x, y]);
+            self.0.push([x - 20.0, y - 5.0, x + 20.0, y + 30.0]);
+        }
     }
 
     /// Takes a square around a point.
@@ -211,7 +260,7 @@ fn marks(window: &PlanWindow, track: &[PlanSample], to_s: f64, class: &str, out:
         before = Some(at);
         let [x, y] = at;
         let _w = write!(out, "<circle class=\"dot {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
-        if class == "own" && far(said, 44.0) {
+        if class == "own" && far(said, TICK) {
             said = Some(at);
             let _w = write!(
                 out,
@@ -261,9 +310,10 @@ fn bodies(
     };
     let poses: Vec<[f64; 5]> =
         (0..scene.parties.len()).map(|n| pose_at(followed(scene, course, n), 0.0)).collect();
-    for pose in &poses {
-        room.take(window.at([pose[1], pose[2]]), 10.0);
+    for (party, pose) in scene.parties.iter().zip(&poses) {
+        room.take_body(window, &party.outline_m, pose);
     }
+    room.take_times(window, course);
     for (number, party) in scene.parties.iter().enumerate() {
         let [_, x, y, cos, sin] = poses[number];
         let [e, f] = window.at([x, y]);
@@ -317,6 +367,7 @@ fn contacts(
     mut room: TakenRoom,
     out: &mut String,
 ) {
+    room.take_times(window, course);
     for contact in &course.contacts {
         room.take(window.at(contact.at_m), 12.0);
     }
