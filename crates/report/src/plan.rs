@@ -26,7 +26,10 @@ pub struct PlanPage<'a> {
 
 /// Text as markup, without characters that change the direction of what follows.
 fn name(text: &str) -> String {
-    let is_turn = |c: char| matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    // Marks, embeddings and isolates of the Unicode Bidirectional Algorithm.
+    const TURNS: [core::ops::RangeInclusive<char>; 3] =
+        ['\u{200e}'..='\u{200f}', '\u{202a}'..='\u{202e}', '\u{2066}'..='\u{2069}'];
+    let is_turn = |c: char| TURNS.iter().any(|turns| turns.contains(&c));
     escape(&text.chars().map(|c| if is_turn(c) { '\u{fffd}' } else { c }).collect::<String>())
 }
 
@@ -246,8 +249,8 @@ fn view(
     let Some((shown, first)) = order.first() else { return };
     let _w = write!(
         body,
-        "<section><h2>From above</h2><div id=\"controls\" class=\"controls\" hidden><label>manoeuvre \
-         <select id=\"course\" autocomplete=\"off\">"
+        "<section><h2>From above</h2><div id=\"controls\" class=\"controls\" hidden>\
+         <label>manoeuvre <select id=\"course\" autocomplete=\"off\">"
     );
     for (at, (k, row)) in order.iter().enumerate() {
         let selected = if at == 0 { " selected" } else { "" };
@@ -257,9 +260,10 @@ fn view(
     let _w = write!(
         body,
         "</select></label><label class=\"time\">time <input id=\"time\" type=\"range\" min=\"0\" \
-         max=\"{0}\" step=\"0.05\" value=\"0\" autocomplete=\"off\"><output id=\"now\">0.00 \
+         max=\"{:.2}\" step=\"0.05\" value=\"0\" autocomplete=\"off\"><output id=\"now\">0.00 \
          s</output></label></div>",
-        scene.horizon_s
+        // The last step reaches the end: bodies stay where their tracks end.
+        (scene.horizon_s / 0.05 - 1e-6).ceil() * 0.05
     );
     let title = format!("The scene from above at the start, with the way of: {}", first.name);
     body.push_str(&drawing::svg(scene, window, *shown, &title));
@@ -267,10 +271,10 @@ fn view(
         "<noscript><p class=\"key\">Shown is the first candidate at the start; the other ones, and \
          other times, need JavaScript.</p></noscript><p class=\"key\"><span \
          class=\"swatch-ego\"></span> ego <span class=\"swatch-met\"></span> is met <span \
-         class=\"swatch-other\"></span> is not met. Lines: where they go, a dot each second; dashed: \
-         predicted, but not followed; dotted red: the run-out after a heavy contact. ⊗ contact. \
-         Where a struck party goes is not computed: it is shown where it was struck. Bodies \
-         outside of the picture are not shown.</p></section>",
+         class=\"swatch-other\"></span> is not met. Lines: where they go, a dot each second; \
+         dashed: predicted, but not followed; dotted red: the run-out after a heavy contact. \
+         ⊗ contact. Where a struck party goes is not computed: it is shown where it was struck. \
+         Bodies outside of the picture are not shown.</p></section>",
     );
 }
 

@@ -249,8 +249,8 @@ pub use coordinator::PlanPath;
 /// assert_eq!((time_s, x_m, y_m, cos, sin), (0.5, 7.0, 0.0, 1.0, 0.0));
 /// ```
 pub use coordinator::PlanSample;
-/// A scene over time, seen from above: what a picture of a ranking over a horizon is drawn from, and
-/// what [`Engine::rank_horizon_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
+/// A scene over time, seen from above: what a picture of a ranking over a horizon is drawn from,
+/// and what [`Engine::rank_horizon_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
 /// [`PlanSample`] and [`PlanContact`] are its parts.
 ///
 /// ```

@@ -139,25 +139,29 @@ impl TakenRoom {
         None
     }
 
-    /// Takes the rectangle around a body.
+    /// Takes squares along a body, which is longer than it is wide.
     fn take_body(&mut self, window: &PlanWindow, outline_m: &[[f64; 2]], pose: &[f64; 5]) {
         let [_, x, y, cos, sin] = *pose;
-        let corners = outline_m
-            .iter()
-            .map(|[u, v]| window.at([x + cos * u - sin * v, y + sin * u + cos * v]));
-        let all = corners.fold([f64::INFINITY, f64::INFINITY, 0.0, 0.0], |all, [x, y]| {
-            [all[0].min(x), all[1].min(y), all[2].max(x), all[3].max(y)]
-        });
-        self.0.push(all);
+        let most = |k: usize| outline_m.iter().fold(0.0, |most: f64, at| most.max(at[k].abs()));
+        let (length_m, width_m) = (most(0), most(1));
+        let by = 0.9 * width_m.min(length_m) * window.per_m + 2.0;
+        let count = (length_m / width_m.max(0.1)).clamp(1.0, 20.0).round() as usize;
+        for k in 0..=count {
+            let along = (2.0 * k as f64 / count as f64 - 1.0) * (length_m - width_m).max(0.0);
+            self.take(window.at([x + cos * along, y + sin * along]), by);
+        }
     }
 
-    /// Takes the dots and times beside the ego's way.
+    /// Takes the ego's way, and the times beside it.
     fn take_times(&mut self, window: &PlanWindow, course: &PlanCourse) {
         let end_s = course.ego.last().map_or(0.0, |sample| sample.0[0]);
         for second in 1..=end_s.floor() as usize {
             let [_, x, y, ..] = pose_at(&course.ego, second as f64);
             let [x, y] = window.at([x, y]);
             self.0.push([x - 20.0, y - 5.0, x + 20.0, y + 30.0]);
+        }
+        for sample in &course.ego {
+            self.take(window.at([sample.0[1], sample.0[2]]), 5.0);
         }
     }
 
