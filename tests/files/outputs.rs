@@ -15,6 +15,7 @@ const COMMANDS: &[&str] = &[
     "report RECORD --glb ?",
     "report RECORD --png ?",
     "rank SIX.toml --in-process --record ?",
+    "rank CROSSING.xml --in-process --report ?",
     "scenario import CROSSING.xml -o ?",
     "model generate pole --triangles 600 -o ?",
     "model import MESH.obj --kind pole -o ?",

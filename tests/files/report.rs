@@ -4,6 +4,7 @@
 //! The browser is chromium, if installed; else the test is skipped with a visible message.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use crate::support::service::shipped;
 use crate::support::{Place, instance, left_in_shm, skipped, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -97,6 +98,31 @@ fn what_cannot_be_shown_is_refused_with_a_remedy() {
 }
 
 #[test]
+fn a_ranking_over_a_horizon_becomes_a_page_and_pairs_at_impact_do_not() {
+    let place = Place::new();
+    let scenario = shipped("config/scenarios/crossing.toml");
+    let out = path(place.path(), "crossing.html");
+    let args = ["rank", scenario.to_str().unwrap(), "--in-process", "--report", &out];
+    let plain = done(&args[..3]);
+    let shown = done(&args);
+    // The answer is printed all the same; only times differ.
+    assert_eq!(plain.lines().count(), shown.lines().count());
+    let page = std::fs::read_to_string(&out).unwrap();
+    assert!(page.contains("<h1><bdi>Touches nobody: go on</bdi></h1>"), "no title");
+    assert_eq!(page.matches("<option ").count(), 3);
+    assert_eq!(page.matches("<g data-body=").count(), 6);
+
+    let small = place.write("small.toml", SMALL);
+    let other = path(place.path(), "small.html");
+    let args = ["rank", small.to_str().unwrap(), "--in-process", "--report", &other];
+    let output = trolley().args(args).output().unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(78), "{said}");
+    assert!(said.contains("no scene to draw") && said.contains("trolley report DIR"), "{said}");
+    assert!(!Path::new(&other).exists());
+}
+
+#[test]
 fn a_measurement_becomes_a_page() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let place = Place::new();
@@ -159,6 +185,14 @@ fn the_page_works_in_a_browser_without_a_network() {
     done(&["report", &record, "--out", &out]);
     let (console, document) = opened(browser, &place, &out);
     assert_drawn(&console, &document);
+    let scenario = shipped("config/scenarios/crossing.toml");
+    done(&["rank", scenario.to_str().unwrap(), "--in-process", "--report", &out]);
+    let (console, document) = opened(browser, &place, &out);
+    assert_eq!(console, "", "the plan complained");
+    // What only the script does.
+    assert!(
+        document.contains("aria-valuetext=\"0.00 s\"") && document.contains("class=\"controls\">")
+    );
 }
 
 mod shared_data {

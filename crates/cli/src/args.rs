@@ -52,6 +52,7 @@ pub(crate) enum Command {
     /// Rank the crashes described by a scenario file.
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
         trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name\n  \
+        trolley rank config/scenarios/crossing.toml --report crossing.html\n  \
         trolley rank DEU_Gar-1_1_T-1.xml")]
     Rank(Box<crate::rank::RankArgs>),
     /// Answer planners' requests until stopped, as one deployment file says.

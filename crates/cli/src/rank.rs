@@ -7,6 +7,7 @@ use crate::reference_args::ReferenceArgs;
 use crate::traffic::TrafficArgs;
 use crate::{course_table, print, table, traffic};
 use clap::Args;
+use report::plan::PlanPage;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ use trolley::explanation::CourseExplanation;
 use trolley::record::{Recordable, Signer};
 use trolley::{
     Answer, AnswerState, CourseAnswer, Engine, Explanation, Failure, FailureKind, Horizon,
-    HorizonRanking, Ranking, Record, References, Run, Scenario,
+    HorizonRanking, PlanScene, Ranking, Record, References, Run, Scenario,
 };
 
 /// The arguments of `rank`.
@@ -28,6 +29,10 @@ pub(crate) struct RankArgs {
     traffic: TrafficArgs,
     #[command(flatten)]
     answer: AnswerArgs,
+    /// Write a page of the ranking over a horizon: the scene from above over time, and every
+    /// contact. A single file that needs no network.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     options: EngineArgs,
 }
@@ -51,14 +56,25 @@ pub(crate) fn demo(
 }
 
 pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let RankArgs { scenario: path, references, traffic, answer: asked, options } = args;
+    let RankArgs { scenario: path, references, traffic, answer: asked, report, options } = args;
+    let drawn = report.as_deref();
+    // Fail before the work, not after it, if the page cannot be written.
+    if let Some(page) = drawn {
+        trolley::files::check(page, Some(path))?;
+    }
     let references = references.references();
     if !trolley::traffic::is_traffic(path) {
         let text = trolley::read_text(path)?;
         let name = path.display().to_string();
         if scenario::is_horizon_text(&text) {
             let horizon = Horizon::parse_with(&name, &text, references)?;
-            return answer_horizon(horizon, asked, options, output);
+            return answer_horizon(horizon, asked, options, drawn, output);
+        }
+        if drawn.is_some() {
+            let what = "--report: this scenario says who meets whom, and has no scene to draw";
+            let help = "record it with --record DIR, then: trolley report DIR/000000.record --out \
+                        FILE.html";
+            return Err(Failure::setting(what).with_remedy(help));
         }
         let scenario = Scenario::parse_with(&name, &text, references)?;
         return answer(scenario, asked, options, output);
@@ -69,7 +85,7 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
     output.say(&imported.horizon_summary());
     // Its models are those of the library, which was asked already.
     let horizon = Horizon::parse_with(&name, document.scenario, References::Anywhere)?;
-    answer_horizon(horizon, asked, options, output)
+    answer_horizon(horizon, asked, options, drawn, output)
 }
 
 fn answer(
@@ -108,6 +124,7 @@ fn answer_horizon(
     horizon: Horizon,
     asked: &AnswerArgs,
     options: &EngineArgs,
+    drawn: Option<&Path>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let horizon = match asked.assume {
@@ -118,7 +135,9 @@ fn answer_horizon(
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
-    let mut ranking = engine.rank_horizon_telling(&horizon, &asked.limits()?, &told)?;
+    let mut scene = drawn.map(|_| PlanScene::default());
+    let limits = asked.limits()?;
+    let mut ranking = engine.rank_horizon_drawn(&horizon, &limits, &told, scene.as_mut())?;
     drop(progress);
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();
@@ -126,6 +145,10 @@ fn answer_horizon(
     let recorded = records.as_ref().map(|records| records.write(&ranking));
     let HorizonRanking { answer, run, .. } = &ranking;
     let explanation = ranking.explanation.as_ref().filter(|_| asked.explain);
+    let page = drawn.zip(scene.as_ref()).map(|(file, scene)| {
+        let page = PlanPage { scenario: &horizon.parsed().name, answer, run, scene };
+        trolley::files::replace(file, report::plan::page(&page).as_bytes()).map(|()| file)
+    });
     if output.json {
         let document = CourseDocument { schema: "trolley.rank/2", answer, explanation, run };
         print::out(&print::json(&document)?)?;
@@ -140,6 +163,10 @@ fn answer_horizon(
     // If recording fails, the answer is shown before the failure.
     if let Some(path) = recorded.transpose()? {
         output.say(&format!("recorded as {}", path.display()));
+    }
+    // If the page cannot be written, the answer is shown before the failure.
+    if let Some(file) = page.transpose()? {
+        output.say(&format!("written: {}", file.display()));
     }
     Ok(code(answer.state))
 }

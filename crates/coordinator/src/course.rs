@@ -51,6 +51,7 @@ mod explain;
 mod flags;
 mod history;
 mod persons;
+mod plan_scene;
 mod way;
 
 pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
@@ -58,6 +59,7 @@ pub use encounter::EncounterEffort;
 pub use explain::{CombinedRisk, ContactStep, CourseChain, CourseExplanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
+pub use plan_scene::{PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene};
 
 use encounter::EncounterSearch;
 use history::{SearchClock, Surveyor};
@@ -80,6 +82,8 @@ pub struct CourseRequest<'a> {
     pub history: bool,
     /// Whether the answer is explained.
     pub explanation: bool,
+    /// Whether it is said where everybody is over time, for a picture.
+    pub scene: bool,
 }
 
 /// What the work on a request took.
@@ -116,6 +120,8 @@ pub struct RankedCourses {
     pub history: Option<CourseHistory>,
     /// Every figure from contact to rank, if that was requested.
     pub explanation: Option<CourseExplanation>,
+    /// Where everybody is over time, if that was requested.
+    pub scene: Option<PlanScene>,
 }
 
 /// A contact of a candidate, assessed.
@@ -292,7 +298,8 @@ fn follow(
         CourseExplanation::new(scenario, &people, rules, known, &ranking)
     });
     effort.judge_ns = clock::now_ns() - begun_ns;
-    Ok(RankedCourses { answer, effort, reports, history: None, explanation })
+    let scene = request.scene.then(|| plan_scene::scene(&scenery, &courses));
+    Ok(RankedCourses { answer, effort, reports, history: None, explanation, scene })
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).

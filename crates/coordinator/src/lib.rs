@@ -49,7 +49,8 @@ pub use answer_view::{AnswerRow, AnswerView};
 pub use course::{
     Alternative, AtHorizon, CombinedRisk, ContactRow, ContactStep, CourseAnswer, CourseChain,
     CourseEffort, CourseExplanation, CourseHistory, CoursePersonRow, CourseRequest, CourseRow,
-    EncounterEffort, NearestRow, RankedCourses, RunOutRow, rank_courses, replay_courses,
+    EncounterEffort, NearestRow, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample,
+    PlanScene, RankedCourses, RunOutRow, rank_courses, replay_courses,
 };
 pub use explain::{ContactChain, Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};

@@ -59,6 +59,12 @@ impl ConvexOutline {
         Self { corners, ..*self }
     }
 
+    /// Its corners (m), counter-clockwise.
+    #[must_use]
+    pub fn corners(&self) -> &[[f64; 2]] {
+        &self.corners
+    }
+
     /// The greatest distance of a corner from the origin of the body's frame (m).
     #[must_use]
     pub fn radius_m(&self) -> f64 {

@@ -166,26 +166,36 @@ pub fn measurement(measurement: &MeasurementPage) -> String {
     page(&measurement.title, &measurement.markup(), None)
 }
 
-/// The frame of every page. `data` is JSON for the view.
+/// A page with the 3D view of `data`, if there is any.
 fn page(title: &str, body: &str, data: Option<&str>) -> String {
-    // In JSON `<` occurs in strings only; escaped, it cannot end the script element.
-    let data = data.map(|data| data.replace('<', "\\u003c"));
     let scripts = data.map_or(String::new(), |data| {
         format!(
-            "<script type=\"application/json\" id=\"data\">{data}</script>\n\
-             <script>{THREE}</script>\n<script>{SCRIPT}</script>\n\
+            "{}<script>{THREE}</script>\n<script>{SCRIPT}</script>\n\
              <details class=\"licence\"><summary>three.js 0.187.0, MIT licence</summary>\
              <pre>{}</pre></details>",
+            data_element(data),
             escape(THREE_LICENCE)
         )
     });
+    framed(title, body, "", &scripts)
+}
+
+/// The element that holds JSON for a script.
+pub(crate) fn data_element(json: &str) -> String {
+    // In JSON `<` occurs in strings only; escaped, it cannot end the script element.
+    let data = json.replace('<', "\\u003c");
+    format!("<script type=\"application/json\" id=\"data\">{data}</script>\n")
+}
+
+/// The frame of every page, with further style, and scripts at its end.
+pub(crate) fn framed(title: &str, body: &str, style: &str, scripts: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src \
          'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\n\
-         <title>{}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n{body}\n</main>\n\
-         {scripts}\n</body>\n</html>\n",
+         <title>{}</title>\n<style>{STYLE}{style}</style>\n</head>\n<body>\n<main>\n{body}\n\
+         </main>\n{scripts}\n</body>\n</html>\n",
         escape(title)
     )
 }

@@ -11,6 +11,8 @@
 //!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
 //! ```
 //!
+//! A ranking over a horizon needs no record: `plan` makes its page from the answer and the scene.
+//!
 //! Only `write` reads and writes files: everything else takes plain values and returns bytes.
 //! Nothing is assessed here: every figure is one behind the decision. All shots are in the ego's
 //! frame, in metres, x forward, z up.
@@ -30,6 +32,7 @@ pub mod html;
 pub mod mcap;
 mod measurement;
 mod pack;
+pub mod plan;
 mod shot;
 pub mod still;
 pub mod text;

@@ -91,6 +91,7 @@ impl<'s> Ranker<'s> {
             rules: self.rules.clone(),
             history: false,
             explanation: false,
+            scene: false,
         };
         let ranked = coordinator::rank_courses(&stage, &request, limits, backend);
         let RankedCourses { answer, effort, reports, .. } =

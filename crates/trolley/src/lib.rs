@@ -215,6 +215,56 @@ pub use coordinator::CourseAnswer;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::CourseRow;
+/// A contact of a [`PlanCourse`].
+///
+/// ```
+/// let contact = trolley::PlanContact { time_s: 1.5, ..Default::default() };
+/// assert!(!contact.is_heavy);
+/// ```
+pub use coordinator::PlanContact;
+/// A candidate of a [`PlanScene`] as it was followed.
+///
+/// ```
+/// let course = trolley::PlanCourse { name: "brake".into(), ..Default::default() };
+/// assert!(course.contacts.is_empty());
+/// ```
+pub use coordinator::PlanCourse;
+/// A body of a [`PlanScene`], and where it may go.
+///
+/// ```
+/// let party = trolley::PlanParty { name: "bus".into(), ..Default::default() };
+/// assert!(party.paths.is_empty());
+/// ```
+pub use coordinator::PlanParty;
+/// A predicted path of a [`PlanParty`].
+///
+/// ```
+/// let path = trolley::PlanPath { probability: 0.3, track: Vec::new() };
+/// assert!(path.probability < 1.0);
+/// ```
+pub use coordinator::PlanPath;
+/// A body at one time, of a [`PlanScene`].
+///
+/// ```
+/// let [time_s, x_m, y_m, cos, sin] = trolley::PlanSample([0.5, 7.0, 0.0, 1.0, 0.0]).0;
+/// assert_eq!((time_s, x_m, y_m, cos, sin), (0.5, 7.0, 0.0, 1.0, 0.0));
+/// ```
+pub use coordinator::PlanSample;
+/// A scene over time, seen from above: what a picture of a ranking over a horizon is drawn from,
+/// and what [`Engine::rank_horizon_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
+/// [`PlanSample`] and [`PlanContact`] are its parts.
+///
+/// ```
+/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default();
+/// let mut scene = trolley::PlanScene::default();
+/// engine.rank_horizon_drawn(&horizon, &limits, &|_, _| {}, Some(&mut scene))?;
+/// let at_start = |course: &trolley::PlanCourse| course.ego[0].0[1..3] == [0.0, 0.0];
+/// assert!(scene.courses.iter().all(at_start));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::PlanScene;
 /// How a contact changes the ego's motion.
 ///
 /// ```

@@ -73,7 +73,7 @@ impl Outlines {
         Self(scenery.bodies.iter().map(outline).collect())
     }
 
-    fn of_party(&self, scenery: &Scenery<'_>, party: usize) -> &ConvexOutline {
+    pub(super) fn of_party(&self, scenery: &Scenery<'_>, party: usize) -> &ConvexOutline {
         &self.0[scenery.models[party]]
     }
 }

@@ -9,6 +9,15 @@ use geometry::rng::Rng;
 
 /// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
 fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseAnswer {
+    drawn_within(text, bodies, limits).0
+}
+
+/// The answer, and what a picture of it is drawn from.
+pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (CourseAnswer, PlanScene) {
+    drawn_within(text, bodies, RequestLimits::default())
+}
+
+fn drawn_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> (CourseAnswer, PlanScene) {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let scenario = HorizonScenario::parse("test.toml", &format!("{head}{text}"))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -26,6 +35,7 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
         rules: (policy, curves),
         history: true,
         explanation: true,
+        scene: true,
     };
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
@@ -34,7 +44,7 @@ fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseA
     let again = replay_courses(&stage, &request, &history).expect("it can be ranked again");
     assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
     assert_eq!(again.explanation, ranked.explanation);
-    ranked.answer
+    (ranked.answer, ranked.scene.expect("it was requested"))
 }
 
 fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
@@ -42,15 +52,15 @@ fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
 }
 
 /// A party of any body, as the reader wants it: bodies are passed beside the text.
-fn party(name: &str, shape: &str, rest: &str) -> String {
+pub(super) fn party(name: &str, shape: &str, rest: &str) -> String {
     format!("[parties.{name}]\ngenerate = {{ shape = \"{shape}\", triangles = 900 }}\n{rest}\n")
 }
 
-fn ego() -> String {
+pub(super) fn ego() -> String {
     party("ego", "sedan", "persons = [{ seat = \"front-left\" }]")
 }
 
-fn go_on(speed_m_s: f64) -> String {
+pub(super) fn go_on(speed_m_s: f64) -> String {
     format!(
         "[[candidates]]\nname = \"go on\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = \
          {speed_m_s:?} }}\n"

@@ -8,7 +8,9 @@ use crate::horizon::Horizon;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use body::BodyKind;
-use coordinator::{BodySet, CourseAnswer, CourseExplanation, CourseRequest, RankedCourses};
+use coordinator::{
+    BodySet, CourseAnswer, CourseExplanation, CourseRequest, PlanScene, RankedCourses,
+};
 use runtime::clock;
 
 /// A scenario over a horizon, ranked.
@@ -76,6 +78,32 @@ impl Engine {
         limits: &Limits,
         progress: OnProgress<'_>,
     ) -> Result<HorizonRanking, Failure> {
+        self.rank_horizon_drawn(horizon, limits, progress, None)
+    }
+
+    /// Ranks like [`rank_horizon_telling`](Self::rank_horizon_telling), and fills in what a picture
+    /// of it is drawn from, if that is wanted.
+    ///
+    /// ```
+    /// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = trolley::Limits::default();
+    /// let mut scene = trolley::PlanScene::default();
+    /// engine.rank_horizon_drawn(&horizon, &limits, &|_, _| {}, Some(&mut scene))?;
+    /// assert_eq!((scene.courses.len(), scene.parties[scene.ego].name.as_str()), (3, "ego"));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::rank_horizon`].
+    pub fn rank_horizon_drawn(
+        &mut self,
+        horizon: &Horizon,
+        limits: &Limits,
+        progress: OnProgress<'_>,
+        drawn: Option<&mut PlanScene>,
+    ) -> Result<HorizonRanking, Failure> {
         let begun_ns = clock::now_ns();
         horizon.check_unknown()?;
         let scenario = horizon.parsed();
@@ -109,10 +137,14 @@ impl Engine {
             rules,
             history: limits.wants_job_history(),
             explanation: limits.wants_explanation(),
+            scene: drawn.is_some(),
         };
         // Workers that could not finish are not used again.
-        let RankedCourses { answer, effort, reports, history, explanation } =
+        let RankedCourses { answer, effort, reports, history, explanation, scene } =
             coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
+        if let (Some(drawn), Some(scene)) = (drawn, scene) {
+            *drawn = scene;
+        }
         let answered_ns = clock::now_ns();
         loaded.backend = Some(backend);
         let mut run = run.with_courses(&effort, reports, loaded.bodies.store().bytes().len());

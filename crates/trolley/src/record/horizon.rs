@@ -108,6 +108,7 @@ impl Record {
             rules: horizon.rules(),
             history: false,
             explanation: true,
+            scene: false,
         };
         let history = CourseHistory { search: content.search, rounds: content.rounds.clone() };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
