@@ -32,7 +32,7 @@ use body::Shells;
 use bvh::Witness;
 use bvh::support::support;
 use damage::approach::STANDSTILL_M_S;
-use damage::course::{PASSED_M, RunOut, Severity};
+use damage::course::{HEAVY_M_S, PASSED_M, RunOut, Severity};
 use damage::path::Path;
 use damage::{
     CandidateHarm, CourseHarm, Curves, Meeting, Parameters, Policy, RankedCandidates, Scratch,
@@ -145,6 +145,21 @@ impl Course<'_> {
     /// From when on (s) it is not known what happens, if it is not.
     fn open_from_s(&self) -> Option<f64> {
         self.way.open_from_s.or(self.stuck.map(|stuck| stuck.time_s))
+    }
+
+    /// Whether an open course keeps a contact when it is finished. A light one may give way to a
+    /// heavy one of the same crash that is found by a second look; its lower ends then count for
+    /// nothing. A contact whose survey is not done may still turn out to be light.
+    fn is_final(&self, contact: &AssessedContact) -> bool {
+        let harm = &contact.harm;
+        if harm.unevaluable.is_some() {
+            // The course ends here, however much is known.
+            return true;
+        }
+        if !harm.is_settled() || harm.is_open {
+            return harm.delta_v[0].work.lo() >= HEAVY_M_S;
+        }
+        contact.severity == Severity::Heavy || !self.way.may_give_way(contact.meeting.party)
     }
 }
 
@@ -420,9 +435,7 @@ fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
     let mut harm = CourseHarm::none();
     let is_open = course.open_from_s().is_some();
     for contact in &course.contacts {
-        // If a second look is still to come, this contact may not be one of the finished course.
-        let is_sure = !is_open || !course.way.may_give_way(contact.meeting.party);
-        if is_sure || contact.severity == Severity::Heavy {
+        if !is_open || course.is_final(contact) {
             harm.include(&contact.harm);
         }
     }
