@@ -439,11 +439,12 @@ fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
             harm.include(&contact.harm);
         }
     }
-    people.suppose(&mut harm);
     harm.is_unevaluable |= course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
     if is_open {
         harm.leave_open(people.all(), ENERGY_MAX_J);
     }
+    // Last, as those who may be aboard run the greatest risk there, open ones included.
+    people.suppose(&mut harm);
     harm
 }
 

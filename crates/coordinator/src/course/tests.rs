@@ -372,6 +372,28 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
 }
 
 #[test]
+fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
+    // Nobody said who is in the bus: any more than the usual ten run the greatest risk there.
+    let (sedan, bus) = (body(Shape::Sedan, 900), body(Shape::Bus, 900));
+    let ahead = party("bus", "bus", "place = { position_m = [30, 0, 0] }");
+    let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
+    let text = format!("{head}{ahead}{}{}", ego(), go_on(15.0));
+    let scenario = HorizonScenario::parse("test.toml", &text).expect("sound");
+    let views = [&bus, &sedan].map(|body| (body.meta.clone(), body.view()));
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let scenery = Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
+    let people = People::of(&scenario, &|party| scenery.body(party));
+    let mut way = Way::new(scenery, &scenario.candidates[0]);
+    way.open_from_s = Some(0.0);
+    let harm = harm_of(&people, &Course { way, contacts: Vec::new(), stuck: None });
+    let (more, greatest) = harm.others;
+    assert!(more > 0);
+    assert_eq!(greatest, f64::from(more), "each of them may be harmed for sure");
+    let mut ranges = harm.persons.iter().map(|risk| risk.range);
+    assert!(ranges.all(|range| range.low() == 0.0 && range.high() == 1.0));
+}
+
+#[test]
 fn other_predicted_paths_are_said_and_the_likeliest_is_followed() {
     let sedan = body(Shape::Sedan, 900);
     let path = |probability: f64, y: f64| {
