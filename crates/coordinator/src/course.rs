@@ -33,7 +33,7 @@ use body::Shells;
 use bvh::Witness;
 use bvh::support::support;
 use damage::approach::STANDSTILL_M_S;
-use damage::course::{PASSED_M, RunOut, Severity};
+use damage::course::{HEAVY_M_S, PASSED_M, RunOut, Severity};
 use damage::path::Path;
 use damage::{
     CandidateHarm, CourseHarm, Curves, Meeting, Parameters, Policy, RankedCandidates, Scratch,
@@ -167,6 +167,21 @@ impl Course<'_> {
     /// From when on (s) it is not known what happens, if it is not.
     fn open_from_s(&self) -> Option<f64> {
         self.way.open_from_s.or(self.stuck.map(|stuck| stuck.time_s))
+    }
+
+    /// Whether an open course keeps a contact when it is finished. A light one may give way to a
+    /// heavy one of the same crash that is found by a second look; its lower ends then count for
+    /// nothing. A contact whose survey is not done may still turn out to be light.
+    fn is_final(&self, contact: &AssessedContact) -> bool {
+        let harm = &contact.harm;
+        if harm.unevaluable.is_some() {
+            // The course ends here, however much is known.
+            return true;
+        }
+        if !harm.is_settled() || harm.is_open {
+            return harm.delta_v[0].work.lo() >= HEAVY_M_S;
+        }
+        contact.severity == Severity::Heavy || !self.way.may_give_way(contact.meeting.party)
     }
 }
 
@@ -457,11 +472,9 @@ const SAYING_NS: u64 = 1_000_000;
 /// keeps an open candidate from winning by less damage.
 const ENERGY_MAX_J: f64 = 5e9;
 
-/// Whether a contact is in the harm of its course: if a second look is still to come, a light one
-/// may not be one of the finished course.
+/// Whether a contact is in the harm of its course.
 fn counts(course: &Course<'_>, contact: &AssessedContact) -> bool {
-    let is_sure = course.open_from_s().is_none() || !course.way.may_give_way(contact.meeting.party);
-    is_sure || contact.severity == Severity::Heavy
+    course.open_from_s().is_none() || course.is_final(contact)
 }
 
 /// The harm of a course: all contacts together, and whatever is open.
@@ -470,11 +483,12 @@ fn harm_of(people: &People, course: &Course<'_>) -> CourseHarm {
     for contact in course.contacts.iter().filter(|contact| counts(course, contact)) {
         harm.include(&contact.harm);
     }
-    people.suppose(&mut harm);
     harm.is_unevaluable |= course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
     if course.open_from_s().is_some() {
         harm.leave_open(people.all(), ENERGY_MAX_J);
     }
+    // Last, as those who may be aboard run the greatest risk there, open ones included.
+    people.suppose(&mut harm);
     harm
 }
 

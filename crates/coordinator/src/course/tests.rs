@@ -345,6 +345,72 @@ fn what_is_late_is_open_and_holds_what_the_finished_work_gives() {
 }
 
 #[test]
+fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
+    // A touch at walking pace, whose survey was not begun; the crash that follows replaces it.
+    let sedan = body(Shape::Sedan, 900);
+    let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
+    let queue = party("queue", "sedan", "place = { position_m = [5.2, 0, 0] }");
+    for (speed_m_s, is_light) in [(0.5, true), (15.0, false)] {
+        let text = format!("{head}{}{queue}{}", ego(), go_on(speed_m_s));
+        let scenario = HorizonScenario::parse("test.toml", &text).expect("sound");
+        let views = [&sedan, &sedan].map(|body| (body.meta.clone(), body.view()));
+        let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+        let scenery =
+            Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
+        let people = People::of(&scenario, &|party| scenery.body(party));
+        let way = Way::new(scenery, &scenario.candidates[0]);
+        let mut course = Course { way, contacts: Vec::new(), stuck: None };
+        let meeting = course.way.next(&mut EncounterSearch::default(), None).expect("they meet");
+        let support_of = |model: usize, d: DVec3| support(&views[model].1, d);
+        let candidate = contact(&scenery, &people, &course, 0, &meeting, &support_of);
+        let request = Request {
+            candidates: vec![candidate.expect("it closes")],
+            persons: people.list.clone(),
+            policy: Arc::new(Policy::shipped().expect("sound")),
+            curves: Arc::new(Curves::shipped().expect("sound")),
+            parameters: Parameters::default(),
+        };
+        let work = RankingRun::new(&request, &views, 3);
+        let (mut harms, _) = work.judge().expect("it can be assessed");
+        let assessed = assessed(&request, &work, 0, meeting, harms.remove(0));
+        assert!(!assessed.harm.is_settled() || assessed.harm.is_open, "its survey is open");
+        settle(&mut course, &request.candidates[0], assessed);
+        let alone = &course.contacts[0].harm;
+        let is_above_zero =
+            alone.energy_j.lo() > 0.0 || alone.persons.iter().any(|person| person.work.lo() > 0.0);
+        assert!(is_above_zero, "{speed_m_s} m/s: {alone:#?}");
+        let harm = harm_of(&people, &course);
+        assert!(harm.is_open);
+        if is_light {
+            assert_eq!(harm.energy_j.lo(), 0.0, "{alone:#?}");
+            assert!(harm.persons.iter().all(|risk| risk.work.lo() == 0.0), "{harm:#?}");
+        }
+    }
+}
+
+#[test]
+fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
+    // Nobody said who is in the bus: any more than the usual ten run the greatest risk there.
+    let (sedan, bus) = (body(Shape::Sedan, 900), body(Shape::Bus, 900));
+    let ahead = party("bus", "bus", "place = { position_m = [30, 0, 0] }");
+    let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
+    let text = format!("{head}{ahead}{}{}", ego(), go_on(15.0));
+    let scenario = HorizonScenario::parse("test.toml", &text).expect("sound");
+    let views = [&bus, &sedan].map(|body| (body.meta.clone(), body.view()));
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let scenery = Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
+    let people = People::of(&scenario, &|party| scenery.body(party));
+    let mut way = Way::new(scenery, &scenario.candidates[0]);
+    way.open_from_s = Some(0.0);
+    let harm = harm_of(&people, &Course { way, contacts: Vec::new(), stuck: None });
+    let (more, greatest) = harm.others;
+    assert!(more > 0);
+    assert_eq!(greatest, f64::from(more), "each of them may be harmed for sure");
+    let mut ranges = harm.persons.iter().map(|risk| risk.range);
+    assert!(ranges.all(|range| range.low() == 0.0 && range.high() == 1.0));
+}
+
+#[test]
 fn other_predicted_paths_are_said_and_the_likeliest_is_followed() {
     let sedan = body(Shape::Sedan, 900);
     let path = |probability: f64, y: f64| {
