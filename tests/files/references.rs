@@ -72,7 +72,7 @@ fn what_leads_out_of_the_folder_is_refused_unless_it_is_allowed() {
         let name = instance();
         let plan = place.path().join("plan.toml");
         let faults = "schema = \"trolley.faults/1\"\nscenario = \"own/scenario.toml\"\n\
-                      workers = 1\ndepth = 4\nat_once = 1\n[faults]\nkill = 0\n";
+                      asked = \"own/scenario.toml\"\nworkers = 1\ndepth = 4\nat_once = 1\n[faults]\nkill = 0\n";
         std::fs::write(&plan, faults).unwrap();
         for args in [
             &["rank", &scenario, "--in-process"][..],
@@ -90,7 +90,16 @@ fn what_leads_out_of_the_folder_is_refused_unless_it_is_allowed() {
             assert!(output.status.success(), "{args:?}: {path}: {said}");
         }
         if key == "file" {
-            let output = ended(&["query", utf8(&deployment), &scenario]);
+            let over_a_horizon = format!(
+                "schema = \"trolley.scenario/2\"\nname = \"w\"\n[parties]\n\
+                 ego = {{ file = {path:?} }}\n\
+                 p = {{ generate = {{ shape = \"pole\", triangles = 600 }}, \
+                 place = {{ position_m = [9, 0, 0] }} }}\n[[candidates]]\nname = \"on\"\n\
+                 state = {{ position_m = [0, 0, 0], speed_m_s = 9 }}\n"
+            );
+            let asked = place.path().join("own/asked.toml");
+            std::fs::write(&asked, over_a_horizon).unwrap();
+            let output = ended(&["query", utf8(&deployment), utf8(&asked)]);
             let said = text(&output.stderr);
             assert_eq!(output.status.code(), Some(65), "{said}");
             assert!(said.contains("--allow-outside"), "{said}");

@@ -52,6 +52,8 @@ mod flags;
 mod history;
 mod persons;
 mod plan_scene;
+#[cfg(any(test, feature = "faults"))]
+mod trial;
 mod way;
 
 pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
@@ -60,6 +62,8 @@ pub use explain::{CombinedRisk, ContactStep, CourseChain, CourseExplanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
 pub use plan_scene::{PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene};
+#[cfg(any(test, feature = "faults"))]
+pub use trial::{CourseFlaw, random_courses, trial_courses};
 
 use encounter::EncounterSearch;
 use history::{SearchClock, Surveyor};

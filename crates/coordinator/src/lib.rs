@@ -52,6 +52,8 @@ pub use course::{
     EncounterEffort, NearestRow, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample,
     PlanScene, RankedCourses, RunOutRow, rank_courses, replay_courses,
 };
+#[cfg(any(test, feature = "faults"))]
+pub use course::{CourseFlaw, random_courses, trial_courses};
 pub use explain::{ContactChain, Derivation, Explanation, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use job_history::JobHistory;

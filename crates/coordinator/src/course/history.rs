@@ -13,6 +13,12 @@ use crate::workspace::{Backend, BodySet, RunError};
 use core::cell::Cell;
 use record::{RecordedRound, RecordedSearch};
 use runtime::clock;
+#[cfg(any(test, feature = "faults"))]
+use {
+    crate::in_process::InProcessExecutor,
+    dispatch::{Closed, JobSource as _},
+    geometry::rng::Rng,
+};
 
 /// What an answer was made from besides the request: with it, the same answer is made again.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,6 +123,12 @@ impl SearchClock {
         is_over
     }
 
+    /// How often it was asked.
+    #[cfg(any(test, feature = "faults"))]
+    pub(super) fn looks(&self) -> u64 {
+        self.looks.get()
+    }
+
     /// How far the search has come; `None` if it has no deadline.
     pub(super) fn search(&self) -> Option<RecordedSearch> {
         self.has_limit().then(|| RecordedSearch { over_at: self.over_at.get() })
@@ -137,6 +149,9 @@ pub(super) enum Surveyor<'s> {
     },
     /// The rounds still to come of a recorded request.
     Recorded(core::slice::Iter<'s, RecordedRound>),
+    /// This process, which loses one job of so many; 0: none.
+    #[cfg(any(test, feature = "faults"))]
+    Lossy { executor: Box<InProcessExecutor>, rng: Rng, loses: u64 },
 }
 
 impl Surveyor<'_> {
@@ -171,6 +186,8 @@ impl Surveyor<'_> {
                 let RecordedRound { places, jobs } = rounds.next().unwrap_or(&none);
                 Ok(crate::replay::replay(work, stage.bodies, places, jobs))
             }
+            #[cfg(any(test, feature = "faults"))]
+            Self::Lossy { executor, rng, loses } => Ok(work_off_lossy(work, executor, rng, *loses)),
         }
     }
 
@@ -179,6 +196,35 @@ impl Surveyor<'_> {
         match self {
             Self::Backend { backend, .. } => backend.report(),
             Self::Recorded(_) => None,
+            #[cfg(any(test, feature = "faults"))]
+            Self::Lossy { .. } => None,
+        }
+    }
+}
+
+#[cfg(any(test, feature = "faults"))]
+fn work_off_lossy(
+    work: &mut RankingRun<'_>,
+    executor: &mut InProcessExecutor,
+    rng: &mut Rng,
+    loses: u64,
+) -> u64 {
+    let (mut jobs, mut count) = (Vec::new(), 0);
+    loop {
+        jobs.clear();
+        work.more(&mut jobs);
+        if jobs.is_empty() {
+            return count;
+        }
+        for job in &jobs {
+            count += 1;
+            if work.is_obsolete(job) {
+                work.close(job, Closed::Cut);
+            } else if loses > 0 && rng.below(loses) == 0 {
+                work.close(job, Closed::Abandoned);
+            } else {
+                executor.run(work, job, &mut |_, _| {});
+            }
         }
     }
 }

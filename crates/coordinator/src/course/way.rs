@@ -271,6 +271,9 @@ impl<'s> Way<'s> {
         if from_s >= end_s {
             return Ahead::Clear;
         }
+        if is_due.is_some_and(|is_due| is_due()) {
+            return Ahead::Open { from_s };
+        }
         if from_s <= 0.0 && self.run_outs.is_empty() {
             match search.nested(&self.ways(party), from_s) {
                 Nested::No => {}

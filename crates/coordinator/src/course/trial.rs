@@ -1,0 +1,209 @@
+//! Trials of the bounds of courses: the work on a request is stopped anywhere, and what is then said
+//! is checked against the finished work.
+//!
+//! The search is stopped at one of its looks at the clock, and jobs of surveys are lost. What must
+//! hold then: the finished harm, risks and energy lie in their intervals; before the time from
+//! which on a candidate is open, everybody is known whom the finished work finds; and who is
+//! certified to win wins.
+//!
+//! [`CourseFlaw`] makes answers wrong on purpose: a trial must notice it. All of this is compiled
+//! only with the feature `faults` and in the tests of this crate.
+
+use super::history::{SearchClock, Surveyor};
+use super::{CourseAnswer, CourseRequest, CourseRow, follow};
+use crate::in_process::InProcessExecutor;
+use crate::trial::TrialResult;
+use crate::workspace::{BodySet, RunError};
+use damage::{AnswerState, Interval};
+use geometry::rng::Rng;
+use record::RecordedSearch;
+use std::fmt::Write as _;
+
+/// A deliberate flaw in what is said of courses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CourseFlaw {
+    /// Nobody is taken to be harmed by what is open.
+    ForgetsOpen,
+    /// An open candidate is taken to be finished.
+    EndsEarly,
+}
+
+/// Ranks a request, then stops the same work `stops` times, and checks what is said.
+///
+/// # Errors
+///
+/// If a contact cannot be assessed.
+pub fn trial_courses(
+    stage: &BodySet<'_>,
+    request: &CourseRequest<'_>,
+    (seed, stops): (u64, u64),
+    flaw: Option<CourseFlaw>,
+) -> Result<TrialResult, RunError> {
+    let mut rng = Rng::new(seed);
+    let never = SearchClock::recorded(Some(RecordedSearch { over_at: None }));
+    let stopped = |clock: &SearchClock, loses: u64, seed: u64| {
+        let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
+        let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
+        follow(stage, request, clock, &mut surveyor).map(|ranked| ranked.answer)
+    };
+    let end = stopped(&never, 0, 0)?;
+    let mut result = TrialResult::default();
+    for _ in 0..stops {
+        let look = rng.below(never.looks() + 1);
+        // Most surveys are whole, so that courses go on after them.
+        let loses = [0, 0, 0, 100, 10, 1][rng.below(6) as usize];
+        let over_at = (rng.below(5) > 0).then_some(look);
+        let clock = SearchClock::recorded(Some(RecordedSearch { over_at }));
+        let mut now = stopped(&clock, loses, rng.below(u64::MAX))?;
+        if let Some(flaw) = flaw {
+            spoil(&mut now, flaw);
+        }
+        result.stops += 1;
+        check(&now, &end, &mut result);
+    }
+    Ok(result)
+}
+
+fn spoil(answer: &mut CourseAnswer, flaw: CourseFlaw) {
+    for row in answer.ranking.iter_mut().filter(|row| row.open_from_s.is_some()) {
+        match flaw {
+            CourseFlaw::ForgetsOpen => {
+                let least = |interval: Interval| Interval::new(interval.lo(), interval.lo());
+                row.work = least(row.work);
+                for person in &mut row.persons {
+                    person.work = least(person.work);
+                }
+            }
+            CourseFlaw::EndsEarly => row.open_from_s = None,
+        }
+    }
+}
+
+fn check(now: &CourseAnswer, end: &CourseAnswer, result: &mut TrialResult) {
+    match now.state {
+        AnswerState::Complete if now != end => {
+            result.violations.push(format!("complete, and not as finished: {now:?}"));
+        }
+        AnswerState::Certified => {
+            result.certified += 1;
+            let [wins, won] = [now, end].map(|answer| answer.ranking.first().map(|row| &row.name));
+            if wins != won {
+                result.violations.push(format!("{wins:?} is certified, in the end {won:?} wins"));
+            }
+        }
+        _ => {}
+    }
+    if now.state == AnswerState::Refused {
+        return;
+    }
+    for row in &now.ranking {
+        match end.ranking.iter().find(|finished| finished.name == row.name) {
+            Some(finished) => hold(row, finished, result),
+            None => result.violations.push(format!("{} is not in the end", row.name)),
+        }
+    }
+}
+
+/// Whether what is said of a candidate holds what the finished work says.
+fn hold(row: &CourseRow, end: &CourseRow, result: &mut TrialResult) {
+    let TrialResult { intervals, open_intervals, violations, .. } = result;
+    let mut holds = |what: &str, seen: Interval, end: Interval| {
+        *intervals += 1;
+        *open_intervals += u64::from(!seen.is_settled());
+        // Of what cannot be evaluated nothing is known in the end either.
+        if end.is_settled() && !(seen.lo() <= end.hi() && end.hi() <= seen.hi()) {
+            violations.push(format!("{}: {what} is {:?}, not in {seen:?}", row.name, end.hi()));
+        }
+    };
+    holds("harm", row.work, end.work);
+    holds("energy", row.energy_j, end.energy_j);
+    for person in &end.persons {
+        let same = row.persons.iter().filter(|seen| {
+            (seen.party.as_str(), seen.seat) == (person.party.as_str(), person.seat)
+        });
+        let mut count = 0;
+        for seen in same {
+            count += 1;
+            let what = format!("the risk of {} {:?}", person.party, person.seat);
+            holds(&what, seen.work, person.work);
+            let [seen, end] = [seen.range, person.range].map(|range| (range.low(), range.high()));
+            holds("the upper end of its range", Interval::new(end.0.min(seen.1), seen.1), {
+                Interval::new(end.1, end.1)
+            });
+        }
+        if count == 0 {
+            holds("the risk of one who is not listed", Interval::ZERO, person.work);
+        }
+    }
+    let until_s = row.open_from_s.unwrap_or(f64::INFINITY);
+    for contact in end.contacts.iter().filter(|contact| contact.first_touch_s < until_s) {
+        if !row.contacts.iter().any(|known| known.party == contact.party) {
+            let (party, at_s) = (&contact.party, contact.first_touch_s);
+            let what = format!("{}: {party} is met after {at_s} s, which was not said", row.name);
+            violations.push(what);
+        }
+    }
+}
+
+/// A random scene as the text of a scenario, of generated bodies: 2 to 4 ways of a car among 2 to 5
+/// parties, which move, turn, stand or overlap it at the start; some ways begin with a touch.
+#[must_use]
+pub fn random_courses(rng: &mut Rng) -> String {
+    const SHAPES: [&str; 7] = ["sedan", "suv", "cyclist", "pedestrian", "truck", "pole", "wall"];
+    let mut between = |least: f64, most: f64| rng.between(least, most);
+    let ego = "generate = { shape = \"sedan\", triangles = 600 }";
+    let mut text = format!(
+        "schema = \"trolley.scenario/2\"\nname = \"random\"\nhorizon_s = 3\n[parties.ego]\n{ego}\n"
+    );
+    let parties = between(2.0, 5.99) as usize;
+    for number in 0..parties {
+        let shape = SHAPES[between(0.0, 6.999) as usize];
+        let (x, y) = (between(-6.0, 24.0), between(-4.0, 4.0));
+        let yaw = [0.0, 180.0, 90.0, between(-180.0, 180.0)][between(0.0, 3.999) as usize];
+        let is_fixed = matches!(shape, "pole" | "wall");
+        let kind = if is_fixed || between(0.0, 1.0) < 0.3 {
+            format!("place = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = {yaw:?} }}")
+        } else {
+            let speed = between(0.0, 14.0);
+            let rate = if between(0.0, 1.0) < 0.5 { 0.0 } else { between(-25.0, 25.0) };
+            format!(
+                "state = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = {yaw:?}, \
+                 speed_m_s = {speed:?}, yaw_rate_deg_s = {rate:?} }}"
+            )
+        };
+        // Writing to a string cannot fail.
+        let _written = write!(
+            text,
+            "[parties.p{number}]\ngenerate = {{ shape = \"{shape}\", triangles = 600 }}\n{kind}\n"
+        );
+    }
+    let has_queue = between(0.0, 1.0) < 0.4;
+    if has_queue {
+        let x = between(4.6, 5.2);
+        let _written =
+            write!(text, "[parties.queue]\n{ego}\nplace = {{ position_m = [{x:?}, 0, 0] }}\n");
+    }
+    for number in 0..between(2.0, 4.99) as usize {
+        let way = if has_queue && between(0.0, 1.0) < 0.6 {
+            let (slow, fast) = (between(0.3, 1.2), between(0.5, 12.0));
+            format!(
+                "path = {{ states = [ {{ t_s = 0, position_m = [0, 0, 0] }}, \
+                 {{ t_s = 1, position_m = [{slow:?}, 0, 0] }}, \
+                 {{ t_s = 2, position_m = [{:?}, 0, 0] }} ] }}",
+                slow + fast
+            )
+        } else {
+            let speed = between(0.0, 18.0);
+            let rate = if number == 0 { 0.0 } else { between(-30.0, 30.0) };
+            format!(
+                "state = {{ position_m = [0, 0, 0], speed_m_s = {speed:?}, \
+                 yaw_rate_deg_s = {rate:?} }}"
+            )
+        };
+        let _written = write!(text, "[[candidates]]\nname = \"way {number}\"\n{way}\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,70 @@
+//! Wherever the work on random scenes stops, what is said holds the finished work; and a trial sees
+//! when it does not.
+
+use super::*;
+use crate::fixtures::body;
+use body::{Body, BodyView, Meta, Shape, Shells};
+use damage::{Curves, Policy};
+use scenario::{HorizonScenario, Source};
+use std::sync::Arc;
+
+const SHAPES: [Shape; 7] = [
+    Shape::Sedan,
+    Shape::Suv,
+    Shape::Cyclist,
+    Shape::Pedestrian,
+    Shape::Truck,
+    Shape::Pole,
+    Shape::Wall,
+];
+
+fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
+    let bodies: Vec<Body> = SHAPES.map(|shape| body(shape, 600)).to_vec();
+    let views: Vec<(Meta, BodyView<'_>)> =
+        bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let stage = BodySet { bodies: &views, extremes: None, depth: 3 };
+    let policy = Arc::new(Policy::shipped().expect("sound"));
+    let curves = Arc::new(Curves::shipped().expect("sound"));
+    let mut all = TrialResult::default();
+    for seed in 0..scenes {
+        let text = random_courses(&mut Rng::new(seed));
+        // Some turn faster than a vehicle does.
+        let Ok(scenario) = HorizonScenario::parse("random.toml", &text) else { continue };
+        let model = |source: &Source| match source {
+            Source::Generate { shape, .. } => SHAPES.iter().position(|known| known == shape),
+            Source::File(_) => None,
+        };
+        let models: Vec<usize> =
+            scenario.parties.iter().map(|party| model(&party.source).expect("known")).collect();
+        let request = CourseRequest {
+            scenario: &scenario,
+            models: &models,
+            shells: &shells,
+            rules: (policy.clone(), curves.clone()),
+            history: false,
+            explanation: false,
+            scene: false,
+        };
+        let one = trial_courses(&stage, &request, (seed, stops), flaw).expect("assessed");
+        assert!(flaw.is_some() || one.violations.is_empty(), "{text}\n{:#?}", one.violations);
+        all.stops += one.stops;
+        all.intervals += one.intervals;
+        all.open_intervals += one.open_intervals;
+        all.violations.extend(one.violations);
+    }
+    all
+}
+
+#[test]
+fn what_is_said_at_any_stop_holds_the_finished_work() {
+    let all = tried(60, 25, None);
+    assert!(all.stops > 1_000 && all.open_intervals > 1_000, "{all:?}");
+}
+
+#[test]
+fn answers_that_are_wrong_on_purpose_are_noticed() {
+    for flaw in [CourseFlaw::ForgetsOpen, CourseFlaw::EndsEarly] {
+        assert!(!tried(12, 10, Some(flaw)).violations.is_empty(), "{flaw:?}");
+    }
+}
