@@ -72,7 +72,8 @@ fn what_leads_out_of_the_folder_is_refused_unless_it_is_allowed() {
         let name = instance();
         let plan = place.path().join("plan.toml");
         let faults = "schema = \"trolley.faults/1\"\nscenario = \"own/scenario.toml\"\n\
-                      asked = \"own/scenario.toml\"\nworkers = 1\ndepth = 4\nat_once = 1\n[faults]\nkill = 0\n";
+                      asked = \"own/scenario.toml\"\nworkers = 1\ndepth = 4\nat_once = 1\n\
+                      [faults]\nkill = 0\n";
         std::fs::write(&plan, faults).unwrap();
         for args in [
             &["rank", &scenario, "--in-process"][..],

@@ -9,7 +9,8 @@ fn plan(place: &Place, faults: &str) -> String {
     place.write("small.toml", &scenario);
     place.write("ways.toml", &support::ways(600));
     let plan = format!(
-        "schema = \"trolley.faults/1\"\nscenario = \"small.toml\"\nasked = \"ways.toml\"\nworkers = 4\ndepth = 4\n\
+        "schema = \"trolley.faults/1\"\nscenario = \"small.toml\"\n\
+         asked = \"ways.toml\"\nworkers = 4\ndepth = 4\n\
          at_once = 2\n[faults]\n{faults}"
     );
     place.write("plan.toml", &plan).to_str().unwrap().to_owned()

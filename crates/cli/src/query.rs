@@ -109,8 +109,8 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let name = options.scenario.display().to_string();
     if !scenario::is_horizon_text(&text) {
         let what = "a service takes scenarios over a horizon: this one has another form";
-        let help = "write schema = \"trolley.scenario/2\" (see `trolley schema --horizon`), or rank it \
-                    with `trolley rank`";
+        let help = "write schema = \"trolley.scenario/2\" (see `trolley schema --horizon`), or \
+                    rank it with `trolley rank`";
         return Err(Failure::input(what).at(name).with_remedy(help));
     }
     let horizon = Horizon::parse_with(&name, &text, references)?;

@@ -48,22 +48,22 @@ fn what_is_left() -> Option<Box<Ask>> {
     let now = WirePathState::at(0.0, [0.0, 0.0], 0.0).with_velocity([14.0, 0.0]);
     let straight = ask.add_path(WirePath::of_kind(WirePathKind::Onward), &[now])?;
     let through = WirePath::of_kind(WirePathKind::States);
-    let at = |t_s: f64, x: f64, y: f64, yaw_deg: f64| WirePathState::at(t_s, [x, y], yaw_deg);
+    let state = |t_s: f64, x: f64, y: f64, yaw_deg: f64| WirePathState::at(t_s, [x, y], yaw_deg);
     let left = [
-        at(0.0, 0.0, 0.0, 0.0),
-        at(0.5, 7.0, 0.4, 6.0),
-        at(1.0, 13.8, 1.8, 14.0),
-        at(1.5, 20.4, 4.0, 20.0),
+        state(0.0, 0.0, 0.0, 0.0),
+        state(0.5, 7.0, 0.4, 6.0),
+        state(1.0, 13.8, 1.8, 14.0),
+        state(1.5, 20.4, 4.0, 20.0),
     ];
     let left = ask.add_path(through, &left)?;
     let brake = [
-        at(0.0, 0.0, 0.0, 0.0),
-        at(0.5, 6.3, 0.0, 0.0),
-        at(1.0, 11.2, 0.0, 0.0),
-        at(1.5, 14.7, 0.0, 0.0),
-        at(2.0, 16.8, 0.0, 0.0),
-        at(2.5, 17.5, 0.0, 0.0),
-        at(2.6, 17.5, 0.0, 0.0),
+        state(0.0, 0.0, 0.0, 0.0),
+        state(0.5, 6.3, 0.0, 0.0),
+        state(1.0, 11.2, 0.0, 0.0),
+        state(1.5, 14.7, 0.0, 0.0),
+        state(2.0, 16.8, 0.0, 0.0),
+        state(2.5, 17.5, 0.0, 0.0),
+        state(2.6, 17.5, 0.0, 0.0),
     ];
     let brake = ask.add_path(through, &brake)?;
     for path in [straight, left, brake] {

@@ -12,9 +12,10 @@
 //! padding, every bit pattern is a value; values are validated where they are used. A changed
 //! layout gets a new name: `v3`.
 //!
-//! The states of all paths stand at the end of an [`Ask`], so only [`Ask::used_bytes`] of it travel.
-//! Request and answer end to end carry a CRC-64/NVME over all bytes that count: where one was
-//! changed on the way, a request is refused ([`Reason::Corrupt`]) and an answer is not believed.
+//! The states of all paths stand at the end of an [`Ask`], so only [`Ask::used_bytes`] of it
+//! travel. From end to end request and answer carry a CRC-64/NVME over all bytes that count: where
+//! one was changed on the way, a request is refused ([`Reason::Corrupt`]) and an answer is not
+//! believed.
 
 pub use answer::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
 pub use ask::{

@@ -155,8 +155,8 @@ impl OpenDeployment {
     }
 
     /// Makes the request that asks the service to rank a scenario, with the ids of the deployment's
-    /// models. Its engine, policy, curves and deadline are ignored. With `unknown_is_fixed`, parties of unknown kind are taken as fixed
-    /// to the ground, with nobody in them.
+    /// models. Its engine, policy, curves and deadline are ignored. With `unknown_is_fixed`,
+    /// parties of unknown kind are taken as fixed to the ground, with nobody in them.
     ///
     /// ```
     /// # let file = "../../config/deployments/minimal.toml";

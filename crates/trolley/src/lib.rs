@@ -455,12 +455,12 @@ pub use ::scenario::Overrides;
 /// A request to the service, from [`OpenDeployment::ask`].
 ///
 /// ```
-/// use trolley::{OpenDeployment, Scenario};
+/// use trolley::{Horizon, OpenDeployment};
 ///
 /// let deployment = OpenDeployment::open("../../config/deployments/minimal.toml".as_ref(), None)?;
-/// let scenario = Scenario::open("../../config/scenarios/minimal.toml")?;
-/// let ask = deployment.ask(scenario.file().as_ref(), scenario.parsed(), false)?;
-/// assert_eq!((ask.candidate_count, ask.party_count), (2, 3));
+/// let horizon = Horizon::open("../../config/scenarios/wall-or-pole.toml")?;
+/// let ask = deployment.ask(&horizon, false)?;
+/// assert_eq!((ask.candidate_count, ask.party_count), (3, 3));
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use protocol::public::Ask;

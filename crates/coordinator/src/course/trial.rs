@@ -1,5 +1,5 @@
-//! Trials of the bounds of courses: the work on a request is stopped anywhere, and what is then said
-//! is checked against the finished work.
+//! Trials of the bounds of courses: the work on a request is stopped anywhere, and what is then
+//! said is checked against the finished work.
 //!
 //! The search is stopped at one of its looks at the clock, and jobs of surveys are lost. What must
 //! hold then: the finished harm, risks and energy lie in their intervals; before the time from
@@ -56,7 +56,7 @@ pub fn trial_courses(
         let clock = SearchClock::recorded(Some(RecordedSearch { over_at }));
         let mut now = stopped(&clock, loses, rng.below(u64::MAX))?;
         if let Some(flaw) = flaw {
-            spoil(&mut now, flaw);
+            corrupt(&mut now, flaw);
         }
         result.stops += 1;
         check(&now, &end, &mut result);
@@ -64,7 +64,7 @@ pub fn trial_courses(
     Ok(result)
 }
 
-fn spoil(answer: &mut CourseAnswer, flaw: CourseFlaw) {
+fn corrupt(answer: &mut CourseAnswer, flaw: CourseFlaw) {
     for row in answer.ranking.iter_mut().filter(|row| row.open_from_s.is_some()) {
         match flaw {
             CourseFlaw::ForgetsOpen => {

@@ -124,7 +124,8 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        let good = "schema = \"trolley.faults/1\"\nscenario = \"s\"\nasked = \"a\"\nworkers = 2\ndepth = 4\n\
+        let good = "schema = \"trolley.faults/1\"\nscenario = \"s\"\nasked = \"a\"\n\
+                    workers = 2\ndepth = 4\n\
                     at_once = 1\n[faults]\nkill = 3\n";
         let parse = |text: &str| Plan::parse(Path::new("p.toml"), text);
         assert_eq!(parse(good).unwrap().shuffled(1), [Kind::Kill; 3]);

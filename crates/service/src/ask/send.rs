@@ -73,17 +73,17 @@ pub fn of_scenario(
 
 /// Adds a motion as a path, whose number is returned.
 fn add(ask: &mut Ask, motion: &HorizonMotion, probability: f64) -> Result<u32, String> {
-    let at = |position_m: [f64; 3], angles_deg: [f64; 3]| WirePathState {
+    let placed = |position_m: [f64; 3], angles_deg: [f64; 3]| WirePathState {
         position_m,
         angles_deg,
         ..WirePathState::default()
     };
     let (kind, yaw_rate_deg_s, states) = match &motion.given {
         GivenMotion::Place { position_m, angles_deg } => {
-            (WirePathKind::Place, 0.0, vec![at(*position_m, *angles_deg)])
+            (WirePathKind::Place, 0.0, vec![placed(*position_m, *angles_deg)])
         }
         GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s } => {
-            let state = at(*position_m, *angles_deg).with_velocity(*velocity_m_s);
+            let state = placed(*position_m, *angles_deg).with_velocity(*velocity_m_s);
             (WirePathKind::Onward, *yaw_rate_deg_s, vec![state])
         }
         GivenMotion::States(states) => {
