@@ -197,7 +197,7 @@ impl WorkerPool {
         Ok(self.report())
     }
 
-    /// [`WorkerPool::run`] without a report, which costs copies: see [`WorkerPool::shares`].
+    /// [`WorkerPool::run`] without a report, which costs copies: see [`WorkerPool::report`].
     ///
     /// # Errors
     ///

@@ -4,6 +4,7 @@
 
 mod bounds;
 mod budget;
+mod courses;
 mod deadline;
 mod figures;
 mod requests;
@@ -11,7 +12,8 @@ mod share;
 
 pub use bounds::{BoundsOptions, BoundsReport, bounds};
 pub use budget::{BudgetOptions, BudgetReport, budget};
-pub use coordinator::BoundFlaw;
+pub use coordinator::{BoundFlaw, CourseFlaw};
+pub use courses::{CoursesOptions, CoursesReport, courses};
 pub use deadline::{DeadlineOptions, DeadlineReport, deadline};
 pub use share::{ShareOptions, ShareReport, share};
 

@@ -5,8 +5,8 @@
 use super::shown::show;
 use crate::output::Output;
 use ::lab::certify::{
-    BUDGET, BoundFlaw, BoundsOptions, BudgetOptions, DeadlineOptions, ShareOptions, bounds, budget,
-    deadline, share,
+    BUDGET, BoundFlaw, BoundsOptions, BudgetOptions, CourseFlaw, CoursesOptions, DeadlineOptions,
+    ShareOptions, bounds, budget, courses, deadline, share,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,6 +17,7 @@ Examples:
   trolley certify share --requests 24
   trolley certify bounds --stops 100000
   trolley certify bounds --stops 1000 --flaw forgets-open-poses
+  trolley certify courses --stops 100000
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
   trolley certify budget --body sedan.trolley --body suv.trolley";
 
@@ -27,6 +28,8 @@ pub(crate) enum Verb {
     Share(ShareArgs),
     /// Check that every interval holds the final value, wherever the work stops.
     Bounds(BoundsArgs),
+    /// Stop random scenes over a horizon anywhere, and hold what is said against the finished run.
+    Courses(CoursesArgs),
     /// Measure how late answers are, over many requests.
     Deadline(DeadlineArgs),
     /// Check that jobs keep their budget, in tests and in CPU time.
@@ -89,6 +92,34 @@ enum FlawName {
 }
 
 #[derive(Clone, Debug, clap::Args)]
+pub(crate) struct CoursesArgs {
+    /// Number of stops; at each, all that is said is compared with the finished run.
+    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    stops: u64,
+    /// Stops per scene.
+    #[arg(long, value_name = "N", default_value_t = 25)]
+    per_scene: u64,
+    /// Seed of the random scenes.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Distribution depth.
+    #[arg(long, value_name = "D", default_value_t = 4)]
+    depth: u32,
+    /// Make answers wrong on purpose, to see that violations are found.
+    #[arg(long, value_name = "HOW")]
+    flaw: Option<CourseFlawName>,
+}
+
+/// [`CourseFlaw`] by name.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum CourseFlawName {
+    /// Nobody is taken to be harmed by what is open.
+    ForgetsOpen,
+    /// An open candidate is taken to be finished.
+    EndsEarly,
+}
+
+#[derive(Clone, Debug, clap::Args)]
 pub(crate) struct DeadlineArgs {
     /// Bodies, as model files or shape:triangles; the first is the ego. A second body like the
     /// first is placed inside it [default: seven generated ones].
@@ -131,7 +162,7 @@ pub(crate) struct BudgetArgs {
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let progress = output.progress(match verb {
         Verb::Share(_) | Verb::Deadline(_) => "requests",
-        Verb::Bounds(_) => "stops",
+        Verb::Bounds(_) | Verb::Courses(_) => "stops",
         Verb::Budget(_) => "jobs",
     });
     let told = |done, total| progress.set(done, total);
@@ -155,6 +186,16 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
                 }),
             };
             let report = bounds(&options, &told)?;
+            let shown = show(&report, || report.text(), output)?;
+            Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
+        }
+        Verb::Courses(args) => {
+            let CoursesArgs { stops, per_scene, seed, depth, flaw } = args;
+            let flaw = flaw.map(|flaw| match flaw {
+                CourseFlawName::ForgetsOpen => CourseFlaw::ForgetsOpen,
+                CourseFlawName::EndsEarly => CourseFlaw::EndsEarly,
+            });
+            let report = courses(&CoursesOptions { stops, per_scene, seed, depth, flaw }, &told)?;
             let shown = show(&report, || report.text(), output)?;
             Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
         }

@@ -1,0 +1,155 @@
+//! Long test of the bounds of courses: random scenes over a horizon, stopped anywhere, under every
+//! policy.
+
+use super::requests::{self, POLICIES, Pool};
+use crate::progress::{Progress, SyncProgress};
+use body::{Shape, Shells};
+use coordinator::{BodySet, CourseFlaw, CourseRequest, TrialResult, random_courses, trial_courses};
+use damage::Curves;
+use geometry::rng::Rng;
+use scenario::{HorizonScenario, Source};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::sync::Arc;
+use trolley::Failure;
+
+/// Bodies of the scenes: small, so that there are many.
+const BODIES: [(Shape, &str); 7] = [
+    (Shape::Sedan, "sedan:600"),
+    (Shape::Suv, "suv:600"),
+    (Shape::Cyclist, "cyclist:600"),
+    (Shape::Pedestrian, "pedestrian:600"),
+    (Shape::Truck, "truck:600"),
+    (Shape::Pole, "pole:600"),
+    (Shape::Wall, "wall:600"),
+];
+
+/// What to test.
+#[derive(Clone, Debug)]
+pub struct CoursesOptions {
+    /// Number of stops; at each, all that is said is held against the finished run.
+    pub stops: u64,
+    /// Stops per scene.
+    pub per_scene: u64,
+    /// Seed of the random scenes.
+    pub seed: u64,
+    /// Distribution depth.
+    pub depth: u32,
+    /// Makes answers wrong on purpose, so that violations must be found.
+    pub flaw: Option<CourseFlaw>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct CoursesReport {
+    schema: &'static str,
+    policies: usize,
+    seed: u64,
+    scenes: u64,
+    stops: u64,
+    intervals: u64,
+    open_intervals: u64,
+    certified: u64,
+    violations: usize,
+    is_flawed: bool,
+    /// The seed of the first scene that was not right, and what was not.
+    first: Option<(u64, String)>,
+}
+
+/// Runs the test. `told` is called with the stops done.
+///
+/// # Errors
+///
+/// If a scene cannot be ranked. Violations are no error: see [`CoursesReport::is_right`].
+pub fn courses(options: &CoursesOptions, told: SyncProgress<'_>) -> Result<CoursesReport, Failure> {
+    let pool = Pool::load(&BODIES.map(|(_, name)| name.to_owned()))?;
+    let views = pool.bodies.views()?;
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let stage = BodySet { bodies: &views, extremes: None, depth: options.depth };
+    let curves = Arc::new(Curves::shipped().map_err(Failure::from)?);
+    let bar = Progress::new(options.stops, told);
+    let mut all = TrialResult::default();
+    let (mut scenes, mut first, mut seed) = (0_u64, None, options.seed);
+    while all.stops < options.stops {
+        // Every scene has its own seed, so that it can be made again alone.
+        let text = random_courses(&mut Rng::new(seed));
+        let scenario = HorizonScenario::parse("random.toml", &text)
+            .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
+        let model = |source: &Source| match source {
+            Source::Generate { shape, .. } => BODIES.iter().position(|(known, _)| known == shape),
+            Source::File(_) => None,
+        };
+        let models = scenario.parties.iter().map(|party| model(&party.source));
+        let models: Option<Vec<usize>> = models.collect();
+        let models =
+            models.ok_or_else(|| Failure::internal("a scene has a body of no known shape"))?;
+        let request = CourseRequest {
+            scenario: &scenario,
+            models: &models,
+            shells: &shells,
+            rules: (Arc::new(requests::policy(scenes as usize)?), curves.clone()),
+            history: false,
+            explanation: false,
+            scene: false,
+        };
+        let stops = (seed, options.per_scene);
+        let one = trial_courses(&stage, &request, stops, options.flaw)?;
+        if let (Some(what), None) = (one.violations.first(), &first) {
+            first = Some((seed, what.clone()));
+        }
+        bar.add(one.stops);
+        all.stops += one.stops;
+        all.certified += one.certified;
+        all.intervals += one.intervals;
+        all.open_intervals += one.open_intervals;
+        all.violations.extend(one.violations);
+        all.violations.truncate(1_000_000);
+        scenes += 1;
+        seed += 1;
+    }
+    Ok(CoursesReport {
+        schema: "trolley.certify-courses/1",
+        policies: POLICIES.len(),
+        seed: options.seed,
+        scenes,
+        stops: all.stops,
+        intervals: all.intervals,
+        open_intervals: all.open_intervals,
+        certified: all.certified,
+        violations: all.violations.len(),
+        is_flawed: options.flaw.is_some(),
+        first,
+    })
+}
+
+impl CoursesReport {
+    /// Whether the result is as expected: no violations, unless answers were made wrong.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        (self.violations > 0) == self.is_flawed
+    }
+
+    /// The report as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let made = if self.is_flawed { " of answers made wrong on purpose" } else { "" };
+        let mut text = format!(
+            "{} stops in {} scenes over a horizon, {} policies, seed {}: {} intervals compared \
+             with the finished run, {} of them open, {} stops with a certain winner and open \
+             work.\n{} violations{made}.\n",
+            self.stops,
+            self.scenes,
+            self.policies,
+            self.seed,
+            self.intervals,
+            self.open_intervals,
+            self.certified,
+            self.violations,
+        );
+        if let Some((seed, what)) = &self.first {
+            // Writing to a string cannot fail.
+            let _written = writeln!(text, "First, in the scene of seed {seed}: {what}");
+        }
+        text
+    }
+}
