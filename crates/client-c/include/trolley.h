@@ -58,7 +58,7 @@ extern "C" {
 #define TROLLEY_UNKNOWN_IS_FIXED 1u
 
 /* trolley_party.flags: which fields count */
-#define TROLLEY_PARTY_PERSONS 1u /* its persons are those listed; else the usual ones */
+#define TROLLEY_PARTY_PERSONS 1u /* its persons are those listed; else its model's, or the usual */
 #define TROLLEY_PARTY_MASS 2u
 #define TROLLEY_PARTY_UNKNOWN 4u
 #define TROLLEY_PARTY_CRUSH 8u

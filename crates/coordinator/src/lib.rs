@@ -21,7 +21,6 @@
 //! It does not know file formats, nor how harm is computed.
 
 mod answer;
-mod answer_view;
 mod bound;
 mod candidate_state;
 mod course;
@@ -44,7 +43,6 @@ mod worker_pool;
 mod workspace;
 
 pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
-pub use answer_view::{AnswerRow, AnswerView};
 
 pub use course::{
     Alternative, AtHorizon, CombinedRisk, ContactRow, ContactStep, CourseAnswer, CourseChain,

@@ -47,6 +47,21 @@ pub struct TrialResult {
     pub violations: Vec<String>,
 }
 
+/// Most violations that are kept.
+const VIOLATIONS_MAX: usize = 1_000_000;
+
+impl TrialResult {
+    /// Adds what another trial found.
+    pub fn add(&mut self, other: Self) {
+        self.stops += other.stops;
+        self.certified += other.certified;
+        self.intervals += other.intervals;
+        self.open_intervals += other.open_intervals;
+        self.violations.extend(other.violations);
+        self.violations.truncate(VIOLATIONS_MAX);
+    }
+}
+
 /// All figures of one candidate that are intervals, with their names.
 struct Figures(Vec<(String, Interval)>);
 

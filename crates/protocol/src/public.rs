@@ -59,7 +59,7 @@ pub const RANKING: &str = "trolley/ranking/v2";
 /// The state of the service, for any listener.
 pub const HEALTH: &str = "trolley/health/v2";
 
-/// Identity of the bodies of a service: a hash of their ids, triangles and masses.
+/// Identity of the bodies of a service: a hash of their ids, kinds, masses, persons and triangles.
 pub type ModelSet = [u8; 32];
 
 /// The checksum of bytes, with zeros in place of the eight at `place`.

@@ -9,42 +9,7 @@ use crate::horizon::path::{self, RowFault};
 use crate::horizon::{GivenMotion, GivenState, HorizonMotion, OccupantGroup};
 use crate::limit;
 use crate::rules;
-use crate::scenario::MotionState;
 use body::BodyKind;
-use geometry::{DVec3, Pose};
-
-impl MotionState {
-    /// Pose and velocity from position (m), yaw, pitch and roll (degrees), and velocity in the
-    /// ground plane (m/s), as a scenario's would be.
-    ///
-    /// # Errors
-    ///
-    /// The first value that is not finite or beyond its range.
-    pub fn new(
-        position_m: [f64; 3],
-        angles_deg: [f64; 3],
-        velocity_m_s: [f64; 2],
-    ) -> Result<Self, Misfit> {
-        for position_m in position_m {
-            limit::POSITION_M.check("position_m", position_m)?;
-        }
-        let [yaw, pitch, roll] = angles_deg;
-        limit::YAW_DEG.check("yaw_deg", yaw)?;
-        limit::PITCH_DEG.check("pitch_deg", pitch)?;
-        limit::ROLL_DEG.check("roll_deg", roll)?;
-        let [x, y] = velocity_m_s;
-        limit::SPEED_M_S.check("velocity_m_s", x)?;
-        limit::SPEED_M_S.check("velocity_m_s", y)?;
-        limit::SPEED_M_S.check("velocity_m_s", (x * x + y * y).sqrt())?;
-        // Adding +0.0 turns −0.0 into +0.0, so that equal requests are equal in every bit.
-        let [yaw, pitch, roll] = angles_deg.map(|degrees| degrees + 0.0);
-        Ok(Self {
-            angles_deg: [yaw, pitch, roll],
-            pose: Pose::from_degrees(yaw, pitch, roll, position_m.map(|metres| metres + 0.0)),
-            velocity_m_s: DVec3::new(x + 0.0, y + 0.0, 0.0),
-        })
-    }
-}
 
 /// What is wrong with a motion.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -209,34 +174,39 @@ pub fn crush([a, b]: [f64; 2]) -> Result<[f64; 2], Misfit> {
 
 #[cfg(test)]
 mod tests {
-    //! A state made here is the state that a file would have given.
+    //! A motion made here is the one that a file would have given.
     use super::*;
-    use crate::testing::{FULL, parse};
+    use crate::horizon::HorizonScenario;
+
+    const CROSSING: &str = include_str!("../config/scenarios/crossing.toml");
 
     #[test]
-    fn a_state_comes_back_in_every_bit() {
-        for candidate in parse(FULL).unwrap().candidates {
-            for state in [candidate.ego, candidate.other.state] {
-                let velocity = [state.velocity_m_s.x, state.velocity_m_s.y];
-                let again = MotionState::new(state.pose.translation, state.angles_deg, velocity);
-                assert_eq!(again.unwrap(), state);
-            }
+    fn a_motion_comes_back_in_every_bit() {
+        let scenario = HorizonScenario::parse("crossing.toml", CROSSING).unwrap();
+        let predicted = scenario.parties.iter().flat_map(|party| &party.predictions);
+        let predicted = predicted.map(|prediction| &prediction.motion);
+        for known in predicted.chain(scenario.candidates.iter().map(|way| &way.ego)) {
+            let again = motion(known.given.clone(), scenario.horizon_s, known.place);
+            assert_eq!(again.as_ref(), Ok(known));
         }
     }
 
     #[test]
     fn what_is_not_finite_or_too_large_is_named() {
-        let state = |at: usize, value: f64| {
-            let mut values = [0.0; 8];
+        let onward = |at: usize, value: f64| {
+            let mut values = [0.0; 9];
             values[at] = value;
-            let [x, y, z, yaw, pitch, roll, u, v] = values;
-            MotionState::new([x, y, z], [yaw, pitch, roll], [u, v])
+            let [x, y, z, yaw, pitch, roll, u, v, yaw_rate_deg_s] = values;
+            let (position_m, angles_deg, velocity_m_s) = ([x, y, z], [yaw, pitch, roll], [u, v]);
+            let given =
+                GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s };
+            motion(given, 5.0, TextPosition::START)
         };
-        for at in 0..8 {
-            assert!(state(at, 1.0).is_ok());
+        for at in 0..9 {
+            assert!(onward(at, 1.0).is_ok());
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e9] {
-                let misfit = state(at, value).unwrap_err();
-                assert!(misfit.what.contains(misfit.setting), "{misfit}");
+                let MotionMisfit { state, misfit } = onward(at, value).unwrap_err();
+                assert!(state.is_none() && misfit.what.contains(misfit.setting), "{misfit}");
             }
         }
         assert!(share("probability", 1.5).is_err() && share("probability", f64::NAN).is_err());

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! requests --RequestQueue: received at once, queued, or answered busy--> one at a time:
-//!     ranker.rs: checked values --coordinator::RankingWorkspace, by workers or in-process-->
+//!     ranker.rs: checked values --coordinator::rank_courses, by workers or in-process-->
 //!     answer.rs: WireAnswer --> the client; then listeners; then the decision file
 //! beside it: a thread that cleans up after dead clients and writes files
 //! ```

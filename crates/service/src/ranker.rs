@@ -118,8 +118,8 @@ fn unassessable(error: &coordinator::RequestError) -> Unranked {
     Unranked::Refused(Refusal { reason: Reason::Unassessable, text: chain(error) })
 }
 
-/// A hash of what answers depend on: ids, kinds, masses and triangles. The order of the triangles
-/// in a body's tree is left out, since no answer depends on it.
+/// A hash of what answers depend on: ids, kinds, masses, persons, triangles and their zones. The
+/// order of the triangles in a body's tree is left out, since no answer depends on it.
 fn model_set(deployment: &Deployment, bodies: &[(Meta, BodyView<'_>)]) -> ModelSet {
     let mut hasher = blake3::Hasher::new();
     for (model, (meta, body)) in deployment.models.iter().zip(bodies) {
@@ -128,11 +128,18 @@ fn model_set(deployment: &Deployment, bodies: &[(Meta, BodyView<'_>)]) -> ModelS
         for number in numbers.iter().chain(&meta.centre_m) {
             hasher.update(&number.to_le_bytes());
         }
+        // One more than the persons, so that none and unknown differ.
+        let persons = meta.occupants.as_ref().map_or(0, |persons| 1 + persons.len() as u64);
+        hasher.update(&persons.to_le_bytes());
+        for person in meta.occupants.iter().flatten() {
+            hasher.update(&ask::seat_number(person.seat).to_le_bytes());
+        }
         let mut order: Vec<usize> = (0..body.source_ids.len()).collect();
         order.sort_unstable_by_key(|at| body.source_ids[*at]);
         hasher.update(&(order.len() as u64).to_le_bytes());
         for at in order {
             hasher.update(bytemuck::bytes_of(&body.corners[at]));
+            hasher.update(bytemuck::bytes_of(&body.zones[at]));
         }
     }
     *hasher.finalize().as_bytes()

@@ -67,7 +67,7 @@ impl RequestQueue {
                 continue;
             }
             let text = "the queue is full: ask again";
-            let sequence = asked.ask().sequence;
+            let sequence = asked.sequence();
             let answer =
                 WireAnswer::without_ranking(sequence, WireState::Busy, Reason::QueueFull, text);
             self.hand_over(asked, &answer);
@@ -88,10 +88,8 @@ impl RequestQueue {
     /// The next request whose client still waits. [Answer](Self::answer) it before the next call.
     pub(crate) fn next(&mut self) -> Option<Taken> {
         self.forget_unwanted();
-        let (asked, taken_ns) = self.waiting.pop_front()?;
-        // A copy: its client may go, and takes what it asked with it.
-        let mut ask: Box<Ask> = bytemuck::allocation::zeroed_box();
-        let _always = ask.fill(asked.ask().used());
+        let (mut asked, taken_ns) = self.waiting.pop_front()?;
+        let ask = asked.take_ask()?;
         self.at_work = Some(asked);
         Some(Taken { ask, taken_ns })
     }

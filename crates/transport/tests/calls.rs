@@ -191,7 +191,7 @@ fn ask_and_answer(server: &Server, address: &Address) -> Outcome {
     let pending = client.ask(&numbered(1))?;
     // A dead client's request may come first.
     while let Some(taken) = server.take()? {
-        let sequence = taken.ask().sequence;
+        let sequence = taken.sequence();
         let refusal =
             WireAnswer::without_ranking(sequence, WireState::Refused, Reason::Stopping, "test");
         let _dead_perhaps = taken.answer(&refusal);

@@ -126,10 +126,9 @@ fn hold(row: &CourseRow, end: &CourseRow, result: &mut TrialResult) {
             count += 1;
             let what = format!("the risk of {} {:?}", person.party, person.seat);
             holds(&what, seen.work, person.work);
-            let [seen, end] = [seen.range, person.range].map(|range| (range.low(), range.high()));
-            holds("the upper end of its range", Interval::new(end.0.min(seen.1), seen.1), {
-                Interval::new(end.1, end.1)
-            });
+            let high = person.range.high();
+            let most = Interval::new(0.0, seen.range.high());
+            holds("the upper end of its range", most, Interval::new(high, high));
         }
         if count == 0 {
             holds("the risk of one who is not listed", Interval::ZERO, person.work);

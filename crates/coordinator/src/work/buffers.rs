@@ -5,7 +5,6 @@
 //! from one request to the next; no finding does.
 
 use super::{Outlook, TaskState};
-use crate::answer_view::Judged;
 use crate::bound;
 use crate::candidate_state::{CandidateState, Purpose};
 use crate::gather::Gathered;
@@ -39,7 +38,6 @@ pub(super) struct BufferPool {
     pub(super) gathered: Vec<Gathered>,
     pub(super) rests: Vec<Vec<NodePair>>,
     pub(super) prospects: Vec<Prospect>,
-    pub(super) judged: Judged,
 }
 
 impl RunBuffers {

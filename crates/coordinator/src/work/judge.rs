@@ -2,9 +2,8 @@
 
 use super::RankingRun;
 use crate::answer::Answer;
-use crate::answer_view::{AnswerView, Judged};
 use crate::request::{Request, RequestError};
-use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess_in, rank_in};
+use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess, rank};
 
 impl<'w> RankingRun<'w> {
     /// The answer that follows from what is known so far.
@@ -28,45 +27,19 @@ impl<'w> RankingRun<'w> {
         evidence: impl Fn(usize) -> Evidence,
         change: impl Fn(&mut CandidateHarm),
     ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
-        let mut judged = Judged::default();
-        self.judge_in(&mut judged, evidence, change)?;
-        Ok((judged.harms, judged.ranking))
-    }
-
-    /// [`RankingRun::judge`] in buffers of an earlier call.
-    fn judge_in(
-        &self,
-        judged: &mut Judged,
-        evidence: impl Fn(usize) -> Evidence,
-        change: impl Fn(&mut CandidateHarm),
-    ) -> Result<(), RequestError> {
         let request = self.request;
         let basis = self.basis();
-        let Judged { harms, ranking, scratch, persons } = judged;
-        persons.extend(harms.drain(..).rev().map(|harm| harm.persons));
+        let mut harms = Vec::with_capacity(request.candidates.len());
         for (k, candidate) in request.candidates.iter().enumerate() {
-            let list = persons.pop().unwrap_or_default();
-            let mut harm = assess_in(&candidate.encounter(), &evidence(k), &basis, list).map_err(
-                |source| RequestError::Assess { name: candidate.name.to_string(), source },
-            )?;
+            let mut harm =
+                assess(&candidate.encounter(), &evidence(k), &basis).map_err(|source| {
+                    RequestError::Assess { name: candidate.name.to_string(), source }
+                })?;
             change(&mut harm);
             harms.push(harm);
         }
-        rank_in(scratch, &request.policy, self.outlook.stakes(), harms, ranking)?;
-        Ok(())
-    }
-
-    /// Calls `of` with a view of the answer that follows from what is known so far.
-    ///
-    /// # Errors
-    ///
-    /// As [`RankingRun::answer`].
-    pub fn view<T>(&mut self, of: impl FnOnce(&AnswerView<'_>) -> T) -> Result<T, RequestError> {
-        let mut judged = std::mem::take(&mut self.spare.judged);
-        let made = self.judge_in(&mut judged, |k| self.evidence(k), |_| {});
-        let told = made.map(|()| of(&AnswerView::new(self.request, &judged)));
-        self.spare.judged = judged;
-        told
+        let ranking = rank(&request.policy, self.outlook.stakes(), &harms)?;
+        Ok((harms, ranking))
     }
 
     /// The curves, severity level and parameters that harm is computed with.

@@ -76,12 +76,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
                 first = Some(Violation { seed, what: what.clone() });
             }
             bar.add(one.stops);
-            all.stops += one.stops;
-            all.certified += one.certified;
-            all.intervals += one.intervals;
-            all.open_intervals += one.open_intervals;
-            all.violations.extend(one.violations);
-            all.violations.truncate(1_000_000);
+            all.add(one);
         }
         requests += 1;
         seed += 1;

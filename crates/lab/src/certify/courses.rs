@@ -98,12 +98,7 @@ pub fn courses(options: &CoursesOptions, told: SyncProgress<'_>) -> Result<Cours
             first = Some((seed, what.clone()));
         }
         bar.add(one.stops);
-        all.stops += one.stops;
-        all.certified += one.certified;
-        all.intervals += one.intervals;
-        all.open_intervals += one.open_intervals;
-        all.violations.extend(one.violations);
-        all.violations.truncate(1_000_000);
+        all.add(one);
         scenes += 1;
         seed += 1;
     }

@@ -29,10 +29,7 @@ pub(super) fn flip(
     reference: &CourseAnswer,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    serving.start()?;
-    if !serving.is_serving(reference)? {
-        report.missed += 1;
-        serving.end()?;
+    if !serving.starts(reference, report)? {
         return Ok(());
     }
     let mut first = serving.ask(DEADLINE_MS)?;
@@ -57,14 +54,9 @@ pub(super) fn flip(
         note(serving.ask(DEADLINE_MS)?.told(reference)?, report);
     }
     let seen_ns = serving.ended()?.map(|_| clock::now_ns() - struck_ns);
-    report.hangs += u64::from(!serving.end()?);
-    // As an init system does, whatever became of the first.
-    serving.start()?;
-    if !serving.is_serving(reference)? {
+    if !serving.starts_again(reference, report)? {
         note(Told { state: State::Wrong, exit: None }, report);
     }
-    report.hangs += u64::from(!serving.end()?);
-    report.left_behind += serving.left();
     report.add(Kind::FlipManagement, worst, seen_ns, clock::now_ns() - struck_ns);
     Ok(())
 }

@@ -25,10 +25,7 @@ pub(super) fn flip(
     reference: &CourseAnswer,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    serving.start()?;
-    if !serving.is_serving(reference)? {
-        report.missed += 1;
-        serving.end()?;
+    if !serving.starts(reference, report)? {
         return Ok(());
     }
     let mut asking = serving.ask_again_and_again(REQUESTS)?;
@@ -53,14 +50,10 @@ pub(super) fn flip(
     };
     report.count(worst);
     let seen_ns = serving.ended()?.map(|_| clock::now_ns() - struck_ns);
-    report.hangs += u64::from(!serving.end()?);
-    serving.start()?;
-    if !serving.is_serving(reference)? {
+    if !serving.starts_again(reference, report)? {
         report.count(State::Wrong);
         worst = State::Wrong;
     }
-    report.hangs += u64::from(!serving.end()?);
-    report.left_behind += serving.left();
     report.add(Kind::FlipPublic, worst, seen_ns, clock::now_ns() - struck_ns);
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! A service in a folder of its own, and clients that ask it what the plan says.
 
-use super::report::State;
+use super::report::{Report, State};
 use super::run::Rank;
 use coordinator::CourseAnswer;
 use runtime::process::{self, Spawn};
@@ -225,6 +225,36 @@ impl Serving {
             }
         }
         Ok(false)
+    }
+
+    /// Starts a service: whether it answers. If not, the fault cannot be placed, which is counted.
+    pub(super) fn starts(
+        &mut self,
+        reference: &CourseAnswer,
+        report: &mut Report,
+    ) -> Result<bool, Failure> {
+        self.start()?;
+        let is_serving = self.is_serving(reference)?;
+        if !is_serving {
+            report.missed += 1;
+            self.end()?;
+        }
+        Ok(is_serving)
+    }
+
+    /// Ends the service, and starts and ends another one, as an init system does, whatever became
+    /// of the first: whether that one answered. What is left then is counted.
+    pub(super) fn starts_again(
+        &mut self,
+        reference: &CourseAnswer,
+        report: &mut Report,
+    ) -> Result<bool, Failure> {
+        report.hangs += u64::from(!self.end()?);
+        self.start()?;
+        let is_serving = self.is_serving(reference)?;
+        report.hangs += u64::from(!self.end()?);
+        report.left_behind += self.left();
+        Ok(is_serving)
     }
 
     /// Tells the service to end: whether it did in time. It is killed otherwise.

@@ -115,10 +115,7 @@ pub(super) fn strike(
     fs::create_dir_all(canary.with_file_name("")).map_err(system)?;
     fs::write(&canary, "alive").map_err(system)?;
     fs::set_permissions(&precious, Permissions::from_mode(0o777)).map_err(system)?;
-    serving.start()?;
-    if !serving.is_serving(reference)? {
-        report.missed += 1;
-        serving.end()?;
+    if !serving.starts(reference, report)? {
         return Ok(());
     }
     let struck_ns = clock::now_ns();

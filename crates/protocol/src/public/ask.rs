@@ -295,8 +295,8 @@ impl Ask {
 }
 
 impl WireParty {
-    /// Flag: its persons are exactly those listed, possibly none; otherwise those that are usual
-    /// for its kind.
+    /// Flag: its persons are exactly those listed, possibly none; otherwise those of its model, or
+    /// if that names none those that are usual for its kind.
     pub const PERSONS: u32 = 1;
     /// Flag: `mass_kg` is used.
     pub const MASS: u32 = 2;

@@ -90,7 +90,8 @@ impl Server {
                     // On the heap: a request is larger than a stack likes.
                     let mut ask = bytemuck::allocation::zeroed_box();
                     read_request(request.payload(), &mut ask);
-                    return Ok(Some(TakenRequest { request, ask }));
+                    let sequence = ask.sequence;
+                    return Ok(Some(TakenRequest { request, sequence, ask: Some(ask) }));
                 }
                 // Its client has gone. Dropping it frees the channel.
                 Ok(Some(_)) => {}
@@ -157,14 +158,21 @@ impl fmt::Debug for Server {
 /// A request that was taken.
 pub struct TakenRequest {
     request: Request,
-    ask: Box<Ask>,
+    sequence: u64,
+    ask: Option<Box<Ask>>,
 }
 
 impl TakenRequest {
-    /// What is asked: a private copy. Whether it is what was sent, its checksum says.
+    /// The client's number of it.
     #[must_use]
-    pub fn ask(&self) -> &Ask {
-        &self.ask
+    pub fn sequence(&self) -> u64 {
+        self.sequence
+    }
+
+    /// What is asked: a private copy, handed over once. Whether it is what was sent, its checksum
+    /// says.
+    pub fn take_ask(&mut self) -> Option<Box<Ask>> {
+        self.ask.take()
     }
 
     /// Whether its client still waits, as far as known: a killed one is not noticed here.
@@ -189,7 +197,7 @@ impl TakenRequest {
 
 impl fmt::Debug for TakenRequest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Asked").field("sequence", &self.ask.sequence).finish_non_exhaustive()
+        f.debug_struct("Asked").field("sequence", &self.sequence).finish_non_exhaustive()
     }
 }
 

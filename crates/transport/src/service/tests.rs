@@ -62,9 +62,10 @@ fn what_is_asked_arrives_and_its_answer_comes_back() {
         let pending = client.ask(&ask).unwrap();
         assert!(pending.receive().unwrap().is_none());
         assert_eq!(client.ask(&ask).unwrap_err(), UseError::Full, "one at a time");
-        let asked = server.take().unwrap().unwrap();
+        let mut asked = server.take().unwrap().unwrap();
         assert!(asked.is_wanted());
-        assert!(asked.ask().used() == ask.used() && asked.ask().is_intact());
+        let arrived = asked.take_ask().unwrap();
+        assert!(arrived.used() == ask.used() && arrived.is_intact() && asked.take_ask().is_none());
         asked.answer(&refused(sequence)).unwrap();
         assert_eq!(pending.receive().unwrap(), Some(refused(sequence)));
         assert!(server.take().unwrap().is_none());
@@ -117,7 +118,7 @@ fn sixteen_clients_find_room_and_a_place_that_is_given_up_is_taken_again() {
     let pending: Vec<Pending> = clients.iter().enumerate().map(ask).collect();
     for _ in 0..16 {
         let asked = server.take().unwrap().unwrap();
-        let sequence = asked.ask().sequence;
+        let sequence = asked.sequence();
         asked.answer(&refused(sequence)).unwrap();
     }
     assert!(server.take().unwrap().is_none());

@@ -6,6 +6,7 @@ use crate::run::Run;
 use crate::scenario::SourceText;
 use crate::{BUILD, Failure};
 use record::{Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, Settings};
+use serde::Serialize;
 
 /// A ranking, as it is recorded.
 ///
@@ -27,35 +28,28 @@ pub trait ToContent {
 
 impl ToContent for Ranking {
     fn content(&self) -> Result<RecordContent, Failure> {
-        let (Some(recorded), Some(explanation)) = (&self.recorded, &self.explanation) else {
-            return Err(unrecorded());
-        };
-        let content = content(&self.run, recorded);
-        Ok(RecordContent {
-            answer: line(&self.answer)?,
-            explanation: line(explanation)?,
-            ..content
-        })
+        whole(&self.run, self.recorded.as_ref(), &self.answer, self.explanation.as_ref())
     }
 }
 
 impl ToContent for HorizonRanking {
     fn content(&self) -> Result<RecordContent, Failure> {
-        let (Some(recorded), Some(explanation)) = (&self.recorded, &self.explanation) else {
-            return Err(unrecorded());
-        };
-        let content = content(&self.run, recorded);
-        Ok(RecordContent {
-            answer: line(&self.answer)?,
-            explanation: line(explanation)?,
-            ..content
-        })
+        whole(&self.run, self.recorded.as_ref(), &self.answer, self.explanation.as_ref())
     }
 }
 
-fn unrecorded() -> Failure {
-    Failure::setting("a ranking without job history and explanation cannot be recorded")
-        .with_remedy("rank it with Limits::with_record")
+fn whole(
+    run: &Run,
+    recorded: Option<&Recorded>,
+    answer: &impl Serialize,
+    explanation: Option<&impl Serialize>,
+) -> Result<RecordContent, Failure> {
+    let (Some(recorded), Some(explanation)) = (recorded, explanation) else {
+        let what = "a ranking without job history and explanation cannot be recorded";
+        return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
+    };
+    let (answer, explanation) = (line(answer)?, line(explanation)?);
+    Ok(RecordContent { answer, explanation, ..content(run, recorded) })
 }
 
 /// A record without an answer.

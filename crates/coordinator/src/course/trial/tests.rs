@@ -48,10 +48,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
         };
         let one = trial_courses(&stage, &request, (seed, stops), flaw).expect("assessed");
         assert!(flaw.is_some() || one.violations.is_empty(), "{text}\n{:#?}", one.violations);
-        all.stops += one.stops;
-        all.intervals += one.intervals;
-        all.open_intervals += one.open_intervals;
-        all.violations.extend(one.violations);
+        all.add(one);
     }
     all
 }
