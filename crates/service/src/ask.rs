@@ -426,4 +426,4 @@ fn given(state: &WirePathState) -> GivenState {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -113,8 +113,9 @@ pub struct Realtime {
 
 impl Default for Realtime {
     fn default() -> Self {
-        // Interrupt threads have 50: workers are below, the coordinator above. 64 MiB were more than
-        // pairs at impact of bodies of a million triangles took; over a horizon it is not measured.
+        // Interrupt threads have 50: workers are below, the coordinator above. 64 MiB were more
+        // than pairs at impact of bodies of a million triangles took; over a horizon that is not
+        // measured.
         Self { require: false, lock_memory: true, priority: 60, worker_priority: 40, heap_mib: 64 }
     }
 }

@@ -144,3 +144,32 @@ fn model_set(deployment: &Deployment, bodies: &[(Meta, BodyView<'_>)]) -> ModelS
     }
     *hasher.finalize().as_bytes()
 }
+
+#[cfg(test)]
+mod tests {
+    //! Bodies that give other answers have another identity.
+    use super::*;
+    use crate::ask::tests::{bodies, deployment};
+    use body::{Seat, meta::Occupant};
+
+    #[test]
+    fn whoever_is_stated_to_be_inside_belongs_to_the_identity() {
+        let identity = |occupants: Option<Vec<Occupant>>, mass_kg: Option<f64>| {
+            let mut bodies = bodies();
+            (bodies[0].0.occupants, bodies[0].0.mass_kg) = (occupants, mass_kg);
+            model_set(&deployment(), &bodies)
+        };
+        let seat = |seat| Some(vec![Occupant { seat: Some(seat) }]);
+        let all = [
+            identity(None, None),
+            identity(Some(Vec::new()), None),
+            identity(seat(Seat::FrontLeft), None),
+            identity(seat(Seat::RearLeft), None),
+            identity(None, Some(1_200.0)),
+        ];
+        for (number, one) in all.iter().enumerate() {
+            assert!(!all[..number].contains(one), "{number}");
+        }
+        assert_eq!(all[0], identity(None, None));
+    }
+}

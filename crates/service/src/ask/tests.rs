@@ -9,12 +9,12 @@ use protocol::public::{WirePersons, WireReaction};
 const DEPLOYMENT: &str = include_str!("../../config/deployments/minimal.toml");
 const SCENARIO: &str = include_str!("../../config/scenarios/wall-or-pole.toml");
 
-fn deployment() -> Deployment {
+pub(crate) fn deployment() -> Deployment {
     Deployment::parse("minimal.toml", DEPLOYMENT).unwrap()
 }
 
 /// Facts about the three models; these tests do not look at triangles.
-fn bodies() -> Vec<(Meta, BodyView<'static>)> {
+pub(crate) fn bodies() -> Vec<(Meta, BodyView<'static>)> {
     let empty = BodyView {
         nodes: &[],
         wide: &[],
