@@ -3,6 +3,7 @@
 
 use crate::strategy::SearchOrder;
 use core::time::Duration;
+use record::RecordedUntil;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,6 +15,26 @@ pub enum Until {
     Ordered,
     /// When no open work can change the winner.
     Certified,
+}
+
+impl From<Until> for RecordedUntil {
+    fn from(until: Until) -> Self {
+        match until {
+            Until::Complete => Self::Complete,
+            Until::Ordered => Self::Ordered,
+            Until::Certified => Self::Certified,
+        }
+    }
+}
+
+impl From<RecordedUntil> for Until {
+    fn from(until: RecordedUntil) -> Self {
+        match until {
+            RecordedUntil::Complete => Self::Complete,
+            RecordedUntil::Ordered => Self::Ordered,
+            RecordedUntil::Certified => Self::Certified,
+        }
+    }
 }
 
 /// The limits. None changes a complete answer.

@@ -157,6 +157,18 @@ pub struct RecordedRound {
     pub jobs: Vec<RecordedJob>,
 }
 
+/// When the work on a scenario over a horizon was to stop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RecordedUntil {
+    /// When all work was done.
+    #[default]
+    Complete,
+    /// When no open work could change the order.
+    Ordered,
+    /// When no open work could change the winner.
+    Certified,
+}
+
 /// How far the search for contacts of a scenario over a horizon came before its deadline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordedSearch {
@@ -235,6 +247,8 @@ pub struct RecordContent {
     pub jobs: Vec<RecordedJob>,
     /// Of a scenario over a horizon: questions and jobs by round. It has none of its own outside.
     pub rounds: Vec<RecordedRound>,
+    /// Of a scenario over a horizon: when work was to stop.
+    pub until: RecordedUntil,
     /// Of a scenario over a horizon: how far the search came; `None`: it had no deadline.
     pub search: Option<RecordedSearch>,
     /// What was known over time; empty of a scenario over a horizon.

@@ -11,7 +11,7 @@ use crate::worker_pool::IdleHook;
 use crate::worker_pool::{WorkerPoolError, WorkerPoolReport};
 use crate::workspace::{Backend, BodySet, RunError};
 use core::cell::Cell;
-use record::{RecordedRound, RecordedSearch};
+use record::{RecordedRound, RecordedSearch, RecordedUntil};
 use runtime::clock;
 #[cfg(any(test, feature = "faults"))]
 use {
@@ -23,6 +23,8 @@ use {
 /// What an answer was made from besides the request: with it, the same answer is made again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CourseHistory {
+    /// When work was to stop.
+    pub until: RecordedUntil,
     /// How far the search came; `None`: it had no deadline.
     pub search: Option<RecordedSearch>,
     /// Questions and jobs by round.
@@ -45,7 +47,8 @@ pub fn replay_courses(
     history: &CourseHistory,
 ) -> Result<RankedCourses, RunError> {
     let mut surveyor = Surveyor::Recorded(history.rounds.iter());
-    follow(stage, request, &SearchClock::recorded(history.search), &mut surveyor)
+    let (until, clock) = (history.until.into(), SearchClock::recorded(history.search));
+    follow(stage, request, until, &clock, &mut surveyor)
 }
 
 /// Until when there is time.

@@ -84,6 +84,11 @@ impl People {
         people
     }
 
+    /// What everybody has at stake.
+    pub(crate) fn stakes(&self) -> Vec<Stake> {
+        self.list.iter().map(|person| person.stake).collect()
+    }
+
     /// The persons of a party.
     pub(crate) fn aboard(&self, party: usize) -> impl Iterator<Item = Aboard> {
         let seat = |id: usize| Aboard { id: PersonId(id), seat: self.list[id].seat };

@@ -1,23 +1,32 @@
 //! Whole rankings over a horizon of scenes whose answer follows from the scene.
 
+use super::assessed_contact::{assessed, contact, settle};
+use super::encounter::EncounterSearch;
+use super::way::Scenery;
 use super::*;
 use crate::fixtures::{AHEAD_M, body, cuboid, mirrored, sedan_of};
 use crate::in_process::InProcessExecutor;
+use crate::request::Request;
+use crate::work::RankingRun;
 use body::{Body, BodyView, Meta, Shape};
-use damage::AnswerState;
+use bvh::support::support;
+use damage::{AnswerState, Parameters};
+use geometry::DVec3;
 use geometry::rng::Rng;
 
 /// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
 fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseAnswer {
-    drawn_within(text, bodies, limits).0
+    worked_within(text, bodies, limits).answer
 }
 
 /// The answer, and what a picture of it is drawn from.
 pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (CourseAnswer, PlanScene) {
-    drawn_within(text, bodies, RequestLimits::default())
+    let ranked = worked_within(text, bodies, RequestLimits::default());
+    (ranked.answer, ranked.scene.expect("it was requested"))
 }
 
-fn drawn_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> (CourseAnswer, PlanScene) {
+/// What all the work on it gave.
+pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> RankedCourses {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let scenario = HorizonScenario::parse("test.toml", &format!("{head}{text}"))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -40,11 +49,11 @@ fn drawn_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> (CourseA
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
     let ranked = rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked");
-    let history = ranked.history.expect("it was requested");
-    let again = replay_courses(&stage, &request, &history).expect("it can be ranked again");
+    let history = ranked.history.as_ref().expect("it was requested");
+    let again = replay_courses(&stage, &request, history).expect("it can be ranked again");
     assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
     assert_eq!(again.explanation, ranked.explanation);
-    (ranked.answer, ranked.scene.expect("it was requested"))
+    ranked
 }
 
 fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
@@ -359,7 +368,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
             Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
         let people = People::of(&scenario, &|party| scenery.body(party));
         let way = Way::new(scenery, &scenario.candidates[0]);
-        let mut course = Course { way, contacts: Vec::new(), stuck: None };
+        let mut course = Course::new(way);
         let meeting = course.way.next(&mut EncounterSearch::default(), None).expect("they meet");
         let support_of = |model: usize, d: DVec3| support(&views[model].1, d);
         let candidate = contact(&scenery, &people, &course, 0, &meeting, &support_of);
@@ -379,7 +388,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let is_above_zero =
             alone.energy_j.lo() > 0.0 || alone.persons.iter().any(|person| person.work.lo() > 0.0);
         assert!(is_above_zero, "{speed_m_s} m/s: {alone:#?}");
-        let harm = harm_of(&people, &course);
+        let harm = harm_of(&people, &course, None);
         assert!(harm.is_open);
         if is_light {
             assert_eq!(harm.energy_j.lo(), 0.0, "{alone:#?}");
@@ -402,7 +411,7 @@ fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
     let people = People::of(&scenario, &|party| scenery.body(party));
     let mut way = Way::new(scenery, &scenario.candidates[0]);
     way.open_from_s = Some(0.0);
-    let harm = harm_of(&people, &Course { way, contacts: Vec::new(), stuck: None });
+    let harm = harm_of(&people, &Course::new(way), None);
     let (more, greatest) = harm.others;
     assert!(more > 0);
     assert_eq!(greatest, f64::from(more), "each of them may be harmed for sure");

@@ -12,6 +12,7 @@
 use super::history::{SearchClock, Surveyor};
 use super::{CourseAnswer, CourseRequest, CourseRow, follow};
 use crate::in_process::InProcessExecutor;
+use crate::request_limits::Until;
 use crate::trial::TrialResult;
 use crate::workspace::{BodySet, RunError};
 use damage::{AnswerState, Interval};
@@ -41,12 +42,12 @@ pub fn trial_courses(
 ) -> Result<TrialResult, RunError> {
     let mut rng = Rng::new(seed);
     let never = SearchClock::recorded(Some(RecordedSearch { over_at: None }));
-    let stopped = |clock: &SearchClock, loses: u64, seed: u64| {
+    let stopped = |until: Until, clock: &SearchClock, loses: u64, seed: u64| {
         let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
         let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
-        follow(stage, request, clock, &mut surveyor).map(|ranked| ranked.answer)
+        follow(stage, request, until, clock, &mut surveyor).map(|ranked| ranked.answer)
     };
-    let end = stopped(&never, 0, 0)?;
+    let end = stopped(Until::Complete, &never, 0, 0)?;
     let mut result = TrialResult::default();
     for _ in 0..stops {
         let look = rng.below(never.looks() + 1);
@@ -54,7 +55,8 @@ pub fn trial_courses(
         let loses = [0, 0, 0, 100, 10, 1][rng.below(6) as usize];
         let over_at = (rng.below(5) > 0).then_some(look);
         let clock = SearchClock::recorded(Some(RecordedSearch { over_at }));
-        let mut now = stopped(&clock, loses, rng.below(u64::MAX))?;
+        let until = [Until::Complete, Until::Ordered, Until::Certified][rng.below(3) as usize];
+        let mut now = stopped(until, &clock, loses, rng.below(u64::MAX))?;
         if let Some(flaw) = flaw {
             corrupt(&mut now, flaw);
         }

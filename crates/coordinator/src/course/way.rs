@@ -235,6 +235,21 @@ impl<'s> Way<'s> {
         next
     }
 
+    /// Whether all is known until the end of the way.
+    pub(crate) fn is_at_end(&self) -> bool {
+        self.ahead.iter().all(|ahead| matches!(ahead, Ahead::Clear | Ahead::Done))
+    }
+
+    /// Leaves open whatever is not known.
+    pub(crate) fn give_up(&mut self) {
+        let from_s = |ahead: &Ahead| match ahead {
+            Ahead::Unknown { from_s, .. } | Ahead::Open { from_s } => Some(*from_s),
+            Ahead::Contact(meeting) => Some(meeting.touching.time_s),
+            Ahead::Clear | Ahead::Done => None,
+        };
+        self.open_from_s = self.ahead.iter().filter_map(from_s).min_by(f64::total_cmp);
+    }
+
     /// Looks for the next contact with a party.
     fn look(
         &mut self,

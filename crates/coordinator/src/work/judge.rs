@@ -21,12 +21,27 @@ impl<'w> RankingRun<'w> {
         self.judge_by(|k| self.evidence(k), |_| {})
     }
 
+    /// Harm of every candidate, as far as it is known.
+    pub(crate) fn harms(&self) -> Result<Vec<CandidateHarm>, RequestError> {
+        self.harms_by(|k| self.evidence(k), |_| {})
+    }
+
     /// [`RankingRun::judge`] with other evidence, and with harm changed before it is ranked.
     pub(crate) fn judge_by(
         &self,
         evidence: impl Fn(usize) -> Evidence,
         change: impl Fn(&mut CandidateHarm),
     ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
+        let harms = self.harms_by(evidence, change)?;
+        let ranking = rank(&self.request.policy, self.outlook.stakes(), &harms)?;
+        Ok((harms, ranking))
+    }
+
+    fn harms_by(
+        &self,
+        evidence: impl Fn(usize) -> Evidence,
+        change: impl Fn(&mut CandidateHarm),
+    ) -> Result<Vec<CandidateHarm>, RequestError> {
         let request = self.request;
         let basis = self.basis();
         let mut harms = Vec::with_capacity(request.candidates.len());
@@ -38,8 +53,7 @@ impl<'w> RankingRun<'w> {
             change(&mut harm);
             harms.push(harm);
         }
-        let ranking = rank(&request.policy, self.outlook.stakes(), &harms)?;
-        Ok((harms, ranking))
+        Ok(harms)
     }
 
     /// The curves, severity level and parameters that harm is computed with.

@@ -6,13 +6,14 @@
 //! greatest upper end over P). So P keeps whose lower end may be within tolerance of m, and S whose
 //! upper end must be.
 //!
-//! At the end every possible winner is in P. If P has one member it is the winner; and if all
-//! members of P are finished and the one that the tie-break takes from P is in S, it is the winner
-//! too, because it is best of a set that holds K.
+//! At the end every possible winner is in P. If P has one member it is the winner. So is a finished
+//! member of S that the tie-break takes from P whatever the open members of P turn out to be:
+//! because it is in K, and best of a set that holds K.
 
 use super::{Each, RankOrder, rounded};
 use crate::interval::Interval;
-use crate::policy::Step;
+use crate::policy::{Step, TieBreak};
+use core::cmp::Ordering;
 
 /// What encloses the candidates that the finished run would keep.
 pub(super) struct Outlook {
@@ -55,9 +56,34 @@ impl RankOrder<'_> {
         if let [only] = outlook.possible[..] {
             return Some(only);
         }
-        let winner = self.tie_winner(&outlook.possible);
-        let is_certain = outlook.possible.iter().all(is_done) && outlook.sure.contains(&winner);
-        is_certain.then_some(winner)
+        let sure: Each<usize> = outlook.sure.iter().copied().filter(|k| is_done(k)).collect();
+        let winner = sure.first().map(|_| self.tie_winner(&sure))?;
+        let loses = |k: &usize| *k == winner || self.wins_tie(winner, *k, is_done(k));
+        outlook.possible.iter().all(loses).then_some(winner)
+    }
+
+    /// Whether the tie-break takes the finished `k` before `l`, whatever open work finds of `l`.
+    fn wins_tie(&self, k: usize, l: usize, is_done: bool) -> bool {
+        for by in &self.policy.tie_break {
+            let first = self.tie_value(*by, k);
+            let second = if is_done { self.tie_value(*by, l) } else { self.tie_at_least(*by, l) };
+            match first.total_cmp(&second) {
+                Ordering::Less => return true,
+                Ordering::Greater => return false,
+                // Open work can only raise the other one's.
+                Ordering::Equal => {}
+            }
+        }
+        k < l
+    }
+
+    /// What open work cannot bring a [`RankOrder::tie_value`] below.
+    fn tie_at_least(&self, by: TieBreak, k: usize) -> f64 {
+        match by {
+            TieBreak::Energy => self.figures[k].energy_j.lo(),
+            TieBreak::High => self.leading(k).0.lo(),
+            TieBreak::Request => k as f64,
+        }
     }
 
     /// Takes all steps on intervals, among the candidates left.

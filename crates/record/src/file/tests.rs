@@ -4,7 +4,7 @@ use super::*;
 use crate::content::{
     Edge, Mode, PoseQuestion, RecordedBody, RecordedEnd, RecordedJob, RecordedMoment,
     RecordedRound, RecordedSearch, RecordedSource, RecordedSpan, RecordedStage, RecordedText,
-    Settings,
+    RecordedUntil, Settings,
 };
 use crate::key::tests::SECRET_PEM;
 use crate::statement::tests::provenance;
@@ -55,6 +55,7 @@ pub(crate) fn record(name: &str) -> RecordContent {
             }],
             jobs: vec![RecordedJob { place: 0, a: 1, b: 2, end: RecordedEnd::Done }],
         }],
+        until: RecordedUntil::Ordered,
         search: Some(RecordedSearch { over_at: Some(7) }),
         moments: vec![RecordedMoment {
             at_ns: 9,

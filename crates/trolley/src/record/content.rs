@@ -5,7 +5,9 @@ use crate::engine::{HorizonRanking, Ranking, Recorded, RecordedHistory};
 use crate::run::Run;
 use crate::scenario::SourceText;
 use crate::{BUILD, Failure};
-use record::{Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, Settings};
+use record::{
+    Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, RecordedUntil, Settings,
+};
 use serde::Serialize;
 
 /// A ranking, as it is recorded.
@@ -82,6 +84,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
         places: Vec::new(),
         jobs: Vec::new(),
         rounds: Vec::new(),
+        until: RecordedUntil::Complete,
         search: None,
         moments: Vec::new(),
         spans: spans(run),
@@ -99,6 +102,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
         }
         RecordedHistory::Rounds(history) => {
             content.rounds.clone_from(&history.rounds);
+            content.until = history.until;
             content.search = history.search;
         }
     }

@@ -110,7 +110,8 @@ impl Record {
             explanation: true,
             scene: false,
         };
-        let history = CourseHistory { search: content.search, rounds: content.rounds.clone() };
+        let RecordContent { until, search, ref rounds, .. } = *content;
+        let history = CourseHistory { until, search, rounds: rounds.clone() };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
         let RankedCourses { answer, explanation, effort, .. } = ranked;
         let jobs = effort.jobs_in_process;

@@ -57,6 +57,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
 fn what_is_said_at_any_stop_holds_the_finished_work() {
     let all = tried(60, 25, None);
     assert!(all.stops > 1_000 && all.open_intervals > 1_000, "{all:?}");
+    assert!(all.certified > 100, "{all:?}");
 }
 
 #[test]

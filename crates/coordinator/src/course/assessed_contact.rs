@@ -1,0 +1,192 @@
+//! One contact of a course: as a candidate of a request, assessed, and what it does to the course.
+
+use super::persons::People;
+use super::way::{Begin, NextContact, Scenery};
+use super::{Course, Stuck, encounter};
+use crate::answer::{self, PersonRow, PoseRow};
+use crate::candidate_state::FirstContact;
+use crate::explain::ContactChain;
+use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
+use crate::work::RankingRun;
+use bvh::Witness;
+use damage::approach::STANDSTILL_M_S;
+use damage::course::{PASSED_M, RunOut, Severity};
+use damage::path::Path;
+use damage::{CandidateHarm, Meeting};
+use geometry::motion::MotionPath;
+use geometry::{DVec3, RelativePose, Supports};
+
+/// A contact of a candidate, assessed.
+#[derive(Clone, Debug)]
+pub(super) struct AssessedContact {
+    pub(super) meeting: NextContact,
+    /// When the bodies first touched in this crash (s).
+    pub(super) first_touch_s: f64,
+    pub(super) harm: CandidateHarm,
+    pub(super) severity: Severity,
+    /// The model range of the ego's change of velocity crosses the threshold.
+    pub(super) may_be_other: bool,
+    /// What the answer shows of it besides.
+    pub(super) sides: String,
+    pub(super) is_other_fixed: bool,
+    pub(super) hits: [u64; 2],
+    pub(super) hashes: [String; 2],
+    pub(super) parts: [Vec<String>; 2],
+    pub(super) persons: Vec<PersonRow>,
+    pub(super) poses: Vec<PoseRow>,
+    /// If the answer is explained.
+    pub(super) chain: Option<Box<ContactChain>>,
+}
+
+/// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
+fn velocities(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &NextContact) -> [DVec3; 2] {
+    let ways = course.way.ways(meeting.party);
+    let parties = [scenery.scenario.ego.0, meeting.party];
+    [0, 1].map(|side: usize| {
+        let path: &MotionPath = ways.paths[side];
+        let centre_m = scenery.body(parties[side]).0.centre_m;
+        path.velocity_before(meeting.touching.time_s, centre_m).0
+    })
+}
+
+/// A contact as a candidate of a request: its first contact is known.
+pub(super) fn contact(
+    scenery: &Scenery<'_>,
+    people: &People,
+    course: &Course<'_>,
+    k: usize,
+    meeting: &NextContact,
+    support_of: &impl Fn(usize, DVec3) -> f64,
+) -> Result<Candidate, RequestError> {
+    let scenario = scenery.scenario;
+    let name = &scenario.candidates[k].name;
+    let (ego, other) = (scenario.ego.0, meeting.party);
+    let ways = course.way.ways(other);
+    let [pose_a, pose_b] = ways.paths.map(|path| path.pose_at(meeting.touching.time_s));
+    let pose = RelativePose::between(&pose_a, &pose_b);
+    let side = |number: usize, to_ego: Option<&RelativePose>| {
+        let stated = &scenario.parties[number];
+        let stated = StatedParty {
+            is_unknown: stated.is_unknown,
+            mass_kg: stated.mass_kg,
+            crush: stated.crush,
+        };
+        party(&scenery.body(number).0, stated, to_ego, people.aboard(number))
+    };
+    let (a, b) = (side(ego, None), side(other, Some(&pose)));
+    let models = [ego, other].map(|number| scenery.models[number]);
+    let supports = (|d: DVec3| support_of(models[0], d), |d: DVec3| support_of(models[1], d));
+    let approach =
+        approach(supports, (&pose_a, &pose), velocities(scenery, course, meeting), (&a, &b));
+    let path = Path::from_contact(&approach)
+        .map_err(|source| RequestError::Approach { name: name.to_string(), source })?;
+    let stands = approach.closing_m_s < STANDSTILL_M_S;
+    let is_start = meeting.begin == Begin::AtStart && meeting.touching.time_s <= 0.0;
+    let hulls = if is_start && stands { Meeting::AlreadyOverlapping } else { Meeting::Path(path) };
+    let touching = &meeting.touching;
+    let witness = Witness {
+        travel_m: 0.0,
+        ids: touching.ids,
+        triangles: touching.triangles,
+        point: touching.point,
+    };
+    let mut supports = Supports::EMPTY;
+    supports.add(&approach.directions, touching.point);
+    let bodies = ways.bodies;
+    let zones = encounter::zones([&bodies[0], &bodies[1]], touching.triangles);
+    Ok(Candidate {
+        name: name.clone(),
+        other_name: scenario.parties[other].name.clone(),
+        model_a: models[0] as u32,
+        model_b: models[1] as u32,
+        pose,
+        approach,
+        meeting: hulls,
+        a,
+        b,
+        probability: 1.0,
+        is_assumed_fixed: scenario.parties[other].is_unknown,
+        first: Some(FirstContact { witness, zones, supports }),
+    })
+}
+
+/// What is known of a contact when its round is over.
+pub(super) fn assessed(
+    contacts: &Request,
+    work: &RankingRun<'_>,
+    number: usize,
+    meeting: NextContact,
+    harm: CandidateHarm,
+) -> AssessedContact {
+    let candidate = &contacts.candidates[number];
+    let state = &work.candidate_states()[number];
+    let [a, b] = [candidate.model_a, candidate.model_b].map(|model| work.body_of(model));
+    let hit = state.hit.summary(&a.1, &b.1);
+    let (severity, may_be_other) = Severity::of(&harm);
+    AssessedContact {
+        meeting,
+        first_touch_s: meeting.touching.time_s,
+        severity,
+        may_be_other,
+        sides: answer::sides(candidate, &harm),
+        is_other_fixed: candidate.b.mass_kg.is_none(),
+        hits: [hit.hits_a, hit.hits_b],
+        hashes: [hit.hash_a, hit.hash_b].map(answer::hex),
+        parts: answer::parts(state, [(&a.0, &a.1), (&b.0, &b.1)]),
+        persons: answer::persons(contacts, &harm),
+        poses: answer::poses(state),
+        chain: None,
+        harm,
+    }
+}
+
+/// Lets a course go on after a contact, or end there.
+pub(super) fn settle(
+    course: &mut Course<'_>,
+    candidate: &Candidate,
+    mut assessed: AssessedContact,
+) {
+    let meeting = assessed.meeting;
+    if !assessed.harm.is_settled() || assessed.harm.is_open {
+        // Where the ego goes from here is not known.
+        course.stuck = Some(Stuck {
+            party: meeting.party,
+            time_s: meeting.touching.time_s,
+            unevaluable: assessed.harm.unevaluable,
+        });
+        if meeting.begin != Begin::Again {
+            course.contacts.push(assessed);
+        }
+        return;
+    }
+    let approach = &candidate.approach;
+    match assessed.severity {
+        Severity::Light => {
+            let extent_m = approach.extent_up_to(PASSED_M);
+            course.way.pass(&meeting, approach.closing_m_s, extent_m);
+            if meeting.begin != Begin::Again {
+                course.contacts.push(assessed);
+            }
+        }
+        Severity::Heavy => {
+            let at_s = meeting.touching.time_s;
+            let rotation = course.way.ego_path().pose_at(at_s).rotation;
+            let impulse = DVec3::from_array(assessed.harm.impulse_n_s);
+            let row = |i: usize| DVec3::from_array(rotation[i]).dot(impulse);
+            let on_ego = -DVec3::new(row(0), row(1), row(2));
+            let (before, _) =
+                course.way.ego_path().velocity_before(at_s, candidate.a.centre_m.to_array());
+            // The ego has a mass: it is a vehicle.
+            let mass_kg = candidate.a.mass_kg.unwrap_or(f64::INFINITY);
+            course.way.leave(&meeting, RunOut::after(before, on_ego, mass_kg));
+            // A first, light touch was the begin of this crash.
+            if meeting.begin == Begin::Again {
+                let same = |contact: &AssessedContact| contact.meeting.party == meeting.party;
+                if let Some(first) = course.contacts.iter().rposition(same) {
+                    assessed.first_touch_s = course.contacts.remove(first).first_touch_s;
+                }
+            }
+            course.contacts.push(assessed);
+        }
+    }
+}

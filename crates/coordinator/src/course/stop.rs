@@ -1,0 +1,59 @@
+//! When work may stop: once no open work can change the winner, or the order.
+//!
+//! What is open may harm everybody, so most work ends early because a way is proven to touch
+//! nobody, or because a contact is bad for sure. The winner itself is always followed to its end: an
+//! answer says whom it meets.
+
+use crate::request_limits::Until;
+use damage::rule::Stake;
+use damage::{CourseHarm, Policy, RankError, RankedCandidates, Scratch, rank_in};
+
+/// What was asked for, and what is known of it.
+#[derive(Debug)]
+pub(super) struct Stop<'r> {
+    until: Until,
+    policy: &'r Policy,
+    stakes: Vec<Stake>,
+    scratch: Scratch,
+    ranking: RankedCandidates,
+    is_decided: bool,
+}
+
+impl<'r> Stop<'r> {
+    pub(super) fn new(until: Until, policy: &'r Policy, stakes: Vec<Stake>) -> Self {
+        let (scratch, ranking) = (Scratch::default(), RankedCandidates::default());
+        Self { until, policy, stakes, scratch, ranking, is_decided: false }
+    }
+
+    /// Whether work may end before all of it is done.
+    pub(super) fn is_watched(&self) -> bool {
+        self.until != Until::Complete
+    }
+
+    /// Looks at what is known; whether no open work can change what was asked for.
+    pub(super) fn look(
+        &mut self,
+        harms: &[CourseHarm],
+        is_open: &[bool],
+    ) -> Result<bool, RankError> {
+        rank_in(&mut self.scratch, self.policy, &self.stakes, harms, &mut self.ranking)?;
+        let ranking = &self.ranking;
+        let is_certain = match self.until {
+            Until::Complete => false,
+            Until::Ordered => ranking.settled == harms.len(),
+            Until::Certified => ranking.settled > 0,
+        };
+        let winner = ranking.places.first().map(|place| place.candidate);
+        self.is_decided = is_certain && winner.is_some_and(|winner| !is_open[winner]);
+        Ok(self.is_decided)
+    }
+
+    /// Whether, by the last look, a candidate need not be followed on.
+    pub(super) fn may_spare(&self, candidate: usize) -> bool {
+        let cannot_win = || !self.ranking.possible.contains(&candidate);
+        self.is_decided || (self.until == Until::Certified && cannot_win())
+    }
+}
+
+#[cfg(test)]
+mod tests;
