@@ -110,8 +110,8 @@ impl Record {
             explanation: true,
             scene: false,
         };
-        let RecordContent { until, search, ref rounds, .. } = *content;
-        let history = CourseHistory { until, search, rounds: rounds.clone() };
+        let (until, search, rounds) = (content.until, content.search, content.rounds.clone());
+        let history = CourseHistory { until, search, rounds };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
         let RankedCourses { answer, explanation, effort, .. } = ranked;
         let jobs = effort.jobs_in_process;
