@@ -4,15 +4,11 @@
 //! first and walking below it later is due to Le Garrec, Acquaviva and Merlhiot (CEA), cutting at
 //! one depth of both trees to Wiseman and Grinberg.
 
-mod swept;
-
 use crate::descent::{Descent, side_to_open};
 use crate::{Counters, Side};
 use body::BodyView;
 use geometry::RelativePose;
 use smallvec::SmallVec;
-
-pub use swept::{SweepBounds, SweptFront};
 
 /// A node of A and a node of B.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

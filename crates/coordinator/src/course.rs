@@ -4,7 +4,7 @@
 //! HorizonScenario --Way::next: who is met next, and when--> contacts, one per candidate
 //!      ^                                                       |  as candidates of a Request
 //!      |                                                       v
-//!      +-- light: drive on, heavy: run-out <-- harm <-- RankingRun: hit sets at the contact
+//!      +-- light: drive on, heavy: run-out <-- harm <-- SurveyRun: hit sets at the contact
 //! no contact left --> CourseHarm per candidate --> damage::rank --> CourseAnswer
 //! ```
 //!
@@ -55,8 +55,10 @@ pub use explain::{CombinedRisk, ContactStep, CourseChain, CourseExplanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
 pub use plan_scene::{PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene};
+#[cfg(test)]
+pub(crate) use pursuit::first_round;
 #[cfg(any(test, feature = "faults"))]
-pub use trial::{CourseFlaw, random_courses, trial_courses};
+pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
 
 use assessed_contact::AssessedContact;
 use history::{SearchClock, Surveyor};

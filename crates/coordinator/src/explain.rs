@@ -7,57 +7,14 @@
 //!
 //! It depends only on what the answer depends on.
 
-use crate::candidate_state::{CandidateState, SearchStage};
+use crate::candidate_state::CandidateState;
 use crate::request::{Candidate, Person, Request};
-use damage::curve::{Curve, CurveUnit};
+use damage::curve::CurveUnit;
 use damage::dynamics::Response;
 use damage::evidence::Touch;
 use damage::injury::Quantity;
-use damage::{
-    CandidateHarm, Ground, Interval, Parameters, PersonId, RankError, RankedCandidates, Stability,
-};
+use damage::{CandidateHarm, Ground, Interval, PersonId};
 use serde::Serialize;
-
-/// Everything that the order was made from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Explanation {
-    /// The policy's name.
-    pub policy: String,
-    /// The board that answers for it.
-    pub board: String,
-    /// The severity that counts.
-    pub outcome: &'static str,
-    /// What is compared, in turn.
-    pub steps: Vec<String>,
-    /// How many persons are at stake, in all candidates together.
-    pub persons: usize,
-    /// Parameters of contact and dynamics.
-    pub parameters: Parameters,
-    /// Nominal curves in use, with their sources.
-    pub curves: Vec<Curve>,
-    /// Candidates, least harm first.
-    pub chains: Vec<Derivation>,
-    /// What would have to change for another candidate to win.
-    pub stability: Stability,
-    /// Names of the candidates in the order of the request: the numbers of `stability`.
-    pub names: Vec<String>,
-}
-
-/// One candidate from contact to rank.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Derivation {
-    /// Its name.
-    pub name: String,
-    /// From speeds to risks.
-    #[serde(flatten)]
-    pub contact: ContactChain,
-    /// The policy's steps for this candidate.
-    pub steps: Vec<PolicyStep>,
-    /// Why it comes before the next.
-    pub why: Option<String>,
-    /// The person whose risk differs most between the two, where persons decided.
-    pub separates: Option<Separation>,
-}
 
 /// One contact from speeds to the risks of persons. Pairs are of the ego and of the other.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -154,61 +111,9 @@ pub struct PolicyStep {
     pub value: Interval,
 }
 
-impl Explanation {
-    pub(crate) fn new(
-        request: &Request,
-        ranking: &RankedCandidates,
-        harms: &[CandidateHarm],
-        candidate_states: &[CandidateState],
-    ) -> Result<Self, RankError> {
-        let stakes: Vec<_> = request.persons.iter().map(|person| person.stake).collect();
-        let stability = damage::stability(&request.policy, &stakes, harms, &request.curves)?;
-        let steps: Vec<String> =
-            request.policy.steps(stakes.len()).iter().map(ToString::to_string).collect();
-        let used = |curve: &&Curve| {
-            harms.iter().flat_map(|harm| &harm.persons).any(|person| person.curve == curve.id)
-        };
-        let chain = |at: usize| {
-            let place = &ranking.places[at];
-            let next = ranking.places.get(at + 1).map(|next| next.candidate);
-            let name = |number: usize| request.candidates[number].name.as_str();
-            let why = place.why.as_ref().zip(next);
-            let (harm, state) = (&harms[place.candidate], &candidate_states[place.candidate]);
-            let risk = |harm: &CandidateHarm, id: PersonId| {
-                let found = harm.persons.iter().find(|person| person.id == id);
-                found.map_or(0.0, |person| harm.probability * person.work.hi())
-            };
-            Derivation {
-                name: name(place.candidate).to_owned(),
-                contact: contact_chain(request, &request.candidates[place.candidate], harm, state),
-                steps: policy_steps(&steps, &place.steps),
-                why: why.map(|(ground, next)| ground.sentence(name(place.candidate), name(next))),
-                separates: why.and_then(|(ground, next)| {
-                    separation(&request.persons, ground, |id| {
-                        [risk(harm, id), risk(&harms[next], id)]
-                    })
-                }),
-            }
-        };
-        Ok(Self {
-            policy: request.policy.name.clone(),
-            board: request.policy.board.clone(),
-            outcome: request.policy.outcome.name(),
-            persons: stakes.len(),
-            parameters: request.parameters,
-            curves: request.curves.curves.iter().filter(used).cloned().collect(),
-            chains: (0..ranking.places.len()).map(chain).collect(),
-            stability,
-            names: request.candidates.iter().map(|candidate| candidate.name.to_string()).collect(),
-            steps,
-        })
-    }
-}
-
 /// Pairs at the poses of the patch.
 fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
-    let SearchStage::Surveying { stops, .. } = &state.stage else { return Vec::new() };
-    let of_patch = stops.iter().filter(|(stop, _)| stop.patch);
+    let of_patch = state.stops.iter().filter(|(stop, _)| stop.patch);
     of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }
 

@@ -1,39 +1,44 @@
-//! A small request shared by tests: three crashes and one candidate that passes by. Where the hulls
-//! of the person and the car first meet, none of their boxes do: such a pose has no jobs.
+//! A small request shared by tests: the contacts of three candidates, and a fourth one that meets
+//! nobody.
 
+use crate::course::{CourseRequest, first_round};
 use crate::request::Request;
+use crate::workspace::BodySet;
 use body::Shape;
-use body::{Body, BodyKind, BodyView, Mesh, Meta, defaults, zones};
+use body::{Body, BodyKind, BodyView, Mesh, Meta, Shells, defaults, zones};
 use bvh::BuildOptions;
 use damage::{Curves, Policy};
 use geometry::Corners;
-use scenario::Scenario;
+use scenario::HorizonScenario;
 use shapes::generate;
+use std::sync::Arc;
 
 const SCENARIO: &str = r#"
-schema = "trolley.scenario/1"
+schema = "trolley.scenario/2"
 name = "replayed"
-[parties]
-ego = { generate = { shape = "sedan", triangles = 900 } }
-pole = { generate = { shape = "pole", triangles = 500 } }
-suv = { generate = { shape = "suv", triangles = 900 } }
-person = { generate = { shape = "pedestrian", triangles = 900 } }
+[parties.ego]
+generate = { shape = "sedan", triangles = 900 }
+[parties.person]
+generate = { shape = "pedestrian", triangles = 900 }
+state = { position_m = [22, -4, 0], yaw_deg = 90, speed_m_s = 0.2 }
+[parties.pole]
+generate = { shape = "pole", triangles = 500 }
+place = { position_m = [22, 4, 0] }
+[parties.suv]
+generate = { shape = "suv", triangles = 900 }
+state = { position_m = [28, 0.4, 0], yaw_deg = 170, speed_m_s = 1 }
 [[candidates]]
 name = "pole"
-ego = { position_m = [0, 0, 0], speed_m_s = 9 }
-other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
+path = { states = [ { t_s = 0, position_m = [0, 0, 0] }, { t_s = 2, position_m = [21, 3.8, 0] } ] }
 [[candidates]]
 name = "suv"
-ego = { position_m = [0, 0, 0], speed_m_s = 12 }
-other = { party = "suv", position_m = [4.6, 0.4, 0], yaw_deg = 170, speed_m_s = 4 }
+state = { position_m = [0, 0, 0], speed_m_s = 12 }
 [[candidates]]
 name = "past"
-ego = { position_m = [0, 0, 0], speed_m_s = 12 }
-other = { party = "suv", position_m = [4.6, 3.5, 0], speed_m_s = 4 }
+state = { position_m = [0, 0, 0], speed_m_s = 1 }
 [[candidates]]
 name = "person"
-ego = { position_m = [0, 0, 0], speed_m_s = 12 }
-other = { party = "person", position_m = [2.5, 0.35, 0], yaw_deg = 90, speed_m_s = 1.4 }
+path = { states = [ { t_s = 0, position_m = [0, 0, 0] }, { t_s = 2, position_m = [21, -3.8, 0] } ] }
 "#;
 
 pub(crate) fn body(shape: Shape, triangles: u32) -> Body {
@@ -55,13 +60,24 @@ pub(crate) fn with_policy<T>(
     of: impl FnOnce(&Request, &[(Meta, BodyView<'_>)]) -> T,
 ) -> T {
     let bodies =
-        [(Shape::Sedan, 900), (Shape::Pole, 500), (Shape::Suv, 900), (Shape::Pedestrian, 900)]
+        [(Shape::Sedan, 900), (Shape::Pedestrian, 900), (Shape::Pole, 500), (Shape::Suv, 900)]
             .map(|(s, n)| body(s, n));
     let views: Vec<_> = bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
-    let scenario = Scenario::parse("replayed.toml", SCENARIO).expect("sound");
-    let curves = Curves::shipped().expect("sound");
-    let request = Request::new(&scenario, &views, policy, curves).expect("sound");
-    of(&request, &views)
+    // Parties are in the order of their names: the bodies of the scenario.
+    let scenario = HorizonScenario::parse("replayed.toml", SCENARIO).expect("sound");
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let rules = (Arc::new(policy), Arc::new(Curves::shipped().expect("sound")));
+    let stage = BodySet { bodies: &views, extremes: None, depth: 4 };
+    let request = CourseRequest {
+        scenario: &scenario,
+        models: &[0, 1, 2, 3],
+        shells: &shells,
+        rules,
+        history: false,
+        explanation: false,
+        scene: false,
+    };
+    of(&first_round(&stage, &request), &views)
 }
 
 /// Half of the length, width and height of a car (m).

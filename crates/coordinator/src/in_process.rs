@@ -137,8 +137,7 @@ impl InProcessExecutor {
         let begun_ns = clock::now_ns();
         let Some(task) = work.task(job.task) else { return };
         let start = NodePair { a: job.a.node, b: job.b.node };
-        let yield_after_m = f64::from(work.yield_after_m(job));
-        let asked = JobInput { start, budget: work.budget(), yield_after_m };
+        let asked = JobInput { start, budget: work.budget() };
         self.hits.clear();
         let mut sink = Hits { hits: &mut self.hits, due_ns: work.deadline_ns() };
         let done = match self.executor.execute(task, |model| work.body(model), asked, &mut sink) {

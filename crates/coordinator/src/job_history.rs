@@ -1,56 +1,30 @@
-//! The job history of a request: what was asked, how each job ended, and what was known when.
+//! The job history of a round of contacts: what was asked, and how each job ended.
 //!
 //! Questions are identified by candidate and travel, never by task number, which depends on the
 //! order in which answers arrived. So a job history can be replayed in any order.
 
-use crate::candidate_state::Purpose;
 use crate::work::TaskState;
 use dispatch::{Closed, Job};
 use protocol::TaskId;
-use record::{PoseQuestion, RecordedEnd, RecordedFirst, RecordedJob, RecordedMoment};
-use runtime::clock;
+use record::{PoseQuestion, RecordedEnd, RecordedJob, RecordedRound};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What was recorded of one request.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JobHistory {
-    /// Questions, in the order in which they were asked. One without jobs was answered by its
-    /// traversal alone.
-    pub places: Vec<PoseQuestion>,
-    /// Jobs, in the order in which they were closed.
-    pub jobs: Vec<RecordedJob>,
-    /// What was known over time.
-    pub moments: Vec<RecordedMoment>,
-    /// Number in `places` of each task that was asked.
+/// What was recorded of one round of contacts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct JobHistory {
+    /// Questions and jobs.
+    pub(crate) round: RecordedRound,
+    /// Number in `round.places` of each task that was asked.
     of_task: Vec<Option<u32>>,
-    begun_ns: u64,
 }
 
 impl JobHistory {
-    pub(crate) fn new() -> Self {
-        Self {
-            places: Vec::new(),
-            jobs: Vec::new(),
-            moments: Vec::new(),
-            of_task: Vec::new(),
-            begun_ns: clock::now_ns(),
-        }
-    }
-
     /// Notes that a question was asked: its jobs, if any, exist from now on.
     pub(crate) fn ask(&mut self, task: TaskId, state: &TaskState) {
         let task = task.0 as usize;
         self.of_task.resize(self.of_task.len().max(task + 1), None);
-        self.of_task[task] = Some(self.places.len() as u32);
-        self.places.push(state.place());
-    }
-
-    /// Notes what is known of the first contact that a question asks for.
-    pub(crate) fn narrow(&mut self, task: TaskId, first: RecordedFirst) {
-        let place = self.of_task.get(task.0 as usize).copied().flatten();
-        if let Some(place) = place.and_then(|place| self.places.get_mut(place as usize)) {
-            place.first = Some(first);
-        }
+        self.of_task[task] = Some(self.round.places.len() as u32);
+        self.round.places.push(state.place());
     }
 
     /// Notes that a job of a question that was asked has ended.
@@ -61,21 +35,14 @@ impl JobHistory {
             Closed::Cut => RecordedEnd::Cut,
             Closed::Abandoned | Closed::Late => RecordedEnd::Abandoned,
         };
-        self.jobs.push(RecordedJob { place, a: job.a.node, b: job.b.node, end });
-    }
-
-    pub(crate) fn note(&mut self, state: String, work: Vec<[f64; 2]>) {
-        let at_ns = clock::now_ns().saturating_sub(self.begun_ns);
-        self.moments.push(RecordedMoment { at_ns, jobs: self.jobs.len() as u64, state, work });
+        self.round.jobs.push(RecordedJob { place, a: job.a.node, b: job.b.node, end });
     }
 }
 
 impl TaskState {
     /// The question of this state, without its task number.
     fn place(&self) -> PoseQuestion {
-        let is_survey = matches!(self.purpose, Purpose::Survey { .. });
-        let candidate = self.candidate as u32;
-        PoseQuestion { candidate, is_survey, travel_m: self.travel_m, first: None }
+        PoseQuestion { candidate: self.candidate as u32, travel_m: self.travel_m }
     }
 
     fn key(&self) -> Key {
@@ -83,11 +50,11 @@ impl TaskState {
     }
 }
 
-/// A comparable key of a question: candidate, whether a survey asked, bits of the travel.
-type Key = (u32, bool, u64);
+/// A comparable key of a question: candidate, bits of the travel.
+type Key = (u32, u64);
 
 fn key(place: &PoseQuestion) -> Key {
-    (place.candidate, place.is_survey, place.travel_m.to_bits())
+    (place.candidate, place.travel_m.to_bits())
 }
 
 /// The questions of a recorded job history. Anything else that a replay would ask was not asked in
@@ -103,21 +70,6 @@ impl Asked {
     /// Whether it was asked.
     pub(crate) fn has(&self, state: &TaskState) -> bool {
         self.0.contains(&state.key())
-    }
-}
-
-/// What a recorded job history knows of first contacts, by question.
-#[derive(Clone, Debug)]
-pub(crate) struct Firsts(BTreeMap<Key, RecordedFirst>);
-
-impl Firsts {
-    pub(crate) fn of(places: &[PoseQuestion]) -> Self {
-        Self(places.iter().filter_map(|place| Some((key(place), place.first?))).collect())
-    }
-
-    /// What is known of the one that a question asks for.
-    pub(crate) fn of_state(&self, state: &TaskState) -> Option<RecordedFirst> {
-        self.0.get(&state.key()).copied()
     }
 }
 

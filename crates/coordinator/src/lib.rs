@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! Scenario + bodies --Request::new--> Request
-//! Request --RankingRun::new--> tasks --front--> jobs
+//! Request --SurveyRun::new--> tasks --front--> jobs
 //!                                ^               |  WorkerPool::run: worker processes
 //!                                |  follow-up    |  run_in_process: this process, one by one
 //!                                |  tasks        v
 //!                                +---- fold <-- hits
-//! RankingRun::answer --> damage::assess, damage::rank --> Answer
+//! SurveyRun::answer --> damage::assess, damage::rank --> Answer
 //! ```
 //!
 //! # Invariants
@@ -34,15 +34,14 @@ mod pairs;
 mod replay;
 mod request;
 mod request_limits;
-mod scene;
 mod strategy;
-#[cfg(any(test, feature = "faults"))]
+#[cfg(test)]
 mod trial;
 mod work;
 mod worker_pool;
 mod workspace;
 
-pub use answer::{Answer, PersonRow, PoseRow, Row, explain};
+pub use answer::{Answer, PersonRow, PoseRow};
 
 pub use course::{
     Alternative, AtHorizon, CombinedRisk, ContactRow, ContactStep, CourseAnswer, CourseChain,
@@ -51,23 +50,18 @@ pub use course::{
     PlanScene, RankedCourses, RunOutRow, rank_courses, replay_courses,
 };
 #[cfg(any(test, feature = "faults"))]
-pub use course::{CourseFlaw, random_courses, trial_courses};
-pub use explain::{ContactChain, Derivation, Explanation, PersonChain, PolicyStep, Separation};
+pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};
+pub use explain::{ContactChain, PersonChain, PolicyStep, Separation};
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
-pub use job_history::JobHistory;
 pub use pairs::{PairWork, PoseFound, Spent};
-pub use replay::replay;
-pub use request::{Candidates, Request, RequestError};
+pub use request::RequestError;
 pub use request_limits::{RequestLimits, Until};
-pub use scene::Scene;
 pub use strategy::{Prospect, SearchOrder, Strategy};
-#[cfg(any(test, feature = "faults"))]
-pub use trial::{BoundFlaw, TrialResult, trial};
-pub use work::{Certainty, Effort, PartOf, RankingRun, RunBuffers, TaskSource};
+pub use work::{Effort, PartOf, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;
 pub use worker_pool::{
     Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options,
     WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, preflight, seal,
 };
-pub use workspace::{Backend, BodySet, RankingRequest, RankingWorkspace, RunError, RunTimes};
+pub use workspace::{Backend, BodySet, RunError};

@@ -72,7 +72,6 @@ impl<'w> PairWork<'w> {
             translation: pose.translation,
             u: DVec3::X.to_array(),
             z: DVec3::Z.to_array(),
-            travels_m: [0.0; 2],
         };
         let wires = poses.iter().enumerate().map(wire);
         Self {

@@ -1,24 +1,22 @@
-//! A request as the engine takes it: every candidate in the ego's frame, and the persons at stake.
+//! What is asked of workers at once: contacts in the ego's frame, and the persons at stake.
 
 use crate::candidate_state::FirstContact;
-use body::{BodyKind, BodyView, Meta, Seat};
-use bvh::support::{Extremes, support};
+use body::{BodyKind, Meta, Seat};
 use damage::party::{is_concave, is_fixed};
 use damage::rule::Stake;
 use damage::{
-    Aboard, Approach, CollisionParty, Curves, Encounter, Meeting, Parameters, PersonId, Policy,
-    Stiffness, heading, occupants, plan,
+    Aboard, Approach, CollisionParty, Curves, Encounter, Meeting, Parameters, Policy, Stiffness,
+    heading,
 };
 use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
-use scenario::{Name, Scenario};
+use scenario::Name;
 use smallvec::SmallVec;
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::Arc;
 
-/// One candidate, before any work.
+/// One contact, before any work: a candidate, as far as this request goes.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     pub(crate) name: Name,
@@ -34,8 +32,8 @@ pub(crate) struct Candidate {
     pub(crate) probability: f64,
     /// B is of unknown kind: it is taken as fixed to the ground.
     pub(crate) is_assumed_fixed: bool,
-    /// The first contact, at travel 0, where it is known; `None`: it is to be sought.
-    pub(crate) first: Option<FirstContact>,
+    /// The first contact, at travel 0.
+    pub(crate) first: FirstContact,
 }
 
 impl Candidate {
@@ -69,19 +67,9 @@ pub(crate) struct Person {
 /// The fixed list of persons; as many as a planner may name need no allocation.
 pub(crate) type Persons = SmallVec<[Person; damage::party::IN_PLACE]>;
 
-/// Which persons of the list are with each party.
-type Aboards = SmallVec<[Range<usize>; PARTIES]>;
-
-/// Number of parties stored in place.
-const PARTIES: usize = 17;
-
-/// Buffers for the candidates of a request, kept from an earlier one.
-#[derive(Debug, Default)]
-pub struct Candidates(Vec<Candidate>);
-
 /// Everything that is asked, and the policy and curves that judge it.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub(crate) struct Request {
     pub(crate) candidates: Vec<Candidate>,
     pub(crate) persons: Persons,
     pub(crate) policy: Arc<Policy>,
@@ -121,137 +109,6 @@ impl Diagnostic for RequestError {
     fn remedy(&self) -> Option<Cow<'_, str>> {
         Some("correct the candidate, or leave it out".into())
     }
-}
-
-impl Request {
-    /// Puts a scenario into the ego's frame. `bodies` are those of its parties, in their order.
-    ///
-    /// # Errors
-    ///
-    /// If a candidate's approach is unusable. A party of unknown kind is taken as fixed to the
-    /// ground: a caller who does not want that must refuse the scenario first.
-    ///
-    /// # Panics
-    ///
-    /// If there are fewer bodies than parties.
-    pub fn new(
-        scenario: &Scenario,
-        bodies: &[(Meta, BodyView<'_>)],
-        policy: impl Into<Arc<Policy>>,
-        curves: impl Into<Arc<Curves>>,
-    ) -> Result<Self, RequestError> {
-        let models: Vec<usize> = (0..scenario.parties.len()).collect();
-        let rules = (policy.into(), curves.into());
-        Self::with_models(scenario, bodies, (&models, None), rules, Candidates::default())
-    }
-
-    /// [`Request::new`] for bodies that many requests share: party i has body `models[i]`, and
-    /// `extremes` are those of the bodies, if known. The list of candidates is that of an earlier
-    /// request, reused.
-    ///
-    /// # Errors
-    ///
-    /// As [`Request::new`].
-    ///
-    /// # Panics
-    ///
-    /// If there is no model for a party, or no such body.
-    pub fn with_models(
-        scenario: &Scenario,
-        bodies: &[(Meta, BodyView<'_>)],
-        (models, extremes): (&[usize], Option<&[Extremes]>),
-        (policy, curves): (Arc<Policy>, Arc<Curves>),
-        Candidates(mut candidates): Candidates,
-    ) -> Result<Self, RequestError> {
-        let support = |model: usize, direction: DVec3| match extremes {
-            Some(extremes) => extremes[model].support(&bodies[model].1, direction),
-            None => support(&bodies[model].1, direction),
-        };
-        let body = |party: usize| &bodies[models[party]];
-        let (persons, aboard) = persons(scenario, &body);
-        candidates.clear();
-        for candidate in &scenario.candidates {
-            let (ego, other) = (scenario.ego.0, candidate.other.party.0);
-            let (state_a, state_b) = (&candidate.ego, &candidate.other.state);
-            let pose = RelativePose::between(&state_a.pose, &state_b.pose);
-            let party = |number: usize, to_ego: Option<&RelativePose>| {
-                let seat = |id: usize| Aboard { id: PersonId(id), seat: persons[id].seat };
-                let aboard = aboard[number].clone().map(seat);
-                let stated = &scenario.parties[number];
-                let stated = StatedParty {
-                    is_unknown: stated.is_unknown,
-                    mass_kg: stated.mass_kg,
-                    crush: stated.crush,
-                };
-                party(&body(number).0, stated, to_ego, aboard)
-            };
-            let (a, b) = (party(ego, None), party(other, Some(&pose)));
-            let supports = (
-                |direction| support(models[ego], direction),
-                |direction| support(models[other], direction),
-            );
-            let velocities = [state_a.velocity_m_s, state_b.velocity_m_s];
-            let approach = approach(supports, (&state_a.pose, &pose), velocities, (&a, &b));
-            let meeting = plan(&approach).map_err(|source| RequestError::Approach {
-                name: candidate.name.to_string(),
-                source,
-            })?;
-            candidates.push(Candidate {
-                name: candidate.name.clone(),
-                other_name: scenario.parties[other].name.clone(),
-                model_a: models[ego] as u32,
-                model_b: models[other] as u32,
-                pose,
-                approach,
-                meeting,
-                a,
-                b,
-                probability: candidate.probability,
-                is_assumed_fixed: scenario.parties[other].is_unknown,
-                first: None,
-            });
-        }
-        Ok(Self { candidates, persons, policy, curves, parameters: Parameters::default() })
-    }
-
-    /// The buffers, for the next request.
-    #[must_use]
-    pub fn into_buffers(self) -> Candidates {
-        Candidates(self.candidates)
-    }
-
-    /// The policy.
-    #[must_use]
-    pub fn policy(&self) -> &Policy {
-        &self.policy
-    }
-}
-
-/// The fixed list of persons, and which of them are with each party.
-fn persons<'b>(
-    scenario: &Scenario,
-    body: &impl Fn(usize) -> &'b (Meta, BodyView<'b>),
-) -> (Persons, Aboards) {
-    let mut persons = Persons::new();
-    let mut aboard = Aboards::new();
-    for (number, party) in scenario.parties.iter().enumerate() {
-        let meta = &body(number).0;
-        let is_ego = number == scenario.ego.0;
-        let states = scenario.candidates.iter().filter_map(|candidate| {
-            let is_other = candidate.other.party.0 == number;
-            if is_ego { Some(&candidate.ego) } else { is_other.then_some(&candidate.other.state) }
-        });
-        let speed = states.map(|state| state.velocity_m_s.length()).fold(0.0, f64::max);
-        let stated = party.persons.as_deref().or(meta.occupants.as_deref());
-        let stake = Stake { is_ego, responsibility: party.responsibility };
-        let first = persons.len();
-        if !party.is_unknown {
-            let seats = occupants(meta.kind, speed, stated).into_iter();
-            persons.extend(seats.map(|seat| Person { party: party.name.clone(), seat, stake }));
-        }
-        aboard.push(first..persons.len());
-    }
-    (persons, aboard)
 }
 
 /// What a scenario says of a party beyond its body.

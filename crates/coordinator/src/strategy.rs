@@ -8,7 +8,6 @@
 
 use core::fmt::Debug;
 use damage::Interval;
-use damage::evidence::Touch;
 
 /// One candidate, as a strategy sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,12 +16,8 @@ pub struct Prospect {
     pub has_work: bool,
     /// Whether it can still win.
     pub is_possible: bool,
-    /// Whether its bodies touch.
-    pub touch: Touch,
     /// What the first undecided step of the policy compares.
     pub compared: Interval,
-    /// Jobs handed out so far.
-    pub jobs: u64,
 }
 
 /// A rule that chooses the candidate whose job goes out next.
@@ -60,7 +55,7 @@ pub enum SearchOrder {
     RoundRobin,
     /// Incumbent and challenger in turn.
     Alternating,
-    /// One hit per candidate first, then the less known of incumbent and challenger.
+    /// The less known of incumbent and challenger.
     Deciding,
 }
 
@@ -156,22 +151,12 @@ impl Strategy for Alternating {
     }
 }
 
-/// First one hit per candidate that may touch, because contact itself separates candidates most and
-/// costs least; then the one of incumbent and challenger that has more left to lose.
+/// The one of incumbent and challenger that has more left to lose.
 #[derive(Clone, Copy, Debug, Default)]
 struct Deciding;
 
 impl Strategy for Deciding {
     fn choose(&mut self, prospects: &[Prospect], incumbent: usize) -> Option<usize> {
-        let untouched = |k: &usize| {
-            let prospect = &prospects[*k];
-            prospect.has_work && prospect.is_possible && prospect.touch == Touch::Unknown
-        };
-        // A candidate that passes by is asked at every pose: the others take turns with it.
-        let by_jobs = |k: &usize| prospects[*k].jobs;
-        if let Some(k) = (0..prospects.len()).filter(untouched).min_by_key(by_jobs) {
-            return Some(k);
-        }
         let challenger = challenger(prospects, incumbent);
         let incumbent = Some(incumbent).filter(|k| prospects[*k].has_work);
         let width = |k: usize| prospects[k].compared.hi() - prospects[k].compared.lo();

@@ -5,16 +5,16 @@
 //! than the one before; and places reported as settled are those of the finished run. Jobs run in
 //! any order, are cut by any budget, and are sometimes lost permanently.
 //!
-//! [`BoundFlaw`] makes bounds wrong on purpose: a trial must notice it. All of this is compiled
-//! only with the feature `faults` and in the tests of this crate.
+//! [`BoundFlaw`] makes bounds wrong on purpose: a trial must notice it.
 
 use crate::bound::Open;
+use crate::course::TrialResult;
 use crate::in_process::InProcessExecutor;
 use crate::request::{Request, RequestError};
 use crate::request_limits::RequestLimits;
 use crate::run_in_process;
 use crate::strategy::SearchOrder;
-use crate::work::RankingRun;
+use crate::work::SurveyRun;
 use body::{BodyView, Meta};
 use damage::{
     AnswerState, AssessError, CandidateBounds, CandidateHarm, Interval, RankedCandidates,
@@ -25,41 +25,11 @@ use geometry::rng::Rng;
 
 /// A deliberate flaw in the bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BoundFlaw {
+pub(crate) enum BoundFlaw {
     /// Unfinished poses are taken to add nothing.
     ForgetsOpenPoses,
     /// Upper ends are placed half way up.
     HalvesWidths,
-}
-
-/// What a trial found.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct TrialResult {
-    /// Number of inspections.
-    pub stops: u64,
-    /// Inspections at which the winner was certain and work was open.
-    pub certified: u64,
-    /// Intervals checked against the finished run.
-    pub intervals: u64,
-    /// Intervals of nonzero width.
-    pub open_intervals: u64,
-    /// What did not hold, in words.
-    pub violations: Vec<String>,
-}
-
-/// Most violations that are kept.
-const VIOLATIONS_MAX: usize = 1_000_000;
-
-impl TrialResult {
-    /// Adds what another trial found.
-    pub fn add(&mut self, other: Self) {
-        self.stops += other.stops;
-        self.certified += other.certified;
-        self.intervals += other.intervals;
-        self.open_intervals += other.open_intervals;
-        self.violations.extend(other.violations);
-        self.violations.truncate(VIOLATIONS_MAX);
-    }
 }
 
 /// All figures of one candidate that are intervals, with their names.
@@ -115,14 +85,14 @@ struct Trial {
 /// # Errors
 ///
 /// If the request cannot be judged.
-pub fn trial(
+pub(crate) fn trial(
     request: &Request,
     bodies: &[(Meta, BodyView<'_>)],
     depth: u32,
     (seed, stops): (u64, u64),
     flaw: Option<BoundFlaw>,
 ) -> Result<TrialResult, RequestError> {
-    let mut whole = RankingRun::new(request, bodies, depth);
+    let mut whole = SurveyRun::new(request, bodies, depth);
     let jobs = run_in_process(&mut whole, bodies).max(1);
     let mut trial = Trial { last: whole.judge()?, before: None, verdict: TrialResult::default() };
     let mut rng = Rng::new(seed);
@@ -130,7 +100,7 @@ pub fn trial(
     let budget = [u64::MAX, 10_000, 30_000][rng.below(3) as usize];
     let loses = [0, 0, 0, 200, 20][rng.below(5) as usize];
     let limits = RequestLimits { search_order, budget, ..RequestLimits::default() };
-    let mut work = RankingRun::new(request, bodies, depth).with_limits(limits);
+    let mut work = SurveyRun::new(request, bodies, depth).with_limits(limits);
     let mut executor = InProcessExecutor::with_room_for(bodies);
     let mut open = Vec::new();
     trial.look(&work, flaw)?;
@@ -161,7 +131,7 @@ pub fn trial(
 
 impl Trial {
     /// Inspects the answer as it would be now.
-    fn look(&mut self, work: &RankingRun<'_>, flaw: Option<BoundFlaw>) -> Result<(), RequestError> {
+    fn look(&mut self, work: &SurveyRun<'_>, flaw: Option<BoundFlaw>) -> Result<(), RequestError> {
         let now = match flaw {
             None => work.judge()?,
             Some(flaw) => flawed(work, flaw)?,
@@ -241,7 +211,7 @@ impl Trial {
     /// Checks that what is kept while jobs finish agrees with the answer.
     fn hold_standing(
         &mut self,
-        work: &RankingRun<'_>,
+        work: &SurveyRun<'_>,
         (harms, ranking): &(Vec<CandidateHarm>, RankedCandidates),
     ) {
         let Some(standing) = work.standing() else { return };
@@ -263,7 +233,7 @@ impl Trial {
 }
 
 /// The bounds of a candidate, from all that is known now.
-fn bounds_of(work: &RankingRun<'_>, k: usize) -> Result<CandidateBounds, AssessError> {
+fn bounds_of(work: &SurveyRun<'_>, k: usize) -> Result<CandidateBounds, AssessError> {
     let request = work.request();
     let high = needs_high(&request.policy);
     let encounter = request.candidates[k].encounter();
@@ -277,7 +247,7 @@ fn steps(ranking: &RankedCandidates, k: usize) -> &[Interval] {
 }
 
 fn flawed(
-    work: &RankingRun<'_>,
+    work: &SurveyRun<'_>,
     flaw: BoundFlaw,
 ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
     match flaw {

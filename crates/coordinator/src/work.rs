@@ -1,13 +1,13 @@
 //! The work of one request: tasks become jobs, results become evidence, evidence becomes an answer.
 
-use crate::candidate_state::{CandidateState, Purpose};
-use crate::job_history::{Asked, JobHistory};
-use crate::request::Request;
+use crate::candidate_state::CandidateState;
+use crate::job_history::JobHistory;
+use crate::request::{Candidate, Request};
 use crate::request_limits::RequestLimits;
 use crate::strategy::Strategy;
 use body::{BodyView, Meta};
 use buffers::BufferPool;
-use bvh::{Counters, NodePair, OpenPair, SweepBounds, front, section};
+use bvh::{Counters, NodePair, front, section};
 use dispatch::{Closed, Job};
 use geometry::RelativePose;
 use geometry::hash::splitmix64;
@@ -17,16 +17,12 @@ use std::collections::VecDeque;
 
 mod buffers;
 mod choose;
-mod first;
 mod judge;
 mod outlook;
 mod recording;
 mod task;
-#[cfg(test)]
-mod tests;
 
-pub use buffers::RunBuffers;
-pub use outlook::Certainty;
+pub(crate) use buffers::SurveyBuffers;
 pub use task::PartOf;
 pub(crate) use task::TaskState;
 
@@ -51,17 +47,12 @@ pub trait TaskSource: for<'p> dispatch::JobSource<Part<'p> = PartOf<'p>> {
     fn budget(&self) -> u64 {
         u64::MAX
     }
-    /// The travel (m) at which a job that seeks first contact gives back what it has left, as
-    /// another one is more urgent from there on.
-    fn yield_after_m(&self, _job: &Job) -> f32 {
-        f32::INFINITY
-    }
 }
 
 /// The effort of a request, as the cost model counts it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Tasks: questions about ways and poses.
+    /// Tasks: questions about poses.
     pub tasks: u64,
     /// Tests of the traversals to the distribution depth.
     pub descent: Counters,
@@ -81,7 +72,7 @@ impl Effort {
 /// The work of one request. The backend that runs its jobs drives it through
 /// [`dispatch::JobSource`].
 #[derive(Debug)]
-pub struct RankingRun<'w> {
+pub(crate) struct SurveyRun<'w> {
     request: &'w Request,
     bodies: &'w [(Meta, BodyView<'w>)],
     /// Per body, the zones that its triangles belong to.
@@ -92,7 +83,7 @@ pub struct RankingRun<'w> {
     /// Tasks with jobs to hand out, in the order in which they were asked for.
     waiting: VecDeque<u32>,
     pairs: Vec<NodePair>,
-    purposes: Vec<(Purpose, f64, WireQuestion)>,
+    asked: Vec<(usize, f64, WireQuestion)>,
     /// Number of jobs, including those that were never handed out.
     slots: usize,
     effort: Effort,
@@ -102,29 +93,29 @@ pub struct RankingRun<'w> {
     spare: BufferPool,
     deadline_ns: Option<u64>,
     job_history: Option<JobHistory>,
-    /// If this is a replay: what was asked in time.
-    asked: Option<Asked>,
 }
 
-impl<'w> RankingRun<'w> {
+impl<'w> SurveyRun<'w> {
     /// A run with nothing done yet. `bodies` are those of the scenario's parties, in their order.
-    #[must_use]
-    pub fn new(request: &'w Request, bodies: &'w [(Meta, BodyView<'w>)], depth: u32) -> Self {
-        Self::with_buffers(request, bodies, depth, RunBuffers::default())
-    }
-
-    /// [`RankingRun::new`] in the buffers of an earlier request of the same bodies at the same
-    /// depth: then nothing is allocated.
-    #[must_use]
-    pub fn with_buffers(
+    pub(crate) fn new(
         request: &'w Request,
         bodies: &'w [(Meta, BodyView<'w>)],
         depth: u32,
-        buffers: RunBuffers,
+    ) -> Self {
+        Self::with_buffers(request, bodies, depth, SurveyBuffers::default())
+    }
+
+    /// [`SurveyRun::new`] in the buffers of an earlier request of the same bodies at the same
+    /// depth: then nothing is allocated.
+    pub(crate) fn with_buffers(
+        request: &'w Request,
+        bodies: &'w [(Meta, BodyView<'w>)],
+        depth: u32,
+        buffers: SurveyBuffers,
     ) -> Self {
         let buffers = buffers.for_request(request, bodies);
-        let RunBuffers { zones, candidate_states, tasks, waiting, .. } = buffers;
-        let RunBuffers { pairs, purposes, outlook, spare, .. } = buffers;
+        let SurveyBuffers { zones, candidate_states, tasks, waiting, .. } = buffers;
+        let SurveyBuffers { pairs, asked, outlook, spare, .. } = buffers;
         let limits = RequestLimits::default();
         let mut work = Self {
             request,
@@ -135,7 +126,7 @@ impl<'w> RankingRun<'w> {
             tasks,
             waiting,
             pairs,
-            purposes,
+            asked,
             slots: 0,
             effort: Effort::default(),
             limits,
@@ -144,28 +135,24 @@ impl<'w> RankingRun<'w> {
             spare,
             deadline_ns: None,
             job_history: None,
-            asked: None,
         };
         for (k, candidate) in request.candidates.iter().enumerate() {
             let task = work.tasks.len() as u32;
-            work.candidate_states[k].begin(candidate, task, &mut work.purposes);
-            work.ask(k);
+            work.candidate_states[k].begin(task, &mut work.asked);
+            work.ask(k, candidate);
         }
         work
     }
 
     /// The buffers, for the next request.
-    #[must_use]
-    pub fn into_buffers(self) -> RunBuffers {
-        let Self {
-            zones, candidate_states, tasks, waiting, pairs, purposes, outlook, spare, ..
-        } = self;
-        RunBuffers { zones, candidate_states, tasks, waiting, pairs, purposes, outlook, spare }
+    pub(crate) fn into_buffers(self) -> SurveyBuffers {
+        let Self { zones, candidate_states, tasks, waiting, pairs, asked, outlook, spare, .. } =
+            self;
+        SurveyBuffers { zones, candidate_states, tasks, waiting, pairs, asked, outlook, spare }
     }
 
     /// This run with other limits.
-    #[must_use]
-    pub fn with_limits(self, limits: RequestLimits) -> Self {
+    pub(crate) fn with_limits(self, limits: RequestLimits) -> Self {
         Self { limits, strategy: limits.search_order.strategy(), ..self }
     }
 
@@ -178,25 +165,17 @@ impl<'w> RankingRun<'w> {
     }
 
     /// The effort so far.
-    #[must_use]
-    pub fn effort(&self) -> Effort {
+    pub(crate) fn effort(&self) -> Effort {
         self.effort
     }
 
-    /// Asks for what a candidate needs next: one task for each purpose.
-    fn ask(&mut self, k: usize) {
-        let candidate = &self.request.candidates[k];
-        let mut purposes = std::mem::take(&mut self.purposes);
-        for (purpose, travel_m, question) in purposes.drain(..) {
+    /// Asks for the poses of a candidate: one task for each.
+    fn ask(&mut self, k: usize, candidate: &Candidate) {
+        let mut asked = std::mem::take(&mut self.asked);
+        for (stop, travel_m, question) in asked.drain(..) {
             let u = candidate.approach.directions.d[0];
             let z = candidate.approach.directions.d[damage::approach::UP];
-            // A search begins at the given pose, whatever travel that is: it states travels itself.
-            let (pose, travels_m) = match (purpose, &candidate.meeting) {
-                (Purpose::FirstContact, damage::Meeting::Path(path)) => {
-                    (candidate.pose, [path.from_m, path.to_m])
-                }
-                _ => (candidate.pose.moved(-u * travel_m), [0.0; 2]),
-            };
+            let pose = candidate.pose.moved(-u * travel_m);
             let task = self.tasks.len() as u32;
             let wire = WireTask {
                 model_a: candidate.model_a,
@@ -207,16 +186,13 @@ impl<'w> RankingRun<'w> {
                 translation: pose.translation,
                 u: u.to_array(),
                 z: z.to_array(),
-                travels_m,
             };
-            let state = self.spare.state(k, (purpose, travel_m), wire);
+            let state = self.spare.state(k, (stop, travel_m), wire);
             self.effort.tasks += 1;
-            if self.asked.as_ref().is_none_or(|asked| asked.has(&state)) {
-                self.waiting.push_back(task);
-            }
+            self.waiting.push_back(task);
             self.tasks.push(state);
         }
-        self.purposes = purposes;
+        self.asked = asked;
     }
 
     /// A body of the request, by its number.
@@ -238,17 +214,6 @@ impl<'w> RankingRun<'w> {
         if let Some(job_history) = &mut self.job_history {
             job_history.ask(TaskId(number), state);
         }
-        if state.is_first_contact() {
-            // Opened bit by bit, as its jobs are handed out.
-            match state.sweep_task((a, b)) {
-                Some(task) => state.front.begin(&SweepBounds::new(&task), descent),
-                // A way too long to be searched: all of it stays open, so it is never "no contact".
-                None => {
-                    state.lost.push(OpenPair { pair: NodePair::ROOTS, from_m: f32::NEG_INFINITY });
-                }
-            }
-            return;
-        }
         self.pairs.clear();
         front(a, b, &pose_of(&wire), self.depth, &mut self.pairs, descent);
         self.slots += self.pairs.len();
@@ -263,21 +228,17 @@ impl<'w> RankingRun<'w> {
             self.descend(number);
         }
         let stride = self.strategy.stride();
-        if self.tasks[number as usize].is_first_contact() {
-            return self.hand_out_first(number, stride, jobs);
-        }
         let state = &mut self.tasks[number as usize];
         let section = |model, node| Section { model, node };
         let keep = state.todo.len().saturating_sub(stride);
         for pair in state.todo.drain(keep..).rev() {
-            state.out.push_back(OpenPair { pair, from_m: f32::NEG_INFINITY });
+            state.out.push_back(pair);
             jobs.push(Job {
                 task: TaskId(number),
                 a: section(state.wire.model_a, pair.a),
                 b: section(state.wire.model_b, pair.b),
             });
         }
-        self.outlook.handed_out(state.candidate, jobs.len());
         if state.todo.is_empty() {
             self.waiting.retain(|waiting| *waiting != number);
             self.finish_if_closed(number);
@@ -287,70 +248,40 @@ impl<'w> RankingRun<'w> {
     /// If all jobs of a task are closed, draws the conclusion and asks for what follows.
     fn finish_if_closed(&mut self, number: u32) {
         let state = &mut self.tasks[number as usize];
-        if state.is_first_contact() {
-            return self.finish_first_if_closed(number);
-        }
         if !state.todo.is_empty() || !state.out.is_empty() || !state.is_descended {
             return;
         }
-        let (k, purpose) = (state.candidate, state.purpose);
+        let (k, stop) = (state.candidate, state.stop);
         self.outlook.touch(k, true);
-        if state.is_obsolete {
-            self.spare.gathered.extend(state.found.take());
-            return;
-        }
         if !state.lost.is_empty() {
             // Its bound stays as wide as it is: of a stop, what was found.
             return;
         }
         let Some(found) = state.found.take() else { return };
         let wire = state.wire;
-        if let Purpose::Survey { stop } = purpose {
-            let views = self.views(&wire);
-            self.candidate_states[k].surveyed(stop, &found, views);
-            if self.candidate_states[k].is_done() {
-                self.note();
-            }
-        }
+        let views = self.views(&wire);
+        self.candidate_states[k].surveyed(stop, &found, views);
         self.spare.gathered.push(found);
     }
 
     /// Notes a job as lost: its result stays unknown.
-    fn lose(&mut self, number: u32, open: OpenPair) {
+    fn lose(&mut self, number: u32, open: NodePair) {
         let state = &mut self.tasks[number as usize];
-        if !state.lost.iter().any(|lost| lost.pair == open.pair) {
+        if !state.lost.contains(&open) {
             state.lost.push(open);
         }
     }
 
-    /// Turns what a job left open into jobs of the same task, which go out first, or in a search
-    /// for first contact in their turn.
-    fn divide(&mut self, number: u32, job: OpenPair, rest: &[NodePair]) {
-        let state = &self.tasks[number as usize];
-        let views = self.views(&state.wire);
-        let is_first_contact = state.is_first_contact();
+    /// Turns what a job left open into jobs of the same task, which go out first.
+    fn divide(&mut self, number: u32, job: NodePair, rest: &[NodePair]) {
         let state = &mut self.tasks[number as usize];
         if self.slots + rest.len() > SLOTS_MAX {
-            state.lost.extend(rest.iter().map(|pair| OpenPair { pair: *pair, ..job }));
+            state.lost.push(job);
             return;
         }
         self.slots += rest.len();
-        if is_first_contact {
-            let bounds = state.sweep_task(views).map(|task| SweepBounds::new(&task));
-            for pair in rest {
-                let Some(bounds) = &bounds else {
-                    state.lost.push(OpenPair { pair: *pair, ..job });
-                    continue;
-                };
-                let Some(from_m) = bounds.first_m(*pair) else { continue };
-                // Bounds only narrow on the way down.
-                state.front.push(OpenPair { pair: *pair, from_m: from_m.max(job.from_m) });
-            }
-        } else {
-            state.todo.extend(rest);
-        }
-        let has_more = !state.todo.is_empty() || !state.front.is_empty();
-        if has_more && !self.waiting.contains(&number) {
+        state.todo.extend(rest);
+        if !state.todo.is_empty() && !self.waiting.contains(&number) {
             self.waiting.push_front(number);
         }
     }
@@ -363,7 +294,7 @@ fn pose_of(wire: &WireTask) -> RelativePose {
     RelativePose { rotation: wire.rotation, translation: wire.translation }
 }
 
-impl TaskSource for RankingRun<'_> {
+impl TaskSource for SurveyRun<'_> {
     fn task(&self, task: TaskId) -> Option<&WireTask> {
         self.tasks.get(task.0 as usize).map(|state| &state.wire)
     }
@@ -373,7 +304,6 @@ impl TaskSource for RankingRun<'_> {
     }
 
     fn accept(&mut self, now_ns: u64) {
-        self.outlook.begin(now_ns);
         self.deadline_ns = self.limits.deadline_ns.map(|length_ns| now_ns + length_ns);
     }
 
@@ -382,73 +312,58 @@ impl TaskSource for RankingRun<'_> {
     }
 
     fn is_over(&self, now_ns: u64) -> bool {
-        self.outlook.is_decided() || self.deadline_ns.is_some_and(|due_ns| due_ns <= now_ns)
+        self.deadline_ns.is_some_and(|due_ns| due_ns <= now_ns)
     }
 
     fn budget(&self) -> u64 {
         self.limits.budget
     }
-
-    fn yield_after_m(&self, job: &Job) -> f32 {
-        let state = self.tasks.get(job.task.0 as usize);
-        state.and_then(|state| state.front.first_m()).unwrap_or(f32::INFINITY)
-    }
 }
 
-impl dispatch::JobSource for RankingRun<'_> {
+impl dispatch::JobSource for SurveyRun<'_> {
     type Part<'p> = PartOf<'p>;
 
     fn more(&mut self, jobs: &mut Vec<Job>) {
-        while jobs.is_empty() && !self.outlook.is_decided() {
+        while jobs.is_empty() {
             let Some(number) = self.choose() else { return };
             self.hand_out(number, jobs);
         }
     }
 
-    fn is_obsolete(&self, job: &Job) -> bool {
-        self.outlook.is_decided() || self.is_job_obsolete(job)
+    fn is_obsolete(&self, _: &Job) -> bool {
+        false
     }
 
     fn fold(&mut self, job: &Job, part: PartOf<'_>) {
         let Some(state) = self.tasks.get_mut(job.task.0 as usize) else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
-        let sound = if state.is_first_contact() {
-            self.fold_first(job.task.0, &part.0)
-        } else if let Some(found) = &mut state.found {
-            found.fold(part.0, &mut self.effort.jobs)
-        } else {
-            return;
-        };
-        let state = &mut self.tasks[job.task.0 as usize];
+        let Some(found) = &mut state.found else { return };
+        let sound = found.fold(part.0, &mut self.effort.jobs);
         state.store_rest(pair, &part.0, &mut self.spare.rests);
         if !sound || !state.is_whole(pair, &part.0) {
-            let open = state.handed(pair);
-            self.lose(job.task.0, open);
+            self.lose(job.task.0, pair);
         }
     }
 
     fn close(&mut self, job: &Job, how: Closed) {
-        let is_obsolete =
-            self.tasks.get(job.task.0 as usize).is_some() && self.is_job_obsolete(job);
         let Some(state) = self.tasks.get_mut(job.task.0 as usize) else { return };
         let pair = NodePair { a: job.a.node, b: job.b.node };
-        let open = state.handed(pair);
         // Jobs end roughly in the order in which they went out.
-        if let Some(at) = state.out.iter().position(|out| out.pair == pair) {
+        if let Some(at) = state.out.iter().position(|out| *out == pair) {
             state.out.remove(at);
         }
         state.done += u64::from(how == Closed::Done);
         let rest = state.rests.iter().position(|(of, _)| *of == pair);
         let rest = rest.map(|at| state.rests.swap_remove(at).1);
-        // Cut because the winner is certain: it is as open as one that never went out.
-        let is_open = how == Closed::Cut && !is_obsolete;
+        // It is as open as one that never went out.
+        let is_open = how == Closed::Cut;
         if let Some(job_history) = self.job_history.as_mut().filter(|_| !is_open) {
             job_history.close(job, how);
         }
         if matches!(how, Closed::Abandoned | Closed::Late) || is_open {
-            self.lose(job.task.0, open);
-        } else if let Some(rest) = rest.as_ref().filter(|_| how == Closed::Done && !is_obsolete) {
-            self.divide(job.task.0, open, rest);
+            self.lose(job.task.0, pair);
+        } else if let Some(rest) = rest.as_ref().filter(|_| how == Closed::Done) {
+            self.divide(job.task.0, pair, rest);
         }
         self.spare.rests.extend(rest);
         self.outlook.touch(self.tasks[job.task.0 as usize].candidate, false);

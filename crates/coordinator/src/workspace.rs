@@ -1,25 +1,13 @@
-//! The path of one request from a scenario to its evidence, whatever the caller and the backend.
-//!
-//! ```text
-//! Scenario --plan--> Request --> Work --Backend: workers, or this process--> evidence --> read
-//! ```
-//!
-//! A command that ranks once and a service that ranks for months both go through
-//! [`RankingWorkspace::rank`], so that they cannot drift apart.
+//! What requests are worked on with: sealed bodies, and workers or this process.
 
 use crate::in_process::InProcessExecutor;
-use crate::request::{Candidates, Request, RequestError};
-use crate::request_limits::RequestLimits;
-use crate::work::{RankingRun, RunBuffers, TaskSource};
+use crate::request::RequestError;
+use crate::work::TaskSource;
 use crate::worker_pool::{IdleHook, WorkerPool, WorkerPoolError, WorkerPoolReport};
 use body::{BodyView, Meta};
 use bvh::support::Extremes;
-use damage::{Curves, Policy};
 use diagnostic::{Diagnostic, FailureKind};
-use runtime::clock;
-use scenario::Scenario;
 use std::borrow::Cow;
-use std::sync::Arc;
 
 /// The sealed bodies that requests refer to, and the depth at which their trees are cut.
 #[derive(Clone, Copy, Debug)]
@@ -33,19 +21,6 @@ pub struct BodySet<'b> {
     pub depth: u32,
 }
 
-/// One request.
-#[derive(Clone, Debug)]
-pub struct RankingRequest<'a> {
-    /// Parties and candidates.
-    pub scenario: &'a Scenario,
-    /// The body of each party: its number in the store.
-    pub models: &'a [usize],
-    /// Policy and curves that judge the candidates.
-    pub rules: (Arc<Policy>, Arc<Curves>),
-    /// Whether a job history of questions and jobs is kept.
-    pub job_history: bool,
-}
-
 /// What runs the jobs.
 #[derive(Debug)]
 pub enum Backend {
@@ -53,17 +28,6 @@ pub enum Backend {
     Workers(Box<WorkerPool>),
     /// This process, one job after the other.
     InProcess(Box<InProcessExecutor>),
-}
-
-/// When the stages of one request ended (ns, monotonic), and what was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RunTimes {
-    /// Paths and hulls are known.
-    pub planned_ns: u64,
-    /// All jobs are closed, or no longer waited for.
-    pub worked_ns: u64,
-    /// Number of jobs that this process ran itself.
-    pub jobs_in_process: u64,
 }
 
 /// A request that could not be completed.
@@ -98,15 +62,6 @@ impl Diagnostic for RunError {
             Self::WorkerPool(error) => error.remedy(),
         }
     }
-}
-
-/// Buffers kept from one request to the next, so that the next does not allocate.
-///
-/// They must not be used with other bodies or another depth: they hold the zones of their bodies.
-#[derive(Debug, Default)]
-pub struct RankingWorkspace {
-    candidates: Candidates,
-    buffers: RunBuffers,
 }
 
 impl Backend {
@@ -152,51 +107,5 @@ impl Backend {
             Self::Workers(worker_pool) => worker_pool.idle_hook().cloned(),
             Self::InProcess(executor) => executor.idle_hook().cloned(),
         }
-    }
-}
-
-impl RankingWorkspace {
-    /// Runs a request, and passes what is known at its end to `read`. `limits` gives the limits
-    /// once the request is planned, when the time left before a deadline is known.
-    ///
-    /// # Errors
-    ///
-    /// If the request is unusable, or no worker is left to run its jobs.
-    ///
-    /// # Panics
-    ///
-    /// If there is no model for a party, or no such body.
-    pub fn rank<T>(
-        &mut self,
-        stage: &BodySet<'_>,
-        inquiry: RankingRequest<'_>,
-        limits: impl FnOnce() -> RequestLimits,
-        backend: &mut Backend,
-        read: impl FnOnce(&mut RankingRun<'_>, RunTimes) -> T,
-    ) -> Result<T, RunError> {
-        let RankingRequest { scenario, models, rules, job_history } = inquiry;
-        let candidates = core::mem::take(&mut self.candidates);
-        let request = Request::with_models(
-            scenario,
-            stage.bodies,
-            (models, stage.extremes),
-            rules,
-            candidates,
-        )?;
-        let buffers = core::mem::take(&mut self.buffers);
-        let mut work = RankingRun::with_buffers(&request, stage.bodies, stage.depth, buffers)
-            .with_limits(limits());
-        if job_history {
-            work = work.with_job_history();
-        }
-        let planned_ns = clock::now_ns();
-        let done = backend.work_off(&mut work);
-        let worked_ns = clock::now_ns();
-        let told = done.map(|jobs_in_process| {
-            read(&mut work, RunTimes { planned_ns, worked_ns, jobs_in_process })
-        });
-        self.buffers = work.into_buffers();
-        self.candidates = request.into_buffers();
-        Ok(told?)
     }
 }

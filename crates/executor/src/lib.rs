@@ -15,10 +15,8 @@
 //! It does not know where hits go, who made the request, or what time it is.
 
 use body::{BodyView, Meta};
-use bvh::{Counters, Kernel, NodePair, Outcome, Question, Side, Sink, kernel};
-use bvh::{SweepKernel, SweepLimits, SweepSink, SweepTask};
-use core::ops::ControlFlow;
-use geometry::{DVec3, Directions, RelativePose, Supports, Sweep};
+use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
+use geometry::{Directions, RelativePose};
 use protocol::result::{SUPPORTS, WireEnd};
 use protocol::{Summary, WireSide, WireTask};
 
@@ -27,11 +25,6 @@ use protocol::{Summary, WireSide, WireTask};
 #[derive(Debug)]
 pub struct Executor {
     kernel: Kernel,
-    sweep_kernel: SweepKernel,
-    /// What the last search for first contact left open.
-    open: Vec<NodePair>,
-    /// Whether the last job was such a search.
-    is_sweep: bool,
     /// Number of triangles of a body for which there is capacity.
     triangles: usize,
     prepared: Option<Prepared>,
@@ -53,8 +46,6 @@ pub struct JobInput {
     pub start: NodePair,
     /// Maximum number of box and triangle tests.
     pub budget: u64,
-    /// A search for first contact ends once all that it has left begins after this travel (m).
-    pub yield_after_m: f64,
 }
 
 /// The result of a job, apart from the hits that went to the sink.
@@ -90,9 +81,7 @@ impl Executor {
     pub fn with_room_for(bodies: &[(Meta, BodyView<'_>)]) -> Self {
         let (depth, triangles) = extent(bodies);
         let kernel = Kernel::with_room(depth, depth, triangles, triangles);
-        let sweep_kernel = SweepKernel::with_room(depth, depth, 1);
-        let open = Vec::new();
-        Self { kernel, sweep_kernel, open, is_sweep: false, triangles, prepared: None }
+        Self { kernel, triangles, prepared: None }
     }
 
     /// Ensures capacity for jobs of other bodies; allocates only if these are larger.
@@ -100,7 +89,6 @@ impl Executor {
         let (depth, triangles) = extent(bodies);
         self.triangles = self.triangles.max(triangles);
         self.kernel.ensure_room(depth, depth, self.triangles, self.triangles);
-        self.sweep_kernel.ensure_room(depth, depth, 1);
     }
 
     /// Executes a job; `body` looks up the bodies that its task names.
@@ -119,18 +107,11 @@ impl Executor {
             protocol::WireQuestion::from_number(task.question).ok_or(NotDone::Unknown)?;
         let a = body(task.model_a).ok_or(NotDone::Unknown)?;
         let b = body(task.model_b).ok_or(NotDone::Unknown)?;
-        let JobInput { start, budget, yield_after_m } = job;
+        let JobInput { start, budget } = job;
         if start.a as usize >= a.nodes.len() || start.b as usize >= b.nodes.len() {
             return Err(NotDone::Unknown);
         }
         let pose = RelativePose { rotation: task.rotation, translation: task.translation };
-        self.is_sweep = question == protocol::WireQuestion::FirstContact;
-        if self.is_sweep {
-            let sweep = sweep(task).ok_or(NotDone::Unknown)?;
-            let task = SweepTask { a, b, pose, sweep };
-            let limits = SweepLimits { budget: kernel::within(budget), yield_after_m };
-            return self.sweep(&task, start, limits, sink);
-        }
         let triangles = a.corners.len().max(b.corners.len());
         if triangles > self.triangles {
             self.triangles = triangles;
@@ -142,7 +123,6 @@ impl Executor {
             protocol::WireQuestion::Pairs => {
                 (Question::Pairs, directions(&mut self.prepared, task))
             }
-            protocol::WireQuestion::FirstContact => return Err(NotDone::Unknown),
         };
         let has_supports = directions.is_some();
         let asked = bvh::Task { a, b, pose, question, directions };
@@ -153,64 +133,10 @@ impl Executor {
         Ok(Done { outcome, rest: self.rest().len(), has_supports })
     }
 
-    /// Seeks the first contact below a pair of nodes; the hits are its two triangles.
-    fn sweep(
-        &mut self,
-        task: &SweepTask<'_>,
-        start: NodePair,
-        limits: SweepLimits,
-        sink: &mut dyn Sink,
-    ) -> Result<Done, NotDone> {
-        let made = self.sweep_kernel.run(task, start, limits, &mut Beats(sink));
-        self.open.clear();
-        self.open.extend(self.sweep_kernel.remaining().map(|open| open.pair));
-        if made.end == bvh::End::Stopped {
-            return Err(NotDone::Stopped);
-        }
-        let first = self.sweep_kernel.nearest().first();
-        if let Some(witness) = first {
-            let [a, b] = witness.triangles;
-            let told = sink.hit(Side::A, a).is_continue() && sink.hit(Side::B, b).is_continue();
-            if !told {
-                return Err(NotDone::Stopped);
-            }
-        }
-        let Counters { nb, np } = made.counters;
-        let outcome = Outcome {
-            end: made.end,
-            counters: Counters { nb, np },
-            pairs: u64::from(first.is_some()),
-            hash: 0,
-            zones_a: 0,
-            zones_b: 0,
-            supports: Supports::EMPTY,
-        };
-        Ok(Done { outcome, rest: self.open.len(), has_supports: false })
-    }
-
-    /// The pairs of nodes that the last completed job left open: none unless it ran out of budget,
-    /// or yielded.
+    /// The pairs of nodes that the last completed job left open: none unless it ran out of budget.
     #[must_use]
     pub fn rest(&self) -> &[NodePair] {
-        if self.is_sweep { &self.open } else { self.kernel.remaining() }
-    }
-}
-
-/// The motion of a task that seeks first contact; `None` if it is none.
-///
-/// Coordinator and workers both take it from here, so that both find the same bits.
-#[must_use]
-pub fn sweep(task: &WireTask) -> Option<Sweep> {
-    let [from_m, to_m] = task.travels_m;
-    Sweep::new(-DVec3::from_array(task.u), from_m, to_m).ok()
-}
-
-/// Passes on the beats of a search for first contact.
-struct Beats<'s>(&'s mut dyn Sink);
-
-impl SweepSink for Beats<'_> {
-    fn beat(&mut self, tests: u64, _: f64) -> ControlFlow<(), f64> {
-        self.0.beat(tests).map_continue(|()| f64::INFINITY)
+        self.kernel.remaining()
     }
 }
 

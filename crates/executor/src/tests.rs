@@ -23,8 +23,7 @@ impl Sink for Ear {
     }
 }
 
-const ALL: JobInput =
-    JobInput { start: NodePair::ROOTS, budget: u64::MAX, yield_after_m: f64::INFINITY };
+const ALL: JobInput = JobInput { start: NodePair::ROOTS, budget: u64::MAX };
 
 fn bodies() -> [Body; 2] {
     [40, 24].map(|count| body_of(&mesh_of(strip(count))))
@@ -40,7 +39,6 @@ fn task(question: protocol::WireQuestion, u: [f64; 3]) -> WireTask {
         translation: [2.03, -0.52, 0.01],
         u,
         z: [0.0, 0.0, 1.0],
-        travels_m: [-10.0, 10.0],
     }
 }
 
@@ -91,7 +89,6 @@ fn a_job_finds_the_same_whatever_was_done_before_it() {
             for question in [
                 protocol::WireQuestion::Pairs,
                 protocol::WireQuestion::Touches,
-                protocol::WireQuestion::FirstContact,
                 protocol::WireQuestion::Sets,
                 protocol::WireQuestion::Pairs,
             ] {

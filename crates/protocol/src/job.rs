@@ -1,6 +1,6 @@
 //! The work sent to a worker: a batch of jobs, with the tasks they belong to.
 //!
-//! A *task* is one question about one pose, or one way, of one pair of bodies; a *job* is one pair
+//! A *task* is one question about one pose of one pair of bodies; a *job* is one pair
 //! of nodes of it. A batch carries every task that its jobs name, so a worker keeps no state
 //! between batches, and a new incarnation needs no history.
 //!
@@ -10,7 +10,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// What to compute for a pair of bodies, at one pose or on one way.
+/// What to compute for a pair of bodies at one pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum WireQuestion {
@@ -20,21 +20,18 @@ pub enum WireQuestion {
     Sets = 2,
     /// All intersecting pairs: count, hash, and supports of the contact.
     Pairs = 3,
-    /// Which pair of triangles touches first as B moves against u, and when? The hits of a job are
-    /// that pair, if there is one.
-    FirstContact = 4,
 }
 
 impl WireQuestion {
     /// The question with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
-        let all = [Self::Touches, Self::Sets, Self::Pairs, Self::FirstContact];
+        let all = [Self::Touches, Self::Sets, Self::Pairs];
         all.into_iter().find(|question| *question as u32 == number)
     }
 }
 
-/// A task in wire format: 176 bytes.
+/// A task in wire format: 160 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct WireTask {
@@ -54,9 +51,6 @@ pub struct WireTask {
     pub u: [f64; 3],
     /// Unit vector upwards, A's frame.
     pub z: [f64; 3],
-    /// The travels between which first contact is sought (m): B stands `u·s` before its pose. The
-    /// last one comes nearer as contact is found. 0 in questions about a pose.
-    pub travels_m: [f64; 2],
 }
 
 /// A job in wire format: 32 bytes.
@@ -75,14 +69,13 @@ pub struct WireJob {
     pub budget: u64,
     /// Attempt, from 0.
     pub attempt: u32,
-    /// In a search for first contact: once all that it has left begins after this travel (m), the
-    /// job gives it back, as others are more urgent. Infinity: it does not.
-    pub yield_after_m: f32,
+    /// 0.
+    pub reserved: u32,
 }
 
 const TASK_WORDS: usize = size_of::<WireTask>() / 8;
 const JOB_WORDS: usize = size_of::<WireJob>() / 8;
-const _: () = assert!(size_of::<WireTask>() == 176 && size_of::<WireJob>() == 32);
+const _: () = assert!(size_of::<WireTask>() == 160 && size_of::<WireJob>() == 32);
 
 /// The number of words of a batch of this many tasks and jobs.
 #[must_use]

@@ -97,29 +97,13 @@ pub struct Settings {
     pub unknown_is_fixed: bool,
 }
 
-/// A question about one pose of one candidate.
+/// A question about one pose of one contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PoseQuestion {
-    /// Number of the candidate.
+    /// Number of the contact in its round.
     pub candidate: u32,
-    /// Whether a survey asked, or else the search for first contact.
-    pub is_survey: bool,
-    /// Travel along the relative path (m); of a search, where it begins.
+    /// Travel along the relative path from first contact on (m).
     pub travel_m: f64,
-    /// What was known of the first contact in the end; `None` for a survey.
-    pub first: Option<RecordedFirst>,
-}
-
-/// What was known of a first contact when the answer was given.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RecordedFirst {
-    /// Before this travel nothing touches (m).
-    pub from_m: f64,
-    /// The triangles that touch first as far as was known, of the ego and of the other, in leaf
-    /// order; `None`: none was found.
-    pub triangles: Option<[u32; 2]>,
-    /// Whether nothing was open that could touch earlier.
-    pub is_settled: bool,
 }
 
 /// How a job ended.
@@ -127,16 +111,16 @@ pub struct RecordedFirst {
 pub enum RecordedEnd {
     /// Its result was folded in.
     Done,
-    /// Its question was already answered: it was not needed.
+    /// It was not needed.
     Cut,
     /// Given up: what it would have found is not known.
     Abandoned,
 }
 
-/// A job of the job history. Jobs that are not in it were open when the answer was given.
+/// A job of a round. Jobs that are not in it were open when the answer was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordedJob {
-    /// Number in [`RecordContent::places`].
+    /// Number in [`RecordedRound::places`].
     pub place: u32,
     /// Node of the ego's tree.
     pub a: u32,
@@ -146,18 +130,18 @@ pub struct RecordedJob {
     pub end: RecordedEnd,
 }
 
-/// A round of contacts of a scenario over a horizon: the contacts that come next in its candidates,
-/// whose hit sets are surveyed together.
+/// A round of contacts: those that come next in the candidates, whose hit sets are surveyed
+/// together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecordedRound {
-    /// Questions about its contacts, as in [`RecordContent::places`]; candidates are the contacts
-    /// of the round.
+    /// Questions that were asked by the time of the answer, in that order. One without jobs was
+    /// answered by its traversal: nothing was near enough.
     pub places: Vec<PoseQuestion>,
-    /// Jobs, as in [`RecordContent::jobs`]; a place is one of this round.
+    /// Jobs, in the order in which they were closed.
     pub jobs: Vec<RecordedJob>,
 }
 
-/// When the work on a scenario over a horizon was to stop.
+/// When the work was to stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RecordedUntil {
     /// When all work was done.
@@ -169,25 +153,12 @@ pub enum RecordedUntil {
     Certified,
 }
 
-/// How far the search for contacts of a scenario over a horizon came before its deadline.
+/// How far the search for contacts came before its deadline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordedSearch {
     /// The search looks at the clock at points that follow from the scene alone. This is the look,
     /// from 0, at which time was over; `None`: it never was.
     pub over_at: Option<u64>,
-}
-
-/// What was known at one moment of the work.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RecordedMoment {
-    /// Since the work began (ns).
-    pub at_ns: u64,
-    /// Jobs closed by then.
-    pub jobs: u64,
-    /// State of the answer, had it been given then.
-    pub state: String,
-    /// Per candidate of the request: work interval of the policy's leading measure.
-    pub work: Vec<[f64; 2]>,
 }
 
 /// A job on a worker.
@@ -240,19 +211,12 @@ pub struct RecordContent {
     pub settings: Settings,
     /// Bodies, in the order of the scenario's parties.
     pub bodies: Vec<RecordedBody>,
-    /// Questions that were asked by the time of the answer, in that order. One without jobs was
-    /// answered by its traversal: nothing was near enough.
-    pub places: Vec<PoseQuestion>,
-    /// The job history, in the order in which jobs were closed.
-    pub jobs: Vec<RecordedJob>,
-    /// Of a scenario over a horizon: questions and jobs by round. It has none of its own outside.
+    /// Questions and jobs by round.
     pub rounds: Vec<RecordedRound>,
-    /// Of a scenario over a horizon: when work was to stop.
+    /// When work was to stop.
     pub until: RecordedUntil,
-    /// Of a scenario over a horizon: how far the search came; `None`: it had no deadline.
+    /// How far the search for contacts came; `None`: it had no deadline.
     pub search: Option<RecordedSearch>,
-    /// What was known over time; empty of a scenario over a horizon.
-    pub moments: Vec<RecordedMoment>,
     /// Jobs on workers; empty without workers. No answer depends on it.
     pub spans: Vec<RecordedSpan>,
     /// Messages by edge.
@@ -268,15 +232,9 @@ pub struct RecordContent {
 }
 
 impl RecordContent {
-    /// Whether its scenario is one over a horizon.
-    #[must_use]
-    pub fn is_over_horizon(&self) -> bool {
-        scenario::is_horizon_text(&self.scenario.text)
-    }
-
-    /// The jobs of all rounds, or those of the request.
+    /// The jobs of all rounds.
     pub fn all_jobs(&self) -> impl Iterator<Item = &RecordedJob> {
-        self.jobs.iter().chain(self.rounds.iter().flat_map(|round| &round.jobs))
+        self.rounds.iter().flat_map(|round| &round.jobs)
     }
 }
 

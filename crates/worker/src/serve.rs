@@ -234,8 +234,7 @@ impl<'w> JobLoop<'w> {
             None => self.bodies.get(number as usize).map(|(_, body)| *body),
         };
         let start = NodePair { a: job.node_a, b: job.node_b };
-        let yield_after_m = f64::from(job.yield_after_m);
-        let part = executor::JobInput { start, budget: job.budget, yield_after_m };
+        let part = executor::JobInput { start, budget: job.budget };
         let mut answer = Answer::new(self.outlet, request, *job);
         match self.executor.execute(task, body, part, &mut answer) {
             Ok(done) => answer.finish(&done, self.executor.rest(), started_ns),

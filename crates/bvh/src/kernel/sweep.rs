@@ -114,23 +114,17 @@ impl SweepSink for Silent {
     }
 }
 
-/// Number of tests before which a job does not yield.
-pub const YIELD_TESTS: u64 = 8 * super::BEAT_TESTS;
-
 /// Limits of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepLimits {
     /// Maximum number of tests of boxes and triangles, but for those of one step.
     pub budget: u64,
-    /// The job ends once all that it has left begins after this travel (m), as another one is more
-    /// urgent; but not before [`YIELD_TESTS`] tests, which giving the rest back costs.
-    pub yield_after_m: f64,
 }
 
 impl Default for SweepLimits {
     /// None.
     fn default() -> Self {
-        Self { budget: u64::MAX, yield_after_m: f64::INFINITY }
+        Self { budget: u64::MAX }
     }
 }
 
@@ -308,10 +302,9 @@ impl Search<'_, '_> {
             }
         };
         let tests = self.counters.tests();
-        let is_late = tests >= YIELD_TESTS && f64::from(next.from_m) > self.limits.yield_after_m;
         // The first step is always made: so every job makes progress.
         let may_end = self.steps > 0;
-        if may_end && (is_late || tests >= self.limits.budget) || !self.frontier.has_room() {
+        if may_end && tests >= self.limits.budget || !self.frontier.has_room() {
             return ControlFlow::Break(End::OutOfBudget);
         }
         self.steps += 1;

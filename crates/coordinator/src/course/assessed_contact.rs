@@ -7,7 +7,7 @@ use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
 use crate::explain::ContactChain;
 use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
-use crate::work::RankingRun;
+use crate::work::SurveyRun;
 use bvh::Witness;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, RunOut, Severity};
@@ -106,14 +106,14 @@ pub(super) fn contact(
         b,
         probability: 1.0,
         is_assumed_fixed: scenario.parties[other].is_unknown,
-        first: Some(FirstContact { witness, zones, supports }),
+        first: FirstContact { witness, zones, supports },
     })
 }
 
 /// What is known of a contact when its round is over.
 pub(super) fn assessed(
     contacts: &Request,
-    work: &RankingRun<'_>,
+    work: &SurveyRun<'_>,
     number: usize,
     meeting: NextContact,
     harm: CandidateHarm,

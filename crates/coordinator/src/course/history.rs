@@ -5,8 +5,8 @@
 //! candidate, and the job history of each round says what was known of its contacts.
 
 use super::{CourseRequest, RankedCourses, follow};
-use crate::request_limits::{RequestLimits, Until};
-use crate::work::RankingRun;
+use crate::request_limits::RequestLimits;
+use crate::work::SurveyRun;
 use crate::worker_pool::IdleHook;
 use crate::worker_pool::{WorkerPoolError, WorkerPoolReport};
 use crate::workspace::{Backend, BodySet, RunError};
@@ -159,10 +159,10 @@ pub(super) enum Surveyor<'s> {
 
 impl Surveyor<'_> {
     /// A round's work with its limits.
-    pub(super) fn limit<'w>(&self, work: RankingRun<'w>) -> RankingRun<'w> {
+    pub(super) fn limit<'w>(&self, work: SurveyRun<'w>) -> SurveyRun<'w> {
         let Self::Backend { limits, due_ns, rounds, .. } = self else { return work };
         let left_ns = due_ns.map(|due_ns| due_ns.saturating_sub(clock::now_ns()));
-        let limits = RequestLimits { until: Until::Complete, deadline_ns: left_ns, ..*limits };
+        let limits = RequestLimits { deadline_ns: left_ns, ..*limits };
         let work = work.with_limits(limits);
         if rounds.is_some() { work.with_job_history() } else { work }
     }
@@ -171,23 +171,21 @@ impl Surveyor<'_> {
     /// this process ran itself.
     pub(super) fn survey(
         &mut self,
-        work: &mut RankingRun<'_>,
+        work: &mut SurveyRun<'_>,
         stage: &BodySet<'_>,
     ) -> Result<u64, WorkerPoolError> {
         match self {
             Self::Backend { backend, rounds, .. } => {
                 let jobs = backend.work_off(work)?;
                 if let (Some(rounds), Some(history)) = (rounds, work.job_history()) {
-                    let (places, jobs) = (history.places.clone(), history.jobs.clone());
-                    rounds.push(RecordedRound { places, jobs });
+                    rounds.push(history.round.clone());
                 }
                 Ok(jobs)
             }
             Self::Recorded(rounds) => {
                 // Of a round that was not recorded nothing is known.
                 let none = RecordedRound::default();
-                let RecordedRound { places, jobs } = rounds.next().unwrap_or(&none);
-                Ok(crate::replay::replay(work, stage.bodies, places, jobs))
+                Ok(crate::replay::replay(work, stage.bodies, rounds.next().unwrap_or(&none)))
             }
             #[cfg(any(test, feature = "faults"))]
             Self::Lossy { executor, rng, loses } => Ok(work_off_lossy(work, executor, rng, *loses)),
@@ -207,7 +205,7 @@ impl Surveyor<'_> {
 
 #[cfg(any(test, feature = "faults"))]
 fn work_off_lossy(
-    work: &mut RankingRun<'_>,
+    work: &mut SurveyRun<'_>,
     executor: &mut InProcessExecutor,
     rng: &mut Rng,
     loses: u64,

@@ -10,7 +10,7 @@ use super::{Course, CourseEffort, CourseRequest, harm_of};
 use crate::explain::contact_chain;
 use crate::request::{Candidate, Request, RequestError};
 use crate::request_limits::Until;
-use crate::work::{RankingRun, RunBuffers};
+use crate::work::{SurveyBuffers, SurveyRun};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{BodySet, RunError};
 use bvh::support::support;
@@ -32,7 +32,7 @@ pub(super) struct Pursuit<'r> {
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
-    buffers: RunBuffers,
+    buffers: SurveyBuffers,
 }
 
 /// Contacts that come next in their candidates, worked on together.
@@ -41,6 +41,13 @@ pub(super) struct Round {
     pub(super) meetings: Vec<(usize, NextContact)>,
     /// The same as candidates of a request.
     contacts: Request,
+}
+
+/// The contacts that come first in the candidates of a request.
+#[cfg(test)]
+pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
+    let mut pursuit = Pursuit::new(stage, request, Until::Complete);
+    pursuit.search(None).expect("they can be assessed").contacts
 }
 
 impl<'r> Pursuit<'r> {
@@ -64,7 +71,7 @@ impl<'r> Pursuit<'r> {
             search: EncounterSearch::default(),
             effort: CourseEffort::default(),
             reports: Vec::new(),
-            buffers: RunBuffers::default(),
+            buffers: SurveyBuffers::default(),
         }
     }
 
@@ -154,8 +161,7 @@ impl<'r> Pursuit<'r> {
         }
         let Round { mut meetings, mut contacts } = round;
         let buffers = core::mem::take(&mut self.buffers);
-        let work =
-            RankingRun::with_buffers(&contacts, self.stage.bodies, self.stage.depth, buffers);
+        let work = SurveyRun::with_buffers(&contacts, self.stage.bodies, self.stage.depth, buffers);
         let harms = work.harms()?;
         let found: Vec<_> =
             meetings.iter().zip(harms).map(|((k, meeting), harm)| (*k, *meeting, harm)).collect();
@@ -191,7 +197,7 @@ impl<'r> Pursuit<'r> {
         let Round { meetings, contacts } = round;
         let begun_ns = clock::now_ns();
         let buffers = core::mem::take(&mut self.buffers);
-        let work = RankingRun::with_buffers(contacts, self.stage.bodies, self.stage.depth, buffers);
+        let work = SurveyRun::with_buffers(contacts, self.stage.bodies, self.stage.depth, buffers);
         let mut work = surveyor.limit(work);
         let effort = &mut self.effort;
         effort.jobs_in_process += surveyor.survey(&mut work, self.stage)?;
@@ -211,7 +217,7 @@ impl<'r> Pursuit<'r> {
     fn settle(
         &mut self,
         k: usize,
-        work: &RankingRun<'_>,
+        work: &SurveyRun<'_>,
         number: usize,
         meeting: NextContact,
         harm: CandidateHarm,

@@ -7,7 +7,7 @@ use super::*;
 use crate::fixtures::{AHEAD_M, body, cuboid, mirrored, sedan_of};
 use crate::in_process::InProcessExecutor;
 use crate::request::Request;
-use crate::work::RankingRun;
+use crate::work::SurveyRun;
 use body::{Body, BodyView, Meta, Shape};
 use bvh::support::support;
 use damage::{AnswerState, Parameters};
@@ -379,7 +379,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
             curves: Arc::new(Curves::shipped().expect("sound")),
             parameters: Parameters::default(),
         };
-        let work = RankingRun::new(&request, &views, 3);
+        let work = SurveyRun::new(&request, &views, 3);
         let (mut harms, _) = work.judge().expect("it can be assessed");
         let assessed = assessed(&request, &work, 0, meeting, harms.remove(0));
         assert!(!assessed.harm.is_settled() || assessed.harm.is_open, "its survey is open");

@@ -13,7 +13,6 @@ use super::history::{SearchClock, Surveyor};
 use super::{CourseAnswer, CourseRequest, CourseRow, follow};
 use crate::in_process::InProcessExecutor;
 use crate::request_limits::Until;
-use crate::trial::TrialResult;
 use crate::workspace::{BodySet, RunError};
 use damage::{AnswerState, Interval};
 use geometry::rng::Rng;
@@ -27,6 +26,36 @@ pub enum CourseFlaw {
     ForgetsOpen,
     /// An open candidate is taken to be finished.
     EndsEarly,
+}
+
+/// What a trial found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TrialResult {
+    /// Number of inspections.
+    pub stops: u64,
+    /// Inspections at which the winner was certain and work was open.
+    pub certified: u64,
+    /// Intervals checked against the finished run.
+    pub intervals: u64,
+    /// Intervals of nonzero width.
+    pub open_intervals: u64,
+    /// What did not hold, in words.
+    pub violations: Vec<String>,
+}
+
+/// Most violations that are kept.
+const VIOLATIONS_MAX: usize = 1_000_000;
+
+impl TrialResult {
+    /// Adds what another trial found.
+    pub fn add(&mut self, other: Self) {
+        self.stops += other.stops;
+        self.certified += other.certified;
+        self.intervals += other.intervals;
+        self.open_intervals += other.open_intervals;
+        self.violations.extend(other.violations);
+        self.violations.truncate(VIOLATIONS_MAX);
+    }
 }
 
 /// Ranks a request, then stops the same work `stops` times, and checks what is said.

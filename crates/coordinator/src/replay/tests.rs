@@ -2,9 +2,14 @@
 
 use super::*;
 use crate::fixtures::with;
+use crate::request::Request;
 use crate::run_in_process;
-use crate::{Answer, Request, RequestLimits, SearchOrder};
+use crate::{RequestLimits, SearchOrder};
+use damage::{AnswerState, CandidateHarm, RankedCandidates};
 use proptest::prelude::*;
+
+/// What follows from what is known.
+type Judged = (Vec<CandidateHarm>, RankedCandidates);
 
 /// What becomes of a job that is not obsolete.
 enum Fate {
@@ -16,7 +21,7 @@ enum Fate {
 
 /// Runs a request from the last open job to the first, abandoning some by a rule, until it is over.
 fn run_badly(
-    work: &mut RankingRun<'_>,
+    work: &mut SurveyRun<'_>,
     bodies: &[(Meta, BodyView<'_>)],
     mut fate: impl FnMut() -> Fate,
 ) {
@@ -51,51 +56,33 @@ fn given_and_again(
     (request, bodies): (&Request, &[(Meta, BodyView<'_>)]),
     search_order: SearchOrder,
     fate: impl FnMut() -> Fate,
-) -> (Answer, Answer) {
+) -> (Judged, Judged) {
     let limits = RequestLimits { search_order, ..RequestLimits::default() };
-    let mut work = RankingRun::new(request, bodies, 4).with_limits(limits).with_job_history();
+    let mut work = SurveyRun::new(request, bodies, 4).with_limits(limits).with_job_history();
     run_badly(&mut work, bodies, fate);
     let job_history = work.job_history().expect("kept");
-    let mut again = RankingRun::new(request, bodies, 4);
-    replay(&mut again, bodies, &job_history.places, &job_history.jobs);
-    (work.answer().expect("sound"), again.answer().expect("sound"))
+    let mut again = SurveyRun::new(request, bodies, 4);
+    replay(&mut again, bodies, &job_history.round);
+    (work.judge().expect("sound"), again.judge().expect("sound"))
 }
 
 #[test]
 fn a_complete_run_is_replayed_from_its_ledger_alone() {
     with(|request, bodies| {
-        let mut work = RankingRun::new(request, bodies, 4).with_job_history();
+        let mut work = SurveyRun::new(request, bodies, 4).with_job_history();
         run_in_process(&mut work, bodies);
         let job_history = work.job_history().expect("kept").clone();
-        assert!(job_history.jobs.len() > 50, "{} jobs are too few to tell", job_history.jobs.len());
-        assert_eq!(job_history.moments.last().map(|m| m.state.as_str()), Some("complete"));
-        let mut again = RankingRun::new(request, bodies, 4);
-        replay(&mut again, bodies, &job_history.places, &job_history.jobs);
-        assert_eq!(again.answer().expect("sound"), work.answer().expect("sound"));
+        let count = job_history.round.jobs.len();
+        assert!(count > 50, "{count} jobs are too few to tell");
+        let mut again = SurveyRun::new(request, bodies, 4);
+        replay(&mut again, bodies, &job_history.round);
+        assert_eq!(again.judge().expect("sound"), work.judge().expect("sound"));
         // Without its last jobs the answer differs, and says that it is not complete.
-        let mut cut = RankingRun::new(request, bodies, 4);
-        replay(
-            &mut cut,
-            bodies,
-            &job_history.places,
-            &job_history.jobs[..job_history.jobs.len() / 2],
-        );
-        assert_ne!(cut.answer().expect("sound").state, damage::AnswerState::Complete);
-    });
-}
-
-#[test]
-fn work_intervals_only_nest_from_moment_to_moment() {
-    with(|request, bodies| {
-        let mut work = RankingRun::new(request, bodies, 3).with_job_history();
-        run_in_process(&mut work, bodies);
-        let moments = &work.job_history().expect("kept").moments;
-        assert!(moments.len() >= 2);
-        for pair in moments.windows(2) {
-            for (before, after) in pair[0].work.iter().zip(&pair[1].work) {
-                assert!(before[0] <= after[0] && after[1] <= before[1], "{pair:?}");
-            }
-        }
+        let mut cut = SurveyRun::new(request, bodies, 4);
+        let mut round = job_history.round;
+        round.jobs.truncate(count / 2);
+        replay(&mut cut, bodies, &round);
+        assert_ne!(cut.judge().expect("sound").1.state, AnswerState::Complete);
     });
 }
 
@@ -113,10 +100,10 @@ fn an_answer_that_was_given_early_is_given_again() {
                 };
                 let (given, again) = given_and_again((request, bodies), search_order, fate);
                 assert_eq!(again, given, "{search_order:?} after {jobs} jobs");
-                states.push(given.state);
+                states.push(given.1.state);
             }
-            assert_eq!(states.first(), Some(&damage::AnswerState::Degraded));
-            assert_eq!(states.last(), Some(&damage::AnswerState::Complete));
+            assert_ne!(states.first(), Some(&AnswerState::Complete));
+            assert_eq!(states.last(), Some(&AnswerState::Complete));
         }
     });
 }

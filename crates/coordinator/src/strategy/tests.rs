@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 fn prospect(lo: f64, width: f64, has_work: bool, is_possible: bool) -> Prospect {
     let compared = Interval::new(lo, lo + width);
-    Prospect { has_work, is_possible, touch: Touch::Yes, compared, jobs: 0 }
+    Prospect { has_work, is_possible, compared }
 }
 
 proptest! {
@@ -51,13 +51,4 @@ fn each_goes_its_way() {
     assert_eq!(picks(SearchOrder::Alternating), [2, 0, 2, 0].map(Some));
     // It has more to lose than the incumbent.
     assert_eq!(picks(SearchOrder::Deciding), [Some(2); 4]);
-}
-
-#[test]
-fn contact_is_decided_first() {
-    let touched = prospect(0.0, 1.0, true, true);
-    let unknown = Prospect { touch: Touch::Unknown, ..touched };
-    let asked = Prospect { jobs: 3, ..unknown };
-    let mut strategy = SearchOrder::Deciding.strategy();
-    assert_eq!(strategy.choose(&[touched, asked, unknown], 0), Some(2));
 }

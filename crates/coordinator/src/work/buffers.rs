@@ -6,26 +6,26 @@
 
 use super::{Outlook, TaskState};
 use crate::bound;
-use crate::candidate_state::{CandidateState, Purpose};
+use crate::candidate_state::CandidateState;
 use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
 use body::{BodyView, Meta};
-use bvh::{NodePair, SweptFront};
+use bvh::NodePair;
 use protocol::{WireQuestion, WireTask};
 use std::collections::VecDeque;
 
-/// What [`super::RankingRun::into_buffers`] returns and [`super::RankingRun::with_buffers`] takes.
+/// What [`super::SurveyRun::into_buffers`] returns and [`super::SurveyRun::with_buffers`] takes.
 ///
 /// It must not be used with other bodies: it holds the zones of its own.
 #[derive(Debug, Default)]
-pub struct RunBuffers {
+pub(crate) struct SurveyBuffers {
     pub(super) zones: Vec<u16>,
     pub(super) candidate_states: Vec<CandidateState>,
     pub(super) tasks: Vec<TaskState>,
     pub(super) waiting: VecDeque<u32>,
     pub(super) pairs: Vec<NodePair>,
-    pub(super) purposes: Vec<(Purpose, f64, WireQuestion)>,
+    pub(super) asked: Vec<(usize, f64, WireQuestion)>,
     pub(super) outlook: Outlook,
     pub(super) spare: BufferPool,
 }
@@ -40,7 +40,7 @@ pub(super) struct BufferPool {
     pub(super) prospects: Vec<Prospect>,
 }
 
-impl RunBuffers {
+impl SurveyBuffers {
     /// These buffers, cleared for a request.
     pub(super) fn for_request(
         mut self,
@@ -51,7 +51,7 @@ impl RunBuffers {
             self.zones.extend(bodies.iter().map(|(_, body)| bound::zones(body)));
         }
         self.waiting.clear();
-        self.purposes.clear();
+        self.asked.clear();
         let spare = &mut self.spare;
         for state in &mut self.tasks {
             spare.gathered.extend(state.found.take());
@@ -74,36 +74,30 @@ impl BufferPool {
     pub(super) fn state(
         &mut self,
         candidate: usize,
-        (purpose, travel_m): (Purpose, f64),
+        (stop, travel_m): (usize, f64),
         wire: WireTask,
     ) -> TaskState {
         let mut todo = Vec::new();
         let (mut out, mut rests) = (VecDeque::new(), Vec::new());
         let mut lost = Vec::new();
-        let mut front = SweptFront::default();
         if let Some(used) = self.tasks.pop() {
-            (todo, front, out, lost, rests) =
-                (used.todo, used.front, used.out, used.lost, used.rests);
+            (todo, out, lost, rests) = (used.todo, used.out, used.lost, used.rests);
             todo.clear();
-            front.clear();
             out.clear();
             lost.clear();
         }
         TaskState {
             candidate,
-            purpose,
+            stop,
             travel_m,
             wire,
             is_descended: false,
             todo,
-            front,
             out,
             lost,
             rests,
             done: 0,
-            is_obsolete: false,
             found: None,
-            best: None,
             reach: None,
         }
     }

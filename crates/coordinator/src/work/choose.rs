@@ -1,11 +1,11 @@
 //! Which task the next jobs come from.
 
-use super::RankingRun;
-use crate::candidate_state::{CandidateState, Purpose, SearchStage};
+use super::SurveyRun;
+use crate::candidate_state::CandidateState;
 use crate::strategy::Prospect;
 use damage::{Interval, needs_high};
 
-impl RankingRun<'_> {
+impl SurveyRun<'_> {
     /// The task whose jobs go out next; `None` if all jobs are out.
     pub(super) fn choose(&mut self) -> Option<u32> {
         let first = *self.waiting.front()?;
@@ -49,35 +49,27 @@ impl RankingRun<'_> {
         let prospect = |k: usize| Prospect {
             has_work: false,
             is_possible: standing.is_none_or(|standing| standing.possible.contains(&k)),
-            touch: self.outlook.touch_of(k),
             compared: standing.map_or(Interval::new(0.0, 1.0), |standing| standing.compared[k]),
-            jobs: self.outlook.handed(k),
         };
         prospects.clear();
         prospects.extend((0..self.candidate_states.len()).map(prospect));
         let all_rank = !self.strategy.is_eager() || needs_high(&self.request.policy);
         for task in &self.waiting {
             let state = &self.tasks[*task as usize];
-            let ranks = match state.purpose {
-                Purpose::FirstContact => true,
-                Purpose::Survey { stop } => self.candidate_states[state.candidate].is_patch(stop),
-            };
+            let ranks = self.candidate_states[state.candidate].is_patch(state.stop);
             prospects[state.candidate].has_work |= ranks || all_rank;
         }
     }
 
-    /// Lower goes first: first contact, then the deepest pose of the patch, then what only zones
-    /// and depth need.
+    /// Lower goes first: the deepest pose of the patch, then what only zones and depth need.
     fn eagerness(&self, task: u32) -> (u32, i64) {
         let state = &self.tasks[task as usize];
         let candidate = &self.candidate_states[state.candidate];
         let micrometres = |metres: f64| (metres * 1e6) as i64;
-        match state.purpose {
-            Purpose::FirstContact => (0, 0),
-            Purpose::Survey { stop } if candidate.is_patch(stop) => {
-                (2 + u32::from(!state.is_descended), -micrometres(state.travel_m))
-            }
-            Purpose::Survey { .. } => (4, micrometres(state.travel_m)),
+        if candidate.is_patch(state.stop) {
+            (u32::from(!state.is_descended), -micrometres(state.travel_m))
+        } else {
+            (2, micrometres(state.travel_m))
         }
     }
 }
@@ -85,11 +77,6 @@ impl RankingRun<'_> {
 impl CandidateState {
     /// Whether a stop of the survey forms the patch.
     fn is_patch(&self, number: usize) -> bool {
-        match &self.stage {
-            SearchStage::Surveying { stops, .. } => {
-                stops.get(number).is_some_and(|(stop, _)| stop.patch)
-            }
-            SearchStage::Settled | SearchStage::Searching { .. } => false,
-        }
+        self.stops.get(number).is_some_and(|(stop, _)| stop.patch)
     }
 }

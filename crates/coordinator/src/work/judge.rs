@@ -1,21 +1,10 @@
 //! Judges what is known so far: harm of every candidate, their order, the answer.
 
-use super::RankingRun;
-use crate::answer::Answer;
+use super::SurveyRun;
 use crate::request::{Request, RequestError};
 use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess, rank};
 
-impl<'w> RankingRun<'w> {
-    /// The answer that follows from what is known so far.
-    ///
-    /// # Errors
-    ///
-    /// If a candidate cannot be assessed or ranked at all: then the request is refused.
-    pub fn answer(&self) -> Result<Answer, RequestError> {
-        let (harms, ranking) = self.judge()?;
-        Ok(Answer::new(self.request, &ranking, &harms, &self.candidate_states, self.bodies))
-    }
-
+impl<'w> SurveyRun<'w> {
     /// Harm of every candidate, and their order.
     pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
         self.judge_by(|k| self.evidence(k), |_| {})
@@ -26,7 +15,7 @@ impl<'w> RankingRun<'w> {
         self.harms_by(|k| self.evidence(k), |_| {})
     }
 
-    /// [`RankingRun::judge`] with other evidence, and with harm changed before it is ranked.
+    /// [`SurveyRun::judge`] with other evidence, and with harm changed before it is ranked.
     pub(crate) fn judge_by(
         &self,
         evidence: impl Fn(usize) -> Evidence,

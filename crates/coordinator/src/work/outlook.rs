@@ -1,32 +1,17 @@
-//! How certain the order is: updated while jobs finish, so that work can stop early.
+//! What is known of the contacts of a round while jobs finish: what a strategy needs that asks for
+//! it.
 //!
 //! Bounds are recomputed for a candidate whose evidence changed, and only when a question of it was
 //! answered or a good part of its open jobs was done: so the cost per result stays below that of
 //! the job.
 
-use super::{Effort, RankingRun};
+use super::SurveyRun;
 use crate::bound::{self, Open};
-use crate::candidate_state::Purpose;
 use crate::request::Request;
-use crate::request_limits::Until;
-use damage::evidence::Touch;
 use damage::{
     Basis, CandidateBounds, Encounter, Evidence, PersonHarm, Risk, Scratch, Stake, Standing,
 };
 use damage::{bounds_in, needs_high, standing_in};
-use runtime::clock;
-use serde::Serialize;
-
-/// When the winner, or the order, became certain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Certainty {
-    /// Tests of boxes and triangles by then, descents included.
-    pub tests: u64,
-    /// Jobs done by then.
-    pub jobs: u64,
-    /// Time since the request was accepted (ns).
-    pub ns: u64,
-}
 
 /// What is known of the order so far.
 #[derive(Debug, Default)]
@@ -40,13 +25,6 @@ pub(super) struct Outlook {
     scratch: OutlookScratch,
     /// Per candidate: closed jobs not yet reflected in its bounds, and whether the bounds are due.
     news: Vec<(usize, bool)>,
-    /// Jobs handed out, per candidate.
-    handed: Vec<u64>,
-    jobs: u64,
-    begun_ns: u64,
-    pub(super) winner: Option<Certainty>,
-    pub(super) order: Option<Certainty>,
-    is_decided: bool,
     /// Bounds cannot be computed: the request is refused when it is answered.
     is_lost: bool,
 }
@@ -66,7 +44,7 @@ const NEWS: usize = 32;
 impl Outlook {
     /// An outlook with nothing known, in the lists of an earlier request.
     pub(super) fn reset_for(self, request: &Request) -> Self {
-        let Self { mut bounds, standing, mut stakes, mut scratch, mut news, mut handed, .. } = self;
+        let Self { mut bounds, standing, mut stakes, mut scratch, mut news, .. } = self;
         let candidates = request.candidates.len();
         scratch.risks.extend(bounds.drain(..).map(|bounds| bounds.persons));
         scratch.standing = standing.unwrap_or(scratch.standing);
@@ -74,24 +52,12 @@ impl Outlook {
         stakes.extend(request.persons.iter().map(|person| person.stake));
         news.clear();
         news.resize(candidates, (0, true));
-        handed.clear();
-        handed.resize(candidates, 0);
-        let begun_ns = clock::now_ns();
-        Self { bounds, stakes, scratch, news, handed, begun_ns, ..Self::default() }
+        Self { bounds, stakes, scratch, news, ..Self::default() }
     }
 
     /// What the persons of the request have at stake, in their order.
     pub(super) fn stakes(&self) -> &[Stake] {
         &self.stakes
-    }
-
-    pub(super) fn begin(&mut self, now_ns: u64) {
-        self.begun_ns = now_ns;
-    }
-
-    /// Whether all that was asked for is certain.
-    pub(super) fn is_decided(&self) -> bool {
-        self.is_decided
     }
 
     /// Recomputes the bounds of a candidate: the first time, those of all candidates in order.
@@ -114,58 +80,27 @@ impl Outlook {
         !self.is_lost
     }
 
-    pub(super) fn handed_out(&mut self, k: usize, jobs: usize) {
-        self.handed[k] += jobs as u64;
-    }
-
-    pub(super) fn handed(&self, k: usize) -> u64 {
-        self.handed[k]
-    }
-
-    pub(super) fn touch_of(&self, k: usize) -> Touch {
-        self.bounds.get(k).map_or(Touch::Unknown, |bounds| bounds.touch)
-    }
-
     /// Notes news of a candidate; `is_due`: a question of it is answered.
     pub(super) fn touch(&mut self, k: usize, is_due: bool) {
         let (jobs, due) = &mut self.news[k];
         *jobs += 1;
         *due |= is_due || *jobs >= NEWS;
-        self.jobs += u64::from(!is_due);
     }
 }
 
-impl RankingRun<'_> {
-    /// When the winner was certain, and when the order was; `None` if it never was.
-    #[must_use]
-    pub fn certainties(&self) -> [Option<Certainty>; 2] {
-        [self.outlook.winner, self.outlook.order]
-    }
-
-    /// When the request was accepted (ns, monotonic).
-    #[must_use]
-    pub fn accepted_ns(&self) -> u64 {
-        self.outlook.begun_ns
-    }
-
+impl SurveyRun<'_> {
     /// What is certain, as of the last review.
-    #[must_use]
-    pub fn standing(&self) -> Option<&Standing> {
+    #[cfg(test)]
+    pub(crate) fn standing(&self) -> Option<&Standing> {
         self.outlook.standing.as_ref()
-    }
-
-    /// Whether bounds are needed before the end.
-    fn is_watched(&self) -> bool {
-        let is_known = match self.limits.until {
-            Until::Complete => self.outlook.winner.is_some(),
-            Until::Ordered | Until::Certified => self.outlook.is_decided,
-        };
-        !self.outlook.is_lost && (!is_known || self.strategy.needs_bounds())
     }
 
     /// Recomputes bounds where they are due, and updates what is certain.
     pub(super) fn review(&mut self) {
-        if !self.outlook.news.iter().any(|(_, due)| *due) || !self.is_watched() {
+        if !self.outlook.news.iter().any(|(_, due)| *due)
+            || self.outlook.is_lost
+            || !self.strategy.needs_bounds()
+        {
             return;
         }
         let request = self.request;
@@ -190,26 +125,7 @@ impl RankingRun<'_> {
             outlook.is_lost = true;
             return;
         }
-        let settled = standing.settled;
         outlook.standing.get_or_insert_with(|| core::mem::take(&mut outlook.scratch.standing));
-        let Effort { descent, jobs, .. } = self.effort;
-        let now = || Certainty {
-            tests: descent.tests() + jobs.tests(),
-            jobs: self.outlook.jobs,
-            ns: clock::now_ns().saturating_sub(self.outlook.begun_ns),
-        };
-        if settled > 0 && self.outlook.winner.is_none() {
-            self.outlook.winner = Some(now());
-        }
-        let is_ordered = settled == self.outlook.bounds.len();
-        if is_ordered && self.outlook.order.is_none() {
-            self.outlook.order = Some(now());
-        }
-        self.outlook.is_decided = match self.limits.until {
-            Until::Complete => false,
-            Until::Ordered => is_ordered,
-            Until::Certified => settled > 0,
-        };
     }
 
     /// What is known of the contact of a candidate.
@@ -217,7 +133,7 @@ impl RankingRun<'_> {
         self.evidence_by(k, false)
     }
 
-    /// [`RankingRun::evidence`]; `by_cache` takes reaches as last computed, which may be too wide.
+    /// [`SurveyRun::evidence`]; `by_cache` takes reaches as last computed, which may be too wide.
     fn evidence_by(&self, k: usize, by_cache: bool) -> Evidence {
         let candidate = &self.request.candidates[k];
         let zones = [candidate.model_a, candidate.model_b].map(|m| self.zones[m as usize]);
@@ -238,7 +154,7 @@ impl RankingRun<'_> {
     fn reach_of(&self, task: u32) -> geometry::Supports {
         let state = &self.tasks[task as usize];
         let candidate = &self.request.candidates[state.candidate];
-        let handed = state.out.iter().chain(&state.lost).map(|open| open.pair);
+        let handed = state.out.iter().chain(&state.lost).copied();
         let open = state.todo.iter().copied().chain(handed);
         let pose = super::pose_of(&state.wire);
         bound::boxes(candidate, self.views(&state.wire), &pose, state.open(), open)
@@ -249,7 +165,7 @@ impl RankingRun<'_> {
     fn update_reach(&mut self, k: usize) {
         for task in 0..self.tasks.len() as u32 {
             let state = &self.tasks[task as usize];
-            let is_stop = matches!(state.purpose, Purpose::Survey { .. }) && state.found.is_some();
+            let is_stop = state.found.is_some();
             let is_stale = state.reach.is_none_or(|(count, _)| 2 * state.open() <= count);
             if state.candidate == k && is_stop && state.done > 0 && is_stale {
                 let reach = (state.open(), self.reach_of(task));

@@ -48,7 +48,7 @@ impl WorkerPool {
                 node_b: spec.b.node,
                 budget: work.budget(),
                 attempt: u32::from(*attempt),
-                yield_after_m: work.yield_after_m(spec),
+                reserved: 0,
             });
         }
         write_batch(words, tasks, rows);

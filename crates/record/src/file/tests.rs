@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::content::{
-    Edge, Mode, PoseQuestion, RecordedBody, RecordedEnd, RecordedJob, RecordedMoment,
-    RecordedRound, RecordedSearch, RecordedSource, RecordedSpan, RecordedStage, RecordedText,
-    RecordedUntil, Settings,
+    Edge, Mode, PoseQuestion, RecordedBody, RecordedEnd, RecordedJob, RecordedRound,
+    RecordedSearch, RecordedSource, RecordedSpan, RecordedStage, RecordedText, RecordedUntil,
+    Settings,
 };
 use crate::key::tests::SECRET_PEM;
 use crate::statement::tests::provenance;
@@ -42,27 +42,14 @@ pub(crate) fn record(name: &str) -> RecordContent {
                 hash: "cc".into(),
             },
         ],
-        places: vec![PoseQuestion { candidate: 0, is_survey: true, travel_m: -0.25, first: None }],
-        jobs: [RecordedEnd::Done, RecordedEnd::Cut, RecordedEnd::Abandoned]
-            .map(|end| RecordedJob { place: 0, a: 3, b: 5, end })
-            .to_vec(),
         rounds: vec![RecordedRound {
-            places: vec![PoseQuestion {
-                candidate: 1,
-                is_survey: true,
-                travel_m: 0.5,
-                first: None,
-            }],
-            jobs: vec![RecordedJob { place: 0, a: 1, b: 2, end: RecordedEnd::Done }],
+            places: vec![PoseQuestion { candidate: 0, travel_m: 0.25 }],
+            jobs: [RecordedEnd::Done, RecordedEnd::Cut, RecordedEnd::Abandoned]
+                .map(|end| RecordedJob { place: 0, a: 3, b: 5, end })
+                .to_vec(),
         }],
         until: RecordedUntil::Ordered,
         search: Some(RecordedSearch { over_at: Some(7) }),
-        moments: vec![RecordedMoment {
-            at_ns: 9,
-            jobs: 3,
-            state: "complete".into(),
-            work: vec![[0., 1.]],
-        }],
         spans: vec![RecordedSpan { worker: 1, from_ns: 0, to_ns: 9 }],
         edges: vec![Edge { from: "a".into(), to: "b".into(), messages: 1, bytes: 64 }],
         stages: vec![RecordedStage { name: "work".into(), ms: 1.5 }],

@@ -89,7 +89,7 @@ fn check(
     for mut kernel in kernels(count) {
         let found = run_all(&mut kernel, &task, SweepLimits::default(), count);
         assert_eq!(named(&found), expected, "{:?} {:?}", kernel.walk, kernel.level);
-        let limits = SweepLimits { budget: 40, yield_after_m: 0.5 };
+        let limits = SweepLimits { budget: 40 };
         let found = run_all(&mut kernel, &task, limits, count);
         assert_eq!(named(&found), expected, "{:?} {:?}, cut", kernel.walk, kernel.level);
     }
