@@ -97,6 +97,7 @@ pub(crate) struct SurveyRun<'w> {
 
 impl<'w> SurveyRun<'w> {
     /// A run with nothing done yet. `bodies` are those of the scenario's parties, in their order.
+    #[cfg(test)]
     pub(crate) fn new(
         request: &'w Request,
         bodies: &'w [(Meta, BodyView<'w>)],

@@ -59,7 +59,7 @@ fn what_does_not_exist_is_refused() {
     let good = task(protocol::WireQuestion::Sets, [1.0, 0.0, 0.0]);
     let nodes = bodies.each_ref().map(|body| body.nodes.len() as u32);
     let mut executor = Executor::with_room_for(&[]);
-    let start = |a, b| JobInput { start: NodePair { a, b }, budget: 100, ..ALL };
+    let start = |a, b| JobInput { start: NodePair { a, b }, budget: 100 };
     for (task, job) in [
         (WireTask { model_a: 2, ..good }, ALL),
         (WireTask { model_b: u32::MAX, ..good }, ALL),

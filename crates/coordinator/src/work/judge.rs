@@ -2,10 +2,13 @@
 
 use super::SurveyRun;
 use crate::request::{Request, RequestError};
-use damage::{Basis, CandidateHarm, Evidence, RankedCandidates, assess, rank};
+use damage::{Basis, CandidateHarm, Evidence, assess};
+#[cfg(test)]
+use damage::{RankedCandidates, rank};
 
 impl<'w> SurveyRun<'w> {
     /// Harm of every candidate, and their order.
+    #[cfg(test)]
     pub(crate) fn judge(&self) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
         self.judge_by(|k| self.evidence(k), |_| {})
     }
@@ -16,6 +19,7 @@ impl<'w> SurveyRun<'w> {
     }
 
     /// [`SurveyRun::judge`] with other evidence, and with harm changed before it is ranked.
+    #[cfg(test)]
     pub(crate) fn judge_by(
         &self,
         evidence: impl Fn(usize) -> Evidence,

@@ -56,6 +56,7 @@ impl Outlook {
     }
 
     /// What the persons of the request have at stake, in their order.
+    #[cfg(test)]
     pub(super) fn stakes(&self) -> &[Stake] {
         &self.stakes
     }
