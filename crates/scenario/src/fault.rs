@@ -48,6 +48,9 @@ pub(crate) fn read<R: DeserializeOwned, T>(
     check(raw, &document).map_err(broken)
 }
 
+/// The form of early versions: pairs of bodies at a predicted impact.
+const FORMER: &str = "trolley.scenario/1";
+
 /// Whether the text declares this schema version.
 fn version(document: &Document<'_>, schema: &str) -> Result<(), Fault> {
     let path = Path::default().key("schema");
@@ -57,5 +60,13 @@ fn version(document: &Document<'_>, schema: &str) -> Result<(), Fault> {
         Some(None) => "schema is not text".to_owned(),
         None => "schema is missing".to_owned(),
     };
-    Err(Misfit::new("schema", fault, format!("this version reads schema = {schema:?}"))).at(&path)
+    let help = if document.value(&path).and_then(DeValue::as_str) == Some(FORMER) {
+        format!(
+            "write schema = {schema:?}: give every party a place, a state or paths, and every \
+             candidate the ego's way; contacts are found (`trolley schema` prints every key)"
+        )
+    } else {
+        format!("this version reads schema = {schema:?}")
+    };
+    Err(Misfit::new("schema", fault, help)).at(&path)
 }

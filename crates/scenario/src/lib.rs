@@ -1,13 +1,10 @@
 //! Scenarios: what to rank and how, as a person writes it down.
 //!
 //! ```text
-//! text (TOML) --Document--> raw tables with places --check--> Scenario: plain values, SI units
+//! text (TOML) --Document--> raw tables with places --check--> values: plain values, SI units
 //!                                                    |
 //! command line --Overrides---------------------------+--> EngineSettings::apply: the same rules
 //! ```
-//!
-//! There are two forms: [`Scenario`] takes bodies at predicted impact, [`HorizonScenario`] takes
-//! their motions until a horizon. They share heads, bodies and engine settings.
 //!
 //! Text goes in, values come out. This crate opens no file: the paths that a scenario names are
 //! returned with their [`TextPosition`], so that the caller who opens them can report where the
@@ -16,13 +13,11 @@
 //!
 //! # Invariants
 //!
-//! - Whatever [`Scenario::parse`] returns is in range: finite, known, unique, consistent. Every
-//!   single value of a scenario, made wrong, is refused at its own line: `check/tests.rs`. The same
-//!   holds of [`HorizonDraft`]: `horizon/tests.rs`.
-//! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] or [`HORIZON_TEXT_BYTES_MAX`] is
-//!   refused unread: `scenario/tests.rs`, `horizon/tests.rs`, `horizon/csv/tests.rs`.
-//! - Whatever it accepts, [`schema`] or [`horizon_schema`] accepts too: `schema/tests.rs`,
-//!   `horizon/tests.rs`.
+//! - Whatever [`HorizonDraft`] returns is in range: finite, known, unique, consistent. Every single
+//!   value of a scenario, made wrong, is refused at its own line: `horizon/tests.rs`.
+//! - No text makes it panic, and text beyond [`HORIZON_TEXT_BYTES_MAX`] is refused unread:
+//!   `horizon/tests/texts.rs`, `horizon/csv/tests.rs`.
+//! - Whatever it accepts, [`schema`] accepts too: `horizon/tests/texts.rs`.
 //! - Every motion of a [`HorizonScenario`] lasts from 0 to its horizon, and those of one party
 //!   begin at one pose: `horizon/tests/rules.rs`. A turn is within [`CIRCLE_ERROR_M`] of its
 //!   circle: `horizon/path/tests.rs`.
@@ -32,18 +27,16 @@
 //! # Examples
 //!
 //! ```
-//! let text = include_str!("../config/scenarios/minimal.toml");
-//! let scenario = trolley_scenario::Scenario::parse("minimal.toml", text)?;
-//! assert_eq!(scenario.candidates.len(), 2);
+//! let text = include_str!("../config/scenarios/crossing.toml");
+//! let scenario = trolley_scenario::HorizonScenario::parse("crossing.toml", text)?;
+//! assert_eq!(scenario.candidates.len(), 3);
 //!
-//! let wrong = text.replace("party = \"pole\"", "party = \"poel\"");
-//! let error = trolley_scenario::Scenario::parse("minimal.toml", &wrong).unwrap_err();
-//! assert!(error.to_string().contains("party \"poel\" is not defined"));
-//! assert!(error.remedy.contains("Did you mean \"pole\"?"));
+//! let wrong = text.replace("shape = \"sedan\"", "shape = \"sedam\"");
+//! let error = trolley_scenario::HorizonScenario::parse("crossing.toml", &wrong).unwrap_err();
+//! assert!(error.remedy.contains("Did you mean \"sedan\"?"));
 //! # Ok::<(), trolley_scenario::ScenarioError>(())
 //! ```
 
-mod check;
 mod decimal;
 mod document;
 mod engine;
@@ -73,8 +66,5 @@ pub use horizon::{
     is_horizon_text,
 };
 pub use rules::capacity;
-pub use scenario::{
-    CANDIDATES_MAX, Candidate, FileRef, MotionState, Name, Occupants, Opponent, Party, PartyIndex,
-    SCHEMA, Scenario, Source, TEXT_BYTES_MAX,
-};
-pub use schema::{horizon_schema, schema};
+pub use scenario::{CANDIDATES_MAX, FileRef, Name, PartyIndex, Source};
+pub use schema::schema;

@@ -58,16 +58,10 @@ pub(crate) const QUEUE: Limit<i64> = limit(1, 4096, "");
 pub(crate) const LEAF_SIZE: Limit<i64> = limit(1, 64, "");
 /// How many candidates a request may hold.
 pub(crate) const CANDIDATES: Limit<usize> = limit(1, 16, "");
-/// The ego and another party for each candidate.
-pub(crate) const PARTIES: Limit<usize> = limit(2, 17, "");
 /// What fits a line of a table, in characters.
 pub(crate) const NAME_CHARS: Limit<usize> = limit(1, 60, " characters");
 /// The longest path that the kernel opens, in bytes.
 pub(crate) const PATH_BYTES: Limit<usize> = limit(1, 4095, " bytes");
-/// As many as a bus has seats, and more than [`body::Seat`] can name.
-pub(crate) const PERSONS_MAX: usize = 100;
-
-// Of scenarios over a horizon.
 
 /// A millisecond, in which nothing happens, to the longest motion that is searched:
 /// [`geometry::motion::SPAN_MAX`].

@@ -141,15 +141,6 @@ pub(crate) fn mass_fits(kind: BodyKind, mass_kg: Option<f64>) -> Result<(), Misf
     Ok(())
 }
 
-/// Whether a body of this kind may move as it does: what is fixed to the ground does not.
-pub(crate) fn stands_still(kind: BodyKind, velocity_m_s: DVec3) -> Result<(), Misfit> {
-    if kind.is_fixed() && velocity_m_s != DVec3::ZERO {
-        let fault = format!("a {kind} is fixed to the ground and cannot move");
-        return Err(Misfit::new("speed_m_s", fault, "write speed_m_s = 0"));
-    }
-    Ok(())
-}
-
 /// Whether a body of this kind can be the automated vehicle: it must drive by itself.
 pub(crate) fn ego_fits(kind: BodyKind) -> Result<(), Misfit> {
     match kind {

@@ -3,34 +3,19 @@
 //! It says what a schema can say: names, types, ranges, units. That a party is defined or that no
 //! two candidates have one name it cannot say; so the parser is stricter, never laxer.
 
-use crate::{horizon, raw};
-use schemars::{JsonSchema, Schema, generate::SchemaSettings, transform::RecursiveTransform};
+use crate::horizon::raw;
+use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
 
 /// JSON Schema (draft 2020-12) of a scenario file, indented.
 ///
 /// ```
 /// let schema = trolley_scenario::schema();
-/// assert!(schema.contains("\"speed_m_s\""));
-/// ```
-#[must_use]
-pub fn schema() -> String {
-    schema_of::<raw::Scenario>()
-}
-
-/// JSON Schema (draft 2020-12) of a file of a scenario over a horizon, indented.
-///
-/// ```
-/// let schema = trolley_scenario::horizon_schema();
 /// assert!(schema.contains("\"horizon_s\""));
 /// ```
 #[must_use]
-pub fn horizon_schema() -> String {
-    schema_of::<horizon::raw::Scenario>()
-}
-
-fn schema_of<T: JsonSchema>() -> String {
+pub fn schema() -> String {
     let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(tidy));
-    let schema = settings.into_generator().into_root_schema_for::<T>();
+    let schema = settings.into_generator().into_root_schema_for::<raw::Scenario>();
     format!("{:#}\n", schema.as_value())
 }
 

@@ -1,99 +1,12 @@
-//! A scenario with every key there is, one to a line, for the tests of all modules.
-
-use crate::{Scenario, ScenarioError};
+//! Texts with one thing wrong, for the tests of all modules.
 
 pub(crate) mod harm;
-
-/// Every key of the form stands here on a line of its own, and the whole is a valid scenario.
-pub(crate) const FULL: &str = r#"schema = "trolley.scenario/1"
-name = "Every key"
-policy = "policies/board.toml"
-curves = "curves/level3.toml"
-deadline_ms = 50
-ego = "car"
-
-[engine]
-workers = 2
-cores = [0, 1]
-coordinator_core = 3
-depth = 6
-scheme = "best-match-load"
-alpha = 0.25
-batch = 8
-queue = 32
-build = "sah"
-leaf_size = 2
-seed = 7
-
-[parties.car]
-mass_kg = 1500
-responsibility = 0.5
-[parties.car.generate]
-shape = "sedan"
-triangles = 2000
-seed = 4
-[[parties.car.persons]]
-seat = "front-left"
-[[parties.car.persons]]
-seat = "rear-right"
-
-[parties.walker]
-file = "bodies/walker.trolley"
-kind = "unknown"
-[parties.walker.crush]
-a_n_m = 40000
-b_n_m2 = 500000.5
-
-[parties.post.generate]
-shape = "pole"
-triangles = 500
-
-[[candidates]]
-name = "walker"
-probability = 0.75
-[candidates.ego]
-position_m = [1, 2.5, 0]
-yaw_deg = 90
-pitch_deg = -1.5
-roll_deg = 0.5
-speed_m_s = 12
-[candidates.other]
-party = "walker"
-position_m = [1, 5, 0]
-yaw_deg = 180
-pitch_deg = 1
-roll_deg = 2
-velocity_m_s = [-1.5, 0.25]
-
-[[candidates]]
-name = "post"
-[candidates.ego]
-position_m = [0, 0, 0]
-velocity_m_s = [3, 4]
-[candidates.other]
-party = "post"
-position_m = [2.4, 0, 0]
-speed_m_s = 0
-
-[parties.post]
-size_m = [0.3, 0.25]
-"#;
-
-/// Reads a text that is called `f.toml`.
-pub(crate) fn parse(text: &str) -> Result<Scenario, ScenarioError> {
-    Scenario::parse("f.toml", text)
-}
 
 /// A line that sets a key: number from 1, section header, key, value.
 pub(crate) type Setting = (usize, &'static str, &'static str, &'static str);
 
 /// A key, and values that are refused at its own line.
 pub(crate) type WrongValues = (&'static str, &'static [&'static str]);
-
-/// The lines of the full scenario that set a key.
-pub(crate) fn settings() -> Vec<Setting> {
-    settings_in(FULL)
-}
 
 /// The lines of a scenario that set a key.
 pub(crate) fn settings_in(text: &'static str) -> Vec<Setting> {
@@ -107,11 +20,6 @@ pub(crate) fn settings_in(text: &'static str) -> Vec<Setting> {
         }
     }
     found
-}
-
-/// The full scenario with one line replaced.
-pub(crate) fn with_line(number: usize, line: &str) -> String {
-    with_line_in(FULL, number, line)
 }
 
 /// A text with one line replaced.
@@ -139,7 +47,7 @@ pub(crate) fn assert_reads_well(error: &str) {
 
 /// Wrong values by key: the ends of each range, other types, other words, contradictions.
 pub(crate) const WRONG: &[WrongValues] = &[
-    ("schema", &["\"trolley.scenario/3\"", "1", "\"\""]),
+    ("schema", &["\"trolley.scenario/1\"", "\"trolley.scenario/3\"", "1", "\"\""]),
     ("name", &["\"\"", "\" blank\"", "\"two\\nlines\"", "\"\\u001b[2J\"", "4"]),
     ("policy", &["\"\"", "\"a\\u0000b\"", "7"]),
     ("curves", &["\"\"", "\"a\\u0000b\"", "[]"]),

@@ -197,7 +197,7 @@ fn city(buses: usize, persons: usize) -> String {
 }
 
 fn the_schema() -> Value {
-    serde_json::from_str(&crate::horizon_schema()).unwrap()
+    serde_json::from_str(&crate::schema()).unwrap()
 }
 
 fn violated(text: &str) -> Vec<String> {

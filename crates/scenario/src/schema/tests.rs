@@ -1,14 +1,9 @@
-//! The schema describes what the parser reads: never stricter, nothing missing, no stale default.
+//! The schema describes what the parser reads: tools for the tests of the form, and its defaults.
 
 use crate::engine::EngineSettings;
 use crate::names::Named;
-use crate::testing::{FULL, parse, settings, with_line};
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn the_schema() -> Value {
-    serde_json::from_str(&crate::schema()).unwrap()
-}
 
 /// A validator for the words that this schema uses; another word is a failure of the test itself.
 pub(crate) fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<String> {
@@ -85,24 +80,6 @@ pub(crate) fn violations(schema: &Value, root: &Value, value: &Value) -> Vec<Str
     found
 }
 
-fn violated(text: &str) -> Vec<String> {
-    let value: toml::Value = toml::from_str(text).unwrap();
-    let schema = the_schema();
-    violations(&schema, &schema, &serde_json::to_value(value).unwrap())
-}
-
-#[test]
-fn the_shipped_examples_are_valid() {
-    for (name, text) in [
-        ("minimal.toml", include_str!("../../config/scenarios/minimal.toml")),
-        ("demo.toml", include_str!("../../config/scenarios/demo.toml")),
-        ("full", FULL),
-    ] {
-        crate::Scenario::parse(name, text).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(violated(text), Vec::<String>::new(), "{name}");
-    }
-}
-
 /// Every object of the schema with its name: the root and the definitions.
 pub(crate) fn objects(schema: &Value) -> Vec<(&str, &Value)> {
     let defined = schema["$defs"].as_object().unwrap().iter();
@@ -110,29 +87,6 @@ pub(crate) fn objects(schema: &Value) -> Vec<(&str, &Value)> {
         .into_iter()
         .chain(defined.map(|(name, def)| (name.as_str(), def)))
         .collect()
-}
-
-#[test]
-fn every_key_of_the_schema_stands_in_the_full_scenario_and_is_described() {
-    let schema = the_schema();
-    let tables =
-        ["engine", "parties", "candidates", "ego", "other", "generate", "persons", "crush"];
-    let written: Vec<&str> = settings().iter().map(|(_, _, key, _)| *key).collect();
-    for (name, object) in objects(&schema) {
-        assert_eq!(object["additionalProperties"], Value::Bool(false), "{name}");
-        assert!(object["description"].is_string(), "{name}");
-        for (key, property) in object["properties"].as_object().unwrap() {
-            assert!(written.contains(&key.as_str()) || tables.contains(&key.as_str()), "{key}");
-            let described = property.get("description").or(property.get("$ref"));
-            assert!(described.is_some_and(Value::is_string), "{name}.{key}");
-        }
-    }
-    assert!(!crate::schema().contains("null"));
-}
-
-#[test]
-fn units_stand_in_names_and_in_descriptions() {
-    assert_units_are_described(&the_schema());
 }
 
 /// A key that ends in a unit has it in its description too.
@@ -159,7 +113,7 @@ pub(crate) fn assert_units_are_described(schema: &Value) {
 
 #[test]
 fn the_defaults_that_are_described_are_those_that_hold() {
-    let schema = the_schema();
+    let schema: Value = serde_json::from_str(&crate::schema()).unwrap();
     let d = EngineSettings::DEFAULT;
     let expected = [
         ("workers", d.workers.to_string()),
@@ -181,33 +135,6 @@ fn the_defaults_that_are_described_are_those_that_hold() {
     for key in ["cores", "coordinator_core"] {
         let description = schema["$defs"]["Engine"]["properties"][key]["description"].as_str();
         assert!(description.unwrap().contains("Default: "), "{key}");
-    }
-}
-
-#[test]
-fn what_the_schema_requires_the_parser_requires() {
-    let schema = the_schema();
-    for (number, section, key, _) in settings() {
-        let object = match section {
-            "" => &schema,
-            "[engine]" => &schema["$defs"]["Engine"],
-            "[parties.car.generate]" | "[parties.post.generate]" => &schema["$defs"]["Generate"],
-            "[[parties.car.persons]]" => &schema["$defs"]["Person"],
-            "[parties.walker.crush]" => &schema["$defs"]["Crush"],
-            "[[candidates]]" => &schema["$defs"]["Candidate"],
-            "[candidates.ego]" => &schema["$defs"]["Ego"],
-            "[candidates.other]" => &schema["$defs"]["Other"],
-            _ => &schema["$defs"]["Party"],
-        };
-        let required = object["required"]
-            .as_array()
-            .is_some_and(|keys| keys.iter().any(|required| required.as_str() == Some(key)));
-        let error = parse(&with_line(number, "")).err();
-        let missed = error.as_ref().is_some_and(|error| {
-            let quoted = format!("{key:?} is missing");
-            error.what.starts_with(&quoted) || error.what == format!("{key} is missing")
-        });
-        assert_eq!(required, missed, "{section} {key}: {error:?}");
     }
 }
 
@@ -240,20 +167,4 @@ pub(crate) fn values() -> impl Strategy<Value = String> {
         Just("[[]]".to_owned()),
         Just("1979-05-27".to_owned()),
     ]
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4000))]
-
-    /// The parser is stricter than the schema, never laxer.
-    #[test]
-    fn what_the_parser_accepts_the_schema_accepts(
-        line in 0..settings().len(), value in values(),
-    ) {
-        let (number, _, key, _) = settings()[line];
-        let text = with_line(number, &format!("{key} = {value}"));
-        if parse(&text).is_ok() {
-            prop_assert_eq!(violated(&text), Vec::<String>::new(), "{} = {}", key, value);
-        }
-    }
 }

@@ -87,7 +87,7 @@ fn the_schema_describes_every_key_and_its_unit() {
         }
     }
     assert_units_are_described(&schema);
-    assert!(!crate::horizon_schema().contains("null"));
+    assert!(!crate::schema().contains("null"));
 }
 
 proptest! {
