@@ -1,7 +1,7 @@
 //! Ranks the candidates of a scenario over a horizon: every candidate among everybody around.
 //!
 //! ```text
-//! HorizonScenario --Way::next: who is met next, and when--> contacts, one per candidate
+//! Scenario --Way::next: who is met next, and when--> contacts, one per candidate
 //!      ^                                                       |  as candidates of a Request
 //!      |                                                       v
 //!      +-- light: drive on, heavy: run-out <-- harm <-- SurveyRun: hit sets at the contact
@@ -32,7 +32,7 @@ use damage::{
     CandidateHarm, CourseHarm, Curves, Policy, RankedCandidates, Scratch, Unevaluable, rank_in,
 };
 use runtime::clock;
-use scenario::HorizonScenario;
+use scenario::Scenario;
 use std::sync::Arc;
 
 mod assessed_contact;
@@ -70,7 +70,7 @@ use way::{Begin, NextContact, Way};
 #[derive(Clone, Debug)]
 pub struct CourseRequest<'a> {
     /// Parties, their motions and candidates.
-    pub scenario: &'a HorizonScenario,
+    pub scenario: &'a Scenario,
     /// The body of each party: its number in the store.
     pub models: &'a [usize],
     /// The shells of each body of the store, [`Shells::of`] its triangles: found once per body, as

@@ -9,7 +9,7 @@ use body::{Body, BodyKind, BodyView, Mesh, Meta, Shells, defaults, zones};
 use bvh::BuildOptions;
 use damage::{Curves, Policy};
 use geometry::Corners;
-use scenario::HorizonScenario;
+use scenario::Scenario;
 use shapes::generate;
 use std::sync::Arc;
 
@@ -64,7 +64,7 @@ pub(crate) fn with_policy<T>(
             .map(|(s, n)| body(s, n));
     let views: Vec<_> = bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
     // Parties are in the order of their names: the bodies of the scenario.
-    let scenario = HorizonScenario::parse("replayed.toml", SCENARIO).expect("sound");
+    let scenario = Scenario::parse("replayed.toml", SCENARIO).expect("sound");
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let rules = (Arc::new(policy), Arc::new(Curves::shipped().expect("sound")));
     let stage = BodySet { bodies: &views, extremes: None, depth: 4 };

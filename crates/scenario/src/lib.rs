@@ -13,14 +13,14 @@
 //!
 //! # Invariants
 //!
-//! - Whatever [`HorizonDraft`] returns is in range: finite, known, unique, consistent. Every single
-//!   value of a scenario, made wrong, is refused at its own line: `horizon/tests.rs`.
-//! - No text makes it panic, and text beyond [`HORIZON_TEXT_BYTES_MAX`] is refused unread:
-//!   `horizon/tests/texts.rs`, `horizon/csv/tests.rs`.
-//! - Whatever it accepts, [`schema`] accepts too: `horizon/tests/texts.rs`.
-//! - Every motion of a [`HorizonScenario`] lasts from 0 to its horizon, and those of one party
-//!   begin at one pose: `horizon/tests/rules.rs`. A turn is within [`CIRCLE_ERROR_M`] of its
-//!   circle: `horizon/path/tests.rs`.
+//! - Whatever [`ScenarioDraft`] returns is in range: finite, known, unique, consistent. Every single
+//!   value of a scenario, made wrong, is refused at its own line: `scenario/tests.rs`.
+//! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] is refused unread:
+//!   `scenario/tests/texts.rs`, `scenario/csv/tests.rs`.
+//! - Whatever it accepts, [`schema`] accepts too: `scenario/tests/texts.rs`.
+//! - Every motion of a [`Scenario`] lasts from 0 to its horizon, and those of one party
+//!   begin at one pose: `scenario/tests/rules.rs`. A turn is within [`CIRCLE_ERROR_M`] of its
+//!   circle: `scenario/path/tests.rs`.
 //! - Persons carry a seat, or how many they are, and nothing else. Age, sex and condition are
 //!   refused by the schema.
 //!
@@ -28,11 +28,11 @@
 //!
 //! ```
 //! let text = include_str!("../config/scenarios/crossing.toml");
-//! let scenario = trolley_scenario::HorizonScenario::parse("crossing.toml", text)?;
+//! let scenario = trolley_scenario::Scenario::parse("crossing.toml", text)?;
 //! assert_eq!(scenario.candidates.len(), 3);
 //!
 //! let wrong = text.replace("shape = \"sedan\"", "shape = \"sedam\"");
-//! let error = trolley_scenario::HorizonScenario::parse("crossing.toml", &wrong).unwrap_err();
+//! let error = trolley_scenario::Scenario::parse("crossing.toml", &wrong).unwrap_err();
 //! assert!(error.remedy.contains("Did you mean \"sedan\"?"));
 //! # Ok::<(), trolley_scenario::ScenarioError>(())
 //! ```
@@ -44,7 +44,6 @@ mod error;
 mod explain;
 mod fault;
 mod fields;
-mod horizon;
 mod limit;
 pub mod live;
 mod names;
@@ -59,12 +58,10 @@ pub use decimal::decimal;
 pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
-pub use horizon::{
-    CIRCLE_ERROR_M, GivenMotion, GivenState, HORIZON_PARTIES_MAX, HORIZON_SCHEMA,
-    HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonDraft, HorizonMotion, HorizonParty,
-    HorizonScenario, Occupancy, OccupantGroup, PATH_STATES_MAX, Prediction, Reaction,
-    is_horizon_text,
-};
 pub use rules::capacity;
-pub use scenario::{CANDIDATES_MAX, FileRef, Name, PartyIndex, Source};
+pub use scenario::{
+    CANDIDATES_MAX, CIRCLE_ERROR_M, Candidate, FileRef, GivenMotion, GivenState, Motion, Name,
+    Occupancy, OccupantGroup, PARTIES_MAX, PATH_STATES_MAX, Party, PartyIndex, Prediction,
+    Reaction, SCHEMA, Scenario, ScenarioDraft, Source, TEXT_BYTES_MAX,
+};
 pub use schema::schema;

@@ -22,8 +22,6 @@ pub(crate) const DEADLINE_MS: Limit<f64> = limit(0.001, 3_600_000.0, " ms");
 /// A f32 mesh 1,000 km from the origin still fits an f64 pose to a nanometre; beyond lies a wrong
 /// unit.
 pub(crate) const POSITION_M: Limit<f64> = limit(-1e6, 1e6, " m");
-/// 540 km/h: faster than any road vehicle, so a speed beyond was written in km/h.
-pub(crate) const SPEED_M_S: Limit<f64> = limit(-150.0, 150.0, " m/s");
 /// One turn either way.
 pub(crate) const YAW_DEG: Limit<f64> = limit(-360.0, 360.0, "°");
 /// Beyond 90° a pitch is another yaw and roll.
@@ -70,7 +68,7 @@ pub(crate) const HORIZON_S: Limit<f64> = limit(0.001, 30.0, " s");
 /// that is no contact.
 pub(crate) const RESOLUTION_M: Limit<f64> = limit(1e-5, 0.1, " m");
 /// The ego and 32 others: as many as a tracker follows in a dense street.
-pub(crate) const HORIZON_PARTIES: Limit<usize> = limit(2, 33, "");
+pub(crate) const PARTIES: Limit<usize> = limit(2, 33, "");
 /// Motions that are expected of one party: go on, turn, stop.
 pub(crate) const PREDICTIONS: Limit<usize> = limit(1, 3, "");
 /// How far the sum of their probabilities may be off 1: four digits of three thirds are not.

@@ -5,10 +5,10 @@
 
 use crate::document::TextPosition;
 use crate::error::Misfit;
-use crate::horizon::path::{self, RowFault};
-use crate::horizon::{GivenMotion, GivenState, HorizonMotion, OccupantGroup};
 use crate::limit;
 use crate::rules;
+use crate::scenario::path::{self, RowFault};
+use crate::scenario::{GivenMotion, GivenState, Motion, OccupantGroup};
 use body::BodyKind;
 
 /// What is wrong with a motion.
@@ -29,7 +29,7 @@ pub fn motion(
     given: GivenMotion,
     horizon_s: f64,
     place: TextPosition,
-) -> Result<HorizonMotion, MotionMisfit> {
+) -> Result<Motion, MotionMisfit> {
     let whole = |misfit| MotionMisfit { state: None, misfit };
     let given = match given {
         GivenMotion::Place { position_m, angles_deg } => GivenMotion::Place {
@@ -104,7 +104,7 @@ pub fn horizon_s(value: f64) -> Result<f64, Misfit> {
 /// If it is not within 1e-5 to 0.1.
 pub fn resolution_m(value: f64) -> Result<f64, Misfit> {
     if value == 0.0 {
-        return Ok(crate::horizon::DEFAULT_RESOLUTION_M);
+        return Ok(crate::scenario::DEFAULT_RESOLUTION_M);
     }
     limit::RESOLUTION_M.check("resolution_m", value)
 }
@@ -176,13 +176,13 @@ pub fn crush([a, b]: [f64; 2]) -> Result<[f64; 2], Misfit> {
 mod tests {
     //! A motion made here is the one that a file would have given.
     use super::*;
-    use crate::horizon::HorizonScenario;
+    use crate::scenario::Scenario;
 
     const CROSSING: &str = include_str!("../config/scenarios/crossing.toml");
 
     #[test]
     fn a_motion_comes_back_in_every_bit() {
-        let scenario = HorizonScenario::parse("crossing.toml", CROSSING).unwrap();
+        let scenario = Scenario::parse("crossing.toml", CROSSING).unwrap();
         let predicted = scenario.parties.iter().flat_map(|party| &party.predictions);
         let predicted = predicted.map(|prediction| &prediction.motion);
         for known in predicted.chain(scenario.candidates.iter().map(|way| &way.ego)) {

@@ -2,13 +2,12 @@
 //!
 //! The kind of a generated body is known when the scenario is read, that of a model file only when
 //! it is opened. So the same rules are applied twice: when a scenario is read, and by
-//! [`crate::Scenario::check_kinds`] or [`crate::HorizonScenario::check_kinds`].
+//! [`crate::Scenario::check_kinds`] or [`crate::Scenario::check_kinds`].
 
 use crate::error::Misfit;
-use crate::horizon::{HorizonMotion, Occupancy, OccupantGroup};
 use crate::limit;
+use crate::scenario::{Motion, Occupancy, OccupantGroup};
 use body::{BodyKind, meta::Occupant};
-use geometry::DVec3;
 
 /// How many persons a body of this kind can hold `[A]`: a number above is an error of its writer.
 ///
@@ -115,7 +114,7 @@ pub(crate) fn occupancy_fits(kind: BodyKind, occupancy: &Occupancy) -> Result<()
 }
 
 /// Whether a body of this kind may move like this: what is fixed to the ground does not.
-pub(crate) fn motion_fits(kind: BodyKind, motion: &HorizonMotion) -> Result<(), Misfit> {
+pub(crate) fn motion_fits(kind: BodyKind, motion: &Motion) -> Result<(), Misfit> {
     if kind.is_fixed() && motion.moves() {
         let fault = format!("a {kind} is fixed to the ground and cannot move");
         return Err(Misfit::new("state", fault, "write place = { position_m = [x, y, z] }"));

@@ -3,7 +3,7 @@
 //! It says what a schema can say: names, types, ranges, units. That a party is defined or that no
 //! two candidates have one name it cannot say; so the parser is stricter, never laxer.
 
-use crate::horizon::raw;
+use crate::scenario::raw;
 use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
 
 /// JSON Schema (draft 2020-12) of a scenario file, indented.

@@ -11,7 +11,7 @@ use protocol::public::{
     WirePathKind, WirePathState,
 };
 use scenario::{
-    GivenMotion, GivenState, HorizonCandidate, HorizonMotion, HorizonParty, HorizonScenario,
+    GivenMotion, GivenState, Candidate, Motion, Party, Scenario,
     Misfit, Occupancy, OccupantGroup, PartyIndex, Prediction, Reaction, TextPosition, live,
 };
 use smol_str::format_smolstr;
@@ -34,7 +34,7 @@ fn refuse<T>(reason: Reason, text: impl Into<String>) -> Result<T, Refusal> {
 /// A checked request.
 #[derive(Clone, Debug)]
 pub(crate) struct Checked {
-    pub(crate) scenario: HorizonScenario,
+    pub(crate) scenario: Scenario,
     /// The body of each party in the store.
     pub(crate) models: Vec<usize>,
     /// Assumptions about parties of unknown kind.
@@ -83,7 +83,7 @@ pub(crate) fn check(
         models.push(model);
         parties.push(request.party(number, party, bodies[model].0.kind)?);
     }
-    let scenario = HorizonScenario {
+    let scenario = Scenario {
         name: String::new(),
         policy: None,
         curves: None,
@@ -226,7 +226,7 @@ impl Request<'_> {
         number: usize,
         party: &WireParty,
         kind: BodyKind,
-    ) -> Result<HorizonParty, Refusal> {
+    ) -> Result<Party, Refusal> {
         const KNOWN: u32 =
             WireParty::PERSONS | WireParty::MASS | WireParty::UNKNOWN | WireParty::CRUSH;
         let beyond = Whose::Party(number).beyond();
@@ -249,7 +249,7 @@ impl Request<'_> {
             let text = format!("party {number}: a party of unknown kind has a shape only");
             return refuse(Reason::Misfit, text);
         }
-        Ok(HorizonParty {
+        Ok(Party {
             name: format_smolstr!("{number}"),
             place: Whose::Party(number).place(),
             // Bodies are in the store already: this path is never read.
@@ -327,7 +327,7 @@ impl Request<'_> {
         path < self.ask.path_count as usize
     }
 
-    fn motion(&self, number: usize) -> Result<HorizonMotion, Refusal> {
+    fn motion(&self, number: usize) -> Result<Motion, Refusal> {
         let path: &WirePath = &self.ask.paths[number];
         let malformed = |text: String| refuse(Reason::Malformed, format!("path {number}: {text}"));
         let kind = WirePathKind::from_number(path.kind);
@@ -375,7 +375,7 @@ impl Request<'_> {
         })
     }
 
-    fn candidates(&self) -> Result<Vec<HorizonCandidate>, Refusal> {
+    fn candidates(&self) -> Result<Vec<Candidate>, Refusal> {
         let ask = self.ask;
         let mut candidates = Vec::with_capacity(ask.candidate_count as usize);
         for (number, asked) in ask.candidates[..ask.candidate_count as usize].iter().enumerate() {
@@ -404,7 +404,7 @@ impl Request<'_> {
                 reactions.push(Reaction { party, motion: self.motion(reaction.path as usize)? });
             }
             reactions.sort_by_key(|reaction| reaction.party.0);
-            candidates.push(HorizonCandidate {
+            candidates.push(Candidate {
                 name: format_smolstr!("{number}"),
                 place: Whose::Candidate(number).place(),
                 ego: self.motion(asked.path as usize)?,

@@ -23,7 +23,7 @@ use crate::write::{
 use course::{Course, Extent};
 use diagnostic::{Diagnostic, FailureKind};
 use scenario::{
-    CANDIDATES_MAX, HORIZON_PARTIES_MAX, HORIZON_SCHEMA, HorizonScenario, PATH_STATES_MAX, decimal,
+    CANDIDATES_MAX, PARTIES_MAX, SCHEMA, Scenario, PATH_STATES_MAX, decimal,
 };
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -121,7 +121,7 @@ pub fn horizon_text(
     let mut text = String::new();
     comments(&mut text, source, "the ego's manoeuvres, and where everybody goes", frame.moved);
     let _w = writeln!(text, "# Time 0 is {} s of the recording.", rounded(frame.began_s));
-    let _w = writeln!(text, "schema = {}", quoted(HORIZON_SCHEMA));
+    let _w = writeln!(text, "schema = {}", quoted(SCHEMA));
     let _w = writeln!(text, "name = {}", quoted(&title(recording)));
     let _w = writeln!(text, "horizon_s = {}\n", decimal(horizon_s));
     let mut written: Vec<(Range<usize>, Subject<'_>)> = Vec::new();
@@ -161,7 +161,7 @@ pub fn horizon_text(
         closed(&text, Subject::Manoeuvre(name));
     }
     // Its rules are the reader's, so they stand nowhere else.
-    let Err(error) = HorizonScenario::parse(source, &text) else { return Ok((text, notes)) };
+    let Err(error) = Scenario::parse(source, &text) else { return Ok((text, notes)) };
     let before: usize =
         text.split_inclusive('\n').take(error.place.line.saturating_sub(1)).map(str::len).sum();
     let subject = written.iter().find(|(range, _)| range.contains(&before));
@@ -347,7 +347,7 @@ fn reachable(
     frame: &Frame,
     notes: &mut Vec<String>,
 ) -> Result<Vec<(usize, Course)>, Fault> {
-    const OTHERS_MAX: usize = HORIZON_PARTIES_MAX - 1;
+    const OTHERS_MAX: usize = PARTIES_MAX - 1;
     if others.is_empty() {
         let what = "nobody is there but the ego from when manoeuvres begin until the horizon";
         return Err((what.to_owned(), "begin them at another time: --at".to_owned()));

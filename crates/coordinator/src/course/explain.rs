@@ -11,7 +11,7 @@ use crate::request::Person;
 use damage::course::{HEAVY_M_S, RUN_OUT_M_S2, Severity};
 use damage::curve::Curve;
 use damage::{CourseHarm, Curves, Interval, Parameters, PersonId, Policy, Range, RankedCandidates};
-use scenario::HorizonScenario;
+use scenario::Scenario;
 use serde::Serialize;
 
 /// Everything that the order of a scenario over a horizon was made from.
@@ -93,7 +93,7 @@ pub struct CombinedRisk {
 impl CourseExplanation {
     /// Without chains of contacts there are none in it.
     pub(super) fn new(
-        scenario: &HorizonScenario,
+        scenario: &Scenario,
         people: &People,
         (policy, curves, parameters): (&Policy, &Curves, Parameters),
         (courses, harms): (&[Course<'_>], &[CourseHarm]),

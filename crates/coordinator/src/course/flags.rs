@@ -8,7 +8,7 @@ use super::way::{Scenery, Way};
 use bvh::support::support;
 use geometry::plan::ConvexOutline;
 use geometry::{DVec3, Pose};
-use scenario::HorizonCandidate;
+use scenario::Candidate;
 use serde::Serialize;
 
 /// Step of time at which distances are looked at (s).
@@ -137,7 +137,7 @@ impl Predicted {
 /// are farther apart than the nearest outlines.
 pub(super) fn nearest(
     (scenery, outlines, predicted): (&Scenery<'_>, &Outlines, &Predicted),
-    (way, candidate): (&Way<'_>, &HorizonCandidate),
+    (way, candidate): (&Way<'_>, &Candidate),
     is_met: impl Fn(usize) -> bool,
 ) -> Option<NearestRow> {
     let ego = scenery.scenario.ego.0;
@@ -190,7 +190,7 @@ pub(super) fn nearest(
 /// What is ahead at the end of the way.
 pub(super) fn at_horizon(
     (scenery, outlines): (&Scenery<'_>, &Outlines),
-    (way, candidate): (&Way<'_>, &HorizonCandidate),
+    (way, candidate): (&Way<'_>, &Candidate),
     is_met: impl Fn(usize) -> bool,
 ) -> AtHorizon {
     let ego = scenery.scenario.ego.0;
@@ -253,7 +253,7 @@ fn meets_after(pair: &Pair<'_>, [a, b]: [&Pose; 2], relative: DVec3, limit_s: f6
 /// Predicted motions that were not followed, on which the ego meets the party on its planned path.
 pub(super) fn alternatives(
     scenery: &Scenery<'_>,
-    (way, candidate): (&Way<'_>, &HorizonCandidate),
+    (way, candidate): (&Way<'_>, &Candidate),
     search: &mut EncounterSearch,
 ) -> Vec<Alternative> {
     let scenario = scenery.scenario;

@@ -9,7 +9,7 @@ use body::{BodyKind, BodyView, Meta, Seat};
 use damage::party::{Seats, is_fixed};
 use damage::rule::Stake;
 use damage::{Aboard, CourseHarm, PersonId};
-use scenario::{HorizonScenario, Occupancy};
+use scenario::{Scenario, Occupancy};
 use std::ops::Range;
 
 /// Persons of a bus of which nothing is said: the driver and nine passengers, a usual load in
@@ -48,7 +48,7 @@ fn usual(kind: BodyKind) -> (Seats, u32) {
 impl People {
     /// `body` gives the body of a party.
     pub(crate) fn of<'b>(
-        scenario: &HorizonScenario,
+        scenario: &Scenario,
         body: &impl Fn(usize) -> &'b (Meta, BodyView<'b>),
     ) -> Self {
         let mut people = Self { list: Persons::new(), aboard: Vec::new(), supposed: Vec::new() };
@@ -114,7 +114,7 @@ impl People {
     }
 
     /// A sentence about the parties of which nobody said who is in them, if there are any.
-    pub(crate) fn assumptions(&self, scenario: &HorizonScenario) -> Option<String> {
+    pub(crate) fn assumptions(&self, scenario: &Scenario) -> Option<String> {
         let parties = self.supposed.iter().map(|(party, more)| {
             let count = self.aboard[*party].len();
             let name = &scenario.parties[*party].name;

@@ -28,7 +28,7 @@ pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (CourseAnswer, PlanScene) {
 /// What all the work on it gave.
 pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> RankedCourses {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
-    let scenario = HorizonScenario::parse("test.toml", &format!("{head}{text}"))
+    let scenario = Scenario::parse("test.toml", &format!("{head}{text}"))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
     let views: Vec<(Meta, BodyView<'_>)> =
         bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
@@ -361,7 +361,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
     let queue = party("queue", "sedan", "place = { position_m = [5.2, 0, 0] }");
     for (speed_m_s, is_light) in [(0.5, true), (15.0, false)] {
         let text = format!("{head}{}{queue}{}", ego(), go_on(speed_m_s));
-        let scenario = HorizonScenario::parse("test.toml", &text).expect("sound");
+        let scenario = Scenario::parse("test.toml", &text).expect("sound");
         let views = [&sedan, &sedan].map(|body| (body.meta.clone(), body.view()));
         let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
         let scenery =
@@ -404,7 +404,7 @@ fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
     let ahead = party("bus", "bus", "place = { position_m = [30, 0, 0] }");
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let text = format!("{head}{ahead}{}{}", ego(), go_on(15.0));
-    let scenario = HorizonScenario::parse("test.toml", &text).expect("sound");
+    let scenario = Scenario::parse("test.toml", &text).expect("sound");
     let views = [&bus, &sedan].map(|body| (body.meta.clone(), body.view()));
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let scenery = Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };

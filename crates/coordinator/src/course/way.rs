@@ -16,7 +16,7 @@ use body::{BodyView, Meta, Shells};
 use damage::course::{PASSED_M, RunOut};
 use geometry::Pose;
 use geometry::motion::{MotionPath, State};
-use scenario::{HorizonCandidate, HorizonMotion, HorizonScenario};
+use scenario::{Candidate, Motion, Scenario};
 
 /// How often a run-out has a state (s): its speed falls so little that it is within 0.3 mm of the
 /// path.
@@ -71,7 +71,7 @@ pub(crate) struct NextContact {
 /// Bodies and motions of a request.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scenery<'s> {
-    pub(crate) scenario: &'s HorizonScenario,
+    pub(crate) scenario: &'s Scenario,
     pub(crate) bodies: &'s [(Meta, BodyView<'s>)],
     /// Party i has body `models[i]`.
     pub(crate) models: &'s [usize],
@@ -100,15 +100,15 @@ impl<'s> Scenery<'s> {
     /// How a party moves in a candidate: as it reacts, or as is most probable.
     pub(crate) fn motion(
         &self,
-        candidate: &'s HorizonCandidate,
+        candidate: &'s Candidate,
         party: usize,
-    ) -> &'s HorizonMotion {
+    ) -> &'s Motion {
         let reacts = candidate.reactions.iter().find(|reaction| reaction.party.0 == party);
         reacts.map_or_else(|| self.likeliest(party).1, |reaction| &reaction.motion)
     }
 
     /// The most probable of the predicted motions, the first of equals, and its number.
-    pub(crate) fn likeliest(&self, party: usize) -> (usize, &'s HorizonMotion) {
+    pub(crate) fn likeliest(&self, party: usize) -> (usize, &'s Motion) {
         let all = self.scenario.parties[party].predictions.iter().enumerate();
         let most = all.reduce(
             |most, next| {
@@ -140,7 +140,7 @@ pub(crate) struct Leg {
 #[derive(Clone, Debug)]
 pub(crate) struct Way<'s> {
     scenery: Scenery<'s>,
-    candidate: &'s HorizonCandidate,
+    candidate: &'s Candidate,
     /// Where the ego went after heavy contacts, in the order of time.
     pub(crate) run_outs: Vec<Leg>,
     /// Until when contacts are looked for (s).
@@ -160,7 +160,7 @@ pub(crate) struct Way<'s> {
 }
 
 impl<'s> Way<'s> {
-    pub(crate) fn new(scenery: Scenery<'s>, candidate: &'s HorizonCandidate) -> Self {
+    pub(crate) fn new(scenery: Scenery<'s>, candidate: &'s Candidate) -> Self {
         let start = Ahead::Unknown { from_s: 0.0, still: None };
         let mut ahead = vec![start; scenery.scenario.parties.len()];
         ahead[scenery.scenario.ego.0] = Ahead::Done;

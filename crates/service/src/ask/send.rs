@@ -4,7 +4,7 @@ use super::seat_number;
 use protocol::public::{
     Ask, WireParty, WirePath, WirePathKind, WirePathState, WirePersons, WireReaction,
 };
-use scenario::{GivenMotion, GivenState, HorizonMotion, HorizonScenario, Occupancy};
+use scenario::{GivenMotion, GivenState, Motion, Scenario, Occupancy};
 
 /// The request of a scenario. `model` gives the id of each party's model.
 ///
@@ -13,7 +13,7 @@ use scenario::{GivenMotion, GivenState, HorizonMotion, HorizonScenario, Occupanc
 /// If the scenario does not fit: it has too many parties, persons, candidates, reactions or states,
 /// or a body that is stretched.
 pub fn of_scenario(
-    scenario: &HorizonScenario,
+    scenario: &Scenario,
     models: &[u32],
     unknown_is_fixed: bool,
 ) -> Result<Box<Ask>, String> {
@@ -72,7 +72,7 @@ pub fn of_scenario(
 }
 
 /// Adds a motion as a path, whose number is returned.
-fn add(ask: &mut Ask, motion: &HorizonMotion, probability: f64) -> Result<u32, String> {
+fn add(ask: &mut Ask, motion: &Motion, probability: f64) -> Result<u32, String> {
     let placed = |position_m: [f64; 3], angles_deg: [f64; 3]| WirePathState {
         position_m,
         angles_deg,

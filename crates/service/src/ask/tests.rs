@@ -47,7 +47,7 @@ pub(crate) fn bodies() -> Vec<(Meta, BodyView<'static>)> {
 /// Party 0 the ego, 1 the pole, 2 the wall: scenarios sort by name. Paths 0 and 1 are those of pole
 /// and wall, 2 to 4 the ego's.
 fn minimal() -> Box<Ask> {
-    let scenario = HorizonScenario::parse("wall-or-pole.toml", SCENARIO).unwrap();
+    let scenario = Scenario::parse("wall-or-pole.toml", SCENARIO).unwrap();
     of_scenario(&scenario, &[1, 3, 2], false).unwrap()
 }
 
@@ -77,11 +77,11 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
     for (text, ids, models) in
         [(SCENARIO, &[1, 3, 2][..], &[0, 2, 1][..]), (&more, &[1, 1, 3, 2], &[0, 0, 2, 1])]
     {
-        let scenario = HorizonScenario::parse("wall-or-pole.toml", text).unwrap();
+        let scenario = Scenario::parse("wall-or-pole.toml", text).unwrap();
         let checked = checked(&of_scenario(&scenario, ids, false).unwrap()).unwrap();
         assert_eq!(checked.models, models);
         assert_eq!((checked.scenario.ego.0, checked.scenario.horizon_s), (models.len() - 3, 5.0));
-        let motion = |motion: &HorizonMotion| (motion.path.clone(), motion.ends_s);
+        let motion = |motion: &Motion| (motion.path.clone(), motion.ends_s);
         for (ours, theirs) in checked.scenario.candidates.iter().zip(&scenario.candidates) {
             assert_eq!(motion(&ours.ego), motion(&theirs.ego));
             assert_eq!(ours.reactions.len(), theirs.reactions.len());
@@ -109,14 +109,14 @@ fn what_does_not_fit_into_a_request_is_said() {
     let csv = "path = { csv = \"long.csv\" }\n";
     let text =
         SCENARIO.replacen("state = { position_m = [0, 0, 0], velocity_m_s = [14, 0] }", csv, 1);
-    let draft = scenario::HorizonDraft::parse("w.toml", &text).unwrap();
+    let draft = scenario::ScenarioDraft::parse("w.toml", &text).unwrap();
     let rows = (0..65).map(|k| format!("{k},{k},0,0\n")).collect::<String>();
     let read =
         draft.finish(|_| Ok::<_, scenario::ScenarioError>(format!("t_s,x_m,y_m,yaw_deg\n{rows}")));
     let error = of_scenario(&read.unwrap(), &[1, 3, 2], false).unwrap_err();
     assert!(error.contains("65 states"), "{error}");
     let sized = SCENARIO.replacen("[parties.pole]", "[parties.pole]\nsize_m = [0.4, 0.4, 3]", 1);
-    let scenario = HorizonScenario::parse("w.toml", &sized).unwrap();
+    let scenario = Scenario::parse("w.toml", &sized).unwrap();
     let error = of_scenario(&scenario, &[1, 3, 2], false).unwrap_err();
     assert!(error.contains("\"pole\" has size_m"), "{error}");
 }

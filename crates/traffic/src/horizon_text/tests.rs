@@ -6,7 +6,7 @@ use crate::outline::{OutlinePart, Placed, corners};
 use crate::recording::{Ego, Obstacle};
 use crate::write::middle;
 use proptest::prelude::*;
-use scenario::{HorizonMotion, HorizonParty, Occupancy};
+use scenario::{Motion, Party, Occupancy};
 
 mod shared_data;
 
@@ -46,11 +46,11 @@ fn driving(id: &str, [from_s, to_s]: [f64; 2], speed_m_s: f64) -> Obstacle {
     obstacle(id, "car", states.collect())
 }
 
-fn read_back(text: &str) -> HorizonScenario {
-    HorizonScenario::parse("a.toml", text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+fn read_back(text: &str) -> Scenario {
+    Scenario::parse("a.toml", text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn made(recording: &Recording, sweep: &ManoeuvreSweep) -> (HorizonScenario, Vec<String>) {
+fn made(recording: &Recording, sweep: &ManoeuvreSweep) -> (Scenario, Vec<String>) {
     let (text, notes) =
         horizon_text("a.xml", recording, sweep, &library()).unwrap_or_else(|e| panic!("{e}"));
     (read_back(&text), notes)
@@ -61,18 +61,18 @@ fn refused(recording: &Recording, sweep: &ManoeuvreSweep) -> HorizonTextError {
     made.map(|(_, notes)| notes).expect_err("a recording that gives no scenario")
 }
 
-fn party_of<'s>(scenario: &'s HorizonScenario, name: &str) -> &'s HorizonParty {
+fn party_of<'s>(scenario: &'s Scenario, name: &str) -> &'s Party {
     let found = scenario.parties.iter().find(|party| party.name.as_str() == name);
     found.unwrap_or_else(|| panic!("{name} is not there"))
 }
 
-fn motion<'s>(scenario: &'s HorizonScenario, name: &str) -> &'s HorizonMotion {
+fn motion<'s>(scenario: &'s Scenario, name: &str) -> &'s Motion {
     let [only] = &party_of(scenario, name).predictions[..] else { panic!("{name}") };
     assert_eq!(only.probability, 1.0);
     &only.motion
 }
 
-fn place(motion: &HorizonMotion, time_s: f64) -> [f64; 2] {
+fn place(motion: &Motion, time_s: f64) -> [f64; 2] {
     let [x, y, z] = motion.path.pose_at(time_s).translation;
     assert_eq!(z, 0.0);
     [x, y]
@@ -85,7 +85,7 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// How far a motion is from a track at all of its times until the horizon (m), but for those within
 /// 0.1 ms of an end, which are one with it: there a body that turns sharply cuts the corner.
 pub(super) fn off_m(
-    motion: &HorizonMotion,
+    motion: &Motion,
     obstacle: &Obstacle,
     began_s: f64,
     by: [f64; 2],
@@ -327,7 +327,7 @@ fn of_many_obstacles_those_out_of_reach_are_left_out() {
     ];
     others.insert(0, obstacle("oncoming", "car", oncoming));
     let (read, notes) = made(&scene(others), &ManoeuvreSweep::default());
-    assert_eq!(read.parties.len(), HORIZON_PARTIES_MAX);
+    assert_eq!(read.parties.len(), PARTIES_MAX);
     let names: Vec<&str> = read.parties.iter().map(|party| party.name.as_str()).collect();
     assert!((0..20).all(|n| names.contains(&format!("car near{n}").as_str())), "{names:?}");
     assert!(names.contains(&"car oncoming"));

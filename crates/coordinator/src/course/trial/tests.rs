@@ -5,7 +5,7 @@ use super::*;
 use crate::fixtures::body;
 use body::{Body, BodyView, Meta, Shape, Shells};
 use damage::{Curves, Policy};
-use scenario::{HorizonScenario, Source};
+use scenario::{Scenario, Source};
 use std::sync::Arc;
 
 const SHAPES: [Shape; 7] = [
@@ -30,7 +30,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
     for seed in 0..scenes {
         let text = random_courses(&mut Rng::new(seed));
         // Some turn faster than a vehicle does.
-        let Ok(scenario) = HorizonScenario::parse("random.toml", &text) else { continue };
+        let Ok(scenario) = Scenario::parse("random.toml", &text) else { continue };
         let model = |source: &Source| match source {
             Source::Generate { shape, .. } => SHAPES.iter().position(|known| known == shape),
             Source::File(_) => None,

@@ -1,6 +1,6 @@
 //! From states, as a person or a program writes them, to paths from 0 to the horizon.
 
-use super::{CIRCLE_ERROR_M, GivenMotion, GivenState, HorizonMotion};
+use super::{CIRCLE_ERROR_M, GivenMotion, GivenState, Motion};
 use crate::document::TextPosition;
 use crate::error::Misfit;
 use crate::limit::{self, Show};
@@ -33,7 +33,7 @@ pub(crate) fn motion(
     given: GivenMotion,
     horizon_s: f64,
     place: TextPosition,
-) -> Result<HorizonMotion, RowFault> {
+) -> Result<Motion, RowFault> {
     let (path, ends_s) = match &given {
         GivenMotion::Place { position_m, angles_deg: [yaw, pitch, roll] } => {
             let orientation = Orientation::from_degrees(*yaw, *pitch, *roll);
@@ -47,7 +47,7 @@ pub(crate) fn motion(
         }
         GivenMotion::States(rows) => through(rows, horizon_s)?,
     };
-    Ok(HorizonMotion { place, given, path, ends_s })
+    Ok(Motion { place, given, path, ends_s })
 }
 
 /// The path through these states, cut or continued.

@@ -2,7 +2,7 @@
 //!
 //! As in the older form nothing is checked here but names and types.
 
-use super::HORIZON_SCHEMA;
+use super::SCHEMA;
 use crate::engine::Overrides;
 use crate::limit;
 use crate::names;
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 #[schemars(title = "Trolley scenario over a horizon")]
 pub(crate) struct Scenario {
     /// Name and version of this form.
-    #[schemars(extend("const" = HORIZON_SCHEMA))]
+    #[schemars(extend("const" = SCHEMA))]
     #[expect(dead_code, reason = "checked before the rest is read, and listed here for serde")]
     pub(crate) schema: String,
     /// What people call the scenario.
@@ -49,8 +49,8 @@ pub(crate) struct Scenario {
     #[serde(default)]
     pub(crate) engine: Table<Overrides>,
     /// The ego and up to 32 others, by name.
-    #[schemars(extend("minProperties" = limit::HORIZON_PARTIES.least,
-        "maxProperties" = limit::HORIZON_PARTIES.most))]
+    #[schemars(extend("minProperties" = limit::PARTIES.least,
+        "maxProperties" = limit::PARTIES.most))]
     pub(crate) parties: BTreeMap<String, Table<Party>>,
     /// The manoeuvres to choose from, 1 to 16.
     #[schemars(required, length(min = limit::CANDIDATES.least, max = limit::CANDIDATES.most))]

@@ -1,13 +1,27 @@
-//! The example is what its comments say.
+//! The examples are valid, and one is what its comments say.
 
 use super::violated;
-use crate::{HorizonScenario, Occupancy, PartyIndex, Prediction};
+use crate::{Occupancy, PartyIndex, Prediction, Scenario};
 
 const CROSSING: &str = include_str!("../../../config/scenarios/crossing.toml");
 
 #[test]
-fn the_example_is_valid() {
-    let read = HorizonScenario::parse("crossing.toml", CROSSING).unwrap();
+fn the_shipped_examples_are_valid() {
+    for (name, text) in [
+        ("minimal.toml", include_str!("../../../config/scenarios/minimal.toml")),
+        ("small.toml", include_str!("../../../config/scenarios/small.toml")),
+        ("demo.toml", include_str!("../../../config/scenarios/demo.toml")),
+    ] {
+        let read = Scenario::parse(name, text).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(violated(text), Vec::<String>::new(), "{name}");
+        let kinds = read.parties.iter().map(|party| party.source.kind().unwrap());
+        read.check_kinds(name, &kinds.collect::<Vec<_>>()).unwrap();
+    }
+}
+
+#[test]
+fn the_crossing_is_as_its_comments_say() {
+    let read = Scenario::parse("crossing.toml", CROSSING).unwrap();
     assert_eq!(violated(CROSSING), Vec::<String>::new());
     let names: Vec<&str> = read.candidates.iter().map(|way| way.name.as_str()).collect();
     assert_eq!(names, ["go on", "brake", "swerve"]);
@@ -26,7 +40,7 @@ fn the_example_is_valid() {
 
 #[test]
 fn who_could_meet_whom_is_as_the_comments_say() {
-    let read = HorizonScenario::parse("crossing.toml", CROSSING).unwrap();
+    let read = Scenario::parse("crossing.toml", CROSSING).unwrap();
     let party = |name: &str| &read.parties.iter().find(|p| p.name == name).unwrap().predictions;
     // The least distance of two origins over the horizon.
     let least = |way: usize, Prediction { motion, .. }: &Prediction| {

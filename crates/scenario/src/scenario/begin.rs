@@ -1,6 +1,6 @@
 //! All motions of a body begin where it is now, and that is one place.
 
-use super::{HorizonMotion, HorizonScenario};
+use super::{Motion, Scenario};
 use crate::document::TextPosition;
 use crate::error::ScenarioError;
 use crate::limit;
@@ -14,7 +14,7 @@ use geometry::DVec3;
 /// # Errors
 ///
 /// The first that begins elsewhere than the first of its party, at its place.
-pub(super) fn check(file: &str, scenario: &HorizonScenario) -> Result<(), ScenarioError> {
+pub(super) fn check(file: &str, scenario: &Scenario) -> Result<(), ScenarioError> {
     for (index, party) in scenario.parties.iter().enumerate() {
         let is_ego = index == scenario.ego.0;
         let of_ego = scenario.candidates.iter().filter(|_| is_ego).map(|way| &way.ego);
@@ -39,7 +39,7 @@ pub(super) fn check(file: &str, scenario: &HorizonScenario) -> Result<(), Scenar
 }
 
 /// How far apart two motions begin, in words, if that is too far.
-fn off(first: &HorizonMotion, other: &HorizonMotion) -> Option<String> {
+fn off(first: &Motion, other: &Motion) -> Option<String> {
     let [a, b] = [first, other].map(|motion| motion.path.state_at(0.0));
     let off_m = (DVec3::from_array(b.position_m) - DVec3::from_array(a.position_m)).length();
     let off_deg = a.orientation.angle_to(&b.orientation).to_degrees();

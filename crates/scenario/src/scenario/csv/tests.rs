@@ -1,6 +1,6 @@
 //! A file says the same as states in the scenario, and a fault in it stands at its line.
 
-use super::super::{HorizonDraft, HorizonMotion};
+use super::super::{Motion, ScenarioDraft};
 use super::*;
 use proptest::prelude::*;
 
@@ -93,13 +93,13 @@ fn the_number_of_states_is_bounded() {
 }
 
 /// A scenario whose only candidate is this path.
-fn motion(path: &str, csv: &str) -> Result<HorizonMotion, ScenarioError> {
+fn motion(path: &str, csv: &str) -> Result<Motion, ScenarioError> {
     let text = format!(
         "schema = 'trolley.scenario/2'\nname = 'n'\n[parties]\nego = {{ file = 'e' }}\n\
          b = {{ file = 'b', place = {{ position_m = [0, 0, 0] }} }}\n[[candidates]]\nname = 'c'\n\
          path = {path}\n"
     );
-    let draft = HorizonDraft::parse("folder/f.toml", &text)?;
+    let draft = ScenarioDraft::parse("folder/f.toml", &text)?;
     let scenario = draft.finish(|_| Ok::<_, ScenarioError>(csv.to_owned()))?;
     Ok(scenario.candidates[0].ego.clone())
 }

@@ -156,8 +156,8 @@ fn csv(file: &FileRef) -> Result<String, ScenarioError> {
 }
 
 /// Reads a text that is called `f.toml`; a file that it names is that of [`FULL`].
-fn parse(text: &str) -> Result<HorizonScenario, ScenarioError> {
-    HorizonDraft::parse("f.toml", text)?.finish(|file| match file.path.as_str() {
+fn parse(text: &str) -> Result<Scenario, ScenarioError> {
+    ScenarioDraft::parse("f.toml", text)?.finish(|file| match file.path.as_str() {
         "van.csv" | "van-brakes.csv" | "ego.csv" => csv(file),
         _ => Ok(String::new()),
     })
@@ -254,7 +254,7 @@ fn the_full_scenario_reads_as_it_is_written() {
     }
 }
 
-fn motions(scenario: &HorizonScenario) -> impl Iterator<Item = &HorizonMotion> {
+fn motions(scenario: &Scenario) -> impl Iterator<Item = &Motion> {
     let predictions = scenario.parties.iter().flat_map(|party| &party.predictions);
     let candidates = scenario.candidates.iter().flat_map(|candidate| {
         [&candidate.ego].into_iter().chain(candidate.reactions.iter().map(|r| &r.motion))
@@ -264,7 +264,7 @@ fn motions(scenario: &HorizonScenario) -> impl Iterator<Item = &HorizonMotion> {
 
 #[test]
 fn files_are_asked_for_in_the_order_in_which_they_are_told() {
-    let draft = HorizonDraft::parse("f.toml", FULL).unwrap();
+    let draft = ScenarioDraft::parse("f.toml", FULL).unwrap();
     let told: Vec<FileRef> = draft.files().cloned().collect();
     let mut asked = Vec::new();
     draft
@@ -291,11 +291,11 @@ fn errors_of_the_reader_stay_the_readers() {
             Self::Scenario
         }
     }
-    let draft = HorizonDraft::parse("f.toml", FULL).unwrap();
+    let draft = ScenarioDraft::parse("f.toml", FULL).unwrap();
     let not_there = |file: &FileRef| Err(Broken::NotThere(file.path.clone()));
     assert_eq!(draft.clone().finish(not_there), Err(Broken::NotThere("van.csv".to_owned())));
     assert_eq!(draft.finish(|_| Ok(String::new())), Err(Broken::Scenario));
-    let error = HorizonScenario::parse("f.toml", FULL).unwrap_err();
+    let error = Scenario::parse("f.toml", FULL).unwrap_err();
     assert_eq!(error.place, TextPosition { line: 51, column: 7 });
 }
 

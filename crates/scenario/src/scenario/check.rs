@@ -1,9 +1,9 @@
 //! From the form of a scenario over a horizon to values, but for what stands in other files.
 
-use super::draft::{DraftCandidate, DraftMotion, DraftParty, HorizonDraft};
+use super::draft::{DraftCandidate, DraftMotion, DraftParty, ScenarioDraft};
 use super::path::{self, RowFault};
 use super::raw;
-use super::{GivenMotion, GivenState, HORIZON_SCHEMA, HorizonParty, Occupancy, OccupantGroup};
+use super::{GivenMotion, GivenState, Occupancy, OccupantGroup, Party, SCHEMA};
 use crate::document::{Document, Path};
 use crate::error::{Misfit, ScenarioError};
 use crate::fault::{self, At, Fault};
@@ -17,8 +17,8 @@ use body::{BodyKind, Seat};
 use std::collections::BTreeMap;
 
 /// Reads and checks a scenario.
-pub(super) fn draft(file: &str, text: &str) -> Result<HorizonDraft, ScenarioError> {
-    fault::read(file, text, HORIZON_SCHEMA, |raw: raw::Scenario, document| {
+pub(super) fn draft(file: &str, text: &str) -> Result<ScenarioDraft, ScenarioError> {
+    fault::read(file, text, SCHEMA, |raw: raw::Scenario, document| {
         let root = Path::default();
         let written = fields::number(raw.horizon_s, "horizon_s", limit::HORIZON_S, &root)?;
         let horizon_s = written.unwrap_or(DEFAULT_HORIZON_S);
@@ -45,7 +45,7 @@ struct WrittenMotion {
 }
 
 impl Checker<'_> {
-    fn draft(&self, raw: raw::Scenario) -> Result<HorizonDraft, Fault> {
+    fn draft(&self, raw: raw::Scenario) -> Result<ScenarioDraft, Fault> {
         let root = Path::default();
         let Head { policy, curves, deadline, engine } = Head::new(
             self.document,
@@ -58,7 +58,7 @@ impl Checker<'_> {
             fields::number(raw.resolution_m, "resolution_m", limit::RESOLUTION_M, &root)?;
         let (parties, ego) = self.parties(raw.parties, raw.ego)?;
         let candidates = self.candidates(raw.candidates.unwrap_or_default(), &parties, ego)?;
-        Ok(HorizonDraft {
+        Ok(ScenarioDraft {
             file: self.file.to_owned(),
             name: raw.name,
             policy,
@@ -78,7 +78,7 @@ impl Checker<'_> {
         raw: BTreeMap<String, Table<raw::Party>>,
         ego: Option<String>,
     ) -> Result<(Vec<DraftParty>, PartyIndex), Fault> {
-        fields::count_parties(raw.len(), limit::HORIZON_PARTIES)?;
+        fields::count_parties(raw.len(), limit::PARTIES)?;
         let parent = Path::default().key("parties");
         let mut parties = Vec::with_capacity(raw.len());
         let mut motions = Vec::with_capacity(raw.len());
@@ -118,7 +118,7 @@ impl Checker<'_> {
         key: String,
         raw: raw::Party,
         path: &Path,
-    ) -> Result<(HorizonParty, WrittenMotion), Fault> {
+    ) -> Result<(Party, WrittenMotion), Fault> {
         let raw::Party {
             file,
             generate,
@@ -144,7 +144,7 @@ impl Checker<'_> {
             let help = format!("write {} paths", limit::PREDICTIONS.range());
             return Err(Misfit::new("paths", fault, help)).at(&path.key("paths"));
         }
-        let party = HorizonParty {
+        let party = Party {
             name: key.into(),
             place: body.place,
             source: body.source,

@@ -3,8 +3,8 @@
 use super::csv::CsvStates;
 use super::path;
 use super::{
-    GivenMotion, HORIZON_TEXT_BYTES_MAX, HorizonCandidate, HorizonMotion, HorizonParty,
-    HorizonScenario, Prediction, Reaction, begin, check,
+    Candidate, GivenMotion, Motion, Party, Prediction, Reaction, Scenario, TEXT_BYTES_MAX, begin,
+    check,
 };
 use crate::document::TextPosition;
 use crate::engine::EngineSettings;
@@ -18,7 +18,7 @@ use std::time::Duration;
 /// A scenario whose own text is checked, and whose CSV files are not read yet.
 ///
 /// ```
-/// use trolley_scenario::{HorizonDraft, ScenarioError};
+/// use trolley_scenario::{ScenarioDraft, ScenarioError};
 ///
 /// let text = r#"
 /// schema = "trolley.scenario/2"
@@ -30,7 +30,7 @@ use std::time::Duration;
 /// name = "brake"
 /// path = { csv = "brake.csv" }
 /// "#;
-/// let draft = HorizonDraft::parse("post.toml", text)?;
+/// let draft = ScenarioDraft::parse("post.toml", text)?;
 /// let names: Vec<&str> = draft.files().map(|file| file.path.as_str()).collect();
 /// assert_eq!(names, ["brake.csv"]);
 ///
@@ -42,7 +42,7 @@ use std::time::Duration;
 /// # Ok::<(), ScenarioError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct HorizonDraft {
+pub struct ScenarioDraft {
     pub(super) file: String,
     pub(super) name: String,
     pub(super) policy: Option<FileRef>,
@@ -59,7 +59,7 @@ pub struct HorizonDraft {
 /// A party whose own predictions are still empty, and what they will be made of.
 #[derive(Clone, Debug)]
 pub(super) struct DraftParty {
-    pub(super) party: HorizonParty,
+    pub(super) party: Party,
     /// Each with its probability.
     pub(super) predictions: Vec<(f64, DraftMotion)>,
 }
@@ -75,7 +75,7 @@ pub(super) struct DraftCandidate {
 #[derive(Clone, Debug)]
 pub(super) enum DraftMotion {
     /// It stands in the scenario.
-    Known(HorizonMotion),
+    Known(Motion),
     /// It stands in a file.
     Csv {
         /// The position of the path that names the file.
@@ -93,7 +93,7 @@ impl DraftMotion {
     }
 }
 
-impl HorizonDraft {
+impl ScenarioDraft {
     /// Reads a scenario but for the CSV files that it names. `file` is its name in errors; nothing
     /// is opened.
     ///
@@ -101,10 +101,10 @@ impl HorizonDraft {
     ///
     /// The first fault found, with its place and what to do about it.
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
-        if text.len() > HORIZON_TEXT_BYTES_MAX {
+        if text.len() > TEXT_BYTES_MAX {
             let fault = format!("{} bytes are too many for a scenario", text.len());
             let help = format!(
-                "a scenario has at most {HORIZON_TEXT_BYTES_MAX} bytes; write long paths into CSV \
+                "a scenario has at most {TEXT_BYTES_MAX} bytes; write long paths into CSV \
                  files"
             );
             return Err(ScenarioError::new(file, TextPosition::START, fault, help));
@@ -112,7 +112,7 @@ impl HorizonDraft {
         check::draft(file, text)
     }
 
-    /// The CSV files that paths name, in the order in which [`HorizonDraft::finish`] asks for them;
+    /// The CSV files that paths name, in the order in which [`ScenarioDraft::finish`] asks for them;
     /// one that is named repeatedly stands here repeatedly.
     pub fn files(&self) -> impl Iterator<Item = &FileRef> {
         let predictions = self.parties.iter().flat_map(|draft| &draft.predictions);
@@ -132,7 +132,7 @@ impl HorizonDraft {
     pub fn finish<E: From<ScenarioError>>(
         self,
         mut read: impl FnMut(&FileRef) -> Result<String, E>,
-    ) -> Result<HorizonScenario, E> {
+    ) -> Result<Scenario, E> {
         let Self { file, parties, candidates, horizon_s, ego, .. } = self;
         let mut whole = |motion: DraftMotion, kind: Option<BodyKind>| match motion {
             DraftMotion::Known(motion) => Ok(motion),
@@ -164,9 +164,9 @@ impl HorizonDraft {
                 .into_iter()
                 .map(|(party, motion)| Ok(Reaction { party, motion: whole(motion, None)? }));
             let reactions = reactions.collect::<Result<_, E>>()?;
-            ways.push(HorizonCandidate { name, place, ego, reactions });
+            ways.push(Candidate { name, place, ego, reactions });
         }
-        let scenario = HorizonScenario {
+        let scenario = Scenario {
             name: self.name,
             policy: self.policy,
             curves: self.curves,
@@ -189,7 +189,7 @@ fn from_csv(
     text: &str,
     place: TextPosition,
     horizon_s: f64,
-) -> Result<HorizonMotion, ScenarioError> {
+) -> Result<Motion, ScenarioError> {
     let states = CsvStates::parse(file, text)?;
     let given = GivenMotion::States(states.rows.clone());
     path::motion(given, horizon_s, place).map_err(|fault| states.error(fault))

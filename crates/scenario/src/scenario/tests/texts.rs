@@ -29,11 +29,11 @@ fn a_scenario_with_every_key_of_every_state_fits_the_text() {
             text += &path(&format!("candidates.reactions.b{i}.path"));
         }
     }
-    assert!(text.len() < HORIZON_TEXT_BYTES_MAX, "{}", text.len());
+    assert!(text.len() < TEXT_BYTES_MAX, "{}", text.len());
     let read = parse(&text.replace("-12.123456, -12.123456] }", "-2.1, 1.2] }")).unwrap();
     assert_eq!((read.parties.len(), motions(&read).count()), (33, 96 + 16 * 13));
 
-    let long = format!("{text}#{}", "x".repeat(HORIZON_TEXT_BYTES_MAX));
+    let long = format!("{text}#{}", "x".repeat(TEXT_BYTES_MAX));
     let error = parse(&long).unwrap_err();
     assert!(error.what.contains("too many for a scenario"), "{error}");
 }
@@ -41,7 +41,7 @@ fn a_scenario_with_every_key_of_every_state_fits_the_text() {
 #[test]
 fn deep_and_long_texts_get_short_answers() {
     let head = "schema = \"trolley.scenario/2\"\n";
-    let most = HORIZON_TEXT_BYTES_MAX - 200;
+    let most = TEXT_BYTES_MAX - 200;
     for text in [
         format!("{head}{}a = 1", "a.".repeat(most / 2)),
         format!("{head}[{}a]\n", "a.".repeat(most / 2)),
