@@ -33,11 +33,6 @@ pub(crate) struct ImportArgs {
     traffic: TrafficArgs,
     #[command(flatten)]
     references: ReferenceArgs,
-    /// Write the former form instead, `trolley.scenario/1`: pairs at a predicted impact, one for
-    /// each manoeuvre, of those that outlines meet. It can be recorded, but it sees only the first
-    /// opponent of a manoeuvre.
-    #[arg(long)]
-    at_impact: bool,
     /// Scenario to write. It names models of --bodies where they are: to rank it from another
     /// folder, use --allow-outside there.
     #[arg(short, long, value_name = "OUT.toml")]
@@ -87,7 +82,7 @@ fn within<const LEAST: i32, const MOST: i32>(text: &str) -> Result<f64, String> 
     }
 }
 
-/// Reads a traffic file, sweeps the manoeuvres, and makes the scenario's text.
+/// Reads a traffic file and makes a scenario's text.
 pub(crate) fn import(
     path: &Path,
     args: &TrafficArgs,
@@ -114,11 +109,8 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let out = args.out.as_deref();
     out.map(|out| trolley::files::check(out, Some(&args.file))).transpose()?;
     let imported = import(&args.file, &args.traffic, args.references.references())?;
-    if !args.at_impact {
-        return over_horizon(args, &imported, output);
-    }
-    if let (Some(out), Some(text)) = (&args.out, &imported.text) {
-        trolley::files::replace(out, text.as_bytes())?;
+    if let Some(out) = &args.out {
+        trolley::files::replace(out, imported.text.as_bytes())?;
     }
     if output.json {
         return print::out(&print::json(&imported.document(&args.file))?);
@@ -126,36 +118,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     if !output.quiet {
         print::err(&imported.summary());
     }
-    match (&imported.text, &args.out) {
-        (None, _) => {
-            print::err("Nothing to rank: no scenario was written.");
-            Ok(ExitCode::SUCCESS)
-        }
-        (Some(_), Some(out)) => {
-            print::err(&format!("written: {}", out.display()));
-            Ok(ExitCode::SUCCESS)
-        }
-        (Some(text), None) => print::out(text),
-    }
-}
-
-/// Writes or prints the scenario over a horizon.
-fn over_horizon(
-    args: &ImportArgs,
-    imported: &ImportedTraffic,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
-    let document = imported.horizon_document(&args.file)?;
-    if let Some(out) = &args.out {
-        trolley::files::replace(out, document.scenario.as_bytes())?;
-    }
-    if output.json {
-        return print::out(&print::json(&document)?);
-    }
-    if !output.quiet {
-        print::err(&imported.horizon_summary());
-    }
-    let Some(out) = &args.out else { return print::out(document.scenario) };
+    let Some(out) = &args.out else { return print::out(&imported.text) };
     print::err(&format!("written: {}", out.display()));
     Ok(ExitCode::SUCCESS)
 }

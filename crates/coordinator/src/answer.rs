@@ -6,31 +6,10 @@
 use crate::candidate_state::CandidateState;
 use crate::request::{Candidate, Request};
 use body::{BodyKind, BodyView, Meta};
-use damage::{AnswerState, CandidateHarm, CollisionParty, Interval, Note, Range};
+use damage::{CandidateHarm, CollisionParty, Interval, Range};
 use geometry::DVec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
-
-/// The answer to a request, with a row of its form per candidate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer<R> {
-    /// How complete it is.
-    pub state: AnswerState,
-    /// The policy's name.
-    pub policy: String,
-    /// Candidates, least harm first.
-    pub ranking: Vec<R>,
-    /// Names of the candidates that the model cannot tell from the first, itself included.
-    pub tie_class: Vec<String>,
-    /// Further remarks on the ranking.
-    pub notes: Vec<Note>,
-    /// What was assumed for lack of data, in sentences.
-    pub assumptions: Vec<String>,
-    /// Number of leading places that no open work can change.
-    pub settled_places: usize,
-    /// What is missing: one sentence per candidate that is not fully known.
-    pub missing: Vec<String>,
-}
 
 /// One person in one collision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,14 +51,6 @@ pub struct PoseRow {
     /// Hash of the pairs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hash: Option<String>,
-}
-
-impl<R> Answer<R> {
-    /// The candidate of least harm; `None` if there are no candidates or no bound can be given.
-    #[must_use]
-    pub fn best(&self) -> Option<&R> {
-        if self.state == AnswerState::Refused { None } else { self.ranking.first() }
-    }
 }
 
 /// The sentence about a party of unknown kind.

@@ -5,7 +5,7 @@
 //!      ^                                                       |  as candidates of a Request
 //!      |                                                       v
 //!      +-- light: drive on, heavy: run-out <-- harm <-- SurveyRun: hit sets at the contact
-//! no contact left --> CourseHarm per candidate --> damage::rank --> CourseAnswer
+//! no contact left --> CourseHarm per candidate --> damage::rank --> Answer
 //! ```
 //!
 //! The contacts that come next in all candidates are worked on together, as a *round*: each is a
@@ -49,9 +49,9 @@ mod stop;
 mod trial;
 mod way;
 
-pub use course_answer::{ContactRow, CourseAnswer, CoursePersonRow, CourseRow, RunOutRow};
+pub use course_answer::{Answer, ContactRow, CoursePersonRow, CourseRow, RunOutRow};
 pub use encounter::EncounterEffort;
-pub use explain::{CombinedRisk, ContactStep, CourseChain, CourseExplanation};
+pub use explain::{CombinedRisk, ContactStep, CourseChain, Explanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
 pub use plan_scene::{PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene};
@@ -113,7 +113,7 @@ pub struct CourseEffort {
 #[derive(Clone, Debug)]
 pub struct RankedCourses {
     /// The answer: the same bytes for every backend, if it is complete.
-    pub answer: CourseAnswer,
+    pub answer: Answer,
     /// How it came to be.
     pub effort: CourseEffort,
     /// What the workers did, if there are any: one report a round.
@@ -121,7 +121,7 @@ pub struct RankedCourses {
     /// What it can be made from again, if that was requested.
     pub history: Option<CourseHistory>,
     /// Every figure from contact to rank, if that was requested.
-    pub explanation: Option<CourseExplanation>,
+    pub explanation: Option<Explanation>,
     /// Where everybody is over time, if that was requested.
     pub scene: Option<PlanScene>,
 }
@@ -243,7 +243,7 @@ fn follow(
     let answer = course_answer::written(&scenery, &people, policy, known, &ranking, &mut search);
     let explanation = request.explanation.then(|| {
         let rules = (policy, curves, parameters);
-        CourseExplanation::new(request.scenario, &people, rules, known, &ranking)
+        Explanation::new(request.scenario, &people, rules, known, &ranking)
     });
     effort.judge_ns = clock::now_ns() - begun_ns;
     let scene = request.scene.then(|| plan_scene::scene(&scenery, &courses));

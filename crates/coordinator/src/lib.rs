@@ -41,13 +41,13 @@ mod work;
 mod worker_pool;
 mod workspace;
 
-pub use answer::{Answer, PersonRow, PoseRow};
+pub use answer::{PersonRow, PoseRow};
 
 pub use course::{
-    Alternative, AtHorizon, CombinedRisk, ContactRow, ContactStep, CourseAnswer, CourseChain,
-    CourseEffort, CourseExplanation, CourseHistory, CoursePersonRow, CourseRequest, CourseRow,
-    EncounterEffort, NearestRow, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample,
-    PlanScene, RankedCourses, RunOutRow, rank_courses, replay_courses,
+    Alternative, Answer, AtHorizon, CombinedRisk, ContactRow, ContactStep, CourseChain,
+    CourseEffort, CourseHistory, CoursePersonRow, CourseRequest, CourseRow, EncounterEffort,
+    Explanation, NearestRow, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene,
+    RankedCourses, RunOutRow, rank_courses, replay_courses,
 };
 #[cfg(any(test, feature = "faults"))]
 pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};

@@ -1,16 +1,14 @@
 //! Traffic that others recorded or wrote down: from their files to a scenario that can be ranked.
 //!
 //! ```text
-//! CommonRoad 2018b, 2020a ─┐                     ego manoeuvres       library of bodies
-//! OpenSCENARIO (in part) ──┴─read─▶ Recording ─ sweep ─▶ Meetings ─ write ─▶ scenario (TOML)
-//!                                       └───── horizon_text ─────▶ scenario over a horizon (TOML)
+//! CommonRoad 2018b, 2020a ─┐
+//! OpenSCENARIO (in part) ──┴─read─▶ Recording ─ scenario_text ─▶ scenario (TOML)
+//!                          ego manoeuvres, library of bodies ┘
 //! ```
 //!
 //! Everything lies in the ground plane, in metres, seconds and radians. A recording states where
-//! every participant is and goes; the sweep drives the ego along arcs that friction allows and says
-//! whom it meets first, as their outlines in plan overlap; triangles are the engine's business.
-//! A scenario over a horizon needs no sweep: it has all manoeuvres, and where everybody goes. Texts
-//! come in and go out; no file is opened here.
+//! every participant is and goes; a scenario has that, and arcs of the ego that friction allows. Who
+//! meets whom is the engine's business. Texts come in and go out; no file is opened here.
 //!
 //! # Invariants
 //!
@@ -18,28 +16,27 @@
 //!   what was taken for something else stands in [`Recording::notes`]. `commonroad/tests.rs`.
 //! - Outlines overlap exactly if they share a point, for any rectangles, circles and polygons:
 //!   `outline/tests.rs`.
-//! - No manoeuvre asks the tyres for more than [`ManoeuvreSweep::grip_m_s2`]: `sweep/tests.rs`.
-//! - What is written is a scenario: `write/tests.rs`, `horizon_text/tests.rs`. Over a horizon
-//!   everybody is where the recording says, at its times, to the last digit that is written.
+//! - No manoeuvre asks the tyres for more than [`Manoeuvres::grip_m_s2`]: `manoeuvre/tests.rs`.
+//! - What is written is a scenario, in which everybody is where the recording says, at its times,
+//!   to the last digit that is written: `scenario_text/tests.rs`.
 
 mod commonroad;
 mod error;
-mod horizon_text;
 mod library;
+mod manoeuvre;
 mod openscenario;
 mod outline;
 mod recording;
-mod sweep;
+mod scenario_text;
 mod write;
 mod xml;
 
 pub use error::TrafficError;
-pub use horizon_text::{HorizonTextError, horizon_text};
 pub use library::{DEFAULT_LIBRARY, Library};
+pub use manoeuvre::{Manoeuvre, Manoeuvres};
 pub use outline::{Outline, OutlinePart, Placed, overlap};
 pub use recording::{Ego, Obstacle, Recording, TimedState};
-pub use sweep::{Conflict, Manoeuvre, ManoeuvreSweep, Swept};
-pub use write::scenario_text;
+pub use scenario_text::{ScenarioTextError, scenario_text};
 pub use xml::TEXT_BYTES_MAX;
 
 /// What the person at the terminal says about a file.

@@ -1,13 +1,11 @@
-//! From meetings to the text of a scenario: one candidate for each, bodies from the library. What
-//! both forms of a scenario have in common is written here.
+//! Pieces of the text of a scenario.
 //!
 //! Bodies are put where the middle of their outline is, stretched to its length and width; a circle
 //! gives a body its longest side. Coordinates are rounded to 0.1 mm and 0.0001°.
 
 use crate::library::{Entry, Library};
 use crate::outline::{Outline, Placed};
-use crate::recording::{Recording, TimedState, wrapped};
-use crate::sweep::Swept;
+use crate::recording::{Recording, TimedState};
 use scenario::{CANDIDATES_MAX, decimal};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -15,55 +13,6 @@ use std::fmt::Write as _;
 /// Coordinates beyond this are moved so that the ego starts near the origin (m): maps count from a
 /// far away equator.
 const FAR_M: f64 = 100_000.0;
-
-/// The scenario of all meetings, as TOML, and what was left out, in whole sentences.
-///
-/// `source` is the name of the file, for the header.
-///
-/// # Errors
-///
-/// In words: the library has no body for a type that is met, or nothing is met at all.
-pub fn scenario_text(
-    source: &str,
-    recording: &Recording,
-    swept: &Swept,
-    library: &Library,
-) -> Result<(String, Vec<String>), String> {
-    let mut notes = Vec::new();
-    let meetings = &swept.meetings[..swept.meetings.len().min(CANDIDATES_MAX)];
-    if meetings.is_empty() {
-        return Err("no manoeuvre meets anybody: there is nothing to rank".to_owned());
-    }
-    if meetings.len() < swept.meetings.len() {
-        notes.push(too_many(swept.meetings.len()));
-    }
-    let moved = moved(recording);
-    let mut text = String::new();
-    comments(&mut text, source, "ego manoeuvres and whom each meets first", moved);
-    let _w = writeln!(text, "schema = {}", quoted(scenario::SCHEMA));
-    let _w = writeln!(text, "name = {}\n", quoted(&title(recording)));
-    let ego_outline = recording.ego_outline();
-    party(&mut text, "ego", &ego_outline, entry(library, "ego")?, NOBODY);
-    let names = names(recording, meetings.iter().map(|meeting| meeting.whom));
-    for (index, name) in &names {
-        let obstacle = &recording.others[*index];
-        party(&mut text, name, &obstacle.outline, entry(library, &obstacle.kind)?, NOBODY);
-    }
-    for meeting in meetings {
-        let other = &recording.others[meeting.whom];
-        let party = &names[&meeting.whom];
-        let name = shortened(&format!("{} → {party}", meeting.manoeuvre.name()));
-        let _w = writeln!(text, "\n# After {:.2} s.", meeting.ego.time_s - swept.began_s);
-        let _w = writeln!(text, "[[candidates]]\nname = {}", quoted(&name));
-        let _w = writeln!(text, "ego = {{ {} }}", state(&meeting.ego, &ego_outline, moved));
-        let state = state(&meeting.other, &other.outline, moved);
-        let _w = writeln!(text, "other = {{ party = {}, {state} }}", quoted(party));
-    }
-    Ok((text, notes))
-}
-
-/// How a party says that nobody is inside.
-const NOBODY: &str = "persons = []";
 
 /// What a scenario cannot hold of so many candidates.
 pub(crate) fn too_many(candidates: usize) -> String {
@@ -130,9 +79,8 @@ pub(crate) fn names(
     names
 }
 
-/// The table of a party without its motion. `nobody` is the line that says that nobody is inside:
-/// each form of a scenario has its own.
-pub(crate) fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry, nobody: &str) {
+/// The table of a party without its motion.
+pub(crate) fn party(text: &mut String, name: &str, outline: &Outline, entry: &Entry) {
     let _w = writeln!(text, "[parties.{}]", quoted(name));
     let _w = match (&entry.shape, &entry.file) {
         (Some(shape), _) => {
@@ -150,24 +98,11 @@ pub(crate) fn party(text: &mut String, name: &str, outline: &Outline, entry: &En
         writeln!(text, "size_m = [{length}, {width}]")
     };
     if entry.nobody {
-        let _w = writeln!(text, "{nobody}");
+        text.push_str("empty = true\n");
     }
     if entry.unknown {
         text.push_str("kind = \"unknown\"\n");
     }
-}
-
-fn state(moment: &TimedState, outline: &Outline, moved: [f64; 2]) -> String {
-    let place = middle(moment, outline);
-    let [x, y] = [0, 1].map(|axis| rounded(place.at[axis] - moved[axis]));
-    let yaw = rounded(wrapped(place.yaw).to_degrees());
-    let motion = if moment.slip == 0.0 {
-        format!("speed_m_s = {}", rounded(moment.speed_m_s))
-    } else {
-        let [x, y] = moment.velocity_m_s().map(rounded);
-        format!("velocity_m_s = [{x}, {y}]")
-    };
-    format!("position_m = [{x}, {y}, 0.0], yaw_deg = {yaw}, {motion}")
 }
 
 /// Rounded to 0.0001; −0 becomes +0.
@@ -188,6 +123,3 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted.push('"');
     quoted
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,8 +1,7 @@
 //! Traffic files as scenarios: CommonRoad 2018b and 2020a, OpenSCENARIO 1.x.
 //!
-//! The ego's possible manoeuvres are tried, and those that collide become the candidates of a
-//! scenario. In a scenario over a horizon all of them are candidates, and nobody need say who
-//! collides: [`ImportedTraffic::horizon_text`].
+//! Everybody becomes a party with its way, and the manoeuvres that friction allows the ego become
+//! candidates, whether or not they meet anybody.
 //!
 //! ```
 //! # let folder = std::env::temp_dir().join(format!("trolley-traffic-{}", std::process::id()));
@@ -26,25 +25,23 @@
 //!
 //! let imported = traffic::import(&path, &traffic::TrafficOptions::default())?;
 //! println!("{}", imported.summary());
-//! if let Some(text) = &imported.text {
-//!     let scenario = Scenario::parse("crossing.toml", text)?;
-//!     assert!(!scenario.parsed().candidates.is_empty());
-//! }
+//! let scenario = Scenario::parse("crossing.toml", &imported.text)?;
+//! assert_eq!(scenario.parsed().candidates.len(), 15);
 //! # std::fs::remove_dir_all(&folder).ok();
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
 use crate::files::{self, InputKind};
 use crate::references::References;
-use crate::{Failure, FailureKind};
+use crate::Failure;
 use std::path::{Path, PathBuf};
-use traffic::{Catalog, DEFAULT_LIBRARY, Library, ManoeuvreSweep, ReadOptions, Recording, Swept};
+use traffic::{Catalog, DEFAULT_LIBRARY, Library, Manoeuvres, ReadOptions, Recording};
 
 mod document;
 
-pub use document::{Document, HorizonDocument};
+pub use document::ImportDocument;
 
-/// If the recorded ego collides too late for manoeuvres from its start, they begin this long before
+/// If the recorded ego overlaps somebody only after the horizon, manoeuvres begin this long before
 /// (s): a driver's reaction.
 const BEFORE_S: f64 = 1.0;
 
@@ -81,9 +78,9 @@ pub struct TrafficOptions {
 }
 
 impl TrafficOptions {
-    fn sweep(&self) -> Result<ManoeuvreSweep, Failure> {
-        let usual = ManoeuvreSweep::default();
-        let sweep = ManoeuvreSweep {
+    fn manoeuvres(&self) -> Result<Manoeuvres, Failure> {
+        let usual = Manoeuvres::default();
+        let manoeuvres = Manoeuvres {
             brakes_m_s2: self.brakes_m_s2.clone().unwrap_or(usual.brakes_m_s2),
             laterals_m_s2: self.laterals_m_s2.clone().unwrap_or(usual.laterals_m_s2),
             grip_m_s2: self.grip_m_s2.unwrap_or(usual.grip_m_s2),
@@ -91,12 +88,12 @@ impl TrafficOptions {
             after_s: self.at_s.unwrap_or(usual.after_s),
             ..usual
         };
-        if let Some(brake) = sweep.brakes_m_s2.iter().find(|brake| **brake > sweep.grip_m_s2) {
+        if let Some(brake) = manoeuvres.brakes_m_s2.iter().find(|brake| **brake > manoeuvres.grip_m_s2) {
             let fault = format!("--brakes: {brake} m/s² is more than the tyres give");
-            let help = format!("--grip is {} m/s²", sweep.grip_m_s2);
+            let help = format!("--grip is {} m/s²", manoeuvres.grip_m_s2);
             return Err(Failure::setting(fault).with_remedy(help));
         }
-        Ok(sweep)
+        Ok(manoeuvres)
     }
 
     fn library(&self) -> Result<Library, Failure> {
@@ -123,7 +120,7 @@ impl TrafficOptions {
     }
 }
 
-/// A traffic file with the collisions that were found in it, as scenarios of both forms.
+/// A traffic file as a scenario.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join(format!("trolley-imported-{}", std::process::id()));
@@ -146,27 +143,17 @@ impl TrafficOptions {
 /// use trolley::traffic::{TrafficOptions, import};
 ///
 /// let imported = import(&path, &TrafficOptions::default())?;
-/// assert!(imported.text.is_some(), "a parked car is in the way");
-/// let over_horizon = imported.horizon_text?;
-/// assert!(over_horizon.starts_with("# From ") && imported.horizon_notes.is_empty());
+/// assert!(imported.text.starts_with("# From ") && imported.notes.is_empty());
 /// # std::fs::remove_dir_all(&folder).ok();
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub struct ImportedTraffic {
     recording: Recording,
-    swept: Swept,
     horizon_s: f64,
-    notes: Vec<String>,
-    /// The scenario; `None` if no manoeuvre collides.
-    pub text: Option<String>,
-    /// The scenario over a horizon, of the form `trolley.scenario/2`: where everybody goes, and
-    /// every manoeuvre, whether or not it collides. The error, if there is none: nobody but the ego
-    /// is there, a type has no body in the library even if nobody collides with it, more obstacles
-    /// can be reached than a scenario holds, or somebody moves as no body can.
-    pub horizon_text: Result<String, Failure>,
-    /// What was assumed for [`Self::horizon_text`] or left out of it, in whole sentences without
-    /// full stops. What holds of both scenarios is in [`Self::summary`].
-    pub horizon_notes: Vec<String>,
+    /// The scenario: where everybody goes, and every manoeuvre.
+    pub text: String,
+    /// What was assumed or left out, in whole sentences without full stops.
+    pub notes: Vec<String>,
 }
 
 /// Returns whether a file is traffic rather than a scenario, by its name or its first character.
@@ -190,7 +177,7 @@ pub fn is_traffic(path: &Path) -> bool {
     head.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'<')
 }
 
-/// Reads a traffic file, tries the ego's manoeuvres, and makes the scenarios of both forms.
+/// Reads a traffic file and makes a scenario of it.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join(format!("trolley-import-{}", std::process::id()));
@@ -214,18 +201,18 @@ pub fn is_traffic(path: &Path) -> bool {
 ///
 /// let options = TrafficOptions { horizon_s: Some(4.0), ..TrafficOptions::default() };
 /// let text = import(&path, &options)?.text;
-/// assert!(text.is_some_and(|text| text.contains("[[candidates]]")));
+/// assert!(text.contains("horizon_s = 4.0\n") && text.contains("[[candidates]]"));
 /// # std::fs::remove_dir_all(&folder).ok();
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 ///
 /// # Errors
 ///
-/// If a file cannot be read or is not valid, or the ego overlaps an obstacle where manoeuvres
-/// begin.
+/// If a file cannot be read or is not valid, nobody but the ego is there, a type has no body in the
+/// library, more obstacles can be reached than a scenario holds, or somebody moves as no body can.
 pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, Failure> {
     let name = path.display().to_string();
-    let mut sweep = options.sweep()?;
+    let mut manoeuvres = options.manoeuvres()?;
     let library = options.library()?;
     let source = files::text(path, InputKind::Traffic)?;
     let mut catalogs = Vec::new();
@@ -238,41 +225,17 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
         ReadOptions { ego: options.ego.as_deref(), without: &options.without, catalogs: &catalogs };
     let recording = traffic::read(&name, &source, &read)?;
     let mut notes = recording.notes.clone();
-    let mut swept = recording.sweep(&sweep);
-    if swept.meetings.is_empty()
-        && options.at_s.is_none()
-        && let Some(meets_s) = recording.recorded_meeting_s(sweep.step_s)
+    if options.at_s.is_none()
+        && let Some(meets_s) = recording.recorded_meeting_s(manoeuvres.step_s)
+        && meets_s > manoeuvres.horizon_s
     {
-        sweep.after_s = (meets_s - BEFORE_S).max(0.0);
+        manoeuvres.after_s = meets_s - BEFORE_S;
         notes.push(format!(
             "as recorded, the ego meets somebody after {meets_s:.2} s: manoeuvres begin \
              {BEFORE_S} s before; --at changes that"
         ));
-        swept = recording.sweep(&sweep);
     }
-    if let Some(whom) = swept.overlapped {
-        let id = &recording.others[whom].id;
-        let fault = format!("{name}: the ego and obstacle {id} overlap where manoeuvres begin");
-        let help = format!("if it is the ego itself: --without {id}; else begin earlier: --at");
-        return Err(Failure::new(FailureKind::Refused, fault).with_remedy(help));
-    }
-    let (horizon_text, horizon_notes) =
-        match traffic::horizon_text(&name, &recording, &sweep, &library) {
-            Ok((text, notes)) => (Ok(text), notes),
-            Err(error) => (Err(Failure::from(error)), Vec::new()),
-        };
-    let text = match swept.meetings.as_slice() {
-        [] => None,
-        _ => {
-            let written = traffic::scenario_text(&name, &recording, &swept, &library);
-            let (text, more) = written.map_err(|fault| {
-                Failure::input(format!("{name}: {fault}"))
-                    .with_remedy("add it to a library and name that: --bodies FILE")
-            })?;
-            notes.extend(more);
-            Some(text)
-        }
-    };
-    let horizon_s = sweep.horizon_s;
-    Ok(ImportedTraffic { recording, swept, horizon_s, notes, text, horizon_text, horizon_notes })
+    let (text, more) = traffic::scenario_text(&name, &recording, &manoeuvres, &library)?;
+    notes.extend(more);
+    Ok(ImportedTraffic { recording, horizon_s: manoeuvres.horizon_s, text, notes })
 }

@@ -5,15 +5,42 @@ use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted
 use super::persons::People;
 use super::way::{Begin, Scenery};
 use super::{AssessedContact, Course, Stuck};
-use crate::answer::{self, Answer, PersonRow, PoseRow};
+use crate::answer::{self, PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
 use damage::{
-    Contact, CourseHarm, DeltaV, Interval, Place, Policy, Range, RankedCandidates, Unevaluable,
+    AnswerState, Contact, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
+    RankedCandidates, Unevaluable,
 };
 use serde::Serialize;
 
-/// The answer to a request over a horizon.
-pub type CourseAnswer = Answer<CourseRow>;
+/// The answer to a request.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// How complete it is.
+    pub state: AnswerState,
+    /// The policy's name.
+    pub policy: String,
+    /// Candidates, least harm first.
+    pub ranking: Vec<CourseRow>,
+    /// Names of the candidates that the model cannot tell from the first, itself included.
+    pub tie_class: Vec<String>,
+    /// Further remarks on the ranking.
+    pub notes: Vec<Note>,
+    /// What was assumed for lack of data, in sentences.
+    pub assumptions: Vec<String>,
+    /// Number of leading places that no open work can change.
+    pub settled_places: usize,
+    /// What is missing: one sentence per candidate that is not fully known.
+    pub missing: Vec<String>,
+}
+
+impl Answer {
+    /// The candidate of least harm; `None` if there are no candidates or no bound can be given.
+    #[must_use]
+    pub fn best(&self) -> Option<&CourseRow> {
+        if self.state == AnswerState::Refused { None } else { self.ranking.first() }
+    }
+}
 
 /// One candidate in its place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -142,7 +169,7 @@ pub(super) fn written(
     (courses, harms): (&[Course<'_>], &[CourseHarm]),
     ranking: &RankedCandidates,
     search: &mut EncounterSearch,
-) -> CourseAnswer {
+) -> Answer {
     let scenario = scenery.scenario;
     let outlines = Outlines::of(scenery);
     let predicted = Predicted::of(scenery);
@@ -167,7 +194,7 @@ pub(super) fn written(
         let missing = missing(scenery, course)?;
         Some(format!("{}: {missing}", name(k)))
     });
-    CourseAnswer {
+    Answer {
         state: ranking.state,
         policy: policy.name.clone(),
         ranking: rows,

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Everything that the order of a scenario over a horizon was made from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CourseExplanation {
+pub struct Explanation {
     /// The policy's name.
     pub policy: String,
     /// The board that answers for it.
@@ -90,7 +90,7 @@ pub struct CombinedRisk {
     pub range: Range,
 }
 
-impl CourseExplanation {
+impl Explanation {
     /// Without chains of contacts there are none in it.
     pub(super) fn new(
         scenario: &Scenario,

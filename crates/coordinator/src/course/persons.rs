@@ -9,7 +9,7 @@ use body::{BodyKind, BodyView, Meta, Seat};
 use damage::party::{Seats, is_fixed};
 use damage::rule::Stake;
 use damage::{Aboard, CourseHarm, PersonId};
-use scenario::{Scenario, Occupancy};
+use scenario::{Occupancy, Scenario};
 use std::ops::Range;
 
 /// Persons of a bus of which nothing is said: the driver and nine passengers, a usual load in

@@ -15,12 +15,12 @@ use geometry::DVec3;
 use geometry::rng::Rng;
 
 /// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
-fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> CourseAnswer {
+fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> Answer {
     worked_within(text, bodies, limits).answer
 }
 
 /// The answer, and what a picture of it is drawn from.
-pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (CourseAnswer, PlanScene) {
+pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (Answer, PlanScene) {
     let ranked = worked_within(text, bodies, RequestLimits::default());
     (ranked.answer, ranked.scene.expect("it was requested"))
 }
@@ -56,7 +56,7 @@ pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits)
     ranked
 }
 
-fn ranked(text: &str, bodies: &[&Body]) -> CourseAnswer {
+fn ranked(text: &str, bodies: &[&Body]) -> Answer {
     ranked_within(text, bodies, RequestLimits::default())
 }
 
@@ -76,7 +76,7 @@ pub(super) fn go_on(speed_m_s: f64) -> String {
     )
 }
 
-fn only(answer: &CourseAnswer) -> &CourseRow {
+fn only(answer: &Answer) -> &CourseRow {
     assert_eq!((answer.ranking.len(), answer.state), (1, AnswerState::Complete), "{answer:#?}");
     &answer.ranking[0]
 }

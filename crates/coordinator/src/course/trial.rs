@@ -10,7 +10,7 @@
 //! only with the feature `faults` and in the tests of this crate.
 
 use super::history::{SearchClock, Surveyor};
-use super::{CourseAnswer, CourseRequest, CourseRow, follow};
+use super::{Answer, CourseRequest, CourseRow, follow};
 use crate::in_process::InProcessExecutor;
 use crate::request_limits::Until;
 use crate::workspace::{BodySet, RunError};
@@ -95,7 +95,7 @@ pub fn trial_courses(
     Ok(result)
 }
 
-fn corrupt(answer: &mut CourseAnswer, flaw: CourseFlaw) {
+fn corrupt(answer: &mut Answer, flaw: CourseFlaw) {
     for row in answer.ranking.iter_mut().filter(|row| row.open_from_s.is_some()) {
         match flaw {
             CourseFlaw::ForgetsOpen => {
@@ -110,7 +110,7 @@ fn corrupt(answer: &mut CourseAnswer, flaw: CourseFlaw) {
     }
 }
 
-fn check(now: &CourseAnswer, end: &CourseAnswer, result: &mut TrialResult) {
+fn check(now: &Answer, end: &Answer, result: &mut TrialResult) {
     match now.state {
         AnswerState::Complete if now != end => {
             result.violations.push(format!("complete, and not as finished: {now:?}"));

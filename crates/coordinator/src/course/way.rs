@@ -98,11 +98,7 @@ impl<'s> Scenery<'s> {
     }
 
     /// How a party moves in a candidate: as it reacts, or as is most probable.
-    pub(crate) fn motion(
-        &self,
-        candidate: &'s Candidate,
-        party: usize,
-    ) -> &'s Motion {
+    pub(crate) fn motion(&self, candidate: &'s Candidate, party: usize) -> &'s Motion {
         let reacts = candidate.reactions.iter().find(|reaction| reaction.party.0 == party);
         reacts.map_or_else(|| self.likeliest(party).1, |reaction| &reaction.motion)
     }

@@ -2,7 +2,7 @@
 
 mod shared_data;
 
-use crate::{ManoeuvreSweep, ReadOptions, Recording, TrafficError, read};
+use crate::{ReadOptions, Recording, TrafficError, read};
 use proptest::prelude::*;
 
 /// One of everything, a line each: what is replaced in a test is a line of it.
@@ -161,10 +161,7 @@ proptest! {
         }
         let text = String::from_utf8(bytes).expect("ASCII");
         match read("s.xml", &text, &ReadOptions::default()) {
-            Ok(recording) => {
-                let sweep = ManoeuvreSweep { horizon_s: 0.2, ..ManoeuvreSweep::default() };
-                drop(recording.sweep(&sweep));
-            }
+            Ok(recording) => drop(recording.recorded_meeting_s(0.1)),
             Err(error) => prop_assert!(error.line >= 1 && !error.remedy.is_empty()),
         }
     }

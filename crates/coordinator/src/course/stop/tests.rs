@@ -61,7 +61,7 @@ fn the_order_takes_all_but_one_candidate() {
     let text = format!("{head}{ways}");
     let work = |limits| worked_within(&text, &[&sedan, &wall], limits);
     let (whole, ordered) = (work(until(Until::Complete)), work(until(Until::Ordered)));
-    let names = |answer: &crate::CourseAnswer| -> Vec<String> {
+    let names = |answer: &crate::Answer| -> Vec<String> {
         answer.ranking.iter().map(|row| row.name.clone()).collect()
     };
     assert_eq!(names(&whole.answer), names(&ordered.answer));

@@ -1,9 +1,9 @@
-//! The recordings of others, which are no part of this project, as scenarios over a horizon.
+//! The recordings of others, which are no part of this project, as scenarios.
 
 use super::{WRITTEN_M, library, motion, off_m, read_back};
-use crate::sweep::began;
+use crate::manoeuvre::began;
 use crate::write::{moved, names};
-use crate::{Catalog, ManoeuvreSweep, ReadOptions, horizon_text, read};
+use crate::{Catalog, Manoeuvres, ReadOptions, read, scenario_text};
 use std::path::{Path, PathBuf};
 
 fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
@@ -23,8 +23,8 @@ fn checked(path: &Path, catalogs: &[Catalog<'_>], after_s: f64) -> Result<String
     let text = std::fs::read_to_string(path).expect("readable");
     let options = ReadOptions { catalogs, ..ReadOptions::default() };
     let recording = read(&file, &text, &options).map_err(|error| error.to_string())?;
-    let sweep = ManoeuvreSweep { after_s, ..ManoeuvreSweep::default() };
-    let made = horizon_text(&file, &recording, &sweep, &library());
+    let manoeuvres = Manoeuvres { after_s, ..Manoeuvres::default() };
+    let made = scenario_text(&file, &recording, &manoeuvres, &library());
     let (text, notes) = made.map_err(|error| error.to_string())?;
     let read = read_back(&text);
     let began_s = began(&recording.ego, recording.ego.start.time_s + after_s).time_s;

@@ -1,18 +1,17 @@
-//! Ego manoeuvres, and whom each meets first.
+//! What the ego could do.
 //!
 //! A manoeuvre brakes at b and steers with a lateral acceleration a, held until the ego stands.
 //! Tyres give at most `grip` in all (Kamm's circle), so a is scaled by √(1 − (b/grip)²); the yaw
 //! rate is a/v, and no curve is tighter than a car's turning circle. Speed and heading are held
 //! through a step and change at its end, as those of a planner with a clock do: a braking ego is
-//! ahead of a continuous one by at most b·t·step/2. All others do what the recording says: nobody
-//! reacts. Meeting is the first step at which the outlines overlap; the step is the error in time.
+//! ahead of a continuous one by at most b·t·step/2.
 
 use crate::outline::{Outline, Placed, overlap};
 use crate::recording::{Ego, Obstacle, Recording, TimedState, at};
 
 /// Which manoeuvres are tried.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ManoeuvreSweep {
+pub struct Manoeuvres {
     /// Decelerations (m/s²), each at most [`Self::grip_m_s2`].
     pub brakes_m_s2: Vec<f64>,
     /// Lateral accelerations (m/s²); positive: to the left.
@@ -21,13 +20,13 @@ pub struct ManoeuvreSweep {
     pub grip_m_s2: f64,
     /// The horizon (s).
     pub horizon_s: f64,
-    /// Step of the sweep (s).
+    /// Step of the ways (s).
     pub step_s: f64,
     /// When the manoeuvres begin, after the ego's start (s). Until then the ego goes as recorded.
     pub after_s: f64,
 }
 
-impl Default for ManoeuvreSweep {
+impl Default for Manoeuvres {
     /// Coasting, half and full braking, each straight, with a firm and with a hard turn either way;
     /// grip of a dry road; three seconds, after which a plan is a guess. All of them assumed.
     fn default() -> Self {
@@ -42,7 +41,7 @@ impl Default for ManoeuvreSweep {
     }
 }
 
-impl ManoeuvreSweep {
+impl Manoeuvres {
     /// Deceleration and lateral acceleration of every arc (m/s²), in the order of trial.
     pub(crate) fn arcs(&self) -> impl Iterator<Item = [f64; 2]> {
         let laterals = &self.laterals_m_s2;
@@ -71,32 +70,6 @@ pub enum Manoeuvre {
     },
 }
 
-/// A manoeuvre that meets an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conflict {
-    /// What the ego does.
-    pub manoeuvre: Manoeuvre,
-    /// The ego when outlines first overlap; its time is counted as in the recording.
-    pub ego: TimedState,
-    /// Whom it meets: number in [`Recording::others`].
-    pub whom: usize,
-    /// The other one then.
-    pub other: TimedState,
-}
-
-/// The result of a sweep.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Swept {
-    /// Manoeuvres that meet an obstacle, in the order of trial.
-    pub meetings: Vec<Conflict>,
-    /// Manoeuvres that meet no obstacle within the horizon.
-    pub free: Vec<Manoeuvre>,
-    /// Whom the ego overlaps already at the start, if anybody: then nothing was tried.
-    pub overlapped: Option<usize>,
-    /// When the manoeuvres began, as in the recording (s).
-    pub began_s: f64,
-}
-
 impl Manoeuvre {
     /// As one would say it: "brake 8, left 3".
     #[must_use]
@@ -121,48 +94,9 @@ impl Recording {
         self.ego.outline.clone().unwrap_or_else(|| Outline::rectangle(EGO_M[0], EGO_M[1]))
     }
 
-    /// Tries every manoeuvre.
-    #[must_use]
-    pub fn sweep(&self, sweep: &ManoeuvreSweep) -> Swept {
-        let outline = self.ego_outline();
-        let begin_s = self.ego.start.time_s + sweep.after_s;
-        let start = began(&self.ego, begin_s);
-        let mut swept = Swept {
-            meetings: Vec::new(),
-            free: Vec::new(),
-            overlapped: None,
-            began_s: start.time_s,
-        };
-        swept.overlapped = first(&outline, start.place, &self.others, start.time_s).map(|m| m.0);
-        if swept.overlapped.is_some() {
-            return swept;
-        }
-        let steps = (sweep.horizon_s / sweep.step_s).round() as u32;
-        let mut ways: Vec<(Manoeuvre, Vec<TimedState>)> = Vec::new();
-        if !self.ego.went.is_empty() {
-            let times = (1..=steps).map(|n| start.time_s + f64::from(n) * sweep.step_s);
-            let went = times.map_while(|time_s| at(&self.ego.went, time_s)).collect();
-            ways.push((Manoeuvre::Recorded, went));
-        }
-        for [brake_m_s2, lateral_m_s2] in sweep.arcs() {
-            let way = arc(&start, brake_m_s2, lateral_m_s2, sweep, steps);
-            ways.push((Manoeuvre::Arc { brake_m_s2, lateral_m_s2 }, way));
-        }
-        for (manoeuvre, way) in ways {
-            let meeting = way.iter().find_map(|ego| {
-                let (whom, other) = first(&outline, ego.place, &self.others, ego.time_s)?;
-                Some(Conflict { manoeuvre, ego: *ego, whom, other })
-            });
-            match meeting {
-                Some(meeting) => swept.meetings.push(meeting),
-                None => swept.free.push(manoeuvre),
-            }
-        }
-        swept
-    }
-
-    /// When the recorded ego first meets an obstacle, counted from its start (s); `None`: never, or
-    /// nothing is recorded of it.
+    /// When the outline of the recorded ego first overlaps that of an obstacle, at steps of `step_s`
+    /// counted from its start (s); `None`: never, or nothing is recorded of it. It says when
+    /// something happens in a long recording, and not who touches whom.
     #[must_use]
     pub fn recorded_meeting_s(&self, step_s: f64) -> Option<f64> {
         let outline = self.ego_outline();
@@ -171,7 +105,7 @@ impl Recording {
         (1..=steps).map(|n| f64::from(n) * step_s).find(|after_s| {
             let time_s = self.ego.start.time_s + after_s;
             let ego = at(&self.ego.went, time_s);
-            ego.is_some_and(|ego| first(&outline, ego.place, &self.others, time_s).is_some())
+            ego.is_some_and(|ego| overlaps(&outline, ego.place, &self.others, time_s))
         })
     }
 }
@@ -189,16 +123,11 @@ pub(crate) fn began(ego: &Ego, time_s: f64) -> TimedState {
     TimedState { time_s, place: Placed { at: moved, ..start.place }, ..start }
 }
 
-/// The first of all obstacles that the ego overlaps.
-fn first(
-    outline: &Outline,
-    place: Placed,
-    others: &[Obstacle],
-    time_s: f64,
-) -> Option<(usize, TimedState)> {
-    others.iter().enumerate().find_map(|(index, obstacle)| {
-        let moment = obstacle.at(time_s)?;
-        overlap(outline, place, &obstacle.outline, moment.place).then_some((index, moment))
+/// Whether the ego overlaps an obstacle.
+fn overlaps(outline: &Outline, place: Placed, others: &[Obstacle], time_s: f64) -> bool {
+    others.iter().any(|obstacle| {
+        let moment = obstacle.at(time_s);
+        moment.is_some_and(|moment| overlap(outline, place, &obstacle.outline, moment.place))
     })
 }
 
@@ -213,11 +142,11 @@ pub(crate) fn arc(
     start: &TimedState,
     brake_m_s2: f64,
     lateral_m_s2: f64,
-    sweep: &ManoeuvreSweep,
+    manoeuvres: &Manoeuvres,
     steps: u32,
 ) -> Vec<TimedState> {
-    let dt = sweep.step_s;
-    let lateral = lateral_m_s2 * left_of_grip(brake_m_s2, sweep.grip_m_s2);
+    let dt = manoeuvres.step_s;
+    let lateral = lateral_m_s2 * left_of_grip(brake_m_s2, manoeuvres.grip_m_s2);
     let direction = if start.speed_m_s < 0.0 { -1.0 } else { 1.0 };
     let mut now = TimedState { slip: 0.0, ..*start };
     let mut way = Vec::with_capacity(steps as usize);

@@ -6,7 +6,7 @@ use crate::outline::{OutlinePart, Placed, corners};
 use crate::recording::{Ego, Obstacle};
 use crate::write::middle;
 use proptest::prelude::*;
-use scenario::{Motion, Party, Occupancy};
+use scenario::{Motion, Occupancy, Party};
 
 mod shared_data;
 
@@ -50,14 +50,14 @@ fn read_back(text: &str) -> Scenario {
     Scenario::parse("a.toml", text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn made(recording: &Recording, sweep: &ManoeuvreSweep) -> (Scenario, Vec<String>) {
+fn made(recording: &Recording, manoeuvres: &Manoeuvres) -> (Scenario, Vec<String>) {
     let (text, notes) =
-        horizon_text("a.xml", recording, sweep, &library()).unwrap_or_else(|e| panic!("{e}"));
+        scenario_text("a.xml", recording, manoeuvres, &library()).unwrap_or_else(|e| panic!("{e}"));
     (read_back(&text), notes)
 }
 
-fn refused(recording: &Recording, sweep: &ManoeuvreSweep) -> HorizonTextError {
-    let made = horizon_text("a.xml", recording, sweep, &library());
+fn refused(recording: &Recording, manoeuvres: &Manoeuvres) -> ScenarioTextError {
+    let made = scenario_text("a.xml", recording, manoeuvres, &library());
     made.map(|(_, notes)| notes).expect_err("a recording that gives no scenario")
 }
 
@@ -84,12 +84,7 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// How far a motion is from a track at all of its times until the horizon (m), but for those within
 /// 0.1 ms of an end, which are one with it: there a body that turns sharply cuts the corner.
-pub(super) fn off_m(
-    motion: &Motion,
-    obstacle: &Obstacle,
-    began_s: f64,
-    by: [f64; 2],
-) -> f64 {
+pub(super) fn off_m(motion: &Motion, obstacle: &Obstacle, began_s: f64, by: [f64; 2]) -> f64 {
     let to_s = motion.path.to_s();
     let is_own =
         |time_s: f64| (1e-4..=to_s - 1e-4).contains(&time_s) || time_s == 0.0 || time_s == to_s;
@@ -108,8 +103,8 @@ pub(super) const WRITTEN_M: f64 = 1.3e-4;
 fn every_type_becomes_a_party_and_every_manoeuvre_a_candidate() {
     for kind in crate::commonroad::TYPES {
         let recording = scene(vec![obstacle("4\"2", kind, parked("", [20.0, 0.0]).track)]);
-        let sweep = ManoeuvreSweep::default();
-        let (text, notes) = match horizon_text("a.xml", &recording, &sweep, &library()) {
+        let manoeuvres = Manoeuvres::default();
+        let (text, notes) = match scenario_text("a.xml", &recording, &manoeuvres, &library()) {
             Ok(written) => written,
             Err(error) => {
                 assert!(kind == "train" && error.what.contains("no body for \"train\""), "{error}");
@@ -136,11 +131,10 @@ fn every_type_becomes_a_party_and_every_manoeuvre_a_candidate() {
 #[test]
 fn manoeuvres_that_meet_nobody_are_candidates_too() {
     let recording = scene(vec![parked("7", [900.0, 0.0])]);
-    let sweep = ManoeuvreSweep::default();
-    let swept = recording.sweep(&sweep);
-    assert!(swept.meetings.is_empty());
-    let names: Vec<String> = swept.free.iter().map(Manoeuvre::name).collect();
-    let (read, _) = made(&recording, &sweep);
+    let manoeuvres = Manoeuvres::default();
+    let arc = |[brake_m_s2, lateral_m_s2]: [f64; 2]| Manoeuvre::Arc { brake_m_s2, lateral_m_s2 };
+    let names: Vec<String> = manoeuvres.arcs().map(|of| arc(of).name()).collect();
+    let (read, _) = made(&recording, &manoeuvres);
     let written: Vec<&str> = read.candidates.iter().map(|way| way.name.as_str()).collect();
     assert_eq!(written, names);
 }
@@ -148,18 +142,18 @@ fn manoeuvres_that_meet_nobody_are_candidates_too() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Arcs are those of the sweep at each of its steps, but for chords between those written.
+    /// Arcs are followed at each of their steps, but for chords between those written.
     #[test]
     fn manoeuvres_go_where_the_sweep_drives(
         speed in -20.0..45.0_f64, yaw in -3.0..3.0_f64, horizon_s in 0.5..6.0_f64,
     ) {
         let mut recording = scene(vec![parked("7", [300.0, 0.0])]);
         recording.ego.start = moment(2.0, [7.0, -3.0], yaw, speed);
-        let sweep = ManoeuvreSweep { horizon_s, ..ManoeuvreSweep::default() };
-        let (read, _) = made(&recording, &sweep);
-        let steps = (horizon_s / sweep.step_s).floor() as u32;
-        for ([brake, lateral], candidate) in sweep.arcs().zip(&read.candidates) {
-            for moment in arc(&recording.ego.start, brake, lateral, &sweep, steps) {
+        let manoeuvres = Manoeuvres { horizon_s, ..Manoeuvres::default() };
+        let (read, _) = made(&recording, &manoeuvres);
+        let steps = (horizon_s / manoeuvres.step_s).floor() as u32;
+        for ([brake, lateral], candidate) in manoeuvres.arcs().zip(&read.candidates) {
+            for moment in arc(&recording.ego.start, brake, lateral, &manoeuvres, steps) {
                 let is_at = place(&candidate.ego, moment.time_s - 2.0);
                 // A chord of 0.1 s on a curve of 9 m/s², and a step of speed.
                 let off_m = apart(is_at, moment.place.at);
@@ -189,8 +183,8 @@ proptest! {
         let recording = scene(vec![other]);
         // Until its end at most, so that no velocity must fit the track.
         let horizon_s = 39.0 * step_s - after_s;
-        let sweep = ManoeuvreSweep { after_s, horizon_s, ..ManoeuvreSweep::default() };
-        let (read, notes) = made(&recording, &sweep);
+        let manoeuvres = Manoeuvres { after_s, horizon_s, ..Manoeuvres::default() };
+        let (read, notes) = made(&recording, &manoeuvres);
         let off_m = off_m(motion(&read, "car 7"), &recording.others[0], after_s, [0.0; 2]);
         prop_assert!(off_m < WRITTEN_M && notes.is_empty(), "{off_m} {notes:?}");
     }
@@ -201,7 +195,7 @@ fn who_leaves_goes_on_and_who_comes_later_came_straight() {
     let leaving = driving("7", [0.0, 1.0], 20.0);
     let coming = driving("8", [1.2, 9.0], 10.0);
     let (last, first) = (leaving.track[10], coming.track[0]);
-    let (read, notes) = made(&scene(vec![leaving, coming]), &ManoeuvreSweep::default());
+    let (read, notes) = made(&scene(vec![leaving, coming]), &Manoeuvres::default());
     let went = motion(&read, "car 7");
     assert!(went.ends_s.is_some_and(|ends_s| (ends_s - 1.0).abs() < 1e-6), "{:?}", went.ends_s);
     let then = |moment: &TimedState, time_s: f64| {
@@ -230,8 +224,8 @@ fn who_is_there_only_at_other_times_is_left_out_and_named() {
         driving("8", [5.1, 9.0], 10.0),
         driving("9", [0.0, 9.0], 10.0),
     ];
-    let sweep = ManoeuvreSweep { after_s: 2.0, ..ManoeuvreSweep::default() };
-    let (read, notes) = made(&scene(others.clone()), &sweep);
+    let manoeuvres = Manoeuvres { after_s: 2.0, ..Manoeuvres::default() };
+    let (read, notes) = made(&scene(others.clone()), &manoeuvres);
     assert_eq!(read.parties.len(), 2);
     assert!(off_m(motion(&read, "car 9"), &others[2], 2.0, [0.0; 2]) < WRITTEN_M);
     assert_eq!(
@@ -242,7 +236,7 @@ fn who_is_there_only_at_other_times_is_left_out_and_named() {
         ]
     );
     let alone = scene(others[..2].to_vec());
-    let error = refused(&alone, &sweep);
+    let error = refused(&alone, &manoeuvres);
     assert!(error.what.starts_with("nobody is there") && error.remedy.contains("--at"), "{error}");
 }
 
@@ -250,7 +244,7 @@ fn who_is_there_only_at_other_times_is_left_out_and_named() {
 fn who_would_come_from_inside_the_ego_is_noted() {
     let mut other = driving("7", [1.0, 9.0], 10.0);
     other.track.iter_mut().for_each(|moment| moment.place.at = [10.0 * moment.time_s, 0.0]);
-    let (_, notes) = made(&scene(vec![other]), &ManoeuvreSweep::default());
+    let (_, notes) = made(&scene(vec![other]), &Manoeuvres::default());
     assert!(notes[0].contains("inside the ego: --without 7"), "{notes:?}");
 }
 
@@ -259,8 +253,8 @@ fn what_the_ego_did_is_the_first_candidate() {
     let mut recording = scene(vec![parked("7", [60.0, 0.0])]);
     recording.ego.went = driving("", [0.0, 2.0], 15.0).track;
     recording.ego.start = recording.ego.went[0];
-    let sweep = ManoeuvreSweep { after_s: 0.5, ..ManoeuvreSweep::default() };
-    let (read, notes) = made(&recording, &sweep);
+    let manoeuvres = Manoeuvres { after_s: 0.5, ..Manoeuvres::default() };
+    let (read, notes) = made(&recording, &manoeuvres);
     assert_eq!((read.candidates.len(), read.candidates[0].name.as_str()), (16, "as recorded"));
     let way = &read.candidates[0].ego;
     assert!(way.ends_s.is_some_and(|ends_s| (ends_s - 1.5).abs() < 1e-6));
@@ -271,7 +265,7 @@ fn what_the_ego_did_is_the_first_candidate() {
         let begins = apart(place(&candidate.ego, 0.0), place(way, 0.0));
         assert!(begins < WRITTEN_M, "{}", candidate.name);
     }
-    let late = ManoeuvreSweep { after_s: 2.5, ..ManoeuvreSweep::default() };
+    let late = Manoeuvres { after_s: 2.5, ..Manoeuvres::default() };
     let (read, notes) = made(&recording, &late);
     assert_eq!(read.candidates.len(), 15);
     assert!(notes[0].contains("\"as recorded\" is left out"), "{notes:?}");
@@ -281,8 +275,8 @@ fn what_the_ego_did_is_the_first_candidate() {
 fn more_candidates_than_fit_and_twins_are_noted() {
     let recording = scene(vec![parked("7", [60.0, 0.0])]);
     let brakes_m_s2 = vec![0.0, 2.0, 4.0, 8.0, 8.0];
-    let sweep = ManoeuvreSweep { brakes_m_s2, ..ManoeuvreSweep::default() };
-    let (read, notes) = made(&recording, &sweep);
+    let manoeuvres = Manoeuvres { brakes_m_s2, ..Manoeuvres::default() };
+    let (read, notes) = made(&recording, &manoeuvres);
     assert_eq!(read.candidates.len(), CANDIDATES_MAX);
     assert_eq!(notes[0], "the manoeuvre \"brake 8, right 6\" is asked for twice: it stands once");
     assert_eq!(notes.last().unwrap(), "a request ranks 16 candidates: 4 more are left out");
@@ -291,8 +285,8 @@ fn more_candidates_than_fit_and_twins_are_noted() {
 #[test]
 fn more_states_than_a_path_holds_are_thinned_evenly() {
     let other = driving("7", [0.0, 20.0], 10.0);
-    let sweep = ManoeuvreSweep { horizon_s: 20.0, ..ManoeuvreSweep::default() };
-    let (read, notes) = made(&scene(vec![other.clone()]), &sweep);
+    let manoeuvres = Manoeuvres { horizon_s: 20.0, ..Manoeuvres::default() };
+    let (read, notes) = made(&scene(vec![other.clone()]), &manoeuvres);
     assert_eq!(motion(&read, "car 7").path.states().len(), PATH_STATES_MAX);
     // Chords of 0.4 s on a wave of 0.2 m at 3 rad/s: 0.2·9·0.4²/8.
     assert!(off_m(motion(&read, "car 7"), &other, 0.0, [0.0; 2]) < 0.04);
@@ -307,7 +301,7 @@ fn states_on_a_straight_way_are_not_written() {
     let other = obstacle("7", "car", (0..200).map(steady).collect());
     let waits = |n: u32| moment(0.1 * f64::from(n), [9.0, -5.0], 0.0, 0.0);
     let waiting = obstacle("8", "car", (0..200).map(waits).collect());
-    let (read, _) = made(&scene(vec![other, waiting]), &ManoeuvreSweep::default());
+    let (read, _) = made(&scene(vec![other, waiting]), &Manoeuvres::default());
     assert_eq!(motion(&read, "car 7").path.states().len(), 2);
     assert!(!motion(&read, "car 8").moves());
     let straight = read.candidates.iter().find(|way| way.name.as_str() == "go on, straight");
@@ -326,7 +320,7 @@ fn of_many_obstacles_those_out_of_reach_are_left_out() {
         moment(4.0, [-10.0, 4.0], core::f64::consts::PI, 45.0),
     ];
     others.insert(0, obstacle("oncoming", "car", oncoming));
-    let (read, notes) = made(&scene(others), &ManoeuvreSweep::default());
+    let (read, notes) = made(&scene(others), &Manoeuvres::default());
     assert_eq!(read.parties.len(), PARTIES_MAX);
     let names: Vec<&str> = read.parties.iter().map(|party| party.name.as_str()).collect();
     assert!((0..20).all(|n| names.contains(&format!("car near{n}").as_str())), "{names:?}");
@@ -338,7 +332,7 @@ fn of_many_obstacles_those_out_of_reach_are_left_out() {
 #[test]
 fn more_obstacles_in_reach_than_fit_are_an_error_that_names_the_farthest() {
     let others = (0..35).map(|n: u32| parked(&n.to_string(), [10.0 + f64::from(n), 3.0])).collect();
-    let error = refused(&scene(others), &ManoeuvreSweep::default());
+    let error = refused(&scene(others), &Manoeuvres::default());
     assert_eq!(
         error.what,
         "the ego can come near 35 obstacles within 3 s, and a scenario holds 32"
@@ -356,16 +350,19 @@ fn what_a_scenario_may_not_say_is_refused_by_the_name_of_who_does_it() {
         ("unknown", slides, "obstacle 7: a wall is fixed to the ground and cannot move"),
     ] {
         let recording = scene(vec![parked("6", [30.0, 0.0]), obstacle("7", kind, track)]);
-        let error = refused(&recording, &ManoeuvreSweep::default());
+        let error = refused(&recording, &Manoeuvres::default());
         assert_eq!(error.what, says);
         assert!(error.remedy.starts_with("leave it out: --without 7"), "{error:?}");
     }
     let mut fast = scene(vec![parked("6", [30.0, 0.0])]);
     fast.ego.start.speed_m_s = 120.0;
-    let what = refused(&fast, &ManoeuvreSweep::default()).what;
+    let what = refused(&fast, &Manoeuvres::default()).what;
     assert!(what.starts_with("the ego's manoeuvre \"go on, right 6\": from 0 s"), "{what}");
-    let sweep = ManoeuvreSweep { horizon_s: 60.0, ..ManoeuvreSweep::default() };
-    assert_eq!(refused(&scene(vec![parked("6", [30.0, 0.0])]), &sweep).what, "horizon_s is 60");
+    let manoeuvres = Manoeuvres { horizon_s: 60.0, ..Manoeuvres::default() };
+    assert_eq!(
+        refused(&scene(vec![parked("6", [30.0, 0.0])]), &manoeuvres).what,
+        "horizon_s is 60"
+    );
 }
 
 #[test]
@@ -377,7 +374,7 @@ fn maps_far_from_the_origin_are_moved_and_outlines_have_their_middle() {
     let mut recording = scene(vec![other]);
     recording.ego.start.place.at = [far; 2];
     let (text, _) =
-        horizon_text("a\n.xml", &recording, &ManoeuvreSweep::default(), &library()).expect("made");
+        scenario_text("a\n.xml", &recording, &Manoeuvres::default(), &library()).expect("made");
     assert!(text.starts_with("# From a .xml: ") && text.contains("\n# Moved by ["), "{text}");
     assert_eq!(place(motion(&read_back(&text), "car 7"), 1.0), [21.5, 0.25]);
 }
@@ -386,7 +383,7 @@ fn maps_far_from_the_origin_are_moved_and_outlines_have_their_middle() {
 fn names_are_unique_and_short_enough() {
     let mut recording = scene(vec![parked("a/b", [20.0, 0.0]), parked("a:b", [30.0, 0.0])]);
     recording.name = format!(" {}", "x".repeat(80));
-    let (read, _) = made(&recording, &ManoeuvreSweep::default());
+    let (read, _) = made(&recording, &Manoeuvres::default());
     let names: Vec<&str> = read.parties.iter().map(|party| party.name.as_str()).collect();
     assert_eq!(names, ["car a_b", "car a_b (1)", "ego"]);
     assert_eq!(read.name, "x".repeat(60));

@@ -1,8 +1,8 @@
-//! From a recording to the text of a scenario over a horizon: where everybody goes, and what the
-//! ego could do. Who meets whom is not asked here.
+//! From a recording to the text of a scenario: where everybody goes, and what the ego could do. Who
+//! meets whom is not asked here.
 //!
-//! Time 0 is when the manoeuvres begin. Bodies, names and coordinates are those of the other form:
-//! the middle of an outline, rounded to 0.1 mm and 0.0001°; times are rounded to 0.1 µs. Of tracks
+//! Time 0 is when the manoeuvres begin. A body is where the middle of its outline is,
+//! rounded to 0.1 mm and 0.0001°; times are rounded to 0.1 µs. Of tracks
 //! that do not last from 0 to the horizon:
 //!
 //! - who leaves the recording goes on as in its last state;
@@ -10,29 +10,25 @@
 //! - who is in it only before 0 or after the horizon is left out.
 //!
 //! Each of these is noted. A path has at most [`PATH_STATES_MAX`] states, so a manoeuvre is written
-//! with every second or third step of the sweep: a curve of 9 m/s² is within 4 mm of chords of
+//! with every second or third step of its way: a curve of 9 m/s² is within 4 mm of chords of
 //! 0.06 s.
 
 use crate::library::Library;
+use crate::manoeuvre::{Manoeuvre, Manoeuvres, arc, began};
 use crate::outline::{Outline, overlap};
 use crate::recording::{Recording, TimedState};
-use crate::sweep::{Manoeuvre, ManoeuvreSweep, arc, began};
 use crate::write::{
     comments, entry, moved, names, party, quoted, rounded, shortened, title, too_many,
 };
 use course::{Course, Extent};
 use diagnostic::{Diagnostic, FailureKind};
-use scenario::{
-    CANDIDATES_MAX, PARTIES_MAX, SCHEMA, Scenario, PATH_STATES_MAX, decimal,
-};
+use scenario::{CANDIDATES_MAX, PARTIES_MAX, PATH_STATES_MAX, SCHEMA, Scenario, decimal};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::ops::Range;
 
 mod course;
 
-/// How a party says that nobody is inside.
-const EMPTY: &str = "empty = true";
 /// Bodies whose outlines stay further apart than this do not touch (m): more than rounding and the
 /// coarsest resolution of a scenario.
 const APART_M: f64 = 0.5;
@@ -41,10 +37,10 @@ const COARSE_S: f64 = 0.1;
 /// So many obstacles are listed by their ids.
 const LISTED_MAX: usize = 20;
 
-/// A recording of which no scenario over a horizon can be made.
+/// A recording of which no scenario can be made.
 ///
 /// ```
-/// use trolley_traffic::{DEFAULT_LIBRARY, Library, ManoeuvreSweep, horizon_text, read};
+/// use trolley_traffic::{DEFAULT_LIBRARY, Library, Manoeuvres, scenario_text, read};
 ///
 /// let text = "<commonRoad commonRoadVersion='2020a' timeStepSize='0.1'><planningProblem id='1'>\
 ///             <initialState><position><point><x>0</x><y>0</y></point></position><orientation>\
@@ -52,13 +48,13 @@ const LISTED_MAX: usize = 20;
 ///             <exact>9</exact></velocity></initialState></planningProblem></commonRoad>";
 /// let alone = read("a.xml", text, &Default::default())?;
 /// let library = Library::parse("default.toml", DEFAULT_LIBRARY)?;
-/// let error = horizon_text("a.xml", &alone, &ManoeuvreSweep::default(), &library).unwrap_err();
+/// let error = scenario_text("a.xml", &alone, &Manoeuvres::default(), &library).unwrap_err();
 /// assert!(error.to_string().starts_with("a.xml: nobody is there but the ego"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {what}")]
-pub struct HorizonTextError {
+pub struct ScenarioTextError {
     /// The recording, as named by the caller.
     pub file: String,
     /// What is wrong, on one line.
@@ -67,7 +63,7 @@ pub struct HorizonTextError {
     pub remedy: String,
 }
 
-impl Diagnostic for HorizonTextError {
+impl Diagnostic for ScenarioTextError {
     fn kind(&self) -> FailureKind {
         FailureKind::Input
     }
@@ -89,7 +85,7 @@ impl Diagnostic for HorizonTextError {
 /// assumed or left out, in whole sentences.
 ///
 /// `source` is the name of the file, for the header and errors. Candidates are the manoeuvres of
-/// [`Recording::sweep`], whether or not they meet anybody: "as recorded" if the recording has the
+/// these options, whether or not they meet anybody: "as recorded" if the recording has the
 /// ego, and every arc. Parties are the ego and every obstacle; of more than 32 those are left out
 /// that no manoeuvre can reach, the farthest first.
 ///
@@ -98,18 +94,19 @@ impl Diagnostic for HorizonTextError {
 /// Nobody but the ego is there until the horizon, the library has no body for a type, more than 32
 /// obstacles can be reached, or a scenario may not say what the recording does: that somebody
 /// jumps, that what is fixed to the ground moves.
-pub fn horizon_text(
+pub fn scenario_text(
     source: &str,
     recording: &Recording,
-    sweep: &ManoeuvreSweep,
+    manoeuvres: &Manoeuvres,
     library: &Library,
-) -> Result<(String, Vec<String>), HorizonTextError> {
-    let failed = |(what, remedy): Fault| HorizonTextError { file: source.to_owned(), what, remedy };
-    let horizon_s = sweep.horizon_s;
-    let start = began(&recording.ego, recording.ego.start.time_s + sweep.after_s);
+) -> Result<(String, Vec<String>), ScenarioTextError> {
+    let failed =
+        |(what, remedy): Fault| ScenarioTextError { file: source.to_owned(), what, remedy };
+    let horizon_s = manoeuvres.horizon_s;
+    let start = began(&recording.ego, recording.ego.start.time_s + manoeuvres.after_s);
     let frame = Frame { began_s: start.time_s, horizon_s, moved: moved(recording) };
     let mut notes = Vec::new();
-    let candidates = candidates(recording, sweep, &start, &frame, &mut notes);
+    let candidates = candidates(recording, manoeuvres, &start, &frame, &mut notes);
     let others = others(recording, &start, &frame, &mut notes);
     let others = reachable(recording, others, &candidates, &frame, &mut notes).map_err(failed)?;
 
@@ -132,19 +129,13 @@ pub fn horizon_text(
         from = to;
     };
     closed(&text, Subject::Recording);
-    party(
-        &mut text,
-        "ego",
-        &recording.ego_outline(),
-        entry(library, "ego").map_err(no_body)?,
-        EMPTY,
-    );
+    party(&mut text, "ego", &recording.ego_outline(), entry(library, "ego").map_err(no_body)?);
     closed(&text, Subject::Recording);
     for (index, course) in &others {
         let obstacle = &recording.others[*index];
         let body = entry(library, &obstacle.kind).map_err(no_body)?;
         text.push('\n');
-        party(&mut text, &names[index], &obstacle.outline, body, EMPTY);
+        party(&mut text, &names[index], &obstacle.outline, body);
         if course.stands() {
             let [x, y] = course.knots[0].at.map(rounded);
             let yaw = degrees(course.knots[0].yaw);
@@ -208,7 +199,7 @@ impl Frame {
 /// What the ego could do: names and ways.
 fn candidates(
     recording: &Recording,
-    sweep: &ManoeuvreSweep,
+    manoeuvres: &Manoeuvres,
     start: &TimedState,
     frame: &Frame,
     notes: &mut Vec<String>,
@@ -236,16 +227,16 @@ fn candidates(
         ),
     }
     // The last step may end after the horizon; the way is cut there.
-    let steps = (frame.horizon_s / sweep.step_s - 1e-6).ceil() as u32;
+    let steps = (frame.horizon_s / manoeuvres.step_s - 1e-6).ceil() as u32;
     let mut coarse_s = 0.0_f64;
-    for [brake_m_s2, lateral_m_s2] in sweep.arcs() {
+    for [brake_m_s2, lateral_m_s2] in manoeuvres.arcs() {
         let name = shortened(&Manoeuvre::Arc { brake_m_s2, lateral_m_s2 }.name());
         if candidates.iter().any(|(twin, _)| *twin == name) {
             notes.push(format!("the manoeuvre \"{name}\" is asked for twice: it stands once"));
             continue;
         }
         let mut way = vec![TimedState { slip: 0.0, ..*start }];
-        way.extend(arc(start, brake_m_s2, lateral_m_s2, sweep, steps));
+        way.extend(arc(start, brake_m_s2, lateral_m_s2, manoeuvres, steps));
         // Where it stands the path may end: it goes on as in its last state.
         let stands = way.iter().position(|moment| moment.speed_m_s == 0.0);
         way.truncate(stands.map_or(way.len(), |index| index + 1));
