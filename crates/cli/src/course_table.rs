@@ -3,10 +3,10 @@
 
 use crate::table::{circumstances, kept, lines, percent, plain};
 use report::text::wrap;
-use trolley::{AnswerState, ContactRow, CourseAnswer, CourseRow, Run, Severity};
+use trolley::{Answer, AnswerState, ContactRow, CourseRow, Run, Severity};
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
-pub(crate) fn ranking(name: &str, answer: &CourseAnswer, run: &Run) -> String {
+pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
     let header = ["#", "candidate", "meets", "worst-off person", "harm %", "range %"];
     let mut table = plain(&header);
     for (at, row) in answer.ranking.iter().enumerate() {
@@ -66,7 +66,7 @@ fn harm(row: &CourseRow) -> String {
     format!("{}–{}", percent(row.work.lo()), percent(row.work.hi()))
 }
 
-fn verdict(answer: &CourseAnswer, run: &Run) -> String {
+fn verdict(answer: &Answer, run: &Run) -> String {
     let Some(first) = answer.ranking.first() else { return String::new() };
     let mut lines = Vec::new();
     let state = match answer.state {
@@ -131,7 +131,7 @@ fn ahead(row: &CourseRow) -> Option<String> {
 }
 
 /// The course of every candidate, contact by contact.
-pub(crate) fn courses(answer: &CourseAnswer) -> String {
+pub(crate) fn courses(answer: &Answer) -> String {
     let mut lines = Vec::new();
     for (at, row) in answer.ranking.iter().enumerate() {
         lines.push(format!("\n{}. {}", at + 1, row.name));

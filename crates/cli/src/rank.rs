@@ -11,11 +11,11 @@ use report::plan::PlanPage;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::explanation::CourseExplanation;
+use trolley::explanation::Explanation;
 use trolley::record::{Recordable, Signer};
 use trolley::{
-    Answer, AnswerState, CourseAnswer, Engine, Explanation, Failure, FailureKind, Horizon,
-    HorizonRanking, PlanScene, Ranking, Record, References, Run, Scenario,
+    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Horizon, HorizonRanking,
+    PlanScene, Ranking, Record, References, Run, Scenario,
 };
 
 /// The arguments of `rank`.
@@ -175,9 +175,9 @@ fn answer_horizon(
 #[derive(Serialize)]
 struct CourseDocument<'a> {
     schema: &'static str,
-    answer: &'a CourseAnswer,
+    answer: &'a Answer,
     #[serde(skip_serializing_if = "Option::is_none")]
-    explanation: Option<&'a CourseExplanation>,
+    explanation: Option<&'a Explanation>,
     run: &'a Run,
 }
 

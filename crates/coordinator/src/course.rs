@@ -33,6 +33,7 @@ use damage::{
 };
 use runtime::clock;
 use scenario::Scenario;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 mod assessed_contact;
@@ -241,10 +242,11 @@ fn follow(
         .map_err(RequestError::from)?;
     let known = (&courses[..], &harms[..]);
     let answer = course_answer::written(&scenery, &people, policy, known, &ranking, &mut search);
-    let explanation = request.explanation.then(|| {
+    let explain = || {
         let rules = (policy, curves, parameters);
         Explanation::new(request.scenario, &people, rules, known, &ranking)
-    });
+    };
+    let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
     let scene = request.scene.then(|| plan_scene::scene(&scenery, &courses));
     Ok(RankedCourses { answer, effort, reports, history: None, explanation, scene })
@@ -273,9 +275,19 @@ fn harm_of(
     course: &Course<'_>,
     next: Option<(&NextContact, &CandidateHarm)>,
 ) -> CourseHarm {
+    harm_by(people, course, next, Cow::Borrowed)
+}
+
+/// [`harm_of`] a course whose contacts are as `changed` makes them.
+fn harm_by<'c>(
+    people: &People,
+    course: &'c Course<'_>,
+    next: Option<(&NextContact, &CandidateHarm)>,
+    changed: impl Fn(&'c CandidateHarm) -> Cow<'c, CandidateHarm>,
+) -> CourseHarm {
     let mut harm = CourseHarm::none();
     for contact in course.contacts.iter().filter(|contact| counts(course, contact)) {
-        harm.include(&contact.harm);
+        harm.include(&changed(&contact.harm));
     }
     // A second look at a crash may still find it light: then it is as if it had not been.
     let is_final = |(meeting, harm): &(&NextContact, &CandidateHarm)| {

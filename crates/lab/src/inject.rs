@@ -28,7 +28,7 @@ mod strangers;
 mod worker_pool;
 
 use crate::progress::{Progress, SyncProgress};
-use coordinator::{CourseAnswer, RankingRun, Request, run_in_process};
+use coordinator::{Answer, RankingRun, Request, run_in_process};
 use geometry::rng::Rng;
 use kind::Kind;
 use plan::Plan;
@@ -133,7 +133,7 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
 /// What clients ask a service, and what the answer is.
 struct Asked {
     horizon: Horizon,
-    reference: CourseAnswer,
+    reference: Answer,
 }
 
 impl Asked {

@@ -2,7 +2,7 @@
 
 use crate::text::wrap;
 use trolley::explanation::{
-    ContactChain, CourseExplanation, Curve, CurveUnit, Derivation, Knob, Parameters, PersonChain,
+    ContactChain, Curve, CurveUnit, Derivation, Explanation, Knob, Parameters, PersonChain,
     PolicyStep, Reserve, Separation,
 };
 use trolley::{Explanation, Severity, Touch};
@@ -35,7 +35,7 @@ pub fn text(explanation: &Explanation) -> String {
 
 /// The whole explanation of a ranking over a horizon, in lines as short.
 #[must_use]
-pub fn courses(explanation: &CourseExplanation) -> String {
+pub fn courses(explanation: &Explanation) -> String {
     let mut lines = Vec::new();
     beginning(
         &mut lines,

@@ -4,7 +4,7 @@
 use crate::html::{data_element, escape, framed, percent};
 use serde_json::json;
 use std::fmt::Write as _;
-use trolley::{AnswerState, ContactRow, CourseAnswer, CourseRow, PlanScene, Run, Severity};
+use trolley::{Answer, AnswerState, ContactRow, CourseRow, PlanScene, Run, Severity};
 
 mod drawing;
 
@@ -17,7 +17,7 @@ pub struct PlanPage<'a> {
     /// Name of the scenario.
     pub scenario: &'a str,
     /// The answer.
-    pub answer: &'a CourseAnswer,
+    pub answer: &'a Answer,
     /// How the work was done.
     pub run: &'a Run,
     /// Who is where and when.
@@ -47,7 +47,7 @@ fn cut(text: &str, most: usize) -> String {
 }
 
 /// The rows in the order of the page: those that touch nobody first, each with its place.
-fn rows(answer: &CourseAnswer) -> Vec<(usize, &CourseRow)> {
+fn rows(answer: &Answer) -> Vec<(usize, &CourseRow)> {
     let mut rows: Vec<_> = answer.ranking.iter().enumerate().collect();
     rows.sort_by_key(|(_, row)| !row.touches_nobody());
     rows

@@ -2,7 +2,7 @@
 
 use crate::ask::seat_number;
 use body::Seat;
-use coordinator::{ContactRow, CourseAnswer, CourseRow};
+use coordinator::{Answer, ContactRow, CourseRow};
 use damage::AnswerState;
 use damage::course::Severity;
 use protocol::public::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
@@ -18,7 +18,7 @@ fn verdict(state: AnswerState) -> WireState {
 }
 
 /// Encodes an answer. Candidates and parties are named by their numbers: see `ask.rs`.
-pub(crate) fn lay_out(sequence: u64, answer: &CourseAnswer) -> WireAnswer {
+pub(crate) fn lay_out(sequence: u64, answer: &Answer) -> WireAnswer {
     let verdict = verdict(answer.state);
     let reason = if verdict == WireState::Refused { Reason::Unassessable } else { Reason::None };
     let mut out = WireAnswer::without_ranking(sequence, verdict, reason, "");
@@ -41,7 +41,7 @@ fn number(name: &str) -> u32 {
     name.parse().unwrap_or(u32::MAX)
 }
 
-fn place_of(row: &CourseRow, answer: &CourseAnswer) -> WirePlace {
+fn place_of(row: &CourseRow, answer: &Answer) -> WirePlace {
     let mut place = WirePlace {
         candidate: number(&row.name),
         work: row.work.into(),

@@ -11,8 +11,8 @@ use protocol::public::{
     WirePathKind, WirePathState,
 };
 use scenario::{
-    GivenMotion, GivenState, Candidate, Motion, Party, Scenario,
-    Misfit, Occupancy, OccupantGroup, PartyIndex, Prediction, Reaction, TextPosition, live,
+    Candidate, GivenMotion, GivenState, Misfit, Motion, Occupancy, OccupantGroup, Party,
+    PartyIndex, Prediction, Reaction, Scenario, TextPosition, live,
 };
 use smol_str::format_smolstr;
 
@@ -221,12 +221,7 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    fn party(
-        &self,
-        number: usize,
-        party: &WireParty,
-        kind: BodyKind,
-    ) -> Result<Party, Refusal> {
+    fn party(&self, number: usize, party: &WireParty, kind: BodyKind) -> Result<Party, Refusal> {
         const KNOWN: u32 =
             WireParty::PERSONS | WireParty::MASS | WireParty::UNKNOWN | WireParty::CRUSH;
         let beyond = Whose::Party(number).beyond();

@@ -20,11 +20,11 @@
 
 use crate::Failure;
 use crate::deployment::OpenDeployment;
-use crate::horizon::Horizon;
+use crate::scenario::Scenario;
 use body::{BodyView, Fit, Mesh, Meta, Shape, defaults, file, zones};
 use bvh::BuildOptions;
 use runtime::SealedMemory;
-use scenario::{EngineSettings, FileRef, HorizonParty, Party, Scenario, Source};
+use scenario::{EngineSettings, FileRef, Party, Source};
 use std::path::PathBuf;
 
 mod model_file;
@@ -119,10 +119,6 @@ impl<'s> PartyBody<'s> {
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.source == other.source && self.size == other.size
     }
-
-    pub(crate) fn of_horizon(party: &'s HorizonParty) -> Self {
-        Self { name: &party.name, source: &party.source, size: party.size }
-    }
 }
 
 impl Bodies {
@@ -152,58 +148,27 @@ impl Bodies {
         Ok(Self { store, hashes, source_hashes })
     }
 
-    /// Loads or generates the body of every party of a scenario, builds its tree as `engine` says,
-    /// and seals them in the order of the parties. `file` is the scenario's name in messages;
-    /// `find` returns the path of a party's model file.
+    /// Loads or generates the body of every party of a scenario, builds its tree as the scenario
+    /// says, and seals them in the order of the parties.
     ///
     /// ```
-    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
     /// use trolley::bodies::{Bodies, SILENT};
     ///
-    /// let (parsed, file) = (scenario.parsed(), scenario.file());
-    /// let find = |_, reference: &_| scenario.path_of(reference);
-    /// let bodies = Bodies::of_scenario(parsed, &parsed.engine, file, &find, SILENT)?;
-    /// assert_eq!(bodies.views()?.len(), parsed.parties.len());
+    /// let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
+    /// let bodies = Bodies::of_scenario(&scenario, SILENT)?;
+    /// assert_eq!(bodies.views()?.len(), scenario.parsed().parties.len());
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
     /// # Errors
     ///
     /// If a model file cannot be used, or does not suit its party.
-    pub fn of_scenario(
-        scenario: &Scenario,
-        engine: &EngineSettings,
-        file: &str,
-        find: &dyn Fn(usize, &FileRef) -> PathBuf,
-        progress: OnProgress<'_>,
-    ) -> Result<Self, Failure> {
-        let parties: Vec<_> = scenario.parties.iter().map(PartyBody::of).collect();
-        let bodies = Self::of_parties(&parties, engine, file, find, progress)?;
-        scenario.check_kinds(file, &bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
-        Self::seal(bodies)
-    }
-
-    /// Loads or generates the body of every party of a scenario over a horizon, as
-    /// [`Bodies::of_scenario`] does, with the settings of that scenario.
-    ///
-    /// ```
-    /// use trolley::bodies::{Bodies, SILENT};
-    ///
-    /// let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
-    /// let bodies = Bodies::of_horizon(&horizon, SILENT)?;
-    /// assert_eq!(bodies.views()?.len(), horizon.parsed().parties.len());
-    /// # Ok::<(), trolley::Failure>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// If a model file cannot be used, or does not suit its party.
-    pub fn of_horizon(horizon: &Horizon, progress: OnProgress<'_>) -> Result<Self, Failure> {
-        let (scenario, file) = (horizon.parsed(), horizon.file());
-        let find = |_: usize, reference: &FileRef| horizon.path_of(reference);
-        let parties = horizon.bodies();
-        let bodies = Self::of_parties(&parties, &scenario.engine, file, &find, progress)?;
-        scenario.check_kinds(file, &bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
+    pub fn of_scenario(scenario: &Scenario, progress: OnProgress<'_>) -> Result<Self, Failure> {
+        let (parsed, file) = (scenario.parsed(), scenario.file());
+        let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
+        let parties = scenario.bodies();
+        let bodies = Self::of_parties(&parties, &parsed.engine, file, &find, progress)?;
+        parsed.check_kinds(file, &bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
         Self::seal(bodies)
     }
 

@@ -3,7 +3,7 @@
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::scenario::check_models;
-use crate::{Failure, Horizon};
+use crate::{Failure, Scenario};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
@@ -161,8 +161,8 @@ impl OpenDeployment {
     /// ```
     /// # let file = "../../config/deployments/minimal.toml";
     /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
-    /// let horizon = trolley::Horizon::open("../../config/scenarios/wall-or-pole.toml")?;
-    /// let ask = opened.ask(&horizon, false)?;
+    /// let scenario = trolley::Scenario::open("../../config/scenarios/wall-or-pole.toml")?;
+    /// let ask = opened.ask(&scenario, false)?;
     /// assert_eq!(ask.candidate_count, 3);
     /// # Ok::<(), trolley::Failure>(())
     /// ```
@@ -171,11 +171,11 @@ impl OpenDeployment {
     ///
     /// If the deployment lacks the model of a party, a model file leads out of its folder, or the
     /// scenario is too large for a request.
-    pub fn ask(&self, horizon: &Horizon, unknown_is_fixed: bool) -> Result<Box<Ask>, Failure> {
-        let (file, scenario) = (Path::new(horizon.file()), horizon.parsed());
-        check_models(&horizon.bodies(), file, self.references)?;
+    pub fn ask(&self, scenario: &Scenario, unknown_is_fixed: bool) -> Result<Box<Ask>, Failure> {
+        let (file, parsed) = (Path::new(scenario.file()), scenario.parsed());
+        check_models(&scenario.bodies(), file, self.references)?;
         let mut models = Vec::new();
-        for party in &scenario.parties {
+        for party in &parsed.parties {
             let is_same = |model: &&Model| self.is_body_of(file, &party.source, model);
             let Some(model) = self.deployment.models.iter().find(is_same) else {
                 let (place, name) = (party.place, &party.name);
@@ -186,7 +186,7 @@ impl OpenDeployment {
             };
             models.push(model.id);
         }
-        service::of_scenario(scenario, &models, unknown_is_fixed).map_err(Failure::input)
+        service::of_scenario(parsed, &models, unknown_is_fixed).map_err(Failure::input)
     }
 
     /// Whether a model is the body of a scenario's party: the same file, or generated alike.

@@ -1,4 +1,4 @@
-//! What an [`Explanation`](crate::Explanation) and a [`CourseExplanation`] are made of.
+//! What an [`Explanation`](crate::Explanation) is made of.
 //!
 //! ```
 //! # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
@@ -6,36 +6,20 @@
 //! # let limits = trolley::Limits::default().with_explanation();
 //! # let explanation = engine.rank(&scenario, &limits)?.explanation;
 //! # let Some(explanation) = explanation else { unreachable!() };
-//! let best: &trolley::explanation::Derivation = &explanation.chains[0];
-//! println!("{} closes in at {} m/s", best.name, best.contact.closing_m_s);
-//! for person in &best.contact.persons {
+//! let best: &trolley::explanation::CourseChain = &explanation.chains[0];
+//! for person in best.contacts.iter().flat_map(|contact| &contact.chain.persons) {
 //!     println!("{}: risk {:.3} by curve {}", person.party, person.risk, person.curve);
 //! }
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-/// The chain of one candidate in an [`Explanation`](crate::Explanation).
+/// The chain from speeds to risks in a [`ContactStep`].
 ///
 /// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// # let limits = trolley::Limits::default().with_explanation();
 /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
-/// # let Some(explanation) = explanation else { unreachable!() };
-/// let best = &explanation.chains[0];
-/// println!("{} closes in at {} m/s", best.name, best.contact.closing_m_s);
-/// assert_eq!(best.name, explanation.names[explanation.stability.winner]);
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::Derivation;
-
-/// The chain from speeds to risks in a [`Derivation`] or a [`ContactStep`].
-///
-/// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let limits = trolley::Limits::default().with_explanation();
-/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// for contact in explanation.chains.iter().flat_map(|chain| &chain.contacts) {
 ///     println!("{}: {} m/s along the normal", contact.chain.other, contact.chain.normal_m_s);
@@ -45,28 +29,13 @@ pub use coordinator::Derivation;
 /// ```
 pub use coordinator::ContactChain;
 
-/// Every figure from contact to rank of a ranking over a horizon. What would flip its winner is not
-/// computed.
+/// One candidate in an [`Explanation`](crate::Explanation).
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// # let limits = trolley::Limits::default().with_explanation();
-/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
-/// # let Some(explanation) = explanation else { unreachable!() };
-/// println!("{} counts; compared: {}", explanation.outcome, explanation.steps.join("; then "));
-/// assert_eq!(explanation.chains.len(), 3);
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::CourseExplanation;
-
-/// One candidate in a [`CourseExplanation`].
-///
-/// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let limits = trolley::Limits::default().with_explanation();
-/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// let best = &explanation.chains[0];
 /// println!("{} meets {} parties", best.name, best.contacts.len());
@@ -78,10 +47,10 @@ pub use coordinator::CourseChain;
 /// One contact in a [`CourseChain`].
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// # let limits = trolley::Limits::default().with_explanation();
-/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// for contact in explanation.chains.iter().flat_map(|chain| &chain.contacts) {
 ///     println!("after {} s: {}", contact.time_s, contact.chain.other);
@@ -94,10 +63,10 @@ pub use coordinator::ContactStep;
 /// The risk of one person in all contacts of a [`CourseChain`].
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// # let limits = trolley::Limits::default().with_explanation();
-/// # let explanation = engine.rank_horizon(&horizon, &limits)?.explanation;
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// for person in explanation.chains.iter().flat_map(|chain| &chain.persons) {
 ///     println!("{}: {:?} make {:.4}", person.party, person.contacts, person.risk.hi());
@@ -115,7 +84,8 @@ pub use coordinator::CombinedRisk;
 /// # let limits = trolley::Limits::default().with_explanation();
 /// # let explanation = engine.rank(&scenario, &limits)?.explanation;
 /// # let Some(explanation) = explanation else { unreachable!() };
-/// for person in explanation.chains.iter().flat_map(|chain| &chain.contact.persons) {
+/// let contacts = explanation.chains.iter().flat_map(|chain| &chain.contacts);
+/// for person in contacts.flat_map(|contact| &contact.chain.persons) {
 ///     println!("{}: {:.1} m/s gives risk {:.3}", person.party, person.x_m_s, person.risk);
 ///     assert!((0.0..=1.0).contains(&person.risk));
 /// }
@@ -123,7 +93,7 @@ pub use coordinator::CombinedRisk;
 /// ```
 pub use coordinator::PersonChain;
 
-/// A step of the policy in a [`Derivation`].
+/// A step of the policy in a [`CourseChain`].
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
@@ -139,7 +109,7 @@ pub use coordinator::PersonChain;
 /// ```
 pub use coordinator::PolicyStep;
 
-/// What separates a candidate from the next one, in a [`Derivation`].
+/// What separates a candidate from the next one, in a [`CourseChain`].
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
@@ -232,7 +202,8 @@ pub use damage::Stability;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// use trolley::explanation::CurveUnit;
 ///
-/// for person in explanation.chains.iter().flat_map(|chain| &chain.contact.persons) {
+/// let contacts = explanation.chains.iter().flat_map(|chain| &chain.contacts);
+/// for person in contacts.flat_map(|contact| &contact.chain.persons) {
 ///     assert!(person.unit != CurveUnit::MetresPerSecond || person.x_in_unit == person.x_m_s);
 /// }
 /// # Ok::<(), trolley::Failure>(())

@@ -119,7 +119,7 @@ mod tests {
     fn what_a_reader_lets_pass_its_parser_accepts() {
         for (kind, most) in [
             // The longer of both forms; the reader of the other one refuses what is longer.
-            (InputKind::Scenario, scenario::HORIZON_TEXT_BYTES_MAX),
+            (InputKind::Scenario, scenario::TEXT_BYTES_MAX),
             (InputKind::Deployment, service::TEXT_BYTES_MAX),
             (InputKind::Traffic, traffic::TEXT_BYTES_MAX),
             (InputKind::Poses, crate::poses::BYTES_MAX),

@@ -90,8 +90,7 @@
 //!
 //! # Record and replay
 //!
-//! A [`Record`] keeps an answer with all that it was made from. A replay gives the same bytes. One
-//! of a ranking over a horizon is computed again by [`Record::replay_horizon`].
+//! A [`Record`] keeps an answer with all that it was made from. A replay gives the same bytes.
 //!
 //! ```
 //! # use trolley::{Engine, Limits, Record, Scenario};
@@ -143,7 +142,7 @@
 //! # Invariants
 //!
 //! - There is one way from a scenario to an answer: what ranks once and what serves for months runs
-//!   the same code (`coordinator/src/workspace.rs`). `tests/answers/identical.rs`.
+//!   the same code (`coordinator/src/course.rs`). `tests/answers/identical.rs`.
 //! - A complete answer is a pure function of bodies, scenario, policy and curves.
 //!
 //! The crate prints nothing and parses no command line.
@@ -155,7 +154,6 @@ pub mod doctor;
 mod engine;
 pub mod explanation;
 pub mod files;
-mod horizon;
 pub mod intersect;
 pub mod kernel;
 mod limits;
@@ -184,32 +182,21 @@ pub use coordinator::Answer;
 /// One contact of a candidate.
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// # let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
 /// let contacts = ranking.answer.ranking.iter().flat_map(|row| &row.contacts);
 /// let first = |contact: &trolley::ContactRow| contact.time_s;
 /// println!("the first of all after {} s", contacts.map(first).fold(f64::INFINITY, f64::min));
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::ContactRow;
-/// The answer to a scenario over a horizon.
+/// One candidate of an [`Answer`] in its place.
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
-/// let answer: trolley::CourseAnswer = ranking.answer;
-/// println!("{} candidates, {}", answer.ranking.len(), answer.state.name());
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::CourseAnswer;
-/// One candidate of a [`CourseAnswer`] in its place.
-///
-/// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// # let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
 /// let free = |row: &&trolley::CourseRow| row.touches_nobody();
 /// println!("{} touch nobody", ranking.answer.ranking.iter().filter(free).count());
 /// # Ok::<(), trolley::Failure>(())
@@ -250,16 +237,16 @@ pub use coordinator::PlanPath;
 /// assert_eq!((time_s, x_m, y_m, cos, sin), (0.5, 7.0, 0.0, 1.0, 0.0));
 /// ```
 pub use coordinator::PlanSample;
-/// A scene over time, seen from above: what a picture of a ranking over a horizon is drawn from,
-/// and what [`Engine::rank_horizon_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
+/// A scene over time, seen from above: what a picture of a ranking is drawn from, and
+/// what [`Engine::rank_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
 /// [`PlanSample`] and [`PlanContact`] are its parts.
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// # let limits = trolley::Limits::default();
 /// let mut scene = trolley::PlanScene::default();
-/// engine.rank_horizon_drawn(&horizon, &limits, &|_, _| {}, Some(&mut scene))?;
+/// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
 /// let at_start = |course: &trolley::PlanCourse| course.ego[0].0[1..3] == [0.0, 0.0];
 /// assert!(scene.courses.iter().all(at_start));
 /// # Ok::<(), trolley::Failure>(())
@@ -268,9 +255,9 @@ pub use coordinator::PlanScene;
 /// How a contact changes the ego's motion.
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// # let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
 /// for contact in ranking.answer.ranking.iter().flat_map(|row| &row.contacts) {
 ///     match contact.severity {
 ///         trolley::Severity::Light => println!("drives on past {}", contact.party),
@@ -293,13 +280,14 @@ pub use damage::Severity;
 /// ```
 pub use coordinator::Explanation;
 
-/// The risk of one person in a [`Row`].
+/// The risk of one person in a [`ContactRow`].
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// let answer = engine.rank(&scenario, &trolley::Limits::default())?.answer;
-/// for person in answer.ranking.iter().flat_map(|row| &row.persons) {
+/// let contacts = answer.ranking.iter().flat_map(|row| &row.contacts);
+/// for person in contacts.flat_map(|contact| &contact.persons) {
 ///     println!("{} {}: {:.3}", person.party, person.victim, person.work.hi());
 ///     assert!((0.0..=1.0).contains(&person.work.hi()));
 /// }
@@ -307,52 +295,20 @@ pub use coordinator::Explanation;
 /// ```
 pub use coordinator::PersonRow;
 
-/// The triangles hit at one pose of a [`Row`].
+/// The triangles hit at one pose of a [`ContactRow`].
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
 /// let answer = engine.rank(&scenario, &trolley::Limits::default())?.answer;
-/// for pose in answer.ranking.iter().flat_map(|row| &row.poses) {
+/// let contacts = || answer.ranking.iter().flat_map(|row| &row.contacts);
+/// for pose in contacts().flat_map(|contact| &contact.poses) {
 ///     println!("after {:.3} m: {} and {} hit", pose.travel_m, pose.hits_a, pose.hits_b);
 /// }
-/// assert!(answer.ranking.iter().any(|row| !row.poses.is_empty()));
+/// assert!(contacts().any(|contact| !contact.poses.is_empty()));
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::PoseRow;
-
-/// A candidate of an [`Answer`], in its place.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// for row in engine.rank(&scenario, &trolley::Limits::default())?.answer.ranking {
-///     println!("{} with {}: {}", row.name, row.other, row.sides);
-///     assert!(row.work.is_settled(), "all work is done");
-/// }
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::Row;
-
-/// A [replay](record::Replay) returns scenes.
-///
-/// ```
-/// # use trolley::{Engine, Limits, Record, Scenario};
-/// # let folder = std::env::temp_dir().join(format!("trolley-scene-{}", std::process::id()));
-/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
-/// # let mut engine = Engine::builder().in_process().build()?;
-/// # let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
-/// # Record::prepare(&folder)?;
-/// # let path = Record::write(&folder, &ranking)?;
-/// let replay = Record::read(&path)?.replay(&path, None, trolley::bodies::SILENT)?;
-/// for scene in &replay.scenes {
-///     println!("{}: {} triangles of the ego are hit", scene.name, scene.hits[0].len());
-/// }
-/// assert_eq!(replay.scenes.len(), 4);
-/// # std::fs::remove_dir_all(&folder).ok();
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::Scene;
 
 /// The order of the jobs, for [`Limits::with_search_order`].
 ///
@@ -392,17 +348,6 @@ pub use coordinator::Until;
 /// ```
 pub use damage::AnswerState;
 
-/// Whether the bodies of a candidate touch.
-///
-/// ```
-/// # use trolley::{Engine, Limits, Scenario, Touch};
-/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
-/// # let mut engine = Engine::builder().in_process().build()?;
-/// let answer = engine.rank(&scenario, &Limits::default())?.answer;
-/// assert!(answer.ranking.iter().all(|row| row.contact.touch != Touch::Unknown));
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use damage::Touch;
 pub use deployment::OpenDeployment;
 
 /// Errors of the crates below this one implement it, so `?` turns them into a [`Failure`].
@@ -438,8 +383,7 @@ pub use diagnostic::Failure;
 /// assert_eq!(FailureKind::Configuration.exit_code(), 78);
 /// ```
 pub use diagnostic::FailureKind;
-pub use engine::{Engine, EngineBuilder, HorizonRanking, Ranking, pin_coordinator, worker_cores};
-pub use horizon::Horizon;
+pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
 
 /// Settings of the engine that replace those of a scenario.
@@ -455,11 +399,11 @@ pub use ::scenario::Overrides;
 /// A request to the service, from [`OpenDeployment::ask`].
 ///
 /// ```
-/// use trolley::{Horizon, OpenDeployment};
+/// use trolley::{OpenDeployment, Scenario};
 ///
 /// let deployment = OpenDeployment::open("../../config/deployments/minimal.toml".as_ref(), None)?;
-/// let horizon = Horizon::open("../../config/scenarios/wall-or-pole.toml")?;
-/// let ask = deployment.ask(&horizon, false)?;
+/// let scenario = Scenario::open("../../config/scenarios/wall-or-pole.toml")?;
+/// let ask = deployment.ask(&scenario, false)?;
 /// assert_eq!((ask.candidate_count, ask.party_count), (3, 3));
 /// # Ok::<(), trolley::Failure>(())
 /// ```

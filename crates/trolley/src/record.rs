@@ -19,13 +19,12 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-use crate::engine::{HorizonRanking, Ranking};
+use crate::engine::Ranking;
 use crate::files::{self, InputKind};
 use crate::{Failure, FailureKind};
 use std::path::{Path, PathBuf};
 
 mod content;
-mod horizon;
 mod replay;
 mod sign;
 mod verify;
@@ -100,7 +99,7 @@ pub use record::RecordedBody;
 /// # let record = Record::read(&path)?;
 /// use trolley::record::RecordedEnd;
 ///
-/// assert!(record.content.jobs.iter().any(|job| job.end == RecordedEnd::Done));
+/// assert!(record.content.all_jobs().any(|job| job.end == RecordedEnd::Done));
 /// # std::fs::remove_dir_all(&folder).ok();
 /// # Ok::<(), trolley::Failure>(())
 /// ```
@@ -164,7 +163,6 @@ pub use record::Proof;
 /// ```
 pub use record::SignedStatement;
 
-pub use horizon::HorizonReplay;
 /// The public key of a signer, from [`public_key`].
 ///
 /// ```
@@ -197,25 +195,6 @@ pub use verify::{Verified, VerifyOptions, holds_decisions, verify_decisions};
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use service::VerifiedDecisions;
-
-/// What a [`Record`] can be made of: a ranking of either form of scenario.
-///
-/// ```
-/// # use trolley::{Engine, Horizon, Limits, Record};
-/// # let folder = std::env::temp_dir().join(format!("trolley-both-{}", std::process::id()));
-/// # std::fs::create_dir_all(&folder).ok();
-/// # let mut engine = Engine::builder().in_process().build()?;
-/// let horizon = Horizon::open("../../config/scenarios/crossing.toml")?;
-/// let ranking = engine.rank_horizon(&horizon, &Limits::default().with_record())?;
-/// let record = Record::read(&Record::write(&folder, &ranking)?)?;
-/// assert!(record.content.is_over_horizon());
-/// # std::fs::remove_dir_all(&folder).ok();
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub trait Recordable: content::ToContent {}
-
-impl Recordable for Ranking {}
-impl Recordable for HorizonRanking {}
 
 /// A decision record, and its place in its chain.
 ///
@@ -265,9 +244,8 @@ impl Record {
         write::prepare(folder, None)
     }
 
-    /// Adds a ranking to a folder's records, and returns the path of the new one. The ranking, of
-    /// either form of scenario, must have been made with
-    /// [`Limits::with_record`](crate::Limits::with_record).
+    /// Adds a ranking to a folder's records, and returns the path of the new one. The ranking must
+    /// have been made with [`Limits::with_record`](crate::Limits::with_record).
     ///
     /// ```
     /// # use trolley::{Engine, Limits, Record, Scenario};
@@ -287,7 +265,7 @@ impl Record {
     /// # Errors
     ///
     /// If the ranking holds no record, or the folder cannot be written to.
-    pub fn write(folder: &Path, ranking: &impl Recordable) -> Result<PathBuf, Failure> {
+    pub fn write(folder: &Path, ranking: &Ranking) -> Result<PathBuf, Failure> {
         write::write(folder, ranking, None)
     }
 

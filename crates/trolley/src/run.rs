@@ -11,9 +11,7 @@
 
 use crate::BUILD;
 use body::{BodyView, Build, Meta};
-use coordinator::{
-    Certainty, CourseEffort, EncounterEffort, RankingRun, WorkerPoolReport, WorkerReport,
-};
+use coordinator::{CourseEffort, EncounterEffort, WorkerPoolReport, WorkerReport};
 use core::time::Duration;
 use record::Mode;
 use scenario::{EngineSettings, Scheme};
@@ -33,7 +31,7 @@ use serde::Serialize;
 pub struct Stages {
     /// Reading or generating bodies, building trees, sealing the store.
     pub load_ms: f64,
-    /// Hulls and paths.
+    /// The search for contacts.
     pub plan_ms: f64,
     /// Starting workers and waiting for their greetings.
     pub start_ms: f64,
@@ -72,12 +70,8 @@ pub struct Run {
     /// How the deadline was kept, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deadline: Option<Kept>,
-    /// When no open work could change the winner any more; `None` if that was never so.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub winner_certain: Option<Certain>,
-    /// When no open work could change the order any more; `None` if that was not sought.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub order_certain: Option<Certain>,
+    /// Candidates that were not followed to their end, as that could not change what was asked for.
+    pub spared: u64,
     /// Bodies in the store.
     pub bodies: usize,
     /// Their triangles.
@@ -88,12 +82,10 @@ pub struct Run {
     pub cores_granted: Vec<usize>,
     /// What could be better, in sentences.
     pub remarks: Vec<String>,
-    /// The search for contacts of a scenario over a horizon.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub search: Option<EncounterEffort>,
-    /// Rounds of contacts of a scenario over a horizon; workers are those of the last one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rounds: Option<u64>,
+    /// The search for contacts.
+    pub search: EncounterEffort,
+    /// Rounds of contacts; workers are those of the last one.
+    pub rounds: u64,
     /// Questions about poses.
     pub tasks: u64,
     /// Node pairs given to the kernel.
@@ -150,28 +142,6 @@ pub struct Kept {
     pub late_ms: f64,
 }
 
-/// When something became certain.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// let run = engine.rank(&scenario, &trolley::Limits::default())?.run;
-/// if let Some(certain) = run.winner_certain {
-///     println!("after {} jobs, {} ms", certain.jobs, certain.ms);
-///     assert!(certain.share <= 1.0);
-/// }
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Certain {
-    /// Tests of boxes and triangles by then, as a share of all tests.
-    pub share: f64,
-    /// Jobs done by then.
-    pub jobs: u64,
-    /// Time since the request was accepted.
-    pub ms: f64,
-}
-
 pub(crate) fn milliseconds(ns: u64) -> f64 {
     ns as f64 / 1e6
 }
@@ -200,15 +170,14 @@ impl Run {
             tree: settings.build,
             scheme: settings.scheme,
             deadline: None,
-            winner_certain: None,
-            order_certain: None,
+            spared: 0,
             bodies: bodies.len(),
             triangles: bodies.iter().map(|(_, body)| body.corners.len()).sum(),
             store_bytes: 0,
             remarks,
             cores_granted,
-            search: None,
-            rounds: None,
+            search: EncounterEffort::default(),
+            rounds: 0,
             tasks: 0,
             jobs: 0,
             jobs_cut: 0,
@@ -228,21 +197,6 @@ impl Run {
         }
     }
 
-    /// Adds what the work itself counted.
-    pub(crate) fn with_effort(self, work: &RankingRun<'_>) -> Self {
-        let effort = work.effort();
-        let [winner_certain, order_certain] = certain(work);
-        Self {
-            tasks: effort.tasks,
-            nb_descent: effort.descent.nb,
-            nb: effort.jobs.nb,
-            np: effort.jobs.np,
-            winner_certain,
-            order_certain,
-            ..self
-        }
-    }
-
     /// Adds what following courses took. `reports` are those of the workers, one a round.
     pub(crate) fn with_courses(
         self,
@@ -256,8 +210,9 @@ impl Run {
             nb_descent: surveys.descent.nb,
             nb: surveys.jobs.nb,
             np: surveys.jobs.np,
-            search: Some(effort.search),
-            rounds: Some(effort.rounds),
+            spared: effort.spared,
+            search: effort.search,
+            rounds: effort.rounds,
             ..self
         };
         if reports.is_empty() {
@@ -282,7 +237,7 @@ impl Run {
     }
 
     /// Adds what the workers and the channels to them counted.
-    pub(crate) fn with_worker_pool(self, report: WorkerPoolReport, store_bytes: usize) -> Self {
+    fn with_worker_pool(self, report: WorkerPoolReport, store_bytes: usize) -> Self {
         let counts = report.counts;
         Self {
             store_bytes,
@@ -301,32 +256,4 @@ impl Run {
             ..self
         }
     }
-}
-
-/// Returns when the winner and when the order became certain.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-/// # use trolley::bodies::{Bodies, SILENT};
-/// # let find = |_, reference: &_| scenario.path_of(reference);
-/// # let engine = &scenario.parsed().engine;
-/// # let bodies = Bodies::of_scenario(scenario.parsed(), engine, scenario.file(), &find, SILENT)?;
-/// # let views = bodies.views()?;
-/// # let (policy, curves) = scenario.rules();
-/// # let request = coordinator::Request::new(scenario.parsed(), &views, policy, curves)?;
-/// let work = coordinator::RankingRun::new(&request, &views, 4);
-/// let [winner, order] = trolley::run::certain(&work);
-/// assert!(winner.is_none() && order.is_none(), "no work is done yet");
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-#[must_use]
-pub fn certain(work: &RankingRun<'_>) -> [Option<Certain>; 2] {
-    let effort = work.effort();
-    let all = (effort.descent.tests() + effort.jobs.tests()).max(1) as f64;
-    let in_units = |certainty: Certainty| Certain {
-        share: certainty.tests as f64 / all,
-        jobs: certainty.jobs,
-        ms: milliseconds(certainty.ns),
-    };
-    work.certainties().map(|certainty| certainty.map(in_units))
 }

@@ -1,6 +1,21 @@
 //! A scenario with the policy and the curves that judge it: as named texts and as checked values.
 //!
 //! Texts come from files, from a caller or from a decision record; all are checked alike.
+//!
+//! ```
+//! use trolley::{Engine, Limits, Scenario};
+//!
+//! let scenario = Scenario::open("../../config/scenarios/crossing.toml")?;
+//! let mut engine = Engine::builder().in_process().build()?;
+//! let ranking = engine.rank(&scenario, &Limits::default())?;
+//! for row in &ranking.answer.ranking {
+//!     match row.contacts.first() {
+//!         Some(contact) => println!("{}: {} after {} s", row.name, contact.party, contact.time_s),
+//!         None => println!("{}: touches nobody", row.name),
+//!     }
+//! }
+//! # Ok::<(), trolley::Failure>(())
+//! ```
 
 use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
@@ -9,7 +24,7 @@ use crate::{Failure, FailureKind};
 use damage::injury::DEFAULT_CURVES;
 use damage::policy::DEFAULT_POLICY;
 use damage::{Curves, Policy};
-use scenario::{FileRef, Source};
+use scenario::{FileRef, ScenarioDraft, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -36,7 +51,7 @@ pub struct SourceText {
     pub text: String,
 }
 
-/// The three texts of a request.
+/// The texts of a request, but for the paths that the scenario names.
 ///
 /// ```
 /// use trolley::{Scenario, SourceText, Texts, read_text};
@@ -49,7 +64,7 @@ pub struct SourceText {
 ///     policy: read("../../config/policies/precaution.toml")?,
 ///     curves: read("../../config/curves/default.toml")?,
 /// };
-/// assert_eq!(Scenario::of_texts(texts)?.rules().0.name, "precaution");
+/// assert_eq!(Scenario::of_texts(texts, Vec::new())?.rules().0.name, "precaution");
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,15 +89,17 @@ pub struct Texts {
 #[derive(Clone, Debug)]
 pub struct Scenario {
     pub(crate) texts: Texts,
-    pub(crate) parsed: scenario::Scenario,
-    pub(crate) policy: Arc<Policy>,
-    pub(crate) curves: Arc<Curves>,
+    /// The CSV files that paths name, each once, as the scenario names them.
+    pub(crate) files: Vec<SourceText>,
+    parsed: scenario::Scenario,
+    policy: Arc<Policy>,
+    curves: Arc<Curves>,
     pub(crate) unknown_is_fixed: bool,
     references: References,
 }
 
 impl Scenario {
-    /// Returns the built-in scenario: seven crashes between generated bodies.
+    /// Returns the built-in scenario: seven ways among seven others, whose bodies are generated.
     ///
     /// ```
     /// let scenario = trolley::Scenario::demo()?;
@@ -97,8 +114,8 @@ impl Scenario {
         Self::parse(DEMO_NAME, DEMO)
     }
 
-    /// Reads a scenario file, and the policy and curves that it names. All files that it names must
-    /// be in its folder: see [`References`].
+    /// Reads a scenario file, and the policy, curves and paths that it names. All files that it
+    /// names must be in its folder: see [`References`].
     ///
     /// ```
     /// use trolley::Scenario;
@@ -142,17 +159,19 @@ impl Scenario {
     /// use trolley::Scenario;
     ///
     /// let text = r#"
-    ///     schema = "trolley.scenario/1"
-    ///     name = "A wall ahead"
+    ///     schema = "trolley.scenario/2"
+    ///     name = "A post ahead"
     ///     [parties]
     ///     ego = { generate = { shape = "sedan", triangles = 1500 } }
-    ///     wall = { generate = { shape = "wall", triangles = 600 } }
+    ///     [parties.post]
+    ///     generate = { shape = "pole", triangles = 600 }
+    ///     place = { position_m = [30, 0, 0] }
     ///     [[candidates]]
-    ///     name = "frontal"
-    ///     ego = { position_m = [0, 0, 0], speed_m_s = 10 }
-    ///     other = { party = "wall", position_m = [2.55, 0, 0], yaw_deg = 90, speed_m_s = 0 }
+    ///     name = "go on"
+    ///     state = { position_m = [0, 0, 0], speed_m_s = 14 }
     /// "#;
-    /// assert_eq!(Scenario::parse("wall.toml", text)?.file(), "wall.toml");
+    /// let scenario = Scenario::parse("post.toml", text)?;
+    /// assert_eq!((scenario.file(), scenario.parsed().horizon_s), ("post.toml", 5.0));
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
@@ -180,17 +199,32 @@ impl Scenario {
     ///
     /// As [`Scenario::open`].
     pub fn parse_with(name: &str, text: &str, references: References) -> Result<Self, Failure> {
-        let parsed = scenario::Scenario::parse(name, text)?;
+        let draft = ScenarioDraft::parse(name, text)?;
+        let file = Path::new(name);
+        let mut files: Vec<SourceText> = Vec::new();
+        for reference in draft.files() {
+            if files.iter().any(|known| known.name == reference.path) {
+                continue;
+            }
+            let place = format!("{name}:{}: csv", reference.place);
+            references.check(file, &place, reference.path.as_ref())?;
+            let path = beside(file, reference.path.as_ref());
+            let text =
+                files::text(&path, InputKind::MotionPath).map_err(|failure| failure.at(place))?;
+            files.push(SourceText { name: reference.path.clone(), text });
+        }
+        let parsed = finish(name, draft, &files)?;
         let named = [&parsed.policy, &parsed.curves];
         let [policy, curves] = rule_texts(name, named, references)?;
         let scenario = SourceText { name: name.to_owned(), text: text.to_owned() };
         let texts = Texts { scenario, policy, curves };
-        let scenario = Self::of_texts(texts)?.with_references(references);
+        let scenario = Self::of_parts(parsed, texts, files)?.with_references(references);
         scenario.check_references()?;
         Ok(scenario)
     }
 
-    /// Reads a scenario, a policy and curves from their texts.
+    /// Reads a scenario, a policy and curves from their texts, and the CSV files that paths name,
+    /// as the scenario names them; opens no file.
     ///
     /// ```
     /// # let read = |path: &str| {
@@ -203,7 +237,7 @@ impl Scenario {
     ///     scenario: read("../../config/scenarios/small.toml")?,
     ///     policy: read("../../config/policies/weighted.toml")?,
     ///     curves: read("../../config/curves/default.toml")?,
-    /// })?;
+    /// }, Vec::new())?;
     /// # assert_eq!(scenario.parsed().candidates.len(), 4);
     /// # Ok::<(), trolley::Failure>(())
     /// ```
@@ -211,11 +245,21 @@ impl Scenario {
     /// # Errors
     ///
     /// As [`Scenario::open`].
-    pub fn of_texts(texts: Texts) -> Result<Self, Failure> {
-        let parsed = scenario::Scenario::parse(&texts.scenario.name, &texts.scenario.text)?;
+    pub fn of_texts(texts: Texts, files: Vec<SourceText>) -> Result<Self, Failure> {
+        let name = &texts.scenario.name;
+        let draft = ScenarioDraft::parse(name, &texts.scenario.text)?;
+        let parsed = finish(name, draft, &files)?;
+        Self::of_parts(parsed, texts, files)
+    }
+
+    fn of_parts(
+        parsed: scenario::Scenario,
+        texts: Texts,
+        files: Vec<SourceText>,
+    ) -> Result<Self, Failure> {
         let (policy, curves) = rules(&texts.policy, &texts.curves)?;
         let references = References::Inside;
-        Ok(Self { texts, parsed, policy, curves, unknown_is_fixed: false, references })
+        Ok(Self { texts, files, parsed, policy, curves, unknown_is_fixed: false, references })
     }
 
     /// Sets which model files the scenario may name; otherwise those of its folder alone.
@@ -236,8 +280,8 @@ impl Scenario {
     ///
     /// ```
     /// # let small = trolley::read_text("../../config/scenarios/small.toml".as_ref())?;
-    /// # let unknown = "triangles = 600 }, kind = \"unknown\" }";
-    /// # let text = small.replace("triangles = 600 } }", unknown);
+    /// # let unknown = "triangles = 600 }\nkind = \"unknown\"";
+    /// # let text = small.replace("triangles = 600 }", unknown);
     /// # let scenario = trolley::Scenario::parse("small.toml", &text)?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
     /// let limits = trolley::Limits::default();
@@ -311,10 +355,14 @@ impl Scenario {
         beside(Path::new(self.file()), reference.path.as_ref())
     }
 
+    /// The bodies of the parties, in their order.
+    pub(crate) fn bodies(&self) -> Vec<PartyBody<'_>> {
+        self.parsed.parties.iter().map(PartyBody::of).collect()
+    }
+
     /// Refuses model files that this scenario may not name.
     pub(crate) fn check_references(&self) -> Result<(), Failure> {
-        let bodies: Vec<_> = self.parsed.parties.iter().map(PartyBody::of).collect();
-        check_models(&bodies, Path::new(self.file()), self.references)
+        check_models(&self.bodies(), Path::new(self.file()), self.references)
     }
 
     /// Refuses parties of unknown kind, unless they may be taken as fixed.
@@ -330,7 +378,7 @@ impl Scenario {
 }
 
 /// The refusal of a party of unknown kind at a place.
-pub(crate) fn unknown(party: &str, place: String) -> Failure {
+fn unknown(party: &str, place: String) -> Failure {
     let fault = format!("\"{party}\" is of unknown kind");
     Failure::new(FailureKind::Refused, fault).at(place).with_remedy(
         "say what it is, or let it be taken as fixed to the ground with nobody in it: --assume \
@@ -339,10 +387,7 @@ pub(crate) fn unknown(party: &str, place: String) -> Failure {
 }
 
 /// A policy and curves that cover it, from their texts.
-pub(crate) fn rules(
-    policy: &SourceText,
-    curves: &SourceText,
-) -> Result<(Arc<Policy>, Arc<Curves>), Failure> {
+fn rules(policy: &SourceText, curves: &SourceText) -> Result<(Arc<Policy>, Arc<Curves>), Failure> {
     let policy = Policy::parse(&policy.name, &policy.text)?;
     let curves = Curves::parse(&curves.name, &curves.text)?;
     let covered = curves.covers(policy.outcome);
@@ -351,7 +396,7 @@ pub(crate) fn rules(
 }
 
 /// The texts of the policy and of the curves that a scenario names, or those of the program.
-pub(crate) fn rule_texts(
+fn rule_texts(
     scenario: &str,
     [policy, curves]: [&Option<FileRef>; 2],
     references: References,
@@ -406,4 +451,21 @@ fn named(scenario: &Path, reference: &FileRef, kind: InputKind) -> Result<Source
     let place = format!("{}:{}", scenario.display(), reference.place);
     let text = files::text(&path, kind).map_err(|failure| failure.at(place))?;
     Ok(SourceText { name: path.display().to_string(), text })
+}
+
+/// A scenario whose CSV files are read.
+fn finish(
+    name: &str,
+    draft: ScenarioDraft,
+    files: &[SourceText],
+) -> Result<scenario::Scenario, Failure> {
+    draft.finish(|reference: &FileRef| {
+        let found = files.iter().find(|known| known.name == reference.path);
+        found.map(|known| known.text.clone()).ok_or_else(|| {
+            let place = format!("{name}:{}: csv", reference.place);
+            Failure::input(format!("the text of \"{}\" is missing", reference.path))
+                .at(place)
+                .with_remedy("it was changed and hashed again: use another copy")
+        })
+    })
 }

@@ -31,9 +31,9 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
+use crate::Failure;
 use crate::files::{self, InputKind};
 use crate::references::References;
-use crate::Failure;
 use std::path::{Path, PathBuf};
 use traffic::{Catalog, DEFAULT_LIBRARY, Library, Manoeuvres, ReadOptions, Recording};
 
@@ -88,7 +88,9 @@ impl TrafficOptions {
             after_s: self.at_s.unwrap_or(usual.after_s),
             ..usual
         };
-        if let Some(brake) = manoeuvres.brakes_m_s2.iter().find(|brake| **brake > manoeuvres.grip_m_s2) {
+        if let Some(brake) =
+            manoeuvres.brakes_m_s2.iter().find(|brake| **brake > manoeuvres.grip_m_s2)
+        {
             let fault = format!("--brakes: {brake} m/s² is more than the tyres give");
             let help = format!("--grip is {} m/s²", manoeuvres.grip_m_s2);
             return Err(Failure::setting(fault).with_remedy(help));

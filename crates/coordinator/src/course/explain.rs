@@ -1,20 +1,24 @@
-//! The explanation of an answer over a horizon: every figure from contact to rank.
+//! The explanation of an answer: every figure from contact to rank, and what would change the winner.
 //!
-//! Each contact is judged as a candidate of its round, so its chain from speeds to risks is that of
-//! a candidate at impact. What is added here: which contacts count, how the risks of a person
-//! combine, and what the policy makes of them. Values are copies of those that decided.
+//! Each contact has its chain from speeds to risks. What is added here: which contacts count, how
+//! the risks of a person combine, and what the policy makes of them. Values are copies of those that
+//! decided.
 
 use super::persons::People;
-use super::{AssessedContact, Course, counts};
+use super::{AssessedContact, Course, counts, harm_by};
 use crate::explain::{ContactChain, PolicyStep, Separation, policy_steps, separation};
 use crate::request::Person;
 use damage::course::{HEAVY_M_S, RUN_OUT_M_S2, Severity};
 use damage::curve::Curve;
-use damage::{CourseHarm, Curves, Interval, Parameters, PersonId, Policy, Range, RankedCandidates};
+use damage::{
+    CandidateHarm, CourseHarm, Curves, Interval, Parameters, PersonId, Policy, Range, RankError,
+    RankedCandidates, Stability,
+};
 use scenario::Scenario;
 use serde::Serialize;
+use std::borrow::Cow;
 
-/// Everything that the order of a scenario over a horizon was made from.
+/// Everything that the order of a scenario was made from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explanation {
     /// The policy's name.
@@ -37,9 +41,13 @@ pub struct Explanation {
     pub curves: Vec<Curve>,
     /// Candidates, least harm first.
     pub chains: Vec<CourseChain>,
+    /// What would have to change for another candidate to win; courses stay as they are.
+    pub stability: Stability,
+    /// Names of the candidates in the order of the request: the numbers of `stability`.
+    pub names: Vec<String>,
 }
 
-/// One candidate over a horizon from its contacts to its rank.
+/// One candidate from its contacts to its rank.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CourseChain {
     /// Its name.
@@ -60,7 +68,7 @@ pub struct CourseChain {
     pub separates: Option<Separation>,
 }
 
-/// One contact of a candidate over a horizon.
+/// One contact of a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactStep {
     /// When (s).
@@ -98,7 +106,7 @@ impl Explanation {
         (policy, curves, parameters): (&Policy, &Curves, Parameters),
         (courses, harms): (&[Course<'_>], &[CourseHarm]),
         ranking: &RankedCandidates,
-    ) -> Self {
+    ) -> Result<Self, RankError> {
         let persons = people.list.len();
         let steps: Vec<String> = policy.steps(persons).iter().map(ToString::to_string).collect();
         let name = |number: usize| scenario.candidates[number].name.as_str();
@@ -129,7 +137,13 @@ impl Explanation {
             let contacts = chains.iter().flat_map(|chain| &chain.contacts);
             contacts.flat_map(|contact| &contact.chain.persons).any(|p| *p.curve == *curve.id)
         };
-        Self {
+        let curves: Vec<Curve> = curves.curves.iter().filter(used).cloned().collect();
+        let with_curve = |curve: &Curve| {
+            let moved = |harm: &CandidateHarm| Cow::Owned(harm.with_curve(curve));
+            courses.iter().map(|course| harm_by(people, course, None, moved)).collect()
+        };
+        let stability = damage::stability(policy, &people.stakes(), harms, &curves, &with_curve)?;
+        Ok(Self {
             policy: policy.name.clone(),
             board: policy.board.clone(),
             outcome: policy.outcome.name(),
@@ -137,10 +151,12 @@ impl Explanation {
             parameters,
             heavy_from_m_s: HEAVY_M_S,
             run_out_m_s2: RUN_OUT_M_S2,
-            curves: curves.curves.iter().filter(used).cloned().collect(),
+            curves,
             chains,
+            stability,
+            names: scenario.candidates.iter().map(|way| way.name.to_string()).collect(),
             steps,
-        }
+        })
     }
 }
 

@@ -11,10 +11,9 @@
 //! here says that a change would be allowed: the resulting policy may well be refused.
 
 use super::figures::Figures;
-use super::{RankError, RankOrder, Step, figures_of};
+use super::{Assessed, RankError, RankOrder, Step, figures_of};
 use crate::curve::Curve;
-use crate::harm::CandidateHarm;
-use crate::injury::Curves;
+use crate::harm::{CandidateHarm, PersonHarm};
 use crate::interval::Interval;
 use crate::policy::{Composition, Policy};
 use crate::rule::{Measure, Rule, Stake, Term};
@@ -96,30 +95,47 @@ pub struct Stability {
     pub reserves: Vec<Reserve>,
 }
 
-/// Moves every number that the order depends on until the winner changes.
+/// Moves every number that the order depends on until the winner changes. `curves` are the nominal
+/// ones in use, and `with_curve` gives the candidates as they would be if persons who follow the
+/// curve of that id followed this one: see [`CandidateHarm::with_curve`].
 ///
 /// # Errors
 ///
 /// As [`super::rank`].
-pub fn stability(
+pub fn stability<H: Assessed>(
     policy: &Policy,
     stakes: &[Stake],
-    candidates: &[CandidateHarm],
-    curves: &Curves,
+    candidates: &[H],
+    curves: &[Curve],
+    with_curve: &dyn Fn(&Curve) -> Vec<H>,
 ) -> Result<Stability, RankError> {
     let figures = figures_of(stakes, candidates)?;
-    let sought = Sought { policy, stakes, candidates, curves, figures: &figures };
+    let sought = Sought { policy, stakes, figures: &figures };
     let winner = sought.winner(policy, &figures);
     let mut reserves = sought.of_policy(winner);
-    reserves.extend(sought.of_curves(winner)?);
+    reserves.extend(sought.of_curves(winner, curves, with_curve)?);
     Ok(Stability { winner, margins: sought.margins(), reserves })
+}
+
+impl CandidateHarm {
+    /// This with the nominal risks of those who follow the curve of this id taken from this one.
+    #[must_use]
+    pub fn with_curve(&self, curve: &Curve) -> Self {
+        let mut moved = self.clone();
+        if moved.unevaluable.is_none() {
+            let follows =
+                |person: &&mut PersonHarm| person.curve == curve.id && person.work.is_settled();
+            for person in moved.persons.iter_mut().filter(follows) {
+                person.work = Interval::exactly(curve.risk(person.x_m_s.hi()));
+            }
+        }
+        moved
+    }
 }
 
 struct Sought<'a> {
     policy: &'a Policy,
     stakes: &'a [Stake],
-    candidates: &'a [CandidateHarm],
-    curves: &'a Curves,
     figures: &'a [Figures],
 }
 
@@ -255,21 +271,26 @@ impl<'a> Sought<'a> {
         places
     }
 
-    fn of_curves(&self, winner: usize) -> Result<Vec<Reserve>, RankError> {
+    fn of_curves<H: Assessed>(
+        &self,
+        winner: usize,
+        curves: &[Curve],
+        with_curve: &dyn Fn(&Curve) -> Vec<H>,
+    ) -> Result<Vec<Reserve>, RankError> {
+        let winner_with = |curve: &Curve| -> Result<usize, RankError> {
+            let figures = figures_of(self.stakes, &with_curve(curve))?;
+            Ok(self.winner(self.policy, &figures))
+        };
         let mut reserves = Vec::new();
-        let persons = self.candidates.iter().flat_map(|harm| &harm.persons);
-        let mut ids: Vec<&str> = persons.map(|person| &*person.curve).collect();
-        ids.sort_unstable();
-        ids.dedup();
-        for curve in self.curves.curves.iter().filter(|c| ids.contains(&&*c.id)) {
+        for curve in curves {
             let id = || curve.id.to_string();
-            let winner_with_intercept = |a: f64| self.with_curve(&Curve { a, ..curve.clone() });
+            let winner_with_intercept = |a: f64| winner_with(&Curve { a, ..curve.clone() });
             let place = |moved: f64| curve.a + moved;
             let flip =
                 stepped(INTERCEPT_MOST, winner, |moved| winner_with_intercept(place(moved)))?;
             let knob = Knob::Intercept { curve: id() };
             reserves.push(Reserve::of(knob, curve.a, flip.map(|(m, who)| (place(m), who))));
-            let winner_with_slope = |b: f64| self.with_curve(&Curve { b, ..curve.clone() });
+            let winner_with_slope = |b: f64| winner_with(&Curve { b, ..curve.clone() });
             let place = |moved: f64| curve.b * libm::exp(moved);
             let flip =
                 stepped(libm::log(SLOPE_MOST), winner, |moved| winner_with_slope(place(moved)))?;
@@ -277,20 +298,6 @@ impl<'a> Sought<'a> {
             reserves.push(Reserve::of(knob, curve.b, flip.map(|(m, who)| (place(m), who))));
         }
         Ok(reserves)
-    }
-
-    /// The winner if every person whose nominal curve has this id follows this curve instead.
-    fn with_curve(&self, curve: &Curve) -> Result<usize, RankError> {
-        let mut candidates = self.candidates.to_vec();
-        let persons = candidates
-            .iter_mut()
-            .filter(|harm| harm.unevaluable.is_none())
-            .flat_map(|harm| &mut harm.persons)
-            .filter(|person| person.curve == curve.id && person.work.is_settled());
-        for person in persons {
-            person.work = Interval::exactly(curve.risk(person.x_m_s.hi()));
-        }
-        Ok(self.winner(self.policy, &figures_of(self.stakes, &candidates)?))
     }
 }
 

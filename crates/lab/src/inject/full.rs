@@ -6,7 +6,7 @@ use super::kind::Kind;
 use super::report::{Report, State};
 use super::serving::{Serving, Told, files_below};
 use super::signals::KILL;
-use coordinator::CourseAnswer;
+use coordinator::Answer;
 use geometry::rng::Rng;
 use runtime::process::Held;
 use runtime::{Exit, clock};
@@ -30,7 +30,7 @@ const DEADLINE_MS: u64 = 1_000;
 pub(super) fn strike(
     serving: &mut Serving,
     mut rng: Rng,
-    reference: &CourseAnswer,
+    reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     serving.confine(ROOM_BYTES);

@@ -4,7 +4,7 @@ use super::kind::Kind;
 use super::report::{Report, State};
 use super::serving::{Serving, Told, files_below};
 use super::signals::flip_in;
-use coordinator::CourseAnswer;
+use coordinator::Answer;
 use geometry::rng::Rng;
 use runtime::clock;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ fn is_management(path: &Path) -> bool {
 pub(super) fn flip(
     serving: &mut Serving,
     mut rng: Rng,
-    reference: &CourseAnswer,
+    reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     if !serving.starts(reference, report)? {

@@ -3,7 +3,7 @@
 use super::kind::Kind;
 use super::report::{Report, State};
 use super::serving::{Serving, files_below};
-use coordinator::CourseAnswer;
+use coordinator::Answer;
 use geometry::rng::Rng;
 use protocol::public::{VERSION, WireAnswer};
 use runtime::clock;
@@ -22,7 +22,7 @@ const PAUSE_NS: u64 = 2_000_000;
 pub(super) fn flip(
     serving: &mut Serving,
     mut rng: Rng,
-    reference: &CourseAnswer,
+    reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     if !serving.starts(reference, report)? {

@@ -2,7 +2,7 @@
 
 use super::report::{Report, State};
 use super::run::Rank;
-use coordinator::CourseAnswer;
+use coordinator::Answer;
 use runtime::process::{self, Spawn};
 use runtime::{Child, Exit, clock};
 use scenario::Source;
@@ -215,7 +215,7 @@ impl Serving {
     }
 
     /// Asks until there is an answer: whether it came in time and is complete.
-    pub(super) fn is_serving(&self, reference: &CourseAnswer) -> Result<bool, Failure> {
+    pub(super) fn is_serving(&self, reference: &Answer) -> Result<bool, Failure> {
         let end_ns = clock::now_ns() + START_MS * 1_000_000;
         while clock::now_ns() < end_ns {
             match self.ask(5_000)?.told(reference)?.state {
@@ -230,7 +230,7 @@ impl Serving {
     /// Starts a service: whether it answers. If not, the fault cannot be placed, which is counted.
     pub(super) fn starts(
         &mut self,
-        reference: &CourseAnswer,
+        reference: &Answer,
         report: &mut Report,
     ) -> Result<bool, Failure> {
         self.start()?;
@@ -246,7 +246,7 @@ impl Serving {
     /// of the first: whether that one answered. What is left then is counted.
     pub(super) fn starts_again(
         &mut self,
-        reference: &CourseAnswer,
+        reference: &Answer,
         report: &mut Report,
     ) -> Result<bool, Failure> {
         report.hangs += u64::from(!self.end()?);
@@ -289,7 +289,7 @@ impl Asking {
     }
 
     /// Waits for what it is told.
-    pub(super) fn told(self, reference: &CourseAnswer) -> Result<Told, Failure> {
+    pub(super) fn told(self, reference: &Answer) -> Result<Told, Failure> {
         let (exit, document) = self.document()?;
         let known = serde_json::to_value(reference).map_err(system)?;
         let state = document.map_or(State::Refused, |document| judge(&document, &known));

@@ -10,7 +10,7 @@ use super::kind::Kind;
 use super::report::{Report, State};
 use super::serving::Serving;
 use super::signals::KILL;
-use coordinator::CourseAnswer;
+use coordinator::Answer;
 use geometry::rng::Rng;
 use runtime::process::{self, Held, Spawn};
 use runtime::{Exit, clock};
@@ -97,7 +97,7 @@ fn remove(at: &Path) -> Result<(), Failure> {
 pub(super) fn strike(
     serving: &mut Serving,
     mut rng: Rng,
-    reference: &CourseAnswer,
+    reference: &Answer,
     report: &mut Report,
 ) -> Result<(), Failure> {
     let open = serving.open_to_strangers()?;

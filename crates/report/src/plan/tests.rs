@@ -26,7 +26,7 @@ name = "creep"
 state = { position_m = [0, 0, 0], speed_m_s = 3 }
 "#;
 
-fn ranked() -> (CourseAnswer, Run, PlanScene) {
+fn ranked() -> (Answer, Run, PlanScene) {
     let horizon = Horizon::parse_with("test.toml", SCENE, References::Inside).expect("sound");
     let mut engine = Engine::builder().in_process().build().expect("an engine");
     let mut scene = PlanScene::default();
@@ -36,7 +36,7 @@ fn ranked() -> (CourseAnswer, Run, PlanScene) {
     (ranking.answer, ranking.run, scene)
 }
 
-fn made(answer: &CourseAnswer, run: &Run, scene: &PlanScene) -> String {
+fn made(answer: &Answer, run: &Run, scene: &PlanScene) -> String {
     let scenario = "A \"test\" <script>alert(1)</script>";
     page(&PlanPage { scenario, answer, run, scene })
 }

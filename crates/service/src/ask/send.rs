@@ -4,7 +4,7 @@ use super::seat_number;
 use protocol::public::{
     Ask, WireParty, WirePath, WirePathKind, WirePathState, WirePersons, WireReaction,
 };
-use scenario::{GivenMotion, GivenState, Motion, Scenario, Occupancy};
+use scenario::{GivenMotion, GivenState, Motion, Occupancy, Scenario};
 
 /// The request of a scenario. `model` gives the id of each party's model.
 ///

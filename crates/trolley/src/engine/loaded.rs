@@ -7,7 +7,7 @@ use crate::bodies::{Bodies, ModelFile, OnProgress, PartyBody};
 use crate::files::InputKind;
 use body::{BodyKind, Fit, Shape, Shells, file};
 use bvh::support::Extremes;
-use coordinator::{Backend, RankingWorkspace};
+use coordinator::Backend;
 use runtime::FileMap;
 use scenario::{EngineSettings as Settings, FileRef, ScenarioError, Source};
 use std::path::PathBuf;
@@ -20,10 +20,9 @@ pub(super) struct Loaded {
     pub(super) bodies: Bodies,
     /// Computed for the second request about the same bodies: it takes longer than one request.
     pub(super) extremes: Option<Vec<Extremes>>,
-    /// Found for the first scenario over a horizon.
+    /// Found for the first request.
     pub(super) shells: Vec<Shells>,
     pub(super) backend: Option<Backend>,
-    pub(super) workspace: RankingWorkspace,
 }
 
 /// Where a party's body comes from; equal ones are equal bodies.
@@ -33,12 +32,10 @@ pub(super) enum BodySource {
     File { path: PathBuf, hash: String, size: Option<Fit> },
 }
 
-/// What bodies are loaded for: a scenario of either form.
+/// What bodies are loaded for.
 pub(super) struct Subject<'s> {
     pub(super) file: &'s str,
     pub(super) bodies: Vec<PartyBody<'s>>,
-    /// Whether the shells of the bodies are needed.
-    pub(super) needs_shells: bool,
     /// The path of a model file.
     pub(super) find: &'s dyn Fn(&FileRef) -> PathBuf,
     /// Whether the bodies can play their parts, by their kinds.
@@ -103,7 +100,6 @@ pub(super) fn loaded<'l>(
             extremes: None,
             shells: Vec::new(),
             backend: None,
-            workspace: RankingWorkspace::default(),
         });
     }
     kept.as_mut().ok_or_else(|| Failure::internal("no bodies"))

@@ -1,7 +1,9 @@
 //! From a scenario to an answer and back from its record, without a process or a channel.
 
 use super::*;
+use crate::bodies::SILENT;
 use crate::record::{Record, VerifyOptions};
+use crate::{Limits, Scenario};
 use record::Mode;
 
 fn in_process() -> Engine {
@@ -11,16 +13,14 @@ fn in_process() -> Engine {
 /// Two crashes of small bodies.
 fn text(speed_m_s: f64) -> String {
     format!(
-        "schema = \"trolley.scenario/1\"\nname = \"two\"\n\
-         [parties]\n\
-         ego = {{ generate = {{ shape = \"sedan\", triangles = 600 }} }}\n\
-         pole = {{ generate = {{ shape = \"pole\", triangles = 600 }} }}\n\
+        "schema = \"trolley.scenario/2\"\nname = \"two\"\n[parties.ego]\n\
+         generate = {{ shape = \"sedan\", triangles = 1500 }}\n[parties.pole]\n\
+         generate = {{ shape = \"pole\", triangles = 600 }}\n\
+         place = {{ position_m = [20, 0, 0] }}\n\
          [[candidates]]\nname = \"middle\"\n\
-         ego = {{ position_m = [0, 0, 0], speed_m_s = {speed_m_s:?} }}\n\
-         other = {{ party = \"pole\", position_m = [2.4, 0.0, 0], speed_m_s = 0 }}\n\
-         [[candidates]]\nname = \"past\"\n\
-         ego = {{ position_m = [0, 0, 0], speed_m_s = {speed_m_s:?} }}\n\
-         other = {{ party = \"pole\", position_m = [2.4, 2.0, 0], speed_m_s = 0 }}\n"
+         state = {{ position_m = [0, 0, 0], speed_m_s = {speed_m_s:?} }}\n\
+         [[candidates]]\nname = \"past\"\npath = {{ states = [ \
+         {{ t_s = 0, position_m = [0, 0, 0] }}, {{ t_s = 2, position_m = [20, 3, 0] }} ] }}\n"
     )
 }
 
@@ -75,8 +75,8 @@ fn a_ranking_is_recorded_and_made_again() {
 
 #[test]
 fn what_cannot_be_ranked_is_refused_with_a_remedy() {
-    let unknown = text(12.0)
-        .replace("triangles = 600 } }\n[[", "triangles = 600 }, kind = \"unknown\" }\n[[");
+    let unknown =
+        text(12.0).replace("triangles = 600 }\n", "triangles = 600 }\nkind = \"unknown\"\n");
     let unknown = Scenario::parse("two.toml", &unknown).unwrap();
     let failure = in_process().rank(&unknown, &Limits::default()).unwrap_err();
     assert_eq!(failure.kind(), crate::FailureKind::Refused, "{failure}");
@@ -93,8 +93,8 @@ fn the_same_bodies_in_other_parts_are_checked_again() {
     let mut engine = in_process();
     let limits = Limits::default();
     engine.rank(&scenario(12.0), &limits).unwrap();
-    let of_pole = "shape = \"pole\", triangles = 600 }";
-    let text = text(12.0).replace(of_pole, &format!("{of_pole}, persons = [{{}}]"));
+    let of_pole = "shape = \"pole\", triangles = 600 }\n";
+    let text = text(12.0).replace(of_pole, &format!("{of_pole}persons = [{{}}]\n"));
     let wrong = Scenario::parse("two.toml", &text);
     let expected = wrong.clone().and_then(|wrong| in_process().rank(&wrong, &limits).map(drop));
     let found = wrong.and_then(|wrong| engine.rank(&wrong, &limits).map(drop));

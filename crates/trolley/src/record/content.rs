@@ -1,51 +1,19 @@
 //! What a record holds, from a ranking.
 
 use super::line;
-use crate::engine::{HorizonRanking, Ranking, Recorded, RecordedHistory};
+use crate::engine::{Ranking, Recorded};
 use crate::run::Run;
 use crate::scenario::SourceText;
 use crate::{BUILD, Failure};
-use record::{
-    Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, RecordedUntil, Settings,
-};
-use serde::Serialize;
+use record::{Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, Settings};
 
-/// A ranking, as it is recorded.
+/// The record of a ranking.
 ///
-/// ```
-/// use trolley::record::Recordable;
+/// # Errors
 ///
-/// fn can_be_recorded<R: Recordable>() {}
-/// can_be_recorded::<trolley::Ranking>();
-/// can_be_recorded::<trolley::HorizonRanking>();
-/// ```
-pub trait ToContent {
-    /// The record of it.
-    ///
-    /// # Errors
-    ///
-    /// If it was made without [`Limits::with_record`](crate::Limits::with_record).
-    fn content(&self) -> Result<RecordContent, Failure>;
-}
-
-impl ToContent for Ranking {
-    fn content(&self) -> Result<RecordContent, Failure> {
-        whole(&self.run, self.recorded.as_ref(), &self.answer, self.explanation.as_ref())
-    }
-}
-
-impl ToContent for HorizonRanking {
-    fn content(&self) -> Result<RecordContent, Failure> {
-        whole(&self.run, self.recorded.as_ref(), &self.answer, self.explanation.as_ref())
-    }
-}
-
-fn whole(
-    run: &Run,
-    recorded: Option<&Recorded>,
-    answer: &impl Serialize,
-    explanation: Option<&impl Serialize>,
-) -> Result<RecordContent, Failure> {
+/// If it was made without [`Limits::with_record`](crate::Limits::with_record).
+pub(super) fn of_ranking(ranking: &Ranking) -> Result<RecordContent, Failure> {
+    let Ranking { run, recorded, answer, explanation } = ranking;
     let (Some(recorded), Some(explanation)) = (recorded, explanation) else {
         let what = "a ranking without job history and explanation cannot be recorded";
         return Err(Failure::setting(what).with_remedy("rank it with Limits::with_record"));
@@ -61,7 +29,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
     });
-    let mut content = RecordContent {
+    RecordContent {
         build: BUILD.to_owned(),
         scenario: text(&texts.scenario),
         policy: text(&texts.policy),
@@ -81,32 +49,16 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
             unknown_is_fixed: *unknown_is_fixed,
         },
         bodies: bodies.clone(),
-        places: Vec::new(),
-        jobs: Vec::new(),
-        rounds: Vec::new(),
-        until: RecordedUntil::Complete,
-        search: None,
-        moments: Vec::new(),
+        rounds: history.rounds.clone(),
+        until: history.until,
+        search: history.search,
         spans: spans(run),
         edges: edges(run),
         stages: stages(run),
         faults: lost.chain(run.remarks.iter().cloned()).collect(),
         answer: String::new(),
         explanation: String::new(),
-    };
-    match history {
-        RecordedHistory::Jobs(history) => {
-            content.places.clone_from(&history.places);
-            content.jobs.clone_from(&history.jobs);
-            content.moments.clone_from(&history.moments);
-        }
-        RecordedHistory::Rounds(history) => {
-            content.rounds.clone_from(&history.rounds);
-            content.until = history.until;
-            content.search = history.search;
-        }
     }
-    content
 }
 
 fn stages(run: &Run) -> Vec<RecordedStage> {

@@ -4,7 +4,10 @@ use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress, PartyBody};
 use crate::scenario::{Scenario, SourceText, Texts};
 use crate::{BUILD, Failure, FailureKind};
-use coordinator::{Answer, Explanation, RankingRun, Request, Scene};
+use body::Shells;
+use coordinator::{
+    Answer, BodySet, CourseHistory, CourseRequest, Explanation, PlanScene, RankedCourses,
+};
 use record::{RecordContent, RecordedSource, RecordedText};
 use runtime::{FileMap, InputKind};
 use scenario::{EngineSettings, FileRef, Overrides, Source};
@@ -31,14 +34,12 @@ use std::path::{Path, PathBuf};
 pub struct Replay {
     /// The scenario.
     pub scenario: Scenario,
-    /// The bodies of its parties.
-    pub bodies: Bodies,
     /// The answer.
     pub answer: Answer,
     /// Its explanation.
-    pub explanation: Explanation,
-    /// Where the bodies of each candidate are, and what is hit.
-    pub scenes: Vec<Scene>,
+    pub explanation: Option<Explanation>,
+    /// Where everybody is over time, for a picture.
+    pub scene: Option<PlanScene>,
     /// How many jobs it took.
     pub jobs: u64,
     /// The answer as JSON, as it would be recorded.
@@ -86,9 +87,9 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// If a text or a body is not the recorded one, a body is missing, or the scenario is one over
-    /// a horizon: see [`Record::replay_horizon`]. A different answer is not an error: compare
-    /// [`Replay::json`] with [`RecordContent::answer`](super::RecordContent::answer).
+    /// If a text or a body is not the recorded one, or a body is missing. A different answer is not
+    /// an error: compare [`Replay::json`] with
+    /// [`RecordContent::answer`](super::RecordContent::answer).
     pub fn replay(
         &self,
         file: &Path,
@@ -96,35 +97,47 @@ impl Record {
         progress: OnProgress<'_>,
     ) -> Result<Replay, Failure> {
         let content = &self.content;
-        if content.is_over_horizon() {
-            return Err(Failure::input("its scenario is one over a horizon")
-                .at(file.display())
-                .with_remedy("compute it again with `trolley record replay`"));
-        }
         self.check_texts(file)?;
-        let scenario = Scenario::of_texts(self.texts())?;
+        let files = content.files.iter().map(source_text).collect();
+        let scenario = Scenario::of_texts(self.texts(), files)?;
+        let (parsed, all) = (scenario.parsed(), scenario.bodies());
+        let (unique, numbers) = PartyBody::unique(&all);
+        let found = self.found(file, models)?;
+        // Parties with one body have one model file.
+        let path_of = |number: usize, _: &FileRef| {
+            let party = numbers.iter().position(|known| *known == number);
+            party.and_then(|party| found.get(&party)).cloned().unwrap_or_default()
+        };
         let engine = self.engine()?;
-        let files = self.found(file, models)?;
-        let find = |party: usize, _: &FileRef| files[&party].clone();
-        let bodies =
-            Bodies::of_scenario(&scenario.parsed, &engine, scenario.file(), &find, progress)?;
-        let parties: Vec<_> = scenario.parsed.parties.iter().map(PartyBody::of).collect();
-        let models: Vec<usize> = (0..parties.len()).collect();
-        self.compare(file, &bodies.recorded(&parties, &models))?;
+        let bodies = Bodies::of_parties(&unique, &engine, scenario.file(), &path_of, progress)?;
+        let kinds = numbers.iter().map(|number| bodies[*number].kind()).collect::<Vec<_>>();
+        parsed.check_kinds(scenario.file(), &kinds)?;
+        let bodies = Bodies::seal(bodies)?;
+        self.compare(file, &bodies.recorded(&all, &numbers))?;
         let views = bodies.views()?;
-        let rules = (scenario.policy.clone(), scenario.curves.clone());
-        let request = Request::new(&scenario.parsed, &views, rules.0, rules.1)?;
-        let mut work = RankingRun::new(&request, &views, content.settings.depth);
-        let jobs = coordinator::replay(&mut work, &views, &content.places, &content.jobs);
-        let answer = work.answer()?;
-        let (json, explanation, scenes) = (line(&answer)?, work.explanation()?, work.scenes());
-        drop(work);
-        drop(views);
-        Ok(Replay { scenario, bodies, answer, explanation, scenes, jobs, json })
+        let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+        let stage = BodySet { bodies: &views, extremes: None, depth: content.settings.depth };
+        let request = CourseRequest {
+            scenario: parsed,
+            models: &numbers,
+            shells: &shells,
+            rules: scenario.rules(),
+            history: false,
+            explanation: true,
+            scene: true,
+        };
+        let (until, search, rounds) = (content.until, content.search, content.rounds.clone());
+        let history = CourseHistory { until, search, rounds };
+        let ranked = coordinator::replay_courses(&stage, &request, &history)?;
+        let RankedCourses { answer, explanation, effort, scene, .. } = ranked;
+        let jobs = effort.jobs_in_process;
+        let json = line(&answer)?;
+        drop(all);
+        Ok(Replay { scenario, answer, explanation, scene, jobs, json })
     }
 
-    /// The texts that both forms have.
-    pub(super) fn texts(&self) -> Texts {
+    /// The texts but for the paths.
+    fn texts(&self) -> Texts {
         let RecordContent { scenario, policy, curves, .. } = &self.content;
         Texts {
             scenario: source_text(scenario),
@@ -134,7 +147,7 @@ impl Record {
     }
 
     /// The settings that the job history depends on.
-    pub(super) fn engine(&self) -> Result<EngineSettings, Failure> {
+    fn engine(&self) -> Result<EngineSettings, Failure> {
         let settings = &self.content.settings;
         let changes = Overrides {
             depth: Some(i64::from(settings.depth)),
@@ -147,7 +160,7 @@ impl Record {
     }
 
     /// The model file of each party that has one, found by its hash.
-    pub(super) fn found(
+    fn found(
         &self,
         file: &Path,
         models: Option<&Path>,
@@ -201,14 +214,13 @@ impl Record {
     ///
     /// If one of them differs, or a body's file cannot be read.
     pub fn check_scenario(&self, file: &Path, scenario: &Scenario) -> Result<(), Failure> {
-        let parties = &scenario.parsed.parties;
-        let bodies: Vec<_> = parties.iter().map(PartyBody::of).collect();
         let path_of = |reference: &FileRef| scenario.path_of(reference);
-        self.check_sources(file, (&scenario.texts, &[]), &bodies, &path_of)
+        let texts = (&scenario.texts, &scenario.files[..]);
+        self.check_sources(file, texts, &scenario.bodies(), &path_of)
     }
 
     /// Checks that the texts of a scenario and the files of its bodies are those recorded.
-    pub(super) fn check_sources(
+    fn check_sources(
         &self,
         file: &Path,
         (texts, files): (&Texts, &[SourceText]),
@@ -255,7 +267,7 @@ impl Record {
     }
 
     /// Whether the texts are those whose hashes are recorded beside them.
-    pub(super) fn check_texts(&self, file: &Path) -> Result<(), Failure> {
+    fn check_texts(&self, file: &Path) -> Result<(), Failure> {
         let content = &self.content;
         let three = [
             ("scenario", &content.scenario),
@@ -281,7 +293,7 @@ impl Record {
     }
 
     /// Whether the bodies are those of the record.
-    pub(super) fn compare(&self, file: &Path, now: &[record::RecordedBody]) -> Result<(), Failure> {
+    fn compare(&self, file: &Path, now: &[record::RecordedBody]) -> Result<(), Failure> {
         let then = &self.content.bodies;
         let names = |bodies: &[record::RecordedBody]| -> Vec<String> {
             bodies.iter().map(|body| body.party.clone()).collect()
@@ -306,7 +318,7 @@ impl Record {
     }
 }
 
-pub(super) fn source_text(text: &RecordedText) -> SourceText {
+fn source_text(text: &RecordedText) -> SourceText {
     SourceText { name: text.name.clone(), text: text.text.clone() }
 }
 

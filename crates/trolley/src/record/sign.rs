@@ -1,6 +1,7 @@
 //! Signing records, and the keys for it.
 
-use super::{Recordable, write};
+use super::write;
+use crate::engine::Ranking;
 use crate::files::{self, InputKind};
 use crate::{BUILD, Failure, OpenDeployment};
 use record::{ChainId, Provenance, RecordedDeployment, SigningKey, VerifyingKey};
@@ -155,7 +156,7 @@ impl Signer {
     /// # Errors
     ///
     /// As [`Signer::prepare`], or if the ranking holds no record.
-    pub fn write(&self, folder: &Path, ranking: &impl Recordable) -> Result<PathBuf, Failure> {
+    pub fn write(&self, folder: &Path, ranking: &Ranking) -> Result<PathBuf, Failure> {
         write::write(folder, ranking, Some(self))
     }
 

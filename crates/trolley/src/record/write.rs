@@ -1,8 +1,9 @@
 //! Writing records: each whole or not at all, and then the head of a signed chain.
 
-use super::content::ToContent;
+use super::content;
 use super::sign::Signer;
 use super::{bytes, records, unwritable};
+use crate::engine::Ranking;
 use crate::files::{self, InputKind};
 use crate::{Failure, FailureKind};
 use record::chain::{self, ChainError, HEAD_FILE, file_name, parse_head};
@@ -28,10 +29,10 @@ pub(super) fn prepare(folder: &Path, signer: Option<&Signer>) -> Result<(), Fail
 
 pub(super) fn write(
     folder: &Path,
-    ranking: &impl ToContent,
+    ranking: &Ranking,
     signer: Option<&Signer>,
 ) -> Result<PathBuf, Failure> {
-    let record = ranking.content()?;
+    let record = content::of_ranking(ranking)?;
     // Another process may take the number meanwhile: then take the next one.
     for _ in 0..100 {
         let signed = signer.map(|signer| SignedFolder::open(folder, signer)).transpose()?;

@@ -1,14 +1,21 @@
 //! Worked flips of K1 to K3, and the law that a flip is one: the winner changes there, not before.
 
 use super::*;
+use crate::injury::Curves;
 use crate::rank::tests::{k, level, policies, policy, ranked, risks, settled, weighted};
 use proptest::prelude::*;
 
 fn of(policy: &Policy, candidates: &[CandidateHarm]) -> Stability {
     let mut stakes = vec![Stake::default(); candidates[0].persons.len()];
     stakes[0].is_ego = true;
-    let curves = Curves::shipped().expect("sound");
-    stability(policy, &stakes, candidates, &curves).expect("sound candidates")
+    let in_use = |curve: &&Curve| {
+        let mut persons = candidates.iter().flat_map(|harm| &harm.persons);
+        persons.any(|person| *person.curve == *curve.id)
+    };
+    let all = Curves::shipped().expect("sound").curves;
+    let curves: Vec<Curve> = all.iter().filter(in_use).cloned().collect();
+    let with_curve = |curve: &Curve| candidates.iter().map(|harm| harm.with_curve(curve)).collect();
+    stability(policy, &stakes, candidates, &curves, &with_curve).expect("sound candidates")
 }
 
 fn reserve(stability: &Stability, knob: &Knob) -> Reserve {

@@ -1,33 +1,33 @@
-//! Rankings of scenarios over a horizon.
+//! Rankings of scenarios.
 
 use super::loaded::Subject;
-use super::{Begun, Engine, Recorded, RecordedHistory, applied};
+use super::{Begun, Engine, Recorded, applied};
 use crate::Failure;
 use crate::bodies::{OnProgress, PartyBody, SILENT};
-use crate::horizon::Horizon;
 use crate::limits::Limits;
 use crate::run::{Kept, Run, Stages, milliseconds};
+use crate::scenario::Scenario;
 use body::BodyKind;
 use coordinator::{
-    BodySet, CourseAnswer, CourseExplanation, CourseRequest, PlanScene, RankedCourses,
+    Answer, BodySet, CourseRequest, CourseRow, Explanation, PlanScene, RankedCourses,
 };
 use runtime::clock;
 
-/// A scenario over a horizon, ranked.
+/// A scenario, ranked.
 ///
 /// ```
-/// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
 /// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+/// let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
 /// println!("{} after {} ms", ranking.answer.state.name(), ranking.run.stages.plan_ms);
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct HorizonRanking {
+pub struct Ranking {
     /// The answer. A complete one is the same, byte for byte, with and without workers.
-    pub answer: CourseAnswer,
+    pub answer: Answer,
     /// Every figure from contact to rank, if it was requested.
-    pub explanation: Option<CourseExplanation>,
+    pub explanation: Option<Explanation>,
     /// How the work was done.
     pub run: Run,
     /// What a record is made from, if one was requested.
@@ -35,12 +35,12 @@ pub struct HorizonRanking {
 }
 
 impl Engine {
-    /// Ranks a scenario over a horizon: every candidate among everybody around.
+    /// Ranks a scenario: every candidate among everybody around.
     ///
     /// ```
-    /// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
-    /// let ranking = engine.rank_horizon(&horizon, &trolley::Limits::default())?;
+    /// let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
     /// let best = ranking.answer.best().expect("every candidate has bounds");
     /// println!("least harm: {}", best.name);
     /// # Ok::<(), trolley::Failure>(())
@@ -48,80 +48,76 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// As [`Engine::rank`].
-    pub fn rank_horizon(
-        &mut self,
-        horizon: &Horizon,
-        limits: &Limits,
-    ) -> Result<HorizonRanking, Failure> {
-        self.rank_horizon_telling(horizon, limits, SILENT)
+    /// If a body cannot be loaded, the scenario cannot be ranked, or the machine refuses what
+    /// workers need. An incomplete answer is not an error: see [`Answer::state`].
+    pub fn rank(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Ranking, Failure> {
+        self.rank_telling(scenario, limits, SILENT)
     }
 
-    /// Ranks like [`rank_horizon`](Self::rank_horizon), and reports how far the bodies are built.
+    /// Ranks like [`rank`](Self::rank), and reports how far the bodies are built.
     ///
     /// ```
-    /// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
     /// let progress = |done, total| eprintln!("{done} of {total} triangles");
     /// let limits = trolley::Limits::default();
-    /// let ranking = engine.rank_horizon_telling(&horizon, &limits, &progress)?;
+    /// let ranking = engine.rank_telling(&scenario, &limits, &progress)?;
     /// assert_eq!(ranking.answer.ranking.len(), 3);
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// As [`Engine::rank_horizon`].
-    pub fn rank_horizon_telling(
+    /// As [`Engine::rank`].
+    pub fn rank_telling(
         &mut self,
-        horizon: &Horizon,
+        scenario: &Scenario,
         limits: &Limits,
         progress: OnProgress<'_>,
-    ) -> Result<HorizonRanking, Failure> {
-        self.rank_horizon_drawn(horizon, limits, progress, None)
+    ) -> Result<Ranking, Failure> {
+        self.rank_drawn(scenario, limits, progress, None)
     }
 
-    /// Ranks like [`rank_horizon_telling`](Self::rank_horizon_telling), and fills in what a picture
+    /// Ranks like [`rank_telling`](Self::rank_telling), and fills in what a picture
     /// of it is drawn from, if that is wanted.
     ///
     /// ```
-    /// # let horizon = trolley::Horizon::open("../../config/scenarios/crossing.toml")?;
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
     /// let limits = trolley::Limits::default();
     /// let mut scene = trolley::PlanScene::default();
-    /// engine.rank_horizon_drawn(&horizon, &limits, &|_, _| {}, Some(&mut scene))?;
+    /// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
     /// assert_eq!((scene.courses.len(), scene.parties[scene.ego].name.as_str()), (3, "ego"));
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// As [`Engine::rank_horizon`].
-    pub fn rank_horizon_drawn(
+    /// As [`Engine::rank`].
+    pub fn rank_drawn(
         &mut self,
-        horizon: &Horizon,
+        scenario: &Scenario,
         limits: &Limits,
         progress: OnProgress<'_>,
         drawn: Option<&mut PlanScene>,
-    ) -> Result<HorizonRanking, Failure> {
+    ) -> Result<Ranking, Failure> {
         let begun_ns = clock::now_ns();
-        horizon.check_unknown()?;
-        let scenario = horizon.parsed();
-        let settings = applied(&scenario.engine, &self.settings.overrides)?;
+        scenario.check_unknown()?;
+        let parsed = scenario.parsed();
+        let settings = applied(&parsed.engine, &self.settings.overrides)?;
         limits.check()?;
-        let request_limits = limits.request_limits(scenario.deadline);
-        horizon.check_references()?;
-        let all = horizon.bodies();
+        let request_limits = limits.request_limits(parsed.deadline);
+        scenario.check_references()?;
+        let all = scenario.bodies();
         let (unique, models) = PartyBody::unique(&all);
         let check_kinds = |kinds: &[BodyKind]| {
             let kinds: Vec<BodyKind> = models.iter().map(|model| kinds[*model]).collect();
-            scenario.check_kinds(horizon.file(), &kinds)
+            parsed.check_kinds(scenario.file(), &kinds)
         };
         let subject = Subject {
-            file: horizon.file(),
+            file: scenario.file(),
             bodies: unique,
-            needs_shells: true,
-            find: &|reference| horizon.path_of(reference),
+            find: &|reference| scenario.path_of(reference),
             check_kinds: &check_kinds,
         };
         let begun = self.begin(&subject, &settings, request_limits.deadline_ns, progress)?;
@@ -129,9 +125,9 @@ impl Engine {
         let views = loaded.bodies.views()?;
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
-        let (shells, rules) = (&loaded.shells[..], horizon.rules());
+        let (shells, rules) = (&loaded.shells[..], scenario.rules());
         let request = CourseRequest {
-            scenario,
+            scenario: parsed,
             models: &models,
             shells,
             rules,
@@ -156,17 +152,36 @@ impl Engine {
             assess_ms: milliseconds(effort.judge_ns),
             stop_ms: 0.0,
         };
-        let due = limits.deadline(scenario.deadline);
+        let due = limits.deadline(parsed.deadline);
         let took_ns = answered_ns.saturating_sub(effort.accepted_ns);
         run.deadline = due.map(|due| Kept::of(due, took_ns));
         let recorded = history.map(|history| Recorded {
-            texts: horizon.texts.clone(),
-            files: horizon.files.clone(),
-            unknown_is_fixed: horizon.unknown_is_fixed,
-            history: RecordedHistory::Rounds(history),
+            texts: scenario.texts.clone(),
+            files: scenario.files.clone(),
+            unknown_is_fixed: scenario.unknown_is_fixed,
+            history,
             settings,
             bodies: loaded.bodies.recorded(&all, &models),
         });
-        Ok(HorizonRanking { answer, explanation, run, recorded })
+        Ok(Ranking { answer, explanation, run, recorded })
+    }
+}
+
+impl Ranking {
+    /// Returns the candidate of least harm, if there is one: see [`Answer::best`].
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let ranking = engine.rank(&scenario, &trolley::Limits::default())?;
+    /// if let Some(best) = ranking.best() {
+    ///     println!("least harm: {}", best.name);
+    /// }
+    /// # assert!(ranking.best().is_some());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn best(&self) -> Option<&CourseRow> {
+        self.answer.best()
     }
 }
