@@ -7,8 +7,7 @@ use trolley::{Failure, Limits, Until};
 /// What to do with an answer, and what to assume for it.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct AnswerArgs {
-    /// Print the chain from contact to rank, with every source; of pairs at impact also what would
-    /// flip the winner.
+    /// Print the chain from contact to rank, with every source, and what would flip the winner.
     #[arg(long)]
     pub(crate) explain: bool,
     /// Treat parties of unknown kind as unoccupied and fixed to the ground; the answer says so.

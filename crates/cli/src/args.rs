@@ -117,11 +117,7 @@ pub(crate) enum Command {
     #[command(after_help = crate::report::EXAMPLES)]
     Report(crate::report::ReportArgs),
     /// Print the JSON Schema of scenarios.
-    Schema {
-        /// Of scenarios over a horizon, `trolley.scenario/2`.
-        #[arg(long)]
-        horizon: bool,
-    },
+    Schema,
     /// Print shell completions.
     Completions {
         /// Shell to print completions for.

@@ -1,4 +1,4 @@
-//! The table of a ranking over a horizon: whom each manoeuvre meets, when, in which order, what it
+//! The table of a ranking: whom each manoeuvre meets, when, in which order, what it
 //! does to whom, and what else has to be known.
 
 use crate::table::{circumstances, kept, lines, percent, plain};

@@ -72,8 +72,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Query(options) => query::run(options, &args.output()),
         Command::Top(options) => top::run(options, &args.output()),
         Command::Doctor => doctor::run(&args.output()),
-        Command::Schema { horizon: true } => print::out(&scenario::horizon_schema()),
-        Command::Schema { horizon: false } => print::out(&scenario::schema()),
+        Command::Schema => print::out(&scenario::schema()),
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(*shell, &mut Args::command(), "trolley", &mut text);

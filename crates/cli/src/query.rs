@@ -7,13 +7,11 @@ use crate::{print, table};
 use clap::Args;
 use client::public::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
 use client::{Client, Waiting};
-use scenario::HorizonScenario;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use trolley::files::InputKind;
-use trolley::{Failure, FailureKind, Horizon, OpenDeployment};
+use trolley::{Failure, FailureKind, OpenDeployment, Scenario};
 
 /// The example of the laboratory.
 #[cfg(feature = "lab")]
@@ -44,8 +42,7 @@ Exit codes: 0 complete or certified, 3 degraded, 4 refused, 75 busy or not runni
 pub(crate) struct QueryArgs {
     /// Deployment that the service was started with: names the service and its models.
     deployment: PathBuf,
-    /// Scenario over a horizon, TOML: see `trolley schema --horizon`. The service's engine, policy
-    /// and curves apply.
+    /// Scenario, TOML: see `trolley schema`. The service's engine, policy and curves apply.
     scenario: PathBuf,
     /// Instance name, overriding the file's.
     #[arg(long, value_name = "NAME")]
@@ -105,18 +102,10 @@ struct Contact<'a> {
 pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Failure> {
     let (instance, references) = (options.instance.as_deref(), options.references.references());
     let opened = OpenDeployment::open_with(&options.deployment, instance, references)?;
-    let text = trolley::files::text(&options.scenario, InputKind::Scenario)?;
-    let name = options.scenario.display().to_string();
-    if !scenario::is_horizon_text(&text) {
-        let what = "a service takes scenarios over a horizon: this one has another form";
-        let help = "write schema = \"trolley.scenario/2\" (see `trolley schema --horizon`), or \
-                    rank it with `trolley rank`";
-        return Err(Failure::input(what).at(name).with_remedy(help));
-    }
-    let horizon = Horizon::parse_with(&name, &text, references)?;
-    let scenario = horizon.parsed();
+    let named = Scenario::open_with(&options.scenario, references)?;
+    let scenario = named.parsed();
     let unknown_is_fixed = options.assume == Some(Assume::UnknownFixed);
-    let ask = opened.ask(&horizon, unknown_is_fixed)?;
+    let ask = opened.ask(&named, unknown_is_fixed)?;
     if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
         let fault = format!("--deadline-ms {}: out of range", options.deadline_ms);
         return Err(Failure::setting(fault).with_remedy("use up to 3600000 ms"));
@@ -156,15 +145,15 @@ fn code(answer: &WireAnswer) -> FailureKind {
     }
 }
 
-fn name_of(scenario: &HorizonScenario, candidate: u32) -> &str {
+fn name_of(scenario: &scenario::Scenario, candidate: u32) -> &str {
     scenario.candidates.get(candidate as usize).map_or("?", |candidate| &candidate.name)
 }
 
-fn party(scenario: &HorizonScenario, number: u32) -> &str {
+fn party(scenario: &scenario::Scenario, number: u32) -> &str {
     scenario.parties.get(number as usize).map_or("?", |party| &party.name)
 }
 
-fn document<'a>(scenario: &'a HorizonScenario, answer: &'a WireAnswer) -> Document<'a> {
+fn document<'a>(scenario: &'a scenario::Scenario, answer: &'a WireAnswer) -> Document<'a> {
     let contact = |contact: &WireContact| Contact {
         party: party(scenario, contact.party),
         time_s: contact.time_s,
@@ -200,7 +189,7 @@ fn document<'a>(scenario: &'a HorizonScenario, answer: &'a WireAnswer) -> Docume
 }
 
 /// Whom a candidate meets, one a line.
-fn meets(scenario: &HorizonScenario, place: &WirePlace) -> String {
+fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     let contact = |contact: &WireContact| {
         let kind = if contact.flags & flag::HEAVY == 0 { "light" } else { "heavy" };
         let (time_s, party) = (contact.time_s, party(scenario, contact.party));
@@ -220,7 +209,7 @@ fn meets(scenario: &HorizonScenario, place: &WirePlace) -> String {
 }
 
 /// The ranking as text.
-fn ranking(scenario: &HorizonScenario, answer: &WireAnswer) -> String {
+fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
     let mut table = table::plain(&["#", "candidate", "meets", "harm %", "range %"]);
     for (number, place) in answer.ranking().iter().enumerate() {
         table.add_row([

@@ -5,17 +5,18 @@ use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use crate::traffic::TrafficArgs;
-use crate::{course_table, print, table, traffic};
+use crate::{course_table, print, traffic};
 use clap::Args;
+use report::pictures;
 use report::plan::PlanPage;
+use report::work::WorkDone;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use trolley::explanation::Explanation;
-use trolley::record::{Recordable, Signer};
+use trolley::record::Signer;
 use trolley::{
-    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Horizon, HorizonRanking,
-    PlanScene, Ranking, Record, References, Run, Scenario,
+    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, PlanScene, Ranking, Record,
+    References, Run, Scenario,
 };
 
 /// The arguments of `rank`.
@@ -29,8 +30,8 @@ pub(crate) struct RankArgs {
     traffic: TrafficArgs,
     #[command(flatten)]
     answer: AnswerArgs,
-    /// Write a page of the ranking over a horizon: the scene from above over time, and every
-    /// contact. A single file that needs no network.
+    /// Write a page of the ranking: the scene from above over time, and every contact. A single
+    /// file that needs no network.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -52,7 +53,7 @@ pub(crate) fn demo(
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    answer(Scenario::demo()?, asked, options, output)
+    answer(Scenario::demo()?, asked, options, None, output)
 }
 
 pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
@@ -64,34 +65,23 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
     }
     let references = references.references();
     if !trolley::traffic::is_traffic(path) {
-        let text = trolley::read_text(path)?;
-        let name = path.display().to_string();
-        if scenario::is_horizon_text(&text) {
-            let horizon = Horizon::parse_with(&name, &text, references)?;
-            return answer_horizon(horizon, asked, options, drawn, output);
-        }
-        if drawn.is_some() {
-            let what = "--report: this scenario says who meets whom, and has no scene to draw";
-            let help = "record it with --record DIR, then: trolley report DIR/000000.record --out \
-                        FILE.html";
-            return Err(Failure::setting(what).with_remedy(help));
-        }
-        let scenario = Scenario::parse_with(&name, &text, references)?;
-        return answer(scenario, asked, options, output);
+        let scenario = Scenario::open_with(path, references)?;
+        return answer(scenario, asked, options, drawn, output);
     }
     let imported = traffic::import(path, traffic, references)?;
+    output.say(&imported.summary());
     let name = path.display().to_string();
-    let document = imported.horizon_document(path)?;
-    output.say(&imported.horizon_summary());
     // Its models are those of the library, which was asked already.
-    let horizon = Horizon::parse_with(&name, document.scenario, References::Anywhere)?;
-    answer_horizon(horizon, asked, options, drawn, output)
+    let scenario = Scenario::parse_with(&name, &imported.text, References::Anywhere)?;
+    answer(scenario, asked, options, drawn, output)
 }
 
+/// Ranks a scenario, and prints the answer.
 fn answer(
     scenario: Scenario,
     asked: &AnswerArgs,
     options: &EngineArgs,
+    drawn: Option<&Path>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let scenario = match asked.assume {
@@ -99,66 +89,24 @@ fn answer(
         None => scenario,
     };
     let records = Records::prepare(asked, options)?;
-    let limits = asked.limits()?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
-    let mut ranking = engine.rank_telling(&scenario, &limits, &told)?;
+    let mut scene = drawn.map(|_| PlanScene::default());
+    let limits = asked.limits()?;
+    let limits = if drawn.is_some() { limits.with_explanation() } else { limits };
+    let mut ranking = engine.rank_drawn(&scenario, &limits, &told, scene.as_mut())?;
     drop(progress);
     // The answer does not wait for the workers to end.
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();
     }
     let recorded = records.as_ref().map(|records| records.write(&ranking));
-    show(&scenario, &ranking, asked.explain, output)?;
-    drop(engine);
-    // If recording fails, the answer is shown before the failure.
-    if let Some(path) = recorded.transpose()? {
-        output.say(&format!("recorded as {}", path.display()));
-    }
-    Ok(code(ranking.answer.state))
-}
-
-/// Ranks a scenario over a horizon, and prints the answer.
-fn answer_horizon(
-    horizon: Horizon,
-    asked: &AnswerArgs,
-    options: &EngineArgs,
-    drawn: Option<&Path>,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
-    let horizon = match asked.assume {
-        Some(Assume::UnknownFixed) => horizon.assuming_unknown_is_fixed(),
-        None => horizon,
-    };
-    let records = Records::prepare(asked, options)?;
-    let mut engine = engine(options)?;
-    let progress = output.progress("building bodies: triangles");
-    let told = |done, total| progress.set(done, total);
-    let mut scene = drawn.map(|_| PlanScene::default());
-    let limits = asked.limits()?;
-    let mut ranking = engine.rank_horizon_drawn(&horizon, &limits, &told, scene.as_mut())?;
-    drop(progress);
-    if ranking.run.deadline.is_none() {
-        ranking.run.stages.stop_ms = engine.stop_workers();
-    }
-    let recorded = records.as_ref().map(|records| records.write(&ranking));
-    let HorizonRanking { answer, run, .. } = &ranking;
-    let explanation = ranking.explanation.as_ref().filter(|_| asked.explain);
-    let page = drawn.zip(scene.as_ref()).map(|(file, scene)| {
-        let page = PlanPage { scenario: &horizon.parsed().name, answer, run, scene };
-        trolley::files::replace(file, report::plan::page(&page).as_bytes()).map(|()| file)
-    });
-    if output.json {
-        let document = CourseDocument { schema: "trolley.rank/2", answer, explanation, run };
-        print::out(&print::json(&document)?)?;
-    } else {
-        print::out(&course_table::ranking(&horizon.parsed().name, answer, run))?;
-        if let Some(explanation) = explanation {
-            print::out(&course_table::courses(answer))?;
-            print::out(&format!("\n{}", report::explain::courses(explanation)))?;
-        }
-    }
+    let name = &scenario.parsed().name;
+    let page = drawn
+        .zip(scene.as_ref())
+        .map(|(file, scene)| draw(file, name, &ranking, scene, &engine).map(|()| file));
+    show(name, &ranking, asked.explain, output)?;
     drop(engine);
     // If recording fails, the answer is shown before the failure.
     if let Some(path) = recorded.transpose()? {
@@ -168,17 +116,46 @@ fn answer_horizon(
     if let Some(file) = page.transpose()? {
         output.say(&format!("written: {}", file.display()));
     }
-    Ok(code(answer.state))
+    Ok(code(ranking.answer.state))
 }
 
-/// What `--json` prints of a scenario over a horizon.
-#[derive(Serialize)]
-struct CourseDocument<'a> {
-    schema: &'static str,
-    answer: &'a Answer,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    explanation: Option<&'a Explanation>,
-    run: &'a Run,
+/// Writes the page of a ranking.
+fn draw(
+    file: &Path,
+    name: &str,
+    ranking: &Ranking,
+    scene: &PlanScene,
+    engine: &Engine,
+) -> Result<(), Failure> {
+    let bodies = engine.bodies().map(pictures::bodies).transpose()?.unwrap_or_default();
+    let explanation = ranking.explanation.as_ref().map(report::explain::text);
+    let page = PlanPage {
+        scenario: name,
+        answer: &ranking.answer,
+        work: &WorkDone::of_run(&ranking.run),
+        scene,
+        bodies: &bodies,
+        shots: &pictures::shots(scene, &ranking.answer),
+        explanation: explanation.as_deref(),
+    };
+    trolley::files::replace(file, report::plan::page(&page).as_bytes())
+}
+
+/// Prints the answer, as a document or as a table.
+fn show(name: &str, ranking: &Ranking, explains: bool, output: &Output) -> Result<(), Failure> {
+    let Ranking { answer, run, .. } = ranking;
+    let explanation = ranking.explanation.as_ref().filter(|_| explains);
+    if output.json {
+        let document = Document { schema: "trolley.rank/2", answer, explanation, run };
+        print::out(&print::json(&document)?)?;
+        return Ok(());
+    }
+    print::out(&course_table::ranking(name, answer, run))?;
+    if let Some(explanation) = explanation {
+        print::out(&course_table::courses(answer))?;
+        print::out(&format!("\n{}", report::explain::text(explanation)))?;
+    }
+    Ok(())
 }
 
 fn code(state: AnswerState) -> ExitCode {
@@ -211,7 +188,7 @@ impl<'a> Records<'a> {
         Ok(Some(Self { folder, signer }))
     }
 
-    fn write(&self, ranking: &impl Recordable) -> Result<PathBuf, Failure> {
+    fn write(&self, ranking: &Ranking) -> Result<PathBuf, Failure> {
         match &self.signer {
             Some(signer) => signer.write(self.folder, ranking),
             None => Record::write(self.folder, ranking),
@@ -229,25 +206,4 @@ fn engine(options: &EngineArgs) -> Result<Engine, Failure> {
         builder = builder.in_process();
     }
     builder.build()
-}
-
-/// Prints the answer, as a document or as a table.
-fn show(
-    scenario: &Scenario,
-    ranking: &Ranking,
-    explains: bool,
-    output: &Output,
-) -> Result<(), Failure> {
-    let Ranking { answer, run, .. } = ranking;
-    let explanation = ranking.explanation.as_ref().filter(|_| explains);
-    if output.json {
-        let document = Document { schema: "trolley.rank/1", answer, explanation, run };
-        print::out(&print::json(&document)?)?;
-        return Ok(());
-    }
-    print::out(&table::ranking(scenario.parsed(), answer, run))?;
-    if let Some(explanation) = explanation {
-        print::out(&format!("\n{}", report::explain::text(explanation)))?;
-    }
-    Ok(())
 }

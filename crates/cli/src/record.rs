@@ -9,9 +9,9 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trolley::record::{
-    Proof, SignedStatement, Verified, VerifyOptions, hex, holds_decisions, verify_decisions,
+    Proof, Replay, SignedStatement, Verified, VerifyOptions, hex, holds_decisions, verify_decisions,
 };
-use trolley::{BUILD, Failure, FailureKind, Horizon, Record, References, Scenario};
+use trolley::{BUILD, Failure, FailureKind, Record, References, Scenario};
 
 mod show;
 mod stated;
@@ -177,13 +177,7 @@ fn replay(
     }
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
-    let (json, jobs) = if record.content.is_over_horizon() {
-        let replay = record.replay_horizon(path, models, &told)?;
-        (replay.json, replay.jobs)
-    } else {
-        let replay = record.replay(path, models, &told)?;
-        (replay.json, replay.jobs)
-    };
+    let Replay { json, jobs, .. } = record.replay(path, models, &told)?;
     drop(progress);
     let (was, build) = (&record.content.answer, &record.content.build);
     let (same, same_build) = (json == *was, record.is_of_this_build());
@@ -208,7 +202,7 @@ fn replay(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Checks that a scenario file of either form, and what it names, is what was recorded.
+/// Checks that a scenario file, and what it names, is what was recorded.
 fn check(
     record: &Record,
     path: &Path,
@@ -221,11 +215,7 @@ fn check(
             .at(scenario.display())
             .with_remedy("replay without --scenario: the scenario's text is in the record"));
     }
-    let (name, text) = (scenario.display().to_string(), trolley::read_text(scenario)?);
-    if scenario::is_horizon_text(&text) {
-        return record.check_horizon(path, &Horizon::parse_with(&name, &text, allowed)?);
-    }
-    record.check_scenario(path, &Scenario::parse_with(&name, &text, allowed)?)
+    record.check_scenario(path, &Scenario::open_with(scenario, allowed)?)
 }
 
 /// Where two answers differ.

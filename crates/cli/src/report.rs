@@ -1,5 +1,4 @@
-//! `trolley report`: a decision record or a measurement as one HTML file; candidates as .glb and
-//! PNG.
+//! `trolley report`: a decision record or a measurement as one HTML file; contacts as .glb and PNG.
 
 use crate::output::Output;
 use crate::print;
@@ -28,13 +27,13 @@ pub(crate) struct ReportArgs {
     /// Folder with the record's model files, which are found by their hash.
     #[arg(long, value_name = "DIR")]
     models: Option<PathBuf>,
-    /// Write each candidate into this folder as .glb, with damage as vertex colours.
+    /// Write each contact into this folder as .glb, with damage as vertex colours.
     #[arg(long, value_name = "DIR")]
     glb: Option<PathBuf>,
-    /// Write two stills of each candidate into this folder: from a corner and from above.
+    /// Write two stills of each contact into this folder: from a corner and from above.
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
-    /// Write the candidates into this file as MCAP, for Foxglove and Lichtblick.
+    /// Write the contacts into this file as MCAP, for Foxglove and Lichtblick.
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "FILE.mcap")]
     mcap: Option<PathBuf>,

@@ -36,7 +36,7 @@ pub(crate) fn hulls(candidate: &Candidate, stop: &Stop, zones: [u16; 2]) -> Seen
 
 impl Open {
     /// Nothing found and nothing to be found: not a bound.
-    #[cfg(any(test, feature = "faults"))]
+    #[cfg(test)]
     pub(crate) fn nothing() -> Self {
         Self { found: Seen::NOTHING, reach: Seen::NOTHING }
     }

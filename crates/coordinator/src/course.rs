@@ -55,7 +55,9 @@ pub use encounter::EncounterEffort;
 pub use explain::{CombinedRisk, ContactStep, CourseChain, Explanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
-pub use plan_scene::{PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene};
+pub use plan_scene::{
+    ContactScene, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene,
+};
 #[cfg(test)]
 pub(crate) use pursuit::first_round;
 #[cfg(any(test, feature = "faults"))]

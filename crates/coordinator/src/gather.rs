@@ -158,6 +158,11 @@ impl Union {
         summary([&self.0[0], &self.0[1]], a, b)
     }
 
+    /// Numbers of the triangles hit, ascending.
+    pub(crate) fn triangles(&self) -> [Vec<u32>; 2] {
+        [0, 1].map(|side| self.0[side].iter().map(|triangle| triangle as u32).collect())
+    }
+
     /// Numbers of the parts that they belong to, ascending.
     pub(crate) fn parts(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> [BTreeSet<u16>; 2] {
         let parts_of = |hits: &Hits, body: &BodyView<'_>| {

@@ -273,7 +273,6 @@ impl WorkerPool {
         self.request += 1;
         self.rejected = 0;
         self.duty = Duty::default();
-        self.incidents.clear();
         self.dispatcher.begin(RequestId(self.request));
         for (outgoing, worker) in self.outgoing.iter_mut().flatten().zip(&mut self.workers) {
             outgoing.clear(worker);

@@ -4,7 +4,6 @@
 
 mod bounds;
 mod budget;
-mod courses;
 mod deadline;
 mod figures;
 mod requests;
@@ -12,8 +11,7 @@ mod share;
 
 pub use bounds::{BoundsOptions, BoundsReport, bounds};
 pub use budget::{BudgetOptions, BudgetReport, budget};
-pub use coordinator::{BoundFlaw, CourseFlaw};
-pub use courses::{CoursesOptions, CoursesReport, courses};
+pub use coordinator::CourseFlaw;
 pub use deadline::{DeadlineOptions, DeadlineReport, deadline};
 pub use share::{ShareOptions, ShareReport, share};
 

@@ -28,16 +28,18 @@ mod strangers;
 mod worker_pool;
 
 use crate::progress::{Progress, SyncProgress};
-use coordinator::{Answer, RankingRun, Request, run_in_process};
+use body::Shells;
+use coordinator::{
+    Answer, Backend, BodySet, CourseRequest, InProcessExecutor, RequestLimits, rank_courses,
+};
 use geometry::rng::Rng;
 use kind::Kind;
 use plan::Plan;
 use report::Report;
-use scenario::{FileRef, Overrides};
 use serving::Serving;
 use std::path::{Path, PathBuf};
 use trolley::bodies::{Bodies, SILENT};
-use trolley::{Engine, Failure, Horizon, Limits, References, Scenario, files};
+use trolley::{Engine, Failure, Limits, References, Scenario, files};
 
 pub use report::Injected;
 
@@ -66,23 +68,29 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
     let plan = Plan::read(&options.plan)?;
     options.junit.as_deref().map(|path| files::check(path, None)).transpose()?;
     let scenario = Scenario::open_with(&plan.scenario, options.references)?;
-    let parsed = scenario.parsed();
-    let engine = parsed.engine.apply(&Overrides::default())?;
-    let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
-    let bodies = Bodies::of_scenario(parsed, &engine, scenario.file(), &find, SILENT)?;
+    let bodies = Bodies::of_scenario(&scenario, SILENT)?;
     let views = bodies.views()?;
-    let (policy, curves) = scenario.rules();
-    let request = Request::new(parsed, &views, policy, curves)?;
-    let mut alone = RankingRun::new(&request, &views, plan.depth);
-    let _jobs = run_in_process(&mut alone, &views);
-    let reference = alone.answer()?;
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let models: Vec<usize> = (0..views.len()).collect();
+    let request = CourseRequest {
+        scenario: scenario.parsed(),
+        models: &models,
+        shells: &shells,
+        rules: scenario.rules(),
+        history: false,
+        explanation: false,
+        scene: false,
+    };
+    let body_set = BodySet { bodies: &views, extremes: None, depth: plan.depth };
+    let mut alone = Backend::InProcess(Box::new(InProcessExecutor::with_room_for(&views)));
+    let limits = RequestLimits::default();
+    let reference = rank_courses(&body_set, &request, limits, &mut alone)?.answer;
 
     let limits = match plan.deadline_ms {
         Some(ms) => Limits::default().with_deadline_ms(f64::from(ms))?,
         None => Limits::default(),
     };
     let limits = limits.request_limits(None);
-    let work = || RankingRun::new(&request, &views, plan.depth).with_limits(limits);
 
     let begun_ns = runtime::clock::now_ns();
     let mut report = Report::new(options.seed);
@@ -97,8 +105,15 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
     let progress = Progress::new((runs.len() + live.len()) as u64, told);
     let store = bodies.store();
     if !live.is_empty() {
-        let stage = live_pool::Stage { plan: &plan, store, reference: &reference };
-        live::run(&stage, &work, &live, options.seed, &mut report, &progress)?;
+        let stage = live_pool::Stage {
+            plan: &plan,
+            store,
+            body_set: &body_set,
+            request: &request,
+            limits,
+            reference: &reference,
+        };
+        live::run(&stage, &live, options.seed, &mut report, &progress)?;
     }
     let mut asked = None;
     let rank = run::Rank { program: &options.program, plan: &plan, references: options.references };
@@ -132,32 +147,28 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
 
 /// What clients ask a service, and what the answer is.
 struct Asked {
-    horizon: Horizon,
+    scenario: Scenario,
     reference: Answer,
 }
 
 impl Asked {
     fn open(path: &Path, references: References) -> Result<Self, Failure> {
-        let horizon = Horizon::parse_with(
-            &path.display().to_string(),
-            &files::text(path, files::InputKind::Scenario)?,
-            references,
-        )?;
+        let scenario = Scenario::open_with(path, references)?;
         let mut engine = Engine::builder().in_process().build()?;
-        let reference = engine.rank_horizon(&horizon, &Limits::default())?.answer;
-        Ok(Self { horizon, reference })
+        let reference = engine.rank(&scenario, &Limits::default())?.answer;
+        Ok(Self { scenario, reference })
     }
 }
 
 /// Injects one fault into a service.
 fn service_fault(
     rank: &run::Rank<'_>,
-    Asked { horizon, reference }: &Asked,
+    Asked { scenario, reference }: &Asked,
     kind: Kind,
     rng: Rng,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let Some(mut serving) = Serving::prepare(rank, horizon)? else {
+    let Some(mut serving) = Serving::prepare(rank, scenario)? else {
         report.skip(kind, "not all bodies of the scenario are generated");
         return Ok(());
     };

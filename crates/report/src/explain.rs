@@ -2,10 +2,9 @@
 
 use crate::text::wrap;
 use trolley::explanation::{
-    ContactChain, Curve, CurveUnit, Derivation, Explanation, Knob, Parameters, PersonChain,
-    PolicyStep, Reserve, Separation,
+    ContactChain, Curve, CurveUnit, Knob, Parameters, PersonChain, PolicyStep, Reserve, Separation,
 };
-use trolley::{Explanation, Severity, Touch};
+use trolley::{Explanation, Severity};
 
 /// What the figures are made with; the same for all candidates.
 const FORMULAS: &str = "\
@@ -16,26 +15,6 @@ Formulas: w_n = Σ(1 + h²/k²)/m, w_t = Σ(1 + q²/k²)/m over both bodies, a f
 /// The whole explanation; no line is longer than [`COLUMNS`](crate::text::COLUMNS).
 #[must_use]
 pub fn text(explanation: &Explanation) -> String {
-    let mut lines = Vec::new();
-    beginning(
-        &mut lines,
-        (&explanation.policy, &explanation.board, explanation.outcome),
-        (&explanation.steps, explanation.persons, &explanation.parameters),
-    );
-    for (at, chain) in explanation.chains.iter().enumerate() {
-        lines.push(String::new());
-        lines.push(format!("{} {}", at + 1, chain.name));
-        candidate(&mut lines, chain);
-    }
-    sources(&mut lines, &explanation.curves);
-    lines.push(String::new());
-    stability(&mut lines, explanation);
-    wrapped(&lines)
-}
-
-/// The whole explanation of a ranking over a horizon, in lines as short.
-#[must_use]
-pub fn courses(explanation: &Explanation) -> String {
     let mut lines = Vec::new();
     beginning(
         &mut lines,
@@ -81,6 +60,8 @@ pub fn courses(explanation: &Explanation) -> String {
         policy(&mut lines, (&chain.steps, chain.why.as_deref(), chain.separates.as_ref()));
     }
     sources(&mut lines, &explanation.curves);
+    lines.push(String::new());
+    stability(&mut lines, explanation);
     wrapped(&lines)
 }
 
@@ -148,18 +129,6 @@ fn pair(of: [f64; 2], masses: [Option<f64>; 2], decimals: usize) -> String {
         None => "–".to_owned(),
     };
     format!("{} / {}", figure(0), figure(1))
-}
-
-fn candidate(lines: &mut Vec<String>, chain: &Derivation) {
-    match chain.contact.touch {
-        Touch::No => lines.push(
-            "  contact   none: no triangle of either body on all the way; everybody's risk is 0"
-                .to_owned(),
-        ),
-        Touch::Yes | Touch::Unknown => contact(lines, &chain.contact),
-    }
-    everybody(lines, &chain.contact);
-    policy(lines, (&chain.steps, chain.why.as_deref(), chain.separates.as_ref()));
 }
 
 /// Everybody in a contact who may be harmed.

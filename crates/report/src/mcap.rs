@@ -1,5 +1,5 @@
-//! Candidates as an MCAP file for Foxglove and Lichtblick (mcap.dev; Foxglove schema
-//! `foxglove.SceneUpdate` in JSON): one candidate each second, each replacing the one before.
+//! Contacts as an MCAP file for Foxglove and Lichtblick (mcap.dev; Foxglove schema
+//! `foxglove.SceneUpdate` in JSON): one contact each second, each replacing the one before.
 
 use crate::glb::COLOURS;
 use crate::shot::{Shot, ShotBody};
@@ -114,6 +114,7 @@ mod tests {
         };
         let shot = |name: &str| Shot {
             name: name.into(),
+            candidate: name.into(),
             bodies: [0, 1],
             rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             translation: [2.0, 0.0, 0.0],

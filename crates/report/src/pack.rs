@@ -131,6 +131,7 @@ mod tests {
         let body = ShotBody { name: "b".into(), corners: (0..count).map(corners).collect() };
         let shot = Shot {
             name: "s".into(),
+            candidate: "s".into(),
             bodies: [0, 0],
             rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             translation: [0.0; 3],

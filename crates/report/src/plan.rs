@@ -1,17 +1,21 @@
-//! The page of a ranking over a horizon: the answer in words, the scene from above with a slider
-//! over time, and every contact. A single file that fetches nothing.
+//! The page of a ranking: the answer in words, the scene from above with a slider over time, every
+//! contact in words and in 3D, the chain of figures, and how the work was done. A single file that
+//! fetches nothing.
 
-use crate::html::{data_element, escape, framed, percent};
+use crate::html::{chart, data_element, escape, framed, percent, view_scripts};
+use crate::pack;
+use crate::shot::{Shot, ShotBody};
+use crate::work::WorkDone;
 use serde_json::json;
 use std::fmt::Write as _;
-use trolley::{Answer, AnswerState, ContactRow, CourseRow, PlanScene, Run, Severity};
+use trolley::{Answer, AnswerState, ContactRow, CourseRow, PlanScene, Severity};
 
 mod drawing;
 
 const STYLE: &str = include_str!("../page/plan.css");
 const SCRIPT: &str = include_str!("../page/plan.js");
 
-/// The contents of a page about a ranking over a horizon.
+/// The contents of a page about a ranking.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanPage<'a> {
     /// Name of the scenario.
@@ -19,9 +23,15 @@ pub struct PlanPage<'a> {
     /// The answer.
     pub answer: &'a Answer,
     /// How the work was done.
-    pub run: &'a Run,
+    pub work: &'a WorkDone,
     /// Who is where and when.
     pub scene: &'a PlanScene,
+    /// The bodies, by number as `shots` name them.
+    pub bodies: &'a [ShotBody],
+    /// The contacts in 3D.
+    pub shots: &'a [Shot],
+    /// The chain from contact to rank, as text, if there is one.
+    pub explanation: Option<&'a str>,
 }
 
 /// Text as markup, without characters that change the direction of what follows.
@@ -71,9 +81,23 @@ pub fn page(page: &PlanPage<'_>) -> String {
     for (_, row) in &rows {
         course(row, &mut body);
     }
+    touching(page.shots, &mut body);
+    if let Some(explanation) = page.explanation {
+        let _w = write!(
+            body,
+            "<section><h2>From contact to rank</h2><p>Every figure that decided, with its source, \
+             to be checked by hand.</p><details><summary>Show the chain</summary><pre>{}</pre>\
+             </details></section>",
+            name(explanation)
+        );
+    }
     engineers(page, &mut body);
-    let data = json!({"scene": scene, "view": window}).to_string();
-    let scripts = format!("{}<script>{SCRIPT}</script>", data_element(&data));
+    let (bodies, shots) = pack::pack(page.bodies, page.shots);
+    let data = json!({"scene": scene, "view": window, "bodies": bodies, "shots": shots});
+    let mut scripts = format!("{}<script>{SCRIPT}</script>", data_element(&data.to_string()));
+    if !page.shots.is_empty() {
+        scripts.push_str(&view_scripts());
+    }
     framed(&title, &body, STYLE, &scripts)
 }
 
@@ -90,7 +114,7 @@ fn title(rows: &[(usize, &CourseRow)], state: AnswerState) -> String {
 }
 
 fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &mut String) {
-    let PlanPage { scenario, answer, run, .. } = page;
+    let PlanPage { scenario, answer, work, .. } = page;
     let count = rows.len();
     let free = rows.iter().filter(|(_, row)| row.touches_nobody()).count();
     let _w = write!(
@@ -144,7 +168,7 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
     body.push_str("</dl>");
     let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
     let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
-    let remarks = run.remarks.iter().map(|text| format!("Note: {text}."));
+    let remarks = work.remarks.iter().map(|text| format!("Note: {text}."));
     for remark in missing.chain(assumed).chain(remarks) {
         let _w = write!(body, "<p class=\"remark\">{}</p>", name(&remark));
     }
@@ -188,6 +212,7 @@ fn happens(row: &CourseRow) -> String {
 }
 
 fn ranking(rows: &[(usize, &CourseRow)], body: &mut String) {
+    let top = rows.iter().map(|(_, row)| row.range.high().max(row.work.hi())).fold(0.0, f64::max);
     body.push_str(
         "<section><h2>The ranking</h2><div class=\"wide\"><table class=\"ranking\"><thead>\
          <tr><th>#</th><th>candidate</th><th>meets</th><th class=\"n\">harm %</th>\
@@ -211,19 +236,25 @@ fn ranking(rows: &[(usize, &CourseRow)], body: &mut String) {
         let _w = write!(
             body,
             "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td>\
-             <td class=\"n\">{}–{}</td><td>{}</td></tr>",
+             <td class=\"n\">{}–{}<br>{}</td><td>{}</td></tr>",
             place + 1,
             bdi(&row.name),
             meets.join("<br>"),
             share(row.work.lo(), row.work.hi()),
             percent(row.range.low()),
             percent(row.range.high()),
+            chart::whisker(
+                [row.work.lo(), row.work.hi()],
+                [row.range.low(), row.range.high()],
+                top
+            ),
             row.why.as_ref().map_or("–".to_owned(), |why| name(why)),
         );
     }
     body.push_str(
         "</tbody></table></div><p class=\"key\">#: the place under the policy. harm: the policy's \
-         leading measure; the range is that of what the model does not know. heavy: the ego leaves \
+         leading measure; the range is that of what the model does not know, the bar shows both on a scale of \
+         square roots. heavy: the ego leaves \
          its path and runs out; light: it drives on.</p></section>",
     );
 }
@@ -380,23 +411,56 @@ fn contact(contact: &ContactRow, body: &mut String) {
     );
 }
 
-/// Build, times and hashes.
-fn engineers(page: &PlanPage<'_>, body: &mut String) {
-    let PlanPage { answer, run, .. } = page;
+/// The contacts in 3D; the text remains without JavaScript.
+fn touching(shots: &[Shot], body: &mut String) {
+    if shots.is_empty() {
+        return;
+    }
     body.push_str(
-        "<section><h2>For engineers</h2><details><summary>Build, times and hashes</summary>\
-         <table class=\"facts\"><tbody>",
+        "<section><h2>What touches</h2><div id=\"tabs\" role=\"tablist\"></div>\
+         <div id=\"view\"><noscript>The 3D view needs JavaScript.</noscript></div>\
+         <p id=\"caption\"></p><p class=\"key\"><span class=\"ego\"></span> ego \
+         <span class=\"other\"></span> the other <span class=\"hit\"></span> triangles that \
+         intersect anywhere from first contact on <span class=\"patch\"></span> the contact patch. \
+         Drag to rotate, wheel to zoom, right button to pan.</p></section>",
     );
+}
+
+/// Build, times, transfer and hashes.
+fn engineers(page: &PlanPage<'_>, body: &mut String) {
+    let PlanPage { answer, work, .. } = page;
+    body.push_str(
+        "<section><h2>For engineers</h2><details><summary>Build, times, transfer and hashes\
+         </summary><h3>Stages</h3>",
+    );
+    body.push_str(&chart::stages(&work.stages));
+    if work.workers.iter().any(|worker| !worker.spans.is_empty()) {
+        body.push_str("<h3>Jobs on each worker</h3>");
+        body.push_str(&chart::workers(&work.workers));
+    }
+    if !work.edges.is_empty() {
+        body.push_str(
+            "<h3>Transfer by edge</h3><table><thead><tr><th>from</th><th>to</th>\
+             <th class=\"n\">messages</th><th class=\"n\">bytes</th></tr></thead><tbody>",
+        );
+        for (from, to, messages, bytes) in &work.edges {
+            let _w = write!(
+                body,
+                "<tr><td>{}</td><td>{}</td><td class=\"n\">{messages}</td><td class=\"n\">{bytes}\
+                 </td></tr>",
+                name(from),
+                name(to)
+            );
+        }
+        body.push_str("</tbody></table>");
+    }
+    body.push_str("<h3>Facts</h3><table class=\"facts\"><tbody>");
     let mut fact = |term: &str, text: &str| {
         let _w = write!(body, "<tr><th>{}</th><td>{}</td></tr>", name(term), name(text));
     };
-    fact("build", run.build);
-    let (stages, jobs) = (&run.stages, run.jobs);
-    let took = format!(
-        "{:.1} ms for contacts, {jobs} jobs in {:.1} ms, {:.1} ms to judge",
-        stages.plan_ms, stages.work_ms, stages.assess_ms
-    );
-    fact("work", &took);
+    for (term, text) in &work.facts {
+        fact(term, text);
+    }
     for row in &answer.ranking {
         for contact in &row.contacts {
             let term = format!("{}, {:.2} s {}", row.name, contact.time_s, contact.party);
@@ -404,9 +468,9 @@ fn engineers(page: &PlanPage<'_>, body: &mut String) {
         }
     }
     body.push_str(
-        "</tbody></table><p class=\"key\">Hashes are of the sets of hit triangles: of the ego, of \
-         the other.</p></details><p class=\"key\">Risks are statistics of populations, not \
-         predictions for individuals.</p></section>",
+        "</tbody></table><p class=\"key\">Hashes of contacts are of the sets of hit triangles: of \
+         the ego, of the other.</p></details><p class=\"key\">Risks are statistics of populations, \
+         not predictions for individuals.</p></section>",
     );
 }
 

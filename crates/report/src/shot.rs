@@ -1,4 +1,4 @@
-//! A shot of one candidate: two posed bodies, the hit triangles, and the patch.
+//! A shot of one contact: two posed bodies, the hit triangles, and the patch.
 
 use geometry::{Corners, DVec3};
 
@@ -22,11 +22,13 @@ pub struct ShotPatch {
     pub size_m: [f64; 2],
 }
 
-/// One candidate at one pose.
+/// One contact at one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
-    /// The candidate's name.
+    /// The candidate, whom it meets and when.
     pub name: String,
+    /// The candidate's name.
+    pub candidate: String,
     /// Numbers of the ego and of the other among the bodies.
     pub bodies: [usize; 2],
     /// The other seen from the ego: rotation, row by row.

@@ -3,10 +3,12 @@
 //! A record holds no hit sets, so its request is replayed, as by `trolley record replay`; if the
 //! answer is not the recorded one, nothing is written.
 
-use crate::decision::{bodies, decision, shots};
+use crate::pictures::{bodies, shots};
+use crate::plan::{self, PlanPage};
 use crate::shot::{Shot, ShotBody};
 use crate::still::Camera;
-use crate::{Figure, MeasurementPage, glb, html, still};
+use crate::work::WorkDone;
+use crate::{Figure, MeasurementPage, explain, glb, html, still};
 use std::path::{Path, PathBuf};
 use trolley::bodies::OnProgress;
 use trolley::files::InputKind;
@@ -22,11 +24,11 @@ const FOLDER: &str = "give a folder that `trolley measure --out` wrote";
 pub struct Wanted {
     /// The page.
     pub page: Option<PathBuf>,
-    /// Folder for each candidate as .glb, damage as vertex colours.
+    /// Folder for each contact as .glb, damage as vertex colours.
     pub glb: Option<PathBuf>,
-    /// Folder for two stills of each candidate: from a corner, and from above.
+    /// Folder for two stills of each contact: from a corner, and from above.
     pub stills: Option<PathBuf>,
-    /// All candidates as one MCAP file.
+    /// All contacts as one MCAP file.
     #[cfg(feature = "mcap")]
     pub mcap: Option<PathBuf>,
     /// Names of the candidates to write pictures of; empty: all.
@@ -36,7 +38,7 @@ pub struct Wanted {
 impl Wanted {
     /// Whether pictures of this candidate are wanted.
     fn shows(&self, shot: &Shot) -> bool {
-        self.candidates.is_empty() || self.candidates.contains(&shot.name)
+        self.candidates.is_empty() || self.candidates.contains(&shot.candidate)
     }
 
     /// The MCAP file to write, in builds with the feature `mcap`.
@@ -89,12 +91,6 @@ fn of_record(
         files::check(target, Some(path))?;
     }
     let record = Record::read(path)?;
-    if record.content.is_over_horizon() {
-        let fault = "there is no page and no picture of a ranking over a horizon yet";
-        return Err(Failure::input(fault).at(path.display()).with_remedy(
-            "read it as text or data: `trolley record show`, with or without --json",
-        ));
-    }
     let made = record.replay(path, models, progress)?;
     if made.json != record.content.answer {
         let fault = "the replayed answer differs from the recorded one";
@@ -102,16 +98,26 @@ fn of_record(
             .at(path.display())
             .with_remedy("make the report with the build that recorded it; see record replay"));
     }
-    let (bodies, shots) = (bodies(&made)?, shots(&made));
-    let is_there = |name: &&String| shots.iter().any(|shot| shot.name == **name);
+    let (bodies, shots) = (bodies(&made.bodies)?, shots(&made.scene, &made.answer));
+    let ranking = &made.answer.ranking;
+    let is_there = |name: &&String| ranking.iter().any(|row| row.name == **name);
     if let Some(name) = wanted.candidates.iter().find(|name| !is_there(name)) {
-        let names: Vec<&str> = shots.iter().map(|shot| shot.name.as_str()).collect();
+        let names: Vec<&str> = ranking.iter().map(|row| row.name.as_str()).collect();
         return Err(Failure::input(format!("there is no candidate \"{name}\""))
             .with_remedy(format!("candidates here: {}", names.join(", "))));
     }
     let mut written = Vec::new();
     if let Some(page) = &wanted.page {
-        let text = html::decision(&decision(&made, &record), &bodies, &shots);
+        let explanation = made.explanation.as_ref().map(explain::text);
+        let text = plan::page(&PlanPage {
+            scenario: &made.scenario.parsed().name,
+            answer: &made.answer,
+            work: &WorkDone::of_record(&record),
+            scene: &made.scene,
+            bodies: &bodies,
+            shots: &shots,
+            explanation: explanation.as_deref(),
+        });
         files::replace(page, text.as_bytes())?;
         written.push(page.clone());
     }
@@ -129,7 +135,7 @@ fn of_record(
     Ok(written)
 }
 
-/// Writes the model and the stills of one candidate, as requested.
+/// Writes the model and the stills of one contact, as requested.
 fn picture(
     wanted: &Wanted,
     stem: &str,

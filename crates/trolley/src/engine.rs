@@ -8,7 +8,7 @@
 //! settings, so ranking many variants of a scene pays for them once.
 
 use crate::Failure;
-use crate::bodies::OnProgress;
+use crate::bodies::{Bodies, OnProgress};
 use crate::run::{Run, milliseconds};
 use crate::scenario::{SourceText, Texts};
 use coordinator::{Backend, CourseHistory, WorkerPool};
@@ -115,6 +115,21 @@ impl Engine {
             drop(loaded.backend.take());
         }
         milliseconds(clock::now_ns() - begun_ns)
+    }
+
+    /// Returns the bodies of the last scenario, each once; `None` before the first ranking.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// engine.rank(&scenario, &trolley::Limits::default())?;
+    /// let views = engine.bodies().map(|bodies| bodies.views()).transpose()?;
+    /// assert_eq!(views.map(|views| views.len()), Some(5));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn bodies(&self) -> Option<&Bodies> {
+        self.loaded.as_ref().map(|loaded| &loaded.bodies)
     }
 
     /// Returns the process ids of the workers, in order; empty before the first ranking.

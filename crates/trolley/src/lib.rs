@@ -191,6 +191,21 @@ pub use coordinator::Answer;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::ContactRow;
+/// Two bodies at a contact of a [`PlanCourse`], and what is hit.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default();
+/// let mut scene = trolley::PlanScene::default();
+/// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
+/// for at in scene.courses.iter().flat_map(|course| &course.scenes) {
+///     println!("{} triangles of the ego are hit", at.hits[0].len());
+/// }
+/// # assert!(scene.courses.iter().any(|course| !course.scenes.is_empty()));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::ContactScene;
 /// One candidate of an [`Answer`] in its place.
 ///
 /// ```

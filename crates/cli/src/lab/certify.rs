@@ -5,8 +5,8 @@
 use super::shown::show;
 use crate::output::Output;
 use ::lab::certify::{
-    BUDGET, BoundFlaw, BoundsOptions, BudgetOptions, CourseFlaw, CoursesOptions, DeadlineOptions,
-    ShareOptions, bounds, budget, courses, deadline, share,
+    BUDGET, BoundsOptions, BudgetOptions, CourseFlaw, DeadlineOptions, ShareOptions, bounds,
+    budget, deadline, share,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -16,20 +16,17 @@ pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley certify share --requests 24
   trolley certify bounds --stops 100000
-  trolley certify bounds --stops 1000 --flaw forgets-open-poses
-  trolley certify courses --stops 100000
+  trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
   trolley certify budget --body sedan.trolley --body suv.trolley";
 
 /// What to measure.
 #[derive(Clone, Debug, clap::Subcommand)]
 pub(crate) enum Verb {
-    /// Measure after what share of the work the winner is certain, by strategy and depth.
+    /// Measure after what share of the work the winner, or the order, is certain.
     Share(ShareArgs),
-    /// Check that every interval holds the final value, wherever the work stops.
+    /// Stop random scenes anywhere, and hold what is said against the finished run.
     Bounds(BoundsArgs),
-    /// Stop random scenes over a horizon anywhere, and hold what is said against the finished run.
-    Courses(CoursesArgs),
     /// Measure how late answers are, over many requests.
     Deadline(DeadlineArgs),
     /// Check that jobs keep their budget, in tests and in CPU time.
@@ -42,18 +39,18 @@ pub(crate) struct ShareArgs {
     /// ones].
     #[arg(long, value_name = "BODY")]
     body: Vec<String>,
-    /// Number of requests, of 6 to 16 candidates each.
+    /// Number of scenes, of 6 to 16 candidates each.
     #[arg(long, value_name = "N", default_value_t = 24)]
     requests: u32,
-    /// Seed of the random requests.
+    /// Seed of the random scenes.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Only requests in which every candidate makes contact.
+    /// Only scenes in which every candidate meets somebody.
     #[arg(long)]
     unavoidable: bool,
-    /// Distribution depths.
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "3,5,8")]
-    depth: Vec<u32>,
+    /// Distribution depth.
+    #[arg(long, value_name = "D", default_value_t = 5)]
+    depth: u32,
     /// Also write the table to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -61,38 +58,6 @@ pub(crate) struct ShareArgs {
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct BoundsArgs {
-    /// Bodies, as model files or shape:triangles; the first is the ego [default: seven generated
-    /// ones].
-    #[arg(long, value_name = "BODY")]
-    body: Vec<String>,
-    /// Number of stops; at each, all intervals are compared with the finished run.
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
-    stops: u64,
-    /// Stops per request.
-    #[arg(long, value_name = "N", default_value_t = 50)]
-    per_request: u64,
-    /// Seed of the random requests.
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    seed: u64,
-    /// Distribution depth.
-    #[arg(long, value_name = "D", default_value_t = 4)]
-    depth: u32,
-    /// Make the bounds wrong on purpose, to see that violations are found.
-    #[arg(long, value_name = "HOW")]
-    flaw: Option<FlawName>,
-}
-
-/// [`BoundFlaw`] by name.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum FlawName {
-    /// Open poses are assumed to add nothing.
-    ForgetsOpenPoses,
-    /// The upper end is assumed to be halfway up.
-    HalvesWidths,
-}
-
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct CoursesArgs {
     /// Number of stops; at each, all that is said is compared with the finished run.
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     stops: u64,
@@ -107,12 +72,12 @@ pub(crate) struct CoursesArgs {
     depth: u32,
     /// Make answers wrong on purpose, to see that violations are found.
     #[arg(long, value_name = "HOW")]
-    flaw: Option<CourseFlawName>,
+    flaw: Option<FlawName>,
 }
 
 /// [`CourseFlaw`] by name.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum CourseFlawName {
+enum FlawName {
     /// Nobody is taken to be harmed by what is open.
     ForgetsOpen,
     /// An open candidate is taken to be finished.
@@ -162,40 +127,23 @@ pub(crate) struct BudgetArgs {
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     let progress = output.progress(match verb {
         Verb::Share(_) | Verb::Deadline(_) => "requests",
-        Verb::Bounds(_) | Verb::Courses(_) => "stops",
+        Verb::Bounds(_) => "stops",
         Verb::Budget(_) => "jobs",
     });
     let told = |done, total| progress.set(done, total);
     match verb.clone() {
         Verb::Share(ShareArgs { body: bodies, requests, seed, unavoidable, depth, out }) => {
-            let depths = depth;
-            let options = ShareOptions { bodies, requests, seed, unavoidable, depths, out };
+            let options = ShareOptions { bodies, requests, seed, unavoidable, depth, out };
             let report = share(&options, &told)?;
             show(&report, || report.text(), output)
         }
         Verb::Bounds(args) => {
-            let options = BoundsOptions {
-                bodies: args.body,
-                stops: args.stops,
-                per_request: args.per_request,
-                seed: args.seed,
-                depth: args.depth,
-                flaw: args.flaw.map(|flaw| match flaw {
-                    FlawName::ForgetsOpenPoses => BoundFlaw::ForgetsOpenPoses,
-                    FlawName::HalvesWidths => BoundFlaw::HalvesWidths,
-                }),
-            };
-            let report = bounds(&options, &told)?;
-            let shown = show(&report, || report.text(), output)?;
-            Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
-        }
-        Verb::Courses(args) => {
-            let CoursesArgs { stops, per_scene, seed, depth, flaw } = args;
+            let BoundsArgs { stops, per_scene, seed, depth, flaw } = args;
             let flaw = flaw.map(|flaw| match flaw {
-                CourseFlawName::ForgetsOpen => CourseFlaw::ForgetsOpen,
-                CourseFlawName::EndsEarly => CourseFlaw::EndsEarly,
+                FlawName::ForgetsOpen => CourseFlaw::ForgetsOpen,
+                FlawName::EndsEarly => CourseFlaw::EndsEarly,
             });
-            let report = courses(&CoursesOptions { stops, per_scene, seed, depth, flaw }, &told)?;
+            let report = bounds(&BoundsOptions { stops, per_scene, seed, depth, flaw }, &told)?;
             let shown = show(&report, || report.text(), output)?;
             Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
         }

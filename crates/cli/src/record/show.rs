@@ -99,17 +99,6 @@ fn words(
     if let Some(over_at) = record.search.and_then(|search| search.over_at) {
         lines.push(format!("search    out of time at look {over_at} at the clock"));
     }
-    for moment in &record.moments {
-        let ends: Vec<String> =
-            moment.work.iter().map(|[lo, hi]| format!("{lo:.4}–{hi:.4}")).collect();
-        lines.push(format!(
-            "after {:.1} ms and {} jobs: {}; {}",
-            moment.at_ns as f64 / 1e6,
-            moment.jobs,
-            moment.state,
-            ends.join(" ")
-        ));
-    }
     lines.extend(record.faults.iter().map(|fault| format!("note      {fault}")));
     let state = answer["state"].as_str().unwrap_or_default();
     lines.push(format!("answer    {state}"));

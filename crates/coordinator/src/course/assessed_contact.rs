@@ -1,6 +1,7 @@
 //! One contact of a course: as a candidate of a request, assessed, and what it does to the course.
 
 use super::persons::People;
+use super::plan_scene::ContactScene;
 use super::way::{Begin, NextContact, Scenery};
 use super::{Course, Stuck, encounter};
 use crate::answer::{self, PersonRow, PoseRow};
@@ -36,6 +37,8 @@ pub(super) struct AssessedContact {
     pub(super) poses: Vec<PoseRow>,
     /// If the answer is explained.
     pub(super) chain: Option<Box<ContactChain>>,
+    /// If a picture is wanted.
+    pub(super) scene: Option<Box<ContactScene>>,
 }
 
 /// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
@@ -136,6 +139,7 @@ pub(super) fn assessed(
         persons: answer::persons(contacts, &harm),
         poses: answer::poses(state),
         chain: None,
+        scene: None,
         harm,
     }
 }

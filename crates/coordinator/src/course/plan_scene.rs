@@ -1,13 +1,15 @@
-//! Who is where and when, seen from above: what a picture of a ranking over a horizon is drawn
-//! from. It is copied from the courses that were followed, so reactions and run-outs are in it.
+//! Who is where and when, seen from above, and the bodies at each contact: what pictures of a
+//! ranking are drawn from. It is copied from the courses that were followed, so reactions and run-outs are in it.
 //!
 //! World frame: metres, x and y as in the scenario. Nothing here ranks.
 
 use super::flags::Outlines;
 use super::way::Scenery;
 use super::{Course, Severity};
-use geometry::Pose;
+use crate::candidate_state::CandidateState;
+use crate::request::Candidate;
 use geometry::motion::MotionPath;
+use geometry::{Pose, RelativePose};
 use serde::Serialize;
 
 /// Step of time between samples (s).
@@ -71,6 +73,9 @@ pub struct PlanCourse {
     pub reactions: Vec<(usize, Vec<PlanSample>)>,
     /// Contacts in the order of time.
     pub contacts: Vec<PlanContact>,
+    /// The bodies at each of them.
+    #[serde(skip)]
+    pub scenes: Vec<ContactScene>,
 }
 
 /// A contact of a candidate.
@@ -85,6 +90,31 @@ pub struct PlanContact {
     /// Whether the ego leaves its path. The party's motion after that is not modelled: it is shown
     /// where it was struck.
     pub is_heavy: bool,
+}
+
+/// Two bodies where their contact patch is complete, and what is hit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactScene {
+    /// Numbers of the ego's and of the other's body among those of the request.
+    pub models: [usize; 2],
+    /// The other seen from the ego.
+    pub pose: RelativePose,
+    /// Triangles hit from first contact to e, as the bodies store them: of the ego, of the other.
+    pub hits: [Vec<u32>; 2],
+}
+
+impl ContactScene {
+    /// What a picture of a contact shows, as far as its survey is done.
+    pub(super) fn of(candidate: &Candidate, state: &CandidateState) -> Self {
+        let last = state.stops.iter().rfind(|(stop, _)| stop.patch);
+        let travel_m = last.map_or(0.0, |(stop, _)| stop.travel_m);
+        let u = candidate.approach.directions.d[0];
+        Self {
+            models: [candidate.model_a as usize, candidate.model_b as usize],
+            pose: candidate.pose.moved(-u * travel_m),
+            hits: state.hit.triangles(),
+        }
+    }
 }
 
 /// What was followed, in plan.
@@ -117,6 +147,11 @@ pub(super) fn scene(scenery: &Scenery<'_>, courses: &[Course<'_>]) -> PlanScene 
                 })
                 .collect(),
             contacts: contacts(course),
+            scenes: course
+                .contacts
+                .iter()
+                .filter_map(|one| one.scene.as_deref().cloned())
+                .collect(),
         }
     });
     PlanScene {

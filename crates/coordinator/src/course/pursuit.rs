@@ -4,6 +4,7 @@ use super::assessed_contact::{assessed, contact, settle};
 use super::encounter::EncounterSearch;
 use super::history::Surveyor;
 use super::persons::People;
+use super::plan_scene::ContactScene;
 use super::stop::Stop;
 use super::way::{Begin, NextContact, Scenery, Way};
 use super::{Course, CourseEffort, CourseRequest, harm_of};
@@ -225,8 +226,11 @@ impl<'r> Pursuit<'r> {
         let contacts = work.request();
         let candidate = &contacts.candidates[number];
         let mut assessed = assessed(contacts, work, number, meeting, harm);
+        let state = &work.candidate_states()[number];
+        if self.request.scene {
+            assessed.scene = Some(Box::new(ContactScene::of(candidate, state)));
+        }
         if self.request.explanation {
-            let state = &work.candidate_states()[number];
             let chain = contact_chain(contacts, candidate, &assessed.harm, state);
             assessed.chain = Some(Box::new(chain));
         }

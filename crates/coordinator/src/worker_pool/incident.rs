@@ -5,7 +5,7 @@ use dispatch::{Liveness, Why};
 use protocol::{Incarnation, Reject};
 use runtime::clock;
 
-/// Maximum number of incidents kept of one request.
+/// Maximum number of incidents kept until somebody takes them.
 const MOST: usize = 4096;
 
 /// A fault of a worker that was noticed.
@@ -43,10 +43,9 @@ pub enum Observation {
 }
 
 impl WorkerPool {
-    /// What was noticed since the start of the last request.
-    #[must_use]
-    pub fn incidents(&self) -> &[Incident] {
-        &self.incidents
+    /// Takes what was noticed since the last time, up to a bound.
+    pub fn take_incidents(&mut self) -> Vec<Incident> {
+        core::mem::take(&mut self.incidents)
     }
 
     pub(super) fn observe(&mut self, who: Incarnation, observation: Observation) {

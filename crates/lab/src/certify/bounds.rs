@@ -1,92 +1,111 @@
-//! Long test of the bounds: random requests, stopped anywhere, under every policy.
+//! Long test of the bounds: random scenes, stopped anywhere, under every policy.
 
-use super::figures::names;
 use super::requests::{self, POLICIES, Pool};
 use crate::progress::{Progress, SyncProgress};
-use coordinator::{BoundFlaw, TrialResult, trial};
+use body::{Shape, Shells};
+use coordinator::{BodySet, CourseFlaw, CourseRequest, TrialResult, random_courses, trial_courses};
+use damage::Curves;
 use geometry::rng::Rng;
+use scenario::{Scenario, Source};
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::sync::Arc;
 use trolley::Failure;
+
+/// Bodies of the scenes: small, so that there are many.
+const BODIES: [(Shape, &str); 7] = [
+    (Shape::Sedan, "sedan:600"),
+    (Shape::Suv, "suv:600"),
+    (Shape::Cyclist, "cyclist:600"),
+    (Shape::Pedestrian, "pedestrian:600"),
+    (Shape::Truck, "truck:600"),
+    (Shape::Pole, "pole:600"),
+    (Shape::Wall, "wall:600"),
+];
 
 /// What to test.
 #[derive(Clone, Debug)]
 pub struct BoundsOptions {
-    /// Bodies, as model files or shape:triangles; the first is the ego. Empty: seven generated
-    /// ones.
-    pub bodies: Vec<String>,
-    /// Number of stops; at each, all intervals are compared with the finished run.
+    /// Number of stops; at each, all that is said is held against the finished run.
     pub stops: u64,
-    /// Stops per request.
-    pub per_request: u64,
-    /// Seed of the random requests.
+    /// Stops per scene.
+    pub per_scene: u64,
+    /// Seed of the random scenes.
     pub seed: u64,
     /// Distribution depth.
     pub depth: u32,
-    /// Makes the bounds wrong on purpose, so that violations must be found.
-    pub flaw: Option<BoundFlaw>,
+    /// Makes answers wrong on purpose, so that violations must be found.
+    pub flaw: Option<CourseFlaw>,
 }
 
 /// What was found.
 #[derive(Clone, Debug, Serialize)]
 pub struct BoundsReport {
     schema: &'static str,
-    bodies: Vec<String>,
     policies: usize,
     seed: u64,
-    requests: u64,
+    scenes: u64,
     stops: u64,
     intervals: u64,
     open_intervals: u64,
     certified: u64,
     violations: usize,
     is_flawed: bool,
-    first: Option<Violation>,
-}
-
-/// An interval that did not hold.
-#[derive(Clone, Debug, Serialize)]
-struct Violation {
-    seed: u64,
-    what: String,
+    /// The seed of the first scene that was not right, and what was not.
+    first: Option<(u64, String)>,
 }
 
 /// Runs the test. `told` is called with the stops done.
 ///
 /// # Errors
 ///
-/// If a body cannot be used or a request cannot be executed. Violations are no error: see
-/// [`BoundsReport::is_right`].
+/// If a scene cannot be ranked. Violations are no error: see [`BoundsReport::is_right`].
 pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsReport, Failure> {
-    let pool = Pool::load(&options.bodies)?;
+    let pool = Pool::load(&BODIES.map(|(_, name)| name.to_owned()))?;
     let views = pool.bodies.views()?;
+    let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
+    let stage = BodySet { bodies: &views, extremes: None, depth: options.depth };
+    let curves = Arc::new(Curves::shipped().map_err(Failure::from)?);
     let bar = Progress::new(options.stops, told);
     let mut all = TrialResult::default();
-    let (mut requests, mut first) = (0_u64, None);
-    let mut seed = options.seed;
+    let (mut scenes, mut first, mut seed) = (0_u64, None, options.seed);
     while all.stops < options.stops {
-        // Every request has its own seed, so that it can be reproduced alone.
-        let mut rng = Rng::new(seed);
-        let candidates = 2 + rng.below(4) as usize;
-        let policy = requests::policy(requests as usize)?;
-        if let Some(request) = requests::request(&views, (candidates, 1.1), &mut rng, policy)? {
-            let stops = (seed, options.per_request);
-            let one = trial(&request, &views, options.depth, stops, options.flaw)?;
-            if let (Some(what), None) = (one.violations.first(), &first) {
-                first = Some(Violation { seed, what: what.clone() });
-            }
-            bar.add(one.stops);
-            all.add(one);
+        // Every scene has its own seed, so that it can be made again alone.
+        let text = random_courses(&mut Rng::new(seed));
+        let scenario = Scenario::parse("random.toml", &text)
+            .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
+        let model = |source: &Source| match source {
+            Source::Generate { shape, .. } => BODIES.iter().position(|(known, _)| known == shape),
+            Source::File(_) => None,
+        };
+        let models = scenario.parties.iter().map(|party| model(&party.source));
+        let models: Option<Vec<usize>> = models.collect();
+        let models =
+            models.ok_or_else(|| Failure::internal("a scene has a body of no known shape"))?;
+        let request = CourseRequest {
+            scenario: &scenario,
+            models: &models,
+            shells: &shells,
+            rules: (Arc::new(requests::policy(scenes as usize)?), curves.clone()),
+            history: false,
+            explanation: false,
+            scene: false,
+        };
+        let stops = (seed, options.per_scene);
+        let one = trial_courses(&stage, &request, stops, options.flaw)?;
+        if let (Some(what), None) = (one.violations.first(), &first) {
+            first = Some((seed, what.clone()));
         }
-        requests += 1;
+        bar.add(one.stops);
+        all.add(one);
+        scenes += 1;
         seed += 1;
     }
     Ok(BoundsReport {
-        schema: "trolley.certify-bounds/1",
-        bodies: pool.names,
+        schema: "trolley.certify-bounds/2",
         policies: POLICIES.len(),
         seed: options.seed,
-        requests,
+        scenes,
         stops: all.stops,
         intervals: all.intervals,
         open_intervals: all.open_intervals,
@@ -98,7 +117,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
 }
 
 impl BoundsReport {
-    /// Whether the result is as expected: no violations, unless the bounds were made wrong.
+    /// Whether the result is as expected: no violations, unless answers were made wrong.
     #[must_use]
     pub fn is_right(&self) -> bool {
         (self.violations > 0) == self.is_flawed
@@ -107,25 +126,23 @@ impl BoundsReport {
     /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
+        let made = if self.is_flawed { " of answers made wrong on purpose" } else { "" };
         let mut text = format!(
-            "{} stops in {} requests between {} bodies ({}), {} policies, seed {}: {} intervals \
-             compared with the finished run, {} of them open, {} stops with a certain winner and \
-             open work.\n{} violations{}.\n",
+            "{} stops in {} scenes, {} policies, seed {}: {} intervals compared \
+             with the finished run, {} of them open, {} stops with a certain winner and open \
+             work.\n{} violations{made}.\n",
             self.stops,
-            self.requests,
-            self.bodies.len(),
-            names(&self.bodies),
+            self.scenes,
             self.policies,
             self.seed,
             self.intervals,
             self.open_intervals,
             self.certified,
             self.violations,
-            if self.is_flawed { " of bounds made wrong on purpose" } else { "" },
         );
-        if let Some(Violation { seed, what }) = &self.first {
-            // A String takes whatever it is given.
-            let _written = writeln!(text, "The first, at seed {seed}: {what}.");
+        if let Some((seed, what)) = &self.first {
+            // Writing to a string cannot fail.
+            let _written = writeln!(text, "First, in the scene of seed {seed}: {what}");
         }
         text
     }

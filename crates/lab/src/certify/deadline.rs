@@ -3,8 +3,10 @@
 use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Pool};
 use crate::progress::{Progress, SyncProgress};
-use body::{BodyView, Meta};
-use coordinator::{Options, RankingRun, Request, RequestLimits, WorkerPool, run_in_process};
+use coordinator::{
+    Backend, BodySet, CourseRequest, InProcessExecutor, Options, RequestLimits, WorkerPool,
+    rank_courses,
+};
 use damage::AnswerState;
 use dispatch::Queues;
 use geometry::rng::Rng;
@@ -51,7 +53,7 @@ pub struct DeadlineReport {
     late_ms: Vec<Class>,
     /// Against the deadline: median, 99 %, 99.9 %, all.
     late: [f64; 4],
-    /// CPU time of the coordinator from the end of the work to the answer: median, 99 %, all.
+    /// Time from the end of the work to the answer: median, 99 %, all.
     own_ms: [f64; 3],
 }
 
@@ -72,20 +74,25 @@ pub fn deadline(
 ) -> Result<DeadlineReport, Failure> {
     let pool = Pool::load(&options.bodies)?;
     let views = pool.bodies.views()?;
+    let shells = pool.shells()?;
     let mut rng = Rng::new(options.seed);
     let mut asked = Vec::new();
     while asked.len() < ROUND.min(options.requests as usize) {
         let candidates = 6 + rng.below(11) as usize;
-        let policy = requests::policy(asked.len())?;
-        asked.extend(requests::request(&views, (candidates, 1.1), &mut rng, policy)?);
+        asked.push(requests::scene(&views, candidates, false, &mut rng)?);
     }
     if pool.names[0] == pool.names[1] {
         // Identical bodies that coincide in every triangle.
-        let policy = requests::policy(0)?;
-        asked[0] = requests::parse(&requests::interpenetrating(&views), &views, policy)?;
+        asked[0] = requests::interpenetrating(&views)?;
     }
+    let stage = BodySet { bodies: &views, extremes: None, depth: 5 };
+    let asked: Vec<CourseRequest<'_>> = asked
+        .iter()
+        .enumerate()
+        .map(|(number, scene)| Ok(scene.request(&shells, requests::rules(number)?)))
+        .collect::<Result<_, Failure>>()?;
     let winners: Result<Vec<Option<String>>, Failure> =
-        asked.iter().map(|request| winner(request, &views)).collect();
+        asked.iter().map(|request| winner(request, &stage)).collect();
     let winners = winners?;
     let cores = affinity::in_turn(&affinity::allowed_cores(), options.workers.into());
     let worker_pool = Options {
@@ -106,9 +113,9 @@ pub fn deadline(
         let ran = ask(
             options,
             (&asked, &winners),
-            &views,
+            &stage,
             limits,
-            || Ok(WorkerPool::start(pool.bodies.store(), &worker_pool)?),
+            Backend::Workers(Box::new(WorkerPool::start(pool.bodies.store(), &worker_pool)?)),
             told,
         );
         over.store(true, Ordering::Relaxed);
@@ -117,16 +124,15 @@ pub fn deadline(
 }
 
 /// The winner of the finished run; `None` where finding it would take too long.
-fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<String>, Failure> {
+fn winner(request: &CourseRequest<'_>, stage: &BodySet<'_>) -> Result<Option<String>, Failure> {
     let most_ns = 20_000_000_000;
     let limits = RequestLimits {
         deadline_ns: Some(most_ns),
         budget: RequestLimits::BUDGET,
         ..RequestLimits::default()
     };
-    let mut work = RankingRun::new(request, views, 5).with_limits(limits);
-    run_in_process(&mut work, views);
-    let answer = work.answer()?;
+    let mut backend = Backend::InProcess(Box::new(InProcessExecutor::with_room_for(stage.bodies)));
+    let answer = rank_courses(stage, request, limits, &mut backend)?.answer;
     let first = answer.ranking.first().map(|row| row.name.clone());
     Ok(first.filter(|_| answer.state == AnswerState::Complete))
 }
@@ -136,7 +142,7 @@ fn winner(request: &Request, views: &[(Meta, BodyView<'_>)]) -> Result<Option<St
 struct Asked {
     /// How late each answer was (ms); below 0: in time.
     late: Vec<f64>,
-    /// CPU time from the end of the work to the answer (ms): lateness without waiting.
+    /// Time from the end of the work to the answer (ms).
     own: Vec<f64>,
     /// Number of answers in each state.
     states: [u64; 4],
@@ -144,23 +150,20 @@ struct Asked {
 
 fn ask(
     options: &DeadlineOptions,
-    (asked, winners): (&[Request], &[Option<String>]),
-    views: &[(Meta, BodyView<'_>)],
+    (asked, winners): (&[CourseRequest<'_>], &[Option<String>]),
+    stage: &BodySet<'_>,
     limits: RequestLimits,
-    start: impl Fn() -> Result<WorkerPool, Failure>,
+    mut backend: Backend,
     told: SyncProgress<'_>,
 ) -> Result<Asked, Failure> {
     let bar = Progress::new(options.requests.into(), told);
-    let mut worker_pool = start()?;
     let mut all = Asked::default();
     for number in 0..options.requests as usize {
         let at = number % asked.len();
-        let mut work = RankingRun::new(&asked[at], views, 5).with_limits(limits);
-        worker_pool.run(&mut work)?;
-        let begun_ns = clock::thread_cpu_ns();
-        let answer = work.answer()?;
-        let took_ms = (clock::now_ns() - work.accepted_ns()) as f64 / 1e6;
-        all.own.push((clock::thread_cpu_ns() - begun_ns) as f64 / 1e6);
+        let ranked = rank_courses(stage, &asked[at], limits, &mut backend)?;
+        let answer = ranked.answer;
+        let took_ms = (clock::now_ns() - ranked.effort.accepted_ns) as f64 / 1e6;
+        all.own.push(ranked.effort.judge_ns as f64 / 1e6);
         all.late.push(took_ms - options.deadline_ms);
         all.states[answer.state as usize] += 1;
         let is_sure = matches!(answer.state, AnswerState::Complete | AnswerState::Certified);
@@ -200,7 +203,7 @@ impl DeadlineReport {
     pub fn text(&self) -> String {
         let [complete, certified, degraded, refused] = self.states;
         let mut text = format!(
-            "{} requests of 6 to 16 candidates between {} bodies ({}), each due after {} ms (put \
+            "{} requests of 6 to 16 candidates among {} bodies ({}), each due after {} ms (put \
              together {} ms before), {} workers on {} cores, {} threads of load: {complete} \
              complete, {certified} certified, {degraded} degraded, {refused} refused.\n\n| later \
              than due by (ms) | answers |\n|--:|--:|\n",
@@ -228,9 +231,8 @@ impl DeadlineReport {
         let _written = writeln!(
             text,
             "\nAgainst the deadline: median {half:.2} ms, 99 % by {p99:.2} ms, 99.9 % by \
-             {p999:.2} ms, the last at {last:.2} ms. Of that the coordinator's own work on the \
-             answer, in CPU time: median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most \
-             {own_most:.2} ms; the rest is waiting for a core."
+             {p999:.2} ms, the last at {last:.2} ms. From the end of the work to the answer: \
+             median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most {own_most:.2} ms."
         );
         text
     }

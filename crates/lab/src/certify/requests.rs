@@ -1,12 +1,13 @@
-//! Random requests: an ego among bodies that it may hit, from any side.
+//! Random scenes: an ego among bodies that it may hit, from any side.
 
 use crate::pair;
-use body::{BodyKind, BodyView, Meta};
-use coordinator::Request;
+use body::{BodyKind, BodyView, Meta, Shells};
+use coordinator::CourseRequest;
 use damage::{Curves, Policy};
 use geometry::rng::Rng;
 use scenario::Scenario;
 use std::fmt::Write as _;
+use std::sync::Arc;
 use trolley::Failure;
 use trolley::bodies::Bodies;
 
@@ -51,6 +52,11 @@ impl Pool {
         let bodies = names.iter().map(|name| pair::body(name)).collect::<Result<_, _>>()?;
         Ok(Self { bodies: Bodies::seal(bodies)?, names })
     }
+
+    /// The shells of the bodies.
+    pub(super) fn shells(&self) -> Result<Vec<Shells>, Failure> {
+        Ok(self.bodies.views()?.iter().map(|(_, view)| Shells::of(view.corners)).collect())
+    }
 }
 
 /// A built-in policy.
@@ -60,110 +66,122 @@ pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
         .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))
 }
 
-/// A request of so many candidates between bodies of a pool, in their order; they stand to the side
-/// by up to so many times what their boxes take. `None` if the random request would be refused.
-pub(super) fn request(
-    views: &[(Meta, BodyView<'_>)],
-    way: (usize, f64),
-    rng: &mut Rng,
-    policy: Policy,
-) -> Result<Option<Request>, Failure> {
-    let text = scenario(views, way, rng);
-    let parsed = Scenario::parse("rng.toml", &text)?;
-    Ok(Request::new(&parsed, views, policy, curves()?).ok())
+/// Curves and a built-in policy.
+pub(super) fn rules(number: usize) -> Result<(Arc<Policy>, Arc<Curves>), Failure> {
+    let curves = Curves::shipped()
+        .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
+    Ok((Arc::new(policy(number)?), Arc::new(curves)))
 }
 
-fn curves() -> Result<Curves, Failure> {
-    Curves::shipped().map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))
+/// A random scene among bodies of a pool: each party is one of them.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    pub(super) scenario: Scenario,
+    /// Party i has body `models[i]` of the pool.
+    pub(super) models: Vec<usize>,
 }
 
-/// A request from its scenario.
-pub(super) fn parse(
-    text: &str,
-    views: &[(Meta, BodyView<'_>)],
-    policy: Policy,
-) -> Result<Request, Failure> {
-    Ok(Request::new(&Scenario::parse("rng.toml", text)?, views, policy, curves()?)?)
-}
-
-/// The ego and an identical body that coincide in every triangle; also a way past everything and
-/// one into the last body.
-pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> String {
-    let mut text = parties(views.len());
-    let ways = [(1, 0.0, 0.0, 5.0), (views.len() - 1, 3.0, 0.2, 0.0), (1, 0.0, 6.0, 5.0)];
-    for (number, (other, x, y, speed)) in ways.into_iter().enumerate() {
-        candidate(&mut text, number, 15.0, (other, [x, y], 0.0, speed));
+impl Scene {
+    fn parse(text: &str, models: Vec<usize>) -> Result<Self, Failure> {
+        let scenario = Scenario::parse("rng.toml", text)
+            .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
+        Ok(Self { scenario, models })
     }
-    text
+
+    /// What ranks it.
+    pub(super) fn request<'r>(
+        &'r self,
+        shells: &'r [Shells],
+        rules: (Arc<Policy>, Arc<Curves>),
+    ) -> CourseRequest<'r> {
+        CourseRequest {
+            scenario: &self.scenario,
+            models: &self.models,
+            shells,
+            rules,
+            history: false,
+            explanation: false,
+            scene: false,
+        }
+    }
 }
 
-/// The scenario. Party names sort in the order of the bodies.
-pub(super) fn scenario(
+/// A scene of so many ways of the ego, and up to twice as many others as the pool has. With
+/// `unavoidable`, all others stand close around the ego's ways.
+pub(super) fn scene(
     views: &[(Meta, BodyView<'_>)],
-    (candidates, miss): (usize, f64),
+    candidates: usize,
+    unavoidable: bool,
     rng: &mut Rng,
-) -> String {
-    let mut text = parties(views.len());
-    let half = |body: &BodyView<'_>, axis: usize| {
-        let bounds = body.bounds();
-        0.5 * f64::from(bounds.max[axis] - bounds.min[axis])
-    };
-    let (_, ego) = &views[0];
-    for number in 0..candidates {
-        let other = 1 + rng.below(views.len() as u64 - 1) as usize;
-        let (meta, body) = &views[other];
-        let is_fixed = matches!(meta.kind, BodyKind::Wall | BodyKind::Pole | BodyKind::Building);
-        let most = match meta.kind {
-            _ if is_fixed => 0.0,
+) -> Result<Scene, Failure> {
+    let count = views.len() - 1 + rng.below(views.len() as u64) as usize;
+    let mut models = vec![0];
+    let mut text = head();
+    for number in 0..count {
+        let model = 1 + number % (views.len() - 1);
+        models.push(model);
+        let kind = views[model].0.kind;
+        let wide = if unavoidable { 4.0 } else { 14.0 };
+        let (x, y) = (rng.between(8.0, 38.0), rng.between(-wide, wide));
+        let yaw = rng.between(-180.0, 180.0);
+        let most = match kind {
             BodyKind::Pedestrian => 2.5,
             BodyKind::Cyclist => 8.0,
-            _ => 16.0,
+            _ => 14.0,
         };
         let speed = rng.between(0.0, most);
-        let yaw = rng.between(-180.0, 180.0);
-        let (own, across) = (half(body, 0), half(body, 1));
-        let (sin, cos) = (yaw.to_radians().sin().abs(), yaw.to_radians().cos().abs());
-        let reach = own * cos + across * sin;
-        let x = half(ego, 0) + rng.between(0.3, 1.0) * reach;
-        let wide = half(ego, 1) + own * sin + across * cos;
-        let y = rng.between(-miss, miss) * wide;
-        let ego_speed = rng.between(2.0, 20.0);
-        candidate(&mut text, number, ego_speed, (other, [x, y], yaw, speed));
+        let stands = kind.is_fixed() || rng.below(3) == 0;
+        let [x, y, yaw, speed] = [x, y, yaw, speed].map(scenario::decimal);
+        let motion = if stands {
+            format!("place = {{ position_m = [{x}, {y}, 0], yaw_deg = {yaw} }}")
+        } else {
+            format!(
+                "state = {{ position_m = [{x}, {y}, 0], yaw_deg = {yaw}, speed_m_s = {speed} }}"
+            )
+        };
+        party(&mut text, number, &motion);
     }
-    text
-}
-
-/// The head of a scenario. The bodies themselves are passed beside it.
-fn parties(count: usize) -> String {
-    let mut text = "schema = \"trolley.scenario/1\"\nname = \"rng\"\n[parties]\n".to_owned();
-    for number in 0..count {
-        let _written = writeln!(
+    for number in 0..candidates {
+        // From hard braking to 20 m/s, from a hard turn to the right to one to the left.
+        let (speed, rate) = (rng.between(2.0, 20.0), rng.between(-25.0, 25.0));
+        let [speed, rate] = [speed, rate].map(scenario::decimal);
+        let _written = write!(
             text,
-            "{} = {{ generate = {{ shape = \"sedan\", triangles = 500 }} }}",
-            party(number)
+            "[[candidates]]\nname = \"c{number}\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = \
+             {speed}, yaw_rate_deg_s = {rate} }}\n"
         );
     }
-    text
+    Scene::parse(&text, models)
 }
 
-/// A candidate: the ego's speed, and which other party stands where, turned how, at which speed.
-fn candidate(
-    text: &mut String,
-    number: usize,
-    ego_speed: f64,
-    (other, [x, y], yaw, speed): (usize, [f64; 2], f64, f64),
-) {
-    let [ego_speed, x, y, yaw, speed] = [ego_speed, x, y, yaw, speed].map(scenario::decimal);
+/// The ego and an identical body that coincide in every triangle; another one, and the last body,
+/// in the way.
+pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> Result<Scene, Failure> {
+    let mut text = head();
+    party(&mut text, 0, "state = { position_m = [0, 0, 0], speed_m_s = 5 }");
+    party(&mut text, 1, "place = { position_m = [30, 0.2, 0] }");
+    for (number, speed) in [15, 10, 5].into_iter().enumerate() {
+        let _written = write!(
+            text,
+            "[[candidates]]\nname = \"c{number}\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = \
+             {speed} }}\n"
+        );
+    }
+    Scene::parse(&text, vec![0, 1, views.len() - 1])
+}
+
+/// The head of a scene. The bodies themselves are passed beside it, and nobody is said to be in
+/// them.
+fn head() -> String {
+    "schema = \"trolley.scenario/2\"\nname = \"rng\"\nhorizon_s = 3\n[parties.ego]\n\
+     generate = { shape = \"sedan\", triangles = 500 }\n"
+        .to_owned()
+}
+
+/// A party. Names sort in the order of their numbers, behind the ego.
+fn party(text: &mut String, number: usize, motion: &str) {
     let _written = write!(
         text,
-        "[[candidates]]\nname = \"c{number}\"\n\
-         ego = {{ position_m = [0, 0, 0], speed_m_s = {ego_speed} }}\n\
-         other = {{ party = \"{}\", position_m = [{x}, {y}, 0], yaw_deg = {yaw}, \
-         speed_m_s = {speed} }}\n",
-        party(other)
+        "[parties.other-{number:02}]\ngenerate = {{ shape = \"suv\", triangles = 500 }}\n{motion}\n"
     );
-}
-
-fn party(number: usize) -> String {
-    if number == 0 { "ego".to_owned() } else { format!("other-{number:02}") }
 }

@@ -5,7 +5,7 @@ use super::kind::Kind;
 use super::live_pool::Live;
 use super::report::Report;
 use super::signals::{Deed, KILL, Shot, still_alive};
-use coordinator::{Corruption, RankingRun};
+use coordinator::Corruption;
 use core::sync::atomic::{AtomicBool, Ordering};
 use geometry::rng::Rng;
 use protocol::{FaultCommand, Incarnation, InjectedFault};
@@ -20,7 +20,7 @@ pub(super) struct Planned {
     pub(super) traces: Vec<Trace>,
 }
 
-impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
+impl Live<'_> {
     /// Prepares a fault.
     pub(super) fn arm(
         &mut self,
@@ -47,9 +47,9 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 }
                 if kind == Kind::KillAtStart {
                     // Its replacement is killed before it greets, or shortly after.
-                    let _mended = self.worker_pool.mend(self.stage.store)?;
+                    let _mended = self.mend_pool()?;
                     self.look_at_start(number);
-                    let next = self.worker_pool.roster()[usize::from(who.worker)];
+                    let next = self.pool().roster()[usize::from(who.worker)];
                     let after_ns = self.rng.below(20_000_000);
                     if next.0 != who
                         && let Ok(at) = Held::of(next.1)
@@ -70,7 +70,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             Kind::KillAtCall => {
                 let Some(calls) = self.calls_of_start(who, pid, report)? else { return Ok(()) };
                 // Measuring took its place.
-                let (who, pid) = self.worker_pool.roster()[usize::from(who.worker)];
+                let (who, pid) = self.pool().roster()[usize::from(who.worker)];
                 let call = 1 + self.rng.below(calls);
                 if let Some((next, pid)) = self.stop_successor(who, pid, report)? {
                     self.open[number].who = next;
@@ -90,11 +90,12 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 } else {
                     Corruption::Garbled(bit)
                 };
-                self.worker_pool.corrupt_next(who.worker, how);
+                self.pool().corrupt_next(who.worker, how);
                 self.open[number].struck_ns = Some(clock::now_ns());
             }
             Kind::FlipStatus => {
-                self.worker_pool.flip_status(who.worker, self.rng.bits());
+                let bit = self.rng.bits();
+                self.pool().flip_status(who.worker, bit);
                 self.open[number].struck_ns = Some(clock::now_ns());
             }
             _ => {
@@ -111,7 +112,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 };
                 let after = self.rng.below(share.clamp(1, 20)) as u8;
                 let order = FaultCommand { sequence: self.sequence, fault, after, argument };
-                self.worker_pool.command_fault(who.worker, Some(order));
+                self.pool().command_fault(who.worker, Some(order));
             }
         }
         Ok(())
@@ -132,11 +133,11 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             // Its end is asked for once, below.
             still_alive(&[held], clock::now_ns());
         }
-        self.worker_pool.stop_next_starts(1);
-        let mended = self.worker_pool.mend(self.stage.store)?;
-        self.worker_pool.stop_next_starts(0);
+        self.pool().stop_next_starts(1);
+        let mended = self.mend_pool()?;
+        self.pool().stop_next_starts(0);
         let next = mended.started.into_iter().find(|next| next.worker == who.worker);
-        Ok(next.map(|next| (next, self.worker_pool.roster()[usize::from(next.worker)].1)))
+        Ok(next.map(|next| (next, self.pool().roster()[usize::from(next.worker)].1)))
     }
 
     /// Number of system calls that a successor makes until it has greeted, measured once.
@@ -154,7 +155,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
             let counted = std::thread::scope(|scope| {
                 let over = |_| has_greeted.load(Ordering::SeqCst);
                 let tracer = scope.spawn(move || trace(pid, None, over));
-                let rallied = self.worker_pool.rally();
+                let rallied = self.pool().rally();
                 has_greeted.store(true, Ordering::SeqCst);
                 rallied.map(|()| tracer.join())
             })?;

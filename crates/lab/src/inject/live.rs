@@ -8,7 +8,7 @@ use super::report::{Report, State};
 use super::signals::{Gunner, KILL};
 use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
-use coordinator::{RankingRun, WorkerPool};
+use coordinator::{Backend, WorkerPool};
 use core::sync::atomic::{AtomicBool, Ordering};
 use geometry::rng::Rng;
 use runtime::clock;
@@ -23,9 +23,8 @@ const CHASES: usize = 12;
 /// Growth of resident memory that is no leak (bytes): heaps do not shrink.
 const GROWTH_BYTES: u64 = 32 << 20;
 
-pub(super) fn run<'w>(
+pub(super) fn run(
     stage: &Stage<'_>,
-    make: &impl Fn() -> RankingRun<'w>,
     kinds: &[Kind],
     seed: u64,
     report: &mut Report,
@@ -35,8 +34,7 @@ pub(super) fn run<'w>(
     let worker_pool = WorkerPool::start(stage.store, &options(stage.plan, &instance))?;
     let mut live = Live {
         stage,
-        make,
-        worker_pool,
+        backend: Backend::Workers(Box::new(worker_pool)),
         instance,
         rng: Rng::new(seed ^ 0x0fa7),
         sequence: 0,
@@ -89,7 +87,7 @@ pub(super) fn run<'w>(
     Ok(())
 }
 
-impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
+impl Live<'_> {
     /// Takes some of the remaining faults. One that takes all workers stays alone.
     fn choose(&mut self, left: &mut Vec<(Kind, u32)>) -> Vec<(Kind, u32)> {
         let most = 1 + self.rng.below(self.stage.plan.at_once.into()) as usize;
@@ -110,7 +108,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         let waits = self.rng.below(4) > 0;
         self.mend(waits, report)?;
         let chosen = self.choose(left);
-        let roster = self.worker_pool.roster();
+        let roster = self.pool().roster();
         let mut workers: Vec<usize> = (0..roster.len()).collect();
         for at in (1..workers.len()).rev() {
             workers.swap(at, self.rng.below(at as u64 + 1) as usize);
@@ -166,15 +164,15 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         }
         self.disarm(report)?;
         self.book(&chosen, left, state, answered_ns, report);
-        for (who, _) in self.worker_pool.roster() {
-            self.worker_pool.command_fault(who.worker, None);
+        for (who, _) in self.pool().roster() {
+            self.pool().command_fault(who.worker, None);
         }
         Ok(())
     }
 
     /// Replaces workers with a pending order, which they would obey in a later request.
     fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
-        for (who, pid) in self.worker_pool.roster() {
+        for (who, pid) in self.pool().roster() {
             let is_armed = |open: &Open| {
                 let is_order = open.kind.commanded().is_some();
                 open.who == who && is_order && open.struck_ns.is_none()

@@ -4,7 +4,10 @@ use super::kind::Kind;
 use super::plan::Plan;
 use super::report::{GUARD_NS, Report, State, judge};
 use super::worker_pool::names_of;
-use coordinator::{Answer, Observation, RankingRun, WorkerPool, WorkerPoolError};
+use coordinator::{
+    Answer, Backend, BodySet, CourseRequest, Mended, Observation, RequestLimits, RunError,
+    WorkerPool, WorkerPoolError, rank_courses,
+};
 use geometry::rng::Rng;
 use protocol::Incarnation;
 use runtime::{SealedMemory, clock, machine};
@@ -18,6 +21,9 @@ const HANG_NS: u64 = 6_000_000_000;
 pub(super) struct Stage<'s> {
     pub(super) plan: &'s Plan,
     pub(super) store: &'s SealedMemory,
+    pub(super) body_set: &'s BodySet<'s>,
+    pub(super) request: &'s CourseRequest<'s>,
+    pub(super) limits: RequestLimits,
     pub(super) reference: &'s Answer,
 }
 
@@ -32,10 +38,9 @@ pub(super) struct Open {
     pub(super) seen_ns: Option<u64>,
 }
 
-pub(super) struct Live<'s, F> {
+pub(super) struct Live<'s> {
     pub(super) stage: &'s Stage<'s>,
-    pub(super) make: F,
-    pub(super) worker_pool: WorkerPool,
+    pub(super) backend: Backend,
     pub(super) instance: String,
     pub(super) rng: Rng,
     pub(super) sequence: u16,
@@ -51,7 +56,21 @@ pub(super) struct Live<'s, F> {
     pub(super) calls_of_start: Option<u64>,
 }
 
-impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
+impl Live<'_> {
+    /// The workers.
+    pub(super) fn pool(&mut self) -> &mut WorkerPool {
+        match &mut self.backend {
+            Backend::Workers(pool) => pool,
+            Backend::InProcess(_) => unreachable!("a campaign has workers"),
+        }
+    }
+
+    /// Replaces lost workers by new ones.
+    pub(super) fn mend_pool(&mut self) -> Result<Mended, WorkerPoolError> {
+        let store = self.stage.store;
+        self.pool().mend(store)
+    }
+
     /// Descriptors, files in shared memory, resident memory (bytes).
     pub(super) fn footprint(&self) -> (usize, usize, u64) {
         (
@@ -73,16 +92,16 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
     /// Replaces lost workers.
     pub(super) fn mend(&mut self, waits: bool, report: &mut Report) -> Result<(), Failure> {
         let begun_ns = clock::now_ns();
-        let mended = self.worker_pool.mend(self.stage.store)?;
+        let mended = self.mend_pool()?;
         self.look(report);
         report.restarts += mended.started.len() as u64;
         if !mended.started.is_empty() {
             self.mended_ns = Some(begun_ns);
         }
         if waits {
-            while self.worker_pool.ready() < usize::from(self.stage.plan.workers) {
-                self.worker_pool.rally()?;
-                let again = self.worker_pool.mend(self.stage.store)?;
+            while self.pool().ready() < usize::from(self.stage.plan.workers) {
+                self.pool().rally()?;
+                let again = self.mend_pool()?;
                 self.look(report);
                 report.restarts += again.started.len() as u64;
             }
@@ -96,8 +115,8 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
     /// Runs one request, and judges the answer.
     pub(super) fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
         let begun_ns = clock::now_ns();
-        let mut work = (self.make)();
-        let ran = self.worker_pool.run(&mut work);
+        let Stage { body_set, request, limits, .. } = self.stage;
+        let ran = rank_courses(body_set, request, *limits, &mut self.backend);
         let took_ns = clock::now_ns() - begun_ns;
         report.requests += 1;
         report.slowest_ns = report.slowest_ns.max(took_ns);
@@ -106,16 +125,19 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
         report.hangs += u64::from(took_ns > due_ns.map_or(HANG_NS, |due_ns| due_ns + GUARD_NS));
         let state = match ran {
             Ok(ran) => {
-                self.jobs = ran.counts.jobs.max(1);
-                report.reissued += ran.counts.reissued;
-                report.fenced += ran.counts.fence.sum();
-                report.rejected += ran.rejected;
-                let answer = work.answer()?;
+                let jobs: u64 = ran.reports.iter().map(|report| report.counts.jobs).sum();
+                self.jobs = jobs.max(1);
+                for round in &ran.reports {
+                    report.reissued += round.counts.reissued;
+                    report.fenced += round.counts.fence.sum();
+                    report.rejected += round.rejected;
+                }
+                let answer = ran.answer;
                 let state = judge(&answer, self.stage.reference);
                 if state == State::Wrong {
                     let kinds: Vec<&str> = self.open.iter().map(|open| open.kind.name()).collect();
                     let work = |answer: &Answer| {
-                        let row = |row: &coordinator::Row| (row.name.clone(), row.work);
+                        let row = |row: &coordinator::CourseRow| (row.name.clone(), row.work);
                         answer.ranking.iter().map(row).collect::<Vec<_>>()
                     };
                     let (ours, right) = (work(&answer), work(self.stage.reference));
@@ -123,7 +145,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
                 }
                 state
             }
-            Err(WorkerPoolError::NobodyLeft { .. }) => State::Refused,
+            Err(RunError::WorkerPool(WorkerPoolError::NobodyLeft { .. })) => State::Refused,
             Err(error) => return Err(error.into()),
         };
         report.count(state);
@@ -133,7 +155,7 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
 
     /// Determines which open faults were detected, and which workers were killed without cause.
     pub(super) fn look(&mut self, report: &mut Report) {
-        for incident in self.worker_pool.incidents() {
+        for incident in self.pool().take_incidents() {
             let mut is_known = self.before.contains(&incident.who);
             for open in self.open.iter_mut().filter(|open| open.who == incident.who) {
                 is_known = true;
@@ -157,8 +179,9 @@ impl<'w, F: Fn() -> RankingRun<'w>> Live<'_, F> {
 
     /// When orders were obeyed.
     pub(super) fn obeyed(&mut self, since_ns: u64) {
+        let Some(pool) = self.backend.worker_pool() else { return };
         for open in self.open.iter_mut().filter(|open| open.kind.commanded().is_some()) {
-            let at_ns = self.worker_pool.obeyed_ns(open.who.worker);
+            let at_ns = pool.obeyed_ns(open.who.worker);
             if at_ns >= since_ns && open.struck_ns.is_none() {
                 open.struck_ns = Some(at_ns);
             }

@@ -28,7 +28,7 @@ struct Written {
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) scenario: PathBuf,
-    /// What clients of a service ask: a scenario over a horizon.
+    /// What clients of a service ask.
     pub(crate) asked: PathBuf,
     pub(crate) workers: u8,
     pub(crate) depth: u32,

@@ -13,7 +13,7 @@ use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::fd::AsFd as _;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
-use trolley::{Failure, FailureKind, Horizon};
+use trolley::{Failure, FailureKind, Scenario};
 
 /// How long a service may take to start, and its first client to get an answer (ms).
 pub(super) const START_MS: u64 = 20_000;
@@ -62,7 +62,7 @@ fn system(error: impl std::fmt::Display) -> Failure {
 
 impl Serving {
     /// Prepares a folder; `None` if some bodies are not generated.
-    pub(super) fn prepare(rank: &Rank<'_>, horizon: &Horizon) -> Result<Option<Self>, Failure> {
+    pub(super) fn prepare(rank: &Rank<'_>, scenario: &Scenario) -> Result<Option<Self>, Failure> {
         // The names of sockets in it must be short.
         let place = tempfile::Builder::new().prefix("i").tempdir_in("/dev/shm").map_err(system)?;
         let mut text = format!(
@@ -73,7 +73,7 @@ impl Serving {
             rank.plan.workers
         );
         std::fs::create_dir(place.path().join("shm")).map_err(system)?;
-        for (number, party) in horizon.parsed().parties.iter().enumerate() {
+        for (number, party) in scenario.parsed().parties.iter().enumerate() {
             let Source::Generate { shape, triangles, seed } = party.source else {
                 return Ok(None);
             };
@@ -89,10 +89,10 @@ impl Serving {
         let deployment = place.path().join("deployment.toml");
         std::fs::write(&deployment, text).map_err(system)?;
         // Clients may have another working directory.
-        let scenario = rank.plan.asked.canonicalize().map_err(system)?;
+        let asked = rank.plan.asked.canonicalize().map_err(system)?;
         let rank = rank.program.to_owned();
         let (own_bytes, open, service) = (None, None, None);
-        Ok(Some(Self { rank, scenario, place, deployment, own_bytes, open, service }))
+        Ok(Some(Self { rank, scenario: asked, place, deployment, own_bytes, open, service }))
     }
 
     /// Gives the next service a file system of this size (bytes) for its shared files, which takes

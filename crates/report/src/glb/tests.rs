@@ -13,6 +13,7 @@ pub(crate) fn shot() -> (Shot, Vec<ShotBody>) {
     ];
     let shot = Shot {
         name: "a \"way\" </script>".into(),
+        candidate: "a way".into(),
         bodies: [0, 1],
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [2.0, 0.0, 0.0],

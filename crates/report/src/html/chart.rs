@@ -1,6 +1,7 @@
 //! Small charts as inline SVG: labelled, readable in grey.
 
-use super::{TimelineMoment, Worker, escape, percent};
+use super::{escape, percent};
+use crate::work::Worker;
 use std::fmt::Write as _;
 
 /// Width of every chart, in its own units.
@@ -23,13 +24,8 @@ fn label(x: f64, y: f64, anchor: &str, text: &str) -> String {
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>", escape(text))
 }
 
-fn cut(name: &str) -> String {
-    let cut: String = name.chars().take(28).collect();
-    if cut.len() < name.len() { cut + "…" } else { cut }
-}
-
 /// Nominal value and range of one candidate; `top` is the greatest of all.
-pub(super) fn whisker(work: [f64; 2], range: [f64; 2], top: f64) -> String {
+pub(crate) fn whisker(work: [f64; 2], range: [f64; 2], top: f64) -> String {
     let x = |share: f64| if top > 0.0 { 4.0 + 152.0 * (share / top).max(0.0).sqrt() } else { 4.0 };
     let (low, high, is) = (x(range[0].min(work[0])), x(range[1].max(work[1])), x(work[1]));
     format!(
@@ -45,7 +41,7 @@ pub(super) fn whisker(work: [f64; 2], range: [f64; 2], top: f64) -> String {
 }
 
 /// Stages one after the other.
-pub(super) fn stages(stages: &[(String, f64)]) -> String {
+pub(crate) fn stages(stages: &[(String, f64)]) -> String {
     let total: f64 = stages.iter().map(|(_, ms)| ms).sum();
     let scale = (WIDTH - LEFT - 90.0) / total.max(1e-9);
     let (mut inside, mut at) = (String::new(), 0.0);
@@ -65,36 +61,8 @@ pub(super) fn stages(stages: &[(String, f64)]) -> String {
     svg(22.0 * stages.len() as f64 + 4.0, &inside, "Stages of the request and their times")
 }
 
-/// Jobs done and not needed, by candidate.
-pub(super) fn jobs(jobs: &[(String, u64, u64)]) -> String {
-    let most = jobs.iter().map(|(_, done, cut)| done + cut).max().unwrap_or(0).max(1);
-    let scale = (WIDTH - LEFT - 190.0) / most as f64;
-    let mut inside = String::new();
-    for (row, (name, done, not)) in jobs.iter().enumerate() {
-        let y = 22.0 * row as f64;
-        inside += &label(LEFT - 8.0, y + 15.0, "end", &cut(name));
-        let (a, b) = (*done as f64 * scale, *not as f64 * scale);
-        let _w = write!(
-            inside,
-            "<rect x=\"{LEFT}\" y=\"{0:.1}\" width=\"{a:.1}\" height=\"14\" fill=\"{1}\"/>\
-             <rect x=\"{2:.1}\" y=\"{0:.1}\" width=\"{b:.1}\" height=\"14\" fill=\"{3}\" \
-             opacity=\"0.45\"/>",
-            y + 4.0,
-            COLOURS[0],
-            LEFT + a,
-            COLOURS[6],
-        );
-        let text = match not {
-            0 => format!("{done} done"),
-            not => format!("{done} done, {not} not needed"),
-        };
-        inside += &label(LEFT + a + b + 5.0, y + 15.0, "start", &text);
-    }
-    svg(22.0 * jobs.len() as f64 + 4.0, &inside, "Jobs by candidate")
-}
-
 /// When each worker was at work.
-pub(super) fn workers(workers: &[Worker]) -> String {
+pub(crate) fn workers(workers: &[Worker]) -> String {
     let spans = || workers.iter().flat_map(|worker| &worker.spans);
     let end = spans().map(|span| span.to_ms).fold(0.0, f64::max).max(1e-9);
     let scale = (WIDTH - LEFT - 20.0) / end;
@@ -117,41 +85,4 @@ pub(super) fn workers(workers: &[Worker]) -> String {
     inside += &label(LEFT, y, "start", "0");
     inside += &label(WIDTH - 20.0, y, "end", &format!("{end:.2} ms"));
     svg(y + 6.0, &inside, "Jobs on each worker over time")
-}
-
-/// Work intervals over jobs closed, one band per candidate.
-pub(super) fn moments(moments: &[TimelineMoment], names: &[String]) -> String {
-    let jobs = moments.iter().map(|moment| moment.jobs).max().unwrap_or(1).max(1) as f64;
-    let top = moments.iter().flat_map(|moment| &moment.work).map(|work| work[1]);
-    let top = top.fold(0.0, f64::max).max(1e-12);
-    let (height, right) = (260.0, WIDTH - 180.0);
-    let x = |jobs_then: u64| 50.0 + (right - 50.0) * jobs_then as f64 / jobs;
-    let y = |share: f64| height - (height - 10.0) * (share / top).max(0.0).sqrt();
-    let mut inside = String::new();
-    for (number, name) in names.iter().enumerate() {
-        let own =
-            || moments.iter().filter_map(|m| m.work.get(number).map(|work| (x(m.jobs), *work)));
-        let mut upper = String::new();
-        let mut lower = Vec::new();
-        for (x, work) in own() {
-            let _w = write!(upper, "{x:.1},{:.1} ", y(work[1]));
-            lower.push(format!("{x:.1},{:.1}", y(work[0])));
-        }
-        lower.reverse();
-        let colour = COLOURS[number % COLOURS.len()];
-        let _w = write!(
-            inside,
-            "<polygon points=\"{upper}{}\" fill=\"{colour}\" opacity=\"0.22\"/>\
-             <polyline points=\"{upper}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\"/>",
-            lower.join(" ")
-        );
-        if let Some((_, work)) = own().next_back() {
-            inside += &label(right + 6.0, y(work[1]) + 4.0, "start", &cut(name));
-        }
-    }
-    inside += &label(44.0, 16.0, "end", &format!("{:.1} %", 100.0 * top));
-    inside += &label(44.0, height, "end", "0");
-    inside += &label(50.0, height + 16.0, "start", "0 jobs closed");
-    inside += &label(right, height + 16.0, "end", &format!("{jobs}"));
-    svg(height + 24.0, &inside, "Work interval of each candidate while jobs were closed")
 }

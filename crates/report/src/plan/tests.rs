@@ -3,8 +3,9 @@
 
 use super::drawing::{PlanWindow, TakenRoom, overlap, pose_at};
 use super::*;
+use crate::pictures;
 use geometry::rng::Rng;
-use trolley::{Engine, Horizon, Limits, PlanSample, References};
+use trolley::{Engine, Limits, PlanSample, Run, Scenario};
 
 const SCENE: &str = r#"
 schema = "trolley.scenario/2"
@@ -27,18 +28,51 @@ state = { position_m = [0, 0, 0], speed_m_s = 3 }
 "#;
 
 fn ranked() -> (Answer, Run, PlanScene) {
-    let horizon = Horizon::parse_with("test.toml", SCENE, References::Inside).expect("sound");
+    let scenario = Scenario::parse("test.toml", SCENE).expect("sound");
     let mut engine = Engine::builder().in_process().build().expect("an engine");
     let mut scene = PlanScene::default();
     let limits = Limits::default();
-    let ranking = engine.rank_horizon_drawn(&horizon, &limits, &|_, _| {}, Some(&mut scene));
+    let ranking = engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene));
     let ranking = ranking.expect("it can be ranked");
     (ranking.answer, ranking.run, scene)
 }
 
 fn made(answer: &Answer, run: &Run, scene: &PlanScene) -> String {
-    let scenario = "A \"test\" <script>alert(1)</script>";
-    page(&PlanPage { scenario, answer, run, scene })
+    page(&PlanPage {
+        scenario: "A \"test\" <script>alert(1)</script>",
+        answer,
+        work: &WorkDone::of_run(run),
+        scene,
+        bodies: &[],
+        shots: &[],
+        explanation: Some("1 < 2 & so on"),
+    })
+}
+
+#[test]
+fn every_contact_has_a_picture() {
+    let (answer, run, scene) = ranked();
+    let shots = pictures::shots(&scene, &answer);
+    assert_eq!(shots.len(), 2, "the walker, and then the suv");
+    assert!(shots.iter().all(|shot| shot.candidate == "go on" && shot.patch.is_some()));
+    assert!(shots.iter().all(|shot| shot.hits.iter().all(|hits| !hits.is_empty())));
+    let body = |name: &str| ShotBody { name: name.to_owned(), corners: vec![[[0.0; 3]; 3]; 900] };
+    let bodies = ["sedan", "suv", "pedestrian"].map(body);
+    let text = page(&PlanPage {
+        scenario: "pictures",
+        answer: &answer,
+        work: &WorkDone::of_run(&run),
+        scene: &scene,
+        bodies: &bodies,
+        shots: &shots,
+        explanation: None,
+    });
+    let place_of = |text_: &str| text.find(text_).unwrap_or_else(|| panic!("{text_} is missing"));
+    assert!(place_of("id=\"plan\"") < place_of("id=\"view\""));
+    assert!(place_of("id=\"view\"") < place_of("For engineers"));
+    // Opened and closed: data, plan, library, view.
+    assert_eq!((text.matches("<script").count(), text.matches("</script>").count()), (4, 4));
+    assert!(text.contains("default-src 'none'"));
 }
 
 #[test]

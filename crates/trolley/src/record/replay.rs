@@ -38,8 +38,11 @@ pub struct Replay {
     pub answer: Answer,
     /// Its explanation.
     pub explanation: Option<Explanation>,
-    /// Where everybody is over time, for a picture.
-    pub scene: Option<PlanScene>,
+    /// Where everybody is over time, and what is hit, for pictures.
+    pub scene: PlanScene,
+    /// The bodies of the parties, each once: [`ContactScene`](crate::ContactScene)s name them by
+    /// number.
+    pub bodies: Bodies,
     /// How many jobs it took.
     pub jobs: u64,
     /// The answer as JSON, as it would be recorded.
@@ -132,8 +135,9 @@ impl Record {
         let RankedCourses { answer, explanation, effort, scene, .. } = ranked;
         let jobs = effort.jobs_in_process;
         let json = line(&answer)?;
-        drop(all);
-        Ok(Replay { scenario, answer, explanation, scene, jobs, json })
+        drop((all, views));
+        let scene = scene.unwrap_or_default();
+        Ok(Replay { scenario, answer, explanation, scene, bodies, jobs, json })
     }
 
     /// The texts but for the paths.
