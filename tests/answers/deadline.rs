@@ -2,26 +2,20 @@
 //! and that certain statements agree with the finished run.
 
 use crate::support::{
-    self, Place, answer, builder, instance, json, left_in_shm, library_answer, run, scenario, six,
-    text, trolley,
+    self, Place, answer, builder, instance, json, left_in_shm, library_answer, run, text, trolley,
+    ways,
 };
 use ::trolley::{Engine, EngineBuilder, Limits, Scenario, SearchOrder};
 
 /// Work that no machine finishes within a few milliseconds: a dense body inside an identical one.
 fn heavy() -> String {
-    let crash = |x| support::Crash {
-        shape: "sedan",
-        triangles: 60_000,
-        at: [x, 0.05, 175.0],
-        speeds: [15.0, 12.0],
-    };
-    scenario(60_000, &[crash(4.2), crash(4.0), crash(3.8), crash(3.6)])
+    support::heavy(60_000)
 }
 
 #[test]
 fn a_deadline_far_away_changes_nothing_in_the_answer() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(1500));
+    let path = place.write("ways.toml", &ways(1500));
     let path = path.to_str().unwrap();
     let reference = answer(&run(&["rank", path, "--json", "--in-process"]));
     let ways: &[&[&str]] = &[
@@ -40,7 +34,7 @@ fn a_deadline_far_away_changes_nothing_in_the_answer() {
 #[test]
 fn whose_job_goes_first_changes_nothing_in_the_answer() {
     let place = Place::new();
-    let scenario = Scenario::open(place.write("six.toml", &six(1500))).unwrap();
+    let scenario = Scenario::open(place.write("ways.toml", &ways(1500))).unwrap();
     let here = || Engine::builder().in_process();
     let answer_of = |builder: EngineBuilder, limits: &Limits| {
         library_answer(&mut builder.build().unwrap(), &scenario, limits)
@@ -61,7 +55,7 @@ fn whose_job_goes_first_changes_nothing_in_the_answer() {
 #[test]
 fn the_winner_is_certified_before_all_work_is_done() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(4000));
+    let path = place.write("ways.toml", &ways(4000));
     let path = path.to_str().unwrap();
     let whole = json(&run(&["rank", path, "--json"]));
     assert_eq!(whole["answer"]["state"], "complete");
@@ -107,12 +101,12 @@ fn an_answer_that_is_due_comes_with_bounds_and_says_what_is_missing() {
         assert_eq!(output.status.code(), Some(3), "{way:?}: {}", text(&output.stderr));
         let document = json(&output);
         assert_eq!(document["answer"]["state"], "degraded");
-        assert_eq!(document["answer"]["ranking"].as_array().unwrap().len(), 4);
-        assert_eq!(document["answer"]["missing"].as_array().unwrap().len(), 4);
+        assert_eq!(document["answer"]["ranking"].as_array().unwrap().len(), 16);
+        assert_eq!(document["answer"]["missing"].as_array().unwrap().len(), 16);
         assert_eq!(document["run"]["deadline"]["due_ms"], 1.0);
     }
     // The scenario may set it too; the command line overrides it.
-    let timed = heavy().replace("name = \"test\"", "name = \"test\"\ndeadline_ms = 1");
+    let timed = heavy().replace("name = \"heavy\"", "name = \"heavy\"\ndeadline_ms = 1");
     let path = place.write("timed.toml", &timed);
     let path = path.to_str().unwrap();
     assert_eq!(run(&["rank", path, "--json"]).status.code(), Some(3));
@@ -123,7 +117,7 @@ fn an_answer_that_is_due_comes_with_bounds_and_says_what_is_missing() {
 #[test]
 fn an_early_answer_is_replayed_from_its_record_bit_for_bit() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(2000));
+    let path = place.write("ways.toml", &ways(2000));
     let records = place.path().join("records");
     let (path, folder) = (path.to_str().unwrap(), records.to_str().unwrap());
     let ways: &[&[&str]] = &[
@@ -164,7 +158,7 @@ fn a_request_without_workers_is_answered_by_its_deadline() {
     // Complete, if it was faster than the kill.
     assert!(matches!(output.status.code(), Some(0 | 3)), "{}", text(&output.stderr));
     let document = json(&output);
-    assert_eq!(document["answer"]["ranking"].as_array().unwrap().len(), 4);
+    assert_eq!(document["answer"]["ranking"].as_array().unwrap().len(), 16);
 }
 
 #[test]

@@ -1,122 +1,90 @@
-//! Rankings over a horizon against what is known otherwise: crashes written at impact, and finished
-//! work.
+//! Rankings against what is known otherwise: crashes written early and late, and finished work.
 
 use crate::support::shared;
-use scenario::{MotionState, Party, Source};
-use trolley::{AnswerState, Engine, Horizon, Limits, References, Row, Scenario, Touch};
+use trolley::{AnswerState, ContactRow, Engine, Limits, Scenario};
 
-/// A party as a table of a scenario over a horizon, but for its motion.
-fn table(name: &str, party: &Party, row: &Row) -> String {
-    let Source::Generate { shape, triangles, seed } = &party.source else {
-        panic!("the examples generate their bodies")
+/// A crash as it is shortly after contact: who, where (x, y, yaw), and both speeds.
+type Crash = (&'static str, [f64; 3], [f64; 2]);
+
+const CRASHES: [Crash; 12] = [
+    ("wall", [3.0, 1.2, 4.0], [10.0, 0.0]),
+    ("wall", [2.55, 0.0, 90.0], [10.0, 0.0]),
+    ("wall", [3.0, 1.38, -8.0], [10.0, 0.0]),
+    ("suv", [4.65, 0.3, 0.0], [16.0, 8.0]),
+    ("sedan", [3.18, 0.4, -90.0], [13.0, 6.0]),
+    ("sedan", [4.5, 0.8, 177.0], [13.0, 12.0]),
+    ("truck", [7.0, 0.8, 180.0], [13.0, 12.0]),
+    ("cyclist", [2.51, 0.9, 115.0], [4.0, 7.0]),
+    ("motorcycle", [3.2, 0.1, 150.0], [11.0, 9.0]),
+    ("pedestrian", [2.5, 0.35, 90.0], [12.0, 1.4]),
+    ("pole", [2.4, 0.3, 0.0], [10.0, 0.0]),
+    ("pole", [2.3, -0.6, 12.0], [13.0, 0.0]),
+];
+
+/// A crash, written so much time earlier (s).
+fn text((shape, [x, y, yaw], [ego, other]): Crash, earlier_s: f64) -> String {
+    let [sin, cos] = [yaw.to_radians().sin(), yaw.to_radians().cos()];
+    let (x, y) = (x - other * cos * earlier_s, y - other * sin * earlier_s);
+    let body = |shape: &str| format!("generate = {{ shape = \"{shape}\", triangles = 2000 }}");
+    let motion = if other == 0.0 {
+        format!("place = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = {yaw:?} }}")
+    } else {
+        format!(
+            "state = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = {yaw:?}, speed_m_s = {other:?} }}"
+        )
     };
-    let shape = shape.name();
-    let mut text = format!(
-        "[parties.{name}]\ngenerate = {{ shape = \"{shape}\", triangles = {triangles}, seed = \
-         {seed} }}\n"
-    );
-    if let Some(mass_kg) = party.mass_kg {
-        text += &format!("mass_kg = {mass_kg:?}\n");
-    }
-    if let Some([a_n_m, b_n_m2]) = party.crush {
-        text += &format!("crush = {{ a_n_m = {a_n_m:?}, b_n_m2 = {b_n_m2:?} }}\n");
-    }
-    let aboard = row.persons.iter().filter(|person| *person.party == *party.name);
-    let persons: Vec<String> = aboard
-        .map(|person| person.seat.map_or("{}".into(), |seat| format!("{{ seat = \"{seat}\" }}")))
-        .collect();
-    let is_fixed = ["wall", "pole", "building"].contains(&shape);
-    if !persons.is_empty() {
-        text += &format!("persons = [{}]\n", persons.join(", "));
-    } else if !is_fixed {
-        text += "empty = true\n";
-    }
-    text
+    format!(
+        "schema = \"trolley.scenario/2\"\nname = \"early\"\nhorizon_s = 30\n[parties.ego]\n{}\n\
+         [parties.other]\n{}\n{motion}\n[[candidates]]\nname = \"go on\"\nstate = {{ position_m = \
+         [{:?}, 0, 0], speed_m_s = {ego:?} }}\n",
+        body("sedan"),
+        body(shape),
+        -ego * earlier_s
+    )
 }
 
-/// A state as it was some time earlier (s).
-fn state(key: &str, at: &MotionState, earlier_s: f64) -> String {
-    let [x, y, z] = at.pose.translation;
-    let [vx, vy, _] = at.velocity_m_s.to_array();
-    let [yaw, pitch, roll] = at.angles_deg;
-    let position = format!("[{:?}, {:?}, {z:?}]", x - vx * earlier_s, y - vy * earlier_s);
-    let angles = format!("yaw_deg = {yaw:?}, pitch_deg = {pitch:?}, roll_deg = {roll:?}");
-    if [vx, vy] == [0.0; 2] {
-        return format!("place = {{ position_m = {position}, {angles} }}\n");
-    }
-    format!("{key} = {{ position_m = {position}, {angles}, velocity_m_s = [{vx:?}, {vy:?}] }}\n")
-}
-
-/// Whatever the distance at which a crash is written down, it is the same crash: that which the
-/// form at impact finds from there on.
+/// Whatever the distance at which a crash is written down, it is the same crash.
 #[test]
-fn every_crash_of_the_examples_is_found_however_early_it_is_written() {
+fn every_crash_is_found_however_early_it_is_written() {
+    let mut engine = Engine::builder().in_process().build().unwrap();
     let mut crashes = 0;
-    for example in ["small", "minimal", "demo"] {
-        let at_impact = Scenario::open(format!("../../config/scenarios/{example}.toml")).unwrap();
-        let mut engine = Engine::builder().in_process().build().unwrap();
-        let answer = engine.rank(&at_impact, &Limits::default()).unwrap().answer;
-        let parsed = at_impact.parsed();
-        for candidate in &parsed.candidates {
-            let name = format!("{example}, {}", candidate.name);
-            let row = answer.ranking.iter().find(|row| *row.name == *candidate.name).unwrap();
-            let other = &parsed.parties[candidate.other.party.0];
-            for before_m in [0.2, 1.0, 3.7, 9.0, 20.0] {
-                // Before contact, or before what is given if there is none.
-                let patch = row.contact.patch.as_ref();
-                let first_m = patch.map_or(0.0, |patch| patch.first_m.hi());
-                let contact_s = before_m / row.closing_m_s;
-                let earlier_s = contact_s - first_m / row.closing_m_s;
-                let text = format!(
-                    "schema = \"trolley.scenario/2\"\nname = \"early\"\nhorizon_s = 30\n{}{}{}\
-                     [[candidates]]\nname = \"go on\"\n{}",
-                    table("ego", &parsed.parties[parsed.ego.0], row),
-                    table("other", other, row),
-                    state("state", &candidate.other.state, earlier_s),
-                    state("state", &candidate.ego, earlier_s).replace("place = ", "state = ")
-                );
-                let horizon = Horizon::parse_with("early.toml", &text, References::Inside);
-                let horizon = horizon.unwrap_or_else(|error| panic!("{name}: {error}\n{text}"));
-                let ranking = engine.rank_horizon(&horizon, &Limits::default()).unwrap();
-                assert_eq!(ranking.answer.state, AnswerState::Complete, "{name}");
-                let found = &ranking.answer.ranking[0];
-                if row.contact.touch == Touch::No {
-                    assert!(found.touches_nobody(), "{name}, {before_m} m before: {found:#?}");
-                    continue;
-                }
-                let [contact] = found.contacts.as_slice() else {
-                    panic!("{name}, {before_m} m before: {found:#?}")
-                };
-                let off_s = contact.time_s - contact_s;
-                assert!(off_s.abs() < 1e-6, "{name}, {before_m} m before: {off_s} s off");
-                for person in &row.persons {
-                    let is_ego = person.party == *parsed.parties[parsed.ego.0].name;
-                    let same = |other: &&trolley::PersonRow| {
-                        (other.party == "ego") == is_ego && other.seat == person.seat
-                    };
-                    let now = contact.persons.iter().find(same).unwrap().work.hi();
-                    let then = person.work.hi();
-                    assert!((now - then).abs() <= 1e-3 * then, "{name}: {then} and {now}");
-                }
-                crashes += 1;
+    for crash in CRASHES {
+        let (_, _, [ego, other]) = crash;
+        let mut first: Option<(f64, ContactRow)> = None;
+        for before_m in [1.0, 1.2, 2.0, 3.7, 9.0, 20.0] {
+            let earlier_s = before_m / (ego + other);
+            let scenario = Scenario::parse("early.toml", &text(crash, earlier_s)).unwrap();
+            let answer = engine.rank(&scenario, &Limits::default()).unwrap().answer;
+            assert_eq!(answer.state, AnswerState::Complete, "{crash:?}");
+            let row = answer.ranking.into_iter().next().unwrap();
+            let contact = row.contacts.into_iter().next();
+            let contact = contact.unwrap_or_else(|| panic!("{crash:?}, {before_m} m before"));
+            assert!(!contact.is_at_start, "{crash:?}, {before_m} m before");
+            let at_s = contact.time_s - earlier_s;
+            let (then_s, then) = first.get_or_insert_with(|| (at_s, contact.clone()));
+            assert!((at_s - *then_s).abs() < 1e-6, "{crash:?}: {at_s} and {then_s} s");
+            for (now, then) in contact.persons.iter().zip(&then.persons) {
+                let (now, then) = (now.work.hi(), then.work.hi());
+                assert!((now - then).abs() <= 1e-3 * then, "{crash:?}: {then} and {now}");
             }
+            crashes += 1;
         }
     }
-    assert!(crashes >= 60, "{crashes}");
+    assert_eq!(crashes, 72);
 }
 
 /// However early the answer is due, its bounds hold what the finished work gives.
 #[test]
 fn bounds_of_a_late_answer_hold_the_finished_one() {
-    let horizon = Horizon::open("../../config/scenarios/crossing.toml").unwrap();
+    let scenario = Scenario::open("../../config/scenarios/crossing.toml").unwrap();
     let mut engine = Engine::builder().in_process().build().unwrap();
-    let whole = engine.rank_horizon(&horizon, &Limits::default()).unwrap().answer;
+    let whole = engine.rank(&scenario, &Limits::default()).unwrap().answer;
     let mut states = std::collections::BTreeSet::new();
     // However busy the machine is, the last is enough.
     let dues_ms = (0..120).map(|step| 0.002 * 1.08_f64.powi(step)).chain([60_000.0]);
     for due_ms in dues_ms {
         let limits = Limits::default().with_deadline_ms(due_ms).unwrap();
-        let late = engine.rank_horizon(&horizon, &limits).unwrap().answer;
+        let late = engine.rank(&scenario, &limits).unwrap().answer;
         states.insert(late.state.name());
         for row in &late.ranking {
             let complete = whole.ranking.iter().find(|whole| whole.name == row.name).unwrap();
@@ -137,7 +105,7 @@ fn bounds_of_a_late_answer_hold_the_finished_one() {
 mod shared_data {
     use super::shared;
     use trolley::traffic::{TrafficOptions, import};
-    use trolley::{AnswerState, Engine, Horizon, Limits, References};
+    use trolley::{AnswerState, Engine, Limits, Scenario};
 
     /// "Go on, right 6" drives on into car 399: at an impact with its first opponent it touched
     /// nothing.
@@ -146,10 +114,9 @@ mod shared_data {
     fn who_is_met_later_is_met() {
         let path = shared("scenarios/commonroad/USA_US101-4_1_T-1.xml");
         let imported = import(&path, &TrafficOptions::default()).unwrap();
-        let text = imported.horizon_text.unwrap();
-        let horizon = Horizon::parse_with("us101.toml", &text, References::Inside).unwrap();
+        let scenario = Scenario::parse("us101.toml", &imported.text).unwrap();
         let mut engine = Engine::builder().in_process().build().unwrap();
-        let answer = engine.rank_horizon(&horizon, &Limits::default()).unwrap().answer;
+        let answer = engine.rank(&scenario, &Limits::default()).unwrap().answer;
         assert_eq!(answer.state, AnswerState::Complete);
         let row = answer.ranking.iter().find(|row| row.name == "go on, right 6").unwrap();
         let contact = &row.contacts[0];

@@ -2,7 +2,7 @@
 //! any number of workers, scheme, depth, build, leaf size, buffers and cache, and without workers;
 //! by the program and by the library.
 
-use crate::support::{self, Place, answer, builder, json, library_answer, overrides, run, six};
+use crate::support::{self, Place, answer, builder, json, library_answer, overrides, run, ways};
 use trolley::dispatch_options::{DispatchOptions, TransferMode};
 use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
@@ -18,7 +18,7 @@ fn ranked(path: &str, args: &[&str]) -> std::process::Output {
 #[test]
 fn the_answer_does_not_depend_on_how_the_work_was_done() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(2000));
+    let path = place.write("ways.toml", &ways(2000));
     let path = path.to_str().unwrap();
     let answer_of = |args: &[&str]| ranked(path, args);
     let reference = answer_of(&["--in-process"]);
@@ -50,7 +50,7 @@ fn the_answer_does_not_depend_on_how_the_work_was_done() {
 }
 
 #[test]
-fn an_answer_over_a_horizon_does_not_depend_on_how_the_work_was_done() {
+fn the_answer_to_an_example_does_not_depend_on_how_the_work_was_done() {
     let place = Place::new();
     let crossing = "../../config/scenarios/crossing.toml";
     let text = std::fs::read_to_string(crossing).unwrap();
@@ -72,7 +72,6 @@ fn an_answer_over_a_horizon_does_not_depend_on_how_the_work_was_done() {
         &["--leaf-size", "1"],
         &["--leaf-size", "64"],
         &["--batch", "1", "--queue", "1"],
-        &["--until", "certified"],
         &["--deadline-ms", "60000"],
         &["--in-process", "--depth", "0", "--build", "sah"],
     ];
@@ -80,10 +79,10 @@ fn an_answer_over_a_horizon_does_not_depend_on_how_the_work_was_done() {
         assert_eq!(answer(&answer_of(way)), reference, "{way:?}");
     }
     // As text as well: parsing a number may round it.
-    let horizon = trolley::Horizon::open(path).unwrap();
+    let scenario = Scenario::open(path).unwrap();
     let mut engine = Engine::builder().in_process().build().unwrap();
     for _ in 0..2 {
-        let ranking = engine.rank_horizon(&horizon, &Limits::default()).unwrap();
+        let ranking = engine.rank(&scenario, &Limits::default()).unwrap();
         let by_library = serde_json::to_value(&ranking.answer).unwrap();
         assert_eq!(by_library, document["answer"], "the library and the program");
     }
@@ -92,7 +91,7 @@ fn an_answer_over_a_horizon_does_not_depend_on_how_the_work_was_done() {
 #[test]
 fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(2000));
+    let path = place.write("ways.toml", &ways(2000));
     let scenario = Scenario::open(path).unwrap();
     let answer_of = |builder: EngineBuilder| {
         library_answer(&mut builder.build().unwrap(), &scenario, &Limits::default())
@@ -132,7 +131,7 @@ fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
 #[test]
 fn an_engine_that_is_kept_answers_as_a_new_one_does() {
     let place = Place::new();
-    let scenarios = [six(1200), six(900), six(1200)].map(|text| {
+    let scenarios = [ways(1200), ways(900), ways(1200)].map(|text| {
         let path = place.write("next.toml", &text);
         Scenario::open(path).unwrap()
     });

@@ -11,7 +11,7 @@ mod identical;
 mod oracle;
 mod policy;
 mod record;
-mod record_horizon;
 mod refine;
+mod replay;
 mod sign;
 mod transfer;

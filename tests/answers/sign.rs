@@ -9,13 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Two small bodies: a record of some kilobytes.
-const SMALL: &str = "schema = \"trolley.scenario/1\"\nname = \"small\"\n\
-    [parties]\n\
-    ego = { generate = { shape = \"sedan\", triangles = 600 } }\n\
-    pole = { generate = { shape = \"pole\", triangles = 600 } }\n\
-    [[candidates]]\nname = \"middle\"\n\
-    ego = { position_m = [0, 0, 0], speed_m_s = 8 }\n\
-    other = { party = \"pole\", position_m = [2.4, 0, 0], speed_m_s = 0 }\n";
+const SMALL: &str = "schema = \"trolley.scenario/2\"\nname = \"small\"\n\
+    [parties.ego]\ngenerate = { shape = \"sedan\", triangles = 600 }\n\
+    [parties.pole]\ngenerate = { shape = \"pole\", triangles = 600 }\n\
+    place = { position_m = [10, 0, 0] }\n\
+    [[candidates]]\nname = \"middle\"\nstate = { position_m = [0, 0, 0], speed_m_s = 8 }\n";
 
 fn utf8(path: &Path) -> &str {
     path.to_str().unwrap()

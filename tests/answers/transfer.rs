@@ -1,7 +1,7 @@
 //! The transfer ledger of a real run equals what follows from its job log, recomputed here with a
 //! plain list per core; and the log names each job's sections with the weight that its trees give.
 
-use crate::support::{Place, builder, overrides, six};
+use crate::support::{Place, builder, overrides, ways};
 use coordinator::Hardware;
 use std::collections::BTreeMap;
 use trolley::dispatch_options::{DispatchOptions, log_csv};
@@ -47,7 +47,7 @@ fn recomputed(log: &str, capacity: u64) -> Sums {
 #[test]
 fn the_ledger_equals_its_recomputation_from_the_job_log() {
     let place = Place::new();
-    let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
+    let scenario = Scenario::open(place.write("ways.toml", &ways(2000))).unwrap();
     let dispatch_options = |linger_us, cache_bytes| DispatchOptions {
         linger_us,
         cache_bytes,

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::service::shipped;
-use crate::support::{Place, six, text, trolley, wait_for};
+use crate::support::{Place, text, trolley, wait_for, ways};
 use std::io::Write as _;
 use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ const OF_FOLDERS: [&str; 3] = ["record verify ?", "report ? --out OUT.html", "mo
 fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
     let place = Place::new();
     std::fs::create_dir(place.path().join("folder")).unwrap();
-    place.write("SIX.toml", &six(600));
+    place.write("SIX.toml", &ways(600));
     std::fs::create_dir(place.path().join("RECORDS")).unwrap();
     place.write("POSES", &"1 0 0 0\n0 1 0 0\n0 0 1 0\n".repeat(2));
     place.write("MESH.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -126,9 +126,9 @@ fn what_a_file_names_is_read_with_the_same_care() {
         };
         let key = |key: &str| format!("{key} = \"{name}\"\n[parties.ego]");
         for (number, scenario) in [
-            six(600).replacen("[parties.ego]", &key("policy"), 1),
-            six(600).replacen("[parties.ego]", &key("curves"), 1),
-            six(600).replacen(ego, &format!("file = \"{name}\""), 1),
+            ways(600).replacen("[parties.ego]", &key("policy"), 1),
+            ways(600).replacen("[parties.ego]", &key("curves"), 1),
+            ways(600).replacen(ego, &format!("file = \"{name}\""), 1),
         ]
         .iter()
         .enumerate()

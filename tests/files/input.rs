@@ -1,7 +1,7 @@
 //! Bad input: each kind gives an error with file, place, remedy and exit code, and leaves nothing
 //! behind.
 
-use crate::support::{self, Place, builder, overrides, run, six, text};
+use crate::support::{self, Place, builder, overrides, run, text, ways};
 use trolley::dispatch_options::{DispatchOptions, TransferMode};
 use trolley::{FailureKind, Limits, Scenario};
 
@@ -20,7 +20,7 @@ const BAD: &[Bad] = &[
         code: 65,
     },
     Bad {
-        change: ("[parties.p2]", "[parties.p2]\nmass_kg = -5"),
+        change: ("[parties.suv]", "[parties.suv]\nmass_kg = -5"),
         says: &["bad.toml:", "mass_kg", "help"],
         code: 65,
     },
@@ -30,8 +30,11 @@ const BAD: &[Bad] = &[
         code: 65,
     },
     Bad {
-        change: ("party = \"p2\"", "party = \"p22\""),
-        says: &["bad.toml:", "\"p22\" is not defined", "Did you mean \"p2\"?"],
+        change: (
+            "name = \"way 0\"",
+            "name = \"way 0\"\nreactions = { suvv = { place = { position_m = [25, 0, 0] } } }",
+        ),
+        says: &["bad.toml:", "\"suvv\" is not defined", "Did you mean \"suv\"?"],
         code: 65,
     },
     Bad {
@@ -40,30 +43,29 @@ const BAD: &[Bad] = &[
         code: 65,
     },
     Bad {
-        change: (
-            "generate = { shape = \"suv\", triangles = 600, seed = 2 }",
-            "file = \"no.trolley\"",
-        ),
+        change: ("generate = { shape = \"suv\", triangles = 600 }", "file = \"no.trolley\""),
         says: &["bad.toml:", "no.trolley", "help"],
         code: 65,
     },
     Bad {
-        change: (
-            "generate = { shape = \"suv\", triangles = 600, seed = 2 }",
-            "file = \"bad.toml\"",
-        ),
+        change: ("generate = { shape = \"suv\", triangles = 600 }", "file = \"bad.toml\""),
         says: &["bad.toml", "not a model file", "trolley model import"],
         code: 65,
     },
     Bad { change: ("triangles = 600", "triangles = 6"), says: &["bad.toml:5:", "6"], code: 65 },
-    Bad { change: ("yaw_deg = 175", "yaw_deg = nan"), says: &["bad.toml:"], code: 65 },
+    Bad { change: ("yaw_deg = 180.0", "yaw_deg = nan"), says: &["bad.toml:"], code: 65 },
+    Bad {
+        change: ("trolley.scenario/2", "trolley.scenario/1"),
+        says: &["bad.toml:1:", "trolley.scenario/1", "contacts are found"],
+        code: 65,
+    },
     Bad { change: ("schema = ", "schema ="), says: &[], code: 0 },
 ];
 
 #[test]
 fn each_fault_of_a_scenario_is_named_with_its_place_and_remedy() {
     let place = Place::new();
-    let good = six(600).replace("yaw_deg = 180.0", "yaw_deg = 175");
+    let good = ways(600);
     for Bad { change: (from, to), says, code } in BAD {
         assert!(good.contains(from), "{from}");
         let path = place.write("bad.toml", &good.replacen(from, to, 1));
@@ -80,7 +82,7 @@ fn each_fault_of_a_scenario_is_named_with_its_place_and_remedy() {
 #[test]
 fn a_scenario_without_candidates_is_refused() {
     let place = Place::new();
-    let good = six(600);
+    let good = ways(600);
     let head = &good[..good.find("\n[[candidates]]").unwrap()];
     let path = place.write("none.toml", head);
     let output = run(&["rank", path.to_str().unwrap()]);
@@ -91,7 +93,7 @@ fn a_scenario_without_candidates_is_refused() {
 #[test]
 fn settings_on_the_command_line_obey_the_same_rules() {
     let place = Place::new();
-    let path = place.write("six.toml", &six(600));
+    let path = place.write("ways.toml", &ways(600));
     let path = path.to_str().unwrap();
     for (args, says) in [
         (&["--workers", "0"][..], "workers"),
@@ -116,7 +118,7 @@ fn settings_on_the_command_line_obey_the_same_rules() {
 #[test]
 fn how_jobs_are_handed_out_obeys_rules_too() {
     let place = Place::new();
-    let scenario = Scenario::open(place.write("six.toml", &six(600))).unwrap();
+    let scenario = Scenario::open(place.write("ways.toml", &ways(600))).unwrap();
     let copy = DispatchOptions { transfer: TransferMode::Copy, ..DispatchOptions::default() };
     let none = DispatchOptions::default();
     for (dispatch_options, says) in [
@@ -144,7 +146,7 @@ fn how_jobs_are_handed_out_obeys_rules_too() {
 #[test]
 fn a_copy_that_does_not_fit_ends_the_run_and_says_why() {
     let place = Place::new();
-    let scenario = Scenario::open(place.write("six.toml", &six(2000))).unwrap();
+    let scenario = Scenario::open(place.write("ways.toml", &ways(2000))).unwrap();
     // Capacity for the largest section at this depth, but not for all that one worker needs.
     let dispatch_options = DispatchOptions {
         transfer: TransferMode::Copy,
@@ -169,7 +171,7 @@ fn a_missing_file_a_folder_and_a_bad_instance_name_are_errors() {
         assert_eq!(output.status.code(), Some(65), "{}", text(&output.stderr));
         assert!(text(&output.stderr).contains(&path));
     }
-    let scenario = place.write("six.toml", &six(600));
+    let scenario = place.write("ways.toml", &ways(600));
     let output = support::trolley()
         .args(["rank", scenario.to_str().unwrap(), "--instance", "../../evil"])
         .output()
@@ -187,21 +189,20 @@ fn a_worker_is_not_started_by_hand() {
 #[test]
 fn bodies_that_overlap_from_the_start_are_not_called_free_of_contact() {
     let place = Place::new();
-    let text_ = six(600).replace(
-        "position_m = [4.65, 0.3, 0], yaw_deg = 0.0, speed_m_s = 8.0",
-        "position_m = [0.1, 0.0, 0], yaw_deg = 0.0, speed_m_s = 16.0",
+    let good = ways(600);
+    let first = good.find("[parties.cyclist]").unwrap();
+    let text_ = format!(
+        "{}[parties.suv]\ngenerate = {{ shape = \"suv\", triangles = 600 }}\nplace = {{ position_m = \
+         [0.1, 0, 0] }}\n[[candidates]]\nname = \"stand\"\nstate = {{ position_m = [0, 0, 0], speed_m_s \
+         = 0 }}\n[[candidates]]\nname = \"go\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = 9 }}\n",
+        &good[..first]
     );
-    assert!(text_.contains("[0.1, 0.0, 0]"));
     let path = place.write("overlap.toml", &text_);
     let output = run(&["rank", path.to_str().unwrap(), "--json", "--workers", "1"]);
     let document = support::json(&output);
-    let row = document["answer"]["ranking"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|row| row["name"] == "c2 suv")
-        .unwrap();
-    assert_eq!(row["unevaluable"], "already-overlapping");
+    let rows = document["answer"]["ranking"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["name"] == "stand").unwrap();
+    assert_eq!(row["contacts"][0]["unevaluable"], "already-overlapping");
     for person in row["persons"].as_array().unwrap() {
         assert_eq!((&person["work"][0], &person["work"][1]), (&0.0.into(), &1.0.into()), "{row}");
     }

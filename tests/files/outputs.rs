@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::service::shipped;
-use crate::support::{Place, instance, six, text, trolley};
+use crate::support::{Place, instance, text, trolley, ways};
 use crate::traffic::crossing;
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::os::unix::fs::{MetadataExt as _, symlink};
@@ -53,7 +53,7 @@ fn said(place: &Place, line: &str, out: &str) -> (Option<i32>, String) {
 #[test]
 fn no_command_replaces_what_is_no_regular_file() {
     let place = Place::new();
-    place.write("SIX.toml", &six(600));
+    place.write("SIX.toml", &ways(600));
     place.write("CROSSING.xml", &crossing(0.5, "parkedVehicle"));
     place.write("MESH.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 2 3\nf 1 2 4\nf 1 3 4\n");
     let plan = std::fs::read_to_string(shipped("config/faults/quick.toml")).unwrap();

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::service::shipped;
-use crate::support::{Place, instance, six, text, trolley};
+use crate::support::{Place, instance, text, trolley, ways};
 use crate::traffic::crossing;
 use std::path::Path;
 use std::process::Output;
@@ -40,8 +40,8 @@ fn laid_out() -> Place {
 fn naming(place: &Place, key: &str, path: &str) -> String {
     let line = format!("{key} = \"{path}\"");
     let scenario = match key {
-        "file" => six(600).replacen(EGO, &line, 1),
-        _ => six(600).replacen("[parties.ego]", &format!("{line}\n[parties.ego]"), 1),
+        "file" => ways(600).replacen(EGO, &line, 1),
+        _ => ways(600).replacen("[parties.ego]", &format!("{line}\n[parties.ego]"), 1),
     };
     let at = place.path().join("own/scenario.toml");
     std::fs::write(&at, scenario).unwrap();

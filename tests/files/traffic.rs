@@ -65,27 +65,6 @@ fn manoeuvres_that_meet_nobody_are_ranked_too() {
 }
 
 #[test]
-fn the_former_form_is_written_on_request_and_both_are_records_of_one_chain() {
-    let place = Place::new();
-    let file = place.write("a.xml", &crossing(0.5, "parkedVehicle"));
-    let (file, out) = (file.to_str().unwrap(), place.path().join("a.toml"));
-    let out = out.to_str().unwrap();
-    let made = asked(&["scenario", "import", file, "--at-impact", "-o", out]);
-    assert!(made.status.success(), "{}", text(&made.stderr));
-    assert!(std::fs::read_to_string(out).unwrap().contains("trolley.scenario/1"));
-    let records = place.path().join("records");
-    let records = records.to_str().unwrap();
-    for (number, scenario) in [file, out].into_iter().enumerate() {
-        let recorded = asked(&["rank", scenario, "--in-process", "--record", records]);
-        assert!(recorded.status.success(), "{}", text(&recorded.stderr));
-        let replayed = asked(&["record", "replay", &format!("{records}/{number:06}.record")]);
-        assert!(replayed.status.success(), "{}", text(&replayed.stderr));
-    }
-    let verified = asked(&["record", "verify", records]);
-    assert!(text(&verified.stdout).contains("2 records are intact"), "{}", text(&verified.stderr));
-}
-
-#[test]
 fn what_is_unknown_is_refused_unless_something_is_assumed() {
     let place = Place::new();
     let file = place.write("a.xml", &crossing(0.0, "unknown"));
@@ -108,7 +87,6 @@ fn what_is_no_traffic_file_is_refused_with_place_and_remedy() {
         ("other.xml", "<svg/>".to_owned(), 65, "neither CommonRoad nor OpenSCENARIO"),
         ("train.xml", crossing(0.0, "train"), 65, "no body for \"train\""),
         ("type.xml", crossing(0.0, "ufo"), 65, "obstacle type \"ufo\""),
-        ("over.xml", crossing(0.0, "car").replace("25", "1"), 4, "obstacle 7 overlap"),
         ("big.xml", crossing(0.0, "car").replace("<length>4", "<length>4000"), 65, "4000 m"),
     ];
     for (name, content, code, says) in files {

@@ -8,7 +8,6 @@ use coordinator::{Options, PairWork, WorkerPool, WorkerPoolError};
 use geometry::RelativePose;
 use runtime::clock;
 use rustix::process::Signal;
-use scenario::{FileRef, Overrides};
 
 const MS: u64 = 1_000_000;
 
@@ -17,11 +16,8 @@ fn bodies(place: &Place) -> Bodies {
 }
 
 fn bodies_of(place: &Place, triangles: u32) -> Bodies {
-    let scenario = Scenario::open(place.write("small.toml", &support::six(triangles))).unwrap();
-    let parsed = scenario.parsed();
-    let engine = parsed.engine.apply(&Overrides::default()).unwrap();
-    let find = |_: usize, reference: &FileRef| scenario.path_of(reference);
-    Bodies::of_scenario(parsed, &engine, scenario.file(), &find, SILENT).unwrap()
+    let scenario = Scenario::open(place.write("small.toml", &support::ways(triangles))).unwrap();
+    Bodies::of_scenario(&scenario, SILENT).unwrap()
 }
 
 fn options(instance: &str, workers: usize) -> Options {

@@ -5,7 +5,7 @@
 use crate::support::{self, Place, json, run, text};
 
 fn plan(place: &Place, faults: &str) -> String {
-    let scenario = support::six(600);
+    let scenario = support::ways(600);
     place.write("small.toml", &scenario);
     place.write("ways.toml", &support::ways(600));
     let plan = format!(
@@ -116,7 +116,7 @@ fn run_without_instance(args: &[&str]) -> std::process::Output {
 #[test]
 fn too_few_descriptors_are_found_before_anything_is_made() {
     let place = Place::new();
-    let path = place.write("small.toml", &support::six(600));
+    let path = place.write("small.toml", &support::ways(600));
     let trolley = env!("CARGO_BIN_EXE_trolley");
     let output = std::process::Command::new("/bin/sh")
         .args(["-c", "ulimit -n 60; exec \"$0\" \"$@\"", trolley, "rank", path.to_str().unwrap()])

@@ -166,14 +166,14 @@ fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
     });
     assert!(gone.is_some(), "orphans");
     // The next run, maybe of another test, cleans up what it left.
-    run(&["rank", place.write("small.toml", &support::six(600)).to_str().unwrap()]);
+    run(&["rank", place.write("small.toml", &support::ways(600)).to_str().unwrap()]);
     assert_eq!(left_in_shm(&started.instance), Vec::<String>::new());
 }
 
 #[test]
 fn a_worker_killed_at_start_up_is_seen_at_once_whenever_it_dies() {
     let place = Place::new();
-    let path = place.write("small.toml", &support::six(2_000));
+    let path = place.write("small.toml", &support::ways(2_000));
     let path = path.to_str().unwrap();
     let expected = reference(path);
     for delay in [0, 1, 2, 4, 6, 8, 12, 16, 24, 32] {

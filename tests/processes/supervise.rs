@@ -240,7 +240,7 @@ fn pings_go_on_while_a_long_request_is_worked_on() {
     let text = std::fs::read_to_string(&file).unwrap().replacen("[engine]\n", &deep, 1);
     std::fs::write(&file, text).unwrap();
     let scenario =
-        ::trolley::Horizon::open(place.write("long.toml", &support::long(120_000))).unwrap();
+        ::trolley::Scenario::open(place.write("long.toml", &support::long(120_000))).unwrap();
     let opened = ::trolley::OpenDeployment::open(&file, None).unwrap();
     let ask = opened.ask(&scenario, false).unwrap();
     for extra in [&[][..], &["--in-process"]] {

@@ -111,54 +111,7 @@ pub(crate) fn json(output: &Output) -> serde_json::Value {
     })
 }
 
-/// A candidate between the ego and a party: x, y, yaw, and both speeds.
-pub(crate) struct Crash {
-    pub(crate) shape: &'static str,
-    pub(crate) triangles: u32,
-    pub(crate) at: [f64; 3],
-    pub(crate) speeds: [f64; 2],
-}
-
-/// A scenario of generated bodies.
-pub(crate) fn scenario(ego_triangles: u32, crashes: &[Crash]) -> String {
-    let mut text = format!(
-        "schema = \"trolley.scenario/1\"\nname = \"test\"\n\n[parties.ego]\n\
-         generate = {{ shape = \"sedan\", triangles = {ego_triangles} }}\n"
-    );
-    for (number, crash) in crashes.iter().enumerate() {
-        let Crash { shape, triangles, at: [x, y, yaw], speeds: [ego, other] } = crash;
-        write!(
-            text,
-            "\n[parties.p{number}]\n\
-             generate = {{ shape = \"{shape}\", triangles = {triangles}, seed = {number} }}\n\
-             \n[[candidates]]\nname = \"c{number} {shape}\"\n\
-             ego = {{ position_m = [0, 0, 0], speed_m_s = {ego:?} }}\n\
-             other = {{ party = \"p{number}\", position_m = [{x:?}, {y:?}, 0], \
-             yaw_deg = {yaw:?}, speed_m_s = {other:?} }}\n"
-        )
-        .unwrap();
-    }
-    text
-}
-
-/// Six crashes of all sorts: a near miss, a sideswipe, a rear-end, a side impact, a frontal, a
-/// pedestrian.
-pub(crate) fn six(triangles: u32) -> String {
-    let crash = |shape, at, speeds| Crash { shape, triangles, at, speeds };
-    scenario(
-        triangles,
-        &[
-            crash("cyclist", [2.51, 1.14, 115.0], [4.0, 7.0]),
-            crash("wall", [3.0, 1.2, 4.0], [10.0, 0.0]),
-            crash("suv", [4.65, 0.3, 0.0], [16.0, 8.0]),
-            crash("sedan", [3.18, 0.4, -90.0], [13.0, 6.0]),
-            crash("truck", [7.0, 0.8, 180.0], [13.0, 12.0]),
-            crash("pedestrian", [2.5, 0.35, 90.0], [12.0, 1.4]),
-        ],
-    )
-}
-
-/// Six ways of a car among six parties, over a horizon: each way hits somebody but the last.
+/// Six ways of a car among six parties: each way hits somebody but the last.
 pub(crate) fn ways(triangles: u32) -> String {
     let mut text = format!(
         "schema = \"trolley.scenario/2\"\nname = \"ways\"\nhorizon_s = 3\n\
@@ -199,25 +152,27 @@ pub(crate) fn ways(triangles: u32) -> String {
 /// Deep enough for tens of thousands of jobs: the run takes long on any machine.
 pub(crate) const DEPTH: &str = "17";
 
-/// Work for a while: sixteen deep contacts of the same two bodies.
+/// Work for a while: sixteen ways into a car that stands within the ego already.
 pub(crate) fn heavy(triangles: u32) -> String {
-    let crash = Crash { shape: "sedan", triangles, at: [4.4, 0.0, 175.0], speeds: [15.0, 12.0] };
-    let mut text = scenario(triangles, &[crash]);
-    for number in 1..16 {
-        let y = 0.05 * f64::from(number);
+    let body = format!("generate = {{ shape = \"sedan\", triangles = {triangles} }}");
+    let mut text = format!(
+        "schema = \"trolley.scenario/2\"\nname = \"heavy\"\nhorizon_s = 1\n[parties.ego]\n{body}\n\
+         [parties.p0]\n{body}\nstate = {{ position_m = [4.0, 0.05, 0], yaw_deg = 175, \
+         speed_m_s = 12 }}\n"
+    );
+    for number in 0..16 {
+        let speed = 15.0 + 0.1 * f64::from(number);
         write!(
             text,
-            "\n[[candidates]]\nname = \"more {number}\"\n\
-             ego = {{ position_m = [0, 0, 0], speed_m_s = 15 }}\n\
-             other = {{ party = \"p0\", position_m = [4.4, {y:?}, 0], yaw_deg = 175, \
-             speed_m_s = 12 }}\n"
+            "[[candidates]]\nname = \"way {number}\"\nstate = {{ position_m = [0, 0, 0], \
+             speed_m_s = {speed:?} }}\n"
         )
         .unwrap();
     }
     text
 }
 
-/// Work for a while, over a horizon: sixteen ways between cars that turn, each past several.
+/// Work for a while: sixteen ways between cars that turn, each past several.
 pub(crate) fn long(triangles: u32) -> String {
     let body = format!("generate = {{ shape = \"sedan\", triangles = {triangles} }}");
     let mut text = format!(

@@ -132,8 +132,8 @@ pub(crate) fn deployment(place: &Place, workers: u32, bodies: &[(&str, u32, u32)
 
 /// The bodies of [`ways`](super::ways).
 pub(crate) fn of_ways(triangles: u32) -> Vec<(&'static str, u32, u32)> {
-    let scenario = scenario::HorizonScenario::parse("ways.toml", &super::ways(triangles)).unwrap();
-    let body = |party: &scenario::HorizonParty| match party.source {
+    let scenario = scenario::Scenario::parse("ways.toml", &super::ways(triangles)).unwrap();
+    let body = |party: &scenario::Party| match party.source {
         scenario::Source::Generate { shape, triangles, seed } => {
             (shape.name(), triangles, seed as u32)
         }

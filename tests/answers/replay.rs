@@ -1,4 +1,4 @@
-//! Decision records of rankings over a horizon: replayed in another place they give the same bytes,
+//! Decision records: replayed in another place they give the same bytes,
 //! finished or not; what was changed or exchanged is refused by name.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -7,7 +7,7 @@ use crate::support::{Place, builder, json, run, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use trolley::record::RecordContent;
-use trolley::{AnswerState, Engine, Horizon, Limits, Record, bodies::SILENT};
+use trolley::{AnswerState, Engine, Limits, Record, Scenario, bodies::SILENT};
 
 const CROSSING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/scenarios/crossing.toml");
 
@@ -93,7 +93,7 @@ fn with_paths(place: &Place) -> PathBuf {
 
 /// Whatever the form of the input, its record is enough: the scenario and its paths are gone.
 #[test]
-fn a_record_of_every_form_is_replayed_bit_for_bit_in_another_place() {
+fn a_record_of_every_input_is_replayed_bit_for_bit_in_another_place() {
     let place = Place::new();
     let keys = Keys::new(&place);
     let inputs = [
@@ -150,30 +150,30 @@ fn a_record_of_every_form_is_replayed_bit_for_bit_in_another_place() {
 /// Wherever the deadline strikes, in the search or in a survey, the record says how far work came.
 #[test]
 fn a_late_answer_is_replayed_as_far_as_it_had_come() {
-    let horizon = Horizon::open(CROSSING).unwrap();
+    let scenario = Scenario::open(CROSSING).unwrap();
     for engine in [Engine::builder().in_process(), builder().workers(2)] {
-        replayed_when_late(&horizon, &mut engine.build().unwrap());
+        replayed_when_late(&scenario, &mut engine.build().unwrap());
     }
 }
 
-fn replayed_when_late(horizon: &Horizon, engine: &mut Engine) {
+fn replayed_when_late(scenario: &Scenario, engine: &mut Engine) {
     let place = Place::new();
     let (mut late, mut done) = (std::collections::BTreeSet::new(), 0);
     // However busy the machine is, the first is too short, and the last is enough.
     let dues_ms = (0..30).map(|step| 0.01 * 1.36_f64.powi(step)).chain([60_000.0]);
     for due_ms in dues_ms {
         let limits = Limits::default().with_deadline_ms(due_ms).unwrap().with_record();
-        let ranking = engine.rank_horizon(horizon, &limits).unwrap();
+        let ranking = engine.rank(scenario, &limits).unwrap();
         let file = Record::write(place.path(), &ranking).unwrap();
         let mut record = Record::read(&file).unwrap();
-        let replay = record.replay_horizon(&file, None, SILENT).unwrap();
+        let replay = record.replay(&file, None, SILENT).unwrap();
         assert_eq!(replay.json, record.content.answer, "{due_ms} ms");
         assert_eq!(replay.explanation, ranking.explanation, "{due_ms} ms");
         if ranking.answer.state == AnswerState::Complete {
             done += 1;
             // Had time been over at the first look, less would be known.
             record.content.search.as_mut().unwrap().over_at = Some(0);
-            let less = record.replay_horizon(&file, None, SILENT).unwrap().answer;
+            let less = record.replay(&file, None, SILENT).unwrap().answer;
             assert_ne!(less.state, AnswerState::Complete, "{due_ms} ms");
         } else {
             late.insert(record.content.answer);
@@ -206,7 +206,7 @@ fn what_was_changed_or_exchanged_is_refused_by_name() {
     std::fs::write(&file, &bytes).unwrap();
     // In what it holds.
     let good = Record::read(&file).unwrap();
-    let replayed = |record: &Record| record.replay_horizon(&file, Some(place.path()), SILENT);
+    let replayed = |record: &Record| record.replay(&file, Some(place.path()), SILENT);
     assert_eq!(replayed(&good).unwrap().json, good.content.answer);
     type Change<'c> = (&'c str, &'c dyn Fn(&mut RecordContent));
     let changes: [Change<'_>; 7] = [
@@ -235,12 +235,6 @@ fn what_was_changed_or_exchanged_is_refused_by_name() {
         change(&mut changed.content);
         assert_ne!(replayed(&changed).unwrap().json, good.content.answer);
     }
-    // No page is made of it as if it were of the other form.
-    let page = place.path().join("a.html");
-    let output = command(&["report", path(&file), "--out", path(&page)]);
-    let error = text(&output.stderr);
-    assert_eq!((output.status.code(), page.exists()), (Some(65), false), "{error}");
-    assert!(error.contains("no page and no picture of a ranking over a horizon"), "{error}");
     // In the files beside it.
     let replay = |of: &Path| {
         let models = path(place.path());
