@@ -15,7 +15,7 @@ fn path(path: &Path) -> &str {
 }
 
 /// A scenario with a model file in it, ranked with a record; the folder of records.
-fn recorded(place: &Place, ways: &[&[&str]]) -> PathBuf {
+fn recorded(place: &Place, sets: &[&[&str]]) -> PathBuf {
     let model = place.path().join("suv.trolley");
     let args = ["model", "generate", "suv", "--triangles", "900", "-o", path(&model)];
     let made = command(&args);
@@ -27,9 +27,9 @@ fn recorded(place: &Place, ways: &[&[&str]]) -> PathBuf {
     let scenario = format!("{}{of_file}{}", &good[..from], &good[to..]);
     let scenario = place.write("ways.toml", &scenario);
     let records = place.path().join("records");
-    for way in ways {
+    for options in sets {
         let mut args = vec!["rank", path(&scenario), "--json", "--record", path(&records)];
-        args.extend(*way);
+        args.extend(*options);
         let output = run(&args);
         assert!(output.status.success(), "{}", text(&output.stderr));
     }

@@ -205,7 +205,7 @@ fn the_library_asks_as_the_program_does_and_a_replay_opens_no_path() {
         policy: read(&place.path().join("policy.toml")),
         curves: read(&place.path().join("curves.toml")),
     };
-    let bound = Scenario::of_texts(texts).unwrap();
+    let bound = Scenario::of_texts(texts, Vec::new()).unwrap();
     let failure = engine.rank(&bound, &limits).unwrap_err();
     assert!(failure.to_string().contains("--allow-outside"), "{failure}");
     engine.rank(&bound.with_references(References::Anywhere), &limits).unwrap();

@@ -41,14 +41,17 @@ const BODIES: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Crashes of the sedan: name, whom, where and how fast, the ego's speed (m/s).
-const CRASHES: &[(&str, &str, &str, u32)] = &[
-    ("rear-end the SUV", "suv", "position_m = [4.75, 0.3, 0], speed_m_s = 4", 15),
-    ("side of the truck", "truck", "position_m = [3.4, 1, 0], yaw_deg = 90, speed_m_s = 6", 14),
-    ("oncoming pick-up", "pickup", "position_m = [5, 0.7, 0], yaw_deg = 180, speed_m_s = 12", 13),
-    ("lamp post", "lamp-post", "position_m = [2.3, 0.2, 0], speed_m_s = 0", 13),
-    ("person", "person", "position_m = [2.5, 0.3, 0], yaw_deg = 90, speed_m_s = 1.4", 11),
+/// Crashes of the sedan: name, whom, where it stands in the moment and how fast it goes (m, degrees,
+/// m/s), and the ego's speed (m/s), which is at the origin then.
+const CRASHES: &[(&str, &str, [f64; 2], f64, f64, f64)] = &[
+    ("rear-end the SUV", "suv", [4.75, 0.3], 0.0, 4.0, 15.0),
+    ("side of the truck", "truck", [3.4, 1.0], 90.0, 6.0, 14.0),
+    ("oncoming pick-up", "pickup", [5.0, 0.7], 180.0, 12.0, 13.0),
+    ("lamp post", "lamp-post", [2.3, 0.2], 0.0, 0.0, 13.0),
+    ("person", "person", [2.5, 0.3], 90.0, 1.4, 11.0),
 ];
+/// How long before that moment a scene begins (s).
+const BEFORE_S: f64 = 0.5;
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let workspace = Workspace::find()?;
@@ -81,42 +84,58 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     show(&program, &demo, None, &beside, "demo", &mut page)?;
     let models = workspace.root.join(&options.data).join("models");
     if models.is_dir() {
-        let scenario = real(&program, &models, &folder)?;
-        let records = folder.join("real");
-        let mut command = Command::new(&program);
-        command.args(["rank", "--in-process", "--quiet"]).arg(&scenario);
-        built::output(command.arg("--record").arg(&records))?;
+        let scenes = real(&program, &models, &folder)?;
         page += "\n## Real bodies\n\nMeshes of Project Chrono (BSD-3-Clause), Open Robotics (CC BY \
                  3.0) and ASAM OpenMATERIAL (MPL-2.0);\nwheels are files of their own there and \
                  not shown.\n";
-        show(&program, &records, Some(&folder), &beside, "real", &mut page)?;
+        for (number, scene) in scenes.iter().enumerate() {
+            let records = scene.with_extension("records");
+            let mut command = Command::new(&program);
+            command.args(["rank", "--in-process", "--quiet"]).arg(scene);
+            built::output(command.arg("--record").arg(&records))?;
+            let prefix = format!("real-{}", number + 1);
+            show(&program, &records, Some(&folder), &beside, &prefix, &mut page)?;
+        }
     }
     write(&out, &page)?;
     writeln!(std::io::stdout(), "{}", out.display())?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Imports the bodies and writes the scenario of their crashes.
-fn real(program: &Path, models: &Path, folder: &Path) -> Result<PathBuf> {
-    let mut text = String::from("schema = \"trolley.scenario/1\"\nname = \"Real bodies\"\n");
-    text += "ego = \"sedan\"\n";
+/// Imports the bodies and writes a scenario for each crash.
+fn real(program: &Path, models: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
     for (name, mesh, how) in BODIES {
         let mut command = Command::new(program);
         command.args(["model", "import", "--quiet"]).arg(models.join(mesh));
         command.args(how.split(' ')).arg("-o").arg(folder.join(format!("{name}.trolley")));
         built::output(&mut command)?;
-        let _w = writeln!(text, "[parties.{name}]\nfile = \"{name}.trolley\"");
     }
-    for (name, whom, state, speed) in CRASHES {
-        let _w = writeln!(
-            text,
-            "[[candidates]]\nname = \"{name}\"\nego = {{ position_m = [0, 0, 0], speed_m_s = \
-             {speed} }}\nother = {{ party = \"{whom}\", {state} }}"
+    let scene = |(number, crash): (usize, &(&str, &str, [f64; 2], f64, f64, f64))| {
+        let (name, whom, [x, y], yaw_deg, speed, ego_speed) = crash;
+        let (sin, cos) = f64::to_radians(*yaw_deg).sin_cos();
+        let (x, y) = (x - BEFORE_S * speed * cos, y - BEFORE_S * speed * sin);
+        let motion = if *speed > 0.0 {
+            format!(
+                "state = {{ position_m = [{x:.3}, {y:.3}, 0], yaw_deg = {yaw_deg}, speed_m_s = \
+                 {speed} }}"
+            )
+        } else {
+            format!("place = {{ position_m = [{x:.3}, {y:.3}, 0], yaw_deg = {yaw_deg} }}")
+        };
+        let text = format!(
+            "schema = \"{}\"\nname = \"{name}\"\nego = \"sedan\"\nhorizon_s = 1.5\n\n\
+             [parties.sedan]\nfile = \"sedan.trolley\"\n\n\
+             [parties.{whom}]\nfile = \"{whom}.trolley\"\n{motion}\n\n\
+             [[candidates]]\nname = \"{name}\"\nstate = {{ position_m = [{:.3}, 0, 0], \
+             speed_m_s = {ego_speed} }}\n",
+            scenario::SCHEMA,
+            -BEFORE_S * ego_speed
         );
-    }
-    let path = folder.join("real.toml");
-    write(&path, &text)?;
-    Ok(path)
+        let path = folder.join(format!("real-{}.toml", number + 1));
+        write(&path, &text)?;
+        Ok(path)
+    };
+    CRASHES.iter().enumerate().map(scene).collect()
 }
 
 /// Draws every candidate of a record, least harm first, and adds them to the page.
@@ -142,28 +161,38 @@ fn show(
     let rows = document["answer"]["ranking"].as_array().context("a ranking")?;
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(&stills)?.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
-    files.sort();
+    // Numbers have no leading zeros: by name, "10-…" would come before "2-…".
+    let number = |file: &Path| -> Option<u32> {
+        file.file_name()?.to_str()?.split('-').next()?.parse().ok()
+    };
+    files.retain(|file| file.to_string_lossy().ends_with("-corner.png"));
+    files.sort_by_key(|file| number(file));
+    let mut corners = files.iter();
+    let folder = beside.file_name().map(|name| name.to_string_lossy().into_owned());
+    let folder = folder.unwrap_or_default();
+    let mut drawn = 0;
     for (at, row) in rows.iter().enumerate() {
-        let own = |file: &&PathBuf| {
-            let name = file.file_name().map(|name| name.to_string_lossy().into_owned());
-            name.is_some_and(|name| {
-                name.starts_with(&format!("{}-", at + 1)) && name.ends_with("-corner.png")
-            })
-        };
-        let Some(file) = files.iter().find(own) else { continue };
-        let name = format!("{prefix}-{}.png", at + 1);
-        std::fs::copy(file, beside.join(&name))?;
         let title = row["name"].as_str().unwrap_or_default();
-        let sides = row["sides"].as_str().filter(|sides| !sides.is_empty());
         let harm = 100.0 * row["work"][1].as_f64().unwrap_or_default();
-        let folder = beside.file_name().map(|name| name.to_string_lossy().into_owned());
-        let folder = folder.unwrap_or_default();
-        let _w = writeln!(
-            page,
-            "\n**{}. {title}**: {}, harm {harm:.2} %\n\n![{title}]({folder}/{name})",
-            at + 1,
-            sides.unwrap_or("touches nothing")
-        );
+        let contacts = row["contacts"].as_array().map_or(&[][..], Vec::as_slice);
+        let _w = writeln!(page, "\n**{}. {title}**: harm {harm:.2} %", at + 1);
+        if contacts.is_empty() {
+            let _w = writeln!(page, "\nTouches nobody.");
+        }
+        for contact in contacts {
+            drawn += 1;
+            let file = corners.find(|file| number(file) == Some(drawn));
+            let file = file.with_context(|| format!("no still of contact {drawn}"))?;
+            let name = format!("{prefix}-{drawn}.png");
+            std::fs::copy(file, beside.join(&name))?;
+            let said = format!(
+                "{}, {:.2} s, {}",
+                contact["party"].as_str().unwrap_or_default(),
+                contact["time_s"].as_f64().unwrap_or_default(),
+                contact["severity"].as_str().unwrap_or_default()
+            );
+            let _w = writeln!(page, "\n{said}:\n\n![{title}: {said}]({folder}/{name})");
+        }
     }
     Ok(())
 }

@@ -8,7 +8,6 @@ mod check;
 mod compare;
 mod count;
 mod faults;
-mod follow;
 mod gallery;
 mod machine;
 mod oracle;
@@ -92,15 +91,11 @@ enum Task {
     Corrupt,
     /// Fuzz parsers and decoders with libFuzzer, guided by coverage.
     Fuzz(faults::FuzzOptions),
-    /// Rank alternatives from recorded traffic with real bodies; compare with boxes and a formula.
+    /// Check rankings against exact intersection at dense steps of time.
     ///
-    /// Needs the data, which is not part of this project; writes a page and pictures.
+    /// Files are scenarios, or traffic, of which scenarios are made. Fails if the search missed a
+    /// contact, or invented one.
     Scenarios(scenarios::Options),
-    /// Check rankings over a horizon against exact intersection at dense steps of time.
-    ///
-    /// Files are scenarios over a horizon, or traffic, of which such scenarios are made. Fails if
-    /// the search missed a contact, or invented one.
-    Follow(follow::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
 }
@@ -123,7 +118,6 @@ fn main() -> Result<ExitCode> {
         Task::Corrupt => faults::corrupt(),
         Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
-        Task::Follow(options) => follow::run(&options),
         Task::Gallery(options) => gallery::run(&options),
     }
 }

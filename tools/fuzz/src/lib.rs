@@ -79,12 +79,12 @@ fn traffic(text: &str) {
     let Ok(recording) = traffic::read("fuzz", text, &traffic::ReadOptions::default()) else {
         return;
     };
-    let swept = recording.sweep(&traffic::ManoeuvreSweep::default());
+    let manoeuvres = traffic::Manoeuvres::default();
     let library = LIBRARY.get_or_init(|| {
         traffic::Library::parse("default", traffic::DEFAULT_LIBRARY).expect("it is shipped")
     });
-    if let Ok((text, _)) = traffic::scenario_text("fuzz", &recording, &swept, library) {
-        drop(scenario::Scenario::parse("fuzz", &text));
+    if let Ok((text, _)) = traffic::scenario_text("fuzz", &recording, &manoeuvres, library) {
+        scenario::ScenarioDraft::parse("fuzz", &text).expect("a scenario is written");
     }
 }
 
