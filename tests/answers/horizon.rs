@@ -7,7 +7,7 @@ use trolley::{AnswerState, ContactRow, Engine, Limits, Scenario};
 type Crash = (&'static str, [f64; 3], [f64; 2]);
 
 const CRASHES: [Crash; 12] = [
-    ("wall", [3.0, 1.2, 4.0], [10.0, 0.0]),
+    ("wall", [3.0, 1.2, -4.0], [10.0, 0.0]),
     ("wall", [2.55, 0.0, 90.0], [10.0, 0.0]),
     ("wall", [3.0, 1.38, -8.0], [10.0, 0.0]),
     ("suv", [4.65, 0.3, 0.0], [16.0, 8.0]),

@@ -135,7 +135,11 @@ name = "flank"
 state = { position_m = [0, 0, 0], velocity_m_s = [12, -2.2] }
 [[candidates]]
 name = "wall"
-path = { states = [ { t_s = 0, position_m = [0, 0, 0] }, { t_s = 0.5, position_m = [5, 1, 0], yaw_deg = 12 }, { t_s = 2.5, position_m = [27, 7, 0], yaw_deg = 12 } ] }
+path = { states = [
+  { t_s = 0, position_m = [0, 0, 0] },
+  { t_s = 0.5, position_m = [5, 1, 0], yaw_deg = 12 },
+  { t_s = 2.5, position_m = [27, 7, 0], yaw_deg = 12 },
+] }
 "#;
 
 /// The ranking with all bodies remeshed by a function.

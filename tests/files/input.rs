@@ -192,9 +192,11 @@ fn bodies_that_overlap_from_the_start_are_not_called_free_of_contact() {
     let good = ways(600);
     let first = good.find("[parties.cyclist]").unwrap();
     let text_ = format!(
-        "{}[parties.suv]\ngenerate = {{ shape = \"suv\", triangles = 600 }}\nplace = {{ position_m = \
-         [0.1, 0, 0] }}\n[[candidates]]\nname = \"stand\"\nstate = {{ position_m = [0, 0, 0], speed_m_s \
-         = 0 }}\n[[candidates]]\nname = \"go\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = 9 }}\n",
+        "{}[parties.suv]\ngenerate = {{ shape = \"suv\", triangles = 600 }}\n\
+         place = {{ position_m = [0.1, 0, 0] }}\n\
+         [[candidates]]\nname = \"stand\"\n\
+         state = {{ position_m = [0, 0, 0], speed_m_s = 0 }}\n\
+         [[candidates]]\nname = \"go\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = 9 }}\n",
         &good[..first]
     );
     let path = place.write("overlap.toml", &text_);

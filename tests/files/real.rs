@@ -142,7 +142,11 @@ place = { position_m = [16, -8, 0] }
 
 [[candidates]]
 name = "along the barrier"
-path = { states = [ { t_s = 0, position_m = [0, 0, 0] }, { t_s = 0.5, position_m = [5, 1, 0], yaw_deg = 12 }, { t_s = 3, position_m = [30, 7.4, 0], yaw_deg = 12 } ] }
+path = { states = [
+  { t_s = 0, position_m = [0, 0, 0] },
+  { t_s = 0.5, position_m = [5, 1, 0], yaw_deg = 12 },
+  { t_s = 3, position_m = [30, 7.4, 0], yaw_deg = 12 },
+] }
 [[candidates]]
 name = "into the barrier"
 state = { position_m = [0, 0, 0], velocity_m_s = [10, -2.7] }

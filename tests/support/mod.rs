@@ -120,7 +120,7 @@ pub(crate) fn ways(triangles: u32) -> String {
     let parties = [
         ("cyclist", "state", 18.0, -16.0, 90.0, 1.0),
         ("wall", "place", 22.0, -9.0, 90.0, 0.0),
-        ("suv", "state", 25.0, 0.0, 180.0, 8.0),
+        ("suv", "state", 25.0, 0.0, 180.0, 3.0),
         ("truck", "state", 26.0, 9.0, 180.0, 4.0),
         ("pedestrian", "state", 18.0, 15.0, -90.0, 1.0),
         ("pole", "place", 15.0, 4.0, 0.0, 0.0),

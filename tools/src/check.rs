@@ -92,7 +92,18 @@ const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
 /// The tests that need [`DATA`]: they are ignored, and lie in modules of this name.
 const WITH_DATA: Step = Step {
     name: "data",
-    args: &["test", "--workspace", "--lib", "--test", "files", "--test", "answers", "--", "--ignored", "shared_data::"],
+    args: &[
+        "test",
+        "--workspace",
+        "--lib",
+        "--test",
+        "files",
+        "--test",
+        "answers",
+        "--",
+        "--ignored",
+        "shared_data::",
+    ],
     env: &[],
 };
 

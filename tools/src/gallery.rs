@@ -41,8 +41,8 @@ const BODIES: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Crashes of the sedan: name, whom, where it stands in the moment and how fast it goes (m, degrees,
-/// m/s), and the ego's speed (m/s), which is at the origin then.
+/// Crashes of the sedan: name, whom, where it stands in the moment and how fast it goes (m,
+/// degrees, m/s), and the ego's speed (m/s), which is at the origin then.
 const CRASHES: &[(&str, &str, [f64; 2], f64, f64, f64)] = &[
     ("rear-end the SUV", "suv", [4.75, 0.3], 0.0, 4.0, 15.0),
     ("side of the truck", "truck", [3.4, 1.0], 90.0, 6.0, 14.0),

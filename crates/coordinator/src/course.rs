@@ -44,7 +44,7 @@ mod flags;
 mod history;
 mod persons;
 mod plan_scene;
-mod pursuit;
+mod rounds;
 mod stop;
 #[cfg(any(test, feature = "faults"))]
 mod trial;
@@ -59,14 +59,14 @@ pub use plan_scene::{
     ContactScene, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene,
 };
 #[cfg(test)]
-pub(crate) use pursuit::first_round;
+pub(crate) use rounds::first_round;
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
 
 use assessed_contact::AssessedContact;
 use history::{SearchClock, Surveyor};
 use persons::People;
-use pursuit::Pursuit;
+use rounds::Rounds;
 use way::{Begin, NextContact, Way};
 
 /// One request over a horizon.
@@ -222,17 +222,17 @@ fn follow(
 ) -> Result<RankedCourses, RunError> {
     let is_over = || time.is_over();
     let is_due: Option<&dyn Fn() -> bool> = if time.is_watched() { Some(&is_over) } else { None };
-    let mut pursuit = Pursuit::new(stage, request, until);
+    let mut rounds = Rounds::new(stage, request, until);
     loop {
-        let round = pursuit.search(is_due)?;
-        let round = pursuit.spare(round)?;
+        let round = rounds.search(is_due)?;
+        let round = rounds.spare(round)?;
         if round.meetings.is_empty() {
             break;
         }
-        pursuit.survey(&round, surveyor)?;
+        rounds.survey(&round, surveyor)?;
     }
-    let Pursuit { scenery, people, parameters, courses, mut search, mut effort, reports, .. } =
-        pursuit;
+    let Rounds { scenery, people, parameters, courses, mut search, mut effort, reports, .. } =
+        rounds;
     effort.search = search.effort;
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();

@@ -1,13 +1,12 @@
 //! The coordinator: descends trees, hands out jobs, folds results into an answer.
 //!
 //! ```text
-//! Scenario + bodies --Request::new--> Request
-//! Request --SurveyRun::new--> tasks --front--> jobs
-//!                                ^               |  WorkerPool::run: worker processes
-//!                                |  follow-up    |  run_in_process: this process, one by one
-//!                                |  tasks        v
-//!                                +---- fold <-- hits
-//! SurveyRun::answer --> damage::assess, damage::rank --> Answer
+//! CourseRequest ── rank_courses ──▶ ways ── first contacts ──▶ a round: the next contact of each way
+//!                     ▲ ways beyond them                           │ SurveyRun: tasks, jobs
+//!                     │                                            ▼
+//!                     └─ damage::assess ◀── evidence ◀── fold ◀── hits: WorkerPool::run,
+//!                                                                 or run_in_process, one by one
+//! no contact is left, or none matters ──▶ damage::rank ──▶ Answer
 //! ```
 //!
 //! # Invariants

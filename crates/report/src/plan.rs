@@ -253,9 +253,9 @@ fn ranking(rows: &[(usize, &CourseRow)], body: &mut String) {
     }
     body.push_str(
         "</tbody></table></div><p class=\"key\">#: the place under the policy. harm: the policy's \
-         leading measure; the range is that of what the model does not know, the bar shows both on a scale of \
-         square roots. heavy: the ego leaves \
-         its path and runs out; light: it drives on.</p></section>",
+         leading measure; the range is that of what the model does not know, the bar shows both \
+         on a scale of square roots. heavy: the ego leaves its path and runs out; light: it drives \
+         on.</p></section>",
     );
 }
 

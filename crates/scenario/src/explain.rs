@@ -2,8 +2,8 @@
 //!
 //! The reader's messages are for programmers ("unknown field `suvv`, expected one of `a`, `b`").
 //! Their first words and the names between backticks are used; a message that is not understood is
-//! passed on as it is, so that nothing is lost if the wording changes. `scenario/tests.rs` holds the
-//! wording.
+//! passed on as it is, so that nothing is lost if the wording changes. `scenario/tests.rs` holds
+//! the wording.
 
 use crate::document::{Objection, Path};
 use crate::engine::EngineSettings;

@@ -13,8 +13,8 @@
 //!
 //! # Invariants
 //!
-//! - Whatever [`ScenarioDraft`] returns is in range: finite, known, unique, consistent. Every single
-//!   value of a scenario, made wrong, is refused at its own line: `scenario/tests.rs`.
+//! - Whatever [`ScenarioDraft`] returns is in range: finite, known, unique, consistent. Every
+//!   single value of a scenario, made wrong, is refused at its own line: `scenario/tests.rs`.
 //! - No text makes it panic, and text beyond [`TEXT_BYTES_MAX`] is refused unread:
 //!   `scenario/tests/texts.rs`, `scenario/csv/tests.rs`.
 //! - Whatever it accepts, [`schema`] accepts too: `scenario/tests/texts.rs`.

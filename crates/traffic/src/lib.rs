@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Everything lies in the ground plane, in metres, seconds and radians. A recording states where
-//! every participant is and goes; a scenario has that, and arcs of the ego that friction allows. Who
-//! meets whom is the engine's business. Texts come in and go out; no file is opened here.
+//! every participant is and goes; a scenario has that, and arcs of the ego that friction allows.
+//! Who meets whom is the engine's business. Texts come in and go out; no file is opened here.
 //!
 //! # Invariants
 //!

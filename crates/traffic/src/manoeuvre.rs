@@ -94,9 +94,9 @@ impl Recording {
         self.ego.outline.clone().unwrap_or_else(|| Outline::rectangle(EGO_M[0], EGO_M[1]))
     }
 
-    /// When the outline of the recorded ego first overlaps that of an obstacle, at steps of `step_s`
-    /// counted from its start (s); `None`: never, or nothing is recorded of it. It says when
-    /// something happens in a long recording, and not who touches whom.
+    /// When the outline of the recorded ego first overlaps that of an obstacle, at steps of
+    /// `step_s` counted from its start (s); `None`: never, or nothing is recorded of it. It says
+    /// when something happens in a long recording, and not who touches whom.
     #[must_use]
     pub fn recorded_meeting_s(&self, step_s: f64) -> Option<f64> {
         let outline = self.ego_outline();

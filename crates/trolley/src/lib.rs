@@ -1,12 +1,14 @@
 //! Ranks the manoeuvres left to an automated vehicle by the harm that each would do.
 //!
-//! Given several collisions of which one is unavoidable, this crate answers which of them does
-//! least harm, and how sure that is. Bodies are triangle meshes, contacts are exact, and the policy
-//! that compares the injuries is yours.
+//! A scenario says where everybody is, where they may go, and what the ego could do. This crate
+//! answers whom each candidate meets, when and how hard, which of them does least harm, and how
+//! sure
+//! that is. Bodies are triangle meshes, contacts are exact, and the policy that compares the
+//! injuries is yours.
 //!
 //! # A first ranking
 //!
-//! A scenario names the parties and the candidates: the collisions to choose from. It is TOML, from
+//! A scenario names the parties and the candidates, which are ways of the ego. It is TOML, from
 //! a file ([`Scenario::open`]) or a text ([`Scenario::parse`]). Bodies come from model files or, as
 //! here, are generated.
 //!
@@ -14,23 +16,27 @@
 //! use trolley::{Engine, Limits, Scenario};
 //!
 //! let scenario = Scenario::parse("crash.toml", r#"
-//!     schema = "trolley.scenario/1"
+//!     schema = "trolley.scenario/2"
 //!     name = "Pole or pedestrian"
 //!
 //!     [parties]
 //!     ego = { generate = { shape = "sedan", triangles = 1500 } }
-//!     pole = { generate = { shape = "pole", triangles = 600 } }
-//!     pedestrian = { generate = { shape = "pedestrian", triangles = 800 } }
+//!
+//!     [parties.pole]
+//!     generate = { shape = "pole", triangles = 600 }
+//!     place = { position_m = [12, -1.5, 0] }
+//!
+//!     [parties.pedestrian]
+//!     generate = { shape = "pedestrian", triangles = 800 }
+//!     state = { position_m = [12, -1, 0], yaw_deg = 90, speed_m_s = 1 }
 //!
 //!     [[candidates]]
-//!     name = "brake"
-//!     ego = { position_m = [0, 0, 0], speed_m_s = 9 }
-//!     other = { party = "pedestrian", position_m = [2.5, 0.3, 0], yaw_deg = 90, speed_m_s = 1 }
+//!     name = "straight on"
+//!     state = { position_m = [0, 0, 0], speed_m_s = 9 }
 //!
 //!     [[candidates]]
 //!     name = "swerve"
-//!     ego = { position_m = [0, 0, 0], speed_m_s = 10 }
-//!     other = { party = "pole", position_m = [2.4, 0.3, 0], speed_m_s = 0 }
+//!     state = { position_m = [0, 0, 0], velocity_m_s = [9, -1.2] }
 //! "#)?;
 //!
 //! let mut engine = Engine::builder().in_process().build()?;
@@ -49,9 +55,9 @@
 //!
 //! An answer has a [state](AnswerState). *Complete*: all work is done. *Certified*: work was left
 //! open, but none of it can change the winner. *Degraded*: it could. Each row has two intervals:
-//! [`work`](Row::work) holds the value that the finished work would give, and [`range`](Row::range)
-//! adds what the model itself does not know. A [deadline](Limits::with_deadline_ms) bounds the
-//! time; what is not done by then widens `work`.
+//! [`work`](CourseRow::work) holds the value that the finished work would give, and
+//! [`range`](CourseRow::range) adds what the model itself does not know. A
+//! [deadline](Limits::with_deadline_ms) bounds the time; what is not done by then widens `work`.
 //!
 //! ```
 //! # use trolley::{AnswerState, Engine, Limits, Scenario};

@@ -1,8 +1,9 @@
-//! The explanation of an answer: every figure from contact to rank, and what would change the winner.
+//! The explanation of an answer: every figure from contact to rank, and what would change the
+//! winner.
 //!
 //! Each contact has its chain from speeds to risks. What is added here: which contacts count, how
-//! the risks of a person combine, and what the policy makes of them. Values are copies of those that
-//! decided.
+//! the risks of a person combine, and what the policy makes of them. Values are copies of those
+//! that decided.
 
 use super::persons::People;
 use super::{AssessedContact, Course, counts, harm_by};

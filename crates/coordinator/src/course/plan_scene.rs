@@ -1,5 +1,6 @@
 //! Who is where and when, seen from above, and the bodies at each contact: what pictures of a
-//! ranking are drawn from. It is copied from the courses that were followed, so reactions and run-outs are in it.
+//! ranking are drawn from. It is copied from the courses that were followed, so reactions and
+//! run-outs are in it.
 //!
 //! World frame: metres, x and y as in the scenario. Nothing here ranks.
 

@@ -1,8 +1,8 @@
 //! When work may stop: once no open work can change the winner, or the order.
 //!
 //! What is open may harm everybody, so most work ends early because a way is proven to touch
-//! nobody, or because a contact is bad for sure. The winner itself is always followed to its end: an
-//! answer says whom it meets.
+//! nobody, or because a contact is bad for sure. The winner itself is always followed to its end:
+//! an answer says whom it meets.
 
 use crate::request_limits::Until;
 use damage::rule::Stake;

@@ -112,8 +112,8 @@ impl ScenarioDraft {
         check::draft(file, text)
     }
 
-    /// The CSV files that paths name, in the order in which [`ScenarioDraft::finish`] asks for them;
-    /// one that is named repeatedly stands here repeatedly.
+    /// The CSV files that paths name, in the order in which [`ScenarioDraft::finish`] asks for
+    /// them; one that is named repeatedly stands here repeatedly.
     pub fn files(&self) -> impl Iterator<Item = &FileRef> {
         let predictions = self.parties.iter().flat_map(|draft| &draft.predictions);
         let candidates = self.candidates.iter().flat_map(|candidate| {

@@ -22,7 +22,7 @@ use geometry::DVec3;
 use runtime::clock;
 
 /// The candidates of a request while they are followed.
-pub(super) struct Pursuit<'r> {
+pub(super) struct Rounds<'r> {
     stage: &'r BodySet<'r>,
     request: &'r CourseRequest<'r>,
     pub(super) scenery: Scenery<'r>,
@@ -47,11 +47,11 @@ pub(super) struct Round {
 /// The contacts that come first in the candidates of a request.
 #[cfg(test)]
 pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
-    let mut pursuit = Pursuit::new(stage, request, Until::Complete);
-    pursuit.search(None).expect("they can be assessed").contacts
+    let mut rounds = Rounds::new(stage, request, Until::Complete);
+    rounds.search(None).expect("they can be assessed").contacts
 }
 
-impl<'r> Pursuit<'r> {
+impl<'r> Rounds<'r> {
     pub(super) fn new(
         stage: &'r BodySet<'r>,
         request: &'r CourseRequest<'r>,
