@@ -130,3 +130,51 @@ mod shared_data {
         assert!(ranked >= 7, "{ranked}");
     }
 }
+
+/// The ways that two planners chose: one stops before the car that stands in the way.
+#[test]
+fn solutions_of_planners_are_ranked_beside_the_manoeuvres() {
+    let place = Place::new();
+    let file = place.write("a.xml", &crossing(0.0, "parkedVehicle"));
+    let solution = |name: &str, brake: f64, problem: &str| {
+        let mut states = String::new();
+        for step in 0..=30 {
+            let t = f64::from(step) * 0.1;
+            let t_stop = if brake > 0.0 { (15.0 / brake).min(t) } else { t };
+            let (x, v) = (15.0 * t_stop - 0.5 * brake * t_stop * t_stop, 15.0 - brake * t_stop);
+            states += &format!(
+                "<ksState><x>{x}</x><y>0</y><steeringAngle>0</steeringAngle><velocity>{v}</velocity>\
+                 <orientation>0</orientation><time>{step}</time></ksState>"
+            );
+        }
+        let text = format!(
+            "<CommonRoadSolution benchmark_id=\"KS2:SM1:Test:2020a\"><ksTrajectory \
+             planningProblem=\"{problem}\">{states}</ksTrajectory></CommonRoadSolution>"
+        );
+        place.write(name, &text)
+    };
+    let (hits, stops) = (solution("hits.xml", 0.0, "1"), solution("stops.xml", 7.5, "1"));
+    let args = |more: &[&str]| {
+        let mut args = vec!["rank", file.to_str().unwrap(), "--json", "--in-process"];
+        args.extend(["--solution", hits.to_str().unwrap()]);
+        let mut all: Vec<String> = args.into_iter().map(str::to_owned).collect();
+        all.extend(more.iter().map(|more| (*more).to_owned()));
+        trolley().args(all).output().unwrap()
+    };
+    let output = args(&["--solution", stops.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = answer["answer"]["ranking"].as_array().unwrap();
+    let row = |name: &str| rows.iter().find(|row| row["name"] == name).unwrap();
+    assert_eq!(row("stops")["contacts"].as_array().unwrap().len(), 0);
+    assert_eq!(row("hits")["contacts"][0]["party"], row("go on, straight")["contacts"][0]["party"]);
+    let time = |name: &str| row(name)["contacts"][0]["time_s"].as_f64().unwrap();
+    assert!((time("hits") - time("go on, straight")).abs() < 1e-6);
+
+    let late = args(&["--at", "1"]);
+    assert_eq!(late.status.code(), Some(64), "{}", text(&late.stderr));
+    let other = solution("other.xml", 0.0, "5");
+    let other = args(&["--solution", other.to_str().unwrap()]);
+    assert_eq!(other.status.code(), Some(65), "{}", text(&other.stderr));
+    assert!(text(&other.stderr).contains("other.xml:1:"), "{}", text(&other.stderr));
+}

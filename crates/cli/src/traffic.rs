@@ -14,6 +14,7 @@ Examples:
   trolley scenario import DEU_Gar-1_1_T-1.xml -o gar.toml && trolley rank gar.toml
   trolley scenario import crossing.xml --at 2.5 --brakes 0,8 --laterals=-4,0,4
   trolley scenario import cut-in.xosc --catalog VehicleCatalog.xosc
+  trolley rank crossing.xml --solution mine.xml --solution theirs.xml
 
 Reads CommonRoad 2018b and 2020a, and OpenSCENARIO 1.x where it states world positions. Without -o,
 prints the scenario.";
@@ -71,6 +72,10 @@ pub(crate) struct TrafficArgs {
     /// OpenSCENARIO catalogue; may be repeated.
     #[arg(long, value_name = "FILE")]
     catalog: Vec<PathBuf>,
+    /// Solution of a CommonRoad planner: its way is a candidate, called like the file; may be
+    /// repeated.
+    #[arg(long, value_name = "FILE")]
+    solution: Vec<PathBuf>,
 }
 
 /// A number in a range.
@@ -99,6 +104,7 @@ pub(crate) fn import(
         grip_m_s2: args.grip,
         bodies: args.bodies,
         catalogs: args.catalog,
+        solutions: args.solution,
         references,
     };
     trolley::traffic::import(path, &options)

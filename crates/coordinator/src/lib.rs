@@ -1,7 +1,7 @@
 //! The coordinator: descends trees, hands out jobs, folds results into an answer.
 //!
 //! ```text
-//! CourseRequest ── rank_courses ──▶ ways ── first contacts ──▶ a round: the next contact of each way
+//! CourseRequest ── rank_courses ──▶ ways ── first contacts ──▶ a round: the next one of each way
 //!                     ▲ ways beyond them                           │ SurveyRun: tasks, jobs
 //!                     │                                            ▼
 //!                     └─ damage::assess ◀── evidence ◀── fold ◀── hits: WorkerPool::run,

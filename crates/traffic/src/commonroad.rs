@@ -1,15 +1,18 @@
 //! CommonRoad XML, versions 2018b and 2020a (Althoff, Koschi, Manzinger: CommonRoad, IV 2017; the
 //! schema and manual of each version).
 //!
-//! Read are obstacles and the first planning problem, whose initial state is the ego's; lanes,
+//! Read are obstacles and a planning problem, whose initial state is the ego's; lanes,
 //! signs and goals are not: they do not change who is hit. States may be exact or intervals, of
 //! which the middle is taken and noted. Occupancy sets are refused: a set of positions is not a
 //! position.
 
+use crate::ReadOptions;
 use crate::error::TrafficError;
 use crate::outline::{Outline, OutlinePart, Placed, corners};
-use crate::recording::{Ego, Obstacle, Recording, TimedState, wrapped};
+use crate::recording::{Ego, Obstacle, Planned, Recording, TimedState, wrapped};
 use crate::xml::Element;
+
+mod solution;
 
 /// Types of obstacles in both versions.
 pub(crate) const TYPES: [&str; 17] = [
@@ -45,9 +48,9 @@ const SAME: [f64; 3] = [0.1, 0.05, 0.2];
 /// Reads a file whose root is `commonRoad`.
 pub(crate) fn read(
     root: Element<'_>,
-    ego: Option<&str>,
-    without: &[String],
+    options: &ReadOptions<'_>,
 ) -> Result<Recording, TrafficError> {
+    let without = options.without;
     let version = root.need_attribute("commonRoadVersion")?;
     if !["2018b", "2020a"].contains(&version) {
         return Err(root.fault(
@@ -97,9 +100,22 @@ pub(crate) fn read(
     if phantoms > 0 {
         reader.notes.push(format!("{phantoms} phantom obstacles represent nobody: left out"));
     }
-    let ego = reader.ego(root, ego, &mut others)?;
-    let name = root.attribute("benchmarkID").unwrap_or("CommonRoad").to_owned();
-    Ok(Recording { name, ego, others, notes: reader.notes })
+    let (mut ego, problem) = reader.ego(root, options.ego, &mut others)?;
+    let benchmark = root.attribute("benchmarkID");
+    let mut planned: Vec<Planned> = Vec::new();
+    for source in options.solutions {
+        let (way, outline) = solution::read(source, benchmark, problem, step_s)?;
+        if planned.iter().any(|other| other.name == way.name) {
+            return Err(root.fault(
+                format!("two solutions are called {:?}", way.name),
+                "a solution is called like its file: rename one",
+            ));
+        }
+        ego.outline = ego.outline.or(outline);
+        planned.push(way);
+    }
+    let name = benchmark.unwrap_or("CommonRoad").to_owned();
+    Ok(Recording { name, ego, planned, others, notes: reader.notes })
 }
 
 fn listed(ids: &[&str]) -> String {
@@ -114,12 +130,13 @@ struct Reader {
 }
 
 impl Reader {
-    fn ego(
+    /// The ego, and the id of the planning problem that is its own.
+    fn ego<'d>(
         &mut self,
-        root: Element<'_>,
+        root: Element<'d>,
         asked: Option<&str>,
         others: &mut Vec<Obstacle>,
-    ) -> Result<Ego, TrafficError> {
+    ) -> Result<(Ego, Option<&'d str>), TrafficError> {
         let problems: Vec<Element<'_>> = root.all("planningProblem").collect();
         let is_asked = |problem: &&Element<'_>| asked.is_some() && problem.attribute("id") == asked;
         let problem = problems.iter().find(is_asked);
@@ -131,7 +148,7 @@ impl Reader {
             };
             let ego = others.remove(index);
             let start = ego.track[0];
-            return Ok(Ego { start, outline: Some(ego.outline), went: ego.track });
+            return Ok((Ego { start, outline: Some(ego.outline), went: ego.track }, None));
         }
         let Some(problem) = problem.or(problems.first()) else {
             return Err(root.fault(
@@ -139,11 +156,13 @@ impl Reader {
                 "name the obstacle that is the ego: --ego ID",
             ));
         };
+        let id = problem.attribute("id");
         if asked.is_none() && problems.len() > 1 {
-            let id = problem.attribute("id").unwrap_or("?");
             self.notes.push(format!(
-                "{} planning problems: the first, {id}, is taken as the ego",
-                problems.len()
+                "{} planning problems: the first, {}, is taken as the ego; --ego ID takes \
+                 another",
+                problems.len(),
+                id.unwrap_or("?")
             ));
         }
         let state = problem.need("initialState")?;
@@ -154,14 +173,14 @@ impl Reader {
                 && obstacle.at(start.time_s).is_some_and(|moment| same(&moment, &start))
         };
         let Some(index) = others.iter().position(is_ego) else {
-            return Ok(Ego { start, outline: None, went: Vec::new() });
+            return Ok((Ego { start, outline: None, went: Vec::new() }, id));
         };
         let ego = others.remove(index);
         self.notes.push(format!(
             "obstacle {} starts where the ego does: it is the ego, with its shape and its way",
             ego.id
         ));
-        Ok(Ego { start, outline: Some(ego.outline), went: ego.track })
+        Ok((Ego { start, outline: Some(ego.outline), went: ego.track }, id))
     }
 
     fn obstacle(

@@ -35,7 +35,7 @@ pub use error::TrafficError;
 pub use library::{DEFAULT_LIBRARY, Library};
 pub use manoeuvre::{Manoeuvre, Manoeuvres};
 pub use outline::{Outline, OutlinePart, Placed, overlap};
-pub use recording::{Ego, Obstacle, Recording, TimedState};
+pub use recording::{Ego, Obstacle, Planned, Recording, TimedState};
 pub use scenario_text::{ScenarioTextError, scenario_text};
 pub use xml::TEXT_BYTES_MAX;
 
@@ -47,12 +47,14 @@ pub struct ReadOptions<'a> {
     /// Obstacles to leave out.
     pub without: &'a [String],
     /// Catalogues of OpenSCENARIO.
-    pub catalogs: &'a [Catalog<'a>],
+    pub catalogs: &'a [NamedText<'a>],
+    /// Solutions of CommonRoad's planning problem: ways of the ego to rank beside others.
+    pub solutions: &'a [NamedText<'a>],
 }
 
-/// A catalogue: its name in errors, and its text.
+/// A file beside the recording: its name in errors, and its text.
 #[derive(Clone, Copy, Debug)]
-pub struct Catalog<'a> {
+pub struct NamedText<'a> {
     /// Name of the file.
     pub file: &'a str,
     /// What it says.
@@ -70,8 +72,12 @@ pub fn read(file: &str, text: &str, options: &ReadOptions<'_>) -> Result<Recordi
     let document = xml::Document::parse(file, text)?;
     let root = document.root();
     match root.name() {
-        "commonRoad" => commonroad::read(root, options.ego, options.without),
-        "OpenSCENARIO" => openscenario::read(root, options),
+        "commonRoad" => commonroad::read(root, options),
+        "OpenSCENARIO" if options.solutions.is_empty() => openscenario::read(root, options),
+        "OpenSCENARIO" => Err(root.fault(
+            "solutions are of CommonRoad's planning problems",
+            "leave out --solution, or give the <commonRoad> file that it solves",
+        )),
         other => Err(root.fault(
             format!("this is <{other}>, neither CommonRoad nor OpenSCENARIO"),
             "give a <commonRoad> file of version 2018b or 2020a, or an <OpenSCENARIO> file",

@@ -8,7 +8,7 @@ use crate::error::TrafficError;
 use crate::outline::{Outline, OutlinePart, Placed, corners};
 use crate::recording::{Ego, Obstacle, Recording, TimedState, wrapped};
 use crate::xml::{Document, Element};
-use crate::{Catalog, ReadOptions};
+use crate::{NamedText, ReadOptions};
 use std::collections::BTreeMap;
 
 /// How far ahead everybody's course is drawn (s): beyond any sweep.
@@ -97,7 +97,7 @@ pub(crate) fn read(
     }
     let header = root.get("FileHeader").and_then(|header| header.attribute("description"));
     let name = header.unwrap_or("OpenSCENARIO").chars().take(60).collect::<String>();
-    Ok(Recording { name: name.trim().to_owned(), ego, others, notes })
+    Ok(Recording { name: name.trim().to_owned(), ego, planned: Vec::new(), others, notes })
 }
 
 /// Straight on for the whole horizon.
@@ -151,7 +151,7 @@ impl<'d> Parameters<'d> {
 fn entity_body(
     entity: Element<'_>,
     parameters: &Parameters<'_>,
-    catalogs: &[Catalog<'_>],
+    catalogs: &[NamedText<'_>],
 ) -> Result<(Outline, String), TrafficError> {
     if let Some(reference) = entity.get("CatalogReference") {
         let entry = parameters.plain(reference.need_attribute("entryName")?);

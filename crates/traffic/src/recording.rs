@@ -9,6 +9,8 @@ pub struct Recording {
     pub name: String,
     /// The automated vehicle.
     pub ego: Ego,
+    /// Ways that planners chose for the ego from its start on; first moment first.
+    pub planned: Vec<Planned>,
     /// All other road users and objects that may be hit, in the order of the file.
     pub others: Vec<Obstacle>,
     /// What was taken for something else, in whole sentences.
@@ -23,6 +25,15 @@ pub struct Ego {
     /// Its outline; `None`: not stated in the file.
     pub outline: Option<Outline>,
     /// Where it went, if the file lists it among the obstacles; first moment first.
+    pub went: Vec<TimedState>,
+}
+
+/// A way that a planner chose for the ego.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// Its name: that of its file, without folder and ending.
+    pub name: String,
+    /// Where the ego goes; first moment first, times rise.
     pub went: Vec<TimedState>,
 }
 

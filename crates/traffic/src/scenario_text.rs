@@ -86,7 +86,7 @@ impl Diagnostic for ScenarioTextError {
 ///
 /// `source` is the name of the file, for the header and errors. Candidates are the manoeuvres of
 /// these options, whether or not they meet anybody: "as recorded" if the recording has the
-/// ego, and every arc. Parties are the ego and every obstacle; of more than 32 those are left out
+/// ego, every solution of a planner, and every arc. Parties are the ego and every obstacle; of more than 32 those are left out
 /// that no manoeuvre can reach, the farthest first.
 ///
 /// # Errors
@@ -225,6 +225,25 @@ fn candidates(
             "the ego is not in the recording when manoeuvres begin: \"as recorded\" is left out"
                 .to_owned(),
         ),
+    }
+    for planned in &recording.planned {
+        let name = shortened(&planned.name);
+        let extent = Extent::new(&planned.went, frame.began_s, frame.horizon_s);
+        let Extent::There { moments, ends_s, .. } = extent else {
+            notes.push(format!("the solution \"{name}\" says nothing of that time: left out"));
+            continue;
+        };
+        if let Some(ends_s) = ends_s {
+            notes.push(format!(
+                "the solution \"{name}\" ends after {ends_s:.2} s: it then goes on as in its last \
+                 state"
+            ));
+        }
+        let course = frame.course(&moments, &outline);
+        if let Some(apart_s) = course.thinned_s {
+            notes.push(format!("the solution \"{name}\" {}", thinning(apart_s)));
+        }
+        candidates.push((name, course));
     }
     // The last step may end after the horizon; the way is cut there.
     let steps = (frame.horizon_s / manoeuvres.step_s - 1e-6).ceil() as u32;

@@ -35,7 +35,7 @@ use crate::Failure;
 use crate::files::{self, InputKind};
 use crate::references::References;
 use std::path::{Path, PathBuf};
-use traffic::{Catalog, DEFAULT_LIBRARY, Library, Manoeuvres, ReadOptions, Recording};
+use traffic::{DEFAULT_LIBRARY, Library, Manoeuvres, NamedText, ReadOptions, Recording};
 
 mod document;
 
@@ -73,6 +73,8 @@ pub struct TrafficOptions {
     pub bodies: Option<PathBuf>,
     /// OpenSCENARIO catalogues.
     pub catalogs: Vec<PathBuf>,
+    /// Solutions of CommonRoad planners: ways of the ego that are candidates, too.
+    pub solutions: Vec<PathBuf>,
     /// Which model files the library of bodies may name.
     pub references: References,
 }
@@ -217,17 +219,28 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
     let mut manoeuvres = options.manoeuvres()?;
     let library = options.library()?;
     let source = files::text(path, InputKind::Traffic)?;
-    let mut catalogs = Vec::new();
-    for path in &options.catalogs {
-        catalogs.push((path.display().to_string(), files::text(path, InputKind::Traffic)?));
+    if !options.solutions.is_empty() && options.at_s.is_some_and(|at_s| at_s > 0.0) {
+        let fault = "--at: a solution begins where the ego starts";
+        let help = "leave out --at, or rank without --solution";
+        return Err(Failure::setting(fault).with_remedy(help));
     }
-    let catalogs: Vec<Catalog<'_>> =
-        catalogs.iter().map(|(file, text)| Catalog { file, text }).collect();
-    let read =
-        ReadOptions { ego: options.ego.as_deref(), without: &options.without, catalogs: &catalogs };
+    let texts = |paths: &[PathBuf]| -> Result<Vec<(String, String)>, Failure> {
+        let text = |path: &PathBuf| {
+            Ok((path.display().to_string(), files::text(path, InputKind::Traffic)?))
+        };
+        paths.iter().map(text).collect()
+    };
+    let (catalogs, solutions) = (texts(&options.catalogs)?, texts(&options.solutions)?);
+    let read = ReadOptions {
+        ego: options.ego.as_deref(),
+        without: &options.without,
+        catalogs: &named(&catalogs),
+        solutions: &named(&solutions),
+    };
     let recording = traffic::read(&name, &source, &read)?;
     let mut notes = recording.notes.clone();
     if options.at_s.is_none()
+        && solutions.is_empty()
         && let Some(meets_s) = recording.recorded_meeting_s(manoeuvres.step_s)
         && meets_s > manoeuvres.horizon_s
     {
@@ -240,4 +253,8 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
     let (text, more) = traffic::scenario_text(&name, &recording, &manoeuvres, &library)?;
     notes.extend(more);
     Ok(ImportedTraffic { recording, horizon_s: manoeuvres.horizon_s, text, notes })
+}
+
+fn named(texts: &[(String, String)]) -> Vec<NamedText<'_>> {
+    texts.iter().map(|(file, text)| NamedText { file, text }).collect()
 }

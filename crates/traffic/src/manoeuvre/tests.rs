@@ -10,7 +10,7 @@ fn moment(x: f64, y: f64, yaw: f64, speed_m_s: f64) -> TimedState {
 
 fn recording(ego: TimedState, others: Vec<Obstacle>) -> Recording {
     let ego = Ego { start: ego, outline: None, went: Vec::new() };
-    Recording { name: "test".to_owned(), ego, others, notes: Vec::new() }
+    Recording { name: "test".to_owned(), ego, planned: Vec::new(), others, notes: Vec::new() }
 }
 
 proptest! {

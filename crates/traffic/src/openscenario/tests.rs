@@ -1,6 +1,6 @@
 //! World positions are read, everything else is refused with a reason.
 
-use crate::{Catalog, ReadOptions, read};
+use crate::{NamedText, ReadOptions, read};
 
 const CATALOG: &str = r#"<OpenSCENARIO><Catalog name="V">
 <Vehicle name="car_white" vehicleCategory="car">
@@ -29,7 +29,7 @@ const SMALL: &str = r#"<OpenSCENARIO><FileHeader description="Small"/>
 
 fn small(old: &str, new: &str) -> Result<crate::Recording, crate::TrafficError> {
     assert!(SMALL.contains(old), "{old}");
-    let catalogs = [Catalog { file: "v.xosc", text: CATALOG }];
+    let catalogs = [NamedText { file: "v.xosc", text: CATALOG }];
     let options = ReadOptions { catalogs: &catalogs, ..ReadOptions::default() };
     read("s.xosc", &SMALL.replacen(old, new, 1), &options)
 }

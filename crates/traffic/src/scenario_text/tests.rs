@@ -27,7 +27,7 @@ fn obstacle(id: &str, kind: &str, track: Vec<TimedState>) -> Obstacle {
 fn scene(others: Vec<Obstacle>) -> Recording {
     let start = moment(0.0, [0.0; 2], 0.0, 15.0);
     let ego = Ego { start, outline: None, went: Vec::new() };
-    Recording { name: "a \"name\"".to_owned(), ego, others, notes: Vec::new() }
+    Recording { name: "a \"name\"".to_owned(), ego, planned: Vec::new(), others, notes: Vec::new() }
 }
 
 fn parked(id: &str, at: [f64; 2]) -> Obstacle {

@@ -3,7 +3,7 @@
 use super::{WRITTEN_M, library, motion, off_m, read_back};
 use crate::manoeuvre::began;
 use crate::write::{moved, names};
-use crate::{Catalog, Manoeuvres, ReadOptions, read, scenario_text};
+use crate::{Manoeuvres, NamedText, ReadOptions, read, scenario_text};
 use std::path::{Path, PathBuf};
 
 fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
@@ -18,7 +18,7 @@ fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
 
 /// Makes a scenario, reads it, and compares everybody with the track at recorded times. Returns
 /// what there is in it; `Err`: why there is none.
-fn checked(path: &Path, catalogs: &[Catalog<'_>], after_s: f64) -> Result<String, String> {
+fn checked(path: &Path, catalogs: &[NamedText<'_>], after_s: f64) -> Result<String, String> {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let text = std::fs::read_to_string(path).expect("readable");
     let options = ReadOptions { catalogs, ..ReadOptions::default() };
@@ -71,8 +71,8 @@ fn every_story_is_a_scenario_or_needs_a_road_network() {
             (path.to_string_lossy().into_owned(), text)
         })
         .collect();
-    let catalogs: Vec<Catalog<'_>> =
-        texts.iter().map(|(file, text)| Catalog { file, text }).collect();
+    let catalogs: Vec<NamedText<'_>> =
+        texts.iter().map(|(file, text)| NamedText { file, text }).collect();
     for path in paths.iter().filter(|path| !path.to_string_lossy().ends_with("Catalog.xosc")) {
         match checked(path, &catalogs, 0.0) {
             Ok(made) => eprintln!("{made}"),
