@@ -41,14 +41,53 @@ const BODIES: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Crashes of the sedan: name, whom, where it stands in the moment and how fast it goes (m,
-/// degrees, m/s), and the ego's speed (m/s), which is at the origin then.
-const CRASHES: &[(&str, &str, [f64; 2], f64, f64, f64)] = &[
-    ("rear-end the SUV", "suv", [4.75, 0.3], 0.0, 4.0, 15.0),
-    ("side of the truck", "truck", [3.4, 1.0], 90.0, 6.0, 14.0),
-    ("oncoming pick-up", "pickup", [5.0, 0.7], 180.0, 12.0, 13.0),
-    ("lamp post", "lamp-post", [2.3, 0.2], 0.0, 0.0, 13.0),
-    ("person", "person", [2.5, 0.3], 90.0, 1.4, 11.0),
+/// A crash of the sedan, in the moment when the sedan's origin is that of the world.
+struct Crash {
+    name: &'static str,
+    whom: &'static str,
+    /// Where the other one stands then (m).
+    at_m: [f64; 2],
+    yaw_deg: f64,
+    /// How fast the other one and the sedan go (m/s).
+    speeds_m_s: [f64; 2],
+}
+
+const CRASHES: &[Crash] = &[
+    Crash {
+        name: "rear-end the SUV",
+        whom: "suv",
+        at_m: [4.75, 0.3],
+        yaw_deg: 0.0,
+        speeds_m_s: [4.0, 15.0],
+    },
+    Crash {
+        name: "side of the truck",
+        whom: "truck",
+        at_m: [3.4, 1.0],
+        yaw_deg: 90.0,
+        speeds_m_s: [6.0, 14.0],
+    },
+    Crash {
+        name: "oncoming pick-up",
+        whom: "pickup",
+        at_m: [5.0, 0.7],
+        yaw_deg: 180.0,
+        speeds_m_s: [12.0, 13.0],
+    },
+    Crash {
+        name: "lamp post",
+        whom: "lamp-post",
+        at_m: [2.3, 0.2],
+        yaw_deg: 0.0,
+        speeds_m_s: [0.0, 13.0],
+    },
+    Crash {
+        name: "person",
+        whom: "person",
+        at_m: [2.5, 0.3],
+        yaw_deg: 90.0,
+        speeds_m_s: [1.4, 11.0],
+    },
 ];
 /// How long before that moment a scene begins (s).
 const BEFORE_S: f64 = 0.5;
@@ -110,8 +149,8 @@ fn real(program: &Path, models: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
         command.args(how.split(' ')).arg("-o").arg(folder.join(format!("{name}.trolley")));
         built::output(&mut command)?;
     }
-    let scene = |(number, crash): (usize, &(&str, &str, [f64; 2], f64, f64, f64))| {
-        let (name, whom, [x, y], yaw_deg, speed, ego_speed) = crash;
+    let scene = |(number, crash): (usize, &Crash)| {
+        let Crash { name, whom, at_m: [x, y], yaw_deg, speeds_m_s: [speed, ego_speed] } = crash;
         let (sin, cos) = f64::to_radians(*yaw_deg).sin_cos();
         let (x, y) = (x - BEFORE_S * speed * cos, y - BEFORE_S * speed * sin);
         let motion = if *speed > 0.0 {
