@@ -172,7 +172,7 @@ fn solutions_of_planners_are_ranked_beside_the_manoeuvres() {
     assert!((time("hits") - time("go on, straight")).abs() < 1e-6);
 
     let late = args(&["--at", "1"]);
-    assert_eq!(late.status.code(), Some(64), "{}", text(&late.stderr));
+    assert_eq!(late.status.code(), Some(78), "{}", text(&late.stderr));
     let other = solution("other.xml", 0.0, "5");
     let other = args(&["--solution", other.to_str().unwrap()]);
     assert_eq!(other.status.code(), Some(65), "{}", text(&other.stderr));
