@@ -40,29 +40,25 @@ impl Live<'_> {
         };
         match kind {
             Kind::Kill | Kind::KillAll => shoot(within_ns, Deed::Kill),
-            Kind::KillIdle | Kind::KillAtStart => {
+            Kind::KillIdle => {
                 if let Ok(held) = Held::of(pid) {
                     self.open[number].struck_ns = Some(clock::now_ns());
                     held.signal(KILL)?;
                 }
-                if kind == Kind::KillAtStart {
-                    // Its replacement is killed before it greets, or shortly after.
-                    let _mended = self.mend_pool()?;
-                    self.look_at_start(number);
-                    let next = self.pool().roster()[usize::from(who.worker)];
-                    let after_ns = self.rng.below(20_000_000);
-                    if next.0 != who
-                        && let Ok(at) = Held::of(next.1)
-                    {
-                        self.open[number].who = next.0;
-                        self.open[number].seen_ns = None;
+            }
+            Kind::KillAtStart => {
+                // Its replacement is killed before it greets, or shortly after.
+                let after_ns = self.rng.below(20_000_000);
+                if let Some((next, pid)) = self.successor(who, pid, 0, report)? {
+                    self.open[number].who = next;
+                    if let Ok(at) = Held::of(pid) {
                         planned.shots.push(Shot { number, at, after_ns, deed: Deed::Kill });
                     }
                 }
             }
             Kind::StopBeforeExec => {
                 // Its replacement stops on its way from fork to exec.
-                if let Some((next, _)) = self.stop_successor(who, pid, report)? {
+                if let Some((next, _)) = self.successor(who, pid, 1, report)? {
                     self.open[number].who = next;
                     self.open[number].struck_ns = Some(clock::now_ns());
                 }
@@ -72,7 +68,7 @@ impl Live<'_> {
                 // Measuring took its place.
                 let (who, pid) = self.pool().roster()[usize::from(who.worker)];
                 let call = 1 + self.rng.below(calls);
-                if let Some((next, pid)) = self.stop_successor(who, pid, report)? {
+                if let Some((next, pid)) = self.successor(who, pid, 1, report)? {
                     self.open[number].who = next;
                     planned.traces.push(Trace { number, pid, call });
                 }
@@ -118,11 +114,13 @@ impl Live<'_> {
         Ok(())
     }
 
-    /// Kills a worker, and starts a successor that stops before exec; `None` if there is none.
-    fn stop_successor(
+    /// Kills a worker, and starts a successor, which stops before exec if `stopped` is 1; `None` if
+    /// there is none.
+    fn successor(
         &mut self,
         who: Incarnation,
         pid: u32,
+        stopped: u32,
         report: &mut Report,
     ) -> Result<Option<(Incarnation, u32)>, Failure> {
         // Otherwise another worker's successor might be the one that stops.
@@ -133,7 +131,7 @@ impl Live<'_> {
             // Its end is asked for once, below.
             still_alive(&[held], clock::now_ns());
         }
-        self.pool().stop_next_starts(1);
+        self.pool().stop_next_starts(stopped);
         let mended = self.mend_pool()?;
         self.pool().stop_next_starts(0);
         let next = mended.started.into_iter().find(|next| next.worker == who.worker);
@@ -148,7 +146,7 @@ impl Live<'_> {
         report: &mut Report,
     ) -> Result<Option<u64>, Failure> {
         if self.calls_of_start.is_none() {
-            let Some((next, pid)) = self.stop_successor(who, pid, report)? else {
+            let Some((next, pid)) = self.successor(who, pid, 1, report)? else {
                 return Ok(None);
             };
             let has_greeted = AtomicBool::new(false);
@@ -167,10 +165,5 @@ impl Live<'_> {
             report.note_end(next);
         }
         Ok(self.calls_of_start)
-    }
-
-    /// The death of the first worker at start-up does not count.
-    fn look_at_start(&mut self, number: usize) {
-        self.open[number].seen_ns = None;
     }
 }

@@ -172,7 +172,9 @@ impl Live<'_> {
             );
             if is_end && !is_known && report.note_end(incident.who) {
                 report.false_kills += 1;
-                tracing::warn!(?incident, "a healthy worker was killed");
+                let open: Vec<_> =
+                    self.open.iter().map(|open| (open.kind.name(), open.who)).collect();
+                tracing::warn!(?incident, ?open, before = ?self.before, "a healthy worker was killed");
             }
         }
     }
