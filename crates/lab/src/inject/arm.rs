@@ -44,6 +44,8 @@ impl Live<'_> {
                 if let Ok(held) = Held::of(pid) {
                     self.open[number].struck_ns = Some(clock::now_ns());
                     held.signal(KILL)?;
+                    // Its successor must not be started in the place of another one.
+                    still_alive(&[held], clock::now_ns());
                 }
             }
             Kind::KillAtStart => {
