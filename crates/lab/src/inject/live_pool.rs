@@ -174,7 +174,8 @@ impl Live<'_> {
                 report.false_kills += 1;
                 let open: Vec<_> =
                     self.open.iter().map(|open| (open.kind.name(), open.who)).collect();
-                tracing::warn!(?incident, ?open, before = ?self.before, "a healthy worker was killed");
+                let before = &self.before;
+                tracing::warn!(?incident, ?open, ?before, "a healthy worker was killed");
             }
         }
     }

@@ -13,7 +13,8 @@ const SCENE: &str = "<commonRoad commonRoadVersion='2020a' timeStepSize='0.1' \
     <velocity><exact>5</exact></velocity></initialState></planningProblem></commonRoad>";
 
 /// Of a kinematic single-track model for the first, of a point mass for the second.
-const SOLUTION: &str = "<CommonRoadSolution benchmark_id='[KS3,PM1]:[SM1,SM1]:ZAM_Two-1_1_T-1:2020a'>
+const SOLUTION: &str = "<CommonRoadSolution \
+    benchmark_id='[KS3,PM1]:[SM1,SM1]:ZAM_Two-1_1_T-1:2020a'>
 <ksTrajectory planningProblem='7'>
 <ksState><x>1</x><y>2</y><steeringAngle>0</steeringAngle><velocity>10</velocity>\
 <orientation>0</orientation><time>0</time></ksState>
