@@ -143,8 +143,8 @@ fn solutions_of_planners_are_ranked_beside_the_manoeuvres() {
             let t_stop = if brake > 0.0 { (15.0 / brake).min(t) } else { t };
             let (x, v) = (15.0 * t_stop - 0.5 * brake * t_stop * t_stop, 15.0 - brake * t_stop);
             states += &format!(
-                "<ksState><x>{x}</x><y>0</y><steeringAngle>0</steeringAngle><velocity>{v}</velocity>\
-                 <orientation>0</orientation><time>{step}</time></ksState>"
+                "<ksState><x>{x}</x><y>0</y><steeringAngle>0</steeringAngle>\
+                 <velocity>{v}</velocity><orientation>0</orientation><time>{step}</time></ksState>"
             );
         }
         let text = format!(

@@ -85,9 +85,9 @@ impl Diagnostic for ScenarioTextError {
 /// assumed or left out, in whole sentences.
 ///
 /// `source` is the name of the file, for the header and errors. Candidates are the manoeuvres of
-/// these options, whether or not they meet anybody: "as recorded" if the recording has the
-/// ego, every solution of a planner, and every arc. Parties are the ego and every obstacle; of more than 32 those are left out
-/// that no manoeuvre can reach, the farthest first.
+/// these options, whether or not they meet anybody: "as recorded" if the recording has the ego,
+/// every solution of a planner, and every arc. Parties are the ego and every obstacle; of more than
+/// 32 those are left out that no manoeuvre can reach, the farthest first.
 ///
 /// # Errors
 ///

@@ -23,7 +23,8 @@ const SOLUTION: &str = "<CommonRoadSolution \
 </ksTrajectory>
 <pmTrajectory planningProblem='8'>
 <pmState><x>50</x><y>2</y><xVelocity>3</xVelocity><yVelocity>4</yVelocity><time>0</time></pmState>
-<pmState><x>50.2</x><y>2.3</y><xVelocity>0</xVelocity><yVelocity>0</yVelocity><time>1</time></pmState>
+<pmState><x>50.2</x><y>2.3</y><xVelocity>0</xVelocity><yVelocity>0</yVelocity><time>1</time>\
+</pmState>
 </pmTrajectory>
 </CommonRoadSolution>";
 
