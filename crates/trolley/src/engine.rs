@@ -147,8 +147,9 @@ impl Engine {
         backend.and_then(Backend::worker_pool).map(WorkerPool::pids).unwrap_or_default()
     }
 
-    /// Returns which worker got which job in the last ranking, if
-    /// [`DispatchOptions::log`](crate::dispatch_options::DispatchOptions::log) is set.
+    /// Returns which worker got which job in the last round of contacts of the last ranking, if
+    /// [`DispatchOptions::log`](crate::dispatch_options::DispatchOptions::log) is set. Numbers of
+    /// jobs begin anew with each round.
     ///
     /// ```no_run
     /// # use trolley::{Engine, Limits, Scenario};

@@ -72,7 +72,7 @@ pub(crate) struct MeasureArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "in_process")]
     job_log: Option<PathBuf>,
     /// With --scenario: which candidate's job is sent next.
-    #[arg(long, alias = "rounds", value_name = "NAME",
+    #[arg(long, alias = "pursuit", value_name = "NAME",
           value_parser = named(SearchOrder::ALL, SearchOrder::name))]
     search_order: Option<SearchOrder>,
     #[command(flatten)]
