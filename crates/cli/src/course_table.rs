@@ -27,6 +27,8 @@ pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
 /// "1.62 s pedestrian, light" for each contact, one a line; or how near the ego comes to whom.
 fn meets(row: &CourseRow) -> String {
     let mut lines: Vec<String> = row.contacts.iter().map(contact).collect();
+    lines.extend(row.parts_from.iter().map(|party| format!("0.00 s {party}, they part")));
+    lines.extend(row.maybe_inside.iter().map(|party| format!("0.00 s {party}? not decided")));
     if let Some(from_s) = row.open_from_s {
         lines.push(format!("not known after {from_s:.2} s"));
     } else if lines.is_empty() {
@@ -82,6 +84,9 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     let free: Vec<&str> =
         answer.ranking.iter().filter(|row| row.touches_nobody()).map(|row| &*row.name).collect();
     lines.push(match free.as_slice() {
+        [] if answer.ranking.iter().any(CourseRow::hits_nobody) => {
+            format!("No way is free of contact from the start on. Least harm: {}.", first.name)
+        }
         [] => format!("Every way hits somebody, as far as is known. Least harm: {}.", first.name),
         free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
     });
@@ -138,7 +143,7 @@ pub(crate) fn courses(answer: &Answer) -> String {
         for contact in &row.contacts {
             lines.extend(contact_lines(contact));
         }
-        if row.contacts.is_empty() && row.open_from_s.is_none() {
+        if row.touches_nobody() {
             lines.push("   Touches nobody: proven for every triangle and every time.".to_owned());
         }
         if let Some(from_s) = row.open_from_s {

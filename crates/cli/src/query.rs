@@ -203,7 +203,8 @@ fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     if place.flags & flag::OPEN != 0 {
         lines.push(format!("not known after {:.2} s", place.open_from_s));
     } else if lines.is_empty() {
-        lines.push("nobody".to_owned());
+        let is_free = place.flags & flag::TOUCHES_NOBODY != 0;
+        lines.push(if is_free { "nobody" } else { "nobody after the start" }.to_owned());
     }
     lines.join("\n")
 }
@@ -224,7 +225,11 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
     let name = |place: &WirePlace| name_of(scenario, place.candidate);
     let free: Vec<&str> = answer.ranking().iter().filter(free).map(name).collect();
     let best = answer.ranking().first().map_or("?", name);
+    let hits_nobody = |place: &WirePlace| place.contact_count == 0 && place.flags & flag::OPEN == 0;
     let first = match free.as_slice() {
+        [] if answer.ranking().iter().any(hits_nobody) => {
+            format!("No way is free of contact from the start on. Least harm: {best}.")
+        }
         [] => format!("Every way hits somebody, as far as is known. Least harm: {best}."),
         free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
     };

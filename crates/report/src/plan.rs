@@ -124,6 +124,9 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
         bdi(scenario.trim_end_matches('.')),
         if count == 1 { " is" } else { "s are" },
         match free {
+            0 if rows.iter().any(|(_, row)| row.hits_nobody()) => {
+                "none is free of contact from the start on".to_owned()
+            }
             0 => "each hits somebody, as far as is known".to_owned(),
             1 => "1 touches nobody".to_owned(),
             free => format!("{free} touch nobody"),
@@ -178,6 +181,9 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
 /// What a way comes to, in a sentence or two.
 fn happens(row: &CourseRow) -> String {
     let mut text = match (row.contacts.as_slice(), row.open_from_s) {
+        ([], None) if !row.touches_nobody() => {
+            "It hits nobody, but is or may be in contact at the start: see its notes.".to_owned()
+        }
         ([], None) => "It touches nobody until the end of its way: proven for every triangle and \
                        every time."
             .to_owned(),
@@ -230,7 +236,8 @@ fn ranking(rows: &[(usize, &CourseRow)], body: &mut String) {
             .collect();
         match row.open_from_s {
             Some(from_s) => meets.push(format!("not known after {from_s:.2} s")),
-            None if meets.is_empty() => meets.push("nobody".to_owned()),
+            None if row.touches_nobody() => meets.push("nobody".to_owned()),
+            None if meets.is_empty() => meets.push("nobody after the start".to_owned()),
             None => {}
         }
         let _w = write!(

@@ -58,6 +58,11 @@ pub struct CourseRow {
     /// Whom the ego meets until the end of its way, in the order of time. Empty: it touches nobody,
     /// which is proven where [`CourseRow::open_from_s`] is `None`.
     pub contacts: Vec<ContactRow>,
+    /// Parties that the ego is in contact with at the start, and parts from: no crash.
+    pub parts_from: Vec<String>,
+    /// Parties of which it was not decided whether they or the ego lie inside each other at the
+    /// start.
+    pub maybe_inside: Vec<String>,
     /// From this time on (s) it is not known whom the ego meets; `None`: all is known.
     pub open_from_s: Option<f64>,
     /// Everybody who is harmed or may be, over all contacts together.
@@ -154,9 +159,15 @@ pub struct CoursePersonRow {
 }
 
 impl CourseRow {
-    /// Whether the ego touches nobody until the end of its way: proven.
+    /// Whether the ego touches nobody from the start to the end of its way: proven.
     #[must_use]
     pub fn touches_nobody(&self) -> bool {
+        self.hits_nobody() && self.parts_from.is_empty() && self.maybe_inside.is_empty()
+    }
+
+    /// Whether the ego hits nobody, though it may be in contact with somebody at the start.
+    #[must_use]
+    pub fn hits_nobody(&self) -> bool {
         self.contacts.is_empty() && self.open_from_s.is_none()
     }
 }
@@ -362,6 +373,10 @@ fn row(
         velocity_m_s: leg.run_out.velocity_m_s,
         length_m: leg.run_out.length_m(),
     });
+    let names = |parties: &[usize]| -> Vec<String> {
+        let name = |party: &usize| scenery.scenario.parties[*party].name.to_string();
+        parties.iter().map(name).collect()
+    };
     let persons = harm.persons.iter().map(|risk| {
         let person = &people.list[risk.id.0];
         CoursePersonRow {
@@ -380,6 +395,8 @@ fn row(
         certain: place.certain,
         why,
         contacts: course.contacts.iter().map(|contact| contact_row(scenery, contact)).collect(),
+        parts_from: names(&course.way.passed_at_start),
+        maybe_inside: names(&course.way.undecided_at_start),
         open_from_s: course.open_from_s(),
         persons: persons.collect(),
         energy_j: harm.energy_j,

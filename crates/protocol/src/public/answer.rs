@@ -147,7 +147,9 @@ impl Reason {
 
 /// Bits of [`WirePlace::flags`] and of [`WireContact::flags`].
 pub mod flag {
-    /// Of a place: the ego touches nobody until the end of its way. Proven.
+    /// Of a place: the ego touches nobody from the start to the end of its way. Proven. Without
+    /// this flag, [`OPEN`] and contacts, it is or may be in contact with somebody at the start, and
+    /// they part.
     pub const TOUCHES_NOBODY: u32 = 1;
     /// According to the model it certainly comes before the next.
     pub const CERTAIN: u32 = 2;
