@@ -1,8 +1,8 @@
 //! CommonRoad XML, versions 2018b and 2020a (Althoff, Koschi, Manzinger: CommonRoad, IV 2017; the
 //! schema and manual of each version).
 //!
-//! Read are obstacles and a planning problem, whose initial state is the ego's; lanes,
-//! signs and goals are not: they do not change who is hit. States may be exact or intervals, of
+//! Read are obstacles and a planning problem, whose initial state is the ego's; lanes, signs and
+//! goals are not: they do not change who is hit. States may be exact or intervals, of
 //! which the middle is taken and noted. Occupancy sets are refused: a set of positions is not a
 //! position.
 
@@ -104,14 +104,32 @@ pub(crate) fn read(
     let benchmark = root.attribute("benchmarkID");
     let mut planned: Vec<Planned> = Vec::new();
     for source in options.solutions {
-        let (way, outline) = solution::read(source, benchmark, problem, step_s)?;
+        let times = (ego.start.time_s, step_s);
+        let (way, outline) = solution::read(source, benchmark, problem, times)?;
         if planned.iter().any(|other| other.name == way.name) {
             return Err(root.fault(
                 format!("two solutions are called {:?}", way.name),
                 "a solution is called like its file: rename one",
             ));
         }
-        ego.outline = ego.outline.or(outline);
+        let size = |outline: &Outline| {
+            let [length, width] = outline.size();
+            format!("{length:.3} × {width:.3} m")
+        };
+        match (&ego.outline, outline) {
+            (None, Some(outline)) => ego.outline = Some(outline),
+            (Some(ours), Some(outline)) if ours.size() == outline.size() => {}
+            (Some(ours), Some(outline)) => reader.notes.push(format!(
+                "the solution \"{}\" is of a vehicle of {}: the ego is taken as {}",
+                way.name,
+                size(&outline),
+                size(ours)
+            )),
+            (_, None) => reader.notes.push(format!(
+                "the solution \"{}\" is of a vehicle of unknown size: the ego's is taken",
+                way.name
+            )),
+        }
         planned.push(way);
     }
     let name = benchmark.unwrap_or("CommonRoad").to_owned();

@@ -1,9 +1,9 @@
 //! Traffic that others recorded or wrote down: from their files to a scenario that can be ranked.
 //!
 //! ```text
-//! CommonRoad 2018b, 2020a ─┐
-//! OpenSCENARIO (in part) ──┴─read─▶ Recording ─ scenario_text ─▶ scenario (TOML)
-//!                          ego manoeuvres, library of bodies ┘
+//! CommonRoad 2018b, 2020a, solutions ─┐
+//! OpenSCENARIO (in part) ─────────────┴─read─▶ Recording ─ scenario_text ─▶ scenario (TOML)
+//!                                     ego manoeuvres, library of bodies ┘
 //! ```
 //!
 //! Everything lies in the ground plane, in metres, seconds and radians. A recording states where

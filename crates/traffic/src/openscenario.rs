@@ -11,7 +11,7 @@ use crate::xml::{Document, Element};
 use crate::{NamedText, ReadOptions};
 use std::collections::BTreeMap;
 
-/// How far ahead everybody's course is drawn (s): beyond any sweep.
+/// How far ahead everybody's course is drawn (s): beyond any horizon.
 const AHEAD_S: f64 = 60.0;
 /// Least and greatest extent of a bounding box (m).
 const EXTENT_M: [f64; 2] = [0.05, 500.0];

@@ -206,42 +206,31 @@ fn candidates(
 ) -> Vec<(String, Course)> {
     let outline = recording.ego_outline();
     let mut candidates: Vec<(String, Course)> = Vec::new();
-    match Extent::new(&recording.ego.went, frame.began_s, frame.horizon_s) {
-        Extent::There { moments, ends_s, .. } => {
-            if let Some(ends_s) = ends_s {
-                notes.push(format!(
-                    "the recording of the ego ends after {ends_s:.2} s: as recorded, it then goes \
-                     on as in its last state"
-                ));
-            }
-            let course = frame.course(&moments, &outline);
-            if let Some(apart_s) = course.thinned_s {
-                notes.push(format!("as recorded, the ego {}", thinning(apart_s)));
-            }
-            candidates.push((Manoeuvre::Recorded.name(), course));
-        }
-        Extent::Gone | Extent::Later if recording.ego.went.is_empty() => {}
-        Extent::Gone | Extent::Later => notes.push(
-            "the ego is not in the recording when manoeuvres begin: \"as recorded\" is left out"
-                .to_owned(),
-        ),
-    }
-    for planned in &recording.planned {
+    // The ways that are given, each with what a note calls it.
+    let recorded = (!recording.ego.went.is_empty()).then(|| {
+        let name = Manoeuvre::Recorded.name();
+        ("the recording of the ego".to_owned(), name, &recording.ego.went)
+    });
+    let planned = recording.planned.iter().map(|planned| {
         let name = shortened(&planned.name);
-        let extent = Extent::new(&planned.went, frame.began_s, frame.horizon_s);
+        (format!("the solution \"{name}\""), name, &planned.went)
+    });
+    for (subject, name, went) in recorded.into_iter().chain(planned) {
+        let extent = Extent::new(went, frame.began_s, frame.horizon_s);
         let Extent::There { moments, ends_s, .. } = extent else {
-            notes.push(format!("the solution \"{name}\" says nothing of that time: left out"));
+            notes.push(format!(
+                "{subject} says nothing of the time of the manoeuvres: \"{name}\" is left out"
+            ));
             continue;
         };
         if let Some(ends_s) = ends_s {
             notes.push(format!(
-                "the solution \"{name}\" ends after {ends_s:.2} s: it then goes on as in its last \
-                 state"
+                "{subject} ends after {ends_s:.2} s: \"{name}\" then goes on as in its last state"
             ));
         }
         let course = frame.course(&moments, &outline);
         if let Some(apart_s) = course.thinned_s {
-            notes.push(format!("the solution \"{name}\" {}", thinning(apart_s)));
+            notes.push(format!("{subject} {}", thinning(apart_s)));
         }
         candidates.push((name, course));
     }

@@ -15,14 +15,18 @@ use crate::xml::{Document, Element};
 /// (Althoff, Würsching: CommonRoad: Vehicle Models, 2020, table of parameters).
 const VEHICLES_M: [[f64; 2]; 3] = [[4.298, 1.674], [4.508, 1.610], [4.569, 1.844]];
 
+/// Times closer than this are one (s).
+const SAME_S: f64 = 1e-6;
+
 /// Reads the trajectory for a planning problem, and the outline of the vehicle that it is for.
 ///
-/// `benchmark` is the scenario that it must solve.
+/// `benchmark` is the scenario that it must solve, `problem` the id of the planning problem, and
+/// `start_s` when that begins (s).
 pub(super) fn read(
     source: &NamedText<'_>,
     benchmark: Option<&str>,
     problem: Option<&str>,
-    step_s: f64,
+    (start_s, step_s): (f64, f64),
 ) -> Result<(Planned, Option<Outline>), TrafficError> {
     let document = Document::parse(source.file, source.text)?;
     let root = document.root();
@@ -43,14 +47,16 @@ pub(super) fn read(
         let fault = format!("it solves {solved:?}, not {:?}", benchmark.unwrap_or_default());
         return Err(root.fault(fault, "give the solution of this scenario"));
     }
-    let trajectories: Vec<Element<'_>> = root.children().collect();
-    let is_ours = |one: &&Element<'_>| one.attribute("planningProblem") == problem;
-    let Some(index) = trajectories.iter().position(|one| is_ours(&one)) else {
-        let fault =
-            format!("it has no trajectory for planning problem {:?}", problem.unwrap_or(""));
+    let Some(problem) = problem else {
+        let fault = "the ego is an obstacle, and a solution is of a planning problem";
+        return Err(root.fault(fault, "choose a planning problem that has an id: --ego ID"));
+    };
+    let is_ours = |one: &Element<'_>| one.attribute("planningProblem") == Some(problem);
+    let ours = root.children().enumerate().find(|(_, one)| is_ours(one));
+    let Some((index, trajectory)) = ours else {
+        let fault = format!("it has no trajectory for planning problem {problem:?}");
         return Err(root.fault(fault, "choose another planning problem: --ego ID"));
     };
-    let trajectory = trajectories[index];
     if !trajectory.name().ends_with("Trajectory") {
         let fault = "inputs say how to steer, not where one is";
         return Err(trajectory.fault(fault, "give a solution that has a trajectory"));
@@ -62,10 +68,16 @@ pub(super) fn read(
             let help = "states stand in the order of their times, each time once";
             return Err(state.fault("its time is not after that of the state before", help));
         }
+        if went.is_empty() && (moment.time_s - start_s).abs() > SAME_S {
+            let fault = format!("it begins at {} s, the ego at {start_s} s", moment.time_s);
+            return Err(state.fault(fault, "begin the trajectory where the problem begins"));
+        }
         went.push(moment);
     }
-    if went.is_empty() {
-        return Err(trajectory.fault("it has no states", "give a solution that has some"));
+    // A single state would be one who stands.
+    if went.len() < 2 {
+        let fault = "it has fewer than two states";
+        return Err(trajectory.fault(fault, "give a solution that says where the ego goes"));
     }
     let name = source.file.rsplit(['/', '\\']).next().unwrap_or(source.file);
     let name = name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned();

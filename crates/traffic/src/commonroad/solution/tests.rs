@@ -70,7 +70,7 @@ fn a_body_that_slips_goes_where_it_slips() {
 
 /// What is replaced, by what, the line of the fault, and its text.
 const WRONG: &[(&str, &str, u32, &str)] = &[
-    ("<CommonRoadSolution", "<commonRoad", 1, "Syntax"),
+    ("<CommonRoadSolution", "<commonRoad", 10, "not readable as XML"),
     (":[SM1,SM1]:ZAM_Two-1_1_T-1:2020a", "", 1, "names no scenario"),
     ("ZAM_Two", "USA_US101", 1, "it solves \"USA_US101-1_1_T-1\", not \"ZAM_Two-1_1_T-1\""),
     ("planningProblem='7'", "planningProblem='9'", 1, "no trajectory for planning problem \"7\""),
@@ -79,6 +79,7 @@ const WRONG: &[(&str, &str, u32, &str)] = &[
     ("<x>1</x>", "<x>NaN</x>", 3, "is not a finite number"),
     ("<velocity>10</velocity>", "<velocity>200</velocity>", 3, "velocity is 200 m/s"),
     ("<time>1</time>", "<time>0</time>", 4, "its time is not after"),
+    ("<time>0</time>", "<time>0.5</time>", 3, "it begins at 0.05 s, the ego at 0 s"),
 ];
 
 #[test]
@@ -91,15 +92,59 @@ fn every_fault_is_reported_with_its_line() {
             SOLUTION.replacen(old, new, 1)
         };
         let error = solved(None, &text).expect_err(old);
-        if *fault != "Syntax" {
-            assert_eq!(error.line, *line, "{error}");
-            assert!(error.to_string().contains(fault), "{error}");
-        }
+        assert_eq!(error.line, *line, "{error}");
+        assert!(error.to_string().contains(fault), "{error}");
         assert_eq!(error.file, "found/by mine.v2.xml");
         assert!(!error.remedy.is_empty());
     }
     let other = solved(None, SCENE).expect_err("no solution");
     assert!(other.to_string().contains("not <CommonRoadSolution>"), "{other}");
+}
+
+/// A single state would be an ego that stands there for ever.
+#[test]
+fn one_state_is_no_way() {
+    let from = SOLUTION.find("<ksState><x>2</x>").expect("the second state");
+    let to = SOLUTION.find("</ksTrajectory>").expect("the end");
+    let text = format!("{}{}", &SOLUTION[..from], &SOLUTION[to..]);
+    let error = solved(None, &text).expect_err("one state");
+    assert!(error.to_string().contains("fewer than two states"), "{error}");
+}
+
+/// Of an ego that is an obstacle no planning problem says where it starts.
+#[test]
+fn an_obstacle_has_no_solution() {
+    let obstacle = "<dynamicObstacle id='3'><type>car</type><shape><rectangle><length>4</length>\
+        <width>2</width></rectangle></shape><initialState><position><point><x>9</x><y>9</y></point>\
+        </position><orientation><exact>0</exact></orientation><time><exact>0</exact></time>\
+        <velocity><exact>1</exact></velocity></initialState><trajectory><state><position><point>\
+        <x>10</x><y>9</y></point></position><orientation><exact>0</exact></orientation><time>\
+        <exact>10</exact></time></state></trajectory></dynamicObstacle>";
+    let scene = SCENE.replacen("<planningProblem", &format!("{obstacle}<planningProblem"), 1);
+    let solutions = [NamedText { file: "mine.xml", text: SOLUTION }];
+    let read_as = |ego: Option<&str>| {
+        read("s.xml", &scene, &ReadOptions { ego, solutions: &solutions, ..ReadOptions::default() })
+    };
+    assert_eq!(read_as(Some("7")).expect("a problem").planned.len(), 1);
+    let error = read_as(Some("3")).expect_err("an obstacle");
+    assert!(error.to_string().contains("the ego is an obstacle"), "{error}");
+}
+
+/// Whose size is taken for another one's is said.
+#[test]
+fn solutions_of_other_vehicles_are_noted() {
+    let truck = SOLUTION.replacen("KS3", "KS4", 1);
+    let noted = |files: [(&str, &str); 2]| {
+        let solutions = files.map(|(file, text)| NamedText { file, text });
+        let options = ReadOptions { solutions: &solutions, ..ReadOptions::default() };
+        read("s.xml", SCENE, &options).expect("valid").notes[1..].to_vec()
+    };
+    let small = SOLUTION.replacen("KS3", "KS1", 1);
+    assert_eq!(noted([("a.xml", SOLUTION), ("b.xml", SOLUTION)]), Vec::<String>::new());
+    let notes = noted([("a.xml", SOLUTION), ("b.xml", &small)]);
+    assert!(notes.len() == 1 && notes[0].contains("\"b\" is of a vehicle of 4.298"), "{notes:?}");
+    let notes = noted([("a.xml", &truck), ("b.xml", SOLUTION)]);
+    assert!(notes.len() == 1 && notes[0].contains("\"a\" is of a vehicle of unknown"), "{notes:?}");
 }
 
 #[test]
