@@ -68,10 +68,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     }
     let mut page = format!(
         "# Rankings beside exact intersection every {} ms\n\n\
-         Written by `cargo x scenarios`. *Confirmed*: bodies intersect at a step within two steps \
-         after the contact. *Short*: they do so only between steps, which was checked to 1 µs. \
-         *Possible*: not decided within the resolution, and flagged. *Missed*: intersection that \
-         the ranking does not know. *Invented*: a contact without intersection.\n\n",
+         Written by `cargo x scenarios FILE… --out PAGE` over the files below. *Confirmed*: bodies \
+         intersect at a step within two steps after the contact. *Short*: they do so only between \
+         steps, which was checked to 1 µs. *Possible*: not decided within the resolution, and \
+         flagged. *Missed*: intersection that the ranking does not know. *Invented*: a contact \
+         without intersection.\n\n",
         options.step_ms
     );
     let root = std::env::current_dir()?;
