@@ -61,6 +61,7 @@ mod containment;
 mod first;
 mod turning;
 
+use crate::kernel::BEAT_TESTS;
 use crate::{End, Kernel, NodePair, Question, Side, Sink, Task};
 use body::BodyView;
 use containment::Columns;
@@ -296,6 +297,29 @@ pub fn for_each_pair<'t, B>(
     Ok(listed.broken.map_or(ControlFlow::Continue(()), ControlFlow::Break))
 }
 
+/// Returns the least pair of [`pairs`] without listing them, or `Break` if that takes more than
+/// about `budget` tests of boxes and triangles. A pair of triangles that intersect counts as one
+/// more.
+///
+/// # Errors
+///
+/// The pose is not finite, or exceeds [`POSE_MAX`].
+pub fn least_pair<'t>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    pose: &RelativePose,
+    budget: u64,
+    workspace: &mut Workspace,
+) -> Result<ControlFlow<(), Option<[u32; 2]>>, PoseError> {
+    let task = task(a.into(), b.into(), pose, Question::Pairs);
+    let ids = [task.a.source_ids, task.b.source_ids];
+    let mut sink = Least { ids, least: None, budget };
+    Ok(match workspace.run(&task, &mut sink)? {
+        End::Complete => ControlFlow::Continue(sink.least),
+        End::Stopped | End::OutOfBudget => ControlFlow::Break(()),
+    })
+}
+
 fn task<'t>(a: BodyView<'t>, b: BodyView<'t>, pose: &RelativePose, question: Question) -> Task<'t> {
     Task { a, b, pose: *pose, question, directions: None }
 }
@@ -360,6 +384,43 @@ impl<B, F: FnMut(u32, u32) -> ControlFlow<B>> Sink for Listed<'_, F, B> {
 
     fn beat(&mut self, _: u64) -> ControlFlow<()> {
         ControlFlow::Continue(())
+    }
+}
+
+/// Keeps the pair of the least ids, within a budget.
+struct Least<'l> {
+    ids: [&'l [u32]; 2],
+    least: Option<[u32; 2]>,
+    /// What is left of it.
+    budget: u64,
+}
+
+impl Least<'_> {
+    fn spend(&mut self, tests: u64) -> ControlFlow<()> {
+        match self.budget.checked_sub(tests) {
+            Some(left) => {
+                self.budget = left;
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
+        }
+    }
+}
+
+impl Sink for Least<'_> {
+    fn hit(&mut self, _: Side, _: u32) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn pairs(&mut self, a: &[u32], b: &[u32]) -> ControlFlow<()> {
+        let pairs = a.iter().zip(b);
+        let least = pairs.map(|(&a, &b)| [self.ids[0][a as usize], self.ids[1][b as usize]]).min();
+        self.least = [self.least, least].into_iter().flatten().min();
+        self.spend(a.len() as u64)
+    }
+
+    fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        self.spend(BEAT_TESTS)
     }
 }
 

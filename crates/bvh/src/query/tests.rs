@@ -57,6 +57,8 @@ fn check(a: &Tree, b: &Tree, pose: &RelativePose, workspace: &mut Workspace, all
     let listed = pairs(a, b, pose, workspace).unwrap();
     assert!(listed == all, "{} pairs listed, not {}", listed.len(), all.len());
     assert_eq!(touches(a, b, pose, workspace), Ok(!all.is_empty()));
+    let least = all.first().map(|&(a, b)| [a, b]);
+    assert_eq!(least_pair(a, b, pose, u64::MAX, workspace), Ok(ControlFlow::Continue(least)));
     assert_eq!(sets(a, b, pose, workspace), Ok(sets_of(all)));
     let outcome = outcome(a, b, pose);
     assert_eq!((outcome.pairs, outcome.hash), (all.len() as u64, hash_of(all)));

@@ -1,6 +1,6 @@
 //! First contact of two bodies that both move and turn.
 
-use super::{Workspace, for_each_pair};
+use super::{Workspace, least_pair};
 use crate::kernel::turning::{First, TurningKernel, TurningOutcome, TurningTask};
 use crate::{Counters, Walk};
 use body::BodyView;
@@ -8,7 +8,6 @@ use diagnostic::{Diagnostic, FailureKind};
 use geometry::motion::RelativeMotion;
 use geometry::simd::Level;
 use std::borrow::Cow;
-use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -21,7 +20,8 @@ pub struct MotionLimits {
     /// Contact that is not certain is possible within this distance (m): at least
     /// [`RESOLUTION_MIN`]. Also how far anything moves between [`MotionContact::Certain`]'s times.
     pub resolution_m: f64,
-    /// Maximum number of tests of boxes and triangles, but for those of one step.
+    /// Maximum number of tests of boxes and triangles, but for those of one step: in the search,
+    /// and again at the first pose and at that of contact.
     pub budget: u64,
 }
 
@@ -113,17 +113,18 @@ impl MotionWorkspace {
         self.effort
     }
 
-    /// The least ids of triangles that touch at the pose at a time, if any do.
-    fn touching(&mut self, task: &TurningTask<'_>, time_s: f64) -> Option<[u32; 2]> {
+    /// The least ids of triangles that touch at the pose at a time, if any do; `Break` if the
+    /// budget does not suffice.
+    fn touching(
+        &mut self,
+        task: &TurningTask<'_>,
+        time_s: f64,
+        budget: u64,
+    ) -> ControlFlow<(), Option<[u32; 2]>> {
         let pose = task.motion.pose_at(time_s);
-        let mut least: Option<[u32; 2]> = None;
-        let keep_least = |a, b| {
-            least = Some(least.map_or([a, b], |least| least.min([a, b])));
-            ControlFlow::<Infallible>::Continue(())
-        };
         // A path keeps poses far within what is accepted.
-        for_each_pair(task.a, task.b, &pose, &mut self.poses, keep_least).ok()?;
-        least
+        least_pair(task.a, task.b, &pose, budget, &mut self.poses)
+            .unwrap_or(ControlFlow::Continue(None))
     }
 }
 
@@ -216,16 +217,29 @@ pub fn first_contact_in_motion<'t>(
     let task = TurningTask { a: a.into(), b: b.into(), motion: *motion, resolution_m };
     workspace.effort = MotionEffort::default();
     let time_s = motion.from_s();
-    if let Some(ids) = workspace.touching(&task, time_s) {
-        return Ok(MotionContact::Certain { time_s, excluded_before_s: time_s, ids });
+    match workspace.touching(&task, time_s, budget) {
+        ControlFlow::Break(()) => {
+            return Ok(MotionContact::OutOfBudget { excluded_before_s: time_s });
+        }
+        ControlFlow::Continue(Some(ids)) => {
+            return Ok(MotionContact::Certain { time_s, excluded_before_s: time_s, ids });
+        }
+        ControlFlow::Continue(None) => {}
     }
     let TurningOutcome { first, counters, intervals } = workspace.kernel.run(&task, budget);
     workspace.effort = MotionEffort { counters, intervals };
     Ok(match first {
         First::Never => MotionContact::Excluded,
         First::Certain { time_s, clear_before_s, ids } => {
-            let ids = workspace.touching(&task, time_s).unwrap_or(ids);
-            MotionContact::Certain { time_s, excluded_before_s: clear_before_s, ids }
+            match workspace.touching(&task, time_s, budget) {
+                ControlFlow::Break(()) => {
+                    MotionContact::OutOfBudget { excluded_before_s: clear_before_s }
+                }
+                ControlFlow::Continue(least) => {
+                    let ids = least.unwrap_or(ids);
+                    MotionContact::Certain { time_s, excluded_before_s: clear_before_s, ids }
+                }
+            }
         }
         First::Possible { clear_before_s, to_s, ids } => {
             MotionContact::Possible { time_s: clear_before_s, to_s, ids }

@@ -8,11 +8,12 @@
 use body::{BodyView, Zones};
 use bvh::query::{
     Containment, MotionContact, MotionLimits, MotionWorkspace, RelativeMotion, Shells,
-    SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion, touches,
+    SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion, least_pair,
+    touches,
 };
 use bvh::support::support;
 use bvh::{Counters, SweepTask, Witness};
-use core::ops::Range;
+use core::ops::{ControlFlow, Range};
 use geometry::motion::MotionPath;
 use geometry::{Bounds, DVec3, Directions, RelativePose, Sweep, Triangle};
 use serde::Serialize;
@@ -201,33 +202,30 @@ impl EncounterSearch {
             .and_then(|motion| motion.between(span_s.start, span_s.end));
         // The reader accepts no path and no resolution that the search does not.
         let Ok(motion) = motion else { return Encountered::Open { from_s: span_s.start } };
-        let mut budget = if is_due.is_some() { BUDGET } else { u64::MAX };
-        loop {
+        within_due(is_due, |budget| {
             let limits = MotionLimits { resolution_m, budget };
             let [a, b] = ways.bodies;
             let found = first_contact_in_motion(a, b, &motion, &limits, &mut self.motion);
             let Counters { nb, np } = self.motion.effort().counters;
             self.effort.nb += nb;
             self.effort.np += np;
-            return match found {
-                Ok(MotionContact::Excluded) => Encountered::Never,
+            match found {
+                Ok(MotionContact::Excluded) => ControlFlow::Break(Encountered::Never),
                 Ok(MotionContact::Certain { time_s, excluded_before_s, ids }) => {
-                    Encountered::Contact(self.at(ways, (time_s, excluded_before_s), true, ids))
+                    let touching = self.at(ways, (time_s, excluded_before_s), true, ids);
+                    ControlFlow::Break(Encountered::Contact(touching))
                 }
                 Ok(MotionContact::Possible { time_s, to_s, ids }) => {
                     let middle_s = 0.5 * (time_s + to_s);
-                    Encountered::Contact(self.at(ways, (middle_s, time_s), false, ids))
+                    let touching = self.at(ways, (middle_s, time_s), false, ids);
+                    ControlFlow::Break(Encountered::Contact(touching))
                 }
                 Ok(MotionContact::OutOfBudget { excluded_before_s }) => {
-                    if is_due.is_some_and(|is_due| !is_due()) {
-                        budget = budget.saturating_mul(2);
-                        continue;
-                    }
-                    Encountered::Open { from_s: excluded_before_s }
+                    ControlFlow::Continue(excluded_before_s)
                 }
-                Err(_) => Encountered::Open { from_s: span_s.start },
-            };
-        }
+                Err(_) => ControlFlow::Break(Encountered::Open { from_s: span_s.start }),
+            }
+        })
     }
 
     /// The contact at a time, made exact where neither body turns.
@@ -291,17 +289,42 @@ impl EncounterSearch {
         })
     }
 
-    /// The contact of bodies that are known to touch at a time (s), or that have come so near.
-    pub(crate) fn still(&mut self, ways: &Ways<'_>, time_s: f64) -> Option<Touching> {
+    /// The contact of bodies that touch at a time (s), if a triangle does. `is_due` says whether to
+    /// give up.
+    pub(crate) fn still(
+        &mut self,
+        ways: &Ways<'_>,
+        time_s: f64,
+        is_due: Option<&dyn Fn() -> bool>,
+    ) -> Encountered {
         let [a, b] = ways.bodies;
         let pose = ways.pose_at(time_s);
-        let mut least: Option<[u32; 2]> = None;
-        let keep_least = |a, b| {
-            least = Some(least.map_or([a, b], |least| least.min([a, b])));
-            core::ops::ControlFlow::<core::convert::Infallible>::Continue(())
-        };
-        bvh::query::for_each_pair(a, b, &pose, &mut self.poses, keep_least).ok()?;
-        Some(self.at(ways, (time_s, time_s), true, least?))
+        within_due(is_due, |budget| match least_pair(a, b, &pose, budget, &mut self.poses) {
+            Ok(ControlFlow::Continue(Some(ids))) => {
+                let touching = self.at(ways, (time_s, time_s), true, ids);
+                ControlFlow::Break(Encountered::Contact(touching))
+            }
+            Ok(ControlFlow::Continue(None)) | Err(_) => ControlFlow::Break(Encountered::Never),
+            Ok(ControlFlow::Break(())) => ControlFlow::Continue(time_s),
+        })
+    }
+}
+
+/// Looks with ever larger budgets until it is due; without `is_due` once, with all that it takes.
+/// `look` says from when on (s) everything is open if its budget does not suffice.
+fn within_due(
+    is_due: Option<&dyn Fn() -> bool>,
+    mut look: impl FnMut(u64) -> ControlFlow<Encountered, f64>,
+) -> Encountered {
+    let mut budget = if is_due.is_some() { BUDGET } else { u64::MAX };
+    loop {
+        match look(budget) {
+            ControlFlow::Break(found) => return found,
+            ControlFlow::Continue(from_s) if is_due.is_none_or(|is_due| is_due()) => {
+                return Encountered::Open { from_s };
+            }
+            ControlFlow::Continue(_) => budget = budget.saturating_mul(2),
+        }
     }
 }
 

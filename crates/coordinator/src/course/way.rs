@@ -272,11 +272,14 @@ impl<'s> Way<'s> {
                     break;
                 }
                 // Inside, without a triangle that touches, there is nothing to assess.
-                if let Some(touching) = search.still(&ways, from_s) {
-                    let begin = still.look;
-                    return Ahead::Contact(NextContact { party, begin, touching });
+                match search.still(&ways, from_s, is_due) {
+                    Encountered::Contact(touching) => {
+                        let begin = still.look;
+                        return Ahead::Contact(NextContact { party, begin, touching });
+                    }
+                    Encountered::Open { from_s } => return Ahead::Open { from_s },
+                    Encountered::Never => from_s += still.step_s,
                 }
-                from_s += still.step_s;
             }
         }
         if from_s >= end_s {

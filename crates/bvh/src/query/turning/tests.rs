@@ -2,7 +2,7 @@
 //! bit; exact touches at closely spaced poses never contradict it.
 
 use super::*;
-use crate::fixtures::{any_build, options, soup};
+use crate::fixtures::{any_build, options, soup, torus};
 use crate::{Build, Tree};
 use geometry::motion::{MotionPath, MovingBodies, Orientation, State, TimeInterval};
 use geometry::{Corners, DVec3, Sweep, Triangle, simd, triangle};
@@ -359,4 +359,22 @@ fn begins_and_ends_honestly() {
     let limits = MotionLimits { resolution_m: 0.0, ..MotionLimits::default() };
     let refused = first_contact_in_motion(&body, &body, &motion, &limits, &mut workspace);
     assert_eq!(refused, Err(ResolutionError(0.0)));
+}
+
+/// Where very many pairs touch at the first pose, the budget holds there too, and nothing is said
+/// to be excluded after it.
+#[test]
+fn a_budget_holds_where_bodies_coincide() {
+    let body = tree(&torus(40, 20, 0.3), Build::Sah, 4);
+    let a = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 1.0]).unwrap();
+    let motion = RelativeMotion::new(&a, &a).unwrap();
+    let mut workspace = MotionWorkspace::new();
+    let mut first = |budget| {
+        let limits = MotionLimits { budget, ..MotionLimits::default() };
+        first_contact_in_motion(&body, &body, &motion, &limits, &mut workspace).unwrap()
+    };
+    let open = MotionContact::OutOfBudget { excluded_before_s: 0.0 };
+    assert_eq!(first(2_000), open);
+    let touching = MotionContact::Certain { time_s: 0.0, excluded_before_s: 0.0, ids: [0, 0] };
+    assert_eq!(first(u64::MAX), touching);
 }
