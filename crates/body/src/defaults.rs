@@ -6,6 +6,7 @@
 //! inertia have 0.261, 0.283 and 0.284. The height of the centre of mass is an assumption of this
 //! project.
 
+use crate::outline::{self, Outlines};
 use crate::{BodyKind, Mesh, Meta};
 use geometry::Aabb;
 
@@ -97,7 +98,12 @@ fn mass(kind: BodyKind, footprint_m2: f64) -> (Option<f64>, String) {
 /// The default metadata of a body. Depth, leaf size and build must be filled in from the tree.
 #[must_use]
 pub fn assemble(origin: Origin<'_>, mesh: &Mesh) -> Meta {
-    let usual = inertia(origin.kind, &mesh.bounds());
+    let outlines = Outlines::of(mesh, origin.kind);
+    let mut usual = inertia(origin.kind, &mesh.bounds());
+    if let Some([length, width]) = outlines.size_m().filter(|_| origin.kind.is_car_like()) {
+        // Mirrors would make a car a sixth heavier.
+        (usual.mass_kg, usual.mass_source) = mass(origin.kind, length * width);
+    }
     Meta {
         name: origin.name.to_owned(),
         kind: origin.kind,
@@ -113,6 +119,8 @@ pub fn assemble(origin: Origin<'_>, mesh: &Mesh) -> Meta {
         build: crate::Build::default(),
         leaf_size: 0,
         depth: 0,
+        front_height_m: outline::front_height_m(mesh).filter(|_| origin.kind.is_car_like()),
+        outlines,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The metadata of a body: kind, mass, seats, origin, and how its tree was built.
 
+use crate::outline::Outlines;
 use serde::{Deserialize, Serialize};
 
 /// The kind of road user or object. It determines defaults and injury curves.
@@ -123,6 +124,11 @@ pub struct Meta {
     pub leaf_size: u32,
     /// Depth of the tree: number of nodes on the longest path from the root, 1 for a single leaf.
     pub depth: u32,
+    /// The outlines in plan that carry an impact: what makes the plane of a contact.
+    pub outlines: Outlines,
+    /// Height of the leading edge of the front above the ground `[m]`
+    /// ([`crate::outline::front_height_m`]); `None` for what has no front.
+    pub front_height_m: Option<f64>,
 }
 
 /// Maximum number of triangles that a leaf of the binary tree may hold.
@@ -170,6 +176,12 @@ impl BodyKind {
     #[must_use]
     pub fn is_fixed(self) -> bool {
         matches!(self, Self::Wall | Self::Pole | Self::Building)
+    }
+
+    /// Whether it is a vehicle with a body around its occupants.
+    #[must_use]
+    pub fn is_car_like(self) -> bool {
+        matches!(self, Self::Sedan | Self::Suv | Self::Truck | Self::Bus)
     }
 
     /// Seats that a body of this kind may have.
@@ -276,7 +288,10 @@ impl Meta {
             let earlier = self.occupants.iter().flatten().take(at);
             check_occupant(self.kind, *occupant, earlier)?;
         }
-        Ok(())
+        if self.front_height_m.is_some_and(|height| !(0.0..=LENGTH_MAX_M).contains(&height)) {
+            return Err(format!("the height of its front is {:?} m", self.front_height_m));
+        }
+        self.outlines.check()
     }
 }
 

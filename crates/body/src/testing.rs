@@ -1,6 +1,7 @@
 //! Bodies for tests, with the simplest possible tree.
 
 use crate::meta::{BodyKind, Build, Meta};
+use crate::outline::Outlines;
 use crate::{Body, Mesh, Node, Wide, Zones};
 use geometry::{Aabb, Corners};
 
@@ -26,6 +27,8 @@ pub fn body_of(mesh: &Mesh) -> Body {
             build: Build::Paper,
             leaf_size: 2,
             depth,
+            outlines: Outlines::default(),
+            front_height_m: None,
         },
         wide: Wide::of(&nodes, &mesh.corners),
         nodes,

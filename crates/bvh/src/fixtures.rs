@@ -42,6 +42,8 @@ pub(crate) fn meta() -> Meta {
         build: Build::Paper,
         leaf_size: 1,
         depth: 1,
+        outlines: Default::default(),
+        front_height_m: None,
     }
 }
 

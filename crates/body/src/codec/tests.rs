@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::meta::{BodyKind, Build, Meta, Occupant, Seat};
+use crate::outline::{Band, Outlines};
 
 fn meta() -> Meta {
     Meta {
@@ -19,6 +20,10 @@ fn meta() -> Meta {
         build: Build::Sah,
         leaf_size: 4,
         depth: 5,
+        outlines: Outlines {
+            bands: vec![Band { height_m: [0.5, 1.0], rings: vec![vec![[1.0, 2.0]]] }],
+        },
+        front_height_m: Some(0.5),
     }
 }
 
@@ -62,6 +67,12 @@ fn the_bytes_are_pinned() {
         "02000000",
         "04000000",
         "05000000",
+        "0100000000000000",
+        "000000000000e03f000000000000f03f",
+        "0100000000000000",
+        "0100000000000000",
+        "000000000000f03f0000000000000040",
+        "01000000000000e03f",
     );
     let bytes = encode(&meta()).expect("small");
     assert_eq!(hex(&bytes), golden);

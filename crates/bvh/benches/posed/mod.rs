@@ -102,6 +102,8 @@ fn with_tree(corners: Vec<Corners>, options: &BuildOptions) -> Body {
         build: options.build,
         leaf_size: options.leaf_size,
         depth: 1,
+        outlines: Default::default(),
+        front_height_m: None,
     };
     let zones = vec![Zones::default(); count];
     body(mesh, meta, zones, options, &|_| ()).expect("a scene has triangles")

@@ -24,6 +24,8 @@ fn model_accepts(kind: BodyKind, mass_kg: Option<f64>, persons: &[Occupant]) -> 
         build: Build::Paper,
         leaf_size: 1,
         depth: 1,
+        outlines: Default::default(),
+        front_height_m: None,
     };
     meta.check().is_ok()
 }

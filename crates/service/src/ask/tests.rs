@@ -40,6 +40,8 @@ pub(crate) fn bodies() -> Vec<(Meta, BodyView<'static>)> {
         build: body::Build::Paper,
         leaf_size: 4,
         depth: 1,
+        outlines: Default::default(),
+        front_height_m: None,
     };
     [Shape::Sedan, Shape::Wall, Shape::Pole].map(|shape| (meta(shape), empty)).to_vec()
 }
