@@ -1,12 +1,9 @@
-//! How B comes towards A: the two bodies' plan-view hulls along the relative path.
+//! How B comes towards A at the moment of first contact: velocities, and the bodies' extents.
 //!
 //! Everything is in A's frame, in metres. B moves at constant relative velocity, without turning:
 //! at travel s it stands `u·s` before its given place, so s grows with time and with depth, and s =
-//! 0 is the given pose. The hulls are known by their supports along the 72 directions of
-//! [`geometry::Directions`], which is all that is needed here: nothing depends on a mesh or a job.
-//!
-//! Hulls reported as apart are apart: the 72 directions enclose them. The converse does not hold,
-//! and hulls may overlap where bodies do not.
+//! 0 is first contact. Extents are supports along the 72 directions of [`geometry::Directions`]:
+//! nothing here depends on a mesh or a job.
 
 use geometry::{DVec3, Directions, Supports};
 use std::sync::LazyLock;
@@ -17,14 +14,8 @@ pub const HORIZONTAL: usize = 72;
 pub const QUARTER: usize = HORIZONTAL / 4;
 /// The direction upwards, and the one after it downwards.
 pub const UP: usize = HORIZONTAL;
-/// How far before the given pose contact is sought (m).
-pub const REACH_M: f64 = 10.0;
 /// Below this closing speed u leads from A's centre to B's (m/s).
 pub const STANDSTILL_M_S: f64 = 0.1;
-
-/// Hulls closer than this (m) in either sense count as touching: far above rounding, far below any
-/// measure of a body.
-const TOUCH_M: f64 = 1e-9;
 
 /// What rounding may move a point of contact, or a support, by at most (m): far above it, for
 /// bodies within 1000 km, and far below anything that matters.
@@ -35,8 +26,12 @@ pub const ROUNDING_M: f64 = 1e-7;
 pub struct Approach {
     /// The directions around u, the unit vector of the horizontal relative velocity v_A − v_B.
     pub directions: Directions,
-    /// Horizontal |v_A − v_B| (m/s).
+    /// Horizontal v_A − v_B of the centres of mass (m/s).
+    pub velocity_m_s: DVec3,
+    /// Its length (m/s).
     pub closing_m_s: f64,
+    /// Yaw rates of A and of B (rad/s), positive to the left.
+    pub yaw_rad_s: [f64; 2],
     /// Supports of the whole body A.
     pub supports_a: Supports,
     /// Supports of the whole body B at the given pose, in A's frame.
@@ -46,21 +41,12 @@ pub struct Approach {
 /// An approach that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ApproachError {
-    /// The closing speed is negative or not finite.
-    #[error("closing speed is not a finite number ≥ 0: check both velocities")]
+    /// A velocity or a yaw rate is not finite.
+    #[error("closing speed or yaw rate is not a finite number: check both motions")]
     Speed,
     /// A body has no points, or points at infinity.
     #[error("body {0} has no finite extent: check its model and its pose")]
     Extent(char),
-}
-
-/// Where the hulls come nearest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nearest {
-    /// The first travel at which they are nearest (m).
-    pub travel_m: f64,
-    /// Their distance there (m), not more than the true one; negative where they overlap.
-    pub gap_m: f64,
 }
 
 /// How many steps of 5° direction `i` stands away from u, at most 36.
@@ -121,7 +107,10 @@ impl Approach {
     ///
     /// If the speed or a support is not finite, the speed is negative, or a body has no points.
     pub fn check(&self) -> Result<(), ApproachError> {
-        if !(self.closing_m_s >= 0.0 && self.closing_m_s.is_finite()) {
+        let is_sound = self.closing_m_s >= 0.0 && self.closing_m_s.is_finite();
+        let is_finite =
+            self.velocity_m_s.is_finite() && self.yaw_rad_s.iter().all(|rate| rate.is_finite());
+        if !(is_sound && is_finite) {
             return Err(ApproachError::Speed);
         }
         for (body, supports) in [('A', &self.supports_a), ('B', &self.supports_b)] {
@@ -137,13 +126,6 @@ impl Approach {
     #[must_use]
     pub fn penetration(&self, i: usize, travel_m: f64) -> f64 {
         self.supports_a.0[i] + self.supports_b.0[opposite(i)] + travel_m * cosine(i)
-    }
-
-    /// How far (m) the bodies overlap in height; it does not change along the path.
-    #[must_use]
-    pub fn overlap_in_height(&self) -> f64 {
-        let (a, b) = (&self.supports_a.0, &self.supports_b.0);
-        (a[UP] + b[UP + 1]).min(b[UP] + a[UP + 1])
     }
 
     /// Extent of the smaller body along u (m).
@@ -168,57 +150,6 @@ impl Approach {
     #[must_use]
     pub fn extent_up_to(&self, most_m: f64) -> f64 {
         self.smaller_extent().min(most_m)
-    }
-
-    /// The travel at which no direction ahead of u separates the hulls any more (m), if both
-    /// together were `raise` (m) larger all round.
-    pub(crate) fn entry(&self, raise_m: f64) -> f64 {
-        (0..HORIZONTAL)
-            .filter(|&i| turn(i) < QUARTER)
-            .map(|i| -(self.penetration(i, 0.0) + raise_m) / cosine(i))
-            .fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// The travel (m) from which on some direction behind u always separates the hulls.
-    pub(crate) fn exit(&self) -> f64 {
-        (0..HORIZONTAL)
-            .filter(|&i| turn(i) > QUARTER)
-            .map(|i| -self.penetration(i, 0.0) / cosine(i))
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// Whether the hulls overlap or touch after `travel_m`, in plan and in height.
-    pub(crate) fn hulls_meet(&self, travel_m: f64) -> bool {
-        self.overlap_in_height() >= -TOUCH_M
-            && (0..HORIZONTAL).all(|i| self.penetration(i, travel_m) >= -TOUCH_M)
-    }
-
-    /// Where the hulls come nearest, from [`REACH_M`] before the given pose on.
-    ///
-    /// The distance is the greatest of linear functions of travel, so convex: halving by the slope
-    /// of the greatest finds the first least place. 60 halvings end below 1e-16 of the reach.
-    #[must_use]
-    pub fn nearest(&self) -> Nearest {
-        let (mut lo, mut hi) = (-REACH_M, REACH_M.max(self.exit()));
-        for _ in 0..60 {
-            let mid = 0.5 * (lo + hi);
-            let (_, falls) = self.gap(mid);
-            if falls {
-                lo = mid;
-            } else {
-                hi = mid;
-            }
-        }
-        Nearest { travel_m: hi, gap_m: self.gap(hi).0 }
-    }
-
-    /// Distance of the hulls at a travel, and whether more travel lessens it.
-    fn gap(&self, travel_m: f64) -> (f64, bool) {
-        let start = (-self.overlap_in_height(), false);
-        (0..HORIZONTAL).fold(start, |(most, falls), i| {
-            let apart = -self.penetration(i, travel_m);
-            if apart > most { (apart, turn(i) < QUARTER) } else { (most, falls) }
-        })
     }
 
     /// Supports of everything that contact between travels `from` and `to` could reach, as

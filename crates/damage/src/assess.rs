@@ -1,21 +1,27 @@
-//! From contact to harm: dynamics and injury curves at both ends of everything that is open.
+//! From contact to harm: impulse and injury curves.
 //!
-//! The work interval takes nominal parameters, and lever arms and normals over all that open jobs
-//! may find; the model range takes parameters, normals, sides and curves at their worst ends
-//! besides. Every input is monotone ([`crate::dynamics`]), so end points suffice.
+//! Outlines give the plane of the contact, and with it the nominal figures, before any job. What
+//! open jobs may still find are zones beside seats: these lift the upper end of the model range.
+//! The work interval of a contact therefore has width 0; those of a course are open while contacts
+//! on it are sought.
+//!
+//! The model range samples friction, the radius of gyration and the normal, as ΔV is not monotone
+//! in them, and takes restitution, masses and speed at their ends, where it is. It is an expert
+//! range, sound on the samples; only the work interval is proven.
 //!
 //! Nothing here compares candidates; of a policy, only the severity level matters here.
 
 use crate::approach::Approach;
-use crate::contact::{Contact, Normals, PerNormal, Places};
+use crate::contact::describe;
 use crate::curve::Level;
-use crate::dynamics::{ParameterError, Parameters, Response};
-use crate::evidence::{Evidence, Touch};
+use crate::dynamics::Response;
+use crate::evidence::Evidence;
 use crate::harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 use crate::injury::{Curves, MissingCurve};
 use crate::interval::{Interval, Range};
+use crate::parameters::Parameters;
 use crate::party::{CollisionParty, PartyError, PersonId};
-use crate::path::Meeting;
+use crate::plane::Plane;
 use crash::Crash;
 
 pub use bounds::{CandidateBounds, Risk, bounds, bounds_in};
@@ -26,13 +32,14 @@ mod person;
 #[cfg(test)]
 mod tests;
 
-/// One candidate: two parties on their way towards each other.
+/// One candidate: two parties at the moment of first contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Encounter<'a> {
-    /// Hulls and relative motion.
+    /// Extents and relative motion.
     pub approach: &'a Approach,
-    /// What [`crate::plan`] made of them.
-    pub meeting: &'a Meeting,
+    /// The plane of the contact; `None`: they overlap from the start and stand, which cannot be
+    /// evaluated.
+    pub plane: Option<&'a Plane>,
     /// The ego vehicle.
     pub a: &'a CollisionParty,
     /// What it meets.
@@ -67,17 +74,12 @@ pub enum AssessError {
     /// The approach is unusable.
     #[error(transparent)]
     Approach(#[from] crate::approach::ApproachError),
-    /// A parameter is unusable.
-    #[error(transparent)]
-    Parameters(#[from] ParameterError),
     /// A person has no curve.
     #[error(transparent)]
     Curve(#[from] MissingCurve),
 }
 
 /// Computes the harm of one candidate from what is known of its contact.
-///
-/// If `meeting` says that the bodies never meet, `evidence` is ignored.
 ///
 /// # Errors
 ///
@@ -103,56 +105,45 @@ pub fn assess_in(
     mut persons: Vec<PersonHarm>,
 ) -> Result<CandidateHarm, AssessError> {
     persons.clear();
-    check(encounter, basis)?;
-    let nothing = Evidence::none((0.0, 0.0));
-    let crash = crash(encounter, evidence, &nothing, basis);
-    let Encounter { approach, meeting, a, b, probability } = *encounter;
-    let (evidence, touch, concave) = (crash.evidence, crash.touch, crash.concave);
-    let parameters = basis.parameters;
-    let gap = approach.nearest().gap_m;
-    let near_miss = touch == Touch::No && gap < parameters.pose_error_m;
-    // Bodies that may yet pass without contact may pass that near.
-    let missed = (touch == Touch::Unknown && gap < parameters.pose_error_m).then(|| crash.missed());
+    check(encounter)?;
+    let Encounter { approach, plane, a, b, probability } = *encounter;
+    let yaw = approach.yaw_rad_s;
     let mut harm = CandidateHarm {
         probability,
         closing_m_s: approach.closing_m_s + 0.0,
-        normal_m_s: Interval::ZERO,
-        tangential_m_s: Interval::ZERO,
-        contact: Contact { touch, near_miss, hull_gap_m: gap + 0.0, patch: None },
+        normal_m_s: 0.0,
+        tangential_m_s: 0.0,
+        contact: None,
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
-        levers_m: [[0.0; 2]; 2],
+        arms_m: [[0.0; 2]; 2],
+        surface: [0.0; 2],
+        yaw_rad_s: yaw.map(|rate| [rate, rate]),
         crush: None,
         force_degrees: [0.0; 2],
         impulse_n_s: [0.0; 3],
         energy_j: Interval::ZERO,
         persons,
-        coarse_path: matches!(meeting, Meeting::Path(path) if path.coarse),
-        concave,
         unevaluable: None,
         is_open: evidence.is_open(),
     };
-    if *meeting == Meeting::AlreadyOverlapping {
+    // A plane of any kind serves to name the curve of a person where nothing can be evaluated.
+    let head_on = Plane::across_motion(approach, [a.centre_m, b.centre_m]);
+    let crash = Crash::new(encounter, plane.unwrap_or(&head_on), basis.parameters);
+    if plane.is_some() {
+        let patch = describe(approach, evidence, crash.plane, crash.long_face_of());
+        crash.describe(&mut harm, &patch);
+        harm.contact = Some(patch);
+    } else {
         harm.unevaluable = Some(Unevaluable::AlreadyOverlapping);
         harm.energy_j = Interval::new(0.0, crash.energy_at_most());
-    } else if touch != Touch::No {
-        crash.describe(&mut harm);
-    } else if near_miss {
-        harm.delta_v =
-            [0, 1].map(|p| DeltaV { work: Interval::ZERO, range: crash.delta_v_range(p) });
     }
     for (party, body) in [a, b].into_iter().enumerate() {
         for person in &body.persons {
-            let mut one = crash.person(party, person, basis)?;
-            if let Some(missed) = &missed {
-                let high = missed.person(party, person, basis)?.range.high();
-                one.range = Range::new(one.range.low(), one.range.high().max(high));
-            }
+            let mut one = crash.person(party, person, evidence, basis)?;
             if harm.unevaluable.is_some() {
                 (one.work, one.range) = (Interval::new(0.0, 1.0), Range::new(0.0, 1.0));
                 one.high_at_least = 0.0;
-            } else if touch == Touch::No && !near_miss {
-                (one.range, one.high_at_least, one.intrusion) = (Range::ZERO, 0.0, false);
             }
             harm.persons.push(one);
         }
@@ -160,54 +151,9 @@ pub fn assess_in(
     Ok(harm)
 }
 
-/// Everything that the figures are computed from. `nothing` is the evidence of bodies that stay
-/// apart.
-fn crash<'a>(
-    encounter: &Encounter<'a>,
-    evidence: &'a Evidence,
-    nothing: &'a Evidence,
-    basis: &Basis<'a>,
-) -> Crash<'a> {
-    let Encounter { approach, meeting, a, b, .. } = *encounter;
-    let parameters = basis.parameters;
-    let (evidence, touch) = match meeting {
-        Meeting::Path(_) => (evidence, evidence.touch()),
-        Meeting::Never(_) => (nothing, Touch::No),
-        Meeting::AlreadyOverlapping => (nothing, Touch::Unknown),
-    };
-    let concave = a.concave || b.concave;
-    let (places, raise) = match (meeting, touch) {
-        (Meeting::Path(path), Touch::Yes | Touch::Unknown) => {
-            (Places::along(path, evidence.first_m()), 0.0)
-        }
-        _ => (Places::missed(approach, parameters.pose_error_m), parameters.pose_error_m),
-    };
-    let normals = if concave {
-        Normals::head_on()
-    } else {
-        let r = places.patch_end;
-        Normals::between(approach, r.lo(), r.hi(), raise)
-    };
-    let reach = approach.reach(places.first.lo(), places.patch_end.hi());
-    let crash = Crash {
-        approach,
-        evidence,
-        parties: [a, b],
-        parameters,
-        normals,
-        places,
-        reach,
-        touch,
-        concave,
-        ends: PerNormal::new(),
-    };
-    crash.with_ends()
-}
-
-fn check(encounter: &Encounter<'_>, basis: &Basis<'_>) -> Result<(), AssessError> {
+fn check(encounter: &Encounter<'_>) -> Result<(), AssessError> {
     let Encounter { approach, a, b, probability, .. } = *encounter;
     approach.check()?;
-    basis.parameters.check()?;
     for (name, party) in [('A', a), ('B', b)] {
         party.check().map_err(|error| AssessError::Party(name, error))?;
     }

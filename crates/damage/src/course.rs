@@ -10,7 +10,6 @@
 //! It does not know who is where: [`crate::assess()`] makes the harm of one contact.
 
 use crate::assess::Risk;
-use crate::dynamics::Parameters;
 use crate::harm::CandidateHarm;
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
@@ -49,19 +48,6 @@ impl Severity {
         let severity = if ego.work.hi() >= HEAVY_M_S { Self::Heavy } else { Self::Light };
         (severity, ego.range.low() < HEAVY_M_S && HEAVY_M_S <= ego.range.high())
     }
-}
-
-/// The greatest change of velocity (m/s) that A can have from an impact with B at a closing speed
-/// (m/s), with nominal parameters, wherever and however they meet; masses in kg, `None` for what is
-/// fixed. Lever arms only lessen it, and with normal and tangential speeds v_n and v_t the impulse
-/// is at most √((1+e)² v_n² + v_t²) over the sum of the inverse masses.
-#[must_use]
-pub fn delta_v_at_most(closing_m_s: f64, [a, b]: [Option<f64>; 2], parameters: &Parameters) -> f64 {
-    let [a, b] = [a, b].map(|mass_kg| mass_kg.map_or(0.0, |mass_kg| 1.0 / mass_kg));
-    if a == 0.0 {
-        return 0.0;
-    }
-    (1.0 + parameters.restitution.nominal) * closing_m_s * a / (a + b)
 }
 
 /// The motion of the ego after a heavy contact: straight, braked to rest.

@@ -15,30 +15,17 @@ use crate::interval::Interval;
 use body::Zones;
 use geometry::Supports;
 use geometry::support::DIRECTIONS;
-use serde::Serialize;
-
-/// Whether the bodies touch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Touch {
-    /// All poses are done and none has a hit.
-    No,
-    /// There is a hit.
-    Yes,
-    /// No hit yet, and work is open.
-    Unknown,
-}
 
 /// What hits, or open work, cover: supports of the patch and of the last pose, and zones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// The patch, poses f..r.
+    /// The patch: all depths.
     pub patch: Supports,
-    /// The pose e alone; empty where it was not asked for.
+    /// The last depth alone.
     pub end: Supports,
-    /// Zones of A hit, poses f..e.
+    /// Zones of A hit.
     pub zones_a: Zones,
-    /// Zones of B hit, poses f..e.
+    /// Zones of B hit.
     pub zones_b: Zones,
 }
 
@@ -48,9 +35,6 @@ pub struct Evidence {
     inner: Seen,
     outer: Seen,
     is_open: bool,
-    is_patch_open: bool,
-    has_touched: bool,
-    first_m: (f64, f64),
 }
 
 impl Seen {
@@ -79,39 +63,23 @@ impl Seen {
 }
 
 impl Evidence {
-    /// No hit, no open work; first contact, if any, at a travel between these two (m). This is the
-    /// evidence of bodies that do not touch.
+    /// No hit, no open work.
     #[must_use]
-    pub fn none(first_m: (f64, f64)) -> Self {
-        Self {
-            inner: Seen::NOTHING,
-            outer: Seen::NOTHING,
-            is_open: false,
-            is_patch_open: false,
-            has_touched: false,
-            first_m,
-        }
+    pub fn none() -> Self {
+        Self { inner: Seen::NOTHING, outer: Seen::NOTHING, is_open: false }
     }
 
-    /// Notes that some pose is known to touch, before its patch is known.
-    pub fn touched(&mut self) {
-        self.has_touched = true;
-    }
-
-    /// Adds hits at a pose, in A's frame at that pose. Only for poses that count wherever the first
-    /// contact turns out to be.
+    /// Adds hits at a pose, in A's frame at that pose.
     pub fn add_hits(&mut self, travel_m: f64, hits: &Seen) {
         let hits = hits.half_way(travel_m);
         self.inner.merge(&hits);
         self.outer.merge(&hits);
-        self.has_touched |= has_points(&hits.patch);
     }
 
     /// Adds what a piece of open work at a pose can reach at most, in A's frame at that pose.
     pub fn add_open(&mut self, travel_m: f64, reach: &Seen) {
         self.outer.merge(&reach.half_way(travel_m));
         self.is_open = true;
-        self.is_patch_open |= reach.patch != Supports::EMPTY;
     }
 
     /// Notes that open work may find contact anywhere that the hulls allow, in any zone: for work
@@ -122,48 +90,19 @@ impl Evidence {
         let all = Seen { patch: anywhere, end: anywhere, zones_a: zones, zones_b: zones };
         self.outer.merge(&all);
         self.is_open = true;
-        self.is_patch_open = true;
     }
 
-    /// Includes all that `other` knows. Both must know the same bracket of the first contact, or
-    /// the narrower one counts.
+    /// Includes all that `other` knows.
     pub fn merge(&mut self, other: &Self) {
         self.inner.merge(&other.inner);
         self.outer.merge(&other.outer);
         self.is_open |= other.is_open;
-        self.is_patch_open |= other.is_patch_open;
-        self.has_touched |= other.has_touched;
-        let (from, to) = (self.first_m.0.max(other.first_m.0), self.first_m.1.min(other.first_m.1));
-        self.first_m = (from, to.max(from));
-    }
-
-    /// Whether the bodies touch.
-    #[must_use]
-    pub fn touch(&self) -> Touch {
-        match (self.has_touched, self.is_open) {
-            (true, _) => Touch::Yes,
-            (false, true) => Touch::Unknown,
-            (false, false) => Touch::No,
-        }
     }
 
     /// Whether work is still open.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.is_open
-    }
-
-    /// Whether open work may still change the patch, and with it a figure that ranks by the work
-    /// interval; zones and depth alone cannot.
-    #[must_use]
-    pub fn is_patch_open(&self) -> bool {
-        self.is_patch_open
-    }
-
-    /// Between which travels the first contact lies (m).
-    #[must_use]
-    pub fn first_m(&self) -> (f64, f64) {
-        self.first_m
     }
 
     /// Zones hit: of A, of B.
@@ -181,13 +120,15 @@ impl Evidence {
     /// The middle of the patch between two opposed directions (m), half-way frame.
     ///
     /// `reach` bounds the patch independently of the jobs ([`crate::Approach::reach`]).
-    pub(crate) fn middle(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
+    pub(crate) fn middle(&self, plus: usize, minus: usize, reach: &Supports) -> f64 {
         let ([in_plus, in_minus], [out_plus, out_minus]) =
             self.ends(|seen| &seen.patch, plus, minus, reach);
-        if in_plus.is_finite() && in_minus.is_finite() {
-            return Interval::new(0.5 * (in_plus - out_minus), 0.5 * (out_plus - in_minus));
-        }
-        Interval::new(-out_minus, out_plus)
+        let [most, least] = if in_plus.is_finite() && in_minus.is_finite() {
+            [in_plus, -in_minus]
+        } else {
+            [out_plus, -out_minus]
+        };
+        0.5 * (most + least)
     }
 
     /// The length of the patch between two opposed directions (m).

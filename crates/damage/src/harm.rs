@@ -1,13 +1,13 @@
 //! The harm of one candidate: what its collision does to every person in it, with both intervals.
 //!
-//! Without contact everything is exactly 0, whatever boxes or hulls suggest. A candidate that
+//! What only grazes, and what only hits a mirror, exchanges no impulse. A candidate that
 //! cannot be evaluated counts as `[0, 1]` for everyone in it, with the reason; it is never dropped.
 //! These are immutable values: [`crate::assess()`] makes them, [`crate::rank()`] compares them.
 
-use crate::contact::Contact;
+use crate::contact::ContactPatch;
 use crate::crush::Crush;
+use crate::curve::Dose;
 use crate::dynamics::Response;
-use crate::evidence::Touch;
 use crate::injury::{Quantity, Victim};
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
@@ -33,6 +33,8 @@ pub struct PersonHarm {
     pub x: Quantity,
     /// ... and its value (m/s).
     pub x_m_s: Interval,
+    /// The height of the edge of the front that strikes a person (m), else 0.
+    pub front_m: f64,
     /// Probability of injury at the policy's level, given the collision.
     pub work: Interval,
     /// That probability, over the model range.
@@ -43,6 +45,14 @@ pub struct PersonHarm {
     pub intrusion: bool,
     /// x lies outside the range that the curve's sample supports.
     pub extrapolated: bool,
+}
+
+impl PersonHarm {
+    /// What the nominal curve is a function of.
+    #[must_use]
+    pub fn dose(&self) -> Dose {
+        Dose { speed_m_s: self.x_m_s.hi(), front_m: self.front_m }
+    }
 }
 
 /// Change of velocity of one party (m/s).
@@ -67,20 +77,26 @@ pub enum Unevaluable {
 pub struct CandidateHarm {
     /// Probability of the collision, 1 unless the planner says otherwise.
     pub probability: f64,
-    /// Horizontal closing speed |v_rel| (m/s).
+    /// Horizontal closing speed of the centres of mass, |v_rel| (m/s).
     pub closing_m_s: f64,
-    /// Closing speed along the nominal normal, v_n (m/s).
-    pub normal_m_s: Interval,
-    /// Sliding speed across it, v_t (m/s).
-    pub tangential_m_s: Interval,
-    /// What the contact is like.
-    pub contact: Contact,
+    /// Closing speed along the normal at the point of contact, v_n (m/s), at least 0.
+    pub normal_m_s: f64,
+    /// Sliding speed across it, v_t (m/s), without its sign.
+    pub tangential_m_s: f64,
+    /// What the contact is like; `None` if the candidate cannot be evaluated.
+    pub contact: Option<ContactPatch>,
     /// Change of velocity: of A, of B.
     pub delta_v: [DeltaV; 2],
-    /// Impulses and energy with nominal parameters, at the end of open work that does most.
+    /// Impulses and energy with nominal parameters.
     pub response: Response,
-    /// Lever arms h across and q along the nominal normal (m), those of `response`: of A, of B.
-    pub levers_m: [[f64; 2]; 2],
+    /// From the centre of mass to the point of contact, along the normal and to its left (m): of A,
+    /// of B.
+    pub arms_m: [[f64; 2]; 2],
+    /// Restitution and friction that the nominal computation took: e, and μ or, along a long flat
+    /// face, the greatest ratio of both impulses.
+    pub surface: [f64; 2],
+    /// Yaw rates before and after (rad/s): of A, of B.
+    pub yaw_rad_s: [[f64; 2]; 2],
     /// Crush by stiffness beside the depth; `None` where a stiffness is not configured.
     pub crush: Option<Crush>,
     /// Where the force comes from in each body's frame (degrees from forward, left positive).
@@ -92,13 +108,9 @@ pub struct CandidateHarm {
     pub energy_j: Interval,
     /// Everyone in either party; all other persons of the request are untouched.
     pub persons: Vec<PersonHarm>,
-    /// The limit on poses made the path coarse.
-    pub coarse_path: bool,
-    /// A body is concave: the normal is u, and the model range begins at 0.
-    pub concave: bool,
     /// Set if there are no figures for this candidate.
     pub unevaluable: Option<Unevaluable>,
-    /// Work is still open.
+    /// Work is still open: zones, the size of the patch, and with them the upper ends of ranges.
     pub is_open: bool,
 }
 
@@ -107,7 +119,6 @@ impl CandidateHarm {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         self.unevaluable.is_none()
-            && self.contact.touch != Touch::Unknown
             && self.energy_j.is_settled()
             && self.persons.iter().all(|p| p.work.is_settled())
     }

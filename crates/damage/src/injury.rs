@@ -7,8 +7,7 @@
 //!
 //! A person without a curve is refused, never given another's. Age and sex do not occur.
 
-use crate::curve::{Curve, Level};
-use crate::interval::Interval;
+use crate::curve::{Curve, Dose, Level};
 use serde::{Deserialize, Serialize};
 
 mod load;
@@ -25,8 +24,10 @@ pub const DEFAULT_CURVES: &str =
 pub enum Victim {
     /// Inside a vehicle that is struck at its front.
     OccupantFront,
-    /// Inside a vehicle that is struck at a side.
-    OccupantSide,
+    /// Inside a vehicle that is struck at the side of the seat.
+    OccupantNear,
+    /// Inside a vehicle that is struck at the other side.
+    OccupantFar,
     /// Inside a vehicle that is struck at its rear.
     OccupantRear,
     /// On foot.
@@ -43,7 +44,8 @@ pub enum Victim {
 pub enum Quantity {
     /// Change of velocity of the person's vehicle.
     DeltaV,
-    /// Closing speed along the contact normal, v_n.
+    /// Closing speed along the contact normal, v_n, as if a car struck: what is lighter than a car
+    /// throws a person less.
     ClosingNormal,
     /// Closing speed, |v_rel|.
     Closing,
@@ -54,10 +56,12 @@ pub enum Quantity {
 pub struct Speeds {
     /// ΔV of the person's vehicle.
     pub delta_v: f64,
-    /// v_n.
+    /// v_n, times what the striker's mass makes of it.
     pub normal: f64,
-    /// |v_rel|.
+    /// |v_rel|, likewise.
     pub closing: f64,
+    /// The height of the front's edge that strikes a person outside (m), else 0.
+    pub front_m: f64,
 }
 
 /// One end of a model range: the extreme of some curves at a scaled quantity.
@@ -82,6 +86,9 @@ pub struct Rung {
     pub x: Quantity,
     /// Number of the nominal curve within the set.
     pub nominal: usize,
+    /// Number of a curve of a milder outcome that the nominal risk never exceeds: where published
+    /// curves of one study cross.
+    pub at_most: Option<usize>,
     /// Lower end of the model range.
     pub low: RangeEnd,
     /// Upper end of the model range.
@@ -124,9 +131,10 @@ impl diagnostic::Diagnostic for MissingCurve {
 
 impl Victim {
     /// All kinds of persons.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::OccupantFront,
-        Self::OccupantSide,
+        Self::OccupantNear,
+        Self::OccupantFar,
         Self::OccupantRear,
         Self::Pedestrian,
         Self::Cyclist,
@@ -138,7 +146,8 @@ impl Victim {
     pub fn name(self) -> &'static str {
         match self {
             Self::OccupantFront => "occupant-front",
-            Self::OccupantSide => "occupant-side",
+            Self::OccupantNear => "occupant-near",
+            Self::OccupantFar => "occupant-far",
             Self::OccupantRear => "occupant-rear",
             Self::Pedestrian => "pedestrian",
             Self::Cyclist => "cyclist",
@@ -160,6 +169,12 @@ impl Quantity {
 }
 
 impl Speeds {
+    /// One of them (m/s), `times` a factor, with the height of the front.
+    #[must_use]
+    pub fn dose(&self, x: Quantity, times: f64) -> Dose {
+        Dose { speed_m_s: self.get(x) * times, front_m: self.front_m }
+    }
+
     /// One of them (m/s).
     #[must_use]
     pub fn get(&self, x: Quantity) -> f64 {
@@ -197,11 +212,12 @@ impl Curves {
         &self.curves[rung.nominal]
     }
 
-    /// Nominal risk between the speeds of two ends of open work.
+    /// Nominal risk.
     #[must_use]
-    pub fn work(&self, rung: &Rung, least: &Speeds, most: &Speeds) -> Interval {
-        let curve = self.nominal(rung);
-        Interval::new(curve.risk(least.get(rung.x)), curve.risk(most.get(rung.x)))
+    pub fn risk(&self, rung: &Rung, speeds: &Speeds) -> f64 {
+        let dose = speeds.dose(rung.x, 1.0);
+        let risk = self.nominal(rung).risk(dose);
+        rung.at_most.map_or(risk, |most| risk.min(self.curves[most].risk(dose)))
     }
 
     /// Lower end of the model range, clipped to the ladder: never below that of a severer level.
@@ -209,7 +225,7 @@ impl Curves {
     pub fn low(&self, rung: &Rung, speeds: &Speeds) -> f64 {
         self.family(rung)
             .filter(|r| r.level >= rung.level)
-            .map(|r| self.extreme(&r.low, speeds, f64::INFINITY, f64::min))
+            .map(|r| self.low_end(r, speeds))
             .fold(0.0, f64::max)
     }
 
@@ -220,6 +236,13 @@ impl Curves {
             .filter(|r| r.level <= rung.level)
             .map(|r| self.extreme(&r.high, speeds, f64::NEG_INFINITY, f64::max))
             .fold(1.0, f64::min)
+    }
+
+    /// Lower end of the model range of one level; where the nominal risk is cut, it is, too.
+    fn low_end(&self, rung: &Rung, speeds: &Speeds) -> f64 {
+        let low = self.extreme(&rung.low, speeds, f64::INFINITY, f64::min);
+        let dose = speeds.dose(rung.low.x, rung.low.times);
+        rung.at_most.map_or(low, |most| low.min(self.curves[most].risk(dose)))
     }
 
     /// The rungs of the same person.
@@ -235,7 +258,7 @@ impl Curves {
         from: f64,
         pick: fn(f64, f64) -> f64,
     ) -> f64 {
-        let x = speeds.get(end.x) * end.times;
-        end.curves.iter().map(|c| self.curves[*c].risk(x)).fold(from, pick)
+        let dose = speeds.dose(end.x, end.times);
+        end.curves.iter().map(|c| self.curves[*c].risk(dose)).fold(from, pick)
     }
 }

@@ -1,9 +1,9 @@
 //! From contact to harm to a ranking under a policy.
 //!
 //! ```text
-//! Approach --plan--> Path: first contact is sought there, --survey--> poses to intersect
+//! Footprint, Approach --Plane::of--> Plane; survey(Approach) --> depths to intersect
 //! hits, open work --> Evidence --assess--> CandidateHarm --rank--> RankedCandidates  (at any time)
-//! Curves::parse, Policy::parse: texts of config/curves and config/policies
+//! Parameters::parse, Curves::parse, Policy::parse: texts of config
 //! ```
 //!
 //! Pure: texts and values in, values out; no file, clock or thread. Everything is in A's frame (A
@@ -11,28 +11,35 @@
 //! machines give the same bits.
 //!
 //! ```
-//! use trolley_damage::{Approach, Basis, CollisionParty, Curves, Encounter, Evidence, Parameters};
-//! use trolley_damage::{Aboard, Meeting, PersonId, Policy, Seen, Stake};
-//! use trolley_damage::{assess, heading, plan, rank};
+//! use body::{Band, BodyKind, Outlines, Seat};
 //! use geometry::{DVec3, Directions, Supports};
-//! use body::{BodyKind, Seat};
+//! use trolley_damage::{Aboard, Approach, Basis, CollisionParty, Curves, Encounter, Evidence};
+//! use trolley_damage::{Footprint, Front, Parameters, PersonId, Plane, Policy, Stake};
+//! use trolley_damage::{assess, heading, rank};
 //!
-//! // A box of a car drives at 15 m/s into a wall.
-//! let points = |x: [f64; 2], y: f64| {
-//!     let corners = [[x[0], -y], [x[0], y], [x[1], -y], [x[1], y]];
-//!     corners.map(|[x, y]| DVec3::new(x, y, 0.5))
+//! // The box of a car touches a wall at 15 m/s.
+//! let outline = |x: [f64; 2], y: f64| Outlines {
+//!     bands: vec![Band {
+//!         height_m: [0.0, 1.0],
+//!         rings: vec![vec![[x[1], -y], [x[1], y], [x[0], y], [x[0], -y]]],
+//!     }],
 //! };
-//! let speed = DVec3::new(15.0, 0.0, 0.0);
-//! let directions = Directions::around(heading(speed, DVec3::X, DVec3::Z), DVec3::Z);
-//! let supports = |points: [DVec3; 4]| {
+//! let outlines = [outline([-2.25, 2.25], 0.9), outline([2.25, 2.55], 10.0)];
+//! let velocity_m_s = DVec3::new(15.0, 0.0, 0.0);
+//! let directions = Directions::around(heading(velocity_m_s, DVec3::X, DVec3::Z), DVec3::Z);
+//! let supports = |outlines: &Outlines| {
 //!     let mut supports = Supports::EMPTY;
-//!     points.iter().for_each(|p| supports.add(&directions, *p));
+//!     for [x, y] in outlines.bands[0].rings[0].iter() {
+//!         supports.add(&directions, DVec3::new(*x, *y, 0.5));
+//!     }
 //!     supports
 //! };
 //! let approach = Approach {
-//!     closing_m_s: speed.length(),
-//!     supports_a: supports(points([-2.25, 2.25], 0.9)),
-//!     supports_b: supports(points([2.2, 2.5], 10.0)),
+//!     velocity_m_s,
+//!     closing_m_s: velocity_m_s.length(),
+//!     yaw_rad_s: [0.0; 2],
+//!     supports_a: supports(&outlines[0]),
+//!     supports_b: supports(&outlines[1]),
 //!     directions: directions.clone(),
 //! };
 //! let car = CollisionParty {
@@ -42,36 +49,28 @@
 //!     centre_m: DVec3::ZERO,
 //!     forward: DVec3::X,
 //!     stiffness: None,
-//!     concave: false,
+//!     front_m: Some(0.7),
 //!     persons: [Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }].into_iter().collect(),
 //! };
 //! let wall = CollisionParty {
 //!     kind: BodyKind::Wall,
 //!     mass_kg: None,
+//!     front_m: None,
 //!     persons: Default::default(),
 //!     ..car.clone()
 //! };
-//! let meeting = plan(&approach)?;
-//! let Meeting::Path(path) = &meeting else { return Err("they meet".into()) };
-//!
-//! // Suppose that the search found contact at the first pose, and workers these two points of it.
-//! let f = path.from_m; let mut hits = Seen::NOTHING; for y in [-0.9, 0.9] {
-//!     hits.patch.add(&directions, DVec3::new(2.25, y, 0.5));
-//! }
-//! let mut evidence = Evidence::none((f, f));
-//! evidence.add_hits(f, &hits);
+//! let footprints = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
+//! let fronts = [Front::of(&car), Front::of(&wall)];
+//! let [of_a, of_b] = &footprints;
+//! let plane = Plane::of(&approach, [of_a, of_b], fronts, DVec3::new(2.25, 0.0, 0.5));
 //!
 //! let (curves, policy) = (Curves::shipped()?, Policy::shipped()?);
-//! let parameters = Parameters::default();
+//! let parameters = Parameters::shipped()?;
 //! let basis = Basis { curves: &curves, level: policy.outcome, parameters: &parameters };
-//! let encounter = Encounter {
-//!     approach: &approach,
-//!     meeting: &meeting,
-//!     a: &car,
-//!     b: &wall,
-//!     probability: 1.0,
-//! };
-//! let harm = assess(&encounter, &evidence, &basis)?;
+//! let encounter =
+//!     Encounter { approach: &approach, plane: Some(&plane), a: &car, b: &wall, probability: 1.0 };
+//! // No job was done: the impulse does not depend on any.
+//! let harm = assess(&encounter, &Evidence::none(), &basis)?;
 //! assert!((harm.delta_v[0].work.hi() - 16.5).abs() < 1e-9);
 //!
 //! let ranking = rank(&policy, &[Stake { is_ego: true, responsibility: 0.0 }], &[harm])?;
@@ -84,7 +83,7 @@
 //! - An [`Interval`] is proven and only ever narrows; a [`Range`] is an expert range around it.
 //!   They never mix: `assess/tests.rs`.
 //! - Merging evidence twice, or in another order, changes nothing: `evidence/tests.rs`.
-//! - No contact is exactly 0 for everyone, and ranks like any other candidate: `assess/tests.rs`.
+//! - The plane is the same, turned round, when the bodies are exchanged: `plane/tests.rs`.
 //! - Harm never falls when speed or the partner's mass rises: `assess/tests.rs`.
 //! - A policy changes the order, never a figure: `rank/tests.rs`.
 //! - Candidates that can still win are never left out: `rank/tests.rs`.
@@ -104,8 +103,10 @@ pub mod fault;
 pub mod harm;
 pub mod injury;
 pub mod interval;
+pub mod parameters;
 pub mod party;
 pub mod path;
+pub mod plane;
 pub mod policy;
 pub mod rank;
 pub mod rule;
@@ -116,18 +117,19 @@ mod scene;
 pub use approach::{Approach, ApproachError, heading};
 pub use assess::{AssessError, Basis, CandidateBounds, Encounter, Risk};
 pub use assess::{assess, assess_in, bounds, bounds_in};
-pub use contact::{Contact, ContactPatch};
+pub use contact::ContactPatch;
 pub use course::{CourseHarm, RunOut, Severity};
 pub use crush::{Crush, Stiffness};
 pub use curve::Level;
-pub use dynamics::Parameters;
-pub use evidence::{Evidence, Seen, Touch};
+pub use evidence::{Evidence, Seen};
 pub use fault::DataFileError;
 pub use harm::{CandidateHarm, DeltaV, PersonHarm, Unevaluable};
 pub use injury::{Curves, MissingCurve, Victim};
 pub use interval::{Interval, Range};
-pub use party::{Aboard, CollisionParty, PartyError, PersonId, occupants};
-pub use path::{Apart, Meeting, Path, Stop, Stops, plan};
+pub use parameters::Parameters;
+pub use party::{Aboard, CollisionParty, PartyError, PersonId};
+pub use path::{Stop, Stops, survey};
+pub use plane::{Footprint, Front, Plane};
 pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::standing::{Standing, needs_high, standing, standing_in};

@@ -5,11 +5,10 @@
 
 use crate::crush::Stiffness;
 use crate::injury::Victim;
-use body::meta::Occupant;
 use body::{BodyKind, Seat};
 use geometry::DVec3;
 use serde::Serialize;
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 
 /// A person of the request: a number in the one fixed list of persons for all candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -27,9 +26,6 @@ pub struct Aboard {
 /// Number of persons of a party that lists store in place; more are allocated on the heap.
 pub const IN_PLACE: usize = 64;
 
-/// Who is with a body, by their seats; `None` on foot.
-pub type Seats = SmallVec<[Option<Seat>; IN_PLACE]>;
-
 /// A party of a collision, in A's frame at the given pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollisionParty {
@@ -45,8 +41,8 @@ pub struct CollisionParty {
     pub forward: DVec3,
     /// Stiffness, if configured; ignored if fixed.
     pub stiffness: Option<Stiffness>,
-    /// Whether the body is concave in plan, so that its hull says nothing about the normal.
-    pub concave: bool,
+    /// The height of the edge of its front above its lowest point (m), if it has one.
+    pub front_m: Option<f64>,
     /// Who is with it.
     pub persons: SmallVec<[Aboard; IN_PLACE]>,
 }
@@ -57,8 +53,10 @@ pub struct CollisionParty {
 pub enum Struck {
     /// Within 45° of forward.
     Front,
-    /// Between 45° and 135° on either side.
-    Side,
+    /// Between 45° and 135° to the left.
+    Left,
+    /// Between 45° and 135° to the right.
+    Right,
     /// Within 45° of backward.
     Rear,
 }
@@ -94,14 +92,18 @@ pub fn wrapped(degrees: f64) -> f64 {
 }
 
 impl Struck {
-    /// The side for an angle from forward (degrees), either way round, wrapped.
+    /// All sides.
+    pub const ALL: [Self; 4] = [Self::Front, Self::Left, Self::Right, Self::Rear];
+
+    /// The side for an angle from forward (degrees, positive to the left), wrapped.
     #[must_use]
     pub fn at(degrees: f64) -> Self {
-        let off = (wrapped(degrees).abs() * DEGREE_PRECISION).round() / DEGREE_PRECISION;
+        let degrees = wrapped(degrees);
+        let off = (degrees.abs() * DEGREE_PRECISION).round() / DEGREE_PRECISION;
         if off < 45.0 {
             Self::Front
         } else if off <= 135.0 {
-            Self::Side
+            if degrees > 0.0 { Self::Left } else { Self::Right }
         } else {
             Self::Rear
         }
@@ -147,13 +149,20 @@ impl CollisionParty {
         libm::atan2(left.dot(direction), self.forward.dot(direction)).to_degrees()
     }
 
-    /// What kind of victim a person of this party is, struck from `side`; `None` for fixed objects.
+    /// What kind of victim a person of this party is in a seat, struck from `side`; `None` for fixed
+    /// objects. In the middle both sides are near.
     #[must_use]
-    pub fn victim(&self, side: Struck) -> Option<Victim> {
+    pub fn victim(&self, side: Struck, seat: Option<Seat>) -> Option<Victim> {
+        let is_far = match side {
+            Struck::Left => matches!(seat, Some(Seat::FrontRight | Seat::RearRight)),
+            Struck::Right => matches!(seat, Some(Seat::FrontLeft | Seat::RearLeft)),
+            Struck::Front | Struck::Rear => false,
+        };
         match self.kind {
             BodyKind::Sedan | BodyKind::Suv | BodyKind::Truck | BodyKind::Bus => Some(match side {
                 Struck::Front => Victim::OccupantFront,
-                Struck::Side => Victim::OccupantSide,
+                Struck::Left | Struck::Right if is_far => Victim::OccupantFar,
+                Struck::Left | Struck::Right => Victim::OccupantNear,
                 Struck::Rear => Victim::OccupantRear,
             }),
             BodyKind::Motorcycle => Some(Victim::Motorcyclist),
@@ -170,34 +179,20 @@ pub fn is_fixed(kind: BodyKind) -> bool {
     matches!(kind, BodyKind::Wall | BodyKind::Pole | BodyKind::Building)
 }
 
-/// Whether bodies of this kind are concave in plan.
+/// How much of a closing speed a person outside feels who is struck by a mass, against a car: the
+/// share that the striker's mass has in both, over the share that a car's would have, at most 1. The
+/// person's own mass is that of the kind, never a stated one.
 #[must_use]
-pub fn is_concave(kind: BodyKind) -> bool {
-    matches!(kind, BodyKind::Building)
-}
-
-/// Who is with a body: as stated, or, where not stated, one driver or rider if it moves (our
-/// assumption), and for a person on foot that person.
-#[must_use]
-pub fn occupants(kind: BodyKind, speed_m_s: f64, stated: Option<&[Occupant]>) -> Seats {
-    if let Some(stated) = stated {
-        return stated.iter().map(|o| o.seat).collect();
-    }
-    let is_moving = speed_m_s > 0.0;
-    match kind {
-        BodyKind::Pedestrian => smallvec![None],
-        BodyKind::Sedan | BodyKind::Suv | BodyKind::Truck | BodyKind::Bus if is_moving => {
-            smallvec![Some(Seat::FrontLeft)]
-        }
-        BodyKind::Motorcycle | BodyKind::Cyclist if is_moving => smallvec![Some(Seat::Rider)],
-        BodyKind::Sedan
-        | BodyKind::Suv
-        | BodyKind::Truck
-        | BodyKind::Bus
-        | BodyKind::Motorcycle
-        | BodyKind::Cyclist => Seats::new(),
-        BodyKind::Wall | BodyKind::Pole | BodyKind::Building => Seats::new(),
-    }
+pub fn throw_share(kind: BodyKind, striker_kg: Option<f64>) -> f64 {
+    /// The lightest car in the samples of the curves, kg; our assumption.
+    const CAR_KG: f64 = 800.0;
+    let person_kg = match kind {
+        BodyKind::Motorcycle => 325.0,
+        BodyKind::Cyclist => 90.0,
+        _ => 75.0,
+    };
+    let share = |striker_kg: f64| striker_kg / (striker_kg + person_kg);
+    striker_kg.map_or(1.0, |striker_kg| (share(striker_kg) / share(CAR_KG)).min(1.0))
 }
 
 #[cfg(test)]

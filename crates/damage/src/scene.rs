@@ -6,13 +6,14 @@
 use crate::approach::{Approach, heading};
 use crate::assess::{AssessError, Basis, Encounter, assess};
 use crate::curve::Level;
-use crate::dynamics::Parameters;
 use crate::evidence::{Evidence, Seen};
 use crate::harm::CandidateHarm;
 use crate::injury::Curves;
+use crate::parameters::Parameters;
 use crate::party::{Aboard, CollisionParty, PersonId};
-use crate::path::{Meeting, Path, plan};
-use body::{BodyKind, Seat, Zones};
+use crate::path::survey;
+use crate::plane::{Footprint, Front, Plane};
+use body::{Band, BodyKind, Outlines, Seat, Zones};
 use geometry::{DVec3, Directions, Supports};
 
 /// An upright prism over a convex outline, metres.
@@ -103,8 +104,17 @@ pub(crate) struct Scene {
     pub(crate) a: Prism,
     pub(crate) b: Prism,
     pub(crate) velocity: [f64; 2],
+    pub(crate) yaw_rad_s: [f64; 2],
     pub(crate) party_a: CollisionParty,
     pub(crate) party_b: CollisionParty,
+}
+
+/// A scene at the moment of first contact.
+#[derive(Clone, Debug)]
+pub(crate) struct Touching {
+    pub(crate) scene: Scene,
+    pub(crate) approach: Approach,
+    pub(crate) plane: Plane,
 }
 
 /// A vehicle with one driver, at the middle of its prism.
@@ -117,7 +127,7 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
         centre_m: DVec3::new(centre[0], centre[1], 0.5),
         forward: DVec3::new(cos, sin, 0.0),
         stiffness: None,
-        concave: false,
+        front_m: Some(0.7),
         persons: [Aboard { id: PersonId(person), seat: Some(Seat::FrontLeft) }]
             .into_iter()
             .collect(),
@@ -133,7 +143,7 @@ pub(crate) fn walker(person: usize, centre: [f64; 2]) -> CollisionParty {
         centre_m: DVec3::new(centre[0], centre[1], 0.9),
         forward: DVec3::X,
         stiffness: None,
-        concave: false,
+        front_m: None,
         persons: [Aboard { id: PersonId(person), seat: None }].into_iter().collect(),
     }
 }
@@ -147,7 +157,7 @@ pub(crate) fn fixed(kind: BodyKind, centre: [f64; 2]) -> CollisionParty {
         centre_m: DVec3::new(centre[0], centre[1], 0.5),
         forward: DVec3::X,
         stiffness: None,
-        concave: kind == BodyKind::Building,
+        front_m: None,
         persons: Default::default(),
     }
 }
@@ -159,8 +169,42 @@ pub(crate) fn head_on(across: f64) -> Scene {
         a: Prism::cuboid(4.5, 1.8, [0.0, 0.0], 0.0),
         b: Prism::cuboid(4.5, 1.7, at, 180.0),
         velocity: [20.0, 0.0],
+        yaw_rad_s: [0.0; 2],
         party_a: car(0, 1200.0, [0.0, 0.0], 0.0),
         party_b: car(1, 1800.0, at, 180.0),
+    }
+}
+
+impl Touching {
+    /// Evidence with all work done.
+    pub(crate) fn evidence(&self) -> Evidence {
+        let mut evidence = Evidence::none();
+        for stop in survey(&self.approach) {
+            let mut seen = Seen { zones_a: Zones(1), zones_b: Zones(1), ..Seen::NOTHING };
+            for point in self.scene.hits(stop.travel_m, &self.approach) {
+                seen.patch.add(&self.approach.directions, point);
+                if stop.is_last {
+                    seen.end.add(&self.approach.directions, point);
+                }
+            }
+            evidence.add_hits(stop.travel_m, &seen);
+        }
+        evidence
+    }
+
+    pub(crate) fn harm_by(&self, evidence: &Evidence) -> Result<CandidateHarm, AssessError> {
+        let curves = Curves::shipped().expect("the shipped curves are sound");
+        let parameters = Parameters::shipped().expect("the shipped parameters are sound");
+        let basis = Basis { curves: &curves, level: Level::Mais3, parameters: &parameters };
+        let Self { scene: Scene { party_a: a, party_b: b, .. }, approach, plane } = self;
+        let encounter = Encounter { approach, plane: Some(plane), a, b, probability: 1.0 };
+        assess(&encounter, evidence, &basis)
+    }
+}
+
+impl Prism {
+    pub(crate) fn outlines(&self) -> Outlines {
+        Outlines { bands: vec![Band { height_m: self.height, rings: vec![self.outline.clone()] }] }
     }
 }
 
@@ -170,7 +214,9 @@ impl Scene {
         let between = self.party_b.centre_m - self.party_a.centre_m;
         let directions = Directions::around(heading(v, between, DVec3::Z), DVec3::Z);
         Approach {
+            velocity_m_s: v,
             closing_m_s: v.length(),
+            yaw_rad_s: self.yaw_rad_s,
             supports_a: self.a.supports(&directions),
             supports_b: self.b.supports(&directions),
             directions,
@@ -188,73 +234,58 @@ impl Scene {
         self.a.crossings(&self.b_at(travel_m, approach))
     }
 
-    /// First contact, by small steps and halving to 0.1 mm.
-    pub(crate) fn first(&self, path: &Path, approach: &Approach) -> Option<f64> {
-        let touches = |s: f64| !self.hits(s, approach).is_empty();
-        let steps = ((path.to_m - path.from_m) / 0.02).ceil() as usize;
-        let travels = (0..=steps).map(|k| (path.from_m + 0.02 * k as f64).min(path.to_m));
-        let mut apart = path.from_m;
-        for s in travels {
-            if touches(s) {
-                let mut touching = s;
-                while touching - apart > 1e-4 {
+    /// First contact within 12 m either way, by small steps and halving to 1 µm: the travel, and
+    /// where they touch.
+    fn first(&self, approach: &Approach) -> Option<(f64, DVec3)> {
+        let hit = |s: f64| self.hits(s, approach).first().copied();
+        let mut apart = -12.0;
+        while apart < 12.0 {
+            let mut touching = apart + 0.02;
+            if let Some(mut point) = hit(touching) {
+                while touching - apart > 1e-6 {
                     let middle = 0.5 * (apart + touching);
-                    if touches(middle) { touching = middle } else { apart = middle }
+                    match hit(middle) {
+                        Some(p) => (touching, point) = (middle, p),
+                        None => apart = middle,
+                    }
                 }
-                return Some(touching);
+                return Some((touching, point));
             }
-            apart = s;
+            apart = touching;
         }
         None
     }
 
-    /// Evidence with all work done.
-    pub(crate) fn evidence(&self, approach: &Approach, path: &Path) -> Evidence {
-        let Some(f) = self.first(path, approach) else {
-            return Evidence::none((path.from_m, path.to_m));
-        };
-        let mut evidence = Evidence::none((f, f));
-        for stop in path.survey(f) {
-            let mut seen = Seen::NOTHING;
-            for point in self.hits(stop.travel_m, approach) {
-                if stop.patch {
-                    seen.patch.add(&approach.directions, point);
-                }
-                if stop.depth {
-                    seen.end.add(&approach.directions, point);
-                }
-                if stop.zones {
-                    (seen.zones_a, seen.zones_b) = (Zones(1), Zones(1));
-                }
-            }
-            evidence.add_hits(stop.travel_m, &seen);
-        }
-        evidence
-    }
-
-    /// The harm, all work done.
-    pub(crate) fn harm(&self) -> Result<CandidateHarm, AssessError> {
+    /// This scene at the moment of first contact; `None` if they pass each other.
+    pub(crate) fn touching(&self) -> Option<Touching> {
         let approach = self.approach();
-        let meeting = plan(&approach)?;
-        let evidence = match &meeting {
-            Meeting::Path(path) => self.evidence(&approach, path),
-            Meeting::Never(_) | Meeting::AlreadyOverlapping => Evidence::none((0.0, 0.0)),
-        };
-        self.harm_by(&approach, &meeting, &evidence)
+        let (travel_m, point) = self.first(&approach)?;
+        let u = approach.directions.d[0];
+        let mut scene = self.clone();
+        scene.b = self.b_at(travel_m, &approach);
+        scene.party_b.centre_m -= u * travel_m;
+        let approach = scene.approach();
+        let outlines = [scene.a.outlines(), scene.b.outlines()];
+        let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
+        let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
+        let plane = Plane::of(&approach, [&a, &b], fronts, point);
+        Some(Touching { scene, approach, plane })
     }
 
-    pub(crate) fn harm_by(
-        &self,
-        approach: &Approach,
-        meeting: &Meeting,
-        evidence: &Evidence,
-    ) -> Result<CandidateHarm, AssessError> {
-        let (a, b) = (&self.party_a, &self.party_b);
-        let encounter = Encounter { approach, meeting, a, b, probability: 1.0 };
-        let curves = Curves::shipped().expect("the shipped curves are sound");
-        let parameters = Parameters::default();
-        let basis = Basis { curves: &curves, level: Level::Mais3, parameters: &parameters };
-        assess(&encounter, evidence, &basis)
+    /// The harm, all work done, of bodies that meet.
+    pub(crate) fn harm(&self) -> Result<CandidateHarm, AssessError> {
+        match self.touching() {
+            Some(touching) => touching.harm_by(&touching.evidence()),
+            // What is refused is refused whether they meet or not.
+            None => {
+                let approach = self.approach();
+                let (a, b) = (&self.party_a, &self.party_b);
+                let centres = [a.centre_m, b.centre_m];
+                let plane = Plane::across_motion(&approach, centres);
+                let touching = Touching { scene: self.clone(), approach, plane };
+                touching.harm_by(&Evidence::none())
+            }
+        }
     }
 
     /// This candidate seen from the other party, in its frame.
@@ -263,6 +294,7 @@ impl Scene {
             a: self.b.clone(),
             b: self.a.clone(),
             velocity: [-self.velocity[0], -self.velocity[1]],
+            yaw_rad_s: [self.yaw_rad_s[1], self.yaw_rad_s[0]],
             party_a: self.party_b.clone(),
             party_b: self.party_a.clone(),
         }
@@ -291,6 +323,7 @@ impl Scene {
             a: prism(&self.a),
             b: prism(&self.b),
             velocity: turn(self.velocity),
+            yaw_rad_s: self.yaw_rad_s,
             party_a: party(&self.party_a),
             party_b: party(&self.party_b),
         }

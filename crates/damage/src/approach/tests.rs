@@ -49,6 +49,8 @@ fn what_is_not_finite_is_refused() {
         let unsound = Approach { closing_m_s, ..sound.clone() };
         assert_eq!(unsound.check(), Err(ApproachError::Speed));
     }
+    let unsound = Approach { yaw_rad_s: [0.0, f64::NAN], ..sound.clone() };
+    assert_eq!(unsound.check(), Err(ApproachError::Speed));
     let unsound = Approach { supports_b: Supports::EMPTY, ..sound };
     assert_eq!(unsound.check(), Err(ApproachError::Extent('B')));
 }
@@ -66,22 +68,6 @@ proptest! {
         let most = scene.a.points().iter().map(|p| p.dot(d)).fold(f64::NEG_INFINITY, f64::max);
         let least = moved.points().iter().map(|p| p.dot(d)).fold(f64::INFINITY, f64::min);
         prop_assert!((approach.penetration(i, s) - (most - least)).abs() < 1e-12);
-    }
-
-    /// No place on a fine grid is nearer, and a little earlier it is further.
-    #[test]
-    fn nearest_is_the_first_least_distance(scene in scenes()) {
-        let approach = scene.approach();
-        let nearest = approach.nearest();
-        let gap = |s: f64| {
-            (0..HORIZONTAL).map(|i| -approach.penetration(i, s)).fold(-1.5, f64::max)
-        };
-        for k in -1000..=1000 {
-            prop_assert!(gap(f64::from(k) * 0.01) >= nearest.gap_m - 1e-9);
-        }
-        if nearest.travel_m > -9.99 {
-            prop_assert!(gap(nearest.travel_m - 0.01) > nearest.gap_m + 1e-9);
-        }
     }
 
     /// Whatever crosses within an interval of travel lies within its reach, in the half-way frame.

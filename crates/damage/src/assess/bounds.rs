@@ -2,15 +2,15 @@
 //! result.
 //!
 //! The figures equal those of [`super::assess`] bit for bit. What is only shown is left out, and so
-//! is the model range, which takes all normals and curves: it is computed once a candidate is done,
+//! is the model range, which samples parameters and curves: it is computed once a candidate is done,
 //! or earlier for a policy that accepts by it.
 
-use super::{AssessError, Basis, Encounter, assess_in, crash};
-use crate::evidence::{Evidence, Touch};
+use super::crash::Crash;
+use super::{AssessError, Basis, Encounter, assess_in};
+use crate::evidence::Evidence;
 use crate::harm::{CandidateHarm, PersonHarm};
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
-use crate::path::Meeting;
 
 /// The risk of one person in one candidate, given the collision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,8 +30,6 @@ pub struct Risk {
 pub struct CandidateBounds {
     /// Probability of the collision.
     pub probability: f64,
-    /// Whether the bodies touch.
-    pub touch: Touch,
     /// Kinetic energy lost (J).
     pub energy_j: Interval,
     /// Everybody in either party.
@@ -64,7 +62,6 @@ impl CandidateBounds {
         persons.extend(harm.persons.iter().map(Risk::of));
         Self {
             probability: harm.probability,
-            touch: harm.contact.touch,
             energy_j: harm.energy_j,
             persons,
             is_done: harm.is_settled() && !harm.is_open,
@@ -100,28 +97,26 @@ pub fn bounds_in(
     (assessed, mut persons): (&mut Vec<PersonHarm>, Vec<Risk>),
 ) -> Result<CandidateBounds, AssessError> {
     persons.clear();
-    let is_path = matches!(encounter.meeting, Meeting::Path(_));
-    if high || !evidence.is_open() || !is_path {
-        let harm = assess_in(encounter, evidence, basis, core::mem::take(assessed))?;
-        let bounds = CandidateBounds::with(&harm, persons);
-        *assessed = harm.persons;
-        return Ok(bounds);
-    }
-    let nothing = Evidence::none((0.0, 0.0));
-    let crash = crash(encounter, evidence, &nothing, basis);
-    for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
-        if body.persons.is_empty() {
-            continue;
+    let plane = match encounter.plane {
+        Some(plane) if !high && evidence.is_open() => plane,
+        _ => {
+            let harm = assess_in(encounter, evidence, basis, core::mem::take(assessed))?;
+            let bounds = CandidateBounds::with(&harm, persons);
+            *assessed = harm.persons;
+            return Ok(bounds);
         }
-        let work = crash.risk(party, basis)?;
-        let risk =
-            |id| Risk { id, work, range: Range::new(0.0, 1.0), high: Interval::new(0.0, 1.0) };
-        persons.extend(body.persons.iter().map(|person| risk(person.id)));
+    };
+    let crash = Crash::new(encounter, plane, basis.parameters);
+    for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
+        for person in &body.persons {
+            let work = crash.risk(party, person, basis)?;
+            let (range, high) = (Range::new(0.0, 1.0), Interval::new(0.0, 1.0));
+            persons.push(Risk { id: person.id, work, range, high });
+        }
     }
     Ok(CandidateBounds {
         probability: encounter.probability,
-        touch: crash.touch,
-        energy_j: crash.energy(),
+        energy_j: Interval::exactly(crash.nominal.energy_j),
         persons,
         is_done: false,
     })

@@ -1,24 +1,22 @@
-//! The risk of one person in one candidate: nominal curve over open work, and the model's range.
+//! The risk of one person in one candidate: nominal curve, and the model's range.
 
-use super::crash::{Crash, Lever};
+use super::crash::Crash;
 use super::{AssessError, Basis};
-use crate::dynamics::{Pick, Response};
-use crate::evidence::Touch;
+use crate::evidence::Evidence;
 use crate::harm::PersonHarm;
 use crate::injury::{Rung, Speeds};
 use crate::interval::{Interval, Range};
-use crate::party::{Aboard, PartyError, Struck};
+use crate::parameters::Pick;
+use crate::party::{Aboard, PartyError, Struck, throw_share};
 use body::{Seat, Zones};
 use smallvec::SmallVec;
 
-/// The range takes every side that N, widened by this, touches (degrees).
+/// The range takes every side that the normal, turned by this either way, touches (degrees).
 const SIDE_MARGIN_DEGREES: f64 = 10.0;
-/// Zone bits from here on stand for seats.
-const FIRST_SEAT_BIT: u32 = 8;
 
 /// Whether zones hold the one beside a seat.
 fn is_beside(zones: Zones, seat: Option<Seat>) -> bool {
-    seat.is_some_and(|seat| zones.0 & (1 << (FIRST_SEAT_BIT + seat as u32)) != 0)
+    seat.is_some_and(|seat| zones.0 & seat.zone_bit() != 0)
 }
 
 impl Crash<'_> {
@@ -27,26 +25,24 @@ impl Crash<'_> {
         &self,
         party: usize,
         person: &Aboard,
+        evidence: &Evidence,
         basis: &Basis<'_>,
     ) -> Result<PersonHarm, AssessError> {
-        let (work, x_m_s) = self.nominal_risk(party, basis)?;
-        let work = self.outward(work).below_one();
-        let intrusion = is_beside(self.evidence.zones()[party], person.seat);
-        let may_intrude = is_beside(self.evidence.zones_at_most()[party], person.seat);
-        let possible = &self.normals.possible;
-        let high = self.high(party, possible, Lever::Shortest, may_intrude, basis)?;
-        let low = match self.touch {
-            Touch::Yes if !self.concave => self.low(party, basis)?,
-            Touch::Yes | Touch::Unknown | Touch::No => 0.0,
+        let rung = self.rung(party, person.seat, self.struck(party, 0.0), basis)?;
+        let speeds = self.nominal_speeds(party);
+        let x_m_s = speeds.get(rung.x);
+        let work = Interval::exactly(basis.curves.risk(rung, &speeds)).below_one();
+        let intrusion = is_beside(evidence.zones()[party], person.seat);
+        let may_intrude = is_beside(evidence.zones_at_most()[party], person.seat);
+        let [least, most] = self.extreme_speeds(party);
+        let high = |intrusion: bool| -> Result<f64, AssessError> {
+            let rungs = self.rungs(party, person.seat, intrusion, basis)?;
+            Ok(rungs.iter().map(|r| basis.curves.high(r, &most)).fold(0.0, f64::max))
         };
-        let at_least = match self.touch {
-            Touch::Unknown => 0.0,
-            Touch::No => high,
-            Touch::Yes => self.high(party, &self.normals.sure, Lever::Longest, intrusion, basis)?,
-        };
-        let range = Range::new(low, high.max(low)).around(work);
-        let nominal = self.normals.nominal.first().copied().unwrap_or(0);
-        let rung = self.rung(party, self.struck(party, nominal, 0.0), basis)?;
+        let rungs = self.rungs(party, person.seat, false, basis)?;
+        let low = rungs.iter().map(|r| basis.curves.low(r, &least)).fold(1.0, f64::min);
+        let (at_least, at_most) = (high(intrusion)?, high(may_intrude)?);
+        let range = Range::new(low, at_most.max(low)).around(work);
         let curve = basis.curves.nominal(rung);
         Ok(PersonHarm {
             id: person.id,
@@ -55,102 +51,82 @@ impl Crash<'_> {
             victim: rung.victim,
             curve: curve.id.clone(),
             x: rung.x,
-            x_m_s,
+            x_m_s: Interval::exactly(x_m_s),
+            front_m: speeds.front_m,
             work,
             range,
             high_at_least: at_least.max(work.lo()).min(range.high()) + 0.0,
             intrusion,
-            extrapolated: !curve.is_valid_at(x_m_s.hi()),
+            extrapolated: !curve.is_valid_at(x_m_s),
         })
     }
 
-    /// The work interval of the risk of anybody in a party (0: A, 1: B).
-    pub(super) fn risk(&self, party: usize, basis: &Basis<'_>) -> Result<Interval, AssessError> {
-        Ok(self.outward(self.nominal_risk(party, basis)?.0).below_one())
-    }
-
-    /// Nominal risk and the speed that it is taken at (m/s), over everything that is open.
-    fn nominal_risk(
+    /// The nominal risk of a person of a party.
+    pub(super) fn risk(
         &self,
         party: usize,
+        person: &Aboard,
         basis: &Basis<'_>,
-    ) -> Result<(Interval, Interval), AssessError> {
-        let mut both: Option<(Interval, Interval)> = None;
-        for (&i, ends) in self.normals.nominal.iter().zip(&self.ends) {
-            let rung = self.rung(party, self.struck(party, i, 0.0), basis)?;
-            let speeds_at = |end: &Response| Speeds {
-                delta_v: end.delta_v_m_s[party],
-                normal: self.speeds(i).0,
-                closing: self.approach.closing_m_s,
-            };
-            let [least, most] = [speeds_at(&ends[0]), speeds_at(&ends[1])];
-            let risk = basis.curves.work(rung, &least, &most);
-            let x = Interval::new(least.get(rung.x), most.get(rung.x));
-            both = Some(both.map_or((risk, x), |(r, w)| (r.hull(risk), w.hull(x))));
+    ) -> Result<Interval, AssessError> {
+        let rung = self.rung(party, person.seat, self.struck(party, 0.0), basis)?;
+        let risk = basis.curves.risk(rung, &self.nominal_speeds(party));
+        Ok(Interval::exactly(risk).below_one())
+    }
+
+    /// How a person of a party is struck.
+    fn speeds(&self, party: usize, delta_v: f64, normal: f64) -> Speeds {
+        let (own, other) = (self.parties[party], self.parties[1 - party]);
+        let share = throw_share(own.kind, other.mass_kg);
+        let is_front = self.struck(1 - party, 0.0) == Struck::Front;
+        Speeds {
+            delta_v,
+            normal: normal * share,
+            closing: self.contact_m_s() * share,
+            front_m: other.front_m.filter(|_| is_front).unwrap_or(0.0),
         }
-        let (risk, x) = both.unwrap_or_default();
-        Ok((self.unless_apart(risk), self.unless_apart(x)))
+    }
+
+    fn nominal_speeds(&self, party: usize) -> Speeds {
+        let delta_v = self.nominal.delta_v_m_s[party];
+        self.speeds(party, delta_v, self.normal_m_s(Pick::Nominal))
+    }
+
+    /// The least and the greatest that a person of a party may feel.
+    fn extreme_speeds(&self, party: usize) -> [Speeds; 2] {
+        let [least, most] = self.sampled(party);
+        let normals = Pick::ALL.map(|pick| self.normal_m_s(pick));
+        let slowest = normals.into_iter().fold(f64::INFINITY, f64::min);
+        let fastest = normals.into_iter().fold(0.0, f64::max);
+        [self.speeds(party, least, slowest), self.speeds(party, most, fastest)]
     }
 
     /// The rung of a person of a party that is struck at a side.
     fn rung<'b>(
         &self,
         party: usize,
+        seat: Option<Seat>,
         side: Struck,
         basis: &Basis<'b>,
     ) -> Result<&'b Rung, AssessError> {
         let nobody = AssessError::Party(['A', 'B'][party], PartyError::PersonsInFixed);
-        let victim = self.parties[party].victim(side).ok_or(nobody)?;
+        let victim = self.parties[party].victim(side, seat).ok_or(nobody)?;
         Ok(basis.curves.rung(victim, basis.level)?)
     }
 
-    /// Rungs of all sides that normals, a little widened, strike; all sides if a zone beside the
+    /// Rungs of all sides that the normal, turned a little, strikes; all sides if a zone beside the
     /// person is hit.
     fn rungs<'b>(
         &self,
         party: usize,
-        normals: &[usize],
+        seat: Option<Seat>,
         intrusion: bool,
         basis: &Basis<'b>,
-    ) -> Result<SmallVec<[&'b Rung; 3]>, AssessError> {
+    ) -> Result<SmallVec<[&'b Rung; 4]>, AssessError> {
         let margins = [-SIDE_MARGIN_DEGREES, 0.0, SIDE_MARGIN_DEGREES];
         let touched = |side: &Struck| {
-            let by = |i: &usize| margins.iter().any(|m| self.struck(party, *i, *m) == *side);
-            intrusion || normals.iter().any(by)
+            intrusion || margins.iter().any(|margin| self.struck(party, *margin) == *side)
         };
-        let all = [Struck::Front, Struck::Side, Struck::Rear];
-        all.into_iter().filter(touched).map(|side| self.rung(party, side, basis)).collect()
-    }
-
-    /// The upper end of a person's range over some normals; 0 over none.
-    fn high(
-        &self,
-        party: usize,
-        normals: &[usize],
-        lever: Lever,
-        intrusion: bool,
-        basis: &Basis<'_>,
-    ) -> Result<f64, AssessError> {
-        let delta_v = normals.iter().map(|&i| self.extreme(i, party, Pick::High, lever));
-        let speeds = Speeds {
-            delta_v: delta_v.fold(0.0, f64::max),
-            normal: normals.iter().map(|&i| self.speeds(i).0).fold(0.0, f64::max),
-            closing: if normals.is_empty() { 0.0 } else { self.approach.closing_m_s },
-        };
-        let rungs = self.rungs(party, normals, intrusion, basis)?;
-        Ok(rungs.iter().map(|r| basis.curves.high(r, &speeds)).fold(0.0, f64::max))
-    }
-
-    /// The lower end of a person's range over all normals of N.
-    fn low(&self, party: usize, basis: &Basis<'_>) -> Result<f64, AssessError> {
-        let normals = &self.normals.possible;
-        let delta_v = normals.iter().map(|&i| self.extreme(i, party, Pick::Low, Lever::Longest));
-        let speeds = Speeds {
-            delta_v: delta_v.fold(f64::INFINITY, f64::min),
-            normal: normals.iter().map(|&i| self.speeds(i).0).fold(f64::INFINITY, f64::min),
-            closing: self.approach.closing_m_s,
-        };
-        let rungs = self.rungs(party, normals, false, basis)?;
-        Ok(rungs.iter().map(|r| basis.curves.low(r, &speeds)).fold(1.0, f64::min))
+        let sides = Struck::ALL.into_iter().filter(touched);
+        sides.map(|side| self.rung(party, seat, side, basis)).collect()
     }
 }

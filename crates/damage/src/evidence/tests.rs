@@ -24,7 +24,7 @@ fn seen(points: &[[f64; 3]], zones: u16) -> Seen {
 }
 
 fn gather<'a>(pieces: impl IntoIterator<Item = &'a Piece>) -> Evidence {
-    let mut evidence = Evidence::none((0.0, 0.1));
+    let mut evidence = Evidence::none();
     for (travel, points, zones, is_open) in pieces {
         let seen = seen(points, *zones);
         if *is_open {
@@ -56,7 +56,7 @@ proptest! {
     /// As open work turns into hits within its bounds, every interval nests.
     #[test]
     fn intervals_nest_as_work_is_done(pieces in pieces(), i in 0..72_usize, keep in 0..4_usize) {
-        let mut last: Option<[Interval; 2]> = None;
+        let mut last: Option<[Interval; 1]> = None;
         for done in 0..=pieces.len() {
             // A finished piece finds some of the points that it could have found.
             let now: Vec<Piece> = pieces.iter().enumerate().map(|(k, (s, points, zones, _))| {
@@ -65,14 +65,13 @@ proptest! {
             }).collect();
             let evidence = gather(&now);
             let j = opposite(i);
-            let next = [evidence.middle(i, j, &wide()), evidence.span(i, j, &wide())];
+            let next = [evidence.span(i, j, &wide())];
             if let Some(last) = last {
                 for (before, after) in last.iter().zip(&next) {
                     prop_assert!(before.lo() <= after.lo() + 1e-12, "{before:?} {after:?}");
                     prop_assert!(after.hi() <= before.hi() + 1e-12, "{before:?} {after:?}");
                 }
             }
-            prop_assert_eq!(evidence.touch(), if done > 0 { Touch::Yes } else { Touch::Unknown });
             last = Some(next);
         }
         prop_assert!(last.is_some_and(|l| l.iter().all(|w| w.is_settled())));
@@ -80,13 +79,11 @@ proptest! {
 }
 
 #[test]
-fn without_open_work_and_hits_there_is_no_contact() {
-    let mut evidence = Evidence::none((0.0, 1.0));
-    assert_eq!(evidence.touch(), Touch::No);
+fn what_may_lie_anywhere_is_still_bounded_by_the_hulls() {
+    let mut evidence = Evidence::none();
+    assert!(!evidence.is_open());
     evidence.add_open_everywhere();
-    assert_eq!(evidence.touch(), Touch::Unknown);
-    evidence.touched();
-    assert_eq!(evidence.touch(), Touch::Yes);
-    // What may lie anywhere is still bounded by the hulls.
-    assert_eq!(evidence.middle(0, 36, &wide()), Interval::new(-10.0, 10.0));
+    assert!(evidence.is_open());
+    assert_eq!(evidence.span(0, 36, &wide()), Interval::new(0.0, 20.0));
+    assert_eq!(evidence.zones_at_most(), [Zones(u16::MAX); 2]);
 }

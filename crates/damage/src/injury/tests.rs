@@ -1,6 +1,7 @@
 //! The worked vectors I1 to I5, and files that must be refused.
 
 use super::*;
+use crate::curve::Dose;
 use crate::fault::DataFileError;
 
 /// Severity levels of one study beside each other, and fatal pedestrian accidents.
@@ -11,57 +12,152 @@ fn shipped() -> Curves {
     Curves::shipped().expect("the shipped curves are sound")
 }
 
+fn speeds(v: f64, front_m: f64) -> Speeds {
+    Speeds { delta_v: v, normal: v, closing: v, front_m }
+}
+
 fn risk(curves: &Curves, victim: Victim, level: Level, v: f64) -> f64 {
     let rung = curves.rung(victim, level).expect("has a curve");
-    curves.nominal(rung).risk(v)
+    curves.risk(rung, &speeds(v, 0.0))
 }
 
 fn near(value: f64, expected: f64) {
     assert!((value - expected).abs() <= 1e-5, "{value} is not {expected}");
 }
 
-#[test]
-fn i1_occupants_at_12_m_s_by_struck_side() {
-    let curves = shipped();
-    near(risk(&curves, Victim::OccupantFront, Level::Mais3, 12.0), 0.07785);
-    near(risk(&curves, Victim::OccupantSide, Level::Mais3, 12.0), 0.09700);
-    near(risk(&curves, Victim::OccupantRear, Level::Mais3, 12.0), 0.05221);
+const OCCUPANTS: [Victim; 4] =
+    [Victim::OccupantFront, Victim::OccupantNear, Victim::OccupantFar, Victim::OccupantRear];
+
+/// P(x) anchored, by hand.
+fn by_hand(a: f64, b: f64, x: f64) -> f64 {
+    let p = |x: f64| 1.0 / (1.0 + libm::exp(-(a + b * x)));
+    (p(x) - p(0.0)) / (1.0 - p(0.0))
 }
 
 #[test]
-fn i2_levels_of_one_study_at_12_m_s() {
+fn nominal_curves_at_12_m_s() {
+    let curves = shipped();
+    let mph = 12.0 / 0.44704;
+    for (victim, expected) in [
+        (Victim::OccupantFront, by_hand(-6.9774, 0.162, mph)),
+        (Victim::OccupantNear, by_hand(-5.910, 0.1637, mph)),
+        (Victim::OccupantFar, by_hand(-8.606, 0.1637, mph)),
+        (Victim::OccupantRear, by_hand(-8.0329, 0.1793, mph)),
+        (Victim::Pedestrian, by_hand(-4.442, 0.078, 43.2)),
+        (Victim::Cyclist, by_hand(-5.634, 0.079, 43.2)),
+        (Victim::Motorcyclist, by_hand(-5.989, 0.079, 43.2)),
+    ] {
+        near(risk(&curves, victim, Level::Mais3, 12.0), expected);
+    }
+}
+
+/// What the studies publish of themselves: 10 % at these speeds.
+#[test]
+fn curves_pass_through_what_their_authors_publish() {
+    let curves = shipped();
+    let published = |id: &str, km_h: f64| {
+        let curve = curves.curves.iter().find(|c| *c.id == *id).expect("shipped");
+        curve.published(Dose::at(km_h / 3.6))
+    };
+    for (id, km_h) in [
+        ("lubbe-pedestrian", 29.0),
+        ("lubbe-cyclist", 44.0),
+        ("motorcyclist", 48.0),
+        ("lubbe-driver", 56.0),
+    ] {
+        assert!((published(id, km_h) - 0.10).abs() < 0.006, "{id}: {}", published(id, km_h));
+    }
+    for (mph, p) in [(17.1, 0.1), (33.0, 0.5), (48.1, 0.9)] {
+        assert!((published("tefft-severe", mph * 1.609_344) - p).abs() < 0.012, "{mph}");
+    }
+}
+
+/// Monfort & Mueller's own form, at any height: ours is the same from 75 cm on.
+#[test]
+fn the_term_for_tall_fronts_is_the_studys_own() {
+    let levels = Curves::parse("levels.toml", LEVELS).expect("sound");
+    let curve = |id: &str| levels.curves.iter().find(|c| *c.id == *id).expect("shipped");
+    for v in [30.0, 50.0, 70.0] {
+        for h in [75.0, 85.25, 101.6, 124.0] {
+            let (a, b) = (v - 42.79, h - 85.25);
+            for (id, z) in [
+                ("monfort-mueller-mais2", 0.686 + 0.083 * a + 0.034 * b + 0.001 * a * b),
+                ("monfort-mueller-mais3", -0.460 + 0.091 * a + 0.039 * b + 0.002 * a * b),
+                ("monfort-mueller-fatal", -3.280 + 0.123 * a + 0.047 * b),
+            ] {
+                let dose = Dose { speed_m_s: v / 3.6, front_m: h / 100.0 };
+                let p = 1.0 / (1.0 + libm::exp(-z));
+                assert!((curve(id).published(dose) - p).abs() < 2e-3, "{id} {v} {h}");
+            }
+        }
+    }
+}
+
+/// The bands in which a nominal curve must lie: from the least to the greatest of what the studies
+/// say, not anchored.
+#[test]
+fn nominal_risks_lie_among_the_studies() {
+    let curves = shipped();
+    let logistic = |z: f64| 1.0 / (1.0 + libm::exp(-z));
+    for km_h in [30.0_f64, 50.0, 70.0] {
+        for h in [75.0, 110.0] {
+            let (a, b) = (km_h - 42.79, h - 85.25);
+            let studies = [
+                logistic(-4.442 + 0.078 * km_h),
+                logistic(-0.460 + 0.091 * a + 0.039 * b + 0.002 * a * b),
+                logistic(-4.678 + 0.1418 * km_h / 1.609_344),
+            ];
+            let [least, most] =
+                [studies.into_iter().fold(1.0, f64::min), studies.into_iter().fold(0.0, f64::max)];
+            let rung = curves.rung(Victim::Pedestrian, Level::Mais3).expect("has a curve");
+            let risk = curves.risk(rung, &speeds(km_h / 3.6, h / 100.0));
+            // Anchoring takes P(0), up to 2 %, away.
+            assert!(least - 0.02 <= risk && risk <= most, "{km_h} {h}: {least} {risk} {most}");
+        }
+    }
+    for km_h in [10.0, 30.0, 50.0] {
+        let wang = logistic(-6.9774 + 0.162 * km_h / 1.609_344);
+        let lubbe = logistic(-6.835 + 0.082 * km_h);
+        let risk = risk(&curves, Victim::OccupantFront, Level::Mais3, km_h / 3.6);
+        let [least, most] = [wang.min(lubbe), wang.max(lubbe)];
+        assert!(least - 0.001 <= risk && risk <= most, "{km_h}: {least} {risk} {most}");
+    }
+}
+
+#[test]
+fn near_is_worse_than_front_and_far_and_tall_is_worse_than_low() {
+    let curves = shipped();
+    for k in 1..300 {
+        let v = 0.1 * f64::from(k);
+        let of = |victim| risk(&curves, victim, Level::Mais3, v);
+        assert!(of(Victim::OccupantNear) > of(Victim::OccupantFront));
+        assert!(of(Victim::OccupantNear) > of(Victim::OccupantFar));
+        for victim in [Victim::Pedestrian, Victim::Cyclist] {
+            let rung = curves.rung(victim, Level::Mais3).expect("has a curve");
+            let by_height = |h: f64| curves.risk(rung, &speeds(v, h));
+            assert!(by_height(0.97) >= by_height(0.7) && by_height(1.24) >= by_height(0.97));
+        }
+    }
+}
+
+#[test]
+fn rear_never_passes_its_milder_level() {
+    let curves = shipped();
+    let milder = by_hand(-6.1818, 0.1482, 35.0 / 0.44704);
+    near(risk(&curves, Victim::OccupantRear, Level::Mais3, 35.0), milder);
+}
+
+#[test]
+fn levels_of_one_study_at_12_m_s() {
     let curves = Curves::parse("levels.toml", LEVELS).expect("sound");
-    for side in [Victim::OccupantFront, Victim::OccupantSide, Victim::OccupantRear] {
+    for side in OCCUPANTS {
         near(risk(&curves, side, Level::Mais2, 12.0), 0.23363);
         near(risk(&curves, side, Level::Mais3, 12.0), 0.07089);
         near(risk(&curves, side, Level::Fatal, 12.0), 0.00908);
     }
     // Fed with m/s as if they were mph, the same curve gives a tenth: that is the trap.
     let rung = curves.rung(Victim::OccupantFront, Level::Mais3).expect("has a curve");
-    near(curves.nominal(rung).risk(12.0 * 0.44704), 0.00581);
-}
-
-#[test]
-fn i3_persons_outside_at_12_m_s() {
-    let curves = shipped();
-    near(risk(&curves, Victim::Pedestrian, Level::Mais3, 12.0), 0.21833);
-    near(risk(&curves, Victim::Cyclist, Level::Mais3, 12.0), 0.07640);
-    near(risk(&curves, Victim::Motorcyclist, Level::Mais3, 12.0), 0.06612);
-}
-
-#[test]
-fn i4_pedestrians_killed_at_50_km_h() {
-    let curves = Curves::parse("levels.toml", LEVELS).expect("sound");
-    near(risk(&curves, Victim::Pedestrian, Level::Fatal, 50.0 / 3.6), 0.08225);
-}
-
-#[test]
-fn i5_range_of_a_pedestrian_at_12_m_s() {
-    let curves = shipped();
-    let rung = curves.rung(Victim::Pedestrian, Level::Mais3).expect("has a curve");
-    let speeds = Speeds { delta_v: 0.0, normal: 12.0, closing: 12.0 };
-    near(curves.low(rung, &speeds), 0.15482);
-    near(curves.high(rung, &speeds), 0.27649);
+    near(curves.nominal(rung).risk(Dose::at(12.0 * 0.44704)), 0.00581);
 }
 
 #[test]
@@ -80,30 +176,18 @@ fn a_person_without_a_curve_is_refused_and_not_given_anothers() {
 fn ranges_of_a_level_stay_within_the_ladder() {
     let levels = Curves::parse("levels.toml", LEVELS).expect("sound");
     for k in 0..400 {
-        let v = f64::from(k) * 0.1;
-        let speeds = Speeds { delta_v: v, normal: v, closing: v };
-        for side in [Victim::OccupantFront, Victim::OccupantSide, Victim::OccupantRear] {
-            let rung = |level| levels.rung(side, level).expect("has a curve");
-            for pair in Level::ALL.windows(2) {
-                let (mild, severe) = (rung(pair[0]), rung(pair[1]));
-                assert!(levels.low(severe, &speeds) <= levels.low(mild, &speeds));
-                assert!(levels.high(severe, &speeds) <= levels.high(mild, &speeds));
+        for front_m in [0.0, 0.97, 1.24] {
+            let speeds = speeds(f64::from(k) * 0.1, front_m);
+            for victim in OCCUPANTS.into_iter().chain([Victim::Pedestrian]) {
+                let rung = |level| levels.rung(victim, level).expect("has a curve");
+                for pair in Level::ALL.windows(2) {
+                    let (mild, severe) = (rung(pair[0]), rung(pair[1]));
+                    assert!(levels.low(severe, &speeds) <= levels.low(mild, &speeds));
+                    assert!(levels.high(severe, &speeds) <= levels.high(mild, &speeds));
+                    assert!(levels.risk(severe, &speeds) <= levels.risk(mild, &speeds) + 1e-12);
+                }
             }
         }
-    }
-}
-
-/// Hussain's meta-analysis of fatalities tests the range alone: the upper intercept covers the
-/// first three of its anchors.
-#[test]
-fn the_upper_fatal_curve_covers_another_study() {
-    let text = include_str!("../../config/curves/levels.toml");
-    let levels = Curves::parse("levels.toml", text).expect("sound");
-    let curve = |id: &str| levels.curves.iter().find(|c| *c.id == *id).expect("shipped");
-    let (low, high) = (curve("rosen-sander-2009-low"), curve("rosen-sander-2009-high"));
-    for (p, km_h) in [(0.05, 30.0), (0.10, 37.0), (0.50, 59.0)] {
-        let v = km_h / 3.6;
-        assert!(low.published(v) <= p && p <= high.published(v), "{km_h} km/h");
     }
 }
 
@@ -164,21 +248,24 @@ fn refused(from: &str, to: &str) -> DataFileError {
 fn unsound_files_are_refused_with_their_place() {
     let cases = [
         ("schema = 1", "schema = 2", "unknown schema"),
-        ("unit = \"m/s\"\n", "", "unit"),
-        ("unit = \"m/s\"", "unit = \"furlong\"", "furlong"),
-        ("b = 0.177", "b = -0.177", "slope"),
-        ("b = 0.177", "b = nan", "slope"),
-        ("a = -4.457", "a = inf", "not a number"),
-        ("valid = [0.0, 30.0]", "valid = [30.0, 0.0]", "not a range"),
-        ("year = 2023", "year = 23", "not a year"),
+        ("unit = \"mph\"\n", "", "unit"),
+        ("unit = \"mph\"", "unit = \"furlong\"", "furlong"),
+        ("b = 0.1620", "b = -0.1620", "slope"),
+        ("b = 0.1620", "b = nan", "slope"),
+        ("a = -6.9774", "a = inf", "not a number"),
+        ("valid = [0.0, 67.0]", "valid = [67.0, 0.0]", "not a range"),
+        ("year = 2022", "year = 22", "not a year"),
         ("origin = \"tum\"", "origin = \" \"", "is empty"),
         ("id = \"tum-lr4s-side\"", "id = \"tum-lr4s-front\"", "two curves"),
-        ("nominal = \"tum-lr4s-front\"", "nominal = \"tum\"", "not defined"),
+        ("at = 42.79", "at = -42.79", "not a term for tall fronts"),
+        ("at_most = \"wang-rear-mais2\"", "at_most = \"wang-frontal\"", "another outcome"),
+        ("nominal = \"wang-frontal\"", "nominal = \"wang\"", "not defined"),
         ("outcome = \"mais3+\"", "outcome = \"fatal\"", "another outcome"),
         ("times = 0.75", "times = 0.0", "not a factor"),
         ("times = 0.75", "times = 1.75", "outside its own range"),
-        ("victim = \"occupant-side\"", "victim = \"occupant-front\"", "already"),
-        ("sample = \"pedestrians\"", "sample = \"p\"\nage = 0.04", "unknown field `age`"),
+        ("victim = \"occupant-near\"", "victim = \"occupant-front\"", "already"),
+        ("victim = \"occupant-near\"", "victim = \"occupant-side\"", "already"),
+        ("sample = \"motorcyclists\"", "sample = \"m\"\nage = 0.04", "unknown field `age`"),
     ];
     for (from, to, expected) in cases {
         let fault = refused(from, to);
@@ -187,10 +274,12 @@ fn unsound_files_are_refused_with_their_place() {
         assert!(fault.to_string().starts_with(&format!("my.toml:{}:", fault.line)));
     }
     let line =
-        1 + DEFAULT_CURVES[..DEFAULT_CURVES.find("b = 0.177").unwrap()].matches('\n').count();
-    let slope = refused("b = 0.177", "b = 0.0");
+        1 + DEFAULT_CURVES[..DEFAULT_CURVES.find("b = 0.1620").unwrap()].matches('\n').count();
+    let slope = refused("b = 0.1620", "b = 0.0");
     assert_eq!((slope.line, slope.column), (line, 5));
-    assert!(refused("sample = \"pedestrians\"", "sex = 1").remedy.contains("kind, body and seat"));
+    assert!(
+        refused("sample = \"motorcyclists\"", "sex = 1").remedy.contains("kind, body and seat")
+    );
 }
 
 #[test]

@@ -9,17 +9,17 @@ fn struck_sides_are_45_degree_sectors_and_wrap() {
         (0.0, Struck::Front),
         (44.9, Struck::Front),
         (-44.9, Struck::Front),
-        (45.0, Struck::Side),
-        (45.0 - 1e-13, Struck::Side),
-        (-90.0, Struck::Side),
-        (135.0, Struck::Side),
-        (135.0 + 1e-13, Struck::Side),
+        (45.0, Struck::Left),
+        (45.0 - 1e-13, Struck::Left),
+        (-90.0, Struck::Right),
+        (135.0, Struck::Left),
+        (135.0 + 1e-13, Struck::Left),
         (135.1, Struck::Rear),
         (180.0, Struck::Rear),
         (-180.0, Struck::Rear),
         (185.0, Struck::Rear),
         (-185.0, Struck::Rear),
-        (225.1, Struck::Side),
+        (225.1, Struck::Right),
         (350.0, Struck::Front),
         (-350.0, Struck::Front),
     ];
@@ -64,19 +64,23 @@ fn impossible_parties_are_refused() {
 }
 
 #[test]
-fn who_nobody_stated_is_one_driver_of_what_moves() {
-    assert_eq!(*occupants(BodyKind::Sedan, 3.0, None), [Some(Seat::FrontLeft)]);
-    assert_eq!(*occupants(BodyKind::Motorcycle, 3.0, None), [Some(Seat::Rider)]);
-    assert!(occupants(BodyKind::Bus, 0.0, None).is_empty());
-    assert!(occupants(BodyKind::Wall, 0.0, None).is_empty());
-    assert_eq!(*occupants(BodyKind::Pedestrian, 0.0, None), [None]);
-    assert!(occupants(BodyKind::Sedan, 3.0, Some(&[])).is_empty());
-    let both = [Seat::Rider, Seat::Pillion].map(|s| Occupant { seat: Some(s) });
-    let riding = occupants(BodyKind::Motorcycle, 3.0, Some(&both));
-    assert_eq!(*riding, [Some(Seat::Rider), Some(Seat::Pillion)]);
-    let two = [Seat::FrontLeft, Seat::RearRight].map(|s| Occupant { seat: Some(s) });
-    assert_eq!(
-        *occupants(BodyKind::Sedan, 0.0, Some(&two)),
-        [Some(Seat::FrontLeft), Some(Seat::RearRight)]
-    );
+fn the_seat_decides_which_side_is_near() {
+    let bus = CollisionParty { kind: BodyKind::Bus, ..car(0, 1200.0, [0.0, 0.0], 0.0) };
+    let victim = |side, seat| bus.victim(side, Some(seat)).expect("an occupant");
+    for (seat, left, right) in [
+        (Seat::FrontLeft, Victim::OccupantNear, Victim::OccupantFar),
+        (Seat::RearRight, Victim::OccupantFar, Victim::OccupantNear),
+        (Seat::RearMiddle, Victim::OccupantNear, Victim::OccupantNear),
+    ] {
+        assert_eq!([victim(Struck::Left, seat), victim(Struck::Right, seat)], [left, right]);
+        assert_eq!(victim(Struck::Front, seat), Victim::OccupantFront);
+    }
+}
+
+#[test]
+fn who_is_light_throws_less_and_nobody_more_than_a_car() {
+    let share = |kg| throw_share(BodyKind::Motorcycle, kg);
+    assert_eq!([share(None), share(Some(1500.0)), share(Some(20_000.0))], [1.0; 3]);
+    assert!(share(Some(75.0)) < share(Some(90.0)) && share(Some(90.0)) < share(Some(1000.0)));
+    assert!(share(Some(75.0)) > 0.2 && share(Some(1200.0)) > 0.95);
 }

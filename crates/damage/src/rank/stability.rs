@@ -126,7 +126,7 @@ impl CandidateHarm {
             let follows =
                 |person: &&mut PersonHarm| person.curve == curve.id && person.work.is_settled();
             for person in moved.persons.iter_mut().filter(follows) {
-                person.work = Interval::exactly(curve.risk(person.x_m_s.hi()));
+                person.work = Interval::exactly(curve.risk(person.dose()));
             }
         }
         moved

@@ -2,9 +2,7 @@
 
 use super::interval::{Outlook, least};
 use super::*;
-use crate::contact::Contact;
 use crate::dynamics::Response;
-use crate::evidence::Touch;
 use crate::harm::{CandidateHarm, DeltaV, PersonHarm};
 use crate::injury::{Quantity, Victim};
 use crate::policy::DEFAULT_POLICY;
@@ -20,6 +18,7 @@ pub(in crate::rank) fn candidate(risks: &[Interval], energy_j: Interval) -> Cand
         curve: String::new().into(),
         x: Quantity::ClosingNormal,
         x_m_s: Interval::ZERO,
+        front_m: 0.0,
         work: *work,
         range: Range::new(work.lo(), work.hi()),
         high_at_least: work.lo(),
@@ -30,19 +29,19 @@ pub(in crate::rank) fn candidate(risks: &[Interval], energy_j: Interval) -> Cand
     CandidateHarm {
         probability: 1.0,
         closing_m_s: 1.0,
-        normal_m_s: Interval::ZERO,
-        tangential_m_s: Interval::ZERO,
-        contact: Contact { touch: Touch::Yes, near_miss: false, hull_gap_m: 0.0, patch: None },
+        normal_m_s: 0.0,
+        tangential_m_s: 0.0,
+        contact: None,
         delta_v: [DeltaV::default(); 2],
         response: Response::default(),
-        levers_m: [[0.0; 2]; 2],
+        arms_m: [[0.0; 2]; 2],
+        surface: [0.0; 2],
+        yaw_rad_s: [[0.0; 2]; 2],
         crush: None,
         force_degrees: [0.0; 2],
         impulse_n_s: [0.0; 3],
         energy_j,
         persons: risks.iter().enumerate().map(person).collect(),
-        coarse_path: false,
-        concave: false,
         unevaluable: None,
         is_open,
     }

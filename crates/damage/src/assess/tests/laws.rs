@@ -37,7 +37,7 @@ fn never_fall(before: &CandidateHarm, after: &CandidateHarm) -> bool {
     before.iter().zip(&after).all(|(b, a)| *a >= *b - 1e-12)
 }
 
-/// A fixed seed: N has sharp edges, and a crash within rounding of one would differ in the last
+/// A fixed seed: sides have sharp edges, and a crash within rounding of one would differ in the last
 /// test run of a year.
 fn fixed_seed() -> ProptestConfig {
     ProptestConfig { cases: 96, rng_seed: RngSeed::Fixed(41), ..ProptestConfig::default() }
@@ -68,7 +68,10 @@ proptest! {
     #[test]
     fn swapping_the_parties_changes_nothing(scene in scenes()) {
         let (one, other) = (harm(&scene), harm(&scene.swapped()));
-        prop_assert_eq!(one.contact.touch, other.contact.touch);
+        prop_assert_eq!(
+            one.contact.as_ref().map(|c| c.origin),
+            other.contact.as_ref().map(|c| c.origin)
+        );
         prop_assert!((one.energy_j.hi() - other.energy_j.hi()).abs() <= 1e-3 * one.energy_j.hi());
         for person in &one.persons {
             let same = other.persons.iter().find(|p| p.id == person.id);
@@ -77,9 +80,9 @@ proptest! {
             prop_assert!((person.range.low() - same.range.low()).abs() <= 1e-3);
             prop_assert!((person.range.high() - same.range.high()).abs() <= 1e-3);
         }
-        if let (Some(p), Some(q)) = (&one.contact.patch, &other.contact.patch) {
+        if let (Some(p), Some(q)) = (&one.contact, &other.contact) {
             let lengths = |p: &ContactPatch| {
-                [p.width_m, p.height_m, p.span_m, p.penetration_m, p.depth_m]
+                [p.height_m]
             };
             for (a, b) in lengths(p).iter().zip(&lengths(q)) {
                 prop_assert!((a.hi() - b.hi()).abs() <= 1e-3, "{p:?} {q:?}");
@@ -94,100 +97,54 @@ proptest! {
         x in -50.0..50.0_f64,
     ) {
         let (one, other) = (harm(&scene), harm(&scene.displaced(turned, [x, 7.0])));
-        prop_assert_eq!(one.contact.touch, other.contact.touch);
+        prop_assert_eq!(
+            one.contact.as_ref().map(|c| c.origin),
+            other.contact.as_ref().map(|c| c.origin)
+        );
         for (a, b) in figures(&one).iter().zip(&figures(&other)) {
             prop_assert!((a - b).abs() <= 1e-3);
         }
-        if let (Some(p), Some(q)) = (&one.contact.patch, &other.contact.patch) {
+        if let (Some(p), Some(q)) = (&one.contact, &other.contact) {
             prop_assert!((p.width_m.hi() - q.width_m.hi()).abs() <= 1e-3);
             prop_assert!((p.depth_m.hi() - q.depth_m.hi()).abs() <= 1e-3);
         }
     }
 
-    /// From the first question to the last hit, whatever comes first: work intervals nest, the last
-    /// one is a point, model ranges hold work intervals, and the upper end lands where it was said.
+    /// As depths are done, ranges nest; the nominal figures do not depend on them at all.
     #[test]
-    fn intervals_only_nest_while_work_is_done(scene in scenes(), order in any::<u64>()) {
-        let approach = scene.approach();
-        let meeting = plan(&approach)?;
-        let Meeting::Path(path) = &meeting else { return Ok(()) };
-        let mut stages = Vec::new();
-        let first = scene.first(path, &approach);
-        // The search comes nearer from both sides, and knows of contact before it knows the first.
-        let end = first.unwrap_or(path.to_m);
-        for part in [0.0, 0.3, 0.7, 0.99] {
-            let lo = path.from_m + part * (end - path.from_m);
-            let hi = if part < 0.5 { path.to_m } else { end + (1.0 - part) * (path.to_m - end) };
-            let mut evidence = Evidence::none((lo, hi));
-            evidence.add_open_everywhere();
-            if first.is_some() && part >= 0.5 {
-                evidence.touched();
-            }
-            stages.push(evidence);
-        }
-        if let Some(f) = first {
-            let stops = path.survey(f);
-            for done in 0..=stops.len() {
-                let mut evidence = Evidence::none((f, f));
-                evidence.touched();
-                for k in 0..stops.len() {
-                    // Some permutation of the stops, by the drawn number.
-                    let k = (k + order as usize % stops.len()) % stops.len();
-                    let stop = stops[k];
-                    let is_done = (k + order as usize / 64) % stops.len() < done;
-                    let mut seen = Seen::NOTHING;
-                    for point in scene.hits(stop.travel_m, &approach) {
-                        if stop.patch {
-                            seen.patch.add(&approach.directions, point);
-                        }
-                        if stop.depth {
-                            seen.end.add(&approach.directions, point);
-                        }
-                    }
-                    (seen.zones_a, seen.zones_b) = (Zones(1), Zones(1));
-                    if is_done {
-                        evidence.add_hits(stop.travel_m, &seen);
-                    } else if stop.patch {
-                        // What open work may reach: a little more than it will.
-                        for supports in [&mut seen.patch, &mut seen.end] {
-                            supports.0.iter_mut().for_each(|s| *s += 0.3);
-                        }
-                        (seen.zones_a, seen.zones_b) = (Zones(u16::MAX), Zones(u16::MAX));
-                        evidence.add_open(stop.travel_m, &seen);
-                    } else {
-                        evidence.add_open(stop.travel_m, &Seen { patch: Supports::EMPTY, ..seen });
-                    }
-                }
-                stages.push(evidence);
-            }
-        } else {
-            stages.push(Evidence::none((path.from_m, path.to_m)));
-        }
+    fn intervals_only_nest_while_work_is_done(scene in scenes(), order in any::<usize>()) {
+        let Some(touching) = scene.touching() else { return Ok(()) };
+        let stops = survey(&touching.approach);
         let mut harms = Vec::new();
-        for evidence in &stages {
-            harms.push(scene.harm_by(&approach, &meeting, evidence)?);
+        for done in 0..=stops.len() {
+            let mut evidence = Evidence::none();
+            for (k, stop) in stops.iter().enumerate() {
+                let zones = Zones((1 << 8) << ((order >> k) & 3));
+                let seen = Seen { zones_a: zones, zones_b: zones, ..Seen::NOTHING };
+                if (k + order) % stops.len() < done {
+                    evidence.add_hits(stop.travel_m, &seen);
+                } else {
+                    let all = Zones(u16::MAX);
+                    let reach = Seen { zones_a: all, zones_b: all, ..Seen::NOTHING };
+                    evidence.add_open(stop.travel_m, &reach);
+                }
+            }
+            harms.push(touching.harm_by(&evidence)?);
         }
         for pair in harms.windows(2) {
-            prop_assert!(pair[0].energy_j.hi() >= pair[1].energy_j.hi() * (1.0 - 1e-12));
-            prop_assert!(pair[0].energy_j.lo() <= pair[1].energy_j.lo() * (1.0 + 1e-12));
+            prop_assert_eq!(&pair[0].delta_v, &pair[1].delta_v);
             for (before, after) in pair[0].persons.iter().zip(&pair[1].persons) {
-                prop_assert!(before.work.lo() <= after.work.lo() + 1e-12, "{before:?} {after:?}");
-                prop_assert!(after.work.hi() <= before.work.hi() + 1e-12, "{before:?} {after:?}");
+                prop_assert_eq!(before.work, after.work);
+                prop_assert!(after.range.high() <= before.range.high());
+                prop_assert!(after.high_at_least >= before.high_at_least);
+                prop_assert!(after.range.low() <= after.work.lo());
+                prop_assert!(after.work.hi() <= after.range.high());
             }
         }
-        let Some(last) = harms.last() else { return Ok(()) };
+        let last = &harms[harms.len() - 1];
         prop_assert!(last.is_settled() && !last.is_open);
-        for harm in &harms {
-            for (person, end) in harm.persons.iter().zip(&last.persons) {
-                prop_assert!(person.range.low() <= person.work.lo());
-                prop_assert!(person.work.hi() <= person.range.high());
-                let high = end.range.high();
-                // A near miss is known only at the end: until then its upper end may be anything.
-                if last.contact.touch == Touch::Yes {
-                    prop_assert!(person.high_at_least <= high + 1e-12, "{person:?} {end:?}");
-                    prop_assert!(high <= person.range.high() + 1e-12, "{person:?} {end:?}");
-                }
-            }
+        for person in &last.persons {
+            prop_assert!(person.high_at_least == person.range.high());
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Worked flips of K1 to K3, and the law that a flip is one: the winner changes there, not before.
 
 use super::*;
+use crate::curve::Dose;
 use crate::injury::Curves;
 use crate::rank::tests::{k, level, policies, policy, ranked, risks, settled, weighted};
 use proptest::prelude::*;
@@ -60,23 +61,23 @@ fn a_curve_flips_where_its_own_risks_overtake() {
     let curves = Curves::shipped().expect("sound");
     let curve = |id: &str| curves.curves.iter().find(|c| *c.id == *id).expect("shipped").clone();
     let with = |id: &str, v: f64| {
-        let mut harm = settled(&[curve(id).risk(v)]);
+        let mut harm = settled(&[curve(id).risk(Dose::at(v))]);
         harm.persons[0].curve = id.into();
         harm.persons[0].x_m_s = Interval::exactly(v);
         harm
     };
-    let candidates = [with("rosen-2010", 12.0), with("tum-lr4s-front", 18.0)];
+    let candidates = [with("lubbe-pedestrian", 12.0), with("wang-frontal", 15.0)];
     let policy = policy("lexicographic", &level("bayes", 0.0));
     let stability = of(&policy, &candidates);
     assert_eq!(stability.winner, 1);
-    for id in ["rosen-2010", "tum-lr4s-front"] {
+    for id in ["lubbe-pedestrian", "wang-frontal"] {
         let reserve = reserve(&stability, &Knob::Intercept { curve: id.to_owned() });
         let a = reserve.flips_at.expect("it flips");
         let moved = |own: &str, v: f64| {
             let own = curve(own);
-            Curve { a: if *own.id == *id { a } else { own.a }, ..own }.risk(v)
+            Curve { a: if *own.id == *id { a } else { own.a }, ..own }.risk(Dose::at(v))
         };
-        let gap = moved("rosen-2010", 12.0) - moved("tum-lr4s-front", 18.0);
+        let gap = moved("lubbe-pedestrian", 12.0) - moved("wang-frontal", 15.0);
         assert!(gap.abs() < 1e-8, "{id}: {gap}");
         assert_eq!(reserve.winner, Some(0));
     }
