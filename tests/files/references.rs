@@ -24,7 +24,11 @@ fn laid_out() -> Place {
     let place = Place::new();
     let own = place.path().join("own");
     std::fs::create_dir(&own).unwrap();
-    for (name, from) in [("policy", "config/policies"), ("curves", "config/curves")] {
+    for (name, from) in [
+        ("policy", "config/policies"),
+        ("curves", "config/curves"),
+        ("parameters", "config/parameters"),
+    ] {
         let from = shipped(from).join("default.toml");
         std::fs::copy(from, place.path().join(format!("{name}.toml"))).unwrap();
     }
@@ -57,6 +61,7 @@ fn leading_out(place: &Place) -> Vec<(&'static str, String)> {
         ("policy", "policy.toml".to_owned()),
         ("policy", absolute("policy.toml")),
         ("curves", "../own/../curves.toml".to_owned()),
+        ("parameters", "../parameters.toml".to_owned()),
         ("file", "../ego.trolley".to_owned()),
         ("file", "away/ego.trolley".to_owned()),
         ("file", absolute("ego.trolley")),
@@ -204,6 +209,7 @@ fn the_library_asks_as_the_program_does_and_a_replay_opens_no_path() {
         scenario: read(Path::new(&scenario)),
         policy: read(&place.path().join("policy.toml")),
         curves: read(&place.path().join("curves.toml")),
+        parameters: read(&place.path().join("parameters.toml")),
     };
     let bound = Scenario::of_texts(texts, Vec::new()).unwrap();
     let failure = engine.rank(&bound, &limits).unwrap_err();

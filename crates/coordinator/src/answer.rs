@@ -45,12 +45,10 @@ pub struct PoseRow {
     pub hash_a: String,
     /// Hash of the other's hit triangles.
     pub hash_b: String,
-    /// Number of intersecting pairs, at the poses that form the patch.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pairs: Option<u64>,
+    /// Number of intersecting pairs.
+    pub pairs: u64,
     /// Hash of the pairs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hash: Option<String>,
+    pub hash: String,
 }
 
 /// The sentence about a party of unknown kind.
@@ -58,7 +56,7 @@ pub(crate) fn unknown_sentence(name: &str) -> String {
     format!("\"{name}\" is of unknown kind: assumed to be fixed to the ground, with nobody in it")
 }
 
-/// Names of the parts hit from first contact to e, in the bodies' order: of A, of B.
+/// Names of the parts hit at any depth, in the bodies' order: of A, of B.
 pub(crate) fn parts(
     state: &CandidateState,
     [(meta_a, a), (meta_b, b)]: [(&Meta, &BodyView<'_>); 2],
@@ -73,7 +71,7 @@ pub(crate) fn parts(
 
 /// The sides that the nominal normal passes through; ∥ where the bodies mostly slide past.
 pub(crate) fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
-    let Some(patch) = &harm.contact.patch else { return String::new() };
+    let Some(patch) = &harm.contact else { return String::new() };
     let normal = DVec3::from_array(patch.normal);
     let up = candidate.approach.directions.d[damage::approach::UP];
     let side = |party: &CollisionParty, outward: DVec3| match party.kind {
@@ -89,7 +87,7 @@ pub(crate) fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
             _ => "right",
         },
     };
-    let slides = harm.normal_m_s.hi() < 0.25 * harm.closing_m_s;
+    let slides = harm.normal_m_s < 0.25 * harm.closing_m_s;
     let sign = if slides { "∥" } else { "↔" };
     format!("{} {sign} {}", side(&candidate.a, normal), side(&candidate.b, -normal))
 }
@@ -121,8 +119,8 @@ pub(crate) fn poses(state: &CandidateState) -> Vec<PoseRow> {
             hits_b: found.sets.hits_b,
             hash_a: hex(found.sets.hash_a),
             hash_b: hex(found.sets.hash_b),
-            pairs: stop.patch.then_some(found.pairs),
-            hash: stop.patch.then(|| hex(found.hash)),
+            pairs: found.pairs,
+            hash: hex(found.hash),
         })
     };
     state.stops.iter().filter_map(row).collect()

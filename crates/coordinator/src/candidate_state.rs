@@ -5,7 +5,7 @@ use crate::gather::{Gathered, SetSummary, Union};
 use crate::request::Candidate;
 use body::{BodyView, Zones};
 use bvh::Witness;
-use damage::{Evidence, Meeting, Seen, Stop};
+use damage::{Evidence, Seen, Stop, survey};
 use geometry::Supports;
 use protocol::WireQuestion;
 
@@ -37,7 +37,7 @@ pub(crate) struct CandidateState {
     pub(crate) stops: Vec<(Stop, Option<Surveyed>)>,
     /// The number of the first stop's task; the others follow.
     first_task: u32,
-    /// Triangles hit from first contact to e.
+    /// Triangles hit at any depth.
     pub(crate) hit: Union,
 }
 
@@ -59,14 +59,10 @@ impl CandidateState {
         hit: Union,
         mut stops: Vec<(Stop, Option<Surveyed>)>,
     ) -> Self {
-        let first = match &candidate.meeting {
-            Meeting::Path(path) => {
-                let at_m = candidate.first.witness.travel_m;
-                stops.extend(path.survey(at_m).into_iter().map(|stop| (stop, None)));
-                Some(candidate.first)
-            }
-            Meeting::Never(_) | Meeting::AlreadyOverlapping => None,
-        };
+        let first = candidate.plane.is_some().then_some(candidate.first);
+        if first.is_some() {
+            stops.extend(survey(&candidate.approach).into_iter().map(|stop| (stop, None)));
+        }
         Self { first, stops, first_task: 0, hit }
     }
 
@@ -74,9 +70,7 @@ impl CandidateState {
     pub(crate) fn begin(&mut self, task: u32, asked: &mut Vec<(usize, f64, WireQuestion)>) {
         self.first_task = task;
         for (number, (stop, _)) in self.stops.iter().enumerate() {
-            let question =
-                if stop.patch || stop.depth { WireQuestion::Pairs } else { WireQuestion::Sets };
-            asked.push((number, stop.travel_m, question));
+            asked.push((number, stop.travel_m, WireQuestion::Pairs));
         }
     }
 
@@ -94,19 +88,16 @@ impl CandidateState {
             hash: found.hash,
             seen,
         });
-        if stop.zones {
-            self.hit.include(found);
-        }
+        self.hit.include(found);
     }
 
     /// What is known of the contact so far. `open` gives, for a stop whose task is not done, what
     /// it has found and what it may still find.
     pub(crate) fn evidence(&self, mut open: impl FnMut(u32, &Stop) -> Open) -> Evidence {
         let Some(FirstContact { witness, zones: [zones_a, zones_b], supports }) = self.first else {
-            return Evidence::none((0.0, 0.0));
+            return Evidence::none();
         };
-        let mut evidence = Evidence::none((witness.travel_m, witness.travel_m));
-        evidence.touched();
+        let mut evidence = Evidence::none();
         // Contact may be so slight, or so brief, that no pose of the survey meets it.
         let seen = Seen { patch: supports, zones_a, zones_b, ..Seen::NOTHING };
         evidence.add_hits(witness.travel_m, &seen);
@@ -125,11 +116,7 @@ impl CandidateState {
 
 /// Hits or reach at a stop, as far as they count there.
 pub(crate) fn seen(stop: &Stop, supports: &Supports, zones: [u16; 2]) -> Seen {
-    let [zones_a, zones_b] = zones.map(|bits| if stop.zones { Zones(bits) } else { Zones(0) });
-    Seen {
-        patch: if stop.patch { *supports } else { Supports::EMPTY },
-        end: if stop.depth { *supports } else { Supports::EMPTY },
-        zones_a,
-        zones_b,
-    }
+    let [zones_a, zones_b] = zones.map(Zones);
+    let end = if stop.is_last { *supports } else { Supports::EMPTY };
+    Seen { patch: *supports, end, zones_a, zones_b }
 }

@@ -29,12 +29,11 @@ use crate::workspace::{Backend, BodySet, RunError};
 use body::Shells;
 use damage::course::{HEAVY_M_S, Severity};
 use damage::{
-    CandidateHarm, CourseHarm, Curves, Policy, RankedCandidates, Scratch, Unevaluable, rank_in,
+    CandidateHarm, CourseHarm, Criteria, RankedCandidates, Scratch, Unevaluable, rank_in,
 };
 use runtime::clock;
 use scenario::Scenario;
 use std::borrow::Cow;
-use std::sync::Arc;
 
 mod assessed_contact;
 mod course_answer;
@@ -79,8 +78,8 @@ pub struct CourseRequest<'a> {
     /// The shells of each body of the store, [`Shells::of`] its triangles: found once per body, as
     /// that takes about 1 µs per triangle.
     pub shells: &'a [Shells],
-    /// Policy and curves that judge the candidates.
-    pub rules: (Arc<Policy>, Arc<Curves>),
+    /// Policy, curves and parameters that judge the candidates.
+    pub criteria: Criteria,
     /// Whether a history is recorded, from which the answer can be made again.
     pub history: bool,
     /// Whether the answer is explained.
@@ -231,12 +230,11 @@ fn follow(
         }
         rounds.survey(&round, surveyor)?;
     }
-    let Rounds { scenery, people, parameters, courses, mut search, mut effort, reports, .. } =
-        rounds;
+    let Rounds { scenery, people, courses, mut search, mut effort, reports, .. } = rounds;
     effort.search = search.effort;
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();
-    let (policy, curves) = (&*request.rules.0, &*request.rules.1);
+    let policy = &*request.criteria.policy;
     let harms: Vec<CourseHarm> =
         courses.iter().map(|course| harm_of(&people, course, None)).collect();
     let mut ranking = RankedCandidates::default();
@@ -244,10 +242,8 @@ fn follow(
         .map_err(RequestError::from)?;
     let known = (&courses[..], &harms[..]);
     let answer = course_answer::written(&scenery, &people, policy, known, &ranking, &mut search);
-    let explain = || {
-        let rules = (policy, curves, parameters);
-        Explanation::new(request.scenario, &people, rules, known, &ranking)
-    };
+    let explain =
+        || Explanation::new(request.scenario, &people, &request.criteria, known, &ranking);
     let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
     let scene = request.scene.then(|| plan_scene::scene(&scenery, &courses));

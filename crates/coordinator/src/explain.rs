@@ -9,10 +9,10 @@
 
 use crate::candidate_state::CandidateState;
 use crate::request::{Candidate, Person, Request};
-use damage::curve::CurveUnit;
+use damage::curve::{CurveUnit, Dose};
 use damage::dynamics::Response;
-use damage::evidence::Touch;
 use damage::injury::Quantity;
+use damage::plane::{PlaneOrigin, Ride};
 use damage::{CandidateHarm, Ground, Interval, PersonId};
 use serde::Serialize;
 
@@ -21,25 +21,30 @@ use serde::Serialize;
 pub struct ContactChain {
     /// The other party's name.
     pub other: String,
-    /// Whether they touch.
-    pub touch: Touch,
-    /// Where the hulls first meet and where triangles first touch, as travel along the relative
-    /// path from the given pose (m).
-    pub first_m: Option<f64>,
+    /// What makes the plane of the contact.
+    pub origin: Option<PlaneOrigin>,
+    /// Which party has the long flat face along which the other is turned: 0 the ego, 1 the other.
+    pub long_face_of: Option<usize>,
+    /// How both are met in height.
+    pub rides: [Ride; 2],
     /// Closing speed (m/s).
     pub closing_m_s: f64,
     /// Angle of the contact normal from the closing direction (degrees, left positive).
     pub normal_degrees: Option<f64>,
     /// v_n: closing speed along the normal (m/s).
     pub normal_m_s: f64,
-    /// v_t: sliding speed across it (m/s).
+    /// v_t: sliding speed across it (m/s), positive to the left of the normal.
     pub tangential_m_s: f64,
     /// Masses (kg); `None`: fixed to the ground.
     pub mass_kg: [Option<f64>; 2],
     /// Yaw radii of gyration k (m).
     pub gyration_m: [f64; 2],
-    /// Lever arms: h across the normal, q along it (m).
-    pub levers_m: [[f64; 2]; 2],
+    /// From the centre of mass to the point of contact, along the normal and to its left (m).
+    pub arms_m: [[f64; 2]; 2],
+    /// Restitution e, and friction μ or, along a long flat face, the greatest ratio of the impulses.
+    pub surface: [f64; 2],
+    /// Yaw rates before and after (rad/s).
+    pub yaw_rad_s: [[f64; 2]; 2],
     /// Impulses, changes of velocity, energy.
     pub response: Response,
     /// Principal direction of force in each body's frame (degrees from forward, left positive).
@@ -48,7 +53,7 @@ pub struct ContactChain {
     pub probability: f64,
     /// Everyone in it.
     pub persons: Vec<PersonChain>,
-    /// Travel and intersecting pairs of triangles at each pose that forms the contact patch.
+    /// Travel and intersecting pairs of triangles at each depth.
     pub poses: Vec<(f64, u64)>,
     /// Lengths of the patch across the normal, along it and upwards, and the depth (m).
     pub patch_m: [f64; 4],
@@ -88,7 +93,11 @@ pub struct PersonChain {
     pub x_in_unit: f64,
     /// That unit.
     pub unit: CurveUnit,
-    /// P(x) = 1/(1+exp(-(a+b x))), as published.
+    /// Height of the edge of the front that strikes (m), else 0.
+    pub front_m: f64,
+    /// What is anchored, borrowed or doubtful about the curve; may be empty.
+    pub note: String,
+    /// P(x) = 1/(1+exp(-z)), as published.
     pub published: f64,
     /// P(0), which anchoring removes.
     pub at_rest: f64,
@@ -111,10 +120,10 @@ pub struct PolicyStep {
     pub value: Interval,
 }
 
-/// Pairs at the poses of the patch.
+/// Pairs at each depth.
 fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
-    let of_patch = state.stops.iter().filter(|(stop, _)| stop.patch);
-    of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
+    let stops = state.stops.iter();
+    stops.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }
 
 /// The steps of a policy with their values for a candidate.
@@ -131,18 +140,21 @@ pub(crate) fn contact_chain(
     state: &CandidateState,
 ) -> ContactChain {
     let parties = [&candidate.a, &candidate.b];
-    let patch = harm.contact.patch.as_ref();
+    let patch = harm.contact.as_ref();
     ContactChain {
         other: candidate.other_name.to_string(),
-        touch: harm.contact.touch,
-        first_m: patch.map(|patch| patch.first_m.hi()),
+        origin: patch.map(|patch| patch.origin),
+        long_face_of: patch.and_then(|patch| patch.long_face_of),
+        rides: patch.map_or_else(Default::default, |patch| patch.rides),
         closing_m_s: harm.closing_m_s,
         normal_degrees: patch.map(|patch| patch.normal_degrees),
-        normal_m_s: harm.normal_m_s.hi(),
-        tangential_m_s: harm.tangential_m_s.hi(),
+        normal_m_s: harm.normal_m_s,
+        tangential_m_s: harm.tangential_m_s,
         mass_kg: parties.map(|party| party.mass_kg),
         gyration_m: parties.map(|party| party.gyration_m),
-        levers_m: harm.levers_m,
+        arms_m: harm.arms_m,
+        surface: harm.surface,
+        yaw_rad_s: harm.yaw_rad_s,
         response: harm.response,
         force_degrees: harm.force_degrees,
         probability: harm.probability,
@@ -174,12 +186,12 @@ pub(crate) fn separation(
 }
 
 fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) -> PersonChain {
-    let curves = &request.curves;
-    let rung = curves.rung(person.victim, request.policy.outcome).ok();
+    let curves = &request.criteria.curves;
+    let rung = curves.rung(person.victim, request.criteria.policy.outcome).ok();
     let curve = rung.map(|rung| curves.nominal(rung));
     let unit = curve.map_or(CurveUnit::MetresPerSecond, |curve| curve.unit);
     let x_m_s = person.x_m_s.hi();
-    let published = |x: f64| curve.map_or(0.0, |curve| curve.published(x));
+    let published = |dose: Dose| curve.map_or(0.0, |curve| curve.published(dose));
     let end = |end: &damage::injury::RangeEnd| {
         let ids: Vec<&str> = end.curves.iter().map(|c| &*curves.curves[*c].id).collect();
         format!("{} at {} x {}", ids.join(", "), end.times, end.x.name())
@@ -193,8 +205,10 @@ fn person(request: &Request, harm: &CandidateHarm, person: &damage::PersonHarm) 
         x_m_s,
         x_in_unit: unit.of(x_m_s),
         unit,
-        published: published(x_m_s),
-        at_rest: published(0.0),
+        published: published(person.dose()),
+        at_rest: published(Dose { speed_m_s: 0.0, ..person.dose() }),
+        front_m: person.front_m,
+        note: curve.map_or_else(String::new, |curve| curve.note.clone()),
         harm: person.work,
         risk: harm.probability * person.work.hi(),
         range: person.range,

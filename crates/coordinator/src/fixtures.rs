@@ -7,11 +7,10 @@ use crate::workspace::BodySet;
 use body::Shape;
 use body::{Body, BodyKind, BodyView, Mesh, Meta, Shells, defaults, zones};
 use bvh::BuildOptions;
-use damage::{Curves, Policy};
+use damage::{Criteria, Policy};
 use geometry::Corners;
 use scenario::Scenario;
 use shapes::generate;
-use std::sync::Arc;
 
 const SCENARIO: &str = r#"
 schema = "trolley.scenario/2"
@@ -66,13 +65,13 @@ pub(crate) fn with_policy<T>(
     // Parties are in the order of their names: the bodies of the scenario.
     let scenario = Scenario::parse("replayed.toml", SCENARIO).expect("sound");
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
-    let rules = (Arc::new(policy), Arc::new(Curves::shipped().expect("sound")));
+    let criteria = Criteria::with_policy(policy).expect("sound");
     let stage = BodySet { bodies: &views, extremes: None, depth: 4 };
     let request = CourseRequest {
         scenario: &scenario,
         models: &[0, 1, 2, 3],
         shells: &shells,
-        rules,
+        criteria,
         history: false,
         explanation: false,
         scene: false,

@@ -2,11 +2,12 @@
 
 use crate::candidate_state::FirstContact;
 use body::{BodyKind, Meta, Seat};
-use damage::party::{is_concave, is_fixed};
+use damage::approach::STANDSTILL_M_S;
+use damage::dynamics::delta_v_at_most;
+use damage::party::is_fixed;
 use damage::rule::Stake;
 use damage::{
-    Aboard, Approach, CollisionParty, Curves, Encounter, Meeting, Parameters, Policy, Stiffness,
-    heading,
+    Aboard, Approach, CollisionParty, Criteria, Encounter, Parameters, Plane, Stiffness, heading,
 };
 use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
@@ -14,7 +15,6 @@ use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use scenario::Name;
 use smallvec::SmallVec;
 use std::borrow::Cow;
-use std::sync::Arc;
 
 /// One contact, before any work: a candidate, as far as this request goes.
 #[derive(Clone, Debug)]
@@ -26,7 +26,8 @@ pub(crate) struct Candidate {
     /// B seen from A at the given pose.
     pub(crate) pose: RelativePose,
     pub(crate) approach: Approach,
-    pub(crate) meeting: Meeting,
+    /// The plane of the contact; `None`: the bodies overlap from the start and stand.
+    pub(crate) plane: Option<Plane>,
     pub(crate) a: CollisionParty,
     pub(crate) b: CollisionParty,
     pub(crate) probability: f64,
@@ -40,15 +41,16 @@ impl Candidate {
     /// Whether any impact at this speed could be heavy for the ego.
     pub(crate) fn may_be_heavy(&self, parameters: &Parameters) -> bool {
         let masses = [self.a.mass_kg, self.b.mass_kg];
-        damage::course::delta_v_at_most(self.approach.closing_m_s, masses, parameters)
-            >= damage::course::HEAVY_M_S
+        let speed_m_s =
+            self.plane.map_or(f64::INFINITY, |plane| plane.velocity_m_s(&self.approach).length());
+        delta_v_at_most(speed_m_s, masses, parameters) >= damage::course::HEAVY_M_S
     }
 
     /// As [`damage::assess`] takes it.
     pub(crate) fn encounter(&self) -> Encounter<'_> {
         Encounter {
             approach: &self.approach,
-            meeting: &self.meeting,
+            plane: self.plane.as_ref(),
             a: &self.a,
             b: &self.b,
             probability: self.probability,
@@ -67,14 +69,12 @@ pub(crate) struct Person {
 /// The fixed list of persons; as many as a planner may name need no allocation.
 pub(crate) type Persons = SmallVec<[Person; damage::party::IN_PLACE]>;
 
-/// Everything that is asked, and the policy and curves that judge it.
+/// Everything that is asked, and what it is judged by.
 #[derive(Clone, Debug)]
 pub(crate) struct Request {
     pub(crate) candidates: Vec<Candidate>,
     pub(crate) persons: Persons,
-    pub(crate) policy: Arc<Policy>,
-    pub(crate) curves: Arc<Curves>,
-    pub(crate) parameters: Parameters,
+    pub(crate) criteria: Criteria,
 }
 
 /// A request that cannot be worked on.
@@ -147,26 +147,37 @@ pub(crate) fn party(
         centre_m,
         forward,
         stiffness: stated.crush.map(|[a_n_m, b_n_m2]| Stiffness { a_n_m, b_n_m2 }),
-        concave: is_concave(kind),
+        front_m: meta.front_height_m.filter(|_| !is_fixed(kind)),
         persons: aboard.collect(),
     }
 }
 
-/// Two bodies on their way: `pose_a` in the world, `pose` of B in A's frame, velocities in the
-/// world
-/// of A and of B (m/s).
+/// How two bodies move at a moment, in the world: velocities of their centres of mass (m/s) and
+/// rates at which they turn (rad/s).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motions {
+    pub(crate) velocities_m_s: [DVec3; 2],
+    pub(crate) rates_rad_s: [DVec3; 2],
+    /// Velocity of A against B at a point where they touch (m/s).
+    pub(crate) at_contact_m_s: DVec3,
+}
+
+/// Two bodies on their way: `pose_a` in the world, `pose` of B in A's frame.
 pub(crate) fn approach(
     (support_a, support_b): (impl Fn(DVec3) -> f64, impl Fn(DVec3) -> f64),
     (pose_a, pose): (&Pose, &RelativePose),
-    [velocity_a, velocity_b]: [DVec3; 2],
+    motions: &Motions,
     (a, b): (&CollisionParty, &CollisionParty),
 ) -> Approach {
     let to_a = |v: DVec3| Pose::direction_to_body(pose_a, v);
-    let relative = to_a(velocity_a - velocity_b);
     let up = to_a(DVec3::Z);
-    let u = heading(relative, b.centre_m - a.centre_m, up);
-    let directions = Directions::around(u, up);
-    let level = relative - up * relative.dot(up);
+    let level = |v: DVec3| v - up * v.dot(up);
+    let [of_a, of_b] = motions.velocities_m_s;
+    let relative = level(to_a(of_a - of_b));
+    // Bodies whose centres keep their distance may still turn into each other.
+    let towards =
+        if relative.length() < STANDSTILL_M_S { to_a(motions.at_contact_m_s) } else { relative };
+    let directions = Directions::around(heading(towards, b.centre_m - a.centre_m, up), up);
     let t = DVec3::from_array(pose.translation);
     let mut supports_a = Supports::EMPTY;
     let mut supports_b = Supports::EMPTY;
@@ -175,5 +186,12 @@ pub(crate) fn approach(
         supports_a.0[i] = support_a(d);
         supports_b.0[i] = support_b(pose.direction_to_b(d)) + d.dot(t);
     }
-    Approach { directions, closing_m_s: level.length(), supports_a, supports_b }
+    Approach {
+        directions,
+        velocity_m_s: relative,
+        closing_m_s: relative.length(),
+        yaw_rad_s: motions.rates_rad_s.map(|rate| to_a(rate).dot(up)),
+        supports_a,
+        supports_b,
+    }
 }

@@ -28,8 +28,8 @@ use geometry::rng::Rng;
 pub(crate) enum BoundFlaw {
     /// Unfinished poses are taken to add nothing.
     ForgetsOpenPoses,
-    /// Upper ends are placed half way up.
-    HalvesWidths,
+    /// Of what is open the middle is taken for certain.
+    TakesMiddles,
 }
 
 /// All figures of one candidate that are intervals, with their names.
@@ -60,13 +60,11 @@ impl Figures {
 
     /// The figures of the patch, which come and go with it.
     fn of_patch(harm: &CandidateHarm) -> Self {
-        let Some(patch) = &harm.contact.patch else { return Self(Vec::new()) };
+        let Some(patch) = &harm.contact else { return Self(Vec::new()) };
         let named = [
-            ("first contact", patch.first_m),
             ("width", patch.width_m),
             ("height", patch.height_m),
             ("span", patch.span_m),
-            ("penetration", patch.penetration_m),
             ("depth", patch.depth_m),
         ];
         Self(named.map(|(name, interval)| (name.to_owned(), interval)).to_vec())
@@ -235,7 +233,7 @@ impl Trial {
 /// The bounds of a candidate, from all that is known now.
 fn bounds_of(work: &SurveyRun<'_>, k: usize) -> Result<CandidateBounds, AssessError> {
     let request = work.request();
-    let high = needs_high(&request.policy);
+    let high = needs_high(&request.criteria.policy);
     let encounter = request.candidates[k].encounter();
     bounds(&encounter, &work.evidence(k), &work.basis(), high)
 }
@@ -258,12 +256,18 @@ fn flawed(
             },
             |_| {},
         ),
-        BoundFlaw::HalvesWidths => work.judge_by(
+        BoundFlaw::TakesMiddles => work.judge_by(
             |k| work.evidence(k),
             |harm| {
-                for person in &mut harm.persons {
-                    let (lo, hi) = (person.work.lo(), person.work.hi());
-                    person.work = Interval::new(lo, f64::midpoint(lo, hi));
+                let Some(patch) = &mut harm.contact else { return };
+                let open = [
+                    &mut patch.width_m,
+                    &mut patch.height_m,
+                    &mut patch.span_m,
+                    &mut patch.depth_m,
+                ];
+                for length in open {
+                    *length = Interval::exactly(f64::midpoint(length.lo(), length.hi()));
                 }
             },
         ),

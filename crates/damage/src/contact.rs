@@ -10,14 +10,14 @@ use crate::approach::{Approach, HORIZONTAL, QUARTER, UP, opposite};
 use crate::evidence::Evidence;
 use crate::interval::Interval;
 use crate::path::survey;
-use crate::plane::{Origin, Plane, Ride};
+use crate::plane::{Plane, PlaneOrigin, Ride};
 use serde::Serialize;
 
 /// The contact of one candidate, as far as it is known. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPatch {
     /// What makes the plane.
-    pub origin: Origin,
+    pub origin: PlaneOrigin,
     /// Normal of the plane, from A to B, A's frame.
     pub normal: [f64; 3],
     /// Its angle from u, −180 to 180 degrees, positive to the left of u.

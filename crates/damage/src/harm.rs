@@ -81,7 +81,7 @@ pub struct CandidateHarm {
     pub closing_m_s: f64,
     /// Closing speed along the normal at the point of contact, v_n (m/s), at least 0.
     pub normal_m_s: f64,
-    /// Sliding speed across it, v_t (m/s), without its sign.
+    /// Sliding speed across it, v_t (m/s), positive if A slides to the left of the normal.
     pub tangential_m_s: f64,
     /// What the contact is like; `None` if the candidate cannot be evaluated.
     pub contact: Option<ContactPatch>,

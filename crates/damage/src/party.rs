@@ -26,6 +26,9 @@ pub struct Aboard {
 /// Number of persons of a party that lists store in place; more are allocated on the heap.
 pub const IN_PLACE: usize = 64;
 
+/// Who is with a body, by their seats; `None` on foot.
+pub type Seats = SmallVec<[Option<Seat>; IN_PLACE]>;
+
 /// A party of a collision, in A's frame at the given pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollisionParty {

@@ -16,6 +16,7 @@
 //! It knows no masses and no speeds.
 
 use crate::approach::Approach;
+use crate::dynamics::of_turning;
 use crate::party::CollisionParty;
 use body::Outlines;
 use geometry::{DVec3, RelativePose};
@@ -55,7 +56,7 @@ const REACH_SHARE: f64 = 1.0 / 3.0;
 /// What makes the plane of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Origin {
+pub enum PlaneOrigin {
     /// The outlines cross: the swept chord.
     Chord,
     /// The outlines do not cross, although both hold the point of contact: the bodies slide past
@@ -101,7 +102,7 @@ pub struct Plane {
     /// Between which heights outlines cross, along the vertical of A's frame.
     pub height_m: [f64; 2],
     /// What makes it.
-    pub origin: Origin,
+    pub origin: PlaneOrigin,
     /// A long flat face, if one is struck: if A slides to the left of the normal, and to its right.
     pub faces: [Option<LongFace>; 2],
     /// Whether the face that is struck is flat and belongs to a wall, long or not.
@@ -332,6 +333,14 @@ impl Sum {
 }
 
 impl Plane {
+    /// The velocity of A against B at the point of contact (m/s), with the bodies' turning.
+    #[must_use]
+    pub fn velocity_m_s(&self, approach: &Approach) -> DVec3 {
+        let up = approach.directions.d[crate::approach::UP];
+        let [of_a, of_b] = [0, 1].map(|p| of_turning(approach.yaw_rad_s[p], self.arms_m[p], up));
+        approach.velocity_m_s + of_a - of_b
+    }
+
     /// Across the direction of motion, through the middle between two centres (m, A's frame).
     #[must_use]
     pub(crate) fn across_motion(approach: &Approach, centres_m: [DVec3; 2]) -> Self {
@@ -347,7 +356,7 @@ impl Plane {
             point_m,
             depth_m: 0.0,
             height_m: [axes.height(point_m); 2],
-            origin: Origin::Motion,
+            origin: PlaneOrigin::Motion,
             faces: [None; 2],
             is_flat: false,
             rides: [Ride::Level; 2],
@@ -396,7 +405,7 @@ impl Plane {
             point_m: point,
             depth_m,
             height_m: sum.heights.unwrap_or([at.1; 2]),
-            origin: Origin::Motion,
+            origin: PlaneOrigin::Motion,
             faces: [None; 2],
             is_flat: false,
             rides: [Ride::Level; 2],
@@ -407,17 +416,17 @@ impl Plane {
             let holds = [a.holds(at.0, at.1), b.holds(at.0, at.1)];
             let is_weak = |p: usize| !holds[p] && parties[p].has_weak_parts;
             plane.origin = if is_weak(0) || is_weak(1) {
-                Origin::WeakPart
+                PlaneOrigin::WeakPart
             } else if holds == [true; 2] {
-                Origin::Graze
+                PlaneOrigin::Graze
             } else {
-                Origin::Motion
+                PlaneOrigin::Motion
             };
         } else {
             // Rounding of a symmetric overlap is no direction.
             let y = if y.abs() <= 1e-12 * length { 0.0 } else { y };
             let n = [x / length, y / length];
-            plane.origin = Origin::Chord;
+            plane.origin = PlaneOrigin::Chord;
             plane.normal = axes.vector(n);
             plane.arms_m = sum.arms.map(|arm| axes.vector(arm.map(|s| s / sum.weight)));
             let middle = sum.point.map(|s| s / sum.weight);
@@ -435,8 +444,10 @@ impl Plane {
 fn ride(plane: &Plane, party: &Front, base: f64) -> Ride {
     let [low, high] = plane.height_m;
     match party.height_m {
-        Some(front) if plane.origin == Origin::Chord && low >= base + front => Ride::Under,
-        Some(front) if plane.origin == Origin::Chord && high <= base + 0.5 * front => Ride::Over,
+        Some(front) if plane.origin == PlaneOrigin::Chord && low >= base + front => Ride::Under,
+        Some(front) if plane.origin == PlaneOrigin::Chord && high <= base + 0.5 * front => {
+            Ride::Over
+        }
         _ => Ride::Level,
     }
 }

@@ -76,7 +76,7 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         scenario: scenario.parsed(),
         models: &models,
         shells: &shells,
-        rules: scenario.rules(),
+        criteria: scenario.criteria().clone(),
         history: false,
         explanation: false,
         scene: false,

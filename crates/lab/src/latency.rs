@@ -70,11 +70,11 @@ pub fn run(
     patience: Duration,
     opened: &OpenDeployment,
 ) -> Result<Latency, Failure> {
-    let rules = opened.rules()?;
+    let criteria = opened.criteria()?;
     let bodies = Bodies::of_deployment(opened)?;
     let views = bodies.views()?;
     let depth = opened.deployment.engine.depth;
-    let mut twin = InProcess::new(&opened.deployment, &views, rules, depth);
+    let mut twin = InProcess::new(&opened.deployment, &views, criteria, depth);
     let mut here = || twin.answer(ask);
     let expected = here();
     let empty = || {

@@ -205,6 +205,8 @@ pub struct RecordContent {
     pub policy: RecordedText,
     /// The injury curves.
     pub curves: RecordedText,
+    /// The parameters of contact and dynamics.
+    pub parameters: RecordedText,
     /// The other texts that the scenario names, as it names them: paths as CSV.
     pub files: Vec<RecordedText>,
     /// How the work was cut.

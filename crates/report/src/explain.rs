@@ -2,15 +2,21 @@
 
 use crate::text::wrap;
 use trolley::explanation::{
-    ContactChain, Curve, CurveUnit, Knob, Parameters, PersonChain, PolicyStep, Reserve, Separation,
+    ContactChain, Curve, CurveUnit, Knob, Parameters, PersonChain, PlaneOrigin, PolicyStep,
+    Reserve, Ride, Separation,
 };
 use trolley::{Explanation, Severity};
 
 /// What the figures are made with; the same for all candidates.
 const FORMULAS: &str = "\
-Formulas: w_n = Σ(1 + h²/k²)/m, w_t = Σ(1 + q²/k²)/m over both bodies, a fixed one adding 0;
-  J_n = (1+e) v_n / w_n, J_t = min(μ J_n, v_t / w_t), ΔV = √(J_n² + J_t²) / m;
-  P(x) = 1/(1 + exp(-(a + b x))), H = (P(x) - P(0)) / (1 - P(0)), risk R = p H.";
+Formulas: arms n along the normal and t to its left, from the centre of mass to the contact;
+  K_nn = Σ(1 + t²/k²)/m, K_tt = Σ(1 + n²/k²)/m, K_nt = -Σ n t/(m k²), a fixed body adding 0;
+  sticking: D = K_nn K_tt - K_nt², J_n = ((1+e) v_n K_tt - K_nt v_t) / D,
+            J_t = (K_nn v_t - K_nt (1+e) v_n) / D;
+  sliding, where |J_t| > μ J_n: J_n = (1+e) v_n / (K_nn ± μ K_nt), J_t = ± μ J_n, + for v_t > 0;
+  along a long flat face: J_n = (1+e) v_n / Σ1/m, J_t = ± min(μ J_n, |v_t| / Σ1/m);
+  |J| at most (1+e) |v| / Σ1/m; ΔV = √(J_n² + J_t²) / m;
+  P(x) = 1/(1 + exp(-z)), z = a + b x + tall front, H = (P(x) - P(0)) / (1 - P(0)), risk R = p H.";
 
 /// The whole explanation; no line is longer than [`COLUMNS`](crate::text::COLUMNS).
 #[must_use]
@@ -85,8 +91,9 @@ fn beginning(
         format!("Compared in turn: {}.", steps.join("; then ")),
         FORMULAS.to_owned(),
         format!(
-            "Parameters: e {} in {}–{}, μ {} in {}–{}; masses known to {} %, gyration to {} %, \
-             speeds to {} %.",
+            "Parameters \"{}\": e {} in {}–{}, μ {} in {}–{}; masses known to {} %, gyration to \
+             {} %, speeds to {} %, normals to {}°.",
+            parameters.name,
             parameters.restitution.nominal,
             parameters.restitution.low,
             parameters.restitution.high,
@@ -95,7 +102,8 @@ fn beginning(
             parameters.friction.high,
             100.0 * parameters.mass_share,
             100.0 * parameters.gyration_share,
-            100.0 * parameters.speed_share
+            100.0 * parameters.speed_share,
+            parameters.normal_degrees
         ),
     ]);
 }
@@ -170,9 +178,23 @@ fn policy(
 
 fn contact(lines: &mut Vec<String>, chain: &ContactChain) {
     let m = chain.mass_kg;
-    let first = chain.first_m.map_or(String::new(), |s| format!("first at {s:.3} m of travel; "));
+    let plane = match chain.origin {
+        Some(PlaneOrigin::Chord) | None => "plane by outlines",
+        Some(PlaneOrigin::Graze) => "outlines only graze: no impulse",
+        Some(PlaneOrigin::WeakPart) => "only a weak part is hit: no impulse",
+        Some(PlaneOrigin::Motion) => "plane across the motion",
+    };
+    let of = |p: usize| if p == 0 { "ego" } else { chain.other.as_str() };
+    let face = chain.long_face_of.map_or(String::new(), |p| format!("; long face of {}", of(p)));
+    let rides = [0, 1].into_iter().filter_map(|p| match chain.rides[p] {
+        Ride::Level => None,
+        Ride::Under => Some(format!("; {} goes under", of(p))),
+        Ride::Over => Some(format!("; {} goes over", of(p))),
+    });
     lines.push(format!(
-        "  contact   {first}closing at {:.3} m/s, normal {:.0}° from it: v_n {:.3}, v_t {:.3} m/s",
+        "  contact   {plane}{face}{}; closing at {:.3} m/s, normal {:.0}° from it: v_n {:.3}, v_t \
+         {:.3} m/s",
+        rides.collect::<String>(),
         chain.closing_m_s,
         chain.normal_degrees.unwrap_or(0.0),
         chain.normal_m_s,
@@ -186,20 +208,25 @@ fn contact(lines: &mut Vec<String>, chain: &ContactChain) {
          {height:.3} high; depth {depth:.3} m",
         pairs.join(", ")
     ));
-    let [a, b] = chain.levers_m;
+    let [a, b] = chain.arms_m;
     lines.push(format!(
-        "  bodies    m {} kg, k {} m, h {} m, q {} m (ego / {})",
+        "  bodies    m {} kg, k {} m, n {} m, t {} m (ego / {}); e {:.3}, μ {:.3}",
         pair(m.map(|m| m.unwrap_or(0.0)), m, 1),
         pair(chain.gyration_m, m, 3),
         pair([a[0], b[0]], m, 3),
         pair([a[1], b[1]], m, 3),
-        chain.other
+        chain.other,
+        chain.surface[0],
+        chain.surface[1]
     ));
     lines.push(format!(
-        "  impact    J_n {:.1}, J_t {:.1} N s; ΔV {} m/s; {:.1} kJ lost; force from {}°",
+        "  impact    J_n {:.1}, J_t {:.1} N s; ΔV {} m/s; yaw {} to {} °/s; {:.1} kJ lost; force from \
+         {}°",
         chain.response.normal_n_s,
         chain.response.tangential_n_s,
         pair(chain.response.delta_v_m_s, m, 3),
+        pair(chain.yaw_rad_s.map(|yaw| yaw[0].to_degrees()), m, 0),
+        pair(chain.yaw_rad_s.map(|yaw| yaw[1].to_degrees()), m, 0),
         chain.response.energy_j / 1000.0,
         pair(chain.force_degrees, m, 0)
     ));
@@ -225,6 +252,15 @@ fn persons(lines: &mut Vec<String>, alike: &[&PersonChain], probability: f64) {
         person.harm.hi(),
         person.risk
     ));
+    if person.front_m > 0.0 {
+        lines.push(format!(
+            "            struck by a front whose edge is {:.2} m high",
+            person.front_m
+        ));
+    }
+    if !person.note.is_empty() {
+        lines.push(format!("            note on the curve: {}", person.note));
+    }
     lines.push(format!(
         "            range {:.5} to {:.5}: {}; {}",
         person.range.low(),

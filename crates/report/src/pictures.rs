@@ -54,7 +54,7 @@ pub fn shots(scene: &PlanScene, answer: &Answer) -> Vec<Shot> {
 }
 
 fn patch(contact: &ContactRow) -> Option<ShotPatch> {
-    contact.contact.patch.as_ref().map(|patch| ShotPatch {
+    contact.contact.as_ref().map(|patch| ShotPatch {
         centre_m: patch.centre_m,
         normal: patch.normal,
         size_m: [patch.width_m.hi(), patch.height_m.hi()],

@@ -84,6 +84,7 @@ impl WorkDone {
             fact("scenario", format!("{} {}", record.scenario.name, record.scenario.hash)),
             fact("policy", format!("{} {}", record.policy.name, record.policy.hash)),
             fact("curves", format!("{} {}", record.curves.name, record.curves.hash)),
+            fact("parameters", format!("{} {}", record.parameters.name, record.parameters.hash)),
             fact(
                 "settings",
                 format!(

@@ -29,6 +29,8 @@ pub enum InputKind {
     Policy,
     /// A set of injury curves.
     Curves,
+    /// Parameters of contact and dynamics.
+    Parameters,
     /// A scenario.
     Scenario,
     /// A path of a scenario, in a file of its own.
@@ -66,9 +68,10 @@ const MIB: u64 = 1 << 20;
 
 impl InputKind {
     /// All kinds.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Policy,
         Self::Curves,
+        Self::Parameters,
         Self::Scenario,
         Self::MotionPath,
         Self::Deployment,
@@ -95,6 +98,7 @@ impl InputKind {
             // What people write by hand has a few hundred lines.
             Self::Policy
             | Self::Curves
+            | Self::Parameters
             | Self::MotionPath
             | Self::Deployment
             | Self::Plan
@@ -102,7 +106,7 @@ impl InputKind {
             | Self::SideFile => MIB,
             // 16 candidates, 32 parties, 64 states a path, with every key in full precision.
             Self::Scenario => 4 * MIB,
-            // Sixteen candidates, every job, and three of the texts above.
+            // Sixteen candidates, every job, and four of the texts above.
             Self::Record => 8 * MIB + 4 * KIB,
             Self::Measurement => 16 * MIB,
             // An hour of a crossing with 100 obstacles has 30 MB.
@@ -120,6 +124,7 @@ impl InputKind {
         match self {
             Self::Policy => "a policy",
             Self::Curves => "a set of curves",
+            Self::Parameters => "a set of parameters",
             Self::Scenario => "a scenario",
             Self::MotionPath => "a path",
             Self::Deployment => "a deployment",

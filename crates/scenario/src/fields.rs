@@ -17,6 +17,7 @@ use std::time::Duration;
 pub(crate) struct Head {
     pub(crate) policy: Option<FileRef>,
     pub(crate) curves: Option<FileRef>,
+    pub(crate) parameters: Option<FileRef>,
     pub(crate) deadline: Option<Duration>,
     pub(crate) engine: EngineSettings,
 }
@@ -25,20 +26,23 @@ impl Head {
     pub(crate) fn new(
         document: &Document<'_>,
         name_written: &str,
-        [policy, curves]: [Option<String>; 2],
+        [policy, curves, parameters]: [Option<String>; 3],
         deadline_ms: Option<f64>,
         engine: &Overrides,
     ) -> Result<Self, Fault> {
         let root = Path::default();
         name("name", name_written).at(&root.key("name"))?;
-        let policy = policy.map(|path| file_ref(document, "policy", path, &root)).transpose()?;
-        let curves = curves.map(|path| file_ref(document, "curves", path, &root)).transpose()?;
+        let named = |key: &'static str, path: Option<String>| {
+            path.map(|path| file_ref(document, key, path, &root)).transpose()
+        };
+        let (policy, curves) = (named("policy", policy)?, named("curves", curves)?);
+        let parameters = named("parameters", parameters)?;
         let deadline = deadline_ms.map(deadline).transpose().at(&root.key("deadline_ms"))?;
         let engine = EngineSettings::DEFAULT.apply(engine).or_else(|misfit| {
             let path = root.key("engine").key(misfit.setting);
             Err(misfit).at(&path)
         })?;
-        Ok(Self { policy, curves, deadline, engine })
+        Ok(Self { policy, curves, parameters, deadline, engine })
     }
 }
 

@@ -104,6 +104,8 @@ pub struct Scenario {
     pub policy: Option<FileRef>,
     /// The injury risk curves; `None`: those of the program.
     pub curves: Option<FileRef>,
+    /// The parameters of contact and dynamics; `None`: those of the program.
+    pub parameters: Option<FileRef>,
     /// Time for the answer from the acceptance of the request; `None`: no deadline.
     pub deadline: Option<Duration>,
     /// How the engine works.

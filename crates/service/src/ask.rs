@@ -87,6 +87,7 @@ pub(crate) fn check(
         name: String::new(),
         policy: None,
         curves: None,
+        parameters: None,
         deadline: None,
         engine: deployment.engine.clone(),
         ego: PartyIndex(ask.ego as usize),

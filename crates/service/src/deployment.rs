@@ -41,6 +41,8 @@ pub struct Deployment {
     pub policy: Option<PathBuf>,
     /// Injury risk curves; `None`: the built-in ones.
     pub curves: Option<PathBuf>,
+    /// Parameters of contact and dynamics; `None`: the built-in ones.
+    pub parameters: Option<PathBuf>,
     /// Workers, cores, depth, batches.
     pub engine: EngineSettings,
     /// Requests that may wait; more are answered *busy*.
@@ -211,6 +213,7 @@ struct Raw {
     group: Option<toml::Value>,
     policy: Option<PathBuf>,
     curves: Option<PathBuf>,
+    parameters: Option<PathBuf>,
     queue: Option<i64>,
     #[serde(default)]
     idle: Idle,
@@ -359,6 +362,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         models: models(raw.models)?,
         policy: raw.policy,
         curves: raw.curves,
+        parameters: raw.parameters,
         engine,
         queue,
         idle: raw.idle,

@@ -8,9 +8,8 @@ use crate::deployment::Deployment;
 use crate::ranker::{Ranker, Unranked};
 use body::{BodyView, Meta};
 use coordinator::{Backend, InProcessExecutor, RequestLimits};
-use damage::{Curves, Policy};
+use damage::Criteria;
 use protocol::public::{Ask, Reason, WireAnswer, WireState};
-use std::sync::Arc;
 
 /// Answers requests in this process, as a service with these settings would.
 #[derive(Debug)]
@@ -25,13 +24,12 @@ impl<'b> InProcess<'b> {
     pub fn new(
         deployment: &'b Deployment,
         bodies: &'b [(Meta, BodyView<'b>)],
-        (policy, curves): (Policy, Curves),
+        criteria: Criteria,
         depth: u32,
     ) -> Self {
-        let rules = (Arc::new(policy), Arc::new(curves));
         let executor = InProcessExecutor::with_room_for(bodies);
         let backend = Backend::InProcess(Box::new(executor));
-        Self { ranker: Ranker::new(deployment, bodies, rules, depth), backend }
+        Self { ranker: Ranker::new(deployment, bodies, criteria, depth), backend }
     }
 
     /// Answers a request.

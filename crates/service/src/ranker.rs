@@ -11,11 +11,10 @@ use coordinator::{
     Backend, BodySet, CourseRequest, RankedCourses, RequestLimits, RunError, WorkerPoolError,
     WorkerPoolReport,
 };
-use damage::{Curves, Policy};
+use damage::Criteria;
 use diagnostic::chain;
 use protocol::public::{Ask, ModelSet, Reason, WireAnswer};
 use runtime::clock;
-use std::sync::Arc;
 
 /// Ranks requests about the bodies of a deployment. It is reused between requests: what takes long
 /// to find about bodies is found once.
@@ -28,7 +27,7 @@ pub(crate) struct Ranker<'s> {
     extremes: Vec<Extremes>,
     /// Shells of each body.
     shells: Vec<Shells>,
-    rules: (Arc<Policy>, Arc<Curves>),
+    criteria: Criteria,
     depth: u32,
 }
 
@@ -54,13 +53,13 @@ impl<'s> Ranker<'s> {
     pub(crate) fn new(
         deployment: &'s Deployment,
         bodies: &'s [(Meta, BodyView<'s>)],
-        rules: (Arc<Policy>, Arc<Curves>),
+        criteria: Criteria,
         depth: u32,
     ) -> Self {
         let extremes = bodies.iter().map(|(_, body)| Extremes::of(body)).collect();
         let shells = bodies.iter().map(|(_, body)| Shells::of(body.corners)).collect();
         let model_set = model_set(deployment, bodies);
-        Self { deployment, bodies, model_set, extremes, shells, rules, depth }
+        Self { deployment, bodies, model_set, extremes, shells, criteria, depth }
     }
 
     /// Identity of the bodies.
@@ -88,7 +87,7 @@ impl<'s> Ranker<'s> {
             scenario: &checked.scenario,
             models: &checked.models,
             shells: &self.shells,
-            rules: self.rules.clone(),
+            criteria: self.criteria.clone(),
             history: false,
             explanation: false,
             scene: false,

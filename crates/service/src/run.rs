@@ -17,12 +17,11 @@ use body::{BodyView, Meta};
 use coordinator::{IdleHook, Options, RequestLimits, SearchOrder, WorkerPoolError};
 use core::cell::RefCell;
 use core::time::Duration;
-use damage::{Curves, Policy};
+use damage::Criteria;
 use diagnostic::chain;
 use protocol::public::{Ask, Condition, LatencyStage, Reason, WireAnswer, WireState};
 use runtime::{SealedMemory, clock, heap, process, realtime};
 use std::rc::Rc;
-use std::sync::Arc;
 use transport::{Address, Server};
 
 /// Longest sleep (ns), after which a client that cannot ring is noticed.
@@ -45,10 +44,8 @@ pub struct ServiceConfig<'s> {
     pub deployment: &'s Deployment,
     /// The number of the group whose members may be clients, too; `None`: of no group.
     pub group: Option<u32>,
-    /// The policy.
-    pub policy: &'s Policy,
-    /// The curves.
-    pub curves: &'s Curves,
+    /// What requests are judged by.
+    pub criteria: &'s Criteria,
     /// The bodies in the store, in the order of the deployment's models.
     pub bodies: &'s [(Meta, BodyView<'s>)],
     /// The store.
@@ -110,7 +107,7 @@ pub fn serve(
         ranker: Ranker::new(
             config.deployment,
             config.bodies,
-            (Arc::new(config.policy.clone()), Arc::new(config.curves.clone())),
+            config.criteria.clone(),
             config.depth,
         ),
         queue,

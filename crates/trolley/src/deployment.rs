@@ -5,12 +5,14 @@ use crate::references::{References, beside};
 use crate::scenario::check_models;
 use crate::{Failure, Scenario};
 use damage::injury::DEFAULT_CURVES;
+use damage::parameters::DEFAULT_PARAMETERS;
 use damage::policy::DEFAULT_POLICY;
-use damage::{Curves, Policy};
+use damage::{Criteria, Curves, Parameters, Policy};
 use protocol::public::Ask;
 use scenario::Source;
 use service::{Deployment, Model};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A deployment file that was read; its paths are relative to it.
 ///
@@ -112,13 +114,12 @@ impl OpenDeployment {
         Ok(self.path(written))
     }
 
-    /// Reads the policy and the curves: those of the deployment, else the built-in ones.
+    /// Reads policy, curves and parameters: those of the deployment, else the built-in ones.
     ///
     /// ```
     /// # let file = "../../config/deployments/minimal.toml";
     /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
-    /// let (policy, curves) = opened.rules()?;
-    /// assert_eq!(policy.name, "default");
+    /// assert_eq!(opened.criteria()?.policy.name, "default");
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
@@ -126,7 +127,7 @@ impl OpenDeployment {
     ///
     /// If a file cannot be read, leads out of the folder or is not valid, or the curves lack the
     /// policy's outcome.
-    pub fn rules(&self) -> Result<(Policy, Curves), Failure> {
+    pub fn criteria(&self) -> Result<Criteria, Failure> {
         let or_shipped = |path: &Option<PathBuf>, (key, kind), name: &str, shipped: &str| match path
         {
             None => Ok((name.to_owned(), shipped.to_owned())),
@@ -135,7 +136,7 @@ impl OpenDeployment {
                 Ok::<_, Failure>((path.display().to_string(), files::text(&path, kind)?))
             }
         };
-        let Deployment { policy, curves, .. } = &self.deployment;
+        let Deployment { policy, curves, parameters, .. } = &self.deployment;
         let (name, policy) = or_shipped(
             policy,
             ("policy", InputKind::Policy),
@@ -151,7 +152,15 @@ impl OpenDeployment {
         )?;
         let curves = Curves::parse(&name, &curves)?;
         curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
-        Ok((policy, curves))
+        let (name, parameters) = or_shipped(
+            parameters,
+            ("parameters", InputKind::Parameters),
+            "config/parameters/default.toml",
+            DEFAULT_PARAMETERS,
+        )?;
+        let parameters = Parameters::parse(&name, &parameters)?;
+        let (policy, curves) = (Arc::new(policy), Arc::new(curves));
+        Ok(Criteria { policy, curves, parameters: Arc::new(parameters) })
     }
 
     /// Makes the request that asks the service to rank a scenario, with the ids of the deployment's

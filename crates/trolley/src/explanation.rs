@@ -239,3 +239,38 @@ pub use damage::curve::Curve;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use damage::Parameters;
+
+/// What makes the plane of a contact.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// use trolley::explanation::PlaneOrigin;
+///
+/// for contact in explanation.chains.iter().flat_map(|chain| &chain.contacts) {
+///     let exchanges = contact.chain.origin == Some(PlaneOrigin::Chord);
+///     assert!(exchanges || contact.chain.response.delta_v_m_s[0] >= 0.0);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::plane::PlaneOrigin;
+
+/// How a party is met in height.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default().with_explanation();
+/// # let explanation = engine.rank(&scenario, &limits)?.explanation;
+/// # let Some(explanation) = explanation else { unreachable!() };
+/// use trolley::explanation::Ride;
+///
+/// let mut contacts = explanation.chains.iter().flat_map(|chain| &chain.contacts);
+/// let is_under = contacts.any(|contact| contact.chain.rides.contains(&Ride::Under));
+/// println!("underride: {is_under}");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::plane::Ride;

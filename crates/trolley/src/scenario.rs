@@ -22,8 +22,9 @@ use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::{Failure, FailureKind};
 use damage::injury::DEFAULT_CURVES;
+use damage::parameters::DEFAULT_PARAMETERS;
 use damage::policy::DEFAULT_POLICY;
-use damage::{Curves, Policy};
+use damage::{Criteria, Curves, Parameters, Policy};
 use scenario::{FileRef, ScenarioDraft, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -63,8 +64,9 @@ pub struct SourceText {
 ///     scenario: read("../../config/scenarios/small.toml")?,
 ///     policy: read("../../config/policies/precaution.toml")?,
 ///     curves: read("../../config/curves/default.toml")?,
+///     parameters: read("../../config/parameters/default.toml")?,
 /// };
-/// assert_eq!(Scenario::of_texts(texts, Vec::new())?.rules().0.name, "precaution");
+/// assert_eq!(Scenario::of_texts(texts, Vec::new())?.criteria().policy.name, "precaution");
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,6 +77,8 @@ pub struct Texts {
     pub policy: SourceText,
     /// Injury risk curves.
     pub curves: SourceText,
+    /// Parameters of contact and dynamics.
+    pub parameters: SourceText,
 }
 
 /// What to rank, and the policy and curves to rank it by: read and checked.
@@ -92,8 +96,7 @@ pub struct Scenario {
     /// The CSV files that paths name, each once, as the scenario names them.
     pub(crate) files: Vec<SourceText>,
     parsed: scenario::Scenario,
-    policy: Arc<Policy>,
-    curves: Arc<Curves>,
+    criteria: Criteria,
     pub(crate) unknown_is_fixed: bool,
     references: References,
 }
@@ -191,7 +194,7 @@ impl Scenario {
     /// let text = format!("policy = \"../policies/weighted.toml\"\n{small}");
     /// let name = "../../config/scenarios/weighted.toml";
     /// let scenario = Scenario::parse_with(name, &text, References::Anywhere)?;
-    /// assert_eq!(scenario.rules().0.name, "weighted");
+    /// assert_eq!(scenario.criteria().policy.name, "weighted");
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
@@ -214,17 +217,17 @@ impl Scenario {
             files.push(SourceText { name: reference.path.clone(), text });
         }
         let parsed = finish(name, draft, &files)?;
-        let named = [&parsed.policy, &parsed.curves];
-        let [policy, curves] = rule_texts(name, named, references)?;
+        let named = [&parsed.policy, &parsed.curves, &parsed.parameters];
+        let [policy, curves, parameters] = criteria_texts(name, named, references)?;
         let scenario = SourceText { name: name.to_owned(), text: text.to_owned() };
-        let texts = Texts { scenario, policy, curves };
+        let texts = Texts { scenario, policy, curves, parameters };
         let scenario = Self::of_parts(parsed, texts, files)?.with_references(references);
         scenario.check_references()?;
         Ok(scenario)
     }
 
-    /// Reads a scenario, a policy and curves from their texts, and the CSV files that paths name,
-    /// as the scenario names them; opens no file.
+    /// Reads a scenario, and what it is judged by, from their texts, and the CSV files that paths
+    /// name, as the scenario names them; opens no file.
     ///
     /// ```
     /// # let read = |path: &str| {
@@ -237,6 +240,7 @@ impl Scenario {
     ///     scenario: read("../../config/scenarios/small.toml")?,
     ///     policy: read("../../config/policies/weighted.toml")?,
     ///     curves: read("../../config/curves/default.toml")?,
+    ///     parameters: read("../../config/parameters/default.toml")?,
     /// }, Vec::new())?;
     /// # assert_eq!(scenario.parsed().candidates.len(), 4);
     /// # Ok::<(), trolley::Failure>(())
@@ -257,9 +261,9 @@ impl Scenario {
         texts: Texts,
         files: Vec<SourceText>,
     ) -> Result<Self, Failure> {
-        let (policy, curves) = rules(&texts.policy, &texts.curves)?;
+        let criteria = criteria(&texts)?;
         let references = References::Inside;
-        Ok(Self { texts, files, parsed, policy, curves, unknown_is_fixed: false, references })
+        Ok(Self { texts, files, parsed, criteria, unknown_is_fixed: false, references })
     }
 
     /// Sets which model files the scenario may name; otherwise those of its folder alone.
@@ -323,18 +327,18 @@ impl Scenario {
         &self.texts.scenario.name
     }
 
-    /// Returns the policy and the curves.
+    /// Returns the policy, the curves and the parameters.
     ///
     /// ```
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-    /// let (policy, curves) = scenario.rules();
-    /// assert_eq!(policy.name, "default");
-    /// assert!(curves.covers(policy.outcome).is_ok());
+    /// let criteria = scenario.criteria();
+    /// assert_eq!(criteria.policy.name, "default");
+    /// assert!(criteria.curves.covers(criteria.policy.outcome).is_ok());
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     #[must_use]
-    pub fn rules(&self) -> (Arc<Policy>, Arc<Curves>) {
-        (self.policy.clone(), self.curves.clone())
+    pub fn criteria(&self) -> &Criteria {
+        &self.criteria
     }
 
     /// Returns the path of a file that the scenario names.
@@ -386,21 +390,25 @@ fn unknown(party: &str, place: String) -> Failure {
     )
 }
 
-/// A policy and curves that cover it, from their texts.
-fn rules(policy: &SourceText, curves: &SourceText) -> Result<(Arc<Policy>, Arc<Curves>), Failure> {
+/// A policy, curves that cover it, and parameters, from their texts.
+fn criteria(texts: &Texts) -> Result<Criteria, Failure> {
+    let Texts { policy, curves, parameters, .. } = texts;
     let policy = Policy::parse(&policy.name, &policy.text)?;
     let curves = Curves::parse(&curves.name, &curves.text)?;
+    let parameters = Parameters::parse(&parameters.name, &parameters.text)?;
     let covered = curves.covers(policy.outcome);
     covered.map_err(|missing| Failure::input(missing.to_string()))?;
-    Ok((Arc::new(policy), Arc::new(curves)))
+    let (policy, curves) = (Arc::new(policy), Arc::new(curves));
+    Ok(Criteria { policy, curves, parameters: Arc::new(parameters) })
 }
 
-/// The texts of the policy and of the curves that a scenario names, or those of the program.
-fn rule_texts(
+/// The texts of the policy, the curves and the parameters that a scenario names, or those of the
+/// program.
+fn criteria_texts(
     scenario: &str,
-    [policy, curves]: [&Option<FileRef>; 2],
+    [policy, curves, parameters]: [&Option<FileRef>; 3],
     references: References,
-) -> Result<[SourceText; 2], Failure> {
+) -> Result<[SourceText; 3], Failure> {
     let text = |key: &str, reference: &Option<FileRef>, kind, shipped: (&str, &str)| {
         let Some(reference) = reference else {
             return Ok(SourceText { name: shipped.0.to_owned(), text: shipped.1.to_owned() });
@@ -412,7 +420,10 @@ fn rule_texts(
     let shipped = ("config/policies/default.toml", DEFAULT_POLICY);
     let policy = text("policy", policy, InputKind::Policy, shipped)?;
     let shipped = ("config/curves/default.toml", DEFAULT_CURVES);
-    Ok([policy, text("curves", curves, InputKind::Curves, shipped)?])
+    let curves = text("curves", curves, InputKind::Curves, shipped)?;
+    let shipped = ("config/parameters/default.toml", DEFAULT_PARAMETERS);
+    let parameters = text("parameters", parameters, InputKind::Parameters, shipped)?;
+    Ok([policy, curves, parameters])
 }
 
 /// Refuses model files of a scenario that it may not name.

@@ -96,7 +96,7 @@ pub fn serve(
     }
     let group = opened.group_id()?;
     let signer = options.signer.map(|signer| signer.with_deployment(&opened).of_decisions());
-    let (policy, curves) = opened.rules()?;
+    let criteria = opened.criteria()?;
     let bodies = Bodies::of_deployment(&opened)?;
     let views = bodies.views()?;
     let engine = &opened.deployment.engine;
@@ -116,8 +116,7 @@ pub fn serve(
     let config = ServiceConfig {
         deployment: &opened.deployment,
         group,
-        policy: &policy,
-        curves: &curves,
+        criteria: &criteria,
         bodies: &views,
         store: bodies.store(),
         options: (!options.in_process).then_some(&worker_pool),

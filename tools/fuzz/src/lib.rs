@@ -5,7 +5,7 @@
 //! and over mutated copies of it, as regression tests.
 
 use body::file::Aligned;
-use damage::{Curves, Policy};
+use damage::{Criteria, Policy};
 use mesh::import::{Format, ImportOptions, LengthUnit};
 use protocol::public::{Ask, WireAnswer};
 use protocol::{Boot, Head, Incarnation, Launch, chunk, job, result};
@@ -130,8 +130,7 @@ fn wire(bytes: &[u8]) {
 struct House {
     deployment: service::Deployment,
     store: Aligned,
-    policy: Policy,
-    curves: Curves,
+    criteria: Criteria,
 }
 
 static HOUSE: OnceLock<House> = OnceLock::new();
@@ -146,12 +145,13 @@ impl House {
         let mut store = vec![0; body::store::length(&files)];
         body::store::fill(&mut store, &files);
         let policy = include_str!("../config/policies/default.toml");
-        let curves = include_str!("../config/curves/default.toml");
         Self {
             deployment: service::Deployment::parse("house", text).expect("it is sound"),
             store: Aligned::copy_of(&store),
-            policy: Policy::parse("policy", policy).expect("it is shipped"),
-            curves: Curves::parse("curves", curves).expect("they are shipped"),
+            criteria: Criteria::with_policy(
+                Policy::parse("policy", policy).expect("it is shipped"),
+            )
+            .expect("they are shipped"),
         }
     }
 }
@@ -169,8 +169,8 @@ fn answered(bytes: &[u8]) -> (Box<Ask>, WireAnswer) {
     room[..length].copy_from_slice(&bytes[..length]);
     let house = HOUSE.get_or_init(House::new);
     let bodies = body::store::open(house.store.bytes()).expect("it was made here");
-    let rules = (house.policy.clone(), house.curves.clone());
-    let answer = service::InProcess::new(&house.deployment, &bodies, rules, 2).answer(&asked);
+    let criteria = house.criteria.clone();
+    let answer = service::InProcess::new(&house.deployment, &bodies, criteria, 2).answer(&asked);
     (asked, answer)
 }
 

@@ -63,6 +63,7 @@ fn words(
         format!("scenario  {} ({})", record.scenario.name, record.scenario.hash),
         format!("policy    {} ({})", record.policy.name, record.policy.hash),
         format!("curves    {} ({})", record.curves.name, record.curves.hash),
+        format!("parameters {} ({})", record.parameters.name, record.parameters.hash),
     ];
     lines
         .extend(record.files.iter().map(|file| format!("path      {} ({})", file.name, file.hash)));

@@ -7,13 +7,12 @@ use super::{Course, Stuck, encounter};
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
 use crate::explain::ContactChain;
-use crate::request::{Candidate, Request, RequestError, StatedParty, approach, party};
+use crate::request::{Candidate, Motions, Request, RequestError, StatedParty, approach, party};
 use crate::work::SurveyRun;
 use bvh::Witness;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, RunOut, Severity};
-use damage::path::Path;
-use damage::{CandidateHarm, Meeting};
+use damage::{CandidateHarm, Footprint, Front, Plane};
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
 
@@ -41,15 +40,26 @@ pub(super) struct AssessedContact {
     pub(super) scene: Option<Box<ContactScene>>,
 }
 
-/// Velocities of the centres of mass of both bodies just before a time (s), in the world (m/s).
-fn velocities(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &NextContact) -> [DVec3; 2] {
+/// How both bodies move just before a contact.
+fn motions(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &NextContact) -> Motions {
     let ways = course.way.ways(meeting.party);
     let parties = [scenery.scenario.ego.0, meeting.party];
-    [0, 1].map(|side: usize| {
+    let time_s = meeting.touching.time_s;
+    let motion = |side: usize, point_m: [f64; 3]| {
         let path: &MotionPath = ways.paths[side];
-        let centre_m = scenery.body(parties[side]).0.centre_m;
-        path.velocity_before(meeting.touching.time_s, centre_m).0
-    })
+        path.velocity_before(time_s, point_m)
+    };
+    let of_centres = [0, 1].map(|side: usize| motion(side, scenery.body(parties[side]).0.centre_m));
+    let pose_a = ways.paths[0].pose_at(time_s);
+    let pose_b = RelativePose::between(&pose_a, &ways.paths[1].pose_at(time_s));
+    let point = meeting.touching.point;
+    let point_b = pose_b.direction_to_b(point - DVec3::from_array(pose_b.translation));
+    let [(on_a, _), (on_b, _)] = [motion(0, point.to_array()), motion(1, point_b.to_array())];
+    Motions {
+        velocities_m_s: of_centres.map(|(velocity, _)| velocity),
+        rates_rad_s: of_centres.map(|(_, rate)| rate),
+        at_contact_m_s: on_a - on_b,
+    }
 }
 
 /// A contact as a candidate of a request: its first contact is known.
@@ -79,13 +89,19 @@ pub(super) fn contact(
     let (a, b) = (side(ego, None), side(other, Some(&pose)));
     let models = [ego, other].map(|number| scenery.models[number]);
     let supports = (|d: DVec3| support_of(models[0], d), |d: DVec3| support_of(models[1], d));
-    let approach =
-        approach(supports, (&pose_a, &pose), velocities(scenery, course, meeting), (&a, &b));
-    let path = Path::from_contact(&approach)
-        .map_err(|source| RequestError::Approach { name: name.to_string(), source })?;
+    let motions = motions(scenery, course, meeting);
+    let approach = approach(supports, (&pose_a, &pose), &motions, (&a, &b));
+    let refused = |source| RequestError::Approach { name: name.to_string(), source };
+    approach.check().map_err(refused)?;
     let stands = approach.closing_m_s < STANDSTILL_M_S;
     let is_start = meeting.begin == Begin::AtStart && meeting.touching.time_s <= 0.0;
-    let hulls = if is_start && stands { Meeting::AlreadyOverlapping } else { Meeting::Path(path) };
+    let outlines = [ego, other].map(|number| &scenery.body(number).0.outlines);
+    let plane = (!(is_start && stands)).then(|| {
+        let of_a = Footprint::of(outlines[0], None, &approach);
+        let of_b = Footprint::of(outlines[1], Some(&pose), &approach);
+        let fronts = [Front::of(&a), Front::of(&b)];
+        Plane::of(&approach, [&of_a, &of_b], fronts, meeting.touching.point)
+    });
     let touching = &meeting.touching;
     let witness = Witness {
         travel_m: 0.0,
@@ -104,7 +120,7 @@ pub(super) fn contact(
         model_b: models[1] as u32,
         pose,
         approach,
-        meeting: hulls,
+        plane,
         a,
         b,
         probability: 1.0,

@@ -8,7 +8,7 @@ use super::{AssessedContact, Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
 use damage::{
-    AnswerState, Contact, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
+    AnswerState, ContactPatch, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
     RankedCandidates, Unevaluable,
 };
 use serde::Serialize;
@@ -119,13 +119,13 @@ pub struct ContactRow {
     pub sides: String,
     /// Whether the party is fixed to the ground.
     pub is_other_fixed: bool,
-    /// What the contact is like.
-    pub contact: Contact,
-    /// Number of triangles hit from first contact to e: of the ego, of the party.
+    /// What the contact is like; `None` if there are no figures.
+    pub contact: Option<ContactPatch>,
+    /// Number of triangles hit at any depth: of the ego, of the party.
     pub hits: [u64; 2],
     /// Hashes of the sets of hit triangles.
     pub hashes: [String; 2],
-    /// Names of the parts hit from first contact to e: of the ego, of the party.
+    /// Names of the parts hit at any depth: of the ego, of the party.
     pub parts: [Vec<String>; 2],
     /// Closing speed (m/s).
     pub closing_m_s: f64,
@@ -139,8 +139,6 @@ pub struct ContactRow {
     pub persons: Vec<PersonRow>,
     /// Why there are no figures, if there are none.
     pub unevaluable: Option<Unevaluable>,
-    /// Whether the limit on poses made the survey coarse.
-    pub coarse_path: bool,
     /// Poses from first contact on.
     pub poses: Vec<PoseRow>,
 }
@@ -435,7 +433,6 @@ fn contact_row(scenery: &Scenery<'_>, contact: &AssessedContact) -> ContactRow {
         energy_j: harm.energy_j,
         persons: contact.persons.clone(),
         unevaluable: harm.unevaluable,
-        coarse_path: harm.coarse_path,
         poses: contact.poses.clone(),
     }
 }

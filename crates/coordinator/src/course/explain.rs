@@ -12,7 +12,7 @@ use crate::request::Person;
 use damage::course::{HEAVY_M_S, RUN_OUT_M_S2, Severity};
 use damage::curve::Curve;
 use damage::{
-    CandidateHarm, CourseHarm, Curves, Interval, Parameters, PersonId, Policy, Range, RankError,
+    CandidateHarm, CourseHarm, Criteria, Interval, Parameters, PersonId, Range, RankError,
     RankedCandidates, Stability,
 };
 use scenario::Scenario;
@@ -104,10 +104,11 @@ impl Explanation {
     pub(super) fn new(
         scenario: &Scenario,
         people: &People,
-        (policy, curves, parameters): (&Policy, &Curves, Parameters),
+        criteria: &Criteria,
         (courses, harms): (&[Course<'_>], &[CourseHarm]),
         ranking: &RankedCandidates,
     ) -> Result<Self, RankError> {
+        let Criteria { policy, curves, parameters } = criteria;
         let persons = people.list.len();
         let steps: Vec<String> = policy.steps(persons).iter().map(ToString::to_string).collect();
         let name = |number: usize| scenario.candidates[number].name.as_str();
@@ -149,7 +150,7 @@ impl Explanation {
             board: policy.board.clone(),
             outcome: policy.outcome.name(),
             persons,
-            parameters,
+            parameters: (**parameters).clone(),
             heavy_from_m_s: HEAVY_M_S,
             run_out_m_s2: RUN_OUT_M_S2,
             curves,

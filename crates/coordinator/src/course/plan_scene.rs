@@ -100,14 +100,14 @@ pub struct ContactScene {
     pub models: [usize; 2],
     /// The other seen from the ego.
     pub pose: RelativePose,
-    /// Triangles hit from first contact to e, as the bodies store them: of the ego, of the other.
+    /// Triangles hit at any depth, as the bodies store them: of the ego, of the other.
     pub hits: [Vec<u32>; 2],
 }
 
 impl ContactScene {
     /// What a picture of a contact shows, as far as its survey is done.
     pub(super) fn of(candidate: &Candidate, state: &CandidateState) -> Self {
-        let last = state.stops.iter().rfind(|(stop, _)| stop.patch);
+        let last = state.stops.last();
         let travel_m = last.map_or(0.0, |(stop, _)| stop.travel_m);
         let u = candidate.approach.directions.d[0];
         Self {

@@ -17,7 +17,7 @@ use crate::workspace::{BodySet, RunError};
 use bvh::support::support;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::PASSED_M;
-use damage::{CandidateHarm, CourseHarm, Meeting, Parameters};
+use damage::{CandidateHarm, CourseHarm};
 use geometry::DVec3;
 use runtime::clock;
 
@@ -27,7 +27,6 @@ pub(super) struct Rounds<'r> {
     request: &'r CourseRequest<'r>,
     pub(super) scenery: Scenery<'r>,
     pub(super) people: People,
-    pub(super) parameters: Parameters,
     pub(super) courses: Vec<Course<'r>>,
     pub(super) search: EncounterSearch,
     pub(super) effort: CourseEffort,
@@ -57,7 +56,7 @@ impl<'r> Rounds<'r> {
         request: &'r CourseRequest<'r>,
         until: Until,
     ) -> Self {
-        let CourseRequest { scenario, models, shells, rules, .. } = request;
+        let CourseRequest { scenario, models, shells, criteria, .. } = request;
         let scenery = Scenery { scenario, bodies: stage.bodies, models, shells };
         let people = People::of(scenario, &|party| scenery.body(party));
         let begin = |candidate| Course::new(Way::new(scenery, candidate));
@@ -65,9 +64,8 @@ impl<'r> Rounds<'r> {
             stage,
             request,
             scenery,
-            stop: Stop::new(until, &rules.0, people.stakes()),
+            stop: Stop::new(until, &criteria.policy, people.stakes()),
             people,
-            parameters: Parameters::default(),
             courses: scenario.candidates.iter().map(begin).collect(),
             search: EncounterSearch::default(),
             effort: CourseEffort::default(),
@@ -95,9 +93,8 @@ impl<'r> Rounds<'r> {
             }
         }
         self.effort.search_ns += clock::now_ns() - begun_ns;
-        let (policy, curves) = self.request.rules.clone();
-        let (persons, parameters) = (self.people.list.clone(), self.parameters);
-        let contacts = Request { candidates: contacts, persons, policy, curves, parameters };
+        let (persons, criteria) = (self.people.list.clone(), self.request.criteria.clone());
+        let contacts = Request { candidates: contacts, persons, criteria };
         Ok(Round { meetings, contacts })
     }
 
@@ -120,12 +117,12 @@ impl<'r> Rounds<'r> {
             let contact = contact(&self.scenery, &self.people, course, k, &meeting, &support_of)?;
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
-            let parts = contact.meeting != Meeting::AlreadyOverlapping
-                && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
+            let parts =
+                contact.plane.is_some() && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
             match meeting.begin {
                 Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
                 // It was assessed before, and stays as light as it was.
-                Begin::Again if !contact.may_be_heavy(&self.parameters) => {
+                Begin::Again if !contact.may_be_heavy(&self.request.criteria.parameters) => {
                     course.way.pass(&meeting, closing_m_s, extent_m);
                 }
                 Begin::AtStart | Begin::Again | Begin::Touched => {

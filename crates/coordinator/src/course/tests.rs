@@ -10,7 +10,7 @@ use crate::request::Request;
 use crate::work::SurveyRun;
 use body::{Body, BodyView, Meta, Shape};
 use bvh::support::support;
-use damage::{AnswerState, Parameters};
+use damage::{AnswerState, Criteria, Policy};
 use geometry::DVec3;
 use geometry::rng::Rng;
 
@@ -34,14 +34,14 @@ pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits)
         bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
     let models: Vec<usize> = (0..views.len()).collect();
     let stage = BodySet { bodies: &views, extremes: None, depth: 3 };
-    let policy = Arc::new(Policy::shipped().expect("sound"));
-    let curves = Arc::new(Curves::shipped().expect("sound"));
+    let policy = Policy::shipped().expect("sound");
+    let criteria = Criteria::with_policy(policy).expect("sound");
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let request = CourseRequest {
         scenario: &scenario,
         models: &models,
         shells: &shells,
-        rules: (policy, curves),
+        criteria,
         history: true,
         explanation: true,
         scene: true,
@@ -379,9 +379,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let request = Request {
             candidates: vec![candidate.expect("it closes")],
             persons: people.list.clone(),
-            policy: Arc::new(Policy::shipped().expect("sound")),
-            curves: Arc::new(Curves::shipped().expect("sound")),
-            parameters: Parameters::default(),
+            criteria: Criteria::with_policy(Policy::shipped().expect("sound")).expect("sound"),
         };
         let work = SurveyRun::new(&request, &views, 3);
         let (mut harms, _) = work.judge().expect("it can be assessed");

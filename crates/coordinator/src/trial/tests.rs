@@ -42,7 +42,7 @@ fn final_values_lie_in_every_earlier_interval() {
 
 #[test]
 fn unsound_bounds_are_caught() {
-    for flaw in [BoundFlaw::ForgetsOpenPoses, BoundFlaw::HalvesWidths] {
+    for flaw in [BoundFlaw::ForgetsOpenPoses, BoundFlaw::TakesMiddles] {
         let verdict = campaign(1, Some(flaw));
         assert!(!verdict.violations.is_empty(), "{flaw:?} went unnoticed");
     }

@@ -1,9 +1,8 @@
 //! Which task the next jobs come from.
 
 use super::SurveyRun;
-use crate::candidate_state::CandidateState;
 use crate::strategy::Prospect;
-use damage::{Interval, needs_high};
+use damage::Interval;
 
 impl SurveyRun<'_> {
     /// The task whose jobs go out next; `None` if all jobs are out.
@@ -53,30 +52,15 @@ impl SurveyRun<'_> {
         };
         prospects.clear();
         prospects.extend((0..self.candidate_states.len()).map(prospect));
-        let all_rank = !self.strategy.is_eager() || needs_high(&self.request.policy);
         for task in &self.waiting {
-            let state = &self.tasks[*task as usize];
-            let ranks = self.candidate_states[state.candidate].is_patch(state.stop);
-            prospects[state.candidate].has_work |= ranks || all_rank;
+            prospects[self.tasks[*task as usize].candidate].has_work = true;
         }
     }
 
-    /// Lower goes first: the deepest pose of the patch, then what only zones and depth need.
-    fn eagerness(&self, task: u32) -> (u32, i64) {
+    /// Lower goes first: what is begun, then the deepest, where most zones are hit.
+    fn eagerness(&self, task: u32) -> (bool, i64) {
         let state = &self.tasks[task as usize];
-        let candidate = &self.candidate_states[state.candidate];
         let micrometres = |metres: f64| (metres * 1e6) as i64;
-        if candidate.is_patch(state.stop) {
-            (u32::from(!state.is_descended), -micrometres(state.travel_m))
-        } else {
-            (2, micrometres(state.travel_m))
-        }
-    }
-}
-
-impl CandidateState {
-    /// Whether a stop of the survey forms the patch.
-    fn is_patch(&self, number: usize) -> bool {
-        self.stops.get(number).is_some_and(|(stop, _)| stop.patch)
+        (!state.is_descended, -micrometres(state.travel_m))
     }
 }

@@ -1,7 +1,7 @@
 //! Judges what is known so far: harm of every candidate, their order, the answer.
 
 use super::SurveyRun;
-use crate::request::{Request, RequestError};
+use crate::request::RequestError;
 use damage::{Basis, CandidateHarm, Evidence, assess};
 #[cfg(test)]
 use damage::{RankedCandidates, rank};
@@ -26,7 +26,7 @@ impl<'w> SurveyRun<'w> {
         change: impl Fn(&mut CandidateHarm),
     ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
         let harms = self.harms_by(evidence, change)?;
-        let ranking = rank(&self.request.policy, self.outlook.stakes(), &harms)?;
+        let ranking = rank(&self.request.criteria.policy, self.outlook.stakes(), &harms)?;
         Ok((harms, ranking))
     }
 
@@ -51,7 +51,7 @@ impl<'w> SurveyRun<'w> {
 
     /// The curves, severity level and parameters that harm is computed with.
     pub(crate) fn basis(&self) -> Basis<'w> {
-        let Request { curves, policy, parameters, .. } = self.request;
+        let damage::Criteria { curves, policy, parameters } = &self.request.criteria;
         Basis { curves, level: policy.outcome, parameters }
     }
 }

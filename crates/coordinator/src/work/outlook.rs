@@ -106,7 +106,7 @@ impl SurveyRun<'_> {
         }
         let request = self.request;
         let basis = self.basis();
-        let high = needs_high(&request.policy);
+        let high = needs_high(&request.criteria.policy);
         for (k, candidate) in request.candidates.iter().enumerate() {
             if !self.outlook.news[k].1 {
                 continue;
@@ -122,7 +122,7 @@ impl SurveyRun<'_> {
         let OutlookScratch { scratch, standing: spare, .. } = &mut outlook.scratch;
         let standing = outlook.standing.as_mut().unwrap_or(spare);
         let (stakes, bounds) = (&outlook.stakes, &outlook.bounds);
-        if standing_in(scratch, &request.policy, stakes, bounds, standing).is_err() {
+        if standing_in(scratch, &request.criteria.policy, stakes, bounds, standing).is_err() {
             outlook.is_lost = true;
             return;
         }

@@ -4,12 +4,12 @@ use super::Encounter;
 use crate::approach::{Approach, UP};
 use crate::contact::ContactPatch;
 use crate::crush::Crush;
-use crate::dynamics::{Impact, ImpactBody, Response, Surface, of_turning};
+use crate::dynamics::{Impact, ImpactBody, Response, Surface};
 use crate::harm::{CandidateHarm, DeltaV};
 use crate::interval::{Interval, Range};
 use crate::parameters::{Parameters, Pick, factor};
 use crate::party::{CollisionParty, Struck};
-use crate::plane::{LongFace, Origin, Plane};
+use crate::plane::{LongFace, Plane, PlaneOrigin};
 use geometry::DVec3;
 
 /// Which values of the parameters, for one of the two parties.
@@ -64,9 +64,7 @@ impl<'a> Crash<'a> {
         parameters: &'a Parameters,
     ) -> Self {
         let Encounter { approach, a, b, .. } = *encounter;
-        let up = approach.directions.d[UP];
-        let [of_a, of_b] = [0, 1].map(|p| of_turning(approach.yaw_rad_s[p], plane.arms_m[p], up));
-        let velocity_m_s = approach.velocity_m_s + of_a - of_b;
+        let velocity_m_s = plane.velocity_m_s(approach);
         let nominal = Response::default();
         let crash = Self { approach, plane, parties: [a, b], parameters, velocity_m_s, nominal };
         Self { nominal: crash.respond(Picks::nominal(0)), ..crash }
@@ -125,7 +123,7 @@ impl<'a> Crash<'a> {
 
     /// The impact; `None` where no impulse is exchanged.
     fn impact(&self, picks: Picks) -> Option<Impact> {
-        if matches!(self.plane.origin, Origin::Graze | Origin::WeakPart) {
+        if matches!(self.plane.origin, PlaneOrigin::Graze | PlaneOrigin::WeakPart) {
             return None;
         }
         let axes = self.axes(picks.normal);
@@ -160,15 +158,17 @@ impl<'a> Crash<'a> {
     /// is struck by a weak part feels all of the speed there.
     pub(super) fn normal_m_s(&self, normal: Pick) -> f64 {
         match self.plane.origin {
-            Origin::Graze => 0.0,
-            Origin::WeakPart => self.contact_m_s(),
-            Origin::Chord | Origin::Motion => self.velocity_m_s.dot(self.axes(normal)[0]).max(0.0),
+            PlaneOrigin::Graze => 0.0,
+            PlaneOrigin::WeakPart => self.contact_m_s(),
+            PlaneOrigin::Chord | PlaneOrigin::Motion => {
+                self.velocity_m_s.dot(self.axes(normal)[0]).max(0.0)
+            }
         }
     }
 
     /// The speed at the point of contact (m/s).
     pub(super) fn contact_m_s(&self) -> f64 {
-        if self.plane.origin == Origin::Graze { 0.0 } else { self.velocity_m_s.length() }
+        if self.plane.origin == PlaneOrigin::Graze { 0.0 } else { self.velocity_m_s.length() }
     }
 
     /// ΔV of a party (m/s) with friction, gyration and normal sampled: the least and the greatest.
@@ -200,7 +200,7 @@ impl<'a> Crash<'a> {
         harm.energy_j = Interval::exactly(response.energy_j);
         let [n, left] = self.axes(Pick::Nominal);
         harm.normal_m_s = self.normal_m_s(Pick::Nominal) + 0.0;
-        harm.tangential_m_s = self.velocity_m_s.dot(left).abs();
+        harm.tangential_m_s = self.velocity_m_s.dot(left) + 0.0;
         harm.response = response;
         harm.arms_m = self.plane.arms_m.map(|arm| [arm.dot(n) + 0.0, arm.dot(left) + 0.0]);
         harm.surface = match self.surface(Picks::nominal(0)) {

@@ -7,7 +7,7 @@ use crate::injury::{Speeds, Victim};
 use crate::contact::ContactPatch;
 use crate::harm::PersonHarm;
 use crate::path::survey;
-use crate::plane::Origin;
+use crate::plane::PlaneOrigin;
 use crate::scene::{Prism, Scene, Touching, car, fixed, head_on, walker};
 use body::{BodyKind, Seat, Zones};
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn harm(scene: &Scene) -> CandidateHarm {
 fn a_central_frontal_crash() {
     let harm = harm(&head_on(0.0));
     let patch = harm.contact.as_ref().expect("contact");
-    assert!(patch.origin == Origin::Chord && patch.normal_degrees.abs() < 1e-9, "{patch:?}");
+    assert!(patch.origin == PlaneOrigin::Chord && patch.normal_degrees.abs() < 1e-9, "{patch:?}");
     let ego = &harm.persons[0];
     assert_eq!((ego.victim, &*ego.curve), (Victim::OccupantFront, "wang-frontal"));
     near(ego.x_m_s.hi(), 13.2);
@@ -51,7 +51,7 @@ fn what_grazes_exchanges_nothing() {
     scene.party_b = car(1, 1800.0, [4.6, 1.75], 180.0);
     let touching = scene.touching();
     if let Some(touching) = touching {
-        assert_eq!(touching.plane.origin, Origin::Graze);
+        assert_eq!(touching.plane.origin, PlaneOrigin::Graze);
         let harm = touching.harm_by(&touching.evidence()).expect("sound");
         assert!(harm.persons.iter().all(|person| person.work == Interval::ZERO));
     }

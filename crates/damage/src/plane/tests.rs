@@ -105,9 +105,9 @@ fn heights_say_who_goes_under_and_over() {
         let touching = scene.touching().expect("they meet");
         (touching.plane.rides[0], touching.plane.origin)
     };
-    assert_eq!(ride([0.0, 1.5]), (Ride::Level, Origin::Chord));
-    assert_eq!(ride([0.9, 3.0]), (Ride::Under, Origin::Chord));
-    assert_eq!(ride([0.0, 0.25]), (Ride::Over, Origin::Chord));
+    assert_eq!(ride([0.0, 1.5]), (Ride::Level, PlaneOrigin::Chord));
+    assert_eq!(ride([0.9, 3.0]), (Ride::Under, PlaneOrigin::Chord));
+    assert_eq!(ride([0.0, 0.25]), (Ride::Over, PlaneOrigin::Chord));
 }
 
 /// Only a mirror is hit: nothing is exchanged.
@@ -120,11 +120,11 @@ fn what_only_hits_a_mirror_breaks_it_off() {
     let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
     let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
     let at = |y: f64| Plane::of(&approach, [&a, &b], fronts, DVec3::new(0.6, y, 0.9)).origin;
-    assert_eq!(at(1.0), Origin::WeakPart);
-    assert_eq!(at(0.91), Origin::WeakPart.max_if_near(&b, &approach));
+    assert_eq!(at(1.0), PlaneOrigin::WeakPart);
+    assert_eq!(at(0.91), PlaneOrigin::WeakPart.max_if_near(&b, &approach));
 }
 
-impl Origin {
+impl PlaneOrigin {
     /// A point that lies on A's outline, but not on B's: B is a pole and has no weak parts.
     fn max_if_near(self, b: &Footprint, approach: &Approach) -> Self {
         let axes = Axes::of(approach);

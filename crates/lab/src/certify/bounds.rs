@@ -4,12 +4,10 @@ use super::requests::{self, POLICIES, Pool};
 use crate::progress::{Progress, SyncProgress};
 use body::{Shape, Shells};
 use coordinator::{BodySet, CourseFlaw, CourseRequest, TrialResult, random_courses, trial_courses};
-use damage::Curves;
 use geometry::rng::Rng;
 use scenario::{Scenario, Source};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::sync::Arc;
 use trolley::Failure;
 
 /// Bodies of the scenes: small, so that there are many.
@@ -65,7 +63,6 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
     let views = pool.bodies.views()?;
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let stage = BodySet { bodies: &views, extremes: None, depth: options.depth };
-    let curves = Arc::new(Curves::shipped().map_err(Failure::from)?);
     let bar = Progress::new(options.stops, told);
     let mut all = TrialResult::default();
     let (mut scenes, mut first, mut seed) = (0_u64, None, options.seed);
@@ -86,7 +83,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
             scenario: &scenario,
             models: &models,
             shells: &shells,
-            rules: (Arc::new(requests::policy(scenes as usize)?), curves.clone()),
+            criteria: requests::criteria(scenes as usize)?,
             history: false,
             explanation: false,
             scene: false,

@@ -89,7 +89,7 @@ pub fn deadline(
     let asked: Vec<CourseRequest<'_>> = asked
         .iter()
         .enumerate()
-        .map(|(number, scene)| Ok(scene.request(&shells, requests::rules(number)?)))
+        .map(|(number, scene)| Ok(scene.request(&shells, requests::criteria(number)?)))
         .collect::<Result<_, Failure>>()?;
     let winners: Result<Vec<Option<String>>, Failure> =
         asked.iter().map(|request| winner(request, &stage)).collect();

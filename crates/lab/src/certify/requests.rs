@@ -3,11 +3,10 @@
 use crate::pair;
 use body::{BodyKind, BodyView, Meta, Shells};
 use coordinator::CourseRequest;
-use damage::{Curves, Policy};
+use damage::{Criteria, Policy};
 use geometry::rng::Rng;
 use scenario::Scenario;
 use std::fmt::Write as _;
-use std::sync::Arc;
 use trolley::Failure;
 use trolley::bodies::Bodies;
 
@@ -66,11 +65,10 @@ pub(super) fn policy(number: usize) -> Result<Policy, Failure> {
         .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))
 }
 
-/// Curves and a built-in policy.
-pub(super) fn rules(number: usize) -> Result<(Arc<Policy>, Arc<Curves>), Failure> {
-    let curves = Curves::shipped()
-        .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
-    Ok((Arc::new(policy(number)?), Arc::new(curves)))
+/// A built-in policy with the shipped curves and parameters.
+pub(super) fn criteria(number: usize) -> Result<Criteria, Failure> {
+    Criteria::with_policy(policy(number)?)
+        .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))
 }
 
 /// A random scene among bodies of a pool: each party is one of them.
@@ -92,13 +90,13 @@ impl Scene {
     pub(super) fn request<'r>(
         &'r self,
         shells: &'r [Shells],
-        rules: (Arc<Policy>, Arc<Curves>),
+        criteria: Criteria,
     ) -> CourseRequest<'r> {
         CourseRequest {
             scenario: &self.scenario,
             models: &self.models,
             shells,
-            rules,
+            criteria,
             history: false,
             explanation: false,
             scene: false,

@@ -82,7 +82,7 @@ fn run(
     until: Until,
     backend: &mut Backend,
 ) -> Result<Ran, Failure> {
-    let request = scene.request(shells, requests::rules(number)?);
+    let request = scene.request(shells, requests::criteria(number)?);
     let limits = RequestLimits { until, ..RequestLimits::default() };
     let begun_ns = clock::now_ns();
     let ranked = rank_courses(stage, &request, limits, backend)?;

@@ -47,10 +47,10 @@ struct WrittenMotion {
 impl Checker<'_> {
     fn draft(&self, raw: raw::Scenario) -> Result<ScenarioDraft, Fault> {
         let root = Path::default();
-        let Head { policy, curves, deadline, engine } = Head::new(
+        let Head { policy, curves, parameters, deadline, engine } = Head::new(
             self.document,
             &raw.name,
-            [raw.policy, raw.curves],
+            [raw.policy, raw.curves, raw.parameters],
             raw.deadline_ms,
             &raw.engine.0,
         )?;
@@ -63,6 +63,7 @@ impl Checker<'_> {
             name: raw.name,
             policy,
             curves,
+            parameters,
             deadline,
             engine,
             ego,

@@ -125,12 +125,12 @@ impl Engine {
         let views = loaded.bodies.views()?;
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
-        let (shells, rules) = (&loaded.shells[..], scenario.rules());
+        let (shells, criteria) = (&loaded.shells[..], scenario.criteria().clone());
         let request = CourseRequest {
             scenario: parsed,
             models: &models,
             shells,
-            rules,
+            criteria,
             history: limits.wants_job_history(),
             explanation: limits.wants_explanation(),
             scene: drawn.is_some(),

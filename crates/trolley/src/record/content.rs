@@ -34,6 +34,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
         scenario: text(&texts.scenario),
         policy: text(&texts.policy),
         curves: text(&texts.curves),
+        parameters: text(&texts.parameters),
         files: files.iter().map(text).collect(),
         settings: Settings {
             mode: run.mode,

@@ -124,7 +124,7 @@ impl Record {
             scenario: parsed,
             models: &numbers,
             shells: &shells,
-            rules: scenario.rules(),
+            criteria: scenario.criteria().clone(),
             history: false,
             explanation: true,
             scene: true,
@@ -142,11 +142,12 @@ impl Record {
 
     /// The texts but for the paths.
     fn texts(&self) -> Texts {
-        let RecordContent { scenario, policy, curves, .. } = &self.content;
+        let RecordContent { scenario, policy, curves, parameters, .. } = &self.content;
         Texts {
             scenario: source_text(scenario),
             policy: source_text(policy),
             curves: source_text(curves),
+            parameters: source_text(parameters),
         }
     }
 
@@ -239,14 +240,15 @@ impl Record {
             ))
             .with_remedy("name the file that was ranked, or replay without --scenario"))
         };
-        let three = [
+        let four = [
             ("the scenario", &texts.scenario, &content.scenario),
             ("the policy", &texts.policy, &content.policy),
             ("the set of curves", &texts.curves, &content.curves),
+            ("the set of parameters", &texts.parameters, &content.parameters),
         ];
         // The same text names the same files, in the same order.
         let paths = files.iter().zip(&content.files).map(|(now, then)| ("the path", now, then));
-        for (what, now, then) in three.into_iter().chain(paths) {
+        for (what, now, then) in four.into_iter().chain(paths) {
             let hash = record::hash_of_text(&now.text);
             if hash != then.hash {
                 return other(what, &now.name, &hash, &then.hash);
@@ -273,13 +275,14 @@ impl Record {
     /// Whether the texts are those whose hashes are recorded beside them.
     fn check_texts(&self, file: &Path) -> Result<(), Failure> {
         let content = &self.content;
-        let three = [
+        let four = [
             ("scenario", &content.scenario),
             ("policy", &content.policy),
             ("set of curves", &content.curves),
+            ("set of parameters", &content.parameters),
         ];
         let paths = content.files.iter().map(|text| ("path", text));
-        for (what, text) in three.into_iter().chain(paths) {
+        for (what, text) in four.into_iter().chain(paths) {
             let is = record::hash_of_text(&text.text);
             if is != text.hash {
                 let was = &text.hash;

@@ -4,9 +4,8 @@
 use super::*;
 use crate::fixtures::body;
 use body::{Body, BodyView, Meta, Shape, Shells};
-use damage::{Curves, Policy};
+use damage::{Criteria, Policy};
 use scenario::{Scenario, Source};
-use std::sync::Arc;
 
 const SHAPES: [Shape; 7] = [
     Shape::Sedan,
@@ -24,8 +23,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
         bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let stage = BodySet { bodies: &views, extremes: None, depth: 3 };
-    let policy = Arc::new(Policy::shipped().expect("sound"));
-    let curves = Arc::new(Curves::shipped().expect("sound"));
+    let criteria = Criteria::with_policy(Policy::shipped().expect("sound")).expect("sound");
     let mut all = TrialResult::default();
     for seed in 0..scenes {
         let text = random_courses(&mut Rng::new(seed));
@@ -41,7 +39,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
             scenario: &scenario,
             models: &models,
             shells: &shells,
-            rules: (policy.clone(), curves.clone()),
+            criteria: criteria.clone(),
             history: false,
             explanation: false,
             scene: false,
