@@ -90,6 +90,10 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::lab::certify::Verb,
     },
+    /// Hold changes of velocity against crash tests, and answers against orderings.
+    #[cfg(feature = "lab")]
+    #[command(after_help = crate::lab::validate::EXAMPLES)]
+    Validate(crate::lab::validate::ValidateArgs),
     /// Measure what each step of the work costs on this machine (JSON, nanoseconds).
     #[cfg(feature = "lab")]
     Calibrate(crate::lab::calibrate::CalibrateArgs),

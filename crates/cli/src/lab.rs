@@ -6,3 +6,4 @@ pub(crate) mod inject;
 pub(crate) mod measure;
 pub(crate) mod shown;
 pub(crate) mod simulate;
+pub(crate) mod validate;

@@ -66,6 +66,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         #[cfg(feature = "lab")]
         Command::Certify { verb } => lab::certify::run(verb, &args.output()),
         #[cfg(feature = "lab")]
+        Command::Validate(options) => lab::validate::run(options, &args.output()),
+        #[cfg(feature = "lab")]
         Command::Calibrate(options) => lab::calibrate::run(options),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Serve(options) => serve::run(options, &args.output()),

@@ -470,16 +470,20 @@ fn faces(
         let outward = if of == 0 { 1.0 } else { -1.0 };
         let striker = 1 - of;
         let length = footprints[striker].extent(forwards[striker]);
-        let all: f64 = struck.iter().map(|edge| edge.length).sum();
-        for edge in struck {
+        let of_face = |edge: &overlap::Struck| {
             let ([px, py], [qx, qy]) = (edge.ends[0], edge.ends[1]);
             let size = ((qx - px) * (qx - px) + (qy - py) * (qy - py)).sqrt();
             let normal = [(qy - py) / size * outward, -(qx - px) / size * outward];
-            let is_parallel = normal[0] * n[0] + normal[1] * n[1] >= PARALLEL;
-            // Most of what is struck of this body is the face.
-            if !is_parallel || edge.length < 0.5 * all {
-                continue;
-            }
+            (normal[0] * n[0] + normal[1] * n[1] >= PARALLEL).then_some(size)
+        };
+        let all: f64 = struck.iter().map(|edge| edge.length).sum();
+        let parallel = struck.iter().filter(|edge| of_face(edge).is_some());
+        // Most of what is struck of this body is the face.
+        if parallel.map(|edge| edge.length).sum::<f64>() < 0.5 * all {
+            continue;
+        }
+        for edge in struck {
+            let Some(size) = of_face(edge) else { continue };
             is_flat |= size >= REACH_SHARE * length;
             if size < LONG_SHARE * length {
                 continue;

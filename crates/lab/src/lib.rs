@@ -6,6 +6,7 @@
 //! | [`latency`] | how long a service takes, compared with the same work in this process |
 //! | [`certify`] | whether bounds, deadlines and budgets hold, on random requests |
 //! | [`inject`] | how answers change when faults are injected into real processes |
+//! | [`validate`] | how figures compare with crash tests, and with what any sane model satisfies |
 //! | [`simulate`] | whether the dispatcher survives simulated faults, in virtual time |
 //!
 //! Each takes plain options and returns a report, as a document and as text. Bodies are loaded and
@@ -20,6 +21,7 @@ pub mod measure;
 mod pair;
 mod progress;
 pub mod simulate;
+pub mod validate;
 
 pub use pair::PairName;
 pub use progress::SyncProgress;

@@ -10,7 +10,7 @@
 mod bench;
 mod calibrate;
 mod claims;
-mod figure;
+pub(crate) mod figure;
 mod page;
 mod ranking;
 mod row;

@@ -11,7 +11,7 @@ fn refused(from: &str, to: &str) -> DataFileError {
 #[test]
 fn the_shipped_file_gives_every_value_a_source() {
     let shipped = Parameters::shipped().expect("sound");
-    assert_eq!((shipped.restitution.nominal, shipped.friction.nominal), (0.1, 0.7));
+    assert_eq!((shipped.restitution.nominal, shipped.friction.nominal), (0.1, 0.6));
     assert_eq!(shipped.sources.len(), 10);
 }
 

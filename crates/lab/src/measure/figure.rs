@@ -37,6 +37,42 @@ pub(crate) struct Drawn {
     pub(crate) png: Vec<u8>,
 }
 
+/// A picture (PNG) of groups of points, and of straight lines between two points.
+pub(crate) fn scatter(
+    title: &str,
+    [x, y]: [&str; 2],
+    groups: &[(String, Vec<(f64, f64)>)],
+    lines: &[(&str, [(f64, f64); 2])],
+) -> Result<Vec<u8>, Failure> {
+    const COLOURS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
+    let mut plots: Vec<Plot> = Vec::new();
+    for (number, (name, points)) in groups.iter().enumerate() {
+        let dots = ScatterPlot::new()
+            .with_data(points.clone())
+            .with_color(COLOURS[number % COLOURS.len()])
+            .with_size(5.0)
+            .with_legend(name.clone());
+        plots.push(dots.into());
+    }
+    for (number, (name, ends)) in lines.iter().enumerate() {
+        let dash = if number == 0 { LineStyle::Solid } else { LineStyle::Dashed };
+        let line = LinePlot::new().with_data(ends.to_vec()).with_color("#888888");
+        plots.push(line.with_line_style(dash).with_legend(name.to_string()).into());
+    }
+    let layout = Layout::auto_from_plots(&plots)
+        .with_title(title)
+        .with_x_label(x)
+        .with_y_label(y)
+        .with_width(760.0)
+        .with_height(480.0)
+        .with_y_axis_min(0.0)
+        .with_legend_position(LegendPosition::OutsideRightTop);
+    PngBackend::new()
+        .with_scale(SCALE)
+        .render_scene(&render_multiple(plots, layout))
+        .map_err(|error| Failure::internal(format!("cannot draw a figure: {error}")))
+}
+
 /// The same colour and dash for the same scheme everywhere (Okabe and Ito's palette).
 fn style(scheme: Option<Scheme>) -> (&'static str, LineStyle) {
     match scheme {
