@@ -170,6 +170,12 @@ pub fn is_fixed(kind: BodyKind) -> bool {
     matches!(kind, BodyKind::Wall | BodyKind::Pole | BodyKind::Building)
 }
 
+/// Whether who is with a body of this kind is outside of a vehicle, without a shell around.
+#[must_use]
+pub fn is_vulnerable(kind: BodyKind) -> bool {
+    matches!(kind, BodyKind::Pedestrian | BodyKind::Cyclist | BodyKind::Motorcycle)
+}
+
 /// Whether bodies of this kind are concave in plan.
 #[must_use]
 pub fn is_concave(kind: BodyKind) -> bool {

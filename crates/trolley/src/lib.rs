@@ -369,6 +369,21 @@ pub use coordinator::Until;
 /// ```
 pub use damage::AnswerState;
 
+/// A remark on the ranking of an [`Answer`]: one of them may be that nobody wins.
+///
+/// ```
+/// # use trolley::{Engine, Limits, Note, Scenario};
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &Limits::default())?.answer;
+/// for note in &answer.notes {
+///     println!("Note: {}", note.sentence());
+/// }
+/// assert_eq!(answer.refusal().map(Note::sentence), None);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Note;
+
 pub use deployment::OpenDeployment;
 
 /// Errors of the crates below this one implement it, so `?` turns them into a [`Failure`].

@@ -96,6 +96,8 @@ impl<'r> Rounds<'r> {
         }
         self.effort.search_ns += clock::now_ns() - begun_ns;
         let (policy, curves) = self.request.rules.clone();
+        // Its candidates are fewer, so their numbers are others.
+        let policy = policy.among(contacts.iter().map(|contact| contact.name.as_str()));
         let (persons, parameters) = (self.people.list.clone(), self.parameters);
         let contacts = Request { candidates: contacts, persons, policy, curves, parameters };
         Ok(Round { meetings, contacts })
