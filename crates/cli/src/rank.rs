@@ -88,6 +88,10 @@ fn answer(
         Some(Assume::UnknownFixed) => scenario.assuming_unknown_is_fixed(),
         None => scenario,
     };
+    let expiry = trolley::policy::expiry(&scenario.rules().0, trolley::policy::today());
+    if let Some(expiry) = expiry.filter(|_| !output.quiet) {
+        print::err(&format!("warning: {expiry}"));
+    }
     let records = Records::prepare(asked, options)?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");

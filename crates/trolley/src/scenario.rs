@@ -337,6 +337,50 @@ impl Scenario {
         (self.policy.clone(), self.curves.clone())
     }
 
+    /// Replaces the policy, whichever the scenario names.
+    ///
+    /// ```
+    /// use trolley::{Scenario, SourceText};
+    ///
+    /// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// let name = "../../config/policies/weighted.toml".to_owned();
+    /// let text = trolley::read_text(name.as_ref())?;
+    /// let scenario = scenario.with_policy(SourceText { name, text })?;
+    /// assert_eq!(scenario.rules().0.name, "weighted");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If it is not valid, or the curves do not cover its outcome.
+    pub fn with_policy(self, policy: SourceText) -> Result<Self, Failure> {
+        let texts = Texts { policy, ..self.texts };
+        let (policy, curves) = rules(&texts.policy, &texts.curves)?;
+        Ok(Self { texts, policy, curves, ..self })
+    }
+
+    /// Replaces the curves, whichever the scenario names.
+    ///
+    /// ```
+    /// use trolley::{Scenario, SourceText};
+    ///
+    /// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// let name = "../../config/curves/levels.toml".to_owned();
+    /// let text = trolley::read_text(name.as_ref())?;
+    /// let scenario = scenario.with_curves(SourceText { name, text })?;
+    /// assert_eq!(scenario.rules().1.name, "levels");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If they are not valid, or do not cover the outcome of the policy.
+    pub fn with_curves(self, curves: SourceText) -> Result<Self, Failure> {
+        let texts = Texts { curves, ..self.texts };
+        let (policy, curves) = rules(&texts.policy, &texts.curves)?;
+        Ok(Self { texts, policy, curves, ..self })
+    }
+
     /// Returns the path of a file that the scenario names.
     ///
     /// ```
