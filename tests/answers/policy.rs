@@ -1,5 +1,5 @@
-//! `trolley policy check`: the shipped files are sound; each kind of fault is reported with place
-//! and remedy.
+//! `trolley policy`: the shipped files are sound; each kind of fault is reported with place and
+//! remedy; what a policy binds itself to holds; and a map shows who wins.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, text, trolley};
@@ -142,7 +142,7 @@ fn an_outcome_that_changed_is_refused_with_what_was_found() {
             "nobody",
         ),
         // The policy itself is another one now.
-        ("accept = 0.05", "accept = 0.0", "\"wall\" to win", "nobody"),
+        ("accept = 0.1", "accept = 0.0", "\"wall\" to win", "nobody"),
     ] {
         let (code, out, error) = signed.check(from, to, today);
         assert_eq!(code, Some(65), "{to}: {out}{error}");
@@ -288,4 +288,44 @@ fn an_expired_policy_still_ranks_with_a_warning() {
     assert_eq!(error, "");
     let first = |out: &str| out.lines().nth(4).map(str::to_owned);
     assert_eq!(first(&quiet), first(&out));
+}
+
+#[test]
+fn a_map_says_who_wins_under_which_policy_and_draws_where_it_flips() {
+    let place = Place::new();
+    let picture = place.path().join("map.svg");
+    let scenario = config("scenarios/small.toml");
+    let policies = [config("policies/acceptable-or-brake.toml"), config("policies/default.toml")];
+    let map = |flags: &[&str]| {
+        let mut command = trolley();
+        command.args(["policy", "map", scenario.to_str().unwrap(), "--policies"]);
+        let output = command.args(&policies).args(flags).output().unwrap();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    let out = picture.to_str().unwrap();
+    let (code, said, error) = map(&["-o", out, "--cells", "5", "--y", "odds-inside=1..1000"]);
+    assert_eq!(code, Some(0), "{said}{error}");
+    for policy in ["acceptable-or-brake", "default"] {
+        let row = said.lines().find(|line| line.starts_with(policy)).unwrap();
+        assert!(row.contains("wall") && row.contains("pedestrian"), "{said}");
+    }
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>"), "{svg}");
+    // With a thousand times the odds no way is acceptable, and one policy lets none be chosen.
+    assert!(svg.contains("nobody: no way is acceptable") && svg.contains(">wall<"), "{svg}");
+    let (code, said, error) = map(&["--json"]);
+    assert_eq!(code, Some(0), "{error}");
+    let document: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(document["schema"], "trolley.policy-map/1");
+    assert_eq!(document["rows"][1]["winner"], "wall", "{said}");
+    for (flags, says) in [
+        (["-o", out, "--x", "weather"], "cannot be varied"),
+        (["-o", out, "--x", "speed=2..1"], "no range of speed"),
+        (["-o", out, "--cells", "1"], "2 to 101 cells"),
+        (["-o", "map.png", "--cells", "5"], "an .svg or an .html"),
+    ] {
+        let (code, _, error) = map(&flags);
+        assert_eq!(code, Some(78), "{error}");
+        assert!(error.contains(says) && error.contains("help: "), "{error}");
+    }
 }

@@ -3,11 +3,13 @@
 use crate::output::Output;
 use crate::print;
 use crate::reference_args::ReferenceArgs;
-use clap::Subcommand;
+use crate::table::{lines, plain};
+use clap::{Args, Subcommand};
 use report::text::wrap;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use trolley::policy::map::{MapAxis, MapRequest, MapRow, PolicyMap};
 use trolley::policy::{CheckOptions, CheckedFile, CheckedRegression, Day};
 use trolley::{Failure, FailureKind};
 
@@ -27,6 +29,22 @@ candidate win than it says. Without a dossier it is valid, and said to be unsign
 
 Exit codes: 0 all is sound, 65 something is refused.";
 
+const MAP_EXAMPLES: &str = "\
+Examples:
+  trolley policy map config/scenarios/demo.toml --policies config/policies
+  trolley policy map crash.toml --policies a.toml b.toml --curves c.toml d.toml -o crash.svg
+  trolley policy map crash.toml --policies a.toml -o crash.html --x speed=0.8..1.2 --y accepted
+
+What can be varied:
+  speed         the ego's speed, as a factor on it: the same ways in less time or more
+  odds          the odds of injury of everybody, as a factor on those of the curves and their ranges
+  odds-outside  those of persons on foot, on bicycles and on motorcycles
+  odds-inside   those of persons inside of vehicles
+  accepted      the accepted risk of the policy's first precaution, a share
+  tolerance     the tolerance of the policy's first comparison, a share
+
+Every cell is a ranking without a deadline. A policy without the number varied has no picture.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Check policies and sets of curves, and describe them in words.
@@ -44,6 +62,37 @@ pub(crate) enum Verb {
         #[command(flatten)]
         references: ReferenceArgs,
     },
+    /// Show which candidate of a scenario wins under which policy and which curves, and where that
+    /// flips as two numbers are varied.
+    #[command(after_help = MAP_EXAMPLES)]
+    Map(Box<MapArgs>),
+}
+
+/// The arguments of `policy map`.
+#[derive(Debug, Args)]
+pub(crate) struct MapArgs {
+    /// Scenario, TOML.
+    scenario: PathBuf,
+    /// Policies, or folders of them [default: that of the scenario].
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    policies: Vec<PathBuf>,
+    /// Sets of curves [default: those of the scenario].
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    curves: Vec<PathBuf>,
+    /// Picture to write, by its ending: SVG, or a page with the table.
+    #[arg(short, long, value_name = "OUT.svg|OUT.html")]
+    out: Option<PathBuf>,
+    /// What the picture varies from left to right.
+    #[arg(long, value_name = "KNOB[=FROM..TO]", default_value = "speed", requires = "out")]
+    x: String,
+    /// What the picture varies from below.
+    #[arg(long, value_name = "KNOB[=FROM..TO]", default_value = "odds-outside", requires = "out")]
+    y: String,
+    /// Cells of the picture from side to side, 2 to 101; each is a ranking.
+    #[arg(long, value_name = "N", default_value_t = 21, requires = "out")]
+    cells: usize,
+    #[command(flatten)]
+    references: ReferenceArgs,
 }
 
 fn day(text: &str) -> Result<Day, String> {
@@ -51,13 +100,25 @@ fn day(text: &str) -> Result<Day, String> {
 }
 
 pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
-    let Verb::Check { files, curves, today, references } = verb;
-    let options = CheckOptions {
-        curves: curves.as_deref(),
-        today: *today,
-        references: references.references(),
-    };
-    let checked = trolley::policy::check_with(files, &options)?;
+    match verb {
+        Verb::Check { files, curves, today, references } => {
+            let options = CheckOptions {
+                curves: curves.as_deref(),
+                today: *today,
+                references: references.references(),
+            };
+            check(files, &options, output)
+        }
+        Verb::Map(asked) => draw_map(asked, output),
+    }
+}
+
+fn check(
+    files: &[PathBuf],
+    options: &CheckOptions<'_>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let checked = trolley::policy::check_with(files, options)?;
     if output.json {
         #[derive(Serialize)]
         struct Document<'a> {
@@ -99,4 +160,76 @@ fn as_stated(regression: &CheckedRegression) -> String {
     };
     let worst = expected.worst.as_ref().map(|worst| format!(" and \"{worst}\" comes last"));
     format!("{scenario}: {winner}{}, as stated: {reason}", worst.unwrap_or_default())
+}
+
+/// Draws who wins, as a table and as a picture.
+fn draw_map(asked: &MapArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let MapArgs { scenario, policies, curves, out, x, y, cells, references } = asked;
+    let is_page = match out.as_ref().map(|out| out.extension().and_then(|end| end.to_str())) {
+        None | Some(Some("svg")) => false,
+        Some(Some("html")) => true,
+        Some(_) => {
+            let failure = Failure::setting("a picture is an .svg or an .html");
+            return Err(failure.with_remedy("write -o map.svg"));
+        }
+    };
+    if let Some(out) = out {
+        trolley::files::check(out, Some(scenario))?;
+    }
+    let axes = [MapAxis::parse(x)?, MapAxis::parse(y)?];
+    let request = MapRequest {
+        policies: policies.clone(),
+        curves: curves.clone(),
+        grid: out.is_some().then_some((axes, *cells)),
+        references: references.references(),
+    };
+    let progress = output.progress("rankings");
+    let map =
+        trolley::policy::map::map(scenario, &request, &|done, total| progress.set(done, total))?;
+    drop(progress);
+    if output.json {
+        #[derive(Serialize)]
+        struct Document<'a> {
+            schema: &'static str,
+            #[serde(flatten)]
+            map: &'a PolicyMap,
+        }
+        print::out(&print::json(&Document { schema: "trolley.policy-map/1", map: &map })?)?;
+    } else {
+        print::out(&winners(&map))?;
+    }
+    if let Some(out) = out {
+        let (page, svg) = (report::policy_map::page, report::policy_map::svg);
+        let picture = if is_page { page(&map) } else { svg(&map) };
+        trolley::files::replace(out, picture.as_bytes())?;
+        output.say(&format!("written: {}", out.display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The table of a map.
+fn winners(map: &PolicyMap) -> String {
+    let mut table = plain(&["policy", "curves", "wins", "comes last", "as good, within the model"]);
+    let winner = |row: &MapRow| match (&row.winner, &row.fault) {
+        (Some(winner), _) => winner.clone(),
+        (None, Some(_)) => "not ranked".to_owned(),
+        (None, None) => "nobody".to_owned(),
+    };
+    for row in &map.rows {
+        table.add_row([
+            row.policy.clone(),
+            row.curves.clone(),
+            winner(row),
+            row.last.clone().unwrap_or_default(),
+            if row.tied.is_empty() { "–".to_owned() } else { row.tied.join(", ") },
+        ]);
+    }
+    let mut said =
+        vec![format!("{}. Who wins under which policy?", map.scenario), lines(table, &[])];
+    for row in &map.rows {
+        for note in row.notes.iter().chain(&row.fault) {
+            said.push(wrap(&format!("{}, {}: {note}", row.policy, row.curves)));
+        }
+    }
+    said.join("\n")
 }

@@ -12,6 +12,7 @@ use crate::interval::Interval;
 use serde::{Deserialize, Serialize};
 
 mod load;
+mod shift;
 #[cfg(test)]
 mod tests;
 

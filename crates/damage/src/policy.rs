@@ -58,7 +58,7 @@ pub enum Otherwise {
 /// A candidate that a policy names.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct NamedCandidate {
-    /// Its name, exactly as requests write it.
+    /// Its name, exactly as requests write it; in those of the service "0", "1" and so on.
     pub name: Arc<str>,
     /// Its number in the request: see [`Policy::among`]. `None`: it is not there.
     pub number: Option<usize>,

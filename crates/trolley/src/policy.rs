@@ -19,6 +19,7 @@ use runtime::clock;
 use serde::Serialize;
 use std::path::Path;
 
+pub mod map;
 mod regression;
 
 pub use regression::{CheckedRegression, ScenarioOutcome};

@@ -365,10 +365,10 @@ impl Scenario {
     /// use trolley::{Scenario, SourceText};
     ///
     /// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
-    /// let name = "../../config/curves/levels.toml".to_owned();
-    /// let text = trolley::read_text(name.as_ref())?;
+    /// let name = "../../config/curves/default.toml".to_owned();
+    /// let text = trolley::read_text(name.as_ref())?.replace("\"default\"", "\"own\"");
     /// let scenario = scenario.with_curves(SourceText { name, text })?;
-    /// assert_eq!(scenario.rules().1.name, "levels");
+    /// assert_eq!(scenario.rules().1.name, "own");
     /// # Ok::<(), trolley::Failure>(())
     /// ```
     ///
@@ -397,6 +397,24 @@ impl Scenario {
     #[must_use]
     pub fn path_of(&self, reference: &FileRef) -> PathBuf {
         beside(Path::new(self.file()), reference.path.as_ref())
+    }
+
+    /// This scenario with these values in place of its own, whatever its texts say: to be ranked,
+    /// not to be recorded.
+    pub(crate) fn varied(
+        &self,
+        parsed: scenario::Scenario,
+        policy: Policy,
+        curves: Curves,
+    ) -> Self {
+        let (policy, curves) = (Arc::new(policy), Arc::new(curves));
+        Self { parsed, policy, curves, ..self.clone() }
+    }
+
+    /// This scenario without a deadline: its outcome does not depend on the machine then.
+    pub(crate) fn without_deadline(mut self) -> Self {
+        self.parsed.deadline = None;
+        self
     }
 
     /// The bodies of the parties, in their order.

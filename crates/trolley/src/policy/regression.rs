@@ -155,7 +155,7 @@ impl Regressions {
             Some(curves) => scenario.with_curves(curves.clone())?,
             None => scenario,
         };
-        scenario.with_policy(policy.clone())
+        Ok(scenario.with_policy(policy.clone())?.without_deadline())
     }
 }
 
